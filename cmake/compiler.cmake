@@ -1,0 +1,32 @@
+# Two interface targets: what every object of the build is compiled with, and warnings for our own files.
+
+add_library(rollerrig_code_generation INTERFACE)
+add_library(rollerrig_warnings INTERFACE)
+
+if(CMAKE_CXX_COMPILER_ID MATCHES "GNU|Clang")
+  # No -ffast-math: NaN and infinity are how a diverging run is noticed.  The two flags below only
+  # drop errno and floating-point traps, which nothing here reads; results are unchanged.
+  target_compile_options(rollerrig_code_generation INTERFACE
+    $<$<CONFIG:Release>:-O3> -fno-math-errno -fno-trapping-math)
+  target_compile_options(rollerrig_warnings INTERFACE -Wall -Wextra -Wpedantic -Wshadow)
+
+  # Public to every target: Eigen's alignment follows the instruction set, so one object compiled
+  # with another -march than its neighbours would disagree about the layout of fixed-size arrays.
+  if(ROLLERRIG_NATIVE)
+    include(CheckCXXCompilerFlag)
+    check_cxx_compiler_flag(-march=native ROLLERRIG_HAS_MARCH_NATIVE)
+    if(ROLLERRIG_HAS_MARCH_NATIVE)
+      target_compile_options(rollerrig_code_generation INTERFACE -march=native)
+    endif()
+  endif()
+
+  if(ROLLERRIG_SANITIZE)
+    target_compile_options(rollerrig_code_generation INTERFACE
+      -fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer -g1)
+    target_link_options(rollerrig_code_generation INTERFACE -fsanitize=address,undefined)
+  endif()
+
+  if(ROLLERRIG_WERROR)
+    target_compile_options(rollerrig_warnings INTERFACE -Werror)
+  endif()
+endif()
