@@ -1,0 +1,21 @@
+"""Wheel and rail profiles as curves of continuous curvature.
+
+    published definitions, measured files -> ProfileTable -> contact geometry
+"""
+
+from .errors import ProfileError
+from .registry import CATALOGUE, SHAPES, profile_from_spec
+from .table import DEFAULT_STEP, STEEPEST_SLOPE, ProfileKind, ProfileTable, gauge_point, tabulate
+
+__all__ = [
+    "CATALOGUE",
+    "DEFAULT_STEP",
+    "SHAPES",
+    "STEEPEST_SLOPE",
+    "ProfileError",
+    "ProfileKind",
+    "ProfileTable",
+    "gauge_point",
+    "profile_from_spec",
+    "tabulate",
+]

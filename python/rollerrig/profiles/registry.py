@@ -1,0 +1,93 @@
+"""Names of profiles, and how a configuration asks for one.
+
+To add a profile: write one file with a function that returns a ProfileTable, and add one line to SHAPES.
+Its keyword arguments become the keys of the configuration; nothing else changes.
+"""
+
+from __future__ import annotations
+
+import difflib
+import inspect
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+from .cone import cone
+from .errors import ProfileError
+from .rail_head import uic60
+from .s1002 import s1002
+from .simple_heads import arc, cylinder
+from .table import ProfileKind, ProfileTable
+
+#: kind in a configuration -> (function that builds it, what it may be used for)
+SHAPES: dict[str, tuple[Callable[..., ProfileTable], tuple[ProfileKind, ...]]] = {
+    "s1002": (s1002, ("wheel",)),
+    "cone": (cone, ("wheel",)),
+    "uic60": (uic60, ("rail",)),
+    "cylinder": (cylinder, ("rail", "wheel")),
+    "arc": (arc, ("rail", "wheel")),
+}
+
+#: Names that may stand for a whole specification.
+CATALOGUE: dict[str, dict[str, Any]] = {
+    "s1002": {"kind": "s1002"},
+    "cone_1_40": {"kind": "cone", "conicity": 1 / 40},
+    "cone_1_20": {"kind": "cone", "conicity": 1 / 20},
+    "uic60_benchmark_1_40": {"kind": "uic60", "variant": "benchmark", "inclination": 1 / 40},
+    "uic60_benchmark_1_20": {"kind": "uic60", "variant": "benchmark", "inclination": 1 / 20},
+    "en_60e1_1_40": {"kind": "uic60", "variant": "en_13674", "inclination": 1 / 40},
+    "en_60e1_1_20": {"kind": "uic60", "variant": "en_13674", "inclination": 1 / 20},
+    "cylinder": {"kind": "cylinder"},
+}
+
+
+def profile_from_spec(
+    spec: str | Mapping[str, Any], kind: ProfileKind, base_dir: Path | str | None = None
+) -> ProfileTable:
+    """Build the profile that a configuration asks for.
+
+    Args:
+        spec: a name of CATALOGUE, or a mapping with the key `kind` (a name of SHAPES) and the arguments of that
+            shape, SI units.
+        kind: what the profile is for, "wheel" or "rail".
+        base_dir: folder that relative paths start from; the current one by default.
+
+    Returns:
+        The table.
+
+    Raises:
+        ProfileError: for unknown names and keys, wrong types and shapes that cannot be used.
+    """
+    if isinstance(spec, str):
+        if spec not in CATALOGUE:
+            raise ProfileError(f"profile: {_unknown(spec, CATALOGUE)}")
+        spec = CATALOGUE[spec]
+    arguments = dict(spec)
+    shape = arguments.pop("kind", None)
+    if not isinstance(shape, str) or shape not in SHAPES:
+        raise ProfileError(f"profile: kind: {_unknown(shape, SHAPES)}")
+    build, uses = SHAPES[shape]
+    if kind not in uses:
+        raise ProfileError(f"profile: kind: {shape!r} is a {uses[0]} profile and cannot be used as a {kind}")
+
+    allowed = inspect.signature(build).parameters
+    reserved = {"kind", "base_dir"} & allowed.keys()
+    for key, value in arguments.items():
+        if key not in allowed or key in reserved:
+            raise ProfileError(f"profile: {shape}: key {_unknown(key, allowed.keys() - reserved)}")
+        if allowed[key].annotation == "float" and (isinstance(value, bool) or not isinstance(value, int | float)):
+            raise ProfileError(f"profile: {shape}: {key}: {value!r} is not a number (SI units)")
+    for key, parameter in allowed.items():
+        if parameter.default is parameter.empty and key not in arguments and key not in reserved:
+            raise ProfileError(f"profile: {shape}: key {key!r} is missing")
+    if "kind" in reserved:
+        arguments["kind"] = kind
+    if "base_dir" in reserved:
+        arguments["base_dir"] = base_dir
+    return build(**arguments)
+
+
+def _unknown(found: object, known: Mapping[str, Any] | set[str]) -> str:
+    guess = difflib.get_close_matches(str(found), list(known), n=1)
+    hint = f"; did you mean {guess[0]!r}?" if guess else ""
+    return f"{found!r} is not one of {', '.join(sorted(known))}{hint}"
