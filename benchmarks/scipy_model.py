@@ -1,0 +1,406 @@
+"""The bogie on the roller rig as a user of NumPy and SciPy would write it: right-hand side for solve_ivp.
+
+Independent of the simulator (nothing is imported from it), so it is also a check of the simulator's physics.
+
+State x, 52 numbers (displacements from the design position, their rates, damper states):
+
+    x[0:6]    frame x, y, z [m], roll phi, pitch theta, yaw psi [rad]
+    x[6:12]   their rates
+    x[12:17]  leading wheelset x, y, z [m], phi, psi [rad]
+    x[17:23]  rates of x, y, z, phi, psi and spin theta_dot [rad/s] (+V/r when running forward)
+    x[23:34]  trailing wheelset, the same
+    x[34:36]  spin rates of the roller pairs under them [rad/s] (-V/R when running forward)
+    x[36:48]  Maxwell dampers of the primary suspension: spring side of the damper [m];
+              boxes leading left, leading right, trailing left, trailing right; x, y, z in each
+    x[48:52]  Maxwell dampers of the secondary suspension: left vertical, left lateral, right vertical, right lateral
+
+Orientation R = Rz(psi) Rx(phi) Ry(theta). Force elements: axes of body a, deflection d = R_a^T (P_b - P_a) less its design
+value, force on both bodies at P_b; a is the car body (secondary) or the frame (primary).
+Contact: Malvezzi, Meli, Pugi (2010), eqs. (1)-(24), numbers at the margin.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from bogie_data import GRAVITY, Parameters
+
+STATES = 52
+WHEELS = ("leading left", "leading right", "trailing left", "trailing right")
+SIDE = np.array([1.0, -1.0, 1.0, -1.0])  # +1 left, -1 right
+WHEELSET_OF = np.array([0, 0, 1, 1])
+SECONDARY_SIDE = np.array([1.0, -1.0])
+
+
+# ------------------------------------------------------------------------------------------- kinematics
+def rotation_zx(phi: float, psi: float) -> np.ndarray:
+    """Rz(psi) Rx(phi)."""
+    cf, sf, cp, sp = np.cos(phi), np.sin(phi), np.cos(psi), np.sin(psi)
+    return np.array([[cp, -sp * cf, sp * sf], [sp, cp * cf, -cp * sf], [0.0, sf, cf]])
+
+
+def rotation_y(theta: float) -> np.ndarray:
+    """Ry(theta)."""
+    c, s = np.cos(theta), np.sin(theta)
+    return np.array([[c, 0.0, s], [0.0, 1.0, 0.0], [-s, 0.0, c]])
+
+
+def cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """Cross product over the last axis (np.cross is several times slower on small arrays)."""
+    a1, a2, a3, b1, b2, b3 = a[..., 0], a[..., 1], a[..., 2], b[..., 0], b[..., 1], b[..., 2]
+    return np.stack([a2 * b3 - a3 * b2, a3 * b1 - a1 * b3, a1 * b2 - a2 * b1], axis=-1)
+
+
+# -------------------------------------------------------------------------------------------- contact
+def gap_and_mismatch(s, side, o, rot, p: Parameters, newton: int = 3):
+    """Reduced contact problem of one wheel abscissa per row: (7), (8) less the one equation that is left.
+
+    The common normal meets both axes. The wheel's normals at abscissa s form a cone with its apex on the wheelset's axis; the
+    normal that also meets the roller's axis gives x_r, its foot on the roller gives x_b and y_b.
+
+    Args:
+        s: wheel abscissae [m], shape (..., n).
+        side: +1 left, -1 right, broadcastable to s.
+        o: wheelset centre from the middle of the roller's axis [m], shape (..., 3) with a length-1 axis for n.
+        rot: axes of the wheelset (without spin), shape (..., 3, 3), likewise.
+
+    Returns:
+        p_n signed gap along the normal [m], negative: overlap; mismatch of slopes, falls through 0 at a minimum of the gap;
+        dictionary of the points' geometry.
+    """
+    z, dz, ddz = p.wheel(s)
+    r, dr = p.wheel_radius + z, side * dz
+    y_r = side * (p.tape_circle + s)
+    apex = o + rot[..., :, 1] * (y_r + r * dr)[..., None]
+    a_x, a_z = apex[..., 0], apex[..., 2]
+    w1 = rot[..., 0, 0] * a_z - rot[..., 2, 0] * a_x
+    w2 = rot[..., 0, 1] * a_z - rot[..., 2, 1] * a_x
+    w3 = rot[..., 0, 2] * a_z - rot[..., 2, 2] * a_x
+    alpha = np.arctan2(w3, w1) + np.arcsin(w2 * dr / np.hypot(w1, w3))
+    sa, ca = np.sin(alpha), np.cos(alpha)
+    root = np.sqrt(1 + dr * dr)
+    n_local = np.stack([sa, -dr, -ca], axis=-1) / root[..., None]  # (4)
+    p_local = np.stack([r * sa, y_r, -r * ca], axis=-1)  # (1)
+    p_r = o + (rot @ p_local[..., None])[..., 0]  # (2)
+    n_r = (rot @ n_local[..., None])[..., 0]  # (5)
+    slope = n_r[..., 1] / np.hypot(n_r[..., 0], n_r[..., 2])  # roller slope that is parallel to the wheel
+    rho = np.hypot(p_r[..., 0], p_r[..., 2])
+    y_b = p_r[..., 1]
+    for _ in range(newton):  # foot of the normal on the roller
+        h, dh, _ = p.rail(side * y_b - p.rail_origin)
+        y_b = y_b - (y_b - p_r[..., 1] - slope * (rho - p.roller_radius - h)) / (1 + slope * side * dh)
+    h, dh, ddh = p.rail(side * y_b - p.rail_origin)
+    b, db = p.roller_radius + h, side * dh
+    gap = (rho - b) * np.sqrt(1 + slope * slope)
+    mismatch = side * (db - slope)
+    return gap, mismatch, {"r": r, "dr": dr, "ddr": ddz, "b": b, "db": db, "ddb": ddh, "y_b": y_b,
+                           "direction": p_r[..., [0, 2]] / rho[..., None]}
+
+
+def contact_points(o, rot, p: Parameters):
+    """Every indented minimum of the gap of the four wheels: scan of the wheel abscissa, then polished roots.
+
+    Args:
+        o: wheelset centres from the middle of their roller's axis, shape (2, 3) [m].
+        rot: wheelset axes, shape (2, 3, 3).
+
+    Returns:
+        wheel index (0..3) of each patch, its wheel abscissa [m], gap [m] and geometry as `gap_and_mismatch`.
+    """
+    s = np.arange(p.scan_start, p.scan_end + p.scan_step / 2, p.scan_step)
+    s4, side4 = np.broadcast_to(s, (4, s.size)), SIDE[:, None]
+    o4, rot4 = o[WHEELSET_OF][:, None], rot[WHEELSET_OF][:, None]
+    with np.errstate(invalid="ignore"):
+        gap, mismatch, at = gap_and_mismatch(s4, side4, o4, rot4, p, newton=2)
+    u = side4 * at["y_b"] - p.rail_origin
+    inside = (u > p.rail.start) & (u < p.rail.end) & (gap < 3e-4)
+    bracket = inside[:, :-1] & inside[:, 1:] & (mismatch[:, :-1] >= 0) & (mismatch[:, 1:] < 0)
+    wheel, k = np.nonzero(bracket)
+    o_w, rot_w, side = o[WHEELSET_OF[wheel]], rot[WHEELSET_OF[wheel]], SIDE[wheel]
+    # regula falsi, Illinois variant, on all brackets at once
+    lo, hi = s[k], s[k + 1]
+    f_lo, f_hi = mismatch[wheel, k], mismatch[wheel, k + 1]
+    was_up = was_down = np.zeros(wheel.size, dtype=bool)
+    x = lo
+    for _ in range(50):
+        x_last, x = x, lo - f_lo * (hi - lo) / (f_hi - f_lo)
+        gap, f, at = gap_and_mismatch(x, side, o_w, rot_w, p)
+        if np.all((np.abs(x - x_last) < 1e-13) | (f == 0)):
+            break
+        up = f >= 0
+        f_hi = np.where(up, np.where(was_up, f_hi / 2, f_hi), f)
+        f_lo = np.where(up, f, np.where(was_down, f_lo / 2, f_lo))
+        lo, hi = np.where(up, x, lo), np.where(up, hi, x)
+        was_up, was_down = up, ~up
+    keep = gap < 0
+    return wheel[keep], x[keep], gap[keep], {name: v[keep] for name, v in at.items()}
+
+
+def patches(o, rot, v, omega, roller_spin, p: Parameters) -> dict[str, np.ndarray]:
+    """Contact patches and their forces.
+
+    Args:
+        o, rot: as `contact_points`.
+        v: velocities of the wheelset centres, shape (2, 3) [m/s].
+        omega: angular velocities of the wheelsets with spin, shape (2, 3) [rad/s].
+        roller_spin: of the two pairs [rad/s].
+
+    Returns:
+        One row per patch: wheel, s, gap, point (on the roller, from the middle of its axis), normal, force and moment of the
+        roller on the wheel at that point, and what they follow from.
+    """
+    wheel, s, gap, at = contact_points(o, rot, p)
+    ws = WHEELSET_OF[wheel]
+    db, b = at["db"], at["b"]
+    root_b = np.sqrt(1 + db * db)
+    n = np.stack([at["direction"][:, 0], -db, at["direction"][:, 1]], axis=-1) / root_b[:, None]  # (6)
+    point = np.stack([b * at["direction"][:, 0], at["y_b"], b * at["direction"][:, 1]], axis=-1)  # (3)
+    t = cross(n, np.array([1.0, 0.0, 0.0]))
+    t /= np.linalg.norm(t, axis=-1, keepdims=True)
+    i = cross(t, n)
+
+    v_wheel = v[ws] + cross(omega[ws], point - o[ws])
+    omega_b = np.zeros_like(v_wheel)
+    omega_b[:, 1] = roller_spin[ws]
+    v_roller = cross(omega_b, point)
+    v_rel = v_wheel - v_roller
+    v_n = np.sum(v_rel * n, axis=-1)
+    mean = 0.5 * (v_wheel + v_roller)
+    speed = np.sqrt(np.sum(mean * mean, axis=-1) + p.standstill_speed**2)
+
+    dr, root_r = at["dr"], np.sqrt(1 + at["dr"] ** 2)
+    d1 = 0.5 * (1 / (at["r"] * root_r) + 1 / (b * root_b))  # (14), (15)
+    d2_raw = 0.5 * (-at["ddr"] / root_r**3 - at["ddb"] / root_b**3)
+    d2 = np.clip(d2_raw, d1 / 200, d1 * 200)
+    log_ratio, shape, e_over_k = hertz(np.log(d1 / d2), p)
+    q = (1 - p.poisson) / p.shear_modulus
+    stiffness = 2 * np.pi / (3 * q) / np.sqrt(d1 + d2) * shape  # (13)
+    closing = 0.5 * (np.sqrt(v_n**2 + p.damping_speed**2) - p.damping_speed - v_n)
+    normal = np.maximum(stiffness * (-gap) ** 1.5 + p.normal_damping * closing, 0.0)  # (12)
+    a = np.sqrt(-gap * e_over_k / (d1 + d2))  # (17)
+    a_over_b = np.exp(log_ratio)
+    ab = a * a / a_over_b
+
+    c11, c22, c23, c33 = kalker(np.clip(log_ratio, np.log(0.1), np.log(10.0)), p)
+    g = p.shear_modulus
+    f11, f22, f23, f33 = ab * g * c11, ab * g * c22, ab**1.5 * g * c23, ab**2 * g * c33  # (22)
+    eps_x = np.sum(v_rel * i, axis=-1) / speed  # (21), divided by the rolling speed
+    eps_y = np.sum(v_rel * t, axis=-1) / speed
+    eps_sp = np.sum((omega[ws] - omega_b) * n, axis=-1) / speed
+    tx, ty, spin_moment = -f11 * eps_x, -f22 * eps_y - f23 * eps_sp, f23 * eps_y - f33 * eps_sp  # (20)
+    demand, limit = np.sqrt(tx * tx + ty * ty) + 1e-10, p.friction * normal + 1e-10
+    tau = demand / limit
+    shrink = np.where(tau <= 3, 1 - tau / 3 + tau * tau / 27, 1 / tau)  # (23)
+    tx, ty = shrink * tx, shrink * ty  # (24)
+
+    force = normal[:, None] * n + tx[:, None] * i + ty[:, None] * t
+    return {"wheel": wheel, "s": s, "gap": gap, "point": point, "normal": n, "force": force,
+            "moment": spin_moment[:, None] * n, "n": normal, "tx": tx, "ty": ty, "d1": d1, "d2": d2_raw, "a": a,
+            "b": a / a_over_b, "eps_x": eps_x, "eps_y": eps_y, "eps_sp": eps_sp, "shrink": shrink,
+            "sliding": np.sum(v_rel * i, axis=-1)}
+
+
+def hertz(lam, p: Parameters):
+    """ln(a/b), sqrt(E)/(g K^1.5) and E/K over ln(D1/D2), each of lam's shape."""
+    table = p.hertz
+    k = np.clip(((lam - table.start) / table.step).astype(int), 0, len(table.coefficients) - 1)
+    t = (lam - (table.start + k * table.step))[:, None]
+    c = table.coefficients[k].reshape(-1, 3, 4)
+    return (c[..., 0] + t * (c[..., 1] + t * (c[..., 2] + t * c[..., 3]))).T
+
+
+_kalker_cache: dict[float, tuple[np.ndarray, np.ndarray]] = {}
+
+
+def kalker(log_ratio, p: Parameters):
+    """C11, C22, C23, C33 over ln(a/b), within the table."""
+    if p.poisson not in _kalker_cache:
+        _kalker_cache[p.poisson] = p.kalker_spline()
+    knots, c = _kalker_cache[p.poisson]
+    k = np.clip(np.searchsorted(knots, log_ratio, side="right") - 1, 0, len(c) - 1)
+    t = (log_ratio - knots[k])[:, None]
+    c = c[k]
+    return (c[..., 0] + t * (c[..., 1] + t * (c[..., 2] + t * c[..., 3]))).T
+
+
+# ----------------------------------------------------------------------------------------------- bodies
+def contact_of(x: np.ndarray, p: Parameters) -> dict[str, np.ndarray]:
+    """Patches in the state x."""
+    o, rot, v, omega = wheelset_motion(x)
+    lift = np.array([0.0, 0.0, p.roller_radius + p.wheel_radius])
+    return patches(o + lift, rot, v, omega, x[34:36], p)
+
+
+def wheelset_motion(x: np.ndarray):
+    """Displacement (2, 3), axes (2, 3, 3), velocity (2, 3) and angular velocity (2, 3) of the wheelsets."""
+    q = np.stack([x[12:23], x[23:34]])
+    rot = np.stack([rotation_zx(q[0, 3], q[0, 4]), rotation_zx(q[1, 3], q[1, 4])])
+    phi_d, psi_d, theta_d = q[:, 8], q[:, 9], q[:, 10]
+    omega = phi_d[:, None] * rot[:, :, 0] + theta_d[:, None] * rot[:, :, 1]
+    omega[:, 2] += psi_d  # phi about Rz e_x, which is the first column; psi about e_z
+    return q[:, :3], rot, q[:, 5:8], omega
+
+
+def rhs(t: float, x: np.ndarray, p: Parameters) -> np.ndarray:
+    """x_dot of the whole model; see the module's text for the state."""
+    x_dot = np.empty(STATES)
+    x_dot[0:6], x_dot[12:17], x_dot[23:28] = x[6:12], x[17:22], x[28:33]
+
+    # frame
+    o_f, v_f = x[0:3] + [0.0, 0.0, p.frame_height], x[6:9]
+    phi, theta = x[3], x[4]
+    rot_f0, rot_y = rotation_zx(x[3], x[5]), rotation_y(theta)
+    rot_f = rot_f0 @ rot_y
+    rates = x[9:12]
+    cf, sf, ct, st = np.cos(phi), np.sin(phi), np.cos(theta), np.sin(theta)
+    jac = np.array([[ct, 0.0, -st * cf], [0.0, 1.0, sf], [st, 0.0, ct * cf]])  # body rates from roll, pitch, yaw rates
+    omega_body = jac @ rates
+    omega_f = rot_f @ omega_body
+    force_f = np.array([0.0, 0.0, -p.frame_mass * GRAVITY])
+    moment_f = np.zeros(3)
+
+    # secondary suspension: car body (held) to frame; element axes are the rig's
+    def end_on_frame(local):
+        arm = local @ rot_f.T
+        return arm, arm - local + x[0:3], v_f + cross(omega_f, arm)
+
+    up = p.frame_height
+    springs = np.array([[0.0, y * p.secondary_y, p.secondary_bottom - up] for y in SECONDARY_SIDE])
+    arm, d, _ = end_on_frame(springs)
+    force = -d * p.secondary_stiffness
+    force[:, 2] -= p.secondary_preload
+    force_f += force.sum(axis=0)
+    moment_f += cross(arm, force).sum(axis=0)
+
+    ends = np.array([[0.0, y * yy, zz - up] for y in SECONDARY_SIDE
+                     for yy, zz in ((p.vertical_damper_y, p.vertical_damper_ends[1]),
+                                    (p.lateral_damper_y, p.lateral_damper_z))])
+    arm, d, _ = end_on_frame(ends)
+    axis = np.array([2, 1, 2, 1])
+    damping = np.array([p.vertical_damper[0], p.lateral_damper[0]] * 2)
+    series = np.array([p.vertical_damper[1], p.lateral_damper[1]] * 2)
+    pull = series * (d[np.arange(4), axis] - x[48:52])
+    x_dot[48:52] = pull / damping
+    force = np.zeros((4, 3))
+    force[np.arange(4), axis] = -pull
+    force_f += force.sum(axis=0)
+    moment_f += cross(arm, force).sum(axis=0)
+
+    arm, d, d_dot = end_on_frame(np.array([[0.0, 0.0, p.rod_z - up], [0.0, 0.0, p.bumpstop_z - up]]))
+    y_stop, knots, table = d[1, 1], p.bumpstop[0], p.bumpstop[1]
+    last = (table[-1] - table[-2]) / (knots[-1] - knots[-2])
+    stop = np.interp(abs(y_stop), knots, table) + last * max(abs(y_stop) - knots[-1], 0.0)
+    force = np.zeros((2, 3))
+    force[0, 0] = -p.rod[0] * d[0, 0] - p.rod[1] * d_dot[0, 0]
+    force[1, 1] = -np.sign(y_stop) * stop
+    force_f += force.sum(axis=0)
+    moment_f += cross(arm, force).sum(axis=0)
+
+    # rotational springs act along roll, pitch, yaw of frame relative to car body: m . omega = f . rates
+    generalised = np.array([-(2 * p.secondary_bending + p.anti_roll) * x[3], -2 * p.secondary_bending * x[4], 0.0])
+    moment_f += rot_f @ np.linalg.solve(jac.T, generalised)
+
+    # primary suspension: frame to the ends of the axles
+    disp, rot_w, v_w, omega_w = wheelset_motion(x)
+    base = np.array([[p.semi_wheelbase, 0.0, p.wheel_radius], [-p.semi_wheelbase, 0.0, p.wheel_radius]])
+    o_w = base + disp
+    ends_w = rot_w[WHEELSET_OF, :, 1] * (SIDE * p.primary_y)[:, None]
+    p_box = o_w[WHEELSET_OF] + ends_w
+    local = base[WHEELSET_OF] + np.outer(SIDE, [0.0, p.primary_y, 0.0]) - [0.0, 0.0, p.frame_height]
+    local[:, 2] += p.primary_z - p.wheel_radius
+    d = (p_box - o_f) @ rot_f - local
+    pull = np.array(p.primary_series) * (d - x[36:48].reshape(4, 3))
+    x_dot[36:48] = (pull / p.primary_damping).ravel()
+    force = -(d * p.primary_stiffness + pull)
+    force[:, 2] -= p.primary_preload
+    force = force @ rot_f.T  # on the wheelset
+    force_f -= force.sum(axis=0)
+    moment_f -= cross(p_box - o_f, force).sum(axis=0)
+    force_w = np.array([[0.0, 0.0, -p.wheelset_mass * GRAVITY]] * 2)
+    moment_w = np.zeros((2, 3))
+    np.add.at(force_w, WHEELSET_OF, force)
+    np.add.at(moment_w, WHEELSET_OF, cross(ends_w, force))
+
+    # torque on the wheelsets, reacting on the frame
+    torque = p.torque_at(t) * rot_w[:, :, 1]
+    moment_w += torque
+    moment_f -= torque.sum(axis=0)
+
+    # contact
+    lift = np.array([0.0, 0.0, p.roller_radius + p.wheel_radius])
+    c = patches(disp + lift, rot_w, v_w, omega_w, x[34:36], p)
+    ws = WHEELSET_OF[c["wheel"]]
+    np.add.at(force_w, ws, c["force"])
+    np.add.at(moment_w, ws, cross(c["point"] - (disp + lift)[ws], c["force"]) + c["moment"])
+    roller = np.zeros(2)
+    np.add.at(roller, ws, -(cross(c["point"], c["force"]) + c["moment"])[:, 1])
+    x_dot[34:36] = 0.0 if p.hold_rollers else roller / p.roller_inertia
+
+    # Newton and Euler
+    x_dot[6:9] = force_f / p.frame_mass
+    phi_d, theta_d, psi_d = rates
+    jac_dot_rates = psi_d * np.array([-ct * cf * theta_d + st * sf * phi_d, cf * phi_d, -st * cf * theta_d - ct * sf * phi_d])
+    jac_dot_rates += phi_d * theta_d * np.array([-st, 0.0, ct])
+    inertia = np.array(p.frame_inertia)
+    omega_dot = (rot_f.T @ moment_f - cross(omega_body, inertia * omega_body)) / inertia
+    x_dot[9:12] = np.linalg.solve(jac, omega_dot - jac_dot_rates)
+    across, spin = p.wheelset_inertia
+    for k, at in ((0, 12), (1, 23)):
+        m = rot_w[k].T @ moment_w[k]
+        phi = x[at + 3]
+        phi_d, psi_d, theta_d = x[at + 8 : at + 11]
+        sf, cf = np.sin(phi), np.cos(phi)
+        l2 = spin * (theta_d + psi_d * sf)
+        l3 = across * psi_d * cf
+        x_dot[at + 5 : at + 8] = force_w[k] / p.wheelset_mass
+        x_dot[at + 8] = (m[0] - psi_d * sf * l3 + psi_d * cf * l2) / across
+        x_dot[at + 9] = ((m[2] - phi_d * l2 + psi_d * sf * across * phi_d) / across + psi_d * phi_d * sf) / cf
+        x_dot[at + 10] = m[1] / spin - x_dot[at + 9] * sf - psi_d * phi_d * cf
+    return x_dot
+
+
+# ------------------------------------------------------------------------------------- equilibrium, outputs
+def rolling_state(speed: float, p: Parameters) -> np.ndarray:
+    """Design position, wheels and rollers turning at `speed` [m/s]."""
+    x = np.zeros(STATES)
+    x[[22, 33]] = speed / p.wheel_radius
+    x[34:36] = -speed / p.roller_radius
+    return x
+
+
+def equilibrium(speed: float, p: Parameters, function=rhs) -> np.ndarray:
+    """Steady running without torque, rollers held at `speed` [m/s]: Newton on positions, spins and damper states."""
+    from dataclasses import replace
+
+    held = replace(p, hold_rollers=True, torque=0.0)
+    x = rolling_state(speed, p)
+    x[[2, 14, 25]] = -3e-4
+    free = np.r_[0:6, 12:17, 22, 23:28, 33, 36:52]
+    rates = np.r_[6:12, 17:22, 22, 28:33, 33, 36:52]
+    step = np.full(STATES, 1e-8)
+    step[[22, 33]] = 1e-6
+    for _ in range(60):
+        f = function(0.0, x, held)[rates]
+        jac = np.empty((free.size, free.size))
+        for column, k in enumerate(free):
+            up, down = x.copy(), x.copy()
+            up[k] += step[k]
+            down[k] -= step[k]
+            jac[:, column] = (function(0.0, up, held)[rates] - function(0.0, down, held)[rates]) / (2 * step[k])
+        dx = -np.linalg.solve(jac, f)
+        dx *= min(1.0, 2e-4 / max(np.abs(dx[:14]).max(), 1e-300))
+        x[free] += dx
+        if np.abs(dx).max() < 1e-11:
+            break
+    return x
+
+
+def wheel_outputs(x: np.ndarray, p: Parameters) -> dict[str, np.ndarray]:
+    """Absolute sliding (normal-force weighted, [m/s]), longitudinal and vertical force [N], per wheel (4,)."""
+    c = contact_of(x, p)
+    out = {name: np.zeros(4) for name in ("sliding", "fx", "fz", "n")}
+    np.add.at(out["n"], c["wheel"], c["n"])
+    np.add.at(out["sliding"], c["wheel"], c["n"] * c["sliding"])
+    np.add.at(out["fx"], c["wheel"], c["force"][:, 0])
+    np.add.at(out["fz"], c["wheel"], c["force"][:, 2])
+    out["sliding"] = out["sliding"] / np.maximum(out["n"], 1e-9)
+    return out
