@@ -45,7 +45,7 @@ concept HasJacobian = requires(S& system, double t, double const* x, JacobianDat
   { system.jacobian(t, x, j) } -> std::same_as<Status>;
 };
 
-/// Optional: called once after each accepted step, to check validity and to refresh caches.
+/// Optional: called at the start and after each accepted step, to check validity and to refresh caches.
 /// A Status that is not ok ends the integration there; the step itself is kept.
 template <class S>
 concept HasAccept = requires(S& system, double t, double const* x) {

@@ -16,7 +16,6 @@ class DormandPrince {
   static constexpr int order = 5;
   static constexpr int error_order = 5;
   static constexpr bool implicit = false;
-  static constexpr bool has_error_estimate = true;
 
   template <class System>
   explicit DormandPrince(Evaluator<System> const& f) : states_{f.sizes().states} {
@@ -69,12 +68,11 @@ class DormandPrince {
 
   /// y(t + theta h) of the last attempted step.
   void interpolate(double theta, double h, Vector const& y, Vector const& y_new, Vector& out) {
-    if (!has_polynomial_) {
+    if (!std::exchange(has_polynomial_, true)) {
       bend_ = h * k1_ - (y_new - y);
       quartic_ = h * (-12715105075.0 / 11282082432 * k1_ + 87487479700.0 / 32700410799 * k3_ -
                       10690763975.0 / 1880347072 * k4_ + 701980252875.0 / 199316789632 * k5_ -
                       1453857185.0 / 822651844 * k6_ + 69997945.0 / 29380423 * k7_);
-      has_polynomial_ = true;
     }
     double const rest = 1 - theta;
     double const w = theta * rest;

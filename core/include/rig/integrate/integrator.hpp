@@ -57,7 +57,7 @@ class Integrator {
     pending_output_ = true;
     restart();
     skip_passed_breakpoints();
-    status_ = y_.allFinite() ? Status::ok : Status::not_finite;
+    status_ = y_.allFinite() ? accept() : Status::not_finite;
     return status_;
   }
 
@@ -155,7 +155,10 @@ class Integrator {
   Status step(M& method) {
     if (auto e = method.prepare(f_, t_, y_); e != Status::ok) return e;
     Status const status = options_.step > 0 ? fixed_step(method) : adaptive_step(method);
-    if (status != Status::ok) return status;
+    return status == Status::ok ? accept() : status;
+  }
+
+  Status accept() {
     if constexpr (HasAccept<System>) return f_.system().accept(t_, y_.data());
     return Status::ok;
   }
@@ -187,7 +190,7 @@ class Integrator {
       double const wanted = std::min(h_, options_.maximum_step);
       double const rest = limit() - t_;
       // A limit within 1 % is hit; one within two steps is reached in two equal ones.
-      bool const last = rest <= 1.01 * wanted;
+      bool const last = rest <= std::min(1.01 * wanted, options_.maximum_step);
       double const h = last ? rest : std::min(wanted, 0.5 * rest);
       double const end = last ? limit() : t_ + h;
 

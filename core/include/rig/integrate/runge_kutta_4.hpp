@@ -15,7 +15,6 @@ class RungeKutta4 {
   static constexpr int order = 4;
   static constexpr int error_order = 4;  // no estimate: fixed steps only
   static constexpr bool implicit = false;
-  static constexpr bool has_error_estimate = false;
 
   template <class System>
   explicit RungeKutta4(Evaluator<System> const& f) {
@@ -37,6 +36,7 @@ class RungeKutta4 {
   }
 
   Vector const& slope() const { return k1_; }
+  /// Zero: the method has no estimate, and the constructor of Integrator asks for a fixed step.
   Vector const& error() const { return error_; }
 
   template <class System>
