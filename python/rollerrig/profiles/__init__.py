@@ -1,6 +1,6 @@
 """Wheel and rail profiles as curves of continuous curvature.
 
-    published definitions, measured files -> ProfileTable -> contact geometry
+published definitions, measured files -> ProfileTable -> contact geometry
 """
 
 from .errors import ProfileError

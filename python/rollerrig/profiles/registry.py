@@ -8,12 +8,14 @@ from __future__ import annotations
 
 import difflib
 import inspect
+import math
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
 from .cone import cone
 from .errors import ProfileError
+from .measured import profile_from_file
 from .rail_head import uic60
 from .s1002 import s1002
 from .simple_heads import arc, cylinder
@@ -26,6 +28,7 @@ SHAPES: dict[str, tuple[Callable[..., ProfileTable], tuple[ProfileKind, ...]]] =
     "uic60": (uic60, ("rail",)),
     "cylinder": (cylinder, ("rail", "wheel")),
     "arc": (arc, ("rail", "wheel")),
+    "file": (profile_from_file, ("wheel", "rail")),
 }
 
 #: Names that may stand for a whole specification.
@@ -75,8 +78,7 @@ def profile_from_spec(
     for key, value in arguments.items():
         if key not in allowed or key in reserved:
             raise ProfileError(f"profile: {shape}: key {_unknown(key, allowed.keys() - reserved)}")
-        if allowed[key].annotation == "float" and (isinstance(value, bool) or not isinstance(value, int | float)):
-            raise ProfileError(f"profile: {shape}: {key}: {value!r} is not a number (SI units)")
+        _check_type(f"profile: {shape}: {key}", value, allowed[key].annotation)
     for key, parameter in allowed.items():
         if parameter.default is parameter.empty and key not in arguments and key not in reserved:
             raise ProfileError(f"profile: {shape}: key {key!r} is missing")
@@ -85,6 +87,17 @@ def profile_from_spec(
     if "base_dir" in reserved:
         arguments["base_dir"] = base_dir
     return build(**arguments)
+
+
+def _check_type(where: str, value: object, annotation: str) -> None:
+    """Refuse a value that its argument cannot take; literal strings are left to the function that knows them."""
+    number = isinstance(value, int | float) and not isinstance(value, bool)
+    if annotation == "float" and not (number and math.isfinite(float(str(value)))):
+        raise ProfileError(f"{where}: {value!r} is not a finite number (SI units)")
+    if annotation == "bool" and not isinstance(value, bool):
+        raise ProfileError(f"{where}: {value!r} is not true or false")
+    if annotation not in ("float", "bool") and not (isinstance(value, str) or (number and "float" in annotation)):
+        raise ProfileError(f"{where}: {value!r} is not a text{' or a number' if 'float' in annotation else ''}")
 
 
 def _unknown(found: object, known: Mapping[str, Any] | set[str]) -> str:

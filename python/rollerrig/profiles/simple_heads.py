@@ -52,6 +52,4 @@ def _with_flanks(table: ProfileTable) -> ProfileTable:
         return table
     low, high = table.domain
     outline = np.vstack([[low, -SIDE_DEPTH], table.outline, [high, -SIDE_DEPTH]])
-    return ProfileTable(
-        table.name, table.kind, table.start, table.step, table.coefficients, table.source, outline
-    )
+    return ProfileTable(table.name, table.kind, table.start, table.step, table.coefficients, table.source, outline)

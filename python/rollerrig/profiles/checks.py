@@ -1,0 +1,98 @@
+"""What makes a row of measured points unusable as a profile: folds, gaps, kinks.
+
+All functions take points in our axes, ordered along the profile, in metres, and raise ProfileError.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from .errors import ProfileError
+from .table import FloatArray
+
+FOLD = 0.3e-3  # [m] a return of the abscissa beyond measuring noise
+LARGEST_GAP = 5e-3  # [m] between neighbours; a 13 mm corner would turn by 22 degrees unseen
+LARGEST_KINK = 0.12  # [rad], 7 degrees; arcs meeting an arc give up to 0.06 in the estimate below
+KINK_WINDOW = 2.5e-3  # [m] on each side, over which the direction is extrapolated
+
+
+def check_fold(file: Path, points: FloatArray, reference: int) -> None:
+    """Refuse an abscissa that turns back on its way outward and then goes on.
+
+    The back of a flange or the underside of a rail head turn back and stay there: those are merely not used.
+
+    Args:
+        file: for the message.
+        points: (n, 2) [m].
+        reference: index to look outward from.
+    """
+    for towards in (slice(reference, None), slice(reference, None, -1)):
+        path = points[towards]
+        outward = np.abs(path[:, 0] - path[0, 0]) * np.sign((path[:, 0] - path[0, 0]) * (path[-1, 0] - path[0, 0]))
+        reached = np.maximum.accumulate(outward)
+        returned = reached - outward > FOLD
+        goes_on = np.maximum.accumulate(outward[::-1])[::-1] > reached + FOLD
+        if np.any(returned & goes_on):
+            y, z = path[int(np.argmax(returned & goes_on))] * 1e3
+            raise ProfileError(
+                f"{file}: the profile folds back near ({y:.4g}, {z:.4g}) mm: its abscissa must grow along the "
+                "running surface; are the points in order along the profile?"
+            )
+
+
+def check_gaps(file: Path, points: FloatArray, low: float, high: float) -> None:
+    """Refuse neighbours too far apart to know the shape between them, for abscissae in [low, high]."""
+    middle = (points[1:, 0] + points[:-1, 0]) / 2
+    distance = np.hypot(*np.diff(points, axis=0).T) * ((middle > low) & (middle < high))
+    i = int(np.argmax(distance))
+    if distance[i] > LARGEST_GAP:
+        raise ProfileError(
+            f"{file}: a gap of {distance[i] * 1e3:.3g} mm after abscissa {points[i, 0] * 1e3:.4g} mm; allowed "
+            f"{LARGEST_GAP * 1e3:g} mm; points every 0.1 to 0.5 mm are usual"
+        )
+
+
+def direction_jumps(points: FloatArray) -> FloatArray:
+    """Jump of direction at every point [rad], positive where the profile turns upward; 0 near the two ends.
+
+    From each side the direction at a point is extrapolated linearly along the arc length: exact on lines and arcs,
+    so that a corner of any radius is no kink. At least three chords, and KINK_WINDOW, are taken per side.
+    """
+    chord = np.diff(points, axis=0)
+    length = np.hypot(*chord.T)
+    direction = np.unwrap(np.arctan2(chord[:, 1], chord[:, 0]))
+    s = np.concatenate(([0.0], np.cumsum(length)))
+    middle = (s[1:] + s[:-1]) / 2
+    first = np.searchsorted(s, s - KINK_WINDOW)
+    last = np.searchsorted(s, s + KINK_WINDOW, side="right") - 1
+    jump = np.zeros(len(points))
+    for i in range(3, len(points) - 3):
+        left = slice(min(first[i], i - 3), i)
+        right = slice(i, max(last[i], i + 3))
+        after = _extrapolated(middle[right] - s[i], direction[right], length[right])
+        before = _extrapolated(middle[left] - s[i], direction[left], length[left])
+        jump[i] = after - before
+    return jump
+
+
+def check_kinks(file: Path, points: FloatArray, low: float, high: float) -> None:
+    """Refuse a jump of direction, for abscissae in [low, high]."""
+    jump = np.abs(direction_jumps(points)) * ((points[:, 0] > low) & (points[:, 0] < high))
+    worst = int(np.argmax(jump))
+    if jump[worst] > LARGEST_KINK:
+        y, z = points[worst] * 1e3
+        raise ProfileError(
+            f"{file}: not smooth: the direction jumps by {np.degrees(jump[worst]):.3g} degrees near "
+            f"({y:.4g}, {z:.4g}) mm; allowed {np.degrees(LARGEST_KINK):.2g}; a contact force needs a continuous "
+            "curvature: round the edge off, or remove stray points"
+        )
+
+
+def _extrapolated(x: FloatArray, value: FloatArray, weight: FloatArray) -> float:
+    """Value at x = 0 of the weighted straight line through (x, value)."""
+    total = weight.sum()
+    mean_x, mean = weight @ x / total, weight @ value / total
+    spread = weight @ (x - mean_x) ** 2
+    return float(mean - mean_x * (weight @ ((x - mean_x) * (value - mean))) / spread)

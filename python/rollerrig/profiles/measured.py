@@ -1,0 +1,295 @@
+"""Profiles from measured points: orientation, checks, smoothing, table.
+
+    RawProfile -> our axes -> checks (folds, gaps, kinks) -> smooth curve -> usable branch -> ProfileTable
+
+Signs   as in table.py: abscissa outward; value is the height of a rail, or the radius increase of a wheel.
+Source  smoothing: Reinsch (1967), cut-off wavelength as for surface filters; the rest is ours.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+from scipy.interpolate import BSpline, make_smoothing_spline
+from scipy.optimize import brentq
+
+from .checks import LARGEST_KINK, check_fold, check_gaps, check_kinks, direction_jumps
+from .errors import ProfileError
+from .point_file import FEWEST_POINTS, FileFormat, LengthUnit, RawProfile, read_point_file
+from .table import DEFAULT_STEP, STEEPEST_SLOPE, FloatArray, ProfileKind, ProfileTable, tabulate
+
+Side = Literal["auto", "negative", "positive"]
+Direction = Literal["auto", "up", "down"]
+
+#: Noise that the smoothed curvature may keep [1/m]: a tenth of that of the flattest arc of a rail head, R300.
+CURVATURE_NOISE = 0.3
+LONGEST_CUT_OFF = 10e-3  # [m] a longer one would round off the 13 mm corners
+RAIL_DEPTH = 25e-3  # [m] below the top: what lies deeper (underside of the head, web, foot) is left out
+FLANGE_HEIGHT = 15e-3  # [m] a flange stands at least this far above the tape circle; new ones 26 to 30 mm
+RUN_OUT = 40e-3  # [m] beyond this abscissa an edge of a wheel is its outer chamfer, where the profile ends
+SAMPLE = 0.02e-3  # [m] spacing of the samples on which the smooth curve is cut and inverted
+
+
+def profile_from_file(
+    path: str,
+    format: FileFormat = "auto",  # noqa: A002 - the key users write in the configuration
+    units: LengthUnit = "auto",
+    inner_side: Side = "auto",
+    z_positive: Direction = "auto",
+    tape_circle: float = 0.0,
+    inclination: float = 0.0,
+    smoothing: float | Literal["auto"] = "auto",
+    require_flange: bool = True,
+    step: float = DEFAULT_STEP,
+    *,
+    kind: ProfileKind,
+    base_dir: Path | str | None = None,
+) -> ProfileTable:
+    """Build a profile from measured points.
+
+    Args:
+        path: the file, relative to `base_dir`.
+        format: "two_column", "simpack", or "auto".
+        units: of a two-column file: "mm", "m", or "auto".
+        inner_side: sign of the file's abscissa on the flange or gauge side; "auto" looks for the flange, and for a
+            rail takes it to be negative.
+        z_positive: whether the file's ordinate grows "up" or "down" (as mounted: a wheel's radius grows downward);
+            "auto" looks at the flange, or at the flanks of the rail.
+        tape_circle: abscissa of the tape circle in the file's axes [m]; 0.07 with the sign of the file where it
+            counts from the flange back. Wheels only.
+        inclination: further lean of the rail towards the track centre [-]; 0 where the file is already inclined.
+        smoothing: cut-off wavelength [m] of the smoothing, or "auto": the shortest that leaves a curvature noise of
+            CURVATURE_NOISE.
+        require_flange: refuse a wheel without a flange.
+        step: knot spacing of the table [m].
+        kind: what the profile is for.
+        base_dir: folder that a relative path starts from.
+
+    Returns:
+        The table: of a wheel with value 0 at the tape circle, of a rail with its highest point at the origin.
+    """
+    file = Path(base_dir or ".") / path
+    _one_of(file, "format", format, ("auto", "two_column", "simpack"))
+    _one_of(file, "units", units, ("auto", "mm", "m"))
+    _one_of(file, "inner_side", inner_side, ("auto", "negative", "positive"))
+    _one_of(file, "z_positive", z_positive, ("auto", "up", "down"))
+    if not 0 < step <= 1e-3:
+        raise ProfileError(f"{file}: step: {step} m; allowed above 0 and up to 0.001 m")
+    if not abs(inclination) <= 0.2:
+        raise ProfileError(f"{file}: inclination: {inclination}; allowed -0.2 to 0.2; 1:40 is written 0.025")
+    if smoothing != "auto" and (isinstance(smoothing, str | bool) or not 0 < smoothing <= 0.05):
+        raise ProfileError(f"{file}: smoothing: {smoothing!r}; allowed 'auto', or a length above 0 and up to 0.05 m")
+    raw = read_point_file(file, format, units)
+    if raw.declared not in (None, kind):
+        raise ProfileError(f"{file}: the file says it is a {raw.declared}; it is used as a {kind}")
+
+    points, weights = _oriented(raw, kind, inner_side, z_positive, tape_circle)
+    if kind == "wheel":
+        _check_wheel(file, points, require_flange)
+    else:
+        lean = math.atan(inclination)
+        turn = np.array([[math.cos(lean), -math.sin(lean)], [math.sin(lean), math.cos(lean)]])  # R, leaning inward
+        points = points @ turn.T
+    points, weights = _relevant(*_thinned(points, weights), kind)
+    if len(points) < FEWEST_POINTS:
+        raise ProfileError(f"{file}: {len(points)} usable points; a profile has at least {FEWEST_POINTS}")
+    reference = _reference(points, kind)
+    check_fold(file, points, reference)
+    curve = _smooth(points, weights, smoothing)
+    samples = curve.samples()
+    branch = _usable_branch(samples, kind)
+    low, high = samples.y[branch.start], samples.y[branch.stop - 1]
+    check_gaps(file, points, low, high)
+    check_kinks(file, points, low, high)
+    origin = curve.origin(samples, branch, kind)
+    if not (low < origin[0] - 10e-3 and high > origin[0] + 10e-3):
+        where = "tape circle" if kind == "wheel" else "highest point"
+        raise ProfileError(
+            f"{file}: usable from {low * 1e3:.4g} to {high * 1e3:.4g} mm only (slope at most {STEEPEST_SLOPE:g}); "
+            f"needed: 10 mm on each side of the {where}; are the points in order along the profile?"
+        )
+    used_cut_off = f"smoothed at {curve.cut_off * 1e3:.2g} mm"
+    return tabulate(
+        lambda y: curve.height(y + origin[0], samples, branch) - origin[1],
+        float(low - origin[0]),
+        float(high - origin[0]),
+        name=file.stem,
+        kind=kind,
+        source=", ".join(part for part in (file.name, raw.comment, used_cut_off) if part),
+        step=step,
+        outline=np.column_stack([samples.y, samples.z])[::5] - origin,
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class Samples:
+    """A curve sampled along its length: arc length s, abscissa, value [m] and their derivatives over s [-]."""
+
+    s: FloatArray
+    y: FloatArray
+    z: FloatArray
+    dy: FloatArray
+    dz: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class SmoothCurve:
+    """Twice continuously differentiable curve y(s), z(s) through noisy points [m]."""
+
+    y: BSpline
+    z: BSpline
+    length: float  # [m]
+    cut_off: float  # wavelength [m] whose amplitude the smoothing halves
+
+    def samples(self) -> Samples:
+        """The curve at steps of about SAMPLE."""
+        s = np.linspace(0.0, self.length, max(2, math.ceil(self.length / SAMPLE)) + 1)
+        return Samples(s, self.y(s), self.z(s), self.y(s, 1), self.z(s, 1))
+
+    def height(self, y: FloatArray, samples: Samples, branch: slice) -> FloatArray:
+        """Value [m] at abscissae [m] on a branch where y(s) increases."""
+        s = np.interp(y, samples.y[branch], samples.s[branch])
+        for _ in range(4):  # Newton; the start is good to 1e-9 m
+            s = s - (self.y(s) - y) / self.y(s, 1)
+        return np.asarray(self.z(s))
+
+    def origin(self, samples: Samples, branch: slice, kind: ProfileKind) -> FloatArray:
+        """The point that becomes (0, 0) [m]: on the tape circle of a wheel, on top of a rail."""
+        if kind == "wheel":
+            return np.array([0.0, self.height(np.zeros(1), samples, branch)[0]])
+        top = branch.start + int(np.argmax(samples.z[branch]))
+        before, after = max(top - 1, 0), min(top + 1, len(samples.s) - 1)
+        s = samples.s[top]
+        if samples.dz[before] > 0 > samples.dz[after]:
+            s = brentq(lambda s: float(self.z(s, 1)), samples.s[before], samples.s[after])
+        return np.array([float(self.y(s)), float(self.z(s))])
+
+
+def _one_of(file: Path, key: str, value: object, allowed: tuple[str, ...]) -> None:
+    if value not in allowed:
+        raise ProfileError(f"{file}: {key}: {value!r} is not one of {', '.join(allowed)}")
+
+
+def _oriented(
+    raw: RawProfile, kind: ProfileKind, inner_side: Side, z_positive: Direction, tape_circle: float
+) -> tuple[FloatArray, FloatArray]:
+    """Points and weights with the abscissa outward, the value as our tables want it, and in the order of the abscissa."""
+    y, z = raw.points[:, 0].copy(), raw.points[:, 1].copy()
+    if kind == "wheel":
+        y -= tape_circle
+    farthest = int(np.argmax(np.abs(z - np.median(z))))  # tip of a wheel's flange; foot of a rail's flank
+    if inner_side == "auto":
+        positive = kind == "wheel" and y[farthest] > 0
+        inner_side = "positive" if positive else "negative"
+    if z_positive == "auto":
+        # Both the flange tip of a wheel and the flank of a rail lie below the running surface.
+        z_positive = "down" if z[farthest] > np.median(z) else "up"
+    if inner_side == "positive":
+        y = -y
+    if (kind == "wheel") == (z_positive == "up"):
+        z = -z
+    points = np.column_stack([y, z])
+    order = slice(None, None, -1 if y[-1] < y[0] else 1)
+    return points[order], raw.weights[order]
+
+
+def _check_wheel(file: Path, points: FloatArray, require_flange: bool) -> None:
+    y, z = points.T
+    if not y.min() < 0 < y.max():
+        raise ProfileError(
+            f"{file}: the tape circle (abscissa 0) is not in the profile, which spans {y.min() * 1e3:.4g} to "
+            f"{y.max() * 1e3:.4g} mm; set tape_circle to its abscissa in the file"
+        )
+    height = float(np.max(z[y < 0]) - z[np.argmin(np.abs(y))])
+    if require_flange and height < FLANGE_HEIGHT:
+        raise ProfileError(
+            f"{file}: no flange: the radius rises {height * 1e3:.4g} mm towards the inner side; at least "
+            f"{FLANGE_HEIGHT * 1e3:g} mm expected; check inner_side and z_positive, or set require_flange = false"
+        )
+
+
+def _reference(points: FloatArray, kind: ProfileKind) -> int:
+    """Index of the point that the usable branch grows from: tape circle or highest point."""
+    return int(np.argmin(np.abs(points[:, 0])) if kind == "wheel" else np.argmax(points[:, 1]))
+
+
+def _relevant(points: FloatArray, weights: FloatArray, kind: ProfileKind) -> tuple[FloatArray, FloatArray]:
+    """The stretch around the running surface: without a rail's web and foot, or a wheel's outer chamfer."""
+    first, last = 0, len(points)
+    if kind == "wheel":
+        edge = (points[:, 0] > RUN_OUT) & (np.abs(direction_jumps(points)) > LARGEST_KINK)
+        last = int(np.argmax(edge)) if np.any(edge) else last
+    else:
+        top = int(np.argmax(points[:, 1]))
+        deep = np.flatnonzero(points[:, 1] < points[top, 1] - RAIL_DEPTH)
+        first = max((int(i) + 1 for i in deep if i < top), default=first)
+        last = min((int(i) for i in deep if i > top), default=last)
+    return points[first:last], weights[first:last]
+
+
+def _thinned(points: FloatArray, weights: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Without points that crowd closer than a twentieth of the usual spacing: they say nothing about direction."""
+    spacing = np.hypot(*np.diff(points, axis=0).T)
+    least = float(np.median(spacing)) / 20
+    keep = [0]
+    for i in range(1, len(points)):
+        if math.hypot(*(points[i] - points[keep[-1]])) > least:
+            keep.append(i)
+    return points[keep], weights[keep]
+
+
+def _smooth(points: FloatArray, weights: FloatArray, smoothing: float | Literal["auto"]) -> SmoothCurve:
+    """Smoothing splines y(s) and z(s) over the chord length s.
+
+    Each minimises  integral (p - f)^2 ds + lambda integral f''^2 ds,  a low-pass of gain 1/(1 + (k/k_c)^4) in
+    the wave number k, with lambda = k_c^-4 and the cut-off wavelength 2 pi/k_c.
+    """
+    chord = np.hypot(*np.diff(points, axis=0).T)
+    s = np.concatenate(([0.0], np.cumsum(chord)))
+    share = np.gradient(s)  # what each point stands for along the curve [m]
+    spacing = float(s[-1]) / (len(s) - 1)
+    if smoothing == "auto":
+        # White noise sigma at this spacing leaves, after the low-pass, a curvature noise of
+        #   var = sigma^2 spacing k_c^5 /(2 pi) * integral u^4/(1+u^4)^2 du = 0.0884 sigma^2 spacing k_c^5.
+        sigma = max(_noise(s, points), 1e-12)
+        k_c = (CURVATURE_NOISE**2 / (0.0884 * sigma**2 * spacing)) ** 0.2
+        cut_off = float(np.clip(2 * math.pi / k_c, spacing, LONGEST_CUT_OFF))
+    else:
+        cut_off = smoothing
+    k_c = 2 * math.pi / cut_off
+    unit = 1e-3  # in millimetres the equations are far better conditioned
+    w = share * weights / spacing
+    lam = (k_c * unit) ** -4 / (spacing / unit)
+    y, z = (make_smoothing_spline(s / unit, p / unit, w=np.maximum(w, 1e-9), lam=lam) for p in points.T)
+    return SmoothCurve(_rescaled(y, unit), _rescaled(z, unit), float(s[-1]), cut_off)
+
+
+def _rescaled(spline: BSpline, unit: float) -> BSpline:
+    return BSpline(spline.t * unit, spline.c * unit, spline.k)
+
+
+def _noise(s: FloatArray, points: FloatArray) -> float:
+    """Standard deviation of the points across the curve [m], from fourth divided differences.
+
+    Those of a smooth curve vanish; the median makes corners and single outliers count little.
+    """
+    n = len(s) - 4
+    nodes = np.stack([s[k : k + n] for k in range(5)])
+    factors = np.stack([1 / np.prod([nodes[k] - nodes[j] for j in range(5) if j != k], axis=0) for k in range(5)])
+    factors = factors / np.sqrt(np.sum(factors**2, axis=0))
+    deviations = sum(factors[k][:, None] * points[k : k + n] for k in range(5))
+    return float(1.4826 * np.median(np.hypot(*np.asarray(deviations).T)))  # 1.4826: median to standard deviation
+
+
+def _usable_branch(samples: Samples, kind: ProfileKind) -> slice:
+    """The stretch around the tape circle or the highest point where the slope is at most STEEPEST_SLOPE."""
+    usable = (samples.dy > 0) & (np.abs(samples.dz) <= STEEPEST_SLOPE * samples.dy)
+    centre = int(np.argmin(np.abs(samples.y)) if kind == "wheel" else np.argmax(samples.z))
+    bad = np.flatnonzero(~usable)
+    start = int(bad[bad < centre][-1]) + 1 if np.any(bad < centre) else 0
+    stop = int(bad[bad >= centre][0]) if np.any(bad >= centre) else len(usable)
+    return slice(start, max(stop, start + 2))

@@ -1,0 +1,199 @@
+"""Reading profile points from text files: two columns, or Simpack's .prw/.prr.
+
+    file -> [RawProfile] -> orientation, checks and smoothing (measured.py)
+
+Nothing is judged here but the syntax: what the numbers mean is decided by who reads them next.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+
+from .errors import ProfileError
+from .table import FloatArray, ProfileKind
+
+FileFormat = Literal["auto", "two_column", "simpack"]
+LengthUnit = Literal["auto", "mm", "m"]
+
+COMMENT = re.compile(r"(#|!|%|;|//).*")
+FEWEST_POINTS = 20
+#: A profile is between 20 mm (the top of a rail head) and 300 mm (a full-width roller) wide.
+WIDTH_RANGE = (20e-3, 300e-3)
+
+
+@dataclass(frozen=True, eq=False)
+class RawProfile:
+    """Points as a file gives them, in metres.
+
+    Attributes:
+        path: the file.
+        points: (n, 2) abscissa and ordinate [m], in the order of the file.
+        weights: (n,) how much each point counts in the smoothing, 1 by default [-].
+        declared: "wheel" or "rail" where the file says so.
+        comment: description out of the file, may be empty.
+    """
+
+    path: Path
+    points: FloatArray
+    weights: FloatArray
+    declared: ProfileKind | None
+    comment: str
+
+
+def read_point_file(path: Path, file_format: FileFormat = "auto", units: LengthUnit = "auto") -> RawProfile:
+    """Read a profile file.
+
+    Args:
+        path: the file.
+        file_format: "two_column", "simpack", or "auto": Simpack if there is a `point.begin`.
+        units: of a two-column file; "auto" takes numbers that span more than 1 for millimetres. A Simpack file
+            states its own.
+
+    Returns:
+        The points in metres.
+
+    Raises:
+        ProfileError: for a missing, empty or malformed file, and for numbers that cannot be a profile.
+    """
+    try:
+        lines = path.read_text(encoding="utf-8-sig", errors="replace").splitlines()
+    except OSError as error:
+        raise ProfileError(f"{path}: cannot be read: {error.strerror or error}") from error
+    if not any(line.strip() for line in lines):
+        raise ProfileError(f"{path}: the file is empty; a profile has at least {FEWEST_POINTS} points")
+    if file_format == "auto":
+        simpack = any(COMMENT.sub("", line).strip() == "point.begin" for line in lines)
+        file_format = "simpack" if simpack else "two_column"
+    raw = _read_simpack(path, lines) if file_format == "simpack" else _read_two_columns(path, lines, units)
+
+    low, high = WIDTH_RANGE
+    width = float(np.ptp(raw.points[:, 0]))
+    if not low <= width <= high:
+        raise ProfileError(
+            f"{path}: wrong units suspected: the abscissa spans {width * 1e3:.6g} mm; "
+            f"allowed {low * 1e3:g} to {high * 1e3:g} mm; set units to 'mm' or 'm'"
+        )
+    return raw
+
+
+def _read_two_columns(path: Path, lines: list[str], units: LengthUnit) -> RawProfile:
+    rows = _numbers(path, list(enumerate(lines, 1)), columns=(2,), header_allowed=True)
+    points = rows[:, :2]
+    if units == "auto":
+        units = "mm" if np.ptp(points[:, 0]) > 1.0 else "m"
+    scale = {"mm": 1e-3, "m": 1.0}[units]
+    return RawProfile(path, points * scale, np.ones(len(points)), None, "")
+
+
+def _read_simpack(path: Path, lines: list[str]) -> RawProfile:
+    """Apply the header's processing in the order Simpack numbers it (1 spacing ... 7 units).
+
+    After it the abscissa grows outward and the ordinate downward, for wheels and rails alike. The smoothing
+    that the header may name is not applied: ours follows (measured.py).
+    """
+    header, point_lines = _simpack_sections(path, lines)
+
+    def number(key: str, default: float, positive: bool = False) -> float:
+        text = header.get(key, "")
+        try:
+            value = float(text) if text else default
+        except ValueError:
+            value = math.nan
+        if not math.isfinite(value) or (positive and value <= 0):
+            raise ProfileError(f"{path}: {key}: {text!r}; it must be a {'positive' if positive else 'finite'} number")
+        return value
+
+    rows = _numbers(path, point_lines, columns=(2, 3))
+    y, z = rows[:, 0], rows[:, 1]
+    weights = rows[:, 2] if rows.shape[1] == 3 else np.ones(len(rows))
+
+    nearest = number("point.dist.min", 0.0)  # 1
+    if nearest > 0:
+        spaced = _spaced(y, z, nearest)
+        y, z, weights = y[spaced], z[spaced], weights[spaced]
+    y, z = y + number("shift.y", 0.0), z + number("shift.z", 0.0)  # 2
+    angle = number("rotate", 0.0) / number("units.ang.f", 1.0, positive=True)  # 3
+    y, z = y * math.cos(angle) - z * math.sin(angle), y * math.sin(angle) + z * math.cos(angle)
+    inside = np.ones(len(y), dtype=bool)  # 4, a bound counts where its minimum is below its maximum
+    for axis, values in (("y", y), ("z", z)):
+        low, high = number(f"bound.{axis}.min", 1.0), number(f"bound.{axis}.max", 0.0)
+        if low < high:
+            inside &= (values >= low) & (values <= high)
+    y, z, weights = y[inside], z[inside], weights[inside]
+    y = -y if number("mirror.y", 0) == 1 else y  # 5
+    z = -z if number("mirror.z", 0) == 1 else z
+    if number("inversion", 0) == 1:  # 6
+        y, z, weights = y[::-1], z[::-1], weights[::-1]
+    points = np.column_stack([y, z]) / number("units.len.f", 1.0, positive=True)  # 7
+    _enough(path, len(points))
+    kinds: dict[str, ProfileKind] = {"0": "rail", "1": "wheel"}
+    return RawProfile(path, points, weights, kinds.get(header.get("type", "")), header.get("comment", ""))
+
+
+def _simpack_sections(path: Path, lines: list[str]) -> tuple[dict[str, str], list[tuple[int, str]]]:
+    """Keys and values of the header, and the numbered lines between point.begin and point.end."""
+    header: dict[str, str] = {}
+    begin = end = 0
+    for number, line in enumerate(lines, 1):
+        text = line.split("!", 1)[0].strip()
+        if text == "point.begin":
+            begin = number
+        elif text == "point.end":
+            end = number
+        elif "=" in text and not begin:
+            key, value = text.split("=", 1)
+            # `type` stands in the header (kind of profile) and in the spline section (kind of file): first wins.
+            header.setdefault(key.strip(), value.strip().strip("'"))
+    if not begin or end < begin:
+        missing = "point.end" if begin else "point.begin"
+        raise ProfileError(f"{path}: no line {missing!r}; a Simpack profile has its points between begin and end")
+    return header, list(enumerate(lines[begin : end - 1], begin + 1))
+
+
+def _numbers(
+    path: Path, lines: list[tuple[int, str]], columns: tuple[int, ...], header_allowed: bool = False
+) -> FloatArray:
+    """Rows of numbers out of numbered lines, comments and blank lines left out."""
+    rows: list[list[float]] = []
+    for number, line in lines:
+        words = COMMENT.sub("", line).replace(",", " ").split()
+        if not words:
+            continue
+        try:
+            row = [float(re.sub("[dD]", "e", word)) for word in words]
+        except ValueError:
+            if header_allowed and not rows:
+                header_allowed = False  # one line of column names
+                continue
+            raise ProfileError(f"{path}: line {number}: {line.strip()!r} is not a row of numbers") from None
+        if len(row) not in columns or (rows and len(row) != len(rows[0])):
+            wanted = " or ".join(str(c) for c in (columns if not rows else (len(rows[0]),)))
+            hint = "; decimal commas are not understood" if "," in line else ""
+            raise ProfileError(f"{path}: line {number}: {len(row)} numbers; allowed {wanted}{hint}")
+        if not all(math.isfinite(x) for x in row):
+            raise ProfileError(f"{path}: line {number}: {line.strip()!r} is not finite; remove or repair the point")
+        if len(row) == 3 and row[2] < 0:
+            raise ProfileError(f"{path}: line {number}: weight {row[2]:g}; it must not be negative")
+        rows.append(row)
+    _enough(path, len(rows))
+    return np.array(rows)
+
+
+def _enough(path: Path, count: int) -> None:
+    if count < FEWEST_POINTS:
+        raise ProfileError(f"{path}: {count} points; a profile has at least {FEWEST_POINTS}")
+
+
+def _spaced(y: FloatArray, z: FloatArray, spacing: float) -> list[int]:
+    """Indices of points at least `spacing` from the one kept before; same unit as y and z."""
+    keep = [0]
+    for i in range(1, len(y)):
+        if math.hypot(y[i] - y[keep[-1]], z[i] - z[keep[-1]]) >= spacing:
+            keep.append(i)
+    return keep
