@@ -1,6 +1,6 @@
 """Sphinx extension: the configuration reference, written from the JSON schema of the configuration models.
 
-    rollerrig.config (pydantic) -> JSON schema -> [this file] -> reference/generated/configuration.md
+rollerrig.config (pydantic) -> JSON schema -> [this file] -> reference/generated/configuration.md
 """
 
 from __future__ import annotations

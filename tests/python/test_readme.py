@@ -1,0 +1,52 @@
+"""What the README and the first pages of the documentation show is run."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+PAGES = [ROOT / "README.md", ROOT / "docs" / "getting_started.md"]
+
+
+def blocks(page: Path, language: str) -> list[str]:
+    return re.findall(rf"^```{language}\n(.*?)^```", page.read_text(), re.MULTILINE | re.DOTALL)
+
+
+COMMANDS = sorted(
+    {match for page in PAGES for match in re.findall(r"\brollerrig ([a-z]+)\b", "".join(blocks(page, "bash")))}
+)
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_every_command_shown_exists(command: str) -> None:
+    done = subprocess.run(
+        [sys.executable, "-m", "rollerrig", command, "--help"], capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stderr
+
+
+def test_every_case_shown_ships() -> None:
+    import rollerrig
+
+    text = "".join(page.read_text() for page in PAGES)
+    names = set(re.findall(r"rollerrig (?:run|stability|contact|catalog show) ([a-z]+_[a-z_]+)\b(?!\.toml)", text))
+    assert names
+    for name in names:
+        rollerrig.load_case(name)
+
+
+@pytest.mark.parametrize("code", blocks(ROOT / "README.md", "python"))
+def test_the_python_example_runs(code: str) -> None:
+    exec(compile(code, "README.md", "exec"), {})
+
+
+def test_every_local_link_leads_somewhere() -> None:
+    for page in [*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md")]:
+        for link in re.findall(r"\]\((?!https?://|#)([^)#]+)", page.read_text()):
+            if "generated" not in page.parts:
+                assert (page.parent / link).exists(), f"{page.relative_to(ROOT)} links to {link}"
