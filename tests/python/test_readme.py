@@ -25,7 +25,10 @@ COMMANDS = sorted(
 @pytest.mark.parametrize("command", COMMANDS)
 def test_every_command_shown_exists(command: str) -> None:
     done = subprocess.run(
-        [sys.executable, "-m", "rollerrig", command, "--help"], capture_output=True, text=True, check=False
+        [sys.executable, "-c", "from rollerrig.cli import main; main()", command, "--help"],
+        capture_output=True,
+        text=True,
+        check=False,
     )
     assert done.returncode == 0, done.stderr
 
