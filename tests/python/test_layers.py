@@ -1,7 +1,7 @@
 """The arrow of the data is a test: a folder may use only what stands to its left.
 
 core:    scalar -> math -> profile -> body -> geometry -> contact -> system -> integrate
-Python:  profiles -> catalog -> config -> model -> run -> results -> analysis -> plot -> report -> cli
+Python:  profiles -> config -> catalog -> model -> run -> results -> analysis -> plot -> report -> cli
 """
 
 from __future__ import annotations
@@ -67,8 +67,8 @@ def test_the_core_knows_no_python_no_files_no_clock(source: Path) -> None:
 PYTHON_LAYERS = [
     {"_core", "_version"},
     {"profiles"},
-    {"catalog"},
     {"config"},
+    {"catalog"},
     {"model"},
     {"results"},
     {"run"},
