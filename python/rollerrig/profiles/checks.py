@@ -15,6 +15,7 @@ from .table import FloatArray
 FOLD = 0.3e-3  # [m] a return of the abscissa beyond measuring noise
 LARGEST_GAP = 5e-3  # [m] between neighbours; a 13 mm corner would turn by 22 degrees unseen
 LARGEST_KINK = 0.12  # [rad], 7 degrees; arcs meeting an arc give up to 0.06 in the estimate below
+DIRECTION_NOISE = 0.02  # [rad] of one chord, a sixth of the kink to be found
 KINK_WINDOW = 2.5e-3  # [m] on each side, over which the direction is extrapolated
 
 
@@ -54,6 +55,22 @@ def check_gaps(file: Path, points: FloatArray, low: float, high: float) -> None:
         )
 
 
+def averaged(points: FloatArray, noise: float) -> FloatArray:
+    """Means of so many neighbours that the chords between them have a direction good to DIRECTION_NOISE.
+
+    Args:
+        points: (n, 2) [m].
+        noise: standard deviation of the points [m].
+
+    Returns:
+        (m, 2) [m]; the very points where they are good enough.
+    """
+    spacing = float(np.median(np.hypot(*np.diff(points, axis=0).T)))
+    count = max(1, int(np.ceil((np.sqrt(2.0) * noise / (DIRECTION_NOISE * spacing)) ** (2 / 3))))
+    groups = len(points) // count
+    return np.asarray(points[: groups * count].reshape(groups, count, 2).mean(axis=1))
+
+
 def direction_jumps(points: FloatArray) -> FloatArray:
     """Jump of direction at every point [rad], positive where the profile turns upward; 0 near the two ends.
 
@@ -78,7 +95,7 @@ def direction_jumps(points: FloatArray) -> FloatArray:
 
 
 def check_kinks(file: Path, points: FloatArray, low: float, high: float) -> None:
-    """Refuse a jump of direction, for abscissae in [low, high]."""
+    """Refuse a jump of direction, for abscissae in [low, high]; noisy points are to be `averaged` before."""
     jump = np.abs(direction_jumps(points)) * ((points[:, 0] > low) & (points[:, 0] < high))
     worst = int(np.argmax(jump))
     if jump[worst] > LARGEST_KINK:

@@ -17,7 +17,7 @@ import numpy as np
 from scipy.interpolate import BSpline, make_smoothing_spline
 from scipy.optimize import brentq
 
-from .checks import LARGEST_KINK, check_fold, check_gaps, check_kinks, direction_jumps
+from .checks import LARGEST_KINK, averaged, check_fold, check_gaps, check_kinks, direction_jumps
 from .errors import ProfileError
 from .point_file import FEWEST_POINTS, FileFormat, LengthUnit, RawProfile, read_point_file
 from .table import DEFAULT_STEP, STEEPEST_SLOPE, FloatArray, ProfileKind, ProfileTable, tabulate
@@ -94,17 +94,19 @@ def profile_from_file(
         lean = math.atan(inclination)
         turn = np.array([[math.cos(lean), -math.sin(lean)], [math.sin(lean), math.cos(lean)]])  # R, leaning inward
         points = points @ turn.T
-    points, weights = _relevant(*_thinned(points, weights), kind)
+    points, weights = _thinned(points, weights)
+    noise = _noise(points)
+    points, weights = _relevant(points, weights, kind, noise)
     if len(points) < FEWEST_POINTS:
         raise ProfileError(f"{file}: {len(points)} usable points; a profile has at least {FEWEST_POINTS}")
     reference = _reference(points, kind)
     check_fold(file, points, reference)
-    curve = _smooth(points, weights, smoothing)
+    curve = _smooth(points, weights, noise, smoothing)
     samples = curve.samples()
     branch = _usable_branch(samples, kind)
     low, high = samples.y[branch.start], samples.y[branch.stop - 1]
     check_gaps(file, points, low, high)
-    check_kinks(file, points, low, high)
+    check_kinks(file, averaged(points, noise), low, high)
     origin = curve.origin(samples, branch, kind)
     if not (low < origin[0] - 10e-3 and high > origin[0] + 10e-3):
         where = "tape circle" if kind == "wheel" else "highest point"
@@ -217,12 +219,16 @@ def _reference(points: FloatArray, kind: ProfileKind) -> int:
     return int(np.argmin(np.abs(points[:, 0])) if kind == "wheel" else np.argmax(points[:, 1]))
 
 
-def _relevant(points: FloatArray, weights: FloatArray, kind: ProfileKind) -> tuple[FloatArray, FloatArray]:
+def _relevant(
+    points: FloatArray, weights: FloatArray, kind: ProfileKind, noise: float
+) -> tuple[FloatArray, FloatArray]:
     """The stretch around the running surface: without a rail's web and foot, or a wheel's outer chamfer."""
     first, last = 0, len(points)
     if kind == "wheel":
-        edge = (points[:, 0] > RUN_OUT) & (np.abs(direction_jumps(points)) > LARGEST_KINK)
-        last = int(np.argmax(edge)) if np.any(edge) else last
+        course = averaged(points, noise)
+        edge = (course[:, 0] > RUN_OUT) & (np.abs(direction_jumps(course)) > LARGEST_KINK)
+        if np.any(edge):
+            last = int(np.argmax(points[:, 0] >= course[np.argmax(edge), 0]))
     else:
         top = int(np.argmax(points[:, 1]))
         deep = np.flatnonzero(points[:, 1] < points[top, 1] - RAIL_DEPTH)
@@ -242,7 +248,9 @@ def _thinned(points: FloatArray, weights: FloatArray) -> tuple[FloatArray, Float
     return points[keep], weights[keep]
 
 
-def _smooth(points: FloatArray, weights: FloatArray, smoothing: float | Literal["auto"]) -> SmoothCurve:
+def _smooth(
+    points: FloatArray, weights: FloatArray, noise: float, smoothing: float | Literal["auto"]
+) -> SmoothCurve:
     """Smoothing splines y(s) and z(s) over the chord length s.
 
     Each minimises  integral (p - f)^2 ds + lambda integral f''^2 ds,  a low-pass of gain 1/(1 + (k/k_c)^4) in
@@ -253,10 +261,9 @@ def _smooth(points: FloatArray, weights: FloatArray, smoothing: float | Literal[
     share = np.gradient(s)  # what each point stands for along the curve [m]
     spacing = float(s[-1]) / (len(s) - 1)
     if smoothing == "auto":
-        # White noise sigma at this spacing leaves, after the low-pass, a curvature noise of
-        #   var = sigma^2 spacing k_c^5 /(2 pi) * integral u^4/(1+u^4)^2 du = 0.0884 sigma^2 spacing k_c^5.
-        sigma = max(_noise(s, points), 1e-12)
-        k_c = (CURVATURE_NOISE**2 / (0.0884 * sigma**2 * spacing)) ** 0.2
+        # White noise at this spacing leaves, after the low-pass, a curvature noise of
+        #   var = noise^2 spacing k_c^5 /(2 pi) * integral u^4/(1+u^4)^2 du = 0.0884 noise^2 spacing k_c^5.
+        k_c = (CURVATURE_NOISE**2 / (0.0884 * max(noise, 1e-12) ** 2 * spacing)) ** 0.2
         cut_off = float(np.clip(2 * math.pi / k_c, spacing, LONGEST_CUT_OFF))
     else:
         cut_off = smoothing
@@ -272,11 +279,12 @@ def _rescaled(spline: BSpline, unit: float) -> BSpline:
     return BSpline(spline.t * unit, spline.c * unit, spline.k)
 
 
-def _noise(s: FloatArray, points: FloatArray) -> float:
+def _noise(points: FloatArray) -> float:
     """Standard deviation of the points across the curve [m], from fourth divided differences.
 
     Those of a smooth curve vanish; the median makes corners and single outliers count little.
     """
+    s = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))))
     n = len(s) - 4
     nodes = np.stack([s[k : k + n] for k in range(5)])
     factors = np.stack([1 / np.prod([nodes[k] - nodes[j] for j in range(5) if j != k], axis=0) for k in range(5)])
