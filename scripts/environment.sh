@@ -31,25 +31,22 @@ fail() {
 python_is_new_enough() { "$1" -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null; }
 
 find_python() {
-  if [[ -n "${PYTHON:-}" ]]; then
-    python_is_new_enough "$PYTHON" && { command -v "$PYTHON"; return; }
-    fail "PYTHON=$PYTHON is not a Python 3.11 or newer"
-  fi
-  local name
-  for name in python3.14 python3.13 python3.12 python3.11 python3; do
+  local name names=(python3.14 python3.13 python3.12 python3.11 python3)
+  if [[ -n "${PYTHON:-}" ]]; then names=("$PYTHON"); fi
+  for name in "${names[@]}"; do
     if command -v "$name" >/dev/null && python_is_new_enough "$name" && python_has_what_is_needed "$name"; then
       command -v "$name"
       return
     fi
   done
-  for name in python3.14 python3.13 python3.12 python3.11 python3; do
+  for name in "${names[@]}"; do
     if command -v "$name" >/dev/null && python_is_new_enough "$name"; then
       fail "$name lacks venv, pip or its C headers (Python.h), which building the extension needs" \
         "Debian, Ubuntu:  sudo apt-get install python3-venv python3-dev" \
         "Fedora:          sudo dnf install python3-devel"
     fi
   done
-  fail "Python 3.11 or newer was not found (python3 is $(python3 --version 2>&1 || echo missing))" \
+  fail "Python 3.11 or newer was not found; looked for ${names[*]}" \
     "Install it, or name one:  PYTHON=/path/to/python3.12 $0"
 }
 
@@ -80,6 +77,8 @@ check_compiler() {
     fail "$compiler cannot compile C++20; GCC 11 or Clang 14 and newer can"
   fi
   rm -rf "$probe"
+  CXX="$(command -v "$compiler")"
+  export CXX  # else the build would look for the compiler that Python itself was built with
 }
 
 # install EXTRAS...: rollerrig with these optional groups of pyproject.toml.
