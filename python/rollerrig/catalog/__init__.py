@@ -1,0 +1,37 @@
+"""Vehicles, rigs, tracks, materials, profiles and cases that ship, each a TOML file that says where its data come from.
+
+Every entry can be copied to a file and edited: what it refers to by name is found in the catalogue from there too.
+"""
+
+import tomllib
+from functools import lru_cache
+from typing import get_args
+
+from rollerrig.config.library import CatalogKind, catalog_file, catalog_names
+
+KINDS: tuple[CatalogKind, ...] = get_args(CatalogKind)
+
+
+@lru_cache(maxsize=1)
+def catalog_entries() -> tuple[tuple[CatalogKind, str, str], ...]:
+    """All entries as (kind, name, one-line description)."""
+    return tuple(
+        (kind, name, str(tomllib.loads(catalog_file(kind, name).read_text("utf-8"))["description"]))
+        for kind in KINDS
+        for name in catalog_names(kind)
+    )
+
+
+def catalog_text(name: str) -> str:
+    """The TOML text of an entry, to copy and edit.
+
+    Raises:
+        KeyError: no such entry.
+    """
+    for kind in KINDS:
+        if name in catalog_names(kind):
+            return catalog_file(kind, name).read_text("utf-8")
+    raise KeyError(f"nothing named '{name}' in the catalogue")
+
+
+__all__ = ["KINDS", "CatalogKind", "catalog_entries", "catalog_file", "catalog_names", "catalog_text"]

@@ -1,0 +1,86 @@
+"""Configuration: TOML in, frozen and checked objects in SI out.
+
+    TOML files, catalogue names -> [config] -> Case -> model
+
+Every mistake of a file is reported at once, one line each (`ConfigError`).
+"""
+
+from rollerrig.config.case import (
+    AxleTorque,
+    Case,
+    Contact,
+    Disturbance,
+    Motion,
+    SupportChoice,
+    TimeSettings,
+    VehicleChoice,
+)
+from rollerrig.config.errors import ConfigError, ConfigProblem
+from rollerrig.config.load import (
+    case_from_toml,
+    load_any,
+    load_case,
+    load_material,
+    load_profile,
+    load_support,
+    load_vehicle,
+)
+from rollerrig.config.material import Material
+from rollerrig.config.profile import S1002, Arc, Cone, Cylinder, ProfileFile, ProfileSpec, Uic60
+from rollerrig.config.reference import json_schema, reference_markdown
+from rollerrig.config.support import AngularSupport, LinearSupport, Mounting, Rig, Track
+from rollerrig.config.vehicle import (
+    AngularLaw,
+    AngularSeriesDamper,
+    Body,
+    Cut,
+    Element,
+    LinearLaw,
+    SeriesDamper,
+    Vehicle,
+    Wheel,
+)
+
+__all__ = [
+    "S1002",
+    "AngularLaw",
+    "AngularSeriesDamper",
+    "AngularSupport",
+    "Arc",
+    "AxleTorque",
+    "Body",
+    "Case",
+    "Cone",
+    "ConfigError",
+    "ConfigProblem",
+    "Contact",
+    "Cut",
+    "Cylinder",
+    "Disturbance",
+    "Element",
+    "LinearLaw",
+    "LinearSupport",
+    "Material",
+    "Motion",
+    "Mounting",
+    "ProfileFile",
+    "ProfileSpec",
+    "Rig",
+    "SeriesDamper",
+    "SupportChoice",
+    "TimeSettings",
+    "Track",
+    "Uic60",
+    "Vehicle",
+    "VehicleChoice",
+    "Wheel",
+    "case_from_toml",
+    "json_schema",
+    "load_any",
+    "load_case",
+    "load_material",
+    "load_profile",
+    "load_support",
+    "load_vehicle",
+    "reference_markdown",
+]

@@ -1,0 +1,224 @@
+"""A case: one vehicle (or a part of it) on one support, how it is driven, and how time is integrated."""
+
+from collections.abc import Mapping
+from typing import Annotated, Any, Literal
+
+from pydantic import Field, StrictBool, model_validator
+from pydantic_core import PydanticCustomError
+
+from rollerrig.config.base import SpeedTable, Table, TorqueTable, instead_of
+from rollerrig.config.material import Material
+from rollerrig.config.support import AnySupport
+from rollerrig.config.units import Angle, Damping, Length, PositiveLength, PositiveTime, Quantity, Torque
+from rollerrig.config.vehicle import Cut, Name, Vehicle
+
+
+class VehicleChoice(Table):
+    """Which vehicle, and which part of it."""
+
+    use: str | None = Field(default=None, description="a vehicle of the catalogue, or a file relative to this one")
+    data: Vehicle = Field(
+        description="the vehicle itself, in place of `use`; after loading it is always here",
+        json_schema_extra=instead_of("use"),
+    )
+    changes: dict[str, Any] | None = Field(
+        default=None, description="values in place of the vehicle's own, by dotted key; loading writes them into `data`"
+    )
+    cut: str = Field(
+        default="vehicle", description="the part that is run: a [cut.NAME] of the vehicle, or 'vehicle' for all"
+    )
+
+    @property
+    def part(self) -> Cut:
+        """The chosen cut of the vehicle."""
+        return self.data.cut_named(self.cut)
+
+
+class SupportChoice(Table):
+    """Which rig or track."""
+
+    use: str | None = Field(default=None, description="a support of the catalogue, or a file relative to this one")
+    data: AnySupport = Field(
+        description="the support itself, in place of `use`; after loading it is always here",
+        json_schema_extra=instead_of("use"),
+    )
+    roller_radius: PositiveLength | None = Field(
+        default=None, description="in place of the rig's own; loading writes it into `data`"
+    )
+    changes: dict[str, Any] | None = Field(
+        default=None,
+        description="other values in place of the support's own, by dotted key; loading writes them into `data`",
+    )
+
+
+class Contact(Table):
+    """Laws and parameters of the contact between wheel and rail or roller."""
+
+    material: Material = Field(description="material of both: a catalogue name, a file or a table")
+    friction: Annotated[float, Quantity("1", ge=0, le=1.5)] = Field(default=0.3, description="coefficient of friction")
+    creep: Literal["kalker_linear", "kalker_saturated"] = Field(
+        default="kalker_saturated",
+        description="tangential force: Kalker's linear theory, without or with saturation by friction",
+    )
+    normal: Literal["hertz"] = Field(default="hertz", description="normal force: Hertz, exact elliptic integrals")
+    normal_damping: Damping = Field(default=1e5, description="damping of the normal force while the surfaces approach")
+    standstill_speed: Annotated[float, Quantity("m/s", gt=0)] = Field(
+        default=0.1, description="V_s in the rolling speed sqrt(V^2 + V_s^2) that creepages are divided by"
+    )
+    saturate_spin_moment: StrictBool = Field(
+        default=False, description="scale the spin moment like the force; the paper does not"
+    )
+
+
+class Motion(Table):
+    """How the vehicle and the rollers are driven."""
+
+    speed: Annotated[float, Quantity("m/s", ge=0, le=200)] = Field(
+        description="running speed at the start; on rollers the simulated one; taken from speed_table if absent",
+        json_schema_extra=instead_of("speed_table"),
+    )
+    drive: Literal["held", "free", "torque"] = Field(
+        default="held",
+        description="rollers (or track): speed held to speed_table or constant, free to turn, or given a torque",
+    )
+    speed_table: SpeedTable | None = Field(
+        default=None, description="rows [time, speed] for drive = 'held'; linear between, constant beyond"
+    )
+    torque_table: TorqueTable | None = Field(
+        default=None,
+        description="rows [time, torque per roller axle] for drive = 'torque'; positive drives forward running",
+    )
+
+    @model_validator(mode="before")
+    @classmethod
+    def _speed_from_table(cls, data: Any) -> Any:
+        if not isinstance(data, dict) or "speed" in data:
+            return data
+        try:
+            return {**data, "speed": data["speed_table"][0][1]}
+        except (KeyError, IndexError, TypeError):
+            return data
+
+    @model_validator(mode="after")
+    def _fits_drive(self) -> "Motion":
+        needs_torque = self.drive == "torque"
+        if needs_torque != (self.torque_table is not None):
+            allowed = "needed for drive = 'torque'" if needs_torque else "allowed only with drive = 'torque'"
+            raise PydanticCustomError("at_key", "{allowed}", {"allowed": allowed, "key": "torque_table"})
+        if self.speed_table is None:
+            return self
+        if self.drive != "held":
+            allowed = "allowed only with drive = 'held'"
+            raise PydanticCustomError("at_key", "{allowed}", {"allowed": allowed, "key": "speed_table"})
+        start, speed = self.speed_table[0]
+        if any(not 0 <= row[1] <= 200 for row in self.speed_table):
+            allowed = "allowed: speeds from 0 to 200 m/s"
+            raise PydanticCustomError("at_key", "{allowed}", {"allowed": allowed, "key": "speed_table"})
+        if start != 0 or abs(speed - self.speed) > 1e-9 * max(1.0, self.speed):
+            allowed = f"allowed: a table that starts at time 0 with motion.speed; [{start:g}, {speed:g}] does not"
+            raise PydanticCustomError("at_key", "{allowed}", {"allowed": allowed, "key": "speed_table"})
+        return self
+
+
+class AxleTorque(Table):
+    """A torque on a wheelset."""
+
+    wheelset: str = Field(description="the wheelset")
+    constant: Torque | None = Field(default=None, description="torque; positive drives the vehicle forward")
+    table: TorqueTable | None = Field(
+        default=None, description="rows [time, torque] in place of a constant; linear between, constant beyond"
+    )
+    reacts_on: str = Field(
+        default="none", description="the body that feels the opposite moment (the frame carrying the motor), or 'none'"
+    )
+
+    @model_validator(mode="after")
+    def _one_law(self) -> "AxleTorque":
+        if (self.constant is None) == (self.table is None):
+            allowed = "allowed: one of `constant = torque` and `table = [[time, torque], ...]`"
+            raise PydanticCustomError("at_key", "{allowed}", {"allowed": allowed, "key": "table"})
+        return self
+
+
+class Disturbance(Table):
+    """Offset of a body from its equilibrium, from which the run starts."""
+
+    body: str = Field(description="the body")
+    longitudinal: Length = Field(default=0.0, description="offset along x")
+    lateral: Length = Field(default=0.0, description="offset along y, positive to the left")
+    vertical: Length = Field(default=0.0, description="offset along z")
+    roll: Angle = Field(default=0.0, description="offset about x")
+    pitch: Angle = Field(default=0.0, description="offset about y")
+    yaw: Angle = Field(default=0.0, description="offset about z")
+
+
+class TimeSettings(Table):
+    """How time is integrated and what is kept."""
+
+    duration: PositiveTime = Field(description="length of the run")
+    method: Literal["rodas4", "rk4", "dormand_prince"] = Field(
+        default="rodas4",
+        description="rodas4: stiff, adaptive, exact Jacobian; dormand_prince: explicit, adaptive; rk4: fixed step",
+    )
+    step: PositiveTime | None = Field(
+        default=None, description="step of a fixed-step method, which needs it; for the others the first step tried"
+    )
+    relative_tolerance: Annotated[float, Quantity("1", ge=1e-13, le=0.1)] = Field(
+        default=1e-6, description="local error per step, relative to each state"
+    )
+    absolute_tolerance: Annotated[float, Quantity("1", gt=0, le=1)] = Field(
+        default=1e-9, description="local error per step, in the SI unit of each state"
+    )
+    maximum_step: PositiveTime | None = Field(
+        default=None, description="longest step of an adaptive method; absent: no limit"
+    )
+    output_step: PositiveTime = Field(default=0.01, description="interval between kept samples")
+
+    @model_validator(mode="after")
+    def _consistent(self) -> "TimeSettings":
+        if self.method == "rk4" and self.step is None:
+            allowed = "needed: the step of the fixed-step method rk4, e.g. step = '0.1 ms'"
+            raise PydanticCustomError("at_key", "{allowed}", {"allowed": allowed, "key": "step"})
+        for key, value in (("output_step", self.output_step), ("step", self.step), ("maximum_step", self.maximum_step)):
+            if value is not None and value > self.duration:
+                allowed = f"allowed: at most the duration, {self.duration:g} s"
+                raise PydanticCustomError("at_key", "{allowed}", {"allowed": allowed, "key": key})
+        if self.duration / self.output_step > 1e8:
+            allowed = f"allowed: at least {self.duration / 1e8:g} s, for at most 1e8 samples"
+            raise PydanticCustomError("at_key", "{allowed}", {"allowed": allowed, "key": "output_step"})
+        return self
+
+
+class Case(Table):
+    """Everything one simulation needs; read by `load_case`, in SI, never changed: `with_changes` makes another."""
+
+    name: Name = Field(description="name of the case")
+    description: str = Field(default="", description="one line about the case")
+    vehicle: VehicleChoice = Field(description="the vehicle")
+    support: SupportChoice = Field(description="the rig or the track")
+    contact: Contact = Field(description="the contact")
+    motion: Motion = Field(description="the drive")
+    axle_torque: tuple[AxleTorque, ...] = Field(default=(), description="torques on wheelsets")
+    disturbance: tuple[Disturbance, ...] = Field(default=(), description="offsets at the start")
+    time: TimeSettings = Field(description="the integration")
+
+    def with_changes(self, changes: Mapping[str, object]) -> "Case":
+        """A copy with some values replaced, checked like a file.
+
+        Args:
+            changes: dotted key -> value as a file would give it, e.g. `{"motion.speed": "120 km/h",
+                "support.roller_radius": 10, "vehicle.body.car_body.mass": "30 t"}`. Items of a list are addressed
+                by name or index; `vehicle.data.` and `support.data.` may be shortened to `vehicle.` and `support.`.
+
+        Raises:
+            ConfigError: a key does not exist or a value is not allowed.
+        """
+        from rollerrig.config.change import changed_case
+
+        return changed_case(self, changes)
+
+    def to_toml(self) -> str:
+        """The whole case, nothing referred to by name, as TOML text that `load_case` reads again."""
+        from rollerrig.config.write import to_toml
+
+        return to_toml(self)

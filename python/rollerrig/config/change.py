@@ -1,0 +1,124 @@
+"""Replace values in raw tables by dotted keys.
+
+raw tables + {"body.car_body.mass": "30 t"} -> [apply_changes] -> raw tables, not yet validated
+"""
+
+import re
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from rollerrig.config.errors import ConfigError, ConfigProblem, nearest, one_of, show_value
+from rollerrig.config.translate import item_label
+
+if TYPE_CHECKING:
+    from rollerrig.config.case import Case
+
+# A new value of the first makes the second meaningless.
+_REPLACES = {
+    "use": ("data",),
+    "young_modulus": ("shear_modulus",),
+    "shear_modulus": ("young_modulus",),
+    "poisson_ratio": ("shear_modulus",),
+    "stiffness": ("table",),
+    "table": ("stiffness", "constant"),
+    "constant": ("table",),
+    "damping": ("damping_table",),
+    "damping_table": ("damping",),
+    "point": ("points",),
+    "points": ("point",),
+    "speed_table": ("speed",),
+}
+
+
+def changed_case(case: "Case", changes: Mapping[str, object]) -> "Case":
+    """A copy of the case with some values replaced; see `Case.with_changes`."""
+    from rollerrig.config.case import SupportChoice, VehicleChoice
+    from rollerrig.config.load import build_case
+    from rollerrig.config.read import Document
+
+    raw = plain(case)
+    file = f"{case.name} (changed)"
+    own_keys = {"vehicle": VehicleChoice.model_fields.keys(), "support": SupportChoice.model_fields.keys()}
+    full: dict[str, object] = {}
+    for key, value in changes.items():
+        head, _, rest = str(key).partition(".")
+        is_short = head in own_keys and rest and rest.split(".")[0] not in own_keys[head]
+        full[f"{head}.data.{rest}" if is_short else str(key)] = value
+    problems = apply_changes(raw, full, file)
+    if problems:
+        raise ConfigError(problems)
+    return build_case(Document(raw, file, Path()))
+
+
+def plain(value: Any) -> Any:
+    """Models as tables, tuples as lists, unset keys left out: what TOML can hold."""
+    if hasattr(value, "model_dump"):
+        return plain(value.model_dump(exclude_none=True))
+    if isinstance(value, Mapping):
+        return {key: plain(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [plain(item) for item in value]
+    return value
+
+
+def apply_changes(raw: dict[str, Any], changes: Mapping[str, object], file: str, at: str = "") -> list[ConfigProblem]:
+    """Write each value to its key in ``raw``; None removes the key.
+
+    Args:
+        raw: tables, changed in place.
+        changes: dotted key -> value; items of a list are addressed by name or index.
+        file: what the problems name.
+        at: the key under which ``changes`` themselves stand, for the problems.
+
+    Returns:
+        Keys that lead nowhere. Whether the values are allowed is found by validation.
+    """
+    problems = []
+    for key, value in changes.items():
+        problem = _write(raw, key, plain(value), set(changes), file)
+        if problem:
+            problems.append(problem.within(at))
+    return problems
+
+
+def _write(raw: dict[str, Any], key: str, value: object, keys: set[str], file: str) -> ConfigProblem | None:
+    *path, last = re.sub(r"\[(\d+)\]", r".\1", key).split(".")
+    holder: Any = raw
+    for part in path:
+        if isinstance(holder, dict):
+            holder = holder.setdefault(part, {})
+        elif isinstance(holder, list):
+            index = _index(holder, part)
+            if index is None:
+                return _no_such_item(holder, part, key, file)
+            holder = holder[index]
+        else:
+            return ConfigProblem(file, key, show_value(value), f"allowed: keys that exist; '{part}' is inside a value")
+    if isinstance(holder, list):
+        index = _index(holder, last)
+        if index is None:
+            return _no_such_item(holder, last, key, file)
+        holder[index] = value
+        return None
+    if not isinstance(holder, dict):
+        return ConfigProblem(file, key, show_value(value), f"allowed: keys that exist; '{last}' is inside a value")
+    holder.pop(last, None)
+    if value is not None:
+        holder[last] = value
+        for sibling in _REPLACES.get(last, ()):
+            if key.removesuffix(last) + sibling not in keys:
+                holder.pop(sibling, None)
+    return None
+
+
+def _index(items: list[Any], part: str) -> int | None:
+    if part.isdecimal() and len(part) < 10:
+        return int(part) if int(part) < len(items) else None
+    labels = [item_label(items, index) for index in range(len(items))]
+    return labels.index(part) if part in labels else None
+
+
+def _no_such_item(items: list[Any], part: str, key: str, file: str) -> ConfigProblem:
+    labels = [item_label(items, index) for index in range(len(items))]
+    return ConfigProblem(file, key, f"no item '{part}'", one_of(labels), nearest(part, labels))

@@ -1,0 +1,54 @@
+"""Checks that need the curves themselves: profiles that cannot be used, and wheels that miss the rail."""
+
+from typing import Literal
+
+from rollerrig.config.errors import ConfigProblem, show_value
+from rollerrig.config.profile import ProfileSpec
+from rollerrig.config.support import Rig, Track
+from rollerrig.config.vehicle import Wheel
+from rollerrig.profiles import ProfileError, ProfileTable, gauge_point, profile_from_spec
+
+TAPE_CIRCLE = 0.070  # [m] from the flange back to the tape circle, EN 13715
+
+
+def check_profile(
+    spec: ProfileSpec, kind: Literal["wheel", "rail"], file: str, key: str
+) -> tuple[ProfileTable | None, list[ConfigProblem]]:
+    """The table of a profile, or what is wrong with the profile."""
+    try:
+        return profile_from_spec(spec.arguments(), kind), []
+    except (ProfileError, OSError) as error:
+        what = getattr(spec, "path", None) or getattr(spec, "kind", "")
+        return None, [ConfigProblem(file, key, show_value(what), str(error))]
+
+
+def check_gauge(support: Rig | Track, file: str) -> list[ConfigProblem]:
+    """The profile must be usable as a rail and reach down to where the gauge is taken."""
+    table, problems = check_profile(support.profile, "rail", file, "profile")
+    if table is None:
+        return problems
+    try:
+        gauge_point(table, support.gauge_depth)
+    except ProfileError as error:
+        return [ConfigProblem(file, "gauge_depth", show_value(support.gauge_depth), str(error))]
+    return []
+
+
+def check_reach(wheel: Wheel, support: Rig | Track, file: str) -> list[ConfigProblem]:
+    """The tape circle of the centred wheel must lie over the rail or roller, and the flange beside it."""
+    wheel_table = profile_from_spec(wheel.profile.arguments(), "wheel")
+    rail_table = profile_from_spec(support.profile.arguments(), "rail")
+    tape_circle = wheel.back_to_back / 2 + TAPE_CIRCLE
+    rail_origin = support.gauge / 2 - gauge_point(rail_table, support.gauge_depth)
+    low, high = (rail_origin + end for end in rail_table.domain)
+    if low < tape_circle < high:
+        return []
+    half_wheel = wheel_table.domain
+    what = "rollers" if support.kind == "rig" else "rails"
+    allowed = (
+        f"the wheels miss the {what}: the tape circle lies {tape_circle * 1e3:.1f} mm from the middle, the running "
+        f"surface from {low * 1e3:.1f} to {high * 1e3:.1f} mm; check gauge ({support.gauge * 1e3:g} mm) and "
+        f"wheel.back_to_back ({wheel.back_to_back * 1e3:g} mm); the wheel spans "
+        f"{half_wheel[0] * 1e3:.0f} to {half_wheel[1] * 1e3:.0f} mm about its tape circle"
+    )
+    return [ConfigProblem(file, "support.data.gauge", show_value(support.gauge), allowed)]

@@ -1,0 +1,84 @@
+"""What a mistake in a configuration file looks like to its author.
+
+    TOML text -> [checks] -> ConfigProblem, one per mistake -> ConfigError with all of them
+
+Every problem prints as one line: ``file: key: value written; what is allowed; did you mean ...?``
+"""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+from difflib import get_close_matches
+
+_LONGEST_VALUE = 80
+
+
+@dataclass(frozen=True)
+class ConfigProblem:
+    """One mistake.
+
+    Attributes:
+        file: file (or catalogue entry) as the user named it.
+        key: dotted key; a list item is addressed by its name (``body.car_body.mass``) or ``[index]``.
+        value: what was written there, as text; "missing" if nothing was.
+        allowed: what may stand there.
+        hint: the nearest allowed value, or "" if none is near.
+    """
+
+    file: str
+    key: str
+    value: str
+    allowed: str
+    hint: str = ""
+
+    def __str__(self) -> str:
+        """The line shown to the user."""
+        place = f"{self.file}: {self.key}" if self.key else self.file
+        guess = f"; did you mean '{self.hint}'?" if self.hint else ""
+        return f"{place}: {self.value}; {self.allowed}{guess}"
+
+    def within(self, key: str) -> "ConfigProblem":
+        """The same problem seen from an enclosing table ``key``."""
+        return replace(self, key=join_key(key, self.key))
+
+
+class ConfigError(Exception):
+    """All the mistakes of one configuration.
+
+    Attributes:
+        problems: the mistakes in the order of the file.
+    """
+
+    def __init__(self, problems: Iterable[ConfigProblem]) -> None:
+        self.problems: tuple[ConfigProblem, ...] = tuple(problems)
+        super().__init__("\n".join(str(problem) for problem in self.problems))
+
+
+def join_key(parent: str, key: str) -> str:
+    """Dotted key; ``[2]`` follows its list without a dot."""
+    if not parent or not key or key.startswith("["):
+        return parent + key
+    return f"{parent}.{key}"
+
+
+def show_value(value: object) -> str:
+    """The value as a user would recognise it, short enough for one line."""
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, dict):
+        return f"a table with {len(value)} keys"
+    try:
+        text = repr(list(value) if isinstance(value, tuple) else value)
+    except (ValueError, RecursionError):  # an integer of thousands of digits; lists nested beyond reason
+        text = f"a very long {type(value).__name__}"
+    return text if len(text) <= _LONGEST_VALUE else text[: _LONGEST_VALUE - 3] + "..."
+
+
+def nearest(word: object, choices: Sequence[str]) -> str:
+    """The choice that ``word`` was probably meant to be, or ""."""
+    matches = get_close_matches(str(word), choices, n=1, cutoff=0.6) if isinstance(word, str) else []
+    return matches[0] if matches else ""
+
+
+def one_of(choices: Iterable[str]) -> str:
+    """'allowed are a, b, c' in the order given."""
+    return "allowed: " + (", ".join(choices) or "nothing here")

@@ -1,0 +1,116 @@
+"""Turn references into what they refer to, and raw tables into checked parts of a case.
+
+raw vehicle, support, material, profile + the folder they were read from -> (object | None, problems)
+"""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from pydantic import RootModel
+
+from rollerrig.config.check_profile import check_gauge, check_profile
+from rollerrig.config.check_vehicle import check_vehicle, check_vehicle_names
+from rollerrig.config.errors import ConfigError, ConfigProblem, nearest, show_value
+from rollerrig.config.library import CatalogKind, catalog_names
+from rollerrig.config.material import Material
+from rollerrig.config.profile import AnyProfile
+from rollerrig.config.read import Document, read_document
+from rollerrig.config.support import AnySupport, Rig, Track
+from rollerrig.config.translate import validate
+from rollerrig.config.vehicle import Vehicle
+
+Problems = list[ConfigProblem]
+
+_POINT_FILES = (".txt", ".dat", ".csv", ".prw", ".prr", ".prf", ".xy")
+
+
+class SupportRoot(RootModel[AnySupport]):
+    """A support of either kind."""
+
+
+class ProfileRoot(RootModel[AnyProfile]):
+    """A profile of any kind."""
+
+
+def resolve_vehicle(document: Document) -> tuple[Vehicle | None, Problems]:
+    """A vehicle from its raw tables."""
+    raw, file = dict(document.raw), document.file
+    problems = check_vehicle_names(raw, file)
+    wheel = raw.get("wheel")
+    if isinstance(wheel, Mapping):
+        raw["wheel"], mistakes = _with_profile(wheel, document, "wheel.profile")
+        problems += mistakes
+    vehicle, mistakes = validate(Vehicle, raw, file)
+    problems += _new(mistakes, problems)
+    if vehicle is None or problems:
+        return None, problems
+    problems += check_vehicle(vehicle, file)
+    problems += check_profile(vehicle.wheel.profile, "wheel", file, "wheel.profile")[1]
+    return (None if problems else vehicle), problems
+
+
+def resolve_support(document: Document) -> tuple[Rig | Track | None, Problems]:
+    """A rig or track from its raw tables."""
+    raw, problems = _with_profile(document.raw, document, "profile")
+    found, mistakes = validate(SupportRoot, raw, document.file)
+    problems += _new(mistakes, problems)
+    if found is None or problems:
+        return None, problems
+    support: Rig | Track = found.root
+    problems += check_gauge(support, document.file)
+    return (None if problems else support), problems
+
+
+def resolve_material(document: Document) -> tuple[Material | None, Problems]:
+    """A material from its raw tables."""
+    return validate(Material, document.raw, document.file)
+
+
+def refer(kind: CatalogKind, name: str, document: Document, key: str) -> tuple[Document | None, Problems]:
+    """The document that ``key`` of another one names."""
+    try:
+        return read_document(kind, name, document.folder), []
+    except ConfigError as error:
+        if error.problems[0].value != "no such file":
+            return None, list(error.problems)
+        problem = error.problems[0]
+        return None, [
+            ConfigProblem(document.file, key, show_value(name), f"no such file; {problem.allowed}", problem.hint)
+        ]
+
+
+def resolve_profile(name: str, document: Document, key: str) -> tuple[dict[str, Any] | None, Problems]:
+    """Raw tables of the profile that ``name`` stands for: a catalogue entry, a TOML file, or a file of points."""
+    if Path(name).suffix.lower() in _POINT_FILES:
+        return _absolute({"kind": "file", "path": name}, document.folder), []
+    if name in catalog_names("profile") or name.endswith(".toml"):
+        found, problems = refer("profile", name, document, key)
+        return (_absolute(found.raw, found.folder) if found else None), problems
+    names = catalog_names("profile")
+    allowed = f"allowed: a table with kind, a file of points, a TOML file, or one of {', '.join(names)}"
+    return None, [ConfigProblem(document.file, key, show_value(name), allowed, nearest(name, names))]
+
+
+def _with_profile(table: Mapping[str, Any], document: Document, key: str) -> tuple[dict[str, Any], Problems]:
+    resolved, written = dict(table), table.get("profile")
+    problems: Problems = []
+    if isinstance(written, str):
+        spec, problems = resolve_profile(written, document, key)
+        resolved["profile"] = written if spec is None else spec
+    elif isinstance(written, Mapping):
+        resolved["profile"] = _absolute(written, document.folder)
+    return resolved, problems
+
+
+def _absolute(spec: Mapping[str, Any], folder: Path) -> dict[str, Any]:
+    path = spec.get("path")
+    if not isinstance(path, str) or not path or "\0" in path:
+        return dict(spec)
+    return {**spec, "path": str((folder / path).absolute())}
+
+
+def _new(mistakes: Problems, known: Problems) -> Problems:
+    """Mistakes at keys of which nothing has been said yet."""
+    keys = {(problem.file, problem.key) for problem in known}
+    return [mistake for mistake in mistakes if (mistake.file, mistake.key) not in keys]
