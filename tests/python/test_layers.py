@@ -1,6 +1,6 @@
 """The arrow of the data is a test: a folder may use only what stands to its left.
 
-core:    scalar -> math -> profile -> body -> geometry -> contact -> system -> integrate
+core:    scalar -> math -> profile -> body -> geometry -> contact -> system -> integrate -> record
 Python:  profiles -> config -> catalog -> model -> run -> results -> analysis -> plot -> report -> cli
 """
 
@@ -27,6 +27,7 @@ CORE_LAYERS = [
     {"contact"},
     {"system"},
     {"integrate"},
+    {"record"},
 ]
 """From left to right."""
 
