@@ -1,0 +1,134 @@
+// Problems with exact or published solutions, shared by the tests of the integrators.
+#pragma once
+#include <cmath>
+#include <vector>
+
+#include "rig/integrate/integrator.hpp"
+
+namespace rig::test {
+
+using integrate::Integrator;
+using integrate::Method;
+using integrate::Options;
+
+/// x = (cos t, sin 2t) solves a nonlinear, non-autonomous, coupled system; z accumulates t x0^2 + x1.
+/// `stiffness` [1/s] is the rate at which x0 is pulled to its solution: the idea of Prothero and Robinson (1974).
+struct ExactOscillation {
+  double stiffness = 0;
+
+  Sizes sizes() const { return {2, 1}; }
+
+  Status derivative(double t, double const* x, double* x_dot, double* z_dot) const {
+    double const e0 = x[0] - std::cos(t);
+    double const e1 = x[1] - std::sin(2 * t);
+    x_dot[0] = -std::sin(t) + x[0] * x[1] - std::cos(t) * std::sin(2 * t) - stiffness * e0 * (1 + x[1] * x[1]);
+    x_dot[1] = 2 * std::cos(2 * t) - e0 * x[1] + 0.3 * e1 * e1;
+    if (z_dot != nullptr) z_dot[0] = t * x[0] * x[0] + x[1];
+    return Status::ok;
+  }
+
+  Status jacobian(double t, double const* x, JacobianData& j) const {
+    double const c = std::cos(t), s = std::sin(t), c2 = std::cos(2 * t), s2 = std::sin(2 * t);
+    double const e0 = x[0] - c;
+    double const e1 = x[1] - s2;
+    j.a << x[1] - stiffness * (1 + x[1] * x[1]), x[0] - 2 * stiffness * e0 * x[1], -x[1], -e0 + 0.6 * e1;
+    j.f_t << -c + s * s2 - 2 * c * c2 - stiffness * s * (1 + x[1] * x[1]), -4 * s2 - s * x[1] - 1.2 * e1 * c2;
+    j.g << 2 * t * x[0], 1;
+    j.g_t << x[0] * x[0];
+    return Status::ok;
+  }
+
+  static std::vector<double> start() { return {1, 0}; }
+  static double x0(double t) { return std::cos(t); }
+  static double x1(double t) { return std::sin(2 * t); }
+
+  /// Integral of t cos^2 t + sin 2t from 0.
+  static double z(double t) {
+    return t * t / 4 + t * std::sin(2 * t) / 4 + (std::cos(2 * t) - 1) / 8 + (1 - std::cos(2 * t)) / 2;
+  }
+};
+
+/// x'' = -omega^2 x, of which the first state is declared kinematic unless told otherwise.
+struct Oscillator {
+  double omega = 1;  // [rad/s]
+  bool declare_kinematic = true;
+
+  Sizes sizes() const { return {2, 0}; }
+  int kinematic_states() const { return declare_kinematic ? 1 : 0; }
+  int velocity_column(int) const { return 1; }
+
+  Status derivative(double, double const* x, double* x_dot, double*) const {
+    x_dot[0] = x[1];
+    x_dot[1] = -omega * omega * x[0];
+    return Status::ok;
+  }
+  Status jacobian(double, double const*, JacobianData& j) const {
+    j.a << 0, 1, -omega * omega, 0;
+    return Status::ok;
+  }
+  double energy(double const* x) const { return (x[1] * x[1] + omega * omega * x[0] * x[0]) / 2; }
+};
+
+/// eps x'' = (1 - x^2) x' - x.  For eps = 1e-6 and x = (2, 0) the solution at t = 2 is published:
+/// Test Set for IVP Solvers (CWI Amsterdam, University of Bari), problem VDPOL.
+struct VanDerPol {
+  double epsilon = 1;
+  static constexpr double published_x0 = 1.706167732170483;
+  static constexpr double published_x1 = -0.8928097010247975;
+
+  Sizes sizes() const { return {2, 0}; }
+  Status derivative(double, double const* x, double* x_dot, double*) const {
+    x_dot[0] = x[1];
+    x_dot[1] = ((1 - x[0] * x[0]) * x[1] - x[0]) / epsilon;
+    return Status::ok;
+  }
+  Status jacobian(double, double const* x, JacobianData& j) const {
+    j.a << 0, 1, (-2 * x[0] * x[1] - 1) / epsilon, (1 - x[0] * x[0]) / epsilon;
+    return Status::ok;
+  }
+};
+
+/// One state whose rate is a function of time and state; the Jacobian is given as numbers.
+template <class Rate>
+struct Scalar1 {
+  Rate rate;  // (t, x) -> x'
+  double dfdx = 0;
+  double dfdt = 0;
+
+  Sizes sizes() const { return {1, 0}; }
+  Status derivative(double t, double const* x, double* x_dot, double*) {
+    x_dot[0] = rate(t, x[0]);
+    return Status::ok;
+  }
+  Status jacobian(double, double const*, JacobianData& j) const {
+    j.a << dfdx;
+    j.f_t << dfdt;
+    return Status::ok;
+  }
+};
+
+inline Options fixed(Method method, double step, double final_time) {
+  Options o;
+  o.method = method;
+  o.step = step;
+  o.final_time = final_time;
+  return o;
+}
+
+inline Options adaptive(Method method, double tolerance, double final_time) {
+  Options o;
+  o.method = method;
+  o.relative_tolerance = tolerance;
+  o.absolute_tolerance = {tolerance};
+  o.final_time = final_time;
+  return o;
+}
+
+inline constexpr Method all_methods[] = {Method::rk4, Method::dormand_prince, Method::rodas4};
+
+/// Order seen when the step is halved from one entry to the next.
+inline double slope(std::vector<double> const& errors) {
+  return std::log2(errors.front() / errors.back()) / static_cast<double>(errors.size() - 1);
+}
+
+}  // namespace rig::test

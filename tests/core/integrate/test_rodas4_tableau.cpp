@@ -1,0 +1,121 @@
+// The numbers of RODAS against the order conditions, to round-off.
+//
+// Source  Hairer, Wanner, Solving ODEs II (1996), IV.7 table 7.1 and (7.15); VI.4 table 4.1 for index-1 equations.
+#include <doctest/doctest.h>
+
+#include <Eigen/LU>
+
+#include "rig/integrate/rodas4_tableau.hpp"
+
+namespace tableau = rig::integrate::rodas4_tableau;
+using Matrix6 = Eigen::Matrix<double, 6, 6>;
+using Vector6 = Eigen::Matrix<double, 6, 1>;
+
+namespace {
+
+// The sums below have about 20 terms of size up to 30: 1e-13 is their round-off, the digits given have 1e-15.
+constexpr double round_off = 1e-13;
+
+/// The method in the textbook's form: k_i = h f(y + sum alpha_ij k_j) + h J sum gamma_ij k_j, y_new = y + sum b_i k_i.
+struct Textbook {
+  Matrix6 gamma, alpha, beta, omega;  // omega = beta^-1
+  Vector6 alpha_sum, beta_sum, gamma_sum;
+
+  Textbook() {
+    Matrix6 a = Matrix6::Zero(), c = Matrix6::Zero();
+    for (int i = 0; i < 6; ++i) {
+      for (int j = 0; j < std::min(i, 5); ++j) {
+        a(i, j) = tableau::a[i][j];
+        c(i, j) = tableau::c[i][j];
+      }
+    }
+    gamma = (Matrix6::Identity() / tableau::gamma - c).inverse();  // (7.24)
+    alpha = a * gamma;
+    beta = alpha + gamma;
+    omega = beta.inverse();
+    alpha_sum = alpha.rowwise().sum();
+    beta_sum = beta.rowwise().sum();
+    gamma_sum = gamma.rowwise().sum();
+  }
+
+  /// Weights b of a result y + sum m_j u_j.
+  Vector6 weights(Vector6 const& m) const { return gamma.transpose() * m; }
+};
+
+Vector6 embedded_sum() {
+  Vector6 m = Vector6::Zero();
+  for (int j = 0; j < 5; ++j) m[j] = tableau::a[5][j];
+  return m;
+}
+
+Vector6 solution_sum() { return embedded_sum() + Vector6::Unit(5); }
+
+Textbook const method;
+Vector6 const squares = method.alpha_sum.cwiseAbs2();
+
+/// Largest violation of the conditions of order 3 by the solution at theta.
+double order_3_defect(Vector6 const& b, double theta = 1) {
+  auto const& m = method;
+  double const conditions[] = {
+      b.sum() - theta,
+      b.dot(m.beta_sum) - theta * theta / 2,
+      b.dot(squares) - std::pow(theta, 3) / 3,
+      b.dot(m.beta * m.beta_sum) - std::pow(theta, 3) / 6,
+  };
+  return Eigen::Map<Eigen::Vector4d const>(conditions).cwiseAbs().maxCoeff();
+}
+
+double order_4_defect(Vector6 const& b) {
+  auto const& m = method;
+  double const conditions[] = {
+      b.dot(squares.cwiseProduct(m.alpha_sum)) - 1.0 / 4,
+      b.dot(m.alpha_sum.cwiseProduct(m.alpha * m.beta_sum)) - 1.0 / 8,
+      b.dot(m.beta * squares) - 1.0 / 12,
+      b.dot(m.beta * (m.beta * m.beta_sum)) - 1.0 / 24,
+  };
+  return Eigen::Map<Eigen::Vector4d const>(conditions).cwiseAbs().maxCoeff();
+}
+
+}  // namespace
+
+TEST_CASE("the stage times and time weights of RODAS are the row sums of its matrices") {
+  for (int i = 0; i < 6; ++i) {
+    CHECK(method.alpha_sum[i] == doctest::Approx(tableau::alpha[i]).epsilon(round_off));
+    CHECK(std::abs(method.gamma_sum[i] - tableau::time_weight[i]) < round_off);
+  }
+}
+
+TEST_CASE("the numbers of RODAS satisfy every condition of order 4") {
+  Vector6 const b = method.weights(solution_sum());
+  CHECK(order_3_defect(b) < round_off);
+  CHECK(order_4_defect(b) < round_off);
+}
+
+TEST_CASE("the embedded solution of RODAS is of order 3 and not of order 4") {
+  Vector6 const b = method.weights(embedded_sum());
+  CHECK(order_3_defect(b) < round_off);
+  CHECK(order_4_defect(b) > 1e-2);  // else the difference would estimate nothing
+}
+
+TEST_CASE("the dense output of RODAS is of order 3 at every point of the step") {
+  for (double theta : {0.1, 0.3, 0.5, 0.8}) {
+    Vector6 m = theta * solution_sum();
+    for (int j = 0; j < 5; ++j) m[j] += theta * (1 - theta) * (tableau::bend[j] + theta * tableau::cubic[j]);
+    CHECK(order_3_defect(method.weights(m), theta) < round_off);
+  }
+}
+
+TEST_CASE("RODAS is stiffly accurate and keeps order 4 for algebraic equations of index 1") {
+  auto const& m = method;
+  Vector6 const b = m.weights(solution_sum());
+  // Stiffly accurate: b is the last row of beta, so the result satisfies the algebraic equation's linearisation.
+  CHECK((b - m.beta.row(5).transpose()).cwiseAbs().maxCoeff() < round_off);
+  // Conditions of the algebraic variable, VI.4 table 4.1.
+  Eigen::RowVectorXd const b_omega = b.transpose() * m.omega;
+  Vector6 const omega_squares = m.omega * squares;
+  CHECK(std::abs(b_omega.dot(squares) - 1) < round_off);
+  CHECK(std::abs(b_omega.dot(squares.cwiseProduct(m.alpha_sum)) - 1) < round_off);
+  CHECK(std::abs(b_omega.dot(m.alpha_sum.cwiseProduct(m.alpha * m.beta_sum)) - 0.5) < round_off);
+  CHECK(std::abs(b_omega.dot(m.alpha_sum.cwiseProduct(m.alpha * omega_squares)) - 1) < round_off);
+  CHECK(std::abs(b.dot(m.alpha_sum.cwiseProduct(m.alpha * omega_squares)) - 0.25) < round_off);
+}
