@@ -20,9 +20,12 @@ def quantity_of(annotation: object, metadata: object = ()) -> Quantity | None:
     return None
 
 
+INSTEAD_OF = "x-instead-of"
+
+
 def instead_of(key: str) -> dict[str, JsonValue]:
     """Mark of a field that a file may leave out where it gives ``key``; it has a value once the file is read."""
-    return {"x-instead-of": key}
+    return {INSTEAD_OF: key}
 
 
 class Table(BaseModel):

@@ -46,9 +46,13 @@ def changed_case(case: "Case", changes: Mapping[str, object]) -> "Case":
         is_short = head in own_keys and rest and rest.split(".")[0] not in own_keys[head]
         full[f"{head}.data.{rest}" if is_short else str(key)] = value
     problems = apply_changes(raw, full, file)
+    try:
+        changed = build_case(Document(raw, file, Path()))
+    except ConfigError as error:
+        problems += error.problems
     if problems:
         raise ConfigError(problems)
-    return build_case(Document(raw, file, Path()))
+    return changed
 
 
 def plain(value: Any) -> Any:

@@ -18,8 +18,9 @@ def check_profile(
     try:
         return profile_from_spec(spec.arguments(), kind), []
     except (ProfileError, OSError) as error:
-        what = getattr(spec, "path", None) or getattr(spec, "kind", "")
-        return None, [ConfigProblem(file, key, show_value(what), str(error))]
+        what = str(getattr(spec, "path", None) or getattr(spec, "kind", ""))
+        reason = str(error).removeprefix("profile: ").removeprefix(f"{what}: ")
+        return None, [ConfigProblem(file, key, show_value(what), reason)]
 
 
 def check_gauge(support: Rig | Track, file: str) -> list[ConfigProblem]:

@@ -13,7 +13,8 @@ _ON_AXLE = 1e-6  # [m] round-off of positions written in decimals
 def check_vehicle_names(raw: Mapping[str, Any], file: str) -> list[ConfigProblem]:
     """Names used twice or nowhere defined; works on raw tables, so that other mistakes do not hide these."""
     problems = [*_duplicates(raw, "body", file), *_duplicates(raw, "element", file)]
-    bodies = [body["name"] for _, body in labelled(raw, "body") if isinstance(body.get("name"), str)]
+    names = [body["name"] for _, body in labelled(raw, "body") if isinstance(body.get("name"), str)]
+    bodies = list(dict.fromkeys(names))
     if not bodies:
         return problems
     for label, element in labelled(raw, "element"):

@@ -69,8 +69,7 @@ def load_vehicle(source: str | Path) -> Vehicle:
 
 def load_support(source: str | Path) -> Rig | Track:
     """Read a rig or track by catalogue name or path; raises ConfigError with all mistakes."""
-    support: Rig | Track = _whole(*resolve_support(read_document("support", source)))
-    return support
+    return _whole_support(read_document("support", source))
 
 
 def load_material(source: str | Path) -> Material:
@@ -106,8 +105,7 @@ def load_any(source: str | Path) -> tuple[CatalogKind, Case | Vehicle | Rig | Tr
         case "vehicle":
             return kind, _whole(*resolve_vehicle(document))
         case "support":
-            support: Rig | Track = _whole(*resolve_support(document))
-            return kind, support
+            return kind, _whole_support(document)
         case "material":
             return kind, _whole(*resolve_material(document))
         case "profile":
@@ -221,6 +219,13 @@ def _material(raw: dict[str, Any], document: Document) -> Problems:
     if material is not None:
         contact["material"] = material
     return problems + mistakes
+
+
+def _whole_support(document: Document) -> Rig | Track:
+    support, problems = resolve_support(document)
+    if support is None:
+        raise ConfigError(problems)
+    return support
 
 
 def _whole(part: T | None, problems: Problems) -> T:

@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal, Union, get_args, get_origin
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
-from rollerrig.config.base import quantity_of
+from rollerrig.config.base import INSTEAD_OF, quantity_of
 from rollerrig.config.case import Case
 from rollerrig.config.library import CatalogKind
 from rollerrig.config.material import Material
@@ -55,7 +55,7 @@ def json_schema(kind: CatalogKind = "case") -> dict[str, Any]:
 def _as_in_files(table: dict[str, Any]) -> None:
     """Add what a file may write and the loaded object no longer shows: references, units in keys, left-out keys."""
     properties = table.get("properties", {})
-    optional = {key for key, value in properties.items() if "x-instead-of" in value}
+    optional = {key for key, value in properties.items() if INSTEAD_OF in value}
     if "required" in table:
         table["required"] = [key for key in table["required"] if key not in optional]
     for key in properties.keys() & {"profile", "material"}:
@@ -180,8 +180,8 @@ def _tuple_type(arguments: tuple[Any, ...]) -> str:
 
 
 def _default(field: FieldInfo) -> str:
-    if isinstance(field.json_schema_extra, dict) and "x-instead-of" in field.json_schema_extra:
-        return f"this or `{field.json_schema_extra['x-instead-of']}`"
+    if isinstance(field.json_schema_extra, dict) and INSTEAD_OF in field.json_schema_extra:
+        return f"this or `{field.json_schema_extra[INSTEAD_OF]}`"
     if field.is_required():
         return "required"
     default = field.default

@@ -7,11 +7,11 @@ import types
 from collections.abc import Mapping, Sequence
 from typing import Annotated, Any, Literal, NamedTuple, TypeVar, Union, get_args, get_origin
 
-from pydantic import BaseModel, ValidationError
+from pydantic import BaseModel, RootModel, ValidationError
 from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
-from rollerrig.config.base import quantity_of
+from rollerrig.config.base import INSTEAD_OF, quantity_of
 from rollerrig.config.errors import ConfigProblem, join_key, nearest, one_of, show_value
 from rollerrig.config.units import KEY_SUFFIXES
 
@@ -43,8 +43,8 @@ def validate(model: type[M], raw: object, file: str, prefix: str = "") -> tuple[
     try:
         return model.model_validate(raw), []
     except ValidationError as error:
-        problems = [_problem(model, raw, item, file).within(prefix) for item in error.errors(include_url=False)]
-        return None, list(dict.fromkeys(problems))
+        found = [_problem(model, raw, item, file) for item in error.errors(include_url=False)]
+        return None, list(dict.fromkeys(problem.within(prefix) for problem in found if problem))
 
 
 def item_label(items: Sequence[object], index: int) -> str:
@@ -89,8 +89,8 @@ def tag_of(table: type[BaseModel]) -> str:
 
 
 def _locate(model: type[BaseModel], raw: Any, location: Sequence[int | str]) -> _Place:
-    annotation: Any = model
-    place = _Place("", None, None, (model,), raw)
+    annotation: Any = model.model_fields["root"].annotation if issubclass(model, RootModel) else model
+    place = _Place("", None, None, tables_in(annotation), raw)
     for item in location:
         tables = tables_in(annotation)
         if len(tables) > 1:  # the item is the tag of a union, which the user did not write
@@ -134,7 +134,7 @@ def _enter_list(place: _Place, annotation: Any, item: int | str) -> tuple[_Place
     return _Place(join_key(place.key, label), None, place.field, (), raw), inner
 
 
-def _problem(model: type[BaseModel], raw: object, error: ErrorDetails, file: str) -> ConfigProblem:
+def _problem(model: type[BaseModel], raw: object, error: ErrorDetails, file: str) -> ConfigProblem | None:
     place = _locate(model, raw, error["loc"])
     context: Mapping[str, Any] = error.get("ctx", {})
     match error["type"]:
@@ -143,6 +143,9 @@ def _problem(model: type[BaseModel], raw: object, error: ErrorDetails, file: str
             hint = nearest(error["loc"][-1], keys)
             return ConfigProblem(file, place.key, f"unknown key (= {show_value(error['input'])})", one_of(keys), hint)
         case "missing":
+            holder = _locate(model, raw, error["loc"][:-1]).raw
+            if isinstance(holder, Mapping) and _instead(place.field) in holder:
+                return None  # it follows from the other key, whose own mistake is reported
             return ConfigProblem(file, place.key, "missing", _needed(place))
         case "at_key":
             at = place.raw
@@ -172,9 +175,16 @@ def _literal(place: _Place) -> Any:
 
 def _needed(place: _Place) -> str:
     quantity = quantity_of(place.field.annotation, place.field.metadata) if place.field else None
+    other = f", or `{_instead(place.field)}` in its place" if _instead(place.field) else ""
     if quantity and tables_in(place.field.annotation if place.field else None) == ():
-        return quantity.allowed.replace("allowed", "needed", 1)
-    return f"needed: {place.field.description}" if place.field and place.field.description else "needed"
+        return quantity.allowed.replace("allowed", "needed", 1) + other
+    return f"needed: {place.field.description}{other}" if place.field and place.field.description else "needed"
+
+
+def _instead(field: FieldInfo | None) -> str:
+    """The key that a file may give in place of this one, or ""."""
+    extra = field.json_schema_extra if field else None
+    return str(extra.get(INSTEAD_OF, "")) if isinstance(extra, dict) else ""
 
 
 def _allowed(place: _Place, error: ErrorDetails, context: Mapping[str, Any]) -> str:
