@@ -248,9 +248,7 @@ def _thinned(points: FloatArray, weights: FloatArray) -> tuple[FloatArray, Float
     return points[keep], weights[keep]
 
 
-def _smooth(
-    points: FloatArray, weights: FloatArray, noise: float, smoothing: float | Literal["auto"]
-) -> SmoothCurve:
+def _smooth(points: FloatArray, weights: FloatArray, noise: float, smoothing: float | Literal["auto"]) -> SmoothCurve:
     """Smoothing splines y(s) and z(s) over the chord length s.
 
     Each minimises  integral (p - f)^2 ds + lambda integral f''^2 ds,  a low-pass of gain 1/(1 + (k/k_c)^4) in

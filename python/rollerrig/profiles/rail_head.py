@@ -93,7 +93,7 @@ def head_height(arcs: list[Arc], y_mm: FloatArray) -> FloatArray:
     return height
 
 
-def outline(arcs: list[Arc], points_per_arc: int = 200) -> FloatArray:
+def outline(arcs: list[Arc], points_per_arc: int = 500) -> FloatArray:
     """Points [m] along the head from the foot of the gauge side to that of the field side; shape (n, 2)."""
     curve = np.concatenate(
         [arc.point(np.linspace(arc.start, arc.end, points_per_arc + 1)).T[(k > 0) :] for k, arc in enumerate(arcs)]

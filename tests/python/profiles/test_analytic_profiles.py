@@ -87,7 +87,7 @@ def test_s1002_tread_matches_its_polynomial_with_curvature():
     ("variant", "depths", "side"),
     [
         ("en_13674", (0.174404, 2.302524), (35.99981, 14.29996)),
-        # The benchmark's depths were taken in a frame 0.006 mm off the axis of the head: 5e-5 mm at R13.
+        # The benchmark's corners lie 5e-5 mm lower than tangent arcs through its junctions put them.
         ("benchmark", (0.183804, 2.253210), (36.00, None)),
     ],
 )
@@ -108,7 +108,7 @@ def test_at_any_inclination_the_highest_point_is_the_origin_and_the_head_is_conv
     table = rail.uic60(inclination, variant)
     y = np.linspace(*table.domain, 2001)
     height = table.evaluate(y)
-    # The crown may have its curvature jump (9 1/m) at the top: the spline is then 0.25 um/1000 off, see table.py.
+    # Where the curvature jump of the crown (9 1/m) comes to lie at the top, the spline rounds it off: 1 nm.
     assert height.max() < 1e-8
     assert abs(float(table.evaluate(0.0))) < 1e-8
     assert np.max(np.abs(table.evaluate(y, 1))) < STEEPEST_SLOPE * 1.02
@@ -146,9 +146,9 @@ def test_a_rail_table_follows_its_arcs(name):
     assert np.max(np.abs(angle_error[calm])) < 1e-5  # [rad]; asked for: 2e-5
     assert np.max(np.abs(table.curvature(y) / curvature - 1)[calm]) < 0.005
     near = ~away_from(y / mm, [arc.point(arc.start)[0] for arc in arcs[1:]], 0.2) & away_from(
-        y / mm, [arc.point(arc.start)[0] for arc in arcs[1:]], 0.102
-    )  # from two knots to 0.2 mm beyond a junction: no ringing
-    assert np.max(np.abs(table.curvature(y) / curvature - 1)[near]) < 0.05
+        y / mm, [arc.point(arc.start)[0] for arc in arcs[1:]], 0.15
+    )  # the spline is local: three knots of 0.05 mm beyond a junction nothing of its jump is left
+    assert np.max(np.abs(table.curvature(y) / curvature - 1)[near]) < 0.005
 
 
 def test_the_benchmark_rail_lies_where_the_gauge_puts_it():
@@ -161,9 +161,9 @@ def test_the_benchmark_rail_lies_where_the_gauge_puts_it():
 
 def test_the_gauge_does_not_depend_on_the_sampling_of_the_outline():
     arcs = rail.inclined_head("en_13674", 1 / 40)
-    coarse, fine = (rail.outline(arcs, n) for n in (200, 4000))
-    y = [float(np.interp(-14 * mm, o[: len(o) // 4, 1], o[: len(o) // 4, 0])) for o in (coarse, fine)]
-    assert y[0] == pytest.approx(y[1], abs=2e-8)  # chord error of the R13 arc: s^2/8R = 5e-8 m for 0.07 mm
+    coarse, fine = (rail.outline(arcs, n) for n in (500, 4000))
+    y = [float(np.interp(-14 * mm, o[: len(o) // 5, 1], o[: len(o) // 5, 0])) for o in (coarse, fine)]
+    assert y[0] == pytest.approx(y[1], abs=2e-8)  # chord error of the R13 arc: s^2/8R = 1e-8 m for 0.03 mm
 
 
 # ------------------------------------------------------------------ cone, cylinder, arc
@@ -187,7 +187,7 @@ def test_an_arc_has_the_curvature_of_its_radius(radius):
     y = np.linspace(-half, half, 301)
     # z'' is off by step^2 z''''/12, at most 1e-6 relative for radii from 20 mm up to slope 0.75
     assert table.curvature(y) == pytest.approx(1 / radius, rel=2e-5, abs=1e-5)
-    assert np.max(table.evaluate(np.linspace(*table.domain, 999))) < 1e-14
+    assert np.max(table.evaluate(np.linspace(*table.domain, 999))) < 1e-13  # round-off of 30 mm at the far ends
 
 
 def test_a_flat_head_has_flanks_for_its_gauge():
