@@ -95,10 +95,10 @@ def profile_from_file(
         turn = np.array([[math.cos(lean), -math.sin(lean)], [math.sin(lean), math.cos(lean)]])  # R, leaning inward
         points = points @ turn.T
     points, weights = _thinned(points, weights)
+    _check_count(file, points)
     noise = _noise(points)
     points, weights = _relevant(points, weights, kind, noise)
-    if len(points) < FEWEST_POINTS:
-        raise ProfileError(f"{file}: {len(points)} usable points; a profile has at least {FEWEST_POINTS}")
+    _check_count(file, points)
     reference = _reference(points, kind)
     check_fold(file, points, reference)
     curve = _smooth(points, weights, noise, smoothing)
@@ -197,6 +197,11 @@ def _oriented(
     points = np.column_stack([y, z])
     order = slice(None, None, -1 if y[-1] < y[0] else 1)
     return points[order], raw.weights[order]
+
+
+def _check_count(file: Path, points: FloatArray) -> None:
+    if len(points) < FEWEST_POINTS:
+        raise ProfileError(f"{file}: {len(points)} different, usable points; a profile has at least {FEWEST_POINTS}")
 
 
 def _check_wheel(file: Path, points: FloatArray, require_flange: bool) -> None:

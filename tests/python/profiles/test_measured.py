@@ -306,3 +306,32 @@ def test_a_tread_without_a_flange_may_be_asked_for(tmp_path):
     keys = {"require_flange": False, "inner_side": "negative", "z_positive": "down"}
     table = read(path, **keys)
     assert table.domain == pytest.approx((-25 * mm, 60 * mm), abs=0.3 * mm)
+
+
+@settings(max_examples=60, deadline=None)
+@given(
+    kind=st.sampled_from(["wheel", "rail"]),
+    first=st.integers(0, 400),
+    count=st.integers(0, 500),
+    every=st.integers(1, 40),
+    noise=st.sampled_from([0.0, 0.1, 5.0]),
+    repeat=st.sampled_from([1, 2, 30]),
+    shuffled=st.booleans(),
+    seed=st.integers(0, 99),
+)
+def test_whatever_the_points_either_a_smooth_profile_comes_out_or_one_clear_error(
+    tmp_path_factory, kind, first, count, every, noise, repeat, shuffled, seed
+):
+    random = np.random.default_rng(seed)
+    points = (wheel_points() if kind == "wheel" else rail_points())[first : first + count : every]
+    points = np.repeat(points, repeat, axis=0) + noise * random.standard_normal((repeat * len(points), 2))
+    points = random.permutation(points) if shuffled else points
+    path = write(tmp_path_factory.mktemp("any") / "points.txt", points)
+    try:
+        table = read(path, kind)
+    except ProfileError as error:
+        assert str(path) in str(error)  # noqa: PT017 - both outcomes are right
+    else:
+        y = np.linspace(*table.domain, 500)
+        assert np.all(np.isfinite(table.evaluate(y, 2)))
+        assert np.max(np.abs(table.evaluate(y, 1))) < 5.5  # the limit of 5, and the last knots' extrapolation
