@@ -7,7 +7,7 @@ from pydantic import Discriminator, Field, StrictBool
 from rollerrig.config.base import Table
 from rollerrig.config.units import Length, Quantity
 
-KnotSpacing = Annotated[float, Quantity("m", gt=0, le=1e-3)]
+KnotSpacing = Annotated[float, Quantity("m", ge=2e-6, le=1e-3)]
 HalfWidth = Annotated[float, Quantity("m", gt=0, le=0.5)]
 Inclination = Annotated[float, Quantity("1", ge=0, le=0.2)]
 _STEP = "distance between the knots of the spline"
