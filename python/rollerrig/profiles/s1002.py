@@ -1,6 +1,6 @@
 """Wheel profile S1002 from its published polynomials and arcs.
 
-Source  ORE S1002, EN 13715 annex; the table of `docs/theory/profiles.md`. Millimetres, as published.
+Source  ORE S1002, EN 13715. Numbers in millimetres, as published.
 """
 
 from __future__ import annotations

@@ -138,7 +138,8 @@ def tabulate(
 ) -> ProfileTable:
     """Turn any height function into a spline table.
 
-    The spline is not an interpolant but the local quasi-interpolant of de Boor and Fix with B-spline weights
+    The spline is not an interpolant but a local quasi-interpolant of the de Boor-Fix type, f - h^2 f''/6 at the
+    knots with a difference for f'', whose B-spline weights are
 
         w_i = (-f_(i-1) + 8 f_i - f_(i+1)) / 6
 
