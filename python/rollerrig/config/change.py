@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from rollerrig.config.errors import ConfigError, ConfigProblem, nearest, one_of, show_value
 from rollerrig.config.translate import item_label
+from rollerrig.config.units import KEY_SUFFIXES
 
 if TYPE_CHECKING:
     from rollerrig.config.case import Case
@@ -110,7 +111,9 @@ def _write(raw: dict[str, Any], key: str, value: object, keys: set[str], file: s
     holder.pop(last, None)
     if value is not None:
         holder[last] = value
-        for sibling in _REPLACES.get(last, ()):
+        base, _, suffix = last.rpartition("_")
+        spellings = (base,) if suffix in KEY_SUFFIXES else tuple(f"{last}_{suffix}" for suffix in KEY_SUFFIXES)
+        for sibling in (*_REPLACES.get(last, ()), *spellings):
             if key.removesuffix(last) + sibling not in keys:
                 holder.pop(sibling, None)
     return None

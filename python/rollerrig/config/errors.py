@@ -34,7 +34,8 @@ class ConfigProblem:
         """The line shown to the user."""
         place = f"{self.file}: {self.key}" if self.key else self.file
         guess = f"; did you mean '{self.hint}'?" if self.hint else ""
-        return f"{place}: {self.value}; {self.allowed}{guess}"
+        line = f"{place}: {self.value}; {self.allowed}{guess}"
+        return "".join(c if c.isprintable() else repr(c)[1:-1] for c in line)  # one line, no terminal codes
 
     def within(self, key: str) -> "ConfigProblem":
         """The same problem seen from an enclosing table ``key``."""

@@ -1,0 +1,231 @@
+"""Bad input: every mistake is one line that says file, key, value, what is allowed and, where it can, what was meant."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from rollerrig.catalog import catalog_text
+from rollerrig.config import ConfigError, load_any, load_case, load_vehicle
+
+from .conftest import MistakesOf, spoil
+
+PRIMARY = 'between = ["front_frame", "wheelset_1"]\npoint = [10.78, 1.0, 0.46]'
+
+
+@pytest.mark.parametrize(
+    ("part", "old", "new", "line"),
+    [
+        # unknown key
+        ("case", "friction = 0.3", "frction = 0.3",
+         "case.toml: contact.frction: unknown key (= 0.3); allowed: material, friction, creep, normal, normal_damping, "
+         "standstill_speed, saturate_spin_moment; did you mean 'friction'?"),
+        ("vehicle", "carries_load = true", "carries_lod = true", None),
+        # wrong unit or type
+        ("case", 'speed = "150 km/h"', 'speed = "150 kN"',
+         "case.toml: motion.speed: '150 kN'; allowed: a number in m/s or a text with a unit like '100 km/h', "
+         "at least 0 m/s and at most 200 m/s"),
+        ("case", 'speed = "150 km/h"', "speed_mm = 150",
+         "case.toml: motion.speed_mm: '150 mm'; allowed: a number in m/s or a text with a unit like '100 km/h', "
+         "at least 0 m/s and at most 200 m/s"),
+        ("case", 'duration = "10 s"', "duration = true",
+         "case.toml: time.duration: true; allowed: a number in s or a text with a unit like '10 ms', greater than 0 s"),
+        ("case", "[contact]", "[contact]\nsaturate_spin_moment = 'yes'",
+         "case.toml: contact.saturate_spin_moment: 'yes'; allowed: true or false"),
+        # negative mass, impossible inertia
+        ("vehicle", 'mass = "32000 kg"', "mass = -32000",
+         "vehicle.toml: body.car_body.mass: -32000; allowed: a number in kg or a text with a unit like '1813 kg', "
+         "greater than 0 kg"),
+        ("vehicle", "inertia = [56.8e3, 1.970e6, 1.970e6]", "inertia = [56.8e3, 1.970e6, 3.0e6]",
+         "vehicle.toml: body.car_body.inertia: [56800.0, 1970000.0, 3000000.0]; allowed: no moment of inertia may exceed "
+         "the sum of the other two"),
+        ("vehicle", "inertia = [56.8e3, 1.970e6, 1.970e6]", "inertia = [56.8e3, 0, 1.970e6]",
+         "vehicle.toml: body.car_body.inertia[1]: 0; allowed: a number in kg m^2 or a text with a unit like "
+         "'1120 kg m^2', greater than 0 kg m^2"),
+        # zero roller radius
+        ("support", 'roller_radius = "725 mm"', "roller_radius = 0",
+         "support.toml: roller_radius: 0; allowed: a number in m or a text with a unit like '460 mm', "
+         "at least 0.05 m and at most 1e+06 m"),
+        ("case", 'use = "full_scale_rig"', 'use = "full_scale_rig"\nroller_radius = "0 mm"',
+         "case.toml: support.roller_radius: '0 mm'; allowed: a number in m or a text with a unit like '460 mm', "
+         "at least 0.05 m and at most 1e+06 m"),
+        # speed table out of order, NaN
+        ("case", 'speed = "150 km/h"', "speed_table = [[0, 10], [5, 20], [3, 30]]",
+         "case.toml: motion.speed_table: [[0, 10], [5, 20], [3, 30]]; allowed: rows in ascending order of their first "
+         "column, each once; 3 follows 5"),
+        ("case", 'speed = "150 km/h"', "speed_table = [[0, 10], [0, 20]]",
+         "case.toml: motion.speed_table: [[0, 10], [0, 20]]; allowed: rows in ascending order of their first "
+         "column, each once; 0 follows 0"),
+        ("case", 'speed = "150 km/h"', "speed_table = [[0, 10], [5, nan]]",
+         "case.toml: motion.speed_table[1][1]: nan; allowed: a number in m/s or a text with a unit like '100 km/h'"),
+        ("case", 'speed = "150 km/h"', "speed = 10\nspeed_table = [[0, 20], [5, 30]]",
+         "case.toml: motion.speed_table: [[0, 20], [5, 30]]; allowed: a table that starts at time 0 with motion.speed; "
+         "[0, 20] does not"),
+        ("case", 'drive = "held"', 'drive = "torque"',
+         "case.toml: motion.torque_table: missing; needed for drive = 'torque'"),
+        ("vehicle", '  ["-25 mm", 0.0],', '  ["-25 mm", 0.0],\n  ["-25 mm", 3.0],', None),
+        # missing file
+        ("case", '"full_scale_rig"', '"ful_scale_rig"',
+         "case.toml: support.use: 'ful_scale_rig'; no such file; allowed: a TOML file, or a support of the catalogue: "
+         "contact_benchmark_rail, contact_benchmark_roller, en_60e1_track, full_scale_rig, uic60_track; "
+         "did you mean 'full_scale_rig'?"),
+        ("case", 'material = "steel"', 'material = "my/steel.toml"',
+         "case.toml: contact.material: 'my/steel.toml'; no such file; allowed: a TOML file, or a material of the "
+         "catalogue: paper, steel, steel_contact_benchmark; did you mean 'steel'?"),
+        # names
+        ("case", 'cut = "leading_bogie"', 'cut = "leading_bogy"',
+         "case.toml: vehicle.cut: 'leading_bogy'; allowed: vehicle, leading_bogie, leading_wheelset; "
+         "did you mean 'leading_bogie'?"),
+        ("case", 'body = "wheelset_1"', 'body = "car_body"',
+         "case.toml: disturbance.car_body.body: 'car_body'; allowed: front_frame, wheelset_1, wheelset_2"),
+        ("vehicle", PRIMARY, PRIMARY.replace("front", "fromt"),
+         "vehicle.toml: element.primary_1_left.between: 'fromt_frame'; allowed: car_body, front_frame, rear_frame, "
+         "wheelset_1, wheelset_2, wheelset_3, wheelset_4; did you mean 'front_frame'?"),
+        ("vehicle", 'name = "primary_1_left"', 'name = "primary_1_right"',
+         "vehicle.toml: element[1].name: 'primary_1_right'; allowed: each name once"),
+        ("vehicle", 'held = ["car_body"]', 'held = ["carbody"]',
+         "vehicle.toml: cut.leading_bogie.held: 'carbody'; allowed: car_body, front_frame, rear_frame, wheelset_1, "
+         "wheelset_2, wheelset_3, wheelset_4; did you mean 'car_body'?"),
+        # geometry
+        ("vehicle", PRIMARY, PRIMARY.replace("10.78", "10.7"),
+         "vehicle.toml: element.primary_1_left.point: [10.7, 1.0, 0.46]; allowed: a point on the axle of wheelset_1, "
+         "which does not turn with it: [10.78, y, 0.46]"),
+        ("vehicle", 'radius = "460 mm"', 'radius = "450 mm"', None),
+        # contact, time
+        ("case", "friction = 0.3", "friction = -0.1",
+         "case.toml: contact.friction: -0.1; allowed: a number, at least 0 and at most 1.5"),
+        ("case", "friction = 0.3", "friction = 1.6",
+         "case.toml: contact.friction: 1.6; allowed: a number, at least 0 and at most 1.5"),
+        ("case", 'method = "rodas4"', 'method = "rk5"',
+         "case.toml: time.method: 'rk5'; allowed: rodas4, rk4, dormand_prince; did you mean 'rk4'?"),
+        ("case", 'method = "rodas4"', 'method = "rk4"',
+         "case.toml: time.step: missing; needed: the step of the fixed-step method rk4, e.g. step = '0.1 ms'"),
+        ("case", 'output_step = "2 ms"', 'output_step = "20 s"',
+         "case.toml: time.output_step: '20 s'; allowed: at most the duration, 10 s"),
+        # torque
+        ("case", "[time]", '[[axle_torque]]\nwheelset = "front_frame"\nconstant = "1 kN m"\n\n[time]',
+         "case.toml: axle_torque.front_frame.wheelset: 'front_frame'; allowed: wheelset_1, wheelset_2"),
+        ("case", "[time]", '[[axle_torque]]\nwheelset = "wheelset_1"\nconstant = 1\nreacts_on = "rear_frame"\n\n[time]',
+         "case.toml: axle_torque.wheelset_1.reacts_on: 'rear_frame'; allowed: none, front_frame, wheelset_2, car_body; "
+         "did you mean 'front_frame'?"),
+        ("case", "[time]", '[[axle_torque]]\nwheelset = "wheelset_1"\n\n[time]',
+         "case.toml: axle_torque.wheelset_1.table: missing; allowed: one of `constant = torque` and "
+         "`table = [[time, torque], ...]`"),
+        # profile
+        ("support", 'profile = "uic60_benchmark_1_40"', 'profile = { kind = "uic60", variant = "bench" }',
+         "support.toml: profile.variant: 'bench'; allowed: en_13674, benchmark; did you mean 'benchmark'?"),
+        ("support", 'profile = "uic60_benchmark_1_40"', 'profile = "s1002"',
+         "support.toml: profile: 's1002'; kind: 's1002' is a wheel profile and cannot be used as a rail"),
+    ],
+)  # fmt: skip
+def test_a_mistake_is_one_line(mistakes_of: MistakesOf, part: str, old: str, new: str, line: str | None) -> None:
+    mistakes = mistakes_of(old, new, part)
+    if line is not None:
+        assert [str(mistake) for mistake in mistakes] == [line]
+    assert {mistake.file for mistake in mistakes} == {f"{part}.toml"}
+
+
+def test_a_wheelset_stands_on_its_wheels(mistakes_of: MistakesOf) -> None:
+    mistakes = mistakes_of('radius = "460 mm"', 'radius = "450 mm"', "vehicle")
+    assert str(mistakes[0]) == (
+        "vehicle.toml: body.wheelset_1.position: [10.78, 0.0, 0.46]; allowed for a wheelset: [x, 0, 0.45], "
+        "its wheels of radius 0.45 m standing at z = 0"
+    )
+    assert len(mistakes) == 4
+
+
+def test_a_wheel_that_misses_the_roller_is_told_where_both_are(mistakes_of: MistakesOf) -> None:
+    mistakes = mistakes_of('gauge = "1435 mm"', 'gauge = "1 m"', "support")
+    assert [(m.key, m.value) for m in mistakes] == [("support.data.gauge", "1.0")]
+    assert mistakes[0].allowed.startswith(
+        "the wheels miss the rollers: the tape circle lies 750.0 mm from the middle, the running surface from 500."
+    )
+
+
+def test_all_mistakes_of_all_files_come_at_once(folder: Path) -> None:
+    (folder / "vehicle.toml").write_text(
+        spoil(spoil(catalog_text("manchester_vehicle_1"), '"32000 kg"', "-1"), 'held = ["car_body"]', 'held = ["car"]')
+    )
+    (folder / "rig.toml").write_text(spoil(catalog_text("full_scale_rig"), '"2980 kg"', '"2980 m"'))
+    case = catalog_text("bogie_rollers_constant")
+    for old, new in (
+        ('"manchester_vehicle_1"', '"vehicle.toml"'),
+        ('"full_scale_rig"', '"rig.toml"'),
+        ('"rodas4"', '"rodas"'),
+        ("friction", "fiction"),
+        ("lateral", "sideways"),
+    ):
+        case = spoil(case, old, new)
+    (folder / "case.toml").write_text(case)
+    with pytest.raises(ConfigError) as error:
+        load_case(folder / "case.toml")
+    found = [(Path(m.file).name, m.key) for m in error.value.problems]
+    assert sorted(found) == [
+        ("case.toml", "contact.fiction"),
+        ("case.toml", "disturbance.wheelset_1.sideways"),
+        ("case.toml", "time.method"),
+        ("rig.toml", "roller_mass"),
+        ("vehicle.toml", "body.car_body.mass"),
+        ("vehicle.toml", "cut.leading_bogie.held"),
+    ]
+    assert str(error.value).count("\n") == 5
+
+
+def line_of(source: object) -> str:
+    with pytest.raises(ConfigError) as error:
+        load_case(source)  # type: ignore[arg-type]
+    return str(error.value)
+
+
+def test_a_missing_case_names_the_nearest(folder: Path) -> None:
+    line = line_of("bogie_rollers_rmp.toml")
+    assert line.startswith("bogie_rollers_rmp.toml: no such file; allowed: a TOML file, or a case of the catalogue: ")
+    assert line.endswith("; did you mean 'bogie_rollers_ramp'?")
+
+
+def test_a_file_that_cannot_be_read_says_so(folder: Path) -> None:
+    (folder / "bad.toml").write_bytes(b"name = '\xff'")
+    assert line_of("bad.toml") == "bad.toml: byte 8 is not UTF-8; allowed: a text"
+    (folder / "bad.toml").write_text("a = 1\nb = \n")
+    assert line_of("bad.toml") == "bad.toml: not TOML; Invalid value (at line 2, column 5)"
+    (folder / "dir.toml").mkdir()
+    assert line_of("dir.toml") == "dir.toml: Is a directory; allowed: a TOML file that can be read"
+
+
+def test_a_mistake_in_a_file_of_points_names_the_file_that_refers_to_it(mistakes_of: MistakesOf) -> None:
+    (mistake,) = mistakes_of('"uic60_benchmark_1_40"', '"points.txt"', "support")
+    assert (mistake.file, mistake.key) == ("support.toml", "profile")
+    assert "cannot be read: No such file or directory" in mistake.allowed
+
+
+def test_nan_in_a_file_of_points_is_told(mistakes_of: MistakesOf, folder: Path) -> None:
+    rows = [f"{y} {-0.001 * y * y}" for y in range(-36, 37)]
+    (folder / "points.txt").write_text("\n".join([*rows[:20], "0 nan", *rows[20:]]))
+    (mistake,) = mistakes_of('"uic60_benchmark_1_40"', '"points.txt"', "support")
+    assert mistake.key == "profile"
+    assert "nan" in mistake.allowed
+
+
+def test_an_empty_file_lists_what_a_case_needs(folder: Path) -> None:
+    (folder / "empty.toml").write_text("")
+    lines = line_of("empty.toml").splitlines()
+    assert [line.split(": ")[1] for line in lines] == ["name", "vehicle", "support", "contact", "motion", "time"]
+
+
+def test_a_vehicle_alone_is_checked_too(folder: Path) -> None:
+    (folder / "v.toml").write_text(spoil(catalog_text("manchester_vehicle_1"), '"32000 kg"', '"32000 m"'))
+    for load in (load_vehicle, load_any):
+        with pytest.raises(ConfigError, match=r"v\.toml: body\.car_body\.mass: '32000 m'; allowed: a number in kg"):
+            load("v.toml")
+
+
+def test_a_damper_may_not_feed_energy(mistakes_of: MistakesOf) -> None:
+    new = "x = { damping_table = [[-1, -5], [0, 0], [1, -5]] }\ny = {"
+    mistake = mistakes_of('y = { stiffness = "160 kN/m" }\n', new + ' stiffness = "160 kN/m" }\n', "vehicle")[0]
+    assert "TOML" in mistake.value  # x is given twice
+    mistake = mistakes_of(
+        'x = { stiffness = "160 kN/m" }\n', "x = { damping_table = [[-1, -5], [0, 0], [1, -5]] }\n", "vehicle"
+    )[0]
+    assert mistake.key == "element.secondary_spring_front_left.x.damping_table"
+    assert mistake.allowed.endswith("[1, -5] would feed energy")
