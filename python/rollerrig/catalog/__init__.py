@@ -4,7 +4,6 @@ Every entry can be copied to a file and edited: what it refers to by name is fou
 """
 
 import tomllib
-from functools import lru_cache
 from typing import get_args
 
 from rollerrig.config.library import CatalogKind, catalog_file, catalog_names
@@ -12,14 +11,13 @@ from rollerrig.config.library import CatalogKind, catalog_file, catalog_names
 KINDS: tuple[CatalogKind, ...] = get_args(CatalogKind)
 
 
-@lru_cache(maxsize=1)
-def catalog_entries() -> tuple[tuple[CatalogKind, str, str], ...]:
+def catalog_entries() -> list[tuple[CatalogKind, str, str]]:
     """All entries as (kind, name, one-line description)."""
-    return tuple(
+    return [
         (kind, name, str(tomllib.loads(catalog_file(kind, name).read_text("utf-8"))["description"]))
         for kind in KINDS
         for name in catalog_names(kind)
-    )
+    ]
 
 
 def catalog_text(name: str) -> str:
