@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from rollerrig.catalog import catalog_text
-from rollerrig.config import ConfigError, load_any, load_case, load_vehicle
+from rollerrig.config import ConfigError, Contact, load_any, load_case, load_vehicle
 
 from .conftest import MistakesOf, spoil
 
@@ -19,8 +19,8 @@ PRIMARY = 'between = ["front_frame", "wheelset_1"]\npoint = [10.78, 1.0, 0.46]'
     [
         # unknown key
         ("case", "friction = 0.3", "frction = 0.3",
-         "case.toml: contact.frction: unknown key (= 0.3); allowed: material, friction, creep, normal, normal_damping, "
-         "standstill_speed, saturate_spin_moment; did you mean 'friction'?"),
+         "case.toml: contact.frction: unknown key (= 0.3); allowed: " + ", ".join(Contact.model_fields)
+         + "; did you mean 'friction'?"),
         ("vehicle", "carries_load = true", "carries_lod = true", None),
         # wrong unit or type
         ("case", 'speed = "150 km/h"', 'speed = "150 kN"',
