@@ -15,6 +15,7 @@
 #include <Eigen/Core>
 #include <Eigen/LU>
 #include <cassert>
+#include <utility>
 #include <vector>
 
 #include "rig/differential_equation.hpp"
