@@ -22,8 +22,7 @@ enum class Status : int {
 /// A sentence with the remedy, ready to be shown with time and wheel put in front.
 constexpr std::string_view status_sentence(Status status) {
   switch (status) {
-    case Status::ok:
-      return "The computation ended as asked.";
+    case Status::ok: return "The computation ended as asked.";
     case Status::not_finite:
       return "A state or force became infinite or not a number; reduce the step or the tolerance, "
              "and look for extreme values in the inputs.";
@@ -44,8 +43,7 @@ constexpr std::string_view status_sentence(Status status) {
              "choose the stiff method rodas4.";
     case Status::newton_failed:
       return "An inner iteration did not converge; start nearer to equilibrium or reduce the step.";
-    case Status::interrupted:
-      return "The computation was interrupted; the results up to this time are valid.";
+    case Status::interrupted: return "The computation was interrupted; the results up to this time are valid.";
   }
   return "Unknown status; this is a programming error, please report it.";
 }
