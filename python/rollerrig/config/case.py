@@ -65,6 +65,11 @@ class Contact(Table):
     standstill_speed: Annotated[float, Quantity("m/s", gt=0)] = Field(
         default=0.1, description="V_s in the rolling speed sqrt(V^2 + V_s^2) that creepages are divided by"
     )
+    merge_barrier: Annotated[float, Quantity("1", ge=0, le=1)] = Field(
+        default=0.02,
+        description="two indented dips of the gap hand over smoothly once the rise between them is below this fraction of "
+        "the approach; 0: the paper's bare rule, patches appear and vanish at full force",
+    )
     saturate_spin_moment: StrictBool = Field(
         default=False, description="scale the spin moment like the force; the paper does not"
     )

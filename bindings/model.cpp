@@ -1,0 +1,133 @@
+// bindings/model.cpp - the model is assembled from Python, piece by piece.
+#include <nanobind/nanobind.h>
+#include <nanobind/stl/array.h>
+#include <nanobind/stl/shared_ptr.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
+#include <nanobind/stl/vector.h>
+
+#include "convert.hpp"
+#include "rig/system/equilibrium.hpp"
+#include "rig/system/model.hpp"
+
+using namespace nb::literals;
+using namespace rig;
+
+namespace {
+
+using PieceRows = nb::ndarray<double const, nb::shape<-1, 4>, nb::c_contig, nb::device::cpu>;
+
+template <class Sequence>
+auto& element_at(Sequence& sequence, int i) {
+  if (i < 0 || i >= static_cast<int>(sequence.size())) throw nb::index_error("no such item in the model");
+  return sequence[static_cast<std::size_t>(i)];
+}
+
+int add_profile(Model& m, double start, double step, PieceRows const& pieces) {
+  UniformSpline spline{start, step, {}};
+  for (std::size_t i = 0; i < pieces.shape(0); ++i)
+    spline.pieces.push_back({pieces(i, 0), pieces(i, 1), pieces(i, 2), pieces(i, 3)});
+  m.profiles.push_back(std::move(spline));
+  return static_cast<int>(m.profiles.size()) - 1;
+}
+
+int add_body(Model& m, double mass, Triple const& inertia, Triple const& position, bool axisymmetric,
+             std::array<bool, 6> const& locked, double driven_inverse_radius) {
+  m.bodies.push_back({mass, vec3(inertia), vec3(position), axisymmetric, locked, driven_inverse_radius > 0.0});
+  m.driven_inverse_radius.push_back(driven_inverse_radius);
+  return static_cast<int>(m.bodies.size()) - 1;
+}
+
+int add_element(Model& m, int a, int b, Triple const& point_on_b, bool carries_load) {
+  ForceElement e;
+  e.body_a = a, e.body_b = b, e.r_b = vec3(point_on_b), e.carries_load = carries_load;
+  m.elements.push_back(e);
+  return static_cast<int>(m.elements.size()) - 1;
+}
+
+void set_law(Model& m, int element, int direction, double preload, double stiffness, Rows2 const& table, double damping,
+             Rows2 const& damping_table, double series_damping, double series_stiffness) {
+  auto& e = element_at(m.elements, element);
+  element_at(e.law, direction) = {preload,        stiffness,       piecewise(table), damping, piecewise(damping_table),
+                                  series_damping, series_stiffness};
+  int node = 0;
+  for (auto& each : m.elements)
+    for (std::size_t c = 0; c < 6; ++c) each.node[c] = each.law[c].has_state() ? node++ : -1;
+}
+
+int add_contact(Model& m, int wheelset, int roller, bool right, int wheel_profile, int rail_profile,
+                double wheel_radius, double tape_circle_y, double rail_origin_y, double inverse_radius,
+                Triple const& wheelset_from_crown, Triple const& crown_in_roller, double shear_modulus,
+                double poisson_ratio, double friction, std::string const& creep, bool saturate_spin_moment,
+                double normal_damping, double standstill_speed, double merge_barrier) {
+  if (!m.hertz) m.hertz = std::make_shared<HertzTable const>();
+  m.kalker_tables.emplace_back(poisson_ratio);
+  WheelContact c;
+  c.wheelset = wheelset, c.roller = roller, c.right = right;
+  c.wheelset_from_crown = vec3(wheelset_from_crown), c.crown_in_roller = vec3(crown_in_roller);
+  c.pair = {&element_at(m.profiles, wheel_profile),
+            &element_at(m.profiles, rail_profile),
+            wheel_radius,
+            tape_circle_y,
+            rail_origin_y,
+            inverse_radius};
+  c.laws.material = {shear_modulus, poisson_ratio};
+  c.laws.hertz = m.hertz.get();
+  c.laws.kalker = &m.kalker_tables.back();
+  c.laws.damping.damping = normal_damping;
+  if (creep == "kalker_linear")
+    c.laws.creep.kind = CreepLawKind::kalker_linear;
+  else if (creep == "kalker_saturated")
+    c.laws.creep.kind = CreepLawKind::kalker_saturated;
+  else
+    throw nb::value_error("unknown creep law; known: kalker_linear, kalker_saturated");
+  c.laws.creep.saturate_spin_moment = saturate_spin_moment;
+  c.laws.friction.coefficient = friction;
+  c.laws.standstill_speed = standstill_speed;
+  c.laws.merge_barrier = merge_barrier;
+  m.contacts.push_back(c);
+  return static_cast<int>(m.contacts.size()) - 1;
+}
+
+std::tuple<std::vector<double>, double> preloads(Model const& m) {
+  double worst = 0.0;
+  auto values = static_preloads(m.bodies, m.elements, m.gravity, worst);
+  return {std::move(values), worst};
+}
+
+}  // namespace
+
+void bind_model(nb::module_& m) {
+  nb::class_<Model>(m, "Model", "Constant data of one assembled system; see rollerrig.model.")
+      .def(nb::init<>())
+      .def("add_profile", &add_profile, "start"_a, "step"_a, "pieces"_a)
+      .def("add_body", &add_body, "mass"_a, "inertia"_a, "position"_a, "axisymmetric"_a, "locked"_a,
+           "driven_inverse_radius"_a)
+      .def("add_element", &add_element, "body_a"_a, "body_b"_a, "point_on_b"_a, "carries_load"_a)
+      .def("set_law", &set_law, "element"_a, "direction"_a, "preload"_a, "stiffness"_a, "table"_a, "damping"_a,
+           "damping_table"_a, "series_damping"_a, "series_stiffness"_a)
+      .def("add_contact", &add_contact, "wheelset"_a, "roller"_a, "right"_a, "wheel_profile"_a, "rail_profile"_a,
+           "wheel_radius"_a, "tape_circle_y"_a, "rail_origin_y"_a, "inverse_radius"_a, "wheelset_from_crown"_a,
+           "crown_in_roller"_a, "shear_modulus"_a, "poisson_ratio"_a, "friction"_a, "creep"_a, "saturate_spin_moment"_a,
+           "normal_damping"_a, "standstill_speed"_a, "merge_barrier"_a)
+      .def(
+          "add_axle_torque",
+          [](Model& model, int wheelset, int reaction, Rows2 const& table) {
+            model.axle_torques.push_back({wheelset, reaction, {piecewise(table)}});
+          },
+          "wheelset"_a, "reaction"_a, "table"_a)
+      .def(
+          "add_roller_torque",
+          [](Model& model, int roller, Rows2 const& table) {
+            model.roller_torques.push_back({roller, {piecewise(table)}});
+          },
+          "roller"_a, "table"_a)
+      .def(
+          "set_speed", [](Model& model, Rows2 const& table) { model.speed = {piecewise(table)}; }, "table"_a)
+      .def("static_preloads", &preloads, "Vertical preload per element [N], and the worst remaining imbalance.")
+      .def_rw("gravity", &Model::gravity)
+      .def_rw("contact_loss_limit", &Model::contact_loss_limit)
+      .def_prop_ro("body_count", [](Model const& model) { return model.bodies.size(); })
+      .def_prop_ro("element_count", [](Model const& model) { return model.elements.size(); })
+      .def_prop_ro("contact_count", [](Model const& model) { return model.contacts.size(); });
+}

@@ -1,0 +1,15 @@
+// bindings/module.cpp - the extension rollerrig._core. Bindings translate, nothing more: no formula, no default.
+#include <nanobind/nanobind.h>
+
+namespace nb = nanobind;
+
+void bind_model(nb::module_& m);
+void bind_contact(nb::module_& m);
+void bind_simulation(nb::module_& m);
+
+NB_MODULE(_core, m) {
+  m.doc() = "Compiled core of rollerrig: model, contact, simulation. SI units throughout.";
+  bind_model(m);
+  bind_contact(m);
+  bind_simulation(m);
+}

@@ -1,0 +1,235 @@
+// bindings/simulation.cpp - one simulation: dynamics, integrator and recorder behind one object.
+#include <nanobind/nanobind.h>
+#include <nanobind/stl/array.h>
+#include <nanobind/stl/pair.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
+#include <nanobind/stl/vector.h>
+
+#include <memory>
+
+#include "convert.hpp"
+#include "rig/integrate/integrator.hpp"
+#include "rig/record/recorder.hpp"
+#include "rig/system/equilibrium.hpp"
+
+using namespace nb::literals;
+using namespace rig;
+using integrate::Integrator;
+using integrate::Method;
+using integrate::Options;
+
+namespace {
+
+using Table = nb::ndarray<double, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
+using Vector = nb::ndarray<double, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
+
+class Simulation {
+ public:
+  explicit Simulation(Model const& model) : dynamics_(model), recorder_(model) {}
+
+  void start(std::string const& method, double step, double relative, std::vector<double> const& absolute,
+             double initial_step, double maximum_step, double final_time, double output_step,
+             std::vector<double> const& breakpoints, double t0, Column const& x0) {
+    Options options;
+    if (method == "rk4")
+      options.method = Method::rk4;
+    else if (method == "dormand_prince")
+      options.method = Method::dormand_prince;
+    else if (method == "rodas4")
+      options.method = Method::rodas4;
+    else
+      throw nb::value_error("unknown method; known: rk4, dormand_prince, rodas4");
+    check_state(x0);
+    options.step = step;
+    options.relative_tolerance = relative;
+    options.absolute_tolerance = absolute;
+    options.initial_step = initial_step;
+    options.maximum_step = maximum_step;
+    options.final_time = final_time;
+    options.output_step = output_step;
+    options.breakpoints = breakpoints;
+    dynamics_.reset_run();
+    integrator_ = std::make_unique<Integrator<Dynamics>>(dynamics_, options);
+    integrator_->start(t0, x0.data());
+  }
+
+  /// Advances to t_stop and writes one row per output time; returns status and rows filled so far.
+  std::tuple<int, int> advance(double t_stop, Vector times, Table rows, int filled) {
+    if (!integrator_) throw nb::value_error("start() has not been called");
+    if (static_cast<int>(rows.shape(1)) != recorder_.width()) throw nb::value_error("rows must have `width` columns");
+    auto const capacity = static_cast<int>(std::min(rows.shape(0), times.shape(0)));
+    Status status = Status::ok;
+    {
+      nb::gil_scoped_release other_threads_may_run;
+      status = integrator_->advance(t_stop, [&](double t, double const* x, double const* z) {
+        if (filled >= capacity) return;
+        times.data()[filled] = t;
+        recorder_.record(dynamics_, t, x, z, rows.data() + static_cast<std::size_t>(filled) * rows.shape(1));
+        ++filled;
+      });
+    }
+    return {static_cast<int>(status), filled};
+  }
+
+  auto derivative(double t, Column const& x) {
+    check_state(x);
+    auto const sizes = dynamics_.sizes();
+    std::vector<double> x_dot(static_cast<std::size_t>(sizes.states)),
+        z_dot(static_cast<std::size_t>(sizes.quadratures));
+    dynamics_.derivative(t, x.data(), x_dot.data(), z_dot.data());
+    return std::pair(owned_array<nb::ndim<1>>(std::move(x_dot), {static_cast<std::size_t>(sizes.states)}),
+                     owned_array<nb::ndim<1>>(std::move(z_dot), {static_cast<std::size_t>(sizes.quadratures)}));
+  }
+
+  /// df/dx, row-major.
+  auto jacobian(double t, Column const& x) {
+    check_state(x);
+    JacobianData j(dynamics_.sizes());
+    dynamics_.jacobian(t, x.data(), j);
+    return nb::make_tuple(matrix(j.a), matrix(j.g), matrix(j.f_t), matrix(j.g_t));
+  }
+
+  nb::dict equilibrium(double speed, double t, std::vector<std::tuple<int, int, double>> const& held) {
+    std::vector<HeldCoordinate> coordinates;
+    for (auto const& [body, coordinate, value] : held) coordinates.push_back({body, coordinate, value});
+    auto r = solve_equilibrium(dynamics_, speed, t, coordinates);
+    nb::dict d;
+    d["converged"] = r.converged;
+    d["iterations"] = r.iterations;
+    d["residual"] = r.residual;
+    auto const n = r.x.size();
+    d["x"] = owned_array<nb::ndim<1>>(std::move(r.x), {n});
+    return d;
+  }
+
+  auto record(double t, Column const& x, Column const& z) {
+    check_state(x);
+    std::vector<double> row(static_cast<std::size_t>(recorder_.width()));
+    recorder_.record(dynamics_, t, x.data(), z.data(), row.data());
+    auto const n = row.size();
+    return owned_array<nb::ndim<1>>(std::move(row), {n});
+  }
+
+  /// Seconds of work, not of waiting, are for benchmarks: n evaluations of the right-hand side in one call.
+  void repeat_derivative(double t, Column const& x, int n) {
+    check_state(x);
+    std::vector<double> x_dot(static_cast<std::size_t>(dynamics_.sizes().states));
+    for (int i = 0; i < n; ++i) dynamics_.derivative(t, x.data(), x_dot.data(), nullptr);
+  }
+  void repeat_jacobian(double t, Column const& x, int n) {
+    check_state(x);
+    JacobianData j(dynamics_.sizes());
+    for (int i = 0; i < n; ++i) dynamics_.jacobian(t, x.data(), j);
+  }
+
+  nb::dict statistics() const {
+    nb::dict d;
+    if (!integrator_) return d;
+    auto const& s = integrator_->statistics();
+    d["steps"] = s.steps;
+    d["rejected_steps"] = s.rejected_steps;
+    d["derivative_calls"] = s.derivative_calls;
+    d["jacobian_calls"] = s.jacobian_calls;
+    d["factorisations"] = s.factorisations;
+    d["smallest_step"] = s.smallest_step;
+    d["largest_step"] = s.largest_step;
+    return d;
+  }
+  nb::dict counters() const {
+    auto const& c = dynamics_.counters();
+    nb::dict d;
+    d["limited_curvature"] = c.limited_curvature;
+    d["clamped_aspect"] = c.clamped_aspect;
+    d["overlapping"] = c.overlapping;
+    d["several_patches"] = c.several_patches;
+    d["faded"] = c.faded;
+    d["lost"] = c.lost;
+    d["negative_dissipation"] = c.negative_dissipation;
+    d["checked"] = c.checked;
+    return d;
+  }
+
+  Dynamics& dynamics() { return dynamics_; }
+  double time() const { return integrator_ ? integrator_->time() : 0.0; }
+  auto state() const {
+    if (!integrator_) throw nb::value_error("start() has not been called");
+    auto const n = static_cast<std::size_t>(dynamics_.sizes().states);
+    return owned_array<nb::ndim<1>>(std::vector<double>(integrator_->states(), integrator_->states() + n), {n});
+  }
+  int width() const { return recorder_.width(); }
+
+ private:
+  void check_state(Column const& x) const {
+    if (static_cast<int>(x.shape(0)) != dynamics_.sizes().states)
+      throw nb::value_error("x must hold one value per state");
+  }
+  static nb::ndarray<nb::numpy, double> matrix(Eigen::MatrixXd const& m) {
+    std::vector<double> values(static_cast<std::size_t>(m.size()));
+    Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(values.data(), m.rows(),
+                                                                                       m.cols()) = m;
+    auto const rows = static_cast<std::size_t>(m.rows());
+    auto const columns = static_cast<std::size_t>(m.cols());
+    return columns == 1 ? owned_array<>(std::move(values), {rows}) : owned_array<>(std::move(values), {rows, columns});
+  }
+
+  Dynamics dynamics_;
+  Recorder recorder_;
+  std::unique_ptr<Integrator<Dynamics>> integrator_;
+};
+
+nb::list field_list(std::span<Field const> fields) {
+  nb::list list;
+  for (auto const& f : fields)
+    list.append(nb::make_tuple(std::string(f.name), std::string(f.unit), std::string(f.meaning)));
+  return list;
+}
+
+}  // namespace
+
+void bind_simulation(nb::module_& m) {
+  nb::class_<Simulation>(m, "Simulation", "Integrates one model; SI, states as in docs/theory.")
+      .def(nb::init<Model const&>(), "model"_a, nb::keep_alive<1, 2>())
+      .def("start", &Simulation::start, "method"_a, "step"_a, "relative_tolerance"_a, "absolute_tolerance"_a,
+           "initial_step"_a, "maximum_step"_a, "final_time"_a, "output_step"_a, "breakpoints"_a, "t0"_a, "x0"_a)
+      .def("advance", &Simulation::advance, "t_stop"_a, "times"_a, "rows"_a, "filled"_a)
+      .def("derivative", &Simulation::derivative, "t"_a, "x"_a)
+      .def("jacobian", &Simulation::jacobian, "t"_a, "x"_a)
+      .def("equilibrium", &Simulation::equilibrium, "speed"_a, "t"_a, "held"_a)
+      .def("record", &Simulation::record, "t"_a, "x"_a, "z"_a)
+      .def("repeat_derivative", &Simulation::repeat_derivative, "t"_a, "x"_a, "n"_a)
+      .def("repeat_jacobian", &Simulation::repeat_jacobian, "t"_a, "x"_a, "n"_a)
+      .def("statistics", &Simulation::statistics)
+      .def("counters", &Simulation::counters)
+      .def_prop_ro("time", &Simulation::time)
+      .def_prop_ro("state", &Simulation::state)
+      .def_prop_ro("width", &Simulation::width)
+      .def_prop_rw(
+          "exhaustive_search", [](Simulation& s) { return s.dynamics().exhaustive_search; },
+          [](Simulation& s, bool on) { s.dynamics().exhaustive_search = on; })
+      .def_prop_ro("state_count", [](Simulation& s) { return s.dynamics().sizes().states; })
+      .def_prop_ro("quadrature_count", [](Simulation& s) { return s.dynamics().sizes().quadratures; })
+      .def_prop_ro("failed_contact", [](Simulation& s) { return s.dynamics().failed_contact(); })
+      .def_prop_ro("coordinate_index", [](Simulation& s) { return s.dynamics().map().coordinate; })
+      .def_prop_ro("rate_index", [](Simulation& s) { return s.dynamics().map().rate; });
+  m.attr("patches_recorded") = Recorder::patches;
+  m.attr("body_fields") = field_list(Recorder::body_fields());
+  m.attr("wheel_fields") = field_list(Recorder::wheel_fields());
+  m.attr("patch_fields") = field_list(Recorder::patch_fields());
+  m.attr("element_fields") = field_list(Recorder::element_fields());
+  m.attr("run_fields") = field_list(Recorder::run_fields());
+  m.def(
+      "status_sentence", [](int status) { return std::string(status_sentence(static_cast<Status>(status))); },
+      "status"_a);
+  nb::dict codes;
+  codes["ok"] = static_cast<int>(Status::ok);
+  codes["not_finite"] = static_cast<int>(Status::not_finite);
+  codes["contact_lost"] = static_cast<int>(Status::contact_lost);
+  codes["off_profile"] = static_cast<int>(Status::off_profile);
+  codes["derailed"] = static_cast<int>(Status::derailed);
+  codes["step_too_small"] = static_cast<int>(Status::step_too_small);
+  codes["too_many_steps"] = static_cast<int>(Status::too_many_steps);
+  codes["newton_failed"] = static_cast<int>(Status::newton_failed);
+  codes["interrupted"] = static_cast<int>(Status::interrupted);
+  m.attr("status_codes") = codes;
+}

@@ -1,0 +1,115 @@
+// contact/patch.hpp - one contact patch: from the contact point and the motion of both bodies to the force on the wheel.
+//
+//   contact point -> Hertz (12)-(19) -> creepages (21) -> Kalker and saturation (20)-(24) -> force and moment on the wheel
+//
+// Frame b, left side (see geometry/pair.hpp). i: rolling direction in the contact plane, t = n x i: to the left, n: out of
+// the roller. Forces act on the wheel at the contact point on the roller; the roller takes the opposite.
+#pragma once
+#include "rig/contact/creep_law.hpp"
+#include "rig/contact/friction.hpp"
+#include "rig/contact/hertz.hpp"
+#include "rig/contact/normal_force.hpp"
+#include "rig/geometry/contact_point.hpp"
+
+namespace rig {
+
+/// What a contact is made of.
+struct ContactLaws {
+  Material material{};
+  HertzTable const* hertz{nullptr};
+  KalkerTable const* kalker{nullptr};
+  NormalDamping damping{};
+  CreepLaw creep{};
+  Friction friction{};
+  double standstill_speed{0.1};  ///< V_s [m/s]: rolling speed below which creepage turns into viscous friction
+  double merge_barrier{0.02};    ///< see contact/patch_share.hpp [-]; 0: patches appear and vanish at full force
+};
+
+/// Motion of wheel and roller, all in b components.
+template <Scalar T>
+struct ContactMotion {
+  Vec3<T> v_wheel;       ///< velocity of the wheelset's centre [m/s]
+  Vec3<T> omega_wheel;   ///< its angular velocity incl. spin [rad/s]
+  Vec3<T> v_roller;      ///< velocity of the roller's material point at the origin of b [m/s]
+  Vec3<T> omega_roller;  ///< its angular velocity incl. spin [rad/s]
+};
+
+template <Scalar T>
+struct Patch {
+  ContactPoint<T> point;
+  HertzContact<T> hertz;
+  T a, b;                 ///< semi-axes along and across the rolling direction [m], eq. (18)
+  NormalForce<T> normal;  ///< eq. (12)
+  T gap_rate;             ///< v_n [m/s]
+  T slip_longitudinal;    ///< velocity of the wheel's point relative to the roller's along i [m/s]
+  T slip_lateral;         ///< along t [m/s]
+  T spin_rate;            ///< relative angular velocity along n [rad/s]
+  T rolling_speed;        ///< signed, positive for forward running [m/s]
+  Creepage<T> creepage;   ///< eq. (21)
+  CreepForce<T> creep;    ///< eqs (20)-(24)
+  T share{1.0};           ///< of the force that counts, contact/patch_share.hpp
+  Vec3<T> force;          ///< on the wheel, b components [N]
+  Vec3<T> moment;         ///< spin moment on the wheel, b components [N m]
+
+  T creep_dissipation() const {
+    return -(creep.longitudinal * slip_longitudinal + creep.lateral * slip_lateral + creep.spin_moment * spin_rate);
+  }
+
+  /// Scales every force of the patch.
+  void scale(T const& factor) {
+    share = factor;
+    normal = {factor * normal.elastic, factor * normal.damping};
+    creep = {factor * creep.longitudinal, factor * creep.lateral, factor * creep.spin_moment, creep.saturation};
+    force = factor * force;
+    moment = factor * moment;
+  }
+};
+
+/// @param time  [s], handed to the friction law
+template <Scalar T>
+Patch<T> patch_force(ContactLaws const& laws, ContactPoint<T> const& point, RelativePose<T> const& pose,
+                     ContactMotion<T> const& motion, T const& time) {
+  using std::sqrt;
+  Patch<T> patch;
+  patch.point = point;
+  Vec3<T> const& n = point.n;
+  T const across = 1.0 / sqrt(n.y * n.y + n.z * n.z);
+  Vec3<T> const t{T(0.0), n.z * across, -(n.y * across)};  // n x i_b, normalised
+  Vec3<T> const i = cross(t, n);
+
+  Vec3<T> const v_on_wheel = motion.v_wheel + cross(motion.omega_wheel, point.p - pose.o);
+  Vec3<T> const v_on_roller = motion.v_roller + cross(motion.omega_roller, point.p);
+  Vec3<T> const v = v_on_wheel - v_on_roller;  // errata to (12), (21): relative to the roller's point
+  patch.gap_rate = dot(v, n);
+  patch.slip_longitudinal = dot(v, i);
+  patch.slip_lateral = dot(v, t);
+  patch.spin_rate = dot(motion.omega_wheel - motion.omega_roller, n);
+
+  // Hertz: curvatures to ellipse, stiffness and normal force.
+  T const d1 = 0.5 * (point.wheel_curvature_along + point.rail_curvature_along);    // (14)
+  T const d2 = 0.5 * (point.wheel_curvature_across + point.rail_curvature_across);  // (14)
+  patch.hertz = hertz_contact(*laws.hertz, laws.material, d1, d2);                  // (13), (16)
+  T const root_depth = sqrt(select(point.gap < 0.0, -point.gap, T(1e-30)));
+  patch.a = patch.hertz.a_per_root * root_depth;  // (17), (18)
+  patch.b = patch.hertz.b_per_root * root_depth;
+  patch.normal = normal_force(laws.damping, patch.hertz.stiffness, point.gap, patch.gap_rate);  // (12)
+  T const load = patch.normal.total();
+
+  // Rolling speed: mean of wheel and roller surface speed past the contact point, which travels with the wheelset.
+  patch.rolling_speed = dot(motion.v_wheel - T(0.5) * (v_on_wheel + v_on_roller), i);
+  double const v_s = laws.standstill_speed;
+  T const inverse_speed = 1.0 / sqrt(patch.rolling_speed * patch.rolling_speed + v_s * v_s);
+  patch.creepage = {patch.slip_longitudinal * inverse_speed, patch.slip_lateral * inverse_speed,
+                    patch.spin_rate * inverse_speed};  // (21)
+
+  T const slip = sqrt(square(patch.slip_longitudinal) + square(patch.slip_lateral) + 1e-20);
+  T const adhesion = laws.friction(time, point.p.x, slip) * load + 1e-9;
+  auto const stiffness = kalker_stiffness(laws.kalker->at(patch.hertz.log_aspect), laws.material.shear_modulus, patch.a,
+                                          patch.b, patch.rolling_speed * inverse_speed);  // (22)
+  patch.creep = creep_force(laws.creep, patch.creepage, stiffness, adhesion);             // (20), (23), (24)
+  patch.force = load * n + patch.creep.longitudinal * i + patch.creep.lateral * t;
+  patch.moment = patch.creep.spin_moment * n;
+  return patch;
+}
+
+}  // namespace rig

@@ -1,0 +1,30 @@
+// geometry/pair.hpp - one wheel above one roller or rail: what the contact geometry needs to know.
+//
+// Frames  b: roller frame of the paper, moved up from the roller axis to the crown level: origin mid-way between the
+//            two rollers at the height of the running circle, y along the roller axis, z up. With it a straight rail
+//            is the same formula with inverse_radius = 0.
+//         r: wheelset frame of the paper (turns with yaw and roll, does not spin).
+// Side    everything here is written for a left wheel (y > 0). A right wheel is mirrored before and after.
+#pragma once
+#include "rig/math/spline.hpp"
+#include "rig/math/vector.hpp"
+
+namespace rig {
+
+struct WheelRollerPair {
+  UniformSpline const* wheel{nullptr};  ///< z(S), radius increase over the EN abscissa [m]
+  UniformSpline const* rail{nullptr};   ///< h(y), height of the generatrix over its abscissa [m]
+  double wheel_radius{0.0};             ///< at the tape circle [m]
+  double tape_circle_y{0.0};            ///< lateral position of the tape circle on the wheelset [m]
+  double rail_origin_y{0.0};            ///< lateral position of the generatrix' highest point in b [m]
+  double inverse_radius{0.0};           ///< 1 / crown radius of the roller [1/m]; 0 is a straight rail
+};
+
+/// Position and orientation of the wheelset frame seen from b.
+template <Scalar T>
+struct RelativePose {
+  Vec3<T> o;      ///< o_r^b [m], eq. (2)
+  Rotation<T> R;  ///< R_br, eq. (2)
+};
+
+}  // namespace rig

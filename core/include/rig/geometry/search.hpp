@@ -1,0 +1,85 @@
+// geometry/search.hpp - finds every contact patch of one wheel, and knows when it need not look again.
+//
+// The wheel profile is cut into cells. In each cell the reduced equation F(s) and its exact slope at both ends give a
+// cubic; its monotone stretches bracket the roots. A root where F falls is a minimum of the gap (the paper's curvature
+// check), one where it rises is a maximum and is dropped; a root with gap < 0 is a patch (indentation check).
+//
+// Warm search. A cell that holds no indented minimum now cannot get one before the wheel has moved a certain way against
+// the roller: the gap changes at most about as fast as the wheel moves, and F has a bounded rate too. Each cell keeps the
+// amount of motion up to which its answer stands and is left alone until then; a cell with a known root is only
+// polished by Newton. The margins use factors of two for safety; tests compare with the exhaustive search along runs.
+#pragma once
+#include <array>
+#include <vector>
+
+#include "rig/geometry/reduction.hpp"
+
+namespace rig {
+
+/// A stationary point of the gap: root of F; with gradient < 0 a minimum, else a maximum.
+struct GapMinimum {
+  double s{0.0};         ///< wheel abscissa [m]
+  double gradient{0.0};  ///< dF/ds [1/m]
+  double gap{0.0};       ///< [m]
+};
+
+class ContactSearch {
+ public:
+  static constexpr int max_minima = 8;
+  static constexpr double cell_width = 1e-3;  ///< [m]
+
+  explicit ContactSearch(WheelRollerPair const& pair);
+
+  /// All minima of the gap with gap < reach, ordered by s; exhaustive search over the whole wheel.
+  int find_all(RelativePose<double> const& pose, double reach);
+
+  /// The same with reach = 0, using what is known from the previous call.
+  int find_indented(RelativePose<double> const& pose);
+
+  int count() const { return count_; }
+  GapMinimum const& operator[](int i) const { return minima_[static_cast<std::size_t>(i)]; }
+  /// The maximum of the gap between the minima i and i + 1, kept by find_indented() and find_all(pose, 0).
+  GapMinimum const& barrier(int i) const { return barriers_[static_cast<std::size_t>(i)]; }
+
+  long node_evaluations() const { return node_evaluations_; }
+
+ private:
+  enum class CellState : char { unknown, empty, one_minimum, many };
+  struct Node {
+    double residual{0.0}, gradient{0.0}, gap{0.0};
+    bool valid{false};
+    long call{-1};
+  };
+  struct Cell {
+    double safe_until{-1.0};  ///< accumulated motion up to which the state stands [m]
+    double gap_until{-1.0};   ///< accumulated motion up to which the cell cannot be indented [m]
+    double root{0.0};
+    CellState state{CellState::unknown};
+  };
+
+  double left(int cell) const { return first_ + cell_width * cell; }
+  Node const& node(RelativePose<double> const& pose, int i);
+  void analyse(RelativePose<double> const& pose, int cell, double reach);
+  void roots_between(RelativePose<double> const& pose, Cell& cell, double s0, double f0, double s1, double f1,
+                     double reach);
+  bool polish(RelativePose<double> const& pose, double low, double high, double guess, double falling,
+              GapMinimum& root) const;
+  void find_barriers(RelativePose<double> const& pose);
+  void keep(GapMinimum const& root, double reach);
+  double steepest_rail(double y0, double y1) const;
+
+  WheelRollerPair const* pair_;
+  double first_;
+  std::vector<Node> nodes_;
+  std::vector<Cell> cells_;
+  std::vector<double> rail_second_;  ///< largest |h''| in each millimetre of the generatrix [1/m]
+  std::vector<double> node_foot_;    ///< abscissa on the generatrix under each node [m]
+  std::array<GapMinimum, max_minima> minima_, barriers_;
+  int count_{0};
+  long call_{0};
+  long node_evaluations_{0};
+  double motion_{0.0};
+  RelativePose<double> last_pose_;
+};
+
+}  // namespace rig

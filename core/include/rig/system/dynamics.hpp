@@ -1,0 +1,129 @@
+// system/dynamics.hpp - x' = f(t, x), its Jacobian and its outputs: the one place where bodies and contacts meet.
+//
+//   model -> [dynamics] -> integrate, equilibrium, linearisation, record
+//
+// One evaluation: unpack the bodies' motion; suspension; contact search and contact forces per wheel; torques; Newton and
+// Euler. The same template runs in double and in JacobianDual; the Jacobian is made of sweeps over groups of bodies, and
+// each sweep evaluates only what its bodies touch.
+#pragma once
+#include <vector>
+
+#include "rig/differential_equation.hpp"
+#include "rig/geometry/search.hpp"
+#include "rig/math/dual.hpp"
+#include "rig/system/model.hpp"
+
+namespace rig {
+
+/// What happened in the contacts of a run, summed over accepted steps.
+struct ContactCounters {
+  long limited_curvature{0};     ///< patches whose curvatures were outside Hertz' theory
+  long clamped_aspect{0};        ///< patches with a/b outside Kalker's table
+  long overlapping{0};           ///< pairs of patches of one wheel whose ellipses overlap
+  long several_patches{0};       ///< wheels with more than one patch
+  long faded{0};                 ///< patches that counted in part, contact/patch_share.hpp
+  long lost{0};                  ///< wheels without contact
+  long negative_dissipation{0};  ///< patches whose creep law fed energy in
+  long checked{0};               ///< wheels looked at
+};
+
+template <Scalar T>
+struct Workspace {
+  std::vector<BodyMotion<T>> motion;
+  std::vector<Wrench<T>> wrench;
+  std::vector<std::array<T, 6>> acceleration;
+  std::vector<T> constraint_moment;
+  std::vector<T> node;
+  std::vector<T> node_rate;
+  BodyMotion<T> ground_motion;
+  std::array<T, account_count> power;
+};
+
+class Dynamics {
+ public:
+  static constexpr int max_patches = ContactSearch::max_minima;
+
+  explicit Dynamics(Model const& model);
+  Dynamics(Dynamics const&) = delete;
+  Dynamics& operator=(Dynamics const&) = delete;
+
+  Sizes sizes() const { return {map_.states(), map_.angles + account_count}; }
+  int kinematic_states() const { return map_.coordinates; }
+  int velocity_column(int i) const { return map_.velocity_column[static_cast<std::size_t>(i)]; }
+
+  Status derivative(double t, double const* x, double* x_dot, double* z_dot);
+  Status jacobian(double t, double const* x, JacobianData& j);
+  Status accept(double t, double const* x);
+
+  /// Evaluates the model at (t, x) and leaves motion, forces and patches to be read.
+  void evaluate(double t, double const* x);
+
+  Model const& model() const { return *model_; }
+  StateMap const& map() const { return map_; }
+  Workspace<double> const& work() const { return work_; }
+  /// Patches of one wheel, left-handed mirror removed only in `force` and `moment` of wheel_wrench().
+  int patch_count(int contact) const { return patch_count_[static_cast<std::size_t>(contact)]; }
+  Patch<double> const& patch(int contact, int k) const {
+    return patches_[static_cast<std::size_t>(contact * max_patches + k)];
+  }
+  double element_force(int element, int direction) const {
+    return element_force_[static_cast<std::size_t>(element * 6 + direction)];
+  }
+  double element_deflection(int element, int direction) const {
+    return element_deflection_[static_cast<std::size_t>(element * 6 + direction)];
+  }
+  ContactCounters const& counters() const { return counters_; }
+  void reset_run();
+  int failed_contact() const { return failed_contact_; }
+  bool exhaustive_search{false};  ///< look at every cell in every evaluation (verification)
+
+  double kinetic_energy() const;
+  double gravity_energy() const;
+  double element_energy() const;
+
+  /// Pose and motion of a wheelset over its roller, b frame, mirrored to the left where needed.
+  template <Scalar T>
+  void relative_motion(WheelContact const& contact, Workspace<T> const& w, T const& t, RelativePose<T>& pose,
+                       ContactMotion<T>& motion) const;
+
+ private:
+  struct Sweep {
+    std::vector<int> bodies;         ///< bodies whose coordinates and rates are seeded
+    std::vector<int> columns;        ///< state index of each seed
+    std::vector<char> touched_body;  ///< per body: seeded
+    std::vector<char> touched_element, touched_contact;
+    std::vector<char> affected_body;  ///< per body: its acceleration depends on a seed
+    int first_node{0}, node_count{0};
+  };
+
+  template <Scalar T>
+  void resize(Workspace<T>& w) const;
+  void unpack(double const* x);
+  void plan_sweeps();
+  template <Scalar T>
+  void evaluate_forces(Workspace<T>& w, T const& t, Sweep const* sweep);
+  template <Scalar T>
+  void apply_element(Workspace<T>& w, int index);
+  template <Scalar T>
+  void apply_contact(Workspace<T>& w, T const& t, int index);
+  void store_sweep(Sweep const& sweep, JacobianData& j) const;
+  void time_derivative(double t, JacobianData& j);
+
+  Model const* model_;
+  StateMap map_;
+  Workspace<double> work_;
+  Workspace<JacobianDual> dual_;
+  std::vector<Sweep> sweeps_;
+  Sweep time_sweep_;
+  std::vector<ContactSearch> search_;
+  std::vector<Patch<double>> patches_;
+  std::vector<int> patch_count_;
+  std::vector<double> element_force_, element_deflection_;
+  std::vector<char> element_rotates_;
+  std::vector<double> off_since_;
+  std::vector<double> flange_tip_;
+  ContactCounters counters_;
+  int failed_contact_{-1};
+};
+
+}  // namespace rig

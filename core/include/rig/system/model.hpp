@@ -1,0 +1,84 @@
+// system/model.hpp - the assembled model: constant data that any number of simulations share.
+//
+// Nothing here knows whether it is a rig or a track, a wheelset or a vehicle: rollers are bodies, a rail is a contact
+// whose roller is the ground and whose inverse radius is zero.
+#pragma once
+#include <deque>
+#include <memory>
+#include <vector>
+
+#include "rig/body/force_element.hpp"
+#include "rig/contact/patch.hpp"
+
+namespace rig {
+
+constexpr int ground = -1;
+
+/// One wheel on one roller or rail.
+struct WheelContact {
+  int wheelset{0};
+  int roller{ground};                  ///< body of the roller; ground: a rail that runs backwards with the drive speed
+  bool right{false};                   ///< right wheel: mirrored before and after
+  Vec3<double> wheelset_from_crown{};  ///< design position of the wheelset's centre from the origin of b, world [m]
+  Vec3<double> crown_in_roller{};      ///< origin of b from the roller's centre of mass, roller frame [m]
+  WheelRollerPair pair{};
+  ContactLaws laws{};
+};
+
+/// Torque about the axle, positive when it drives forward; reacts on another body or on nothing.
+struct AxleTorque {
+  int wheelset{0};
+  int reaction{ground};
+  TimeTable torque{};  ///< [N m]
+};
+
+/// Torque on a roller about its axle, positive when it drives the wheel forward (turns the roller backwards).
+struct RollerTorque {
+  int roller{0};
+  TimeTable torque{};  ///< [N m]
+};
+
+struct Model {
+  std::vector<Body> bodies;
+  std::vector<ForceElement> elements;
+  std::vector<WheelContact> contacts;
+  std::vector<AxleTorque> axle_torques;
+  std::vector<RollerTorque> roller_torques;
+  TimeTable speed{};                          ///< running speed V(t) [m/s] of driven rollers (crown speed) and of rails
+  std::vector<double> driven_inverse_radius;  ///< per body: 1/R of a driven roller [1/m], else 0
+  double gravity{9.81};                       ///< [m/s^2]
+  double contact_loss_limit{0.2};             ///< a wheel may be off its roller for this long [s]
+
+  // Shared tables; a deque keeps their addresses.
+  std::deque<UniformSpline> profiles;
+  std::deque<KalkerTable> kalker_tables;
+  std::shared_ptr<HertzTable const> hertz;
+};
+
+/// Where each body's coordinates stand in x = [coordinates, rates, element nodes], and what z holds.
+struct StateMap {
+  std::vector<std::array<int, 6>> coordinate;  ///< -1: locked, or the cyclic pitch of an axisymmetric body
+  std::vector<std::array<int, 6>> rate;        ///< -1: locked
+  std::vector<int> angle;                      ///< per body: index in z of its pitch angle, -1: none
+  std::vector<int> velocity_column;            ///< per kinematic state: index of its rate
+  int coordinates{0};
+  int rates{0};
+  int nodes{0};
+  int angles{0};
+
+  explicit StateMap(Model const& model);
+  int states() const { return coordinates + rates + nodes; }
+};
+
+/// Energies that accumulate over a run, in this order behind the angles in z [J].
+enum Account : int {
+  work_of_drive,        ///< by roller drives and moving rails
+  work_of_torque,       ///< by axle torques
+  dissipated_elements,  ///< in suspension dampers
+  dissipated_normal,    ///< in the contacts' normal damping
+  dissipated_creep,     ///< by creep forces
+  stored_contacts,      ///< work done against the contacts' elastic normal force
+  account_count
+};
+
+}  // namespace rig

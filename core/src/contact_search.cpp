@@ -1,0 +1,230 @@
+#include <algorithm>
+#include <cmath>
+
+#include "rig/geometry/search.hpp"
+#include "rig/math/dual.hpp"
+
+namespace rig {
+namespace {
+
+using Seeded = Dual<1>;
+
+RelativePose<Seeded> lifted(RelativePose<double> const& pose) {
+  return {lift<Seeded>(pose.o), {lift<Seeded>(pose.R.ex), lift<Seeded>(pose.R.ey), lift<Seeded>(pose.R.ez)}};
+}
+
+/// How far a point of the wheel can have moved between two poses [m] (lever arm of a rotation: 1 m).
+double motion_between(RelativePose<double> const& a, RelativePose<double> const& b) {
+  auto const largest = [](Vec3<double> const& v) { return std::abs(v.x) + std::abs(v.y) + std::abs(v.z); };
+  return largest(a.o - b.o) + largest(a.R.ey - b.R.ey) + largest(a.R.ex - b.R.ex);
+}
+
+}  // namespace
+
+ContactSearch::ContactSearch(WheelRollerPair const& pair) : pair_(&pair), first_(pair.wheel->start) {
+  auto const n = static_cast<std::size_t>(std::floor((pair.wheel->end() - first_) / cell_width + 1e-9));
+  cells_.resize(n);
+  nodes_.resize(n + 1);
+  node_foot_.resize(n + 1, 0.0);
+  UniformSpline const& rail = *pair.rail;
+  auto const bins = static_cast<std::size_t>(std::ceil((rail.end() - rail.start) / 1e-3)) + 1;
+  rail_second_.assign(bins, 0.0);
+  for (std::size_t i = 0; i <= rail.pieces.size(); ++i) {
+    double const y = rail.start + rail.step * static_cast<double>(i);
+    auto const bin = std::min(bins - 1, static_cast<std::size_t>((y - rail.start) / 1e-3));
+    rail_second_[bin] = std::max(rail_second_[bin], std::abs(rail.at(std::min(y, rail.end())).second));
+  }
+}
+
+double ContactSearch::steepest_rail(double y0, double y1) const {
+  double const margin = 1e-3;
+  int const last = static_cast<int>(rail_second_.size()) - 1;
+  int const i0 = std::clamp(static_cast<int>((std::min(y0, y1) - margin - pair_->rail->start) / 1e-3), 0, last);
+  int const i1 = std::clamp(static_cast<int>((std::max(y0, y1) + margin - pair_->rail->start) / 1e-3), 0, last);
+  double largest = 0.0;
+  for (int i = i0; i <= i1; ++i) largest = std::max(largest, rail_second_[static_cast<std::size_t>(i)]);
+  return largest;
+}
+
+ContactSearch::Node const& ContactSearch::node(RelativePose<double> const& pose, int i) {
+  auto const index = static_cast<std::size_t>(i);
+  Node& n = nodes_[index];
+  if (n.call == call_) return n;
+  n.call = call_;
+  ++node_evaluations_;
+  auto const f = reduce(*pair_, lifted(pose), Seeded::variable(left(i), 0));
+  n.valid = f.foot.found;
+  n.residual = f.residual.value;
+  n.gradient = f.residual.d[0];
+  n.gap = f.gap.value;
+  node_foot_[index] = f.foot.y.value;
+  return n;
+}
+
+/// Newton on F inside a bracket, halving where Newton leaves it.
+///
+/// @param falling  +1: F(low) > 0 > F(high), a minimum of the gap; -1: F rises, a maximum
+bool ContactSearch::polish(RelativePose<double> const& pose, double low, double high, double guess, double falling,
+                           GapMinimum& root) const {
+  auto const seeded_pose = lifted(pose);
+  double s = guess;
+  double const resolution = 1e-14;  // of the abscissa [m]
+  for (int iteration = 0; iteration < 60; ++iteration) {
+    auto const f = reduce(*pair_, seeded_pose, Seeded::variable(s, 0));
+    if (!f.foot.found) return false;
+    double const residual = f.residual.value;
+    root = {s, f.residual.d[0], f.gap.value};
+    (falling * residual > 0.0 ? low : high) = s;
+    bool const regular = falling * root.gradient < 0.0;
+    double next = regular ? s - residual / root.gradient : 0.5 * (low + high);
+    if (!(next >= low && next <= high)) next = 0.5 * (low + high);
+    double const step = std::abs(next - s);
+    if (step < resolution || high - low < resolution) return true;
+    // Quadratic convergence: after a step below 1e-9 the error is far below the resolution.
+    if (step < 1e-9 && regular) {
+      root.s = next;  // the gap is stationary in s at the root
+      return true;
+    }
+    s = next;
+  }
+  return false;
+}
+
+/// The highest point of the gap between neighbouring minima: what tells two patches from one.
+void ContactSearch::find_barriers(RelativePose<double> const& pose) {
+  for (int i = 0; i + 1 < count_; ++i) {
+    auto const k = static_cast<std::size_t>(i);
+    double const low = minima_[k].s;
+    double const high = minima_[k + 1].s;
+    double guess = barriers_[k].s;
+    if (!(guess > low && guess < high)) guess = 0.5 * (low + high);
+    if (!polish(pose, low, high, guess, -1.0, barriers_[k])) barriers_[k] = {guess, 1.0, 1.0};
+  }
+}
+
+void ContactSearch::keep(GapMinimum const& root, double reach) {
+  if (!(root.gap < reach) || count_ == max_minima) return;
+  int i = count_;
+  while (i > 0 && minima_[static_cast<std::size_t>(i - 1)].s > root.s) {
+    minima_[static_cast<std::size_t>(i)] = minima_[static_cast<std::size_t>(i - 1)];
+    --i;
+  }
+  minima_[static_cast<std::size_t>(i)] = root;
+  ++count_;
+}
+
+void ContactSearch::roots_between(RelativePose<double> const& pose, Cell& cell, double s0, double f0, double s1,
+                                  double f1, double reach) {
+  if (!(f0 > 0.0 && f1 <= 0.0)) return;
+  GapMinimum root;
+  double const guess = s0 + (s1 - s0) * f0 / (f0 - f1);
+  if (!polish(pose, s0, s1, guess, 1.0, root)) return;
+  cell.root = root.s;
+  keep(root, reach);
+}
+
+/// Looks at one cell afresh: its roots, and the motion up to which what was found stands.
+void ContactSearch::analyse(RelativePose<double> const& pose, int index, double reach) {
+  Cell& cell = cells_[static_cast<std::size_t>(index)];
+  Node const a = node(pose, index);
+  Node const b = node(pose, index + 1);
+  if (!a.valid || !b.valid) {  // the wheel's normals miss the generatrix here
+    cell.state = CellState::empty;
+    cell.safe_until = cell.gap_until = motion_ + 0.1e-3;
+    return;
+  }
+  double const h = cell_width;
+  double const f_max = std::max(std::abs(a.residual), std::abs(b.residual));
+  // |d gap / d s| <= |F| across the cell, with room for what the cubic does between its ends.
+  double const slack = h * (f_max + 0.25 * h * std::max(std::abs(a.gradient), std::abs(b.gradient)));
+  double const lowest_gap = std::min(a.gap, b.gap) - slack;
+  cell.gap_until = motion_ + 0.5 * std::max(0.0, lowest_gap);
+  if (lowest_gap > reach) {
+    cell.state = CellState::empty;
+    cell.safe_until = cell.gap_until;
+    return;
+  }
+
+  // Cubic through values and slopes at both ends: F = f0 + m0 t + c2 t^2 + c3 t^3, t in 0..1.
+  double const m0 = h * a.gradient;
+  double const m1 = h * b.gradient;
+  double const jump = b.residual - a.residual;
+  double const c2 = 3.0 * jump - 2.0 * m0 - m1;
+  double const c3 = m0 + m1 - 2.0 * jump;
+  double cut[4] = {0.0, 1.0, 1.0, 1.0};
+  int cuts = 1;
+  double const discriminant = c2 * c2 - 3.0 * c3 * m0;
+  if (discriminant > 0.0) {
+    double const q = -(c2 + std::copysign(std::sqrt(discriminant), c2));
+    double t1 = c3 != 0.0 ? q / (3.0 * c3) : -1.0;
+    double t2 = q != 0.0 ? m0 / q : -1.0;
+    if (t1 > t2) std::swap(t1, t2);
+    if (t1 > 0.0 && t1 < 1.0) cut[cuts++] = t1;
+    if (t2 > 0.0 && t2 < 1.0 && t2 > t1) cut[cuts++] = t2;
+  }
+  double value[4] = {a.residual, b.residual, b.residual, b.residual};
+  for (int i = 1; i < cuts; ++i) value[i] = reduce(*pair_, pose, left(index) + h * cut[i]).residual;
+  cut[cuts] = 1.0;
+  value[cuts] = b.residual;
+
+  int changes = 0;
+  double smallest = std::abs(value[0]);
+  for (int i = 0; i < cuts; ++i) {
+    changes += (value[i] > 0.0) != (value[i + 1] > 0.0);
+    smallest = std::min(smallest, std::abs(value[i + 1]));
+    roots_between(pose, cell, left(index) + h * cut[i], value[i], left(index) + h * cut[i + 1], value[i + 1], reach);
+  }
+
+  // F at a fixed abscissa changes by at most this much per metre of motion: turning of the wheel's slope, and the
+  // generatrix sliding by underneath.
+  double const slope =
+      std::abs(pair_->wheel->at(left(index)).slope) + std::abs(pair_->wheel->at(left(index + 1)).slope);
+  double const rate =
+      2.0 * ((1.0 + slope * slope) + 2.0 * steepest_rail(node_foot_[static_cast<std::size_t>(index)],
+                                                         node_foot_[static_cast<std::size_t>(index) + 1]));
+  if (changes <= 1) {
+    bool const minimum = value[0] > 0.0 && value[cuts] <= 0.0;
+    cell.state = minimum ? CellState::one_minimum : CellState::empty;
+    // With one sign change only the ends, and turning points on the wrong side, can add roots.
+    cell.safe_until = motion_ + 0.5 * smallest / rate;
+  } else {
+    cell.state = CellState::many;
+    cell.safe_until = motion_;
+  }
+}
+
+int ContactSearch::find_all(RelativePose<double> const& pose, double reach) {
+  ++call_;
+  count_ = 0;
+  motion_ += motion_between(pose, last_pose_);
+  last_pose_ = pose;
+  for (int i = 0; i < static_cast<int>(cells_.size()); ++i) analyse(pose, i, reach);
+  if (reach == 0.0) find_barriers(pose);
+  return count_;
+}
+
+int ContactSearch::find_indented(RelativePose<double> const& pose) {
+  ++call_;
+  count_ = 0;
+  motion_ += motion_between(pose, last_pose_);
+  last_pose_ = pose;
+  for (int i = 0; i < static_cast<int>(cells_.size()); ++i) {
+    Cell& cell = cells_[static_cast<std::size_t>(i)];
+    if (motion_ < cell.gap_until) continue;
+    if (motion_ < cell.safe_until) {
+      if (cell.state == CellState::empty) continue;
+      GapMinimum root;
+      if (polish(pose, left(i), left(i + 1), cell.root, 1.0, root)) {
+        cell.root = root.s;
+        if (root.gap > 0.0) cell.gap_until = motion_ + 0.5 * root.gap;  // the lowest gap of the whole cell
+        keep(root, 0.0);
+        continue;
+      }
+    }
+    analyse(pose, i, 0.0);
+  }
+  find_barriers(pose);
+  return count_;
+}
+
+}  // namespace rig

@@ -1,0 +1,378 @@
+#include "rig/system/dynamics.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "rig/contact/patch_share.hpp"
+
+namespace rig {
+namespace {
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+template <Scalar T>
+Vec3<T> mirrored(Vec3<T> const& polar) {
+  return {polar.x, -polar.y, polar.z};
+}
+template <Scalar T>
+Vec3<T> mirrored_axial(Vec3<T> const& axial) {
+  return {-axial.x, axial.y, -axial.z};
+}
+
+bool rotates(ForceElement const& e) {
+  return e.law[coord_roll].active() || e.law[coord_pitch].active() || e.law[coord_yaw].active();
+}
+
+/// A roller that can only spin: its frame coincides with the world's.
+bool has_fixed_axis(Body const& b) {
+  return b.locked[coord_x] && b.locked[coord_y] && b.locked[coord_z] && b.locked[coord_roll] && b.locked[coord_yaw];
+}
+
+}  // namespace
+
+StateMap::StateMap(Model const& model) {
+  std::size_t const n = model.bodies.size();
+  coordinate.assign(n, {-1, -1, -1, -1, -1, -1});
+  rate.assign(n, {-1, -1, -1, -1, -1, -1});
+  angle.assign(n, -1);
+  for (std::size_t b = 0; b < n; ++b) {
+    Body const& body = model.bodies[b];
+    for (std::size_t c = 0; c < 6; ++c) {
+      if (body.locked[c]) continue;
+      if (c == coord_pitch && body.axisymmetric)
+        angle[b] = angles++;
+      else
+        coordinate[b][c] = coordinates++;
+    }
+  }
+  for (std::size_t b = 0; b < n; ++b)
+    for (std::size_t c = 0; c < 6; ++c)
+      if (!model.bodies[b].locked[c]) rate[b][c] = coordinates + rates++;
+  velocity_column.assign(at(coordinates), -1);
+  for (std::size_t b = 0; b < n; ++b)
+    for (std::size_t c = 0; c < 6; ++c)
+      if (coordinate[b][c] >= 0) velocity_column[at(coordinate[b][c])] = rate[b][c];
+  for (auto const& e : model.elements)
+    for (int node : e.node) nodes = std::max(nodes, node + 1);
+}
+
+Dynamics::Dynamics(Model const& model) : model_(&model), map_(model) {
+  resize(work_);
+  resize(dual_);
+  patches_.resize(model.contacts.size() * max_patches);
+  patch_count_.assign(model.contacts.size(), 0);
+  off_since_.assign(model.contacts.size(), -1.0);
+  element_force_.assign(model.elements.size() * 6, 0.0);
+  element_deflection_.assign(model.elements.size() * 6, 0.0);
+  for (auto const& e : model.elements) element_rotates_.push_back(rotates(e));
+  for (auto const& c : model.contacts) {
+    search_.emplace_back(c.pair);
+    // The flange tip is the highest point of the wheel profile on the flange side.
+    UniformSpline const& wheel = *c.pair.wheel;
+    double tip = wheel.start;
+    for (double s = wheel.start; s < 0.0; s += wheel.step)
+      if (wheel.at(s).value > wheel.at(tip).value) tip = s;
+    flange_tip_.push_back(wheel.at(tip).value > 0.015 ? tip : wheel.start - 1.0);
+  }
+  plan_sweeps();
+}
+
+template <Scalar T>
+void Dynamics::resize(Workspace<T>& w) const {
+  std::size_t const n = model_->bodies.size();
+  w.motion.resize(n);
+  w.wrench.resize(n);
+  w.acceleration.resize(n);
+  w.constraint_moment.assign(n, T(0.0));
+  w.node.assign(at(map_.nodes), T(0.0));
+  w.node_rate.assign(at(map_.nodes), T(0.0));
+  update_motion(Body{}, w.ground_motion);
+}
+
+void Dynamics::reset_run() {
+  counters_ = {};
+  failed_contact_ = -1;
+  std::fill(off_since_.begin(), off_since_.end(), -1.0);
+}
+
+void Dynamics::unpack(double const* x) {
+  for (std::size_t b = 0; b < model_->bodies.size(); ++b) {
+    auto& m = work_.motion[b];
+    for (std::size_t c = 0; c < 6; ++c) {
+      int const i = map_.coordinate[b][c];
+      int const j = map_.rate[b][c];
+      m.q[c] = i >= 0 ? x[i] : 0.0;
+      m.rate[c] = j >= 0 ? x[j] : 0.0;
+    }
+    update_motion(model_->bodies[b], m);
+  }
+  double const* node = x + map_.coordinates + map_.rates;
+  std::copy_n(node, map_.nodes, work_.node.begin());
+}
+
+template <Scalar T>
+void Dynamics::apply_element(Workspace<T>& w, int index) {
+  ForceElement const& e = model_->elements[at(index)];
+  auto const& a = e.body_a >= 0 ? w.motion[at(e.body_a)] : w.ground_motion;
+  auto const& b = e.body_b >= 0 ? w.motion[at(e.body_b)] : w.ground_motion;
+  Vec3<double> const origin_a = e.body_a >= 0 ? model_->bodies[at(e.body_a)].position : Vec3<double>{};
+  Vec3<double> const origin_b = e.body_b >= 0 ? model_->bodies[at(e.body_b)].position : Vec3<double>{};
+  bool const rotational = element_rotates_[at(index)];
+  auto const m = element_motion(e, a, b, origin_b - origin_a, rotational);
+
+  std::array<T, 6> f{T(0.0), T(0.0), T(0.0), T(0.0), T(0.0), T(0.0)};
+  for (std::size_t c = 0; c < (rotational ? 6U : 3U); ++c) {
+    DirectionLaw const& law = e.law[c];
+    if (!law.active()) continue;
+    int const node = e.node[c];
+    auto const out = direction_force(law, m.d[c], m.rate[c], node >= 0 ? w.node[at(node)] : T(0.0));
+    f[c] = out.force;
+    w.power[dissipated_elements] += out.dissipated;
+    if (node >= 0) w.node_rate[at(node)] = out.node_rate;
+    if constexpr (std::same_as<T, double>) {
+      element_force_[at(index) * 6 + c] = out.force;
+      element_deflection_[at(index) * 6 + c] = m.d[c];
+    }
+  }
+  Vec3<T> const force = a.R * Vec3<T>{f[0], f[1], f[2]};
+  Vec3<T> torque{};
+  if (rotational)
+    torque = a.R * (f[coord_roll] * m.roll_axis + f[coord_pitch] * m.pitch_axis + f[coord_yaw] * m.yaw_axis);
+  if (e.body_b >= 0) {
+    w.wrench[at(e.body_b)].force += force;
+    w.wrench[at(e.body_b)].moment += cross(m.arm_b, force) + torque;
+  }
+  if (e.body_a >= 0) {
+    w.wrench[at(e.body_a)].force -= force;
+    w.wrench[at(e.body_a)].moment -= cross(m.arm_a, force) + torque;
+  }
+}
+
+template <Scalar T>
+void Dynamics::relative_motion(WheelContact const& contact, Workspace<T> const& w, T const& t, RelativePose<T>& pose,
+                               ContactMotion<T>& motion) const {
+  auto const& wheelset = w.motion[at(contact.wheelset)];
+  Vec3<T> const from_crown = lift<T>(contact.wheelset_from_crown) + wheelset.p;
+  if (contact.roller == ground) {
+    pose = {from_crown, wheelset.R};
+    motion = {wheelset.v, wheelset.omega, {-model_->speed.at(t), T(0.0), T(0.0)}, {}};
+  } else {
+    auto const& roller = w.motion[at(contact.roller)];
+    Vec3<T> const c = lift<T>(contact.crown_in_roller);
+    if (has_fixed_axis(model_->bodies[at(contact.roller)])) {
+      pose = {from_crown, wheelset.R};
+      motion = {wheelset.v,
+                wheelset.omega,
+                {roller.rate[coord_pitch] * c.z, T(0.0), T(0.0)},
+                {T(0.0), roller.rate[coord_pitch], T(0.0)}};
+    } else {
+      // The crown point moves by (R - 1) c with the roller's turning; written so that a large radius cancels exactly.
+      Vec3<T> const turned = c.x * (roller.R.ex - Vec3<T>{T(1.0), T(0.0), T(0.0)}) +
+                             c.y * (roller.R.ey - Vec3<T>{T(0.0), T(1.0), T(0.0)}) +
+                             c.z * (roller.R.ez - Vec3<T>{T(0.0), T(0.0), T(1.0)});
+      auto const to_roller = [&](Vec3<T> const& v) { return roller.R.transposed_times(v); };
+      pose = {to_roller(from_crown - roller.p - turned), relative(roller.R, wheelset.R)};
+      motion = {to_roller(wheelset.v), to_roller(wheelset.omega), to_roller(roller.v) + cross(roller.omega_body, c),
+                roller.omega_body};
+    }
+  }
+  if (contact.right) {
+    pose.o = mirrored(pose.o);
+    pose.R = {mirrored(pose.R.ex), mirrored_axial(pose.R.ey), mirrored(pose.R.ez)};
+    motion = {mirrored(motion.v_wheel), mirrored_axial(motion.omega_wheel), mirrored(motion.v_roller),
+              mirrored_axial(motion.omega_roller)};
+  }
+}
+
+template <Scalar T>
+void Dynamics::apply_contact(Workspace<T>& w, T const& t, int index) {
+  WheelContact const& contact = model_->contacts[at(index)];
+  RelativePose<T> pose;
+  ContactMotion<T> motion;
+  relative_motion(contact, w, t, pose, motion);
+  ContactSearch& search = search_[at(index)];
+  if constexpr (std::same_as<T, double>)
+    patch_count_[at(index)] = exhaustive_search ? search.find_all(pose, 0.0) : search.find_indented(pose);
+
+  Vec3<T> force{}, on_wheelset{}, on_roller{};  // on_...: moment about the wheelset's centre and about the crown point
+  std::array<ContactPoint<T>, max_patches> points;
+  for (int k = 0; k < search.count(); ++k)
+    points[at(k)] = contact_point(contact.pair, pose, search[k].s, search[k].gradient);
+  auto const share = patch_shares(contact.pair, pose, search, points.data(), contact.laws.merge_barrier);
+  for (int k = 0; k < search.count(); ++k) {
+    auto patch = patch_force(contact.laws, points[at(k)], pose, motion, t);
+    patch.scale(share[at(k)]);
+    force += patch.force;
+    on_wheelset += cross(patch.point.p - pose.o, patch.force) + patch.moment;
+    on_roller += cross(patch.point.p, patch.force) + patch.moment;
+    w.power[stored_contacts] -= patch.normal.elastic * patch.gap_rate;
+    w.power[dissipated_normal] -= patch.normal.damping * patch.gap_rate;
+    w.power[dissipated_creep] += patch.creep_dissipation();
+    if constexpr (std::same_as<T, double>) patches_[at(index * max_patches + k)] = patch;
+  }
+  if (contact.right) {
+    force = mirrored(force);
+    on_wheelset = mirrored_axial(on_wheelset);
+    on_roller = mirrored_axial(on_roller);
+  }
+  auto& wheelset = w.wrench[at(contact.wheelset)];
+  if (contact.roller == ground) {
+    wheelset.force += force;
+    wheelset.moment += on_wheelset;
+    w.power[work_of_drive] -= force.x * model_->speed.at(t);
+    return;
+  }
+  auto const& R = w.motion[at(contact.roller)].R;
+  auto& roller = w.wrench[at(contact.roller)];
+  Vec3<T> const crown_moment = on_roller + cross(lift<T>(contact.crown_in_roller), force);
+  wheelset.force += R * force;
+  wheelset.moment += R * on_wheelset;
+  roller.force -= R * force;
+  roller.moment -= R * crown_moment;
+}
+
+/// Everything that pushes, then Newton and Euler. With a sweep, only what its seeds touch.
+template <Scalar T>
+void Dynamics::evaluate_forces(Workspace<T>& w, T const& t, Sweep const* sweep) {
+  Model const& model = *model_;
+  double const now = value_of(t);
+  double const acceleration = model.speed.rate(now);
+  auto const wanted_body = [&](std::size_t b) { return !sweep || sweep->affected_body[b]; };
+
+  w.power.fill(T(0.0));
+  for (std::size_t b = 0; b < model.bodies.size(); ++b) {
+    if (!wanted_body(b)) continue;
+    w.wrench[b] = {};
+    w.wrench[b].force.z = T(-model.bodies[b].mass * model.gravity);
+  }
+  for (int i = 0; i < static_cast<int>(model.elements.size()); ++i)
+    if (!sweep || sweep->touched_element[at(i)]) apply_element(w, i);
+  bool on_rails = false;
+  for (int i = 0; i < static_cast<int>(model.contacts.size()); ++i) {
+    on_rails = on_rails || model.contacts[at(i)].roller == ground;
+    if (!sweep || sweep->touched_contact[at(i)]) apply_contact(w, t, i);
+  }
+  for (auto const& torque : model.axle_torques) {
+    auto const& wheelset = w.motion[at(torque.wheelset)];
+    T const c = torque.torque.at(t);
+    Vec3<T> const moment = c * wheelset.R.ey;
+    w.wrench[at(torque.wheelset)].moment += moment;
+    w.power[work_of_torque] += dot(moment, wheelset.omega);
+    if (torque.reaction == ground) continue;
+    w.wrench[at(torque.reaction)].moment -= moment;
+    w.power[work_of_torque] -= dot(moment, w.motion[at(torque.reaction)].omega);
+  }
+  for (auto const& torque : model.roller_torques) {
+    auto const& roller = w.motion[at(torque.roller)];
+    Vec3<T> const moment = -(torque.torque.at(t) * roller.R.ey);
+    w.wrench[at(torque.roller)].moment += moment;
+    w.power[work_of_drive] += dot(moment, roller.omega);
+  }
+  for (std::size_t b = 0; b < model.bodies.size(); ++b) {
+    if (!wanted_body(b)) continue;
+    Body const& body = model.bodies[b];
+    if (on_rails && acceleration != 0.0) {  // the frame of a track accelerates with the vehicle
+      T const inertia_force = T(-body.mass * acceleration);
+      w.wrench[b].force.x += inertia_force;
+      w.power[work_of_drive] += inertia_force * w.motion[b].v.x;
+    }
+    T const driven(body.driven ? -acceleration * model.driven_inverse_radius[b] : 0.0);
+    w.acceleration[b] = accelerations(body, w.motion[b], w.wrench[b], driven, w.constraint_moment[b]);
+    if (body.driven) w.power[work_of_drive] += w.constraint_moment[b] * w.motion[b].rate[coord_pitch];
+  }
+}
+
+void Dynamics::evaluate(double t, double const* x) {
+  unpack(x);
+  evaluate_forces(work_, t, nullptr);
+}
+
+Status Dynamics::derivative(double t, double const* x, double* x_dot, double* z_dot) {
+  evaluate(t, x);
+  for (int i = 0; i < map_.coordinates; ++i) x_dot[i] = x[map_.velocity_column[at(i)]];
+  for (std::size_t b = 0; b < model_->bodies.size(); ++b)
+    for (std::size_t c = 0; c < 6; ++c)
+      if (map_.rate[b][c] >= 0) x_dot[map_.rate[b][c]] = work_.acceleration[b][c];
+  std::copy_n(work_.node_rate.begin(), map_.nodes, x_dot + map_.coordinates + map_.rates);
+  if (z_dot == nullptr) return Status::ok;
+  for (std::size_t b = 0; b < model_->bodies.size(); ++b)
+    if (map_.angle[b] >= 0) z_dot[map_.angle[b]] = work_.motion[b].rate[coord_pitch];
+  std::copy_n(work_.power.begin(), account_count, z_dot + map_.angles);
+  return Status::ok;
+}
+
+Status Dynamics::accept(double t, double const* x) {
+  evaluate(t, x);
+  for (std::size_t i = 0; i < model_->contacts.size(); ++i) {
+    WheelContact const& contact = model_->contacts[i];
+    int const n = patch_count_[i];
+    ++counters_.checked;
+    counters_.several_patches += n > 1;
+    failed_contact_ = static_cast<int>(i);
+    if (n == 0) {
+      ++counters_.lost;
+      if (off_since_[i] < 0.0) off_since_[i] = t;
+      if (t - off_since_[i] > model_->contact_loss_limit) return Status::contact_lost;
+    } else {
+      off_since_[i] = -1.0;
+    }
+    for (int k = 0; k < n; ++k) {
+      Patch<double> const& p = patch(static_cast<int>(i), k);
+      counters_.limited_curvature += p.hertz.limited;
+      counters_.faded += p.share < 1.0;
+      counters_.clamped_aspect += !contact.laws.kalker->covers(p.hertz.log_aspect);
+      counters_.negative_dissipation += p.creep_dissipation() < -1e-6;
+      if (k > 0) {
+        Patch<double> const& left = patch(static_cast<int>(i), k - 1);
+        double const distance = std::hypot(p.point.p.y - left.point.p.y, p.point.p.z - left.point.p.z);
+        counters_.overlapping += distance < p.b + left.b;
+      }
+      if (p.point.wheel_s < flange_tip_[i] + 1e-3) return Status::derailed;
+      double const edge = 0.5e-3;  // closer than this to the end of a profile counts as off it [m]
+      auto const near_edge = [edge](UniformSpline const& c, double y) {
+        return y < c.start + edge || y > c.end() - edge;
+      };
+      if (near_edge(*contact.pair.wheel, p.point.wheel_s) || near_edge(*contact.pair.rail, p.point.rail_y))
+        return Status::off_profile;
+    }
+  }
+  failed_contact_ = -1;
+  return Status::ok;
+}
+
+double Dynamics::kinetic_energy() const {
+  double sum = 0.0;
+  for (std::size_t b = 0; b < model_->bodies.size(); ++b) {
+    Body const& body = model_->bodies[b];
+    auto const& m = work_.motion[b];
+    auto const& w = m.omega_body;
+    sum += 0.5 * body.mass * dot(m.v, m.v) +
+           0.5 * (body.inertia.x * w.x * w.x + body.inertia.y * w.y * w.y + body.inertia.z * w.z * w.z);
+  }
+  return sum;
+}
+
+double Dynamics::gravity_energy() const {
+  double sum = 0.0;
+  for (std::size_t b = 0; b < model_->bodies.size(); ++b)
+    sum += model_->bodies[b].mass * model_->gravity * work_.motion[b].p.z;
+  return sum;
+}
+
+double Dynamics::element_energy() const {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < model_->elements.size(); ++i)
+    for (std::size_t c = 0; c < 6; ++c) {
+      ForceElement const& e = model_->elements[i];
+      double const s = e.node[c] >= 0 ? work_.node[at(e.node[c])] : 0.0;
+      if (e.law[c].active()) sum += e.law[c].potential(element_deflection_[i * 6 + c], s);
+    }
+  return sum;
+}
+
+template void Dynamics::relative_motion(WheelContact const&, Workspace<double> const&, double const&,
+                                        RelativePose<double>&, ContactMotion<double>&) const;
+template void Dynamics::evaluate_forces(Workspace<double>&, double const&, Sweep const*);
+template void Dynamics::evaluate_forces(Workspace<JacobianDual>&, JacobianDual const&, Sweep const*);
+
+}  // namespace rig

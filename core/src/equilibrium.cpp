@@ -1,0 +1,188 @@
+#include "rig/system/equilibrium.hpp"
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+
+namespace rig {
+namespace {
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+bool is_roller(Model const& model, int body) {
+  return std::ranges::any_of(model.contacts, [body](auto const& c) { return c.roller == body; });
+}
+bool is_wheelset(Model const& model, int body) {
+  return std::ranges::any_of(model.contacts, [body](auto const& c) { return c.wheelset == body; });
+}
+
+/// Which states are unknown, which rows must vanish, and the factor that turns a row into a force or moment.
+struct Problem {
+  std::vector<int> columns, rows;
+  std::vector<double> weight;
+};
+
+Problem set_up(Dynamics const& dynamics, std::vector<HeldCoordinate> const& held) {
+  Model const& model = dynamics.model();
+  StateMap const& map = dynamics.map();
+  Problem problem;
+  auto const is_held = [&](int b, int c) {
+    return std::ranges::any_of(held, [&](auto const& h) { return h.body == b && h.coordinate == c; });
+  };
+  for (int b = 0; b < static_cast<int>(model.bodies.size()); ++b) {
+    Body const& body = model.bodies[at(b)];
+    double const inertia[6] = {body.mass, body.mass, body.mass, body.inertia.x, body.inertia.y, body.inertia.z};
+    for (int c = 0; c < 6; ++c) {
+      int const rate = map.rate[at(b)][at(c)];
+      int const coordinate = map.coordinate[at(b)][at(c)];
+      if (rate < 0 || is_held(b, c)) continue;
+      if (coordinate >= 0) {
+        problem.columns.push_back(coordinate);
+      } else {
+        if (is_roller(model, b)) continue;  // turns at the running speed
+        problem.columns.push_back(rate);
+      }
+      problem.rows.push_back(rate);
+      problem.weight.push_back(inertia[c]);
+    }
+  }
+  for (std::size_t i = 0; i < model.elements.size(); ++i)
+    for (std::size_t c = 0; c < 6; ++c)
+      if (int const node = model.elements[i].node[c]; node >= 0) {
+        problem.columns.push_back(map.coordinates + map.rates + node);
+        problem.rows.push_back(map.coordinates + map.rates + node);
+        problem.weight.push_back(model.elements[i].law[c].series_damping);
+      }
+  return problem;
+}
+
+double vertical_force_on(Dynamics& dynamics, double t, std::vector<double> const& x, int body) {
+  dynamics.evaluate(t, x.data());
+  return dynamics.work().wrench[at(body)].force.z;
+}
+
+/// Lowers a wheelset onto its rollers until they carry what presses on it.
+void set_down(Dynamics& dynamics, double t, std::vector<double>& x, int body) {
+  int const z = dynamics.map().coordinate[at(body)][coord_z];
+  if (z < 0) return;
+  double low = -20e-3;  // in the roller: pushed up
+  double high = 20e-3;  // in the air: pulled down
+  for (int i = 0; i < 50; ++i) {
+    x[at(z)] = 0.5 * (low + high);
+    (vertical_force_on(dynamics, t, x, body) > 0.0 ? low : high) = x[at(z)];
+  }
+}
+
+}  // namespace
+
+Equilibrium solve_equilibrium(Dynamics& dynamics, double speed, double t, std::vector<HeldCoordinate> const& held) {
+  Model const& model = dynamics.model();
+  StateMap const& map = dynamics.map();
+  Problem const problem = set_up(dynamics, held);
+  auto const n = static_cast<Eigen::Index>(problem.rows.size());
+  Equilibrium result;
+  std::vector<double>& x = result.x;
+  x.assign(at(map.states()), 0.0);
+
+  for (auto const& h : held)
+    if (int const i = map.coordinate[at(h.body)][at(h.coordinate)]; i >= 0) x[at(i)] = h.value;
+  for (auto const& contact : model.contacts) {
+    if (int const i = map.rate[at(contact.wheelset)][coord_pitch]; i >= 0) x[at(i)] = speed / contact.pair.wheel_radius;
+    if (contact.roller == ground) continue;
+    if (int const i = map.rate[at(contact.roller)][coord_pitch]; i >= 0)
+      x[at(i)] = -speed * contact.pair.inverse_radius;
+  }
+  for (int b = 0; b < static_cast<int>(model.bodies.size()); ++b)
+    if (is_wheelset(model, b)) set_down(dynamics, t, x, b);
+
+  JacobianData j(dynamics.sizes());
+  std::vector<double> x_dot(x.size());
+  Eigen::VectorXd residual(n);
+  Eigen::MatrixXd matrix(n, n);
+  auto const residual_at = [&](std::vector<double> const& state, Eigen::VectorXd& r) {
+    dynamics.derivative(t, state.data(), x_dot.data(), nullptr);
+    for (Eigen::Index i = 0; i < n; ++i)
+      r[i] = problem.weight[static_cast<std::size_t>(i)] * x_dot[at(problem.rows[static_cast<std::size_t>(i)])];
+    for (int c = 0; c < static_cast<int>(model.contacts.size()); ++c)
+      if (dynamics.patch_count(c) == 0) return false;
+    return r.allFinite();
+  };
+
+  residual_at(x, residual);
+  Eigen::VectorXd trial_residual(n);
+  for (result.iterations = 1; result.iterations <= 60; ++result.iterations) {
+    dynamics.jacobian(t, x.data(), j);
+    for (Eigen::Index r = 0; r < n; ++r)
+      for (Eigen::Index c = 0; c < n; ++c)
+        matrix(r, c) = problem.weight[static_cast<std::size_t>(r)] *
+                       j.a(problem.rows[static_cast<std::size_t>(r)], problem.columns[static_cast<std::size_t>(c)]);
+    // Unknowns of very different size (m, rad, rad/s): scale the columns; least norm where a motion is neutral.
+    Eigen::VectorXd const scale = matrix.colwise().norm().cwiseMax(1e-12).cwiseInverse();
+    Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> solver;
+    solver.setThreshold(1e-11);
+    solver.compute(matrix * scale.asDiagonal());
+    Eigen::VectorXd const step = scale.asDiagonal() * solver.solve(residual);
+
+    double const before = residual.norm();
+    double fraction = 1.0;
+    std::vector<double> trial = x;
+    for (int halving = 0; halving < 12; ++halving, fraction *= 0.5) {
+      for (Eigen::Index i = 0; i < n; ++i)
+        trial[at(problem.columns[static_cast<std::size_t>(i)])] =
+            x[at(problem.columns[static_cast<std::size_t>(i)])] - fraction * step[i];
+      if (residual_at(trial, trial_residual) && trial_residual.norm() < before) break;
+    }
+    double const after = trial_residual.norm();
+    if (!(after < before)) break;  // rounding level, or stuck
+    x = trial;
+    residual = trial_residual;
+    if (after < 1e-9) break;
+  }
+  residual_at(x, residual);
+  result.residual = residual.cwiseAbs().maxCoeff();
+  result.converged = result.residual < 1e-3;
+  return result;
+}
+
+std::vector<double> static_preloads(std::vector<Body> const& bodies, std::vector<ForceElement> const& elements,
+                                    double gravity, double& worst_imbalance) {
+  std::vector<int> row_of(bodies.size(), -1);
+  int rows = 0;
+  for (std::size_t b = 0; b < bodies.size(); ++b)
+    if (!bodies[b].axisymmetric) row_of[b] = 3 * rows++;
+  std::vector<std::size_t> carrying;
+  for (std::size_t i = 0; i < elements.size(); ++i)
+    if (elements[i].carries_load) carrying.push_back(i);
+
+  // Per body: vertical force, moments about x and y of a vertical force at (x, y) from its centre of mass.
+  Eigen::MatrixXd balance = Eigen::MatrixXd::Zero(3 * rows, static_cast<Eigen::Index>(carrying.size()));
+  Eigen::VectorXd load = Eigen::VectorXd::Zero(3 * rows);
+  for (std::size_t b = 0; b < bodies.size(); ++b)
+    if (row_of[b] >= 0) load[row_of[b]] = bodies[b].mass * gravity;
+  for (std::size_t k = 0; k < carrying.size(); ++k) {
+    ForceElement const& e = elements[carrying[k]];
+    Vec3<double> const point = (e.body_b >= 0 ? bodies[at(e.body_b)].position : Vec3<double>{}) + e.r_b;
+    auto const act = [&](int body, double sign) {
+      if (body < 0 || row_of[at(body)] < 0) return;
+      Vec3<double> const arm = point - bodies[at(body)].position;
+      auto const column = static_cast<Eigen::Index>(k);
+      balance(row_of[at(body)], column) += sign;
+      balance(row_of[at(body)] + 1, column) += sign * arm.y;
+      balance(row_of[at(body)] + 2, column) -= sign * arm.x;
+    };
+    act(e.body_b, 1.0);
+    act(e.body_a, -1.0);
+  }
+  std::vector<double> preload(elements.size(), 0.0);
+  worst_imbalance = 0.0;
+  if (rows == 0) return preload;
+  if (!carrying.empty()) {
+    Eigen::VectorXd const p = balance.completeOrthogonalDecomposition().solve(load);
+    for (std::size_t k = 0; k < carrying.size(); ++k) preload[carrying[k]] = p[static_cast<Eigen::Index>(k)];
+    load -= balance * p;
+  }
+  worst_imbalance = load.cwiseAbs().maxCoeff();
+  return preload;
+}
+
+}  // namespace rig

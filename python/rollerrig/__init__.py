@@ -1,0 +1,1 @@
+"""rollerrig: a roller rig for railway bogies, in software."""
