@@ -123,22 +123,49 @@ void ContactSearch::roots_between(RelativePose<double> const& pose, Cell& cell, 
   keep(root, reach);
 }
 
+/// Moves the end of a cell whose normal misses the generatrix to where the first one meets it.
+void ContactSearch::trim(RelativePose<double> const& pose, double& first, Node& a, double& last, Node& b) const {
+  double& bad = a.valid ? last : first;
+  Node& end = a.valid ? b : a;
+  double const good = a.valid ? first : last;
+  double valid = good;
+  double invalid = bad;
+  end = a.valid ? a : b;
+  while (std::abs(invalid - valid) > 1e-9) {
+    double const middle = 0.5 * (valid + invalid);
+    auto const f = reduce(*pair_, lifted(pose), Seeded::variable(middle, 0));
+    if (!f.foot.found) {
+      invalid = middle;
+      continue;
+    }
+    valid = middle;
+    end = {f.residual.value, f.residual.d[0], f.gap.value, true, call_};
+  }
+  bad = valid;
+}
+
 /// Looks at one cell afresh: its roots, and the motion up to which what was found stands.
 void ContactSearch::analyse(RelativePose<double> const& pose, int index, double reach) {
   Cell& cell = cells_[static_cast<std::size_t>(index)];
-  Node const a = node(pose, index);
-  Node const b = node(pose, index + 1);
-  if (!a.valid || !b.valid) {  // the wheel's normals miss the generatrix here
+  Node a = node(pose, index);
+  Node b = node(pose, index + 1);
+  double const partial_until = motion_ + 0.1e-3;
+  bool const partial = !a.valid || !b.valid;  // the wheel's normals miss the generatrix somewhere here
+  if (!a.valid && !b.valid) {
     cell.state = CellState::empty;
-    cell.safe_until = cell.gap_until = motion_ + 0.1e-3;
+    cell.safe_until = cell.gap_until = partial_until;
     return;
   }
-  double const h = cell_width;
+  double first = left(index);
+  double last = left(index + 1);
+  if (partial) trim(pose, first, a, last, b);
+  double const h = last - first;
   double const f_max = std::max(std::abs(a.residual), std::abs(b.residual));
   // |d gap / d s| <= |F| across the cell, with room for what the cubic does between its ends.
   double const slack = h * (f_max + 0.25 * h * std::max(std::abs(a.gradient), std::abs(b.gradient)));
   double const lowest_gap = std::min(a.gap, b.gap) - slack;
   cell.gap_until = motion_ + 0.5 * std::max(0.0, lowest_gap);
+  if (partial) cell.gap_until = std::min(cell.gap_until, partial_until);
   if (lowest_gap > reach) {
     cell.state = CellState::empty;
     cell.safe_until = cell.gap_until;
@@ -163,7 +190,7 @@ void ContactSearch::analyse(RelativePose<double> const& pose, int index, double 
     if (t2 > 0.0 && t2 < 1.0 && t2 > t1) cut[cuts++] = t2;
   }
   double value[4] = {a.residual, b.residual, b.residual, b.residual};
-  for (int i = 1; i < cuts; ++i) value[i] = reduce(*pair_, pose, left(index) + h * cut[i]).residual;
+  for (int i = 1; i < cuts; ++i) value[i] = reduce(*pair_, pose, first + h * cut[i]).residual;
   cut[cuts] = 1.0;
   value[cuts] = b.residual;
 
@@ -172,7 +199,7 @@ void ContactSearch::analyse(RelativePose<double> const& pose, int index, double 
   for (int i = 0; i < cuts; ++i) {
     changes += (value[i] > 0.0) != (value[i + 1] > 0.0);
     smallest = std::min(smallest, std::abs(value[i + 1]));
-    roots_between(pose, cell, left(index) + h * cut[i], value[i], left(index) + h * cut[i + 1], value[i + 1], reach);
+    roots_between(pose, cell, first + h * cut[i], value[i], first + h * cut[i + 1], value[i + 1], reach);
   }
 
   // F at a fixed abscissa changes by at most this much per metre of motion: turning of the wheel's slope, and the
@@ -191,6 +218,7 @@ void ContactSearch::analyse(RelativePose<double> const& pose, int index, double 
     cell.state = CellState::many;
     cell.safe_until = motion_;
   }
+  if (partial) cell.safe_until = motion_;  // what the rest of the cell holds is not known
 }
 
 int ContactSearch::find_all(RelativePose<double> const& pose, double reach) {

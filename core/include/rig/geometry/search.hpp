@@ -59,6 +59,7 @@ class ContactSearch {
 
   double left(int cell) const { return first_ + cell_width * cell; }
   Node const& node(RelativePose<double> const& pose, int i);
+  void trim(RelativePose<double> const& pose, double& first, Node& a, double& last, Node& b) const;
   void analyse(RelativePose<double> const& pose, int cell, double reach);
   void roots_between(RelativePose<double> const& pose, Cell& cell, double s0, double f0, double s1, double f1,
                      double reach);
