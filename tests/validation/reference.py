@@ -1,0 +1,188 @@
+"""Models and reference tables that the validation tests share.
+
+The reference tables are not part of the repository: a folder `shared` beside it, or ROLLERRIG_SHARED, may hold them.
+They were computed with CONTACT (Vollebregt, Kalker) and with independent codes; each test names its file.
+"""
+
+from __future__ import annotations
+
+import csv
+import os
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from rollerrig import _core
+from rollerrig.config import load_case
+from rollerrig.model import AssembledModel, assemble
+from rollerrig.profiles import ProfileTable, gauge_point, profile_from_spec
+
+mm = 1e-3
+kmh = 1 / 3.6
+SHARED = Path(os.environ.get("ROLLERRIG_SHARED", Path(__file__).parents[2].parent / "shared"))
+FOLDER = SHARED / "reference"
+needs_reference = pytest.mark.skipif(not FOLDER.is_dir(), reason="the reference tables are not here")
+
+#: The steel of the reference tables.
+SHEAR_MODULUS, POISSON_RATIO = 82e9, 0.28
+
+
+def rows(file: str) -> list[dict[str, float | str]]:
+    """Rows of a reference table; numbers as float."""
+
+    def value(text: str) -> float | str:
+        try:
+            return float(text)
+        except ValueError:
+            return text
+
+    with (FOLDER / file).open() as lines:
+        return [{key: value(text) for key, text in row.items()} for row in csv.DictReader(lines)]
+
+
+def rail_origin(table: ProfileTable, gauge: float = 1.435, depth: float = 14 * mm) -> float:
+    """Lateral position of the rail's highest point for a gauge taken `depth` below it [m]."""
+    return gauge / 2 + abs(gauge_point(table, depth))
+
+
+def add_wheels(
+    core: _core.Model,
+    wheelset: int,
+    rollers: tuple[int, int],
+    wheel: ProfileTable,
+    rail: ProfileTable,
+    roller_radius: float | None,
+    origin: float,
+    *,
+    wheel_radius: float = 0.46,
+    tape_circle_y: float = 0.75,
+    friction: float = 0.3,
+    shear_modulus: float = SHEAR_MODULUS,
+    normal_damping: float = 1e5,
+    merge_barrier: float = 0.0,
+) -> tuple[int, int]:
+    """Adds the left and the right contact of one wheelset; rollers -1 are rails."""
+    wheel_index = core.add_profile(wheel.start, wheel.step, wheel.coefficients)
+    rail_index = core.add_profile(rail.start, rail.step, rail.coefficients)
+    left, right = (
+        core.add_contact(
+            wheelset=wheelset,
+            roller=roller,
+            right=right,
+            wheel_profile=wheel_index,
+            rail_profile=rail_index,
+            wheel_radius=wheel_radius,
+            tape_circle_y=tape_circle_y,
+            rail_origin_y=origin,
+            inverse_radius=1 / roller_radius if roller_radius else 0.0,
+            wheelset_from_crown=(0.0, 0.0, wheel_radius),
+            crown_in_roller=(0.0, 0.0, roller_radius or 0.0),
+            shear_modulus=shear_modulus,
+            poisson_ratio=POISSON_RATIO,
+            friction=friction,
+            creep="kalker_saturated",
+            saturate_spin_moment=False,
+            normal_damping=normal_damping,
+            standstill_speed=0.1,
+            merge_barrier=merge_barrier,
+        )
+        for roller, right in zip(rollers, (False, True), strict=True)
+    )
+    return left, right
+
+
+def benchmark_press(roller_radius: float | None, merge_barrier: float = 0.0) -> _core.WheelsetPress:
+    """The wheelset of the Manchester contact benchmark on its rails, or on rollers of the rails' head."""
+    wheel, rail = profile_from_spec("s1002", "wheel"), profile_from_spec("uic60_benchmark_1_40", "rail")
+    return press_of(wheel, rail, roller_radius, rail_origin(rail), merge_barrier)
+
+
+def press_of(
+    wheel: ProfileTable, rail: ProfileTable, roller_radius: float | None, origin: float, merge_barrier: float = 0.0
+) -> _core.WheelsetPress:
+    """A wheelset of radius 460 mm and these profiles, ready to be pressed down."""
+    core = _core.Model()
+    core.add_body(2000.0, (1000.0, 100.0, 1000.0), (0.0, 0.0, 0.46), True, [False] * 6, 0.0)
+    left, right = add_wheels(core, 0, (-1, -1), wheel, rail, roller_radius, origin, merge_barrier=merge_barrier)
+    return _core.WheelsetPress(core, left, right)
+
+
+def bogie(support: str = "full_scale_rig", speed: float = 60 * kmh, **changes: object) -> AssembledModel:
+    """The leading bogie of the Manchester vehicle, rollers held at `speed` [m/s]; no disturbance, no torque."""
+    return cut("leading_bogie", support, speed, **changes)
+
+
+def cut(name: str, support: str, speed: float, **changes: object) -> AssembledModel:
+    """A part of the Manchester vehicle on a support, speed held; keys of changes with `__` for the dots."""
+    dotted = {key.replace("__", "."): value for key, value in changes.items()}
+    case = load_case("bogie_rollers_constant").with_changes(
+        {"vehicle.cut": name, "support.use": support, "motion.speed": speed, "disturbance": [], **dotted}
+    )
+    return assemble(case)
+
+
+def equilibrium(simulation: _core.Simulation, speed: float, held: tuple[tuple[int, int, float], ...] = ()) -> np.ndarray:
+    """State of steady running [m/s]."""
+    result = simulation.equilibrium(speed, 0.0, list(held))
+    assert result["converged"], result
+    return result["x"]
+
+
+def settings(simulation: _core.Simulation, duration: float, **given: object) -> dict[str, object]:
+    """Arguments of Simulation.start: rodas4, tolerances 1e-8 on displacements, 1e-6 on rates."""
+    states = simulation.state_count
+    absolute = np.full(states, 1e-10)
+    rates = [i for body in simulation.rate_index for i in body if i >= 0]
+    absolute[rates] = 1e-8
+    defaults: dict[str, object] = {
+        "method": "rodas4",
+        "step": 1e-4,
+        "relative_tolerance": 1e-7,
+        "absolute_tolerance": absolute.tolist(),
+        "initial_step": 1e-6,
+        "maximum_step": 0.01,
+        "final_time": duration,
+        "output_step": 0.01,
+        "breakpoints": [],
+        "t0": 0.0,
+    }
+    return defaults | given
+
+
+class Run:
+    """A finished run: times and fields by name."""
+
+    def __init__(self, simulation: _core.Simulation, x0: np.ndarray, duration: float, **given: object) -> None:
+        arguments = settings(simulation, duration, **given)
+        count = round(duration / float(arguments["output_step"])) + 2  # type: ignore[arg-type]
+        self.time = np.full(count, np.nan)
+        self.rows = np.full((count, simulation.width), np.nan)
+        simulation.start(**arguments, x0=x0)  # type: ignore[arg-type]
+        self.status, filled = simulation.advance(duration, self.time, self.rows, 0)
+        self.time, self.rows = self.time[:filled], self.rows[:filled]
+        self.statistics, self.counters, self.final_state = simulation.statistics(), simulation.counters(), simulation.state
+        self.bodies = len(simulation.rate_index)
+
+    def body(self, index: int, field: str) -> np.ndarray:
+        """A field of a body over time."""
+        names = [name for name, _, _ in _core.body_fields]
+        return self.rows[:, index * len(names) + names.index(field)]
+
+    def wheel(self, index: int, field: str) -> np.ndarray:
+        """A field of a wheel over time."""
+        names = [name for name, _, _ in _core.wheel_fields]
+        start = self.bodies * len(_core.body_fields)
+        return self.rows[:, start + index * len(names) + names.index(field)]
+
+    def energy(self, field: str) -> np.ndarray:
+        """A field of the whole run over time, from the end of the row."""
+        names = [name for name, _, _ in _core.run_fields]
+        return self.rows[:, self.rows.shape[1] - len(names) + names.index(field)]
+
+    def energy_residual(self) -> np.ndarray:
+        """Work put in less what became of it [J]."""
+        stored = self.energy("kinetic_energy") + self.energy("gravity_energy") + self.energy("element_energy")
+        put_in = self.energy("work_of_drive") + self.energy("work_of_torque")
+        heat = sum(self.energy(f"dissipated_{where}") for where in ("elements", "normal", "creep"))
+        return put_in - heat - self.energy("stored_contacts") - (stored - stored[0])
