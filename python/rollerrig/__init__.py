@@ -1,1 +1,69 @@
-"""rollerrig: a roller rig for railway bogies, in software."""
+"""rollerrig: a roller rig for railway bogies, in software.
+
+    load_case -> Case -> simulate  -> xarray.Dataset -> save_run, figures, report
+                      -> stability -> xarray.Dataset
+
+Names are loaded when first used, so that `import rollerrig` costs nothing.
+"""
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from rollerrig.analysis import stability
+    from rollerrig.catalog import catalog_entries, catalog_text
+    from rollerrig.config import Case, ConfigError, load_case
+    from rollerrig.contact_table import contact_table
+    from rollerrig.model import assemble
+    from rollerrig.results import OutputError, load_run, save_run
+    from rollerrig.run import StartError, simulate
+
+__version__ = "0.1.0"
+
+_HOME = {
+    "Case": "config",
+    "ConfigError": "config",
+    "OutputError": "results",
+    "StartError": "run",
+    "assemble": "model",
+    "catalog_entries": "catalog",
+    "catalog_text": "catalog",
+    "contact_table": "contact_table",
+    "load_case": "config",
+    "load_run": "results",
+    "save_run": "results",
+    "simulate": "run",
+    "stability": "analysis",
+}
+"""Module that defines each public name."""
+
+__all__ = [
+    "Case",
+    "ConfigError",
+    "OutputError",
+    "StartError",
+    "__version__",
+    "assemble",
+    "catalog_entries",
+    "catalog_text",
+    "contact_table",
+    "load_case",
+    "load_run",
+    "save_run",
+    "simulate",
+    "stability",
+]
+
+
+def __getattr__(name: str) -> Any:
+    """A public name, from the module that defines it."""
+    if name not in _HOME:
+        raise AttributeError(f"module 'rollerrig' has no attribute {name!r}")
+    value = getattr(import_module(f"rollerrig.{_HOME[name]}"), name)
+    globals()[name] = value  # also where a submodule of the same name has just been bound
+    return value
+
+
+def __dir__() -> list[str]:
+    """Public names, for completion."""
+    return sorted(__all__)

@@ -1,0 +1,50 @@
+"""The commands and where each of them stands."""
+
+from __future__ import annotations
+
+import sys
+from importlib import import_module
+from importlib.util import find_spec
+
+import typer
+
+from rollerrig import __version__
+from rollerrig.cli.ending import readable_errors
+
+COMMANDS = ("paper", "run", "stability", "contact", "check", "catalog")
+"""Modules of this folder, each with a function `command`."""
+
+HELP = """A roller rig for railway bogies, in software.
+
+CASE is the name of a case in the catalogue (rollerrig catalog) or a TOML file. Exit codes: 0 done, 2 bad input, 3 the run
+left the model's validity (results up to there are kept), 130 interrupted (results up to there are kept)."""
+
+
+def build_app() -> typer.Typer:
+    """The application with all its commands."""
+    app = typer.Typer(
+        help=HELP, rich_markup_mode=None, no_args_is_help=True, add_completion=False, pretty_exceptions_enable=False
+    )
+
+    @app.callback()
+    def common(
+        version: bool = typer.Option(False, "--version", help="Print the version and exit.", is_eager=True),
+    ) -> None:
+        if version:
+            typer.echo(__version__)
+            raise typer.Exit
+
+    for name in COMMANDS:
+        if find_spec(f"rollerrig.cli.{name}") is not None:
+            module = import_module(f"rollerrig.cli.{name}")
+            app.command(name)(readable_errors(module.command))
+    return app
+
+
+def main() -> None:
+    """Entry point of `rollerrig`."""
+    try:
+        build_app()()
+    except BrokenPipeError:  # `rollerrig catalog | head`
+        sys.stderr.close()
+        sys.exit(1)

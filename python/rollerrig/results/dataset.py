@@ -1,0 +1,148 @@
+"""Rows of plain numbers become a Dataset: names, dimensions, units, provenance.
+
+    recorder's rows, names of the model's parts, how the run ended -> [dataset] -> xarray.Dataset
+
+The order of a row is the recorder's (core/include/rig/record/recorder.hpp): bodies, wheels, patches, elements, run.
+Nothing is copied: the variables are views of the rows.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from rollerrig import __version__, _core
+from rollerrig.model import AssembledModel
+
+Field = tuple[str, str, str]
+"""Name, unit, meaning."""
+
+_DIRECTION_WORDS = {"x": "longitudinal", "y": "lateral", "z": "vertical"}
+
+_RUN_NAMES = {
+    "kinetic_energy": "energy_kinetic",
+    "gravity_energy": "energy_gravity",
+    "element_energy": "energy_elements",
+    "work_of_drive": "energy_work_of_drive",
+    "work_of_torque": "energy_work_of_torque",
+    "dissipated_elements": "energy_dissipated_elements",
+    "dissipated_normal": "energy_dissipated_normal",
+    "dissipated_creep": "energy_dissipated_creep",
+    "stored_contacts": "energy_stored_contacts",
+}
+
+SOURCES = {
+    "model": "M. Malvezzi, E. Meli, L. Pugi (2010), Simulation of degraded wheel/rail adhesion conditions on a railway "
+    "roller rig for the evaluation of the effect of wheel/roller contact on control performance",
+    "normal force": "H. Hertz (1882); damping: the paper, eq. (12)",
+    "creep coefficients": "J. J. Kalker (1990), Three-Dimensional Elastic Bodies in Rolling Contact, table E.3",
+    "saturation": "K. L. Johnson, P. J. Vermeulen (1964); the paper, eqs (22)-(24)",
+}
+"""What the physics of every run comes from."""
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """How a run ended.
+
+    Attributes:
+        status: name of the core's status: 'ok', 'derailed', 'interrupted', ...
+        message: a sentence with time, wheel and remedy.
+        stopped_at: time that the integration reached [s].
+        wheel: the wheel that the status speaks of, or "".
+        statistics: counts of the integrator.
+        counters: counts of the contacts.
+    """
+
+    status: str
+    message: str
+    stopped_at: float
+    wheel: str
+    statistics: Mapping[str, float]
+    counters: Mapping[str, int]
+
+
+def body_variable(name: str) -> str:
+    """The Dataset's word for a body field of the core: 'y_rate' -> 'lateral_velocity'."""
+    stem, _, rest = name.partition("_")
+    if stem not in _DIRECTION_WORDS:
+        return name
+    return "_".join(filter(None, (_DIRECTION_WORDS[stem], {"rate": "velocity"}.get(rest, rest))))
+
+
+def run_dataset(
+    model: AssembledModel, times: NDArray[np.float64], rows: NDArray[np.float64], outcome: Outcome
+) -> xr.Dataset:
+    """The Dataset of a run, without the energy audit.
+
+    Args:
+        model: the model that was run.
+        times: output times [s], shape (time,).
+        rows: one row of the recorder per output time, shape (time, width).
+        outcome: how the run ended.
+
+    Returns:
+        Dimensions time, body, wheel, patch, element; each variable has `units` and `long_name`.
+    """
+    wheels = [wheel.name for wheel in model.wheels]
+    sizes = {"body": len(model.bodies), "wheel": len(wheels), "element": len(model.elements)}
+    patches = _core.patches_recorded
+    blocks: list[tuple[tuple[str, ...], tuple[int, ...], list[Field], dict[str, str]]] = [
+        (("body",), (sizes["body"],), _core.body_fields, {f[0]: body_variable(f[0]) for f in _core.body_fields}),
+        (("wheel",), (sizes["wheel"],), _core.wheel_fields, {}),
+        (("wheel", "patch"), (sizes["wheel"], patches), _core.patch_fields, _prefixed("patch_", _core.patch_fields)),
+        (("element",), (sizes["element"],), _core.element_fields, _prefixed("element_", _core.element_fields)),
+        ((), (), _core.run_fields, _RUN_NAMES),
+    ]
+    variables: dict[str, Any] = {}
+    start = 0
+    for dims, shape, fields, names in blocks:
+        width = math.prod(shape) * len(fields)
+        block = rows[:, start : start + width].reshape(len(times), *shape, len(fields))
+        start += width
+        for column, (name, unit, meaning) in enumerate(fields):
+            attributes = {"units": unit, "long_name": meaning}
+            variables[names.get(name, name)] = (("time", *dims), block[..., column], attributes)
+    coordinates: dict[str, Any] = {
+        "time": ("time", times, {"units": "s", "long_name": "time since the start"}),
+        "body": ("body", list(model.bodies), {"long_name": "body"}),
+        "wheel": ("wheel", wheels, {"long_name": "wheel"}),
+        "patch": ("patch", np.arange(1, patches + 1), {"long_name": "patch of a wheel, from the flange outwards"}),
+        "element": ("element", np.array(model.elements, dtype=str), {"long_name": "force element"}),
+    }
+    return xr.Dataset(variables, coordinates, _attributes(model, outcome))
+
+
+def _prefixed(prefix: str, fields: list[Field]) -> dict[str, str]:
+    return {name: prefix + name for name, _, _ in fields}
+
+
+def _attributes(model: AssembledModel, outcome: Outcome) -> dict[str, Any]:
+    case = model.case
+    sources = {**SOURCES, "vehicle": case.vehicle.data.source, "support": case.support.data.source}
+    return {
+        "title": case.description or case.name,
+        "case": case.name,
+        "status": outcome.status,
+        "status_message": outcome.message,
+        "stopped_at_s": outcome.stopped_at,
+        "stopped_wheel": outcome.wheel,
+        "solver_statistics": json.dumps(_finite(outcome.statistics), sort_keys=True),
+        "contact_counters": json.dumps(dict(outcome.counters), sort_keys=True),
+        "vehicle_bodies": json.dumps([b for b in model.bodies if b not in (*model.rollers, *model.held)]),
+        "sources": json.dumps(sources, ensure_ascii=False, sort_keys=True),
+        "config_toml": case.to_toml(),
+        "rollerrig_version": __version__,
+    }
+
+
+def _finite(numbers: Mapping[str, float]) -> dict[str, float | None]:
+    """JSON knows no infinity: a run of no steps has no smallest one."""
+    return {key: value if math.isfinite(value) else None for key, value in numbers.items()}

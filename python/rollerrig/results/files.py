@@ -1,0 +1,151 @@
+"""Result files: written whole or not at all, the same bytes for the same run.
+
+    Dataset, text -> [files] -> temporary name -> final name
+
+A NetCDF file is made in memory and then written like any text, so that a full disk is met by one plain write. No time
+stamps, no names of machines or folders go into it.
+"""
+
+from __future__ import annotations
+
+import errno
+import io
+import os
+import tempfile
+from pathlib import Path
+
+import xarray as xr
+
+COMPRESSION_LEVEL = 1  # of zlib; higher levels take longer and save little on vibrating floats
+
+_REMEDIES = {
+    errno.ENOSPC: "the disk is full; free some space or choose another folder",
+    errno.EDQUOT: "the disk quota is used up; free some space or choose another folder",
+    errno.EFBIG: "the file would be larger than allowed here; raise time.output_step or choose another folder",
+    errno.EACCES: "no permission to write there; choose another folder",
+    errno.EPERM: "no permission to write there; choose another folder",
+    errno.EROFS: "the file system is read-only; choose another folder",
+    errno.ENOTDIR: "a part of the path is a file; choose another folder",
+    errno.EEXIST: "there is a file of that name; choose another folder",
+    errno.EISDIR: "there is a folder of that name; choose another name",
+    errno.ENOENT: "the folder does not exist; create it or choose another",
+    errno.ENAMETOOLONG: "the name is too long; choose a shorter one",
+}
+
+
+class OutputError(Exception):
+    """A result could not be written; nothing half-written was left."""
+
+    def __init__(self, path: Path, cause: OSError) -> None:
+        remedy = _REMEDIES.get(cause.errno or 0, f"{cause.strerror or cause}; choose another folder")
+        super().__init__(f"{path}: cannot be written: {remedy}")
+        self.path = path
+
+
+def output_folder(path: str | Path) -> Path:
+    """The folder, made if need be, and known to take files: better before a long run than after it.
+
+    Raises:
+        OutputError: it cannot be made or written to.
+    """
+    folder = Path(path)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder) as probe:
+            probe.write(b"0")
+    except OSError as cause:
+        raise OutputError(folder, cause) from None
+    return folder
+
+
+def write_bytes(path: str | Path, content: bytes | memoryview) -> Path:
+    """Write a file under a temporary name and rename it; an older file of that name stays until then.
+
+    Raises:
+        OutputError: it could not be written.
+    """
+    target = Path(path)
+    temporary: Path | None = None
+    try:
+        if target.exists() and not target.is_file():  # a device or a pipe takes bytes, but no other name
+            with target.open("wb", buffering=0) as file:
+                file.write(content)
+            return target
+        handle, name = tempfile.mkstemp(prefix=f".{target.name}.", dir=target.parent)
+        temporary = Path(name)
+        with os.fdopen(handle, "wb") as file:
+            file.write(content)
+            file.flush()
+            os.fsync(file.fileno())
+        temporary.chmod(0o666 & ~_umask())
+        temporary.replace(target)
+    except OSError as cause:
+        raise OutputError(target, cause) from None
+    finally:
+        if temporary is not None:
+            temporary.unlink(missing_ok=True)
+    return target
+
+
+def write_text(path: str | Path, text: str) -> Path:
+    """Write a text file as `write_bytes` does, in UTF-8."""
+    return write_bytes(path, text.encode())
+
+
+def save_run(run: xr.Dataset, path: str | Path) -> Path:
+    """Write a Dataset as compressed NetCDF 4; the same Dataset gives the same bytes.
+
+    Args:
+        run: results of `simulate` or any other Dataset.
+        path: the file, by custom ending in .nc.
+
+    Raises:
+        OutputError: it could not be written.
+    """
+    return write_bytes(path, netcdf_bytes(run))
+
+
+def netcdf_bytes(run: xr.Dataset) -> memoryview:
+    """The Dataset as a NetCDF 4 file in memory."""
+    import h5netcdf
+    import h5py
+
+    buffer = io.BytesIO()
+    with h5netcdf.File(buffer, "w") as file:
+        file.dimensions = {str(name): size for name, size in run.sizes.items()}
+        for name in [*run.coords, *run.data_vars]:
+            variable = run[name]
+            values = variable.to_numpy()
+            if values.dtype.kind in "UO":
+                stored = file.create_variable(str(name), variable.dims, dtype=h5py.string_dtype())
+                stored[...] = values.astype(object)
+            elif values.ndim and values.size:
+                options = {"compression": "gzip", "compression_opts": COMPRESSION_LEVEL, "shuffle": True}
+                file.create_variable(str(name), variable.dims, data=values, chunks=values.shape, **options)
+            else:
+                file.create_variable(str(name), variable.dims, data=values)
+            for key, value in variable.attrs.items():
+                file.variables[str(name)].attrs[key] = value
+            outer = [str(c) for c in variable.coords if c not in run.dims and str(c) != name]
+            if outer and name in run.data_vars:
+                file.variables[str(name)].attrs["coordinates"] = " ".join(outer)
+        for key, value in run.attrs.items():
+            file.attrs[key] = value
+    return buffer.getbuffer()
+
+
+def load_run(path: str | Path) -> xr.Dataset:
+    """Read a Dataset that `save_run` wrote, whole, into memory.
+
+    Raises:
+        FileNotFoundError: no such file.
+    """
+    if not Path(path).is_file():
+        raise FileNotFoundError(f"{path}: no such file")
+    return xr.load_dataset(path, engine="h5netcdf")
+
+
+def _umask() -> int:
+    mask = os.umask(0)
+    os.umask(mask)
+    return mask

@@ -1,0 +1,259 @@
+"""One simulation: from a case to its results.
+
+    Case -> model -> starting state -> [integration in slices] -> results.Dataset
+
+The steps of the integrator do not depend on the slices (core/include/rig/integrate/integrator.hpp): progress and
+Ctrl-C cost no reproducibility.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable, Iterator
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from rollerrig import _core
+from rollerrig.config import Case, ConfigError, ConfigProblem
+from rollerrig.config.vehicle import DIRECTIONS
+from rollerrig.model import AssembledModel, assemble
+from rollerrig.results import Outcome, add_energy_audit, run_dataset
+
+Vector = NDArray[np.float64]
+Progress = Callable[[float, str], None]
+"""Called with the fraction done and a short text."""
+
+CHARACTERISTIC_RATE = 100.0
+"""Rate that turns the tolerance of a displacement into that of its rate [1/s]."""
+
+_STATUS_NAMES = {code: name for name, code in _core.status_codes.items()}
+_OFFSETS = ("longitudinal", "lateral", "vertical", "roll", "pitch", "yaw")
+_SLICE_SECONDS = 0.2
+"""A slice should take this long: often enough for a progress bar and Ctrl-C."""
+
+
+class StartError(Exception):
+    """No state was found from which the run can start; the message says what to change."""
+
+
+def simulate(case: Case, *, progress: Progress | None = None) -> xr.Dataset:
+    """Run a case.
+
+    Args:
+        case: what to run; method, tolerances and output interval are those of `case.time`.
+        progress: called several times a second with the fraction done and a short text.
+
+    Returns:
+        The results, see docs: dimensions time, body, wheel, patch, element. A run that left the model's validity or was
+        interrupted by Ctrl-C returns what was computed until then; the attributes `status` and `status_message` say so.
+
+    Raises:
+        ConfigError: the results would not fit in memory, or a disturbance moves what is held.
+        StartError: no equilibrium was found to start from.
+
+    Example:
+        >>> from rollerrig import load_case, simulate
+        >>> case = load_case("wheelset_rollers").with_changes({"motion.speed": "36 km/h", "time.duration": "0.1 s"})
+        >>> simulate(case)["lateral"].sel(body="wheelset_1").sizes["time"]
+        51
+    """
+    model = assemble(case)
+    simulation = _core.Simulation(model.core)
+    times, rows = _allocate(case, simulation.width)
+    begin(simulation, model, starting_state(simulation, model))
+    try:
+        code = _integrate(simulation, case, times, rows, progress)
+    except KeyboardInterrupt:
+        code = _core.status_codes["interrupted"]
+    filled = int(np.count_nonzero(np.isfinite(times)))  # also what the last slice wrote before it was cut off
+    return add_energy_audit(run_dataset(model, times[:filled], rows[:filled], _outcome(simulation, model, code)))
+
+
+def begin(simulation: _core.Simulation, model: AssembledModel, state: Vector, *, start_time: float = 0.0) -> None:
+    """Prepare a simulation with the settings of the model's case.
+
+    Args:
+        simulation: the simulation.
+        model: its model.
+        state: state at the start.
+        start_time: time at the start [s].
+    """
+    settings = model.case.time
+    fixed = settings.method == "rk4"
+    simulation.start(
+        method=settings.method,
+        step=(settings.step or 0.0) if fixed else 0.0,
+        relative_tolerance=settings.relative_tolerance,
+        absolute_tolerance=absolute_tolerances(simulation, settings.absolute_tolerance),
+        initial_step=0.0 if fixed else settings.step or 0.0,
+        maximum_step=settings.maximum_step or math.inf,
+        final_time=settings.duration,
+        output_step=settings.output_step,
+        breakpoints=list(model.breakpoints),
+        t0=start_time,
+        x0=state,
+    )
+
+
+def absolute_tolerances(simulation: _core.Simulation, displacement: float) -> list[float]:
+    """Absolute tolerance of each state: of displacements as given [m, rad], of rates 100 1/s times that."""
+    tolerances = [displacement] * simulation.state_count
+    for row in simulation.rate_index:
+        for index in row:
+            if index >= 0:
+                tolerances[index] = CHARACTERISTIC_RATE * displacement
+    return tolerances
+
+
+# ---------------------------------------------------------------------------------------------------- start
+
+
+def starting_state(simulation: _core.Simulation, model: AssembledModel) -> Vector:
+    """Equilibrium at the starting speed, with the case's disturbances held at their offsets.
+
+    An offset counts from the undisturbed equilibrium. A disturbed body keeps its equilibrium yaw unless the
+    disturbance says otherwise; everything else is in equilibrium with the disturbed bodies.
+
+    Raises:
+        ConfigError: a disturbance moves a coordinate that is held.
+        StartError: no equilibrium was found.
+    """
+    case = model.case
+    rest = equilibrium(simulation, case)
+    held = list(_held_coordinates(simulation, model, rest))
+    if not held:
+        return rest
+    found = simulation.equilibrium(case.motion.speed, 0.0, held)
+    if found["converged"]:
+        return _state(found)
+    # Far from equilibrium the others may have none: leave them where they were, and set the disturbed bodies down.
+    disturbed = {body for body, _, _ in held}
+    others = [
+        (body, direction, float(rest[index]))
+        for body, row in enumerate(simulation.coordinate_index)
+        for direction, index in enumerate(row)
+        if index >= 0 and body not in disturbed
+    ]
+    found = simulation.equilibrium(case.motion.speed, 0.0, [*held, *others])
+    if not found["converged"]:
+        names = ", ".join(sorted({d.body for d in case.disturbance}))
+        raise StartError(
+            f"{case.name}: disturbance: no equilibrium with {names} held at the offset; {found['residual']:.3g} N remain "
+            f"unbalanced; use a smaller offset"
+        )
+    return _state(found)
+
+
+def equilibrium(simulation: _core.Simulation, case: Case) -> Vector:
+    """State of steady running at the starting speed, undisturbed.
+
+    Raises:
+        StartError: none was found.
+    """
+    found = simulation.equilibrium(case.motion.speed, 0.0, [])
+    if not found["converged"]:
+        raise StartError(
+            f"{case.name}: no equilibrium at {case.motion.speed * 3.6:g} km/h: {found['residual']:.3g} N or N m remain "
+            "unbalanced after Newton's method; do all wheels meet their rail or roller (gauge, back_to_back, profiles), "
+            "do springs or locks carry every body, are the torques at time 0 within friction?"
+        )
+    return _state(found)
+
+
+def _state(found: dict[str, object]) -> Vector:
+    return np.ascontiguousarray(found["x"], dtype=np.float64)
+
+
+def _held_coordinates(
+    simulation: _core.Simulation, model: AssembledModel, rest: Vector
+) -> Iterator[tuple[int, int, float]]:
+    offsets: dict[tuple[int, int], float] = {}
+    for number, disturbance in enumerate(model.case.disturbance):
+        body = model.body_index(disturbance.body)
+        given = {name: getattr(disturbance, name) for name in _OFFSETS if getattr(disturbance, name) != 0.0}
+        for name, offset in given.items():
+            direction = _OFFSETS.index(name)
+            if simulation.coordinate_index[body][direction] < 0:
+                place = f"disturbance[{number}].{name}"
+                allowed = f"allowed: only 0, {disturbance.body} is locked or turns freely in {DIRECTIONS[direction]}"
+                raise ConfigError([ConfigProblem(model.case.name, place, f"{offset:g}", allowed)])
+            offsets[body, direction] = offsets.get((body, direction), 0.0) + offset
+        yaw = DIRECTIONS.index("yaw")
+        if given and simulation.coordinate_index[body][yaw] >= 0:
+            offsets.setdefault((body, yaw), 0.0)
+    for (body, direction), offset in offsets.items():
+        yield body, direction, float(rest[simulation.coordinate_index[body][direction]]) + offset
+
+
+# ---------------------------------------------------------------------------------------------------- integration
+
+
+def sample_count(case: Case) -> int:
+    """Number of output times of a whole run, start and end included."""
+    return math.floor(case.time.duration / case.time.output_step * (1 + 1e-12) + 1e-9) + 1
+
+
+def available_memory() -> float:
+    """Memory that a process can still get [bytes]; infinite where the system does not say."""
+    try:
+        with open("/proc/meminfo", encoding="ascii") as file:  # noqa: PTH123
+            fields = dict(line.split(":", 1) for line in file)
+        return 1024.0 * float(fields["MemAvailable"].split()[0])
+    except (OSError, KeyError, ValueError, IndexError):
+        return math.inf
+
+
+def _allocate(case: Case, width: int) -> tuple[Vector, Vector]:
+    """Room for all output times, taken once: a run needs no more memory at its end than at its start.
+
+    Raises:
+        ConfigError: the results, and the copy made when they are written, would not fit.
+    """
+    count = sample_count(case)
+    needed, available = 2.0 * 8.0 * count * (width + 1), available_memory()
+    if needed > 0.9 * available:
+        least = case.time.duration / (count * 0.9 * available / needed)
+        allowed = (
+            f"allowed: at least {least:.2g} s for a run of {case.time.duration:g} s; {count} samples need "
+            f"{needed / 1e9:.1f} GB of memory, {available / 1e9:.1f} GB are available"
+        )
+        raise ConfigError([ConfigProblem(case.name, "time.output_step", f"{case.time.output_step:g}", allowed)])
+    return np.full(count, np.nan), np.empty((count, width))
+
+
+def _integrate(simulation: _core.Simulation, case: Case, times: Vector, rows: Vector, progress: Progress | None) -> int:
+    """Advance to the end, or to the first status that is not ok; returns its code."""
+    ok: int = _core.status_codes["ok"]
+    duration, filled, until = case.time.duration, 0, 0.0
+    length = min(case.time.output_step, duration)
+    while until < duration:
+        until = min(until + length, duration)
+        begun = time.perf_counter()
+        code, filled = simulation.advance(until, times, rows, filled)
+        spent = time.perf_counter() - begun
+        if code != ok:
+            return code
+        until = max(until, min(simulation.time, duration))
+        if progress is not None:
+            speed = 3.6 * rows[filled - 1, -1]
+            progress(until / duration, f"t = {until:.2f} s of {duration:g} s, {speed:.0f} km/h")
+        if spent < 0.5 * _SLICE_SECONDS:
+            length *= 2.0
+        elif spent > 2.0 * _SLICE_SECONDS:
+            length *= 0.5
+    return ok
+
+
+def _outcome(simulation: _core.Simulation, model: AssembledModel, code: int) -> Outcome:
+    status = _STATUS_NAMES.get(code, "unknown")
+    at = simulation.time
+    blamed = simulation.failed_contact if status not in ("ok", "interrupted") else -1
+    wheel = next((w.name for w in model.wheels if w.contact == blamed), "")
+    message = _core.status_sentence(code)
+    if status != "ok":
+        place = f"t = {at:.4g} s" + (f", {wheel}" if wheel else "")
+        message = f"{place}: {message}"
+    return Outcome(status, message, at, wheel, simulation.statistics(), simulation.counters())
