@@ -62,10 +62,33 @@ def spline_table(function, start: float, end: float, step: float) -> Table:
 def s1002(s_mm: np.ndarray) -> np.ndarray:
     """Radius increase of the S1002 wheel over the EN abscissa, both in mm (negative abscissa: flange)."""
     s = np.asarray(s_mm, dtype=float)
-    tread = np.polyval([2.646656573e-13, -5.957839843e-12, 5.309217349e-15, -1.562379023e-8, 5.844240864e-8,
-                        -2.810427944e-5, 1.565681624e-3, -3.358537058e-2, 0.0], s)
-    root = np.polyval([-2.252755540e-7, -4.687195829e-5, -4.169739389e-3, -2.054332446e-1, -6.051367875,
-                       -1.065501873e2, -1.038384026e3, -4.320221063e3], s)
+    tread = np.polyval(
+        [
+            2.646656573e-13,
+            -5.957839843e-12,
+            5.309217349e-15,
+            -1.562379023e-8,
+            5.844240864e-8,
+            -2.810427944e-5,
+            1.565681624e-3,
+            -3.358537058e-2,
+            0.0,
+        ],
+        s,
+    )
+    root = np.polyval(
+        [
+            -2.252755540e-7,
+            -4.687195829e-5,
+            -4.169739389e-3,
+            -2.054332446e-1,
+            -6.051367875,
+            -1.065501873e2,
+            -1.038384026e3,
+            -4.320221063e3,
+        ],
+        s,
+    )
     with np.errstate(invalid="ignore"):
         pieces = [
             (s >= 32.15796, 1.364323640 - 0.066666667 * s),
@@ -142,11 +165,11 @@ class Parameters:
     wheel_radius: float = 0.460
     roller_radius: float = 0.725
     tape_circle: float = 0.750  # lateral position of the wheel's tape circle
-    rail_origin: float = 0.760532558  # lateral position of the roller profile's highest point
+    rail_origin: float = 0.7175 + 0.0430385279  # roller profile's highest point: gauge 1435 mm, 14 mm below it
     semi_wheelbase: float = 1.280
     frame_height: float = 0.600
     wheel: Table = field(default_factory=lambda: spline_table(lambda y: s1002(1e3 * y) / 1e3, -0.060, 0.060, 1e-4))
-    rail: Table = field(default_factory=lambda: spline_table(lambda y: uic60(1e3 * y) / 1e3, -0.0425, 0.0280, 1e-4))
+    rail: Table = field(default_factory=lambda: spline_table(lambda y: uic60(1e3 * y) / 1e3, -0.0428, 0.0285, 1e-4))
     # bodies [kg], [kg m^2]
     frame_mass: float = 2615.0
     frame_inertia: tuple[float, float, float] = (1722.0, 1476.0, 3067.0)
@@ -177,9 +200,14 @@ class Parameters:
     rod: tuple[float, float] = (5e6, 25e3)  # [N/m], [N s/m], in parallel
     rod_z: float = 0.60
     bumpstop_z: float = 0.65
-    bumpstop: np.ndarray = field(default_factory=lambda: np.array(
-        [[0.0, 0.025, 0.030, 0.035, 0.040, 0.045, 0.050, 0.055, 0.060, 0.065],
-         [0.0, 0.0, 600.0, 1760.0, 3730.0, 6870.0, 11580.0, 17170.0, 29200.0, 230000.0]]))
+    bumpstop: np.ndarray = field(
+        default_factory=lambda: np.array(
+            [
+                [0.0, 0.025, 0.030, 0.035, 0.040, 0.045, 0.050, 0.055, 0.060, 0.065],
+                [0.0, 0.0, 600.0, 1760.0, 3730.0, 6870.0, 11580.0, 17170.0, 29200.0, 230000.0],
+            ]
+        )
+    )
     # contact
     youngs_modulus: float = 210e9
     poisson: float = 0.28

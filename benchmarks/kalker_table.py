@@ -8,8 +8,9 @@ of each coefficient are Poisson's ratio 0, 0.25 and 0.5.
 import numpy as np
 
 POISSON = np.array([0.0, 0.25, 0.5])
-AXIS_RATIO = np.array([0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0]
-                      + [1 / g for g in (0.9, 0.8, 0.7, 0.6, 0.5, 0.4, 0.3, 0.2, 0.1)])
+AXIS_RATIO = np.array(
+    [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0] + [1 / g for g in (0.9, 0.8, 0.7, 0.6, 0.5, 0.4, 0.3, 0.2, 0.1)]
+)
 
 # per row: C11 (nu = 0, 0.25, 0.5), C22 (...), C23 (...), C33 (...)
 _ROWS = """

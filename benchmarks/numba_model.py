@@ -7,43 +7,60 @@ from __future__ import annotations
 
 import math
 from collections import namedtuple
+from dataclasses import fields
 
 import numpy as np
 from bogie_data import GRAVITY, Parameters
 from numba import njit
 
-Packed = namedtuple("Packed", """wheel_start wheel_step wheel rail_start rail_step rail hertz_start hertz_step hertz
-    kalker_knots kalker bumpstop number""")
+Packed = namedtuple(
+    "Packed",
+    """wheel_start wheel_step wheel rail_start rail_step rail hertz_start hertz_step hertz
+    kalker_knots kalker bumpstop number""",
+)
 
-_SCALARS = """wheel_radius roller_radius tape_circle rail_origin semi_wheelbase frame_height frame_mass wheelset_mass
-    roller_inertia primary_y primary_z primary_preload secondary_y secondary_top secondary_bottom secondary_bending
-    secondary_preload vertical_damper_y lateral_damper_y lateral_damper_z anti_roll rod_z bumpstop_z poisson shear_modulus
-    friction normal_damping damping_speed standstill_speed scan_start scan_end scan_step torque torque_start torque_full
-    hold_rollers""".split()
-_VECTORS = {"frame_inertia": 3, "wheelset_inertia": 2, "primary_stiffness": 3, "primary_damping": 3, "primary_series": 3,
-            "secondary_stiffness": 3, "vertical_damper": 2, "vertical_damper_ends": 2, "lateral_damper": 2, "rod": 2}
-Numbers = namedtuple("Numbers", _SCALARS + list(_VECTORS))
+_SCALARS = [f.name for f in fields(Parameters) if f.type in ("float", "bool")] + ["shear_modulus"]
+_TUPLES = [f.name for f in fields(Parameters) if f.type.startswith("tuple")]
+Numbers = namedtuple("Numbers", _SCALARS + _TUPLES)
 
 
 def pack(p: Parameters) -> Packed:
     """Parameters as nested tuples of floats and arrays, which Numba takes."""
     knots, coefficients = p.kalker_spline()
-    number = Numbers(*[float(getattr(p, name)) for name in _SCALARS],
-                     *[tuple(float(v) for v in getattr(p, name)) for name in _VECTORS])
-    return Packed(p.wheel.start, p.wheel.step, p.wheel.coefficients, p.rail.start, p.rail.step, p.rail.coefficients,
-                  p.hertz.start, p.hertz.step, p.hertz.coefficients, knots, coefficients, p.bumpstop, number)
+    number = Numbers(
+        *[float(getattr(p, name)) for name in _SCALARS],
+        *[tuple(float(v) for v in getattr(p, name)) for name in _TUPLES],
+    )
+    return Packed(
+        p.wheel.start,
+        p.wheel.step,
+        p.wheel.coefficients,
+        p.rail.start,
+        p.rail.step,
+        p.rail.coefficients,
+        p.hertz.start,
+        p.hertz.step,
+        p.hertz.coefficients,
+        knots,
+        coefficients,
+        p.bumpstop,
+        number,
+    )
 
 
-@njit(cache=True, inline="always")
+@njit(cache=True, error_model="numpy", inline="always")
 def spline(start, step, c, y):
     """Value, first, second derivative of a uniform cubic spline."""
     i = min(max(int((y - start) / step), 0), c.shape[0] - 1)
     t = y - (start + i * step)
-    return (c[i, 0] + t * (c[i, 1] + t * (c[i, 2] + t * c[i, 3])), c[i, 1] + t * (2 * c[i, 2] + 3 * t * c[i, 3]),
-            2 * c[i, 2] + 6 * t * c[i, 3])
+    return (
+        c[i, 0] + t * (c[i, 1] + t * (c[i, 2] + t * c[i, 3])),
+        c[i, 1] + t * (2 * c[i, 2] + 3 * t * c[i, 3]),
+        2 * c[i, 2] + 6 * t * c[i, 3],
+    )
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def gap_and_mismatch(s, side, o, m, P, newton, g):
     """Reduced contact problem (see scipy_model). o centre, m axes of the wheelset (3, 3); fills g, returns gap and mismatch."""
     n = P.number
@@ -55,8 +72,10 @@ def gap_and_mismatch(s, side, o, m, P, newton, g):
     w1 = m[0, 0] * a_z - m[2, 0] * a_x
     w2 = m[0, 1] * a_z - m[2, 1] * a_x
     w3 = m[0, 2] * a_z - m[2, 2] * a_x
-    alpha = math.atan2(w3, w1) + math.asin(w2 * dr / math.sqrt(w1 * w1 + w3 * w3))
-    sa, ca = math.sin(alpha), math.cos(alpha)
+    k = w2 * dr
+    square = w1 * w1 + w3 * w3
+    q = math.sqrt(square - k * k)
+    sa, ca = (w1 * k + w3 * q) / square, (w1 * q - w3 * k) / square
     px = o[0] + m[0, 0] * r * sa + m[0, 1] * y_r - m[0, 2] * r * ca
     py = o[1] + m[1, 0] * r * sa + m[1, 1] * y_r - m[1, 2] * r * ca
     pz = o[2] + m[2, 0] * r * sa + m[2, 1] * y_r - m[2, 2] * r * ca
@@ -75,7 +94,7 @@ def gap_and_mismatch(s, side, o, m, P, newton, g):
     return (rho - b) * math.sqrt(1 + slope * slope), side * (db - slope)
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def find_contacts(side, o, m, P, found, geometry):
     """Every indented minimum of one wheel's gap: fills abscissa and gap (rows of found) and geometry; returns their number."""
     n = P.number
@@ -88,7 +107,7 @@ def find_contacts(side, o, m, P, found, geometry):
         s = n.scan_start + k * n.scan_step
         gap, f = gap_and_mismatch(s, side, o, m, P, 2, g)
         u = side * g[6] - n.rail_origin
-        ok = gap < 3e-4 and u > P.rail_start and u < rail_end
+        ok = gap < 3e-4 and u > P.rail_start - n.scan_step and u < rail_end + n.scan_step
         if ok and last_ok and last_f >= 0 and f < 0:
             lo, hi, f_lo, f_hi = s - n.scan_step, s, last_f, f
             x, was = lo, 0
@@ -115,37 +134,47 @@ def find_contacts(side, o, m, P, found, geometry):
     return count
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def cross(a, b):
     return np.array((a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]))
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def dot(a, b):
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def apply(m, a):
     """m a."""
-    return np.array((m[0, 0] * a[0] + m[0, 1] * a[1] + m[0, 2] * a[2], m[1, 0] * a[0] + m[1, 1] * a[1] + m[1, 2] * a[2],
-                     m[2, 0] * a[0] + m[2, 1] * a[1] + m[2, 2] * a[2]))
+    return np.array(
+        (
+            m[0, 0] * a[0] + m[0, 1] * a[1] + m[0, 2] * a[2],
+            m[1, 0] * a[0] + m[1, 1] * a[1] + m[1, 2] * a[2],
+            m[2, 0] * a[0] + m[2, 1] * a[1] + m[2, 2] * a[2],
+        )
+    )
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def apply_transposed(m, a):
     """m^T a."""
-    return np.array((m[0, 0] * a[0] + m[1, 0] * a[1] + m[2, 0] * a[2], m[0, 1] * a[0] + m[1, 1] * a[1] + m[2, 1] * a[2],
-                     m[0, 2] * a[0] + m[1, 2] * a[1] + m[2, 2] * a[2]))
+    return np.array(
+        (
+            m[0, 0] * a[0] + m[1, 0] * a[1] + m[2, 0] * a[2],
+            m[0, 1] * a[0] + m[1, 1] * a[1] + m[2, 1] * a[2],
+            m[0, 2] * a[0] + m[1, 2] * a[1] + m[2, 2] * a[2],
+        )
+    )
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def rotation_zx(phi, psi):
     cf, sf, cp, sp = math.cos(phi), math.sin(phi), math.cos(psi), math.sin(psi)
     return np.array(((cp, -sp * cf, sp * sf), (sp, cp * cf, -cp * sf), (0.0, sf, cf)))
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def patch_force(s_gap, g, o, v, omega, spin, P, record):
     """Force and moment of the roller on the wheel at one patch; fills record: point, force, moment, N, sliding, D1, D2."""
     n = P.number
@@ -208,7 +237,7 @@ def patch_force(s_gap, g, o, v, omega, spin, P, record):
     record[14] = gap
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def wheel_patches(x, wheel, P, records):
     """Patches of one wheel (0..3) in the state x: rows of records; returns their number."""
     n = P.number
@@ -226,7 +255,7 @@ def wheel_patches(x, wheel, P, records):
     return count
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def rhs(t, x, P):
     """x_dot of the whole model; state as in scipy_model."""
     n = P.number
@@ -368,7 +397,7 @@ def rhs(t, x, P):
     return x_dot
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def wheel_outputs(x, P):
     """Absolute sliding [m/s], Fx, Fz and N [N] of the four wheels, shape (4, 4)."""
     out = np.zeros((4, 4))

@@ -21,6 +21,8 @@ Contact: Malvezzi, Meli, Pugi (2010), eqs. (1)-(24), numbers at the margin.
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from bogie_data import GRAVITY, Parameters
 
@@ -75,8 +77,11 @@ def gap_and_mismatch(s, side, o, rot, p: Parameters, newton: int = 3):
     w1 = rot[..., 0, 0] * a_z - rot[..., 2, 0] * a_x
     w2 = rot[..., 0, 1] * a_z - rot[..., 2, 1] * a_x
     w3 = rot[..., 0, 2] * a_z - rot[..., 2, 2] * a_x
-    alpha = np.arctan2(w3, w1) + np.arcsin(w2 * dr / np.hypot(w1, w3))
-    sa, ca = np.sin(alpha), np.cos(alpha)
+    # normal of angle alpha through the roller's axis: w1 sin(alpha) - w3 cos(alpha) = w2 r', the solution that points down
+    k = w2 * dr
+    square = w1 * w1 + w3 * w3
+    q = np.sqrt(square - k * k)
+    sa, ca = (w1 * k + w3 * q) / square, (w1 * q - w3 * k) / square
     root = np.sqrt(1 + dr * dr)
     n_local = np.stack([sa, -dr, -ca], axis=-1) / root[..., None]  # (4)
     p_local = np.stack([r * sa, y_r, -r * ca], axis=-1)  # (1)
@@ -92,8 +97,20 @@ def gap_and_mismatch(s, side, o, rot, p: Parameters, newton: int = 3):
     b, db = p.roller_radius + h, side * dh
     gap = (rho - b) * np.sqrt(1 + slope * slope)
     mismatch = side * (db - slope)
-    return gap, mismatch, {"r": r, "dr": dr, "ddr": ddz, "b": b, "db": db, "ddb": ddh, "y_b": y_b,
-                           "direction": p_r[..., [0, 2]] / rho[..., None]}
+    return (
+        gap,
+        mismatch,
+        {
+            "r": r,
+            "dr": dr,
+            "ddr": ddz,
+            "b": b,
+            "db": db,
+            "ddb": ddh,
+            "y_b": y_b,
+            "direction": p_r[..., [0, 2]] / rho[..., None],
+        },
+    )
 
 
 def contact_points(o, rot, p: Parameters):
@@ -112,7 +129,7 @@ def contact_points(o, rot, p: Parameters):
     with np.errstate(invalid="ignore"):
         gap, mismatch, at = gap_and_mismatch(s4, side4, o4, rot4, p, newton=2)
     u = side4 * at["y_b"] - p.rail_origin
-    inside = (u > p.rail.start) & (u < p.rail.end) & (gap < 3e-4)
+    inside = (u > p.rail.start - p.scan_step) & (u < p.rail.end + p.scan_step) & (gap < 3e-4)
     bracket = inside[:, :-1] & inside[:, 1:] & (mismatch[:, :-1] >= 0) & (mismatch[:, 1:] < 0)
     wheel, k = np.nonzero(bracket)
     o_w, rot_w, side = o[WHEELSET_OF[wheel]], rot[WHEELSET_OF[wheel]], SIDE[wheel]
@@ -167,7 +184,7 @@ def patches(o, rot, v, omega, roller_spin, p: Parameters) -> dict[str, np.ndarra
     mean = 0.5 * (v_wheel + v_roller)
     speed = np.sqrt(np.sum(mean * mean, axis=-1) + p.standstill_speed**2)
 
-    dr, root_r = at["dr"], np.sqrt(1 + at["dr"] ** 2)
+    root_r = np.sqrt(1 + at["dr"] ** 2)
     d1 = 0.5 * (1 / (at["r"] * root_r) + 1 / (b * root_b))  # (14), (15)
     d2_raw = 0.5 * (-at["ddr"] / root_r**3 - at["ddb"] / root_b**3)
     d2 = np.clip(d2_raw, d1 / 200, d1 * 200)
@@ -193,10 +210,27 @@ def patches(o, rot, v, omega, roller_spin, p: Parameters) -> dict[str, np.ndarra
     tx, ty = shrink * tx, shrink * ty  # (24)
 
     force = normal[:, None] * n + tx[:, None] * i + ty[:, None] * t
-    return {"wheel": wheel, "s": s, "gap": gap, "point": point, "normal": n, "force": force,
-            "moment": spin_moment[:, None] * n, "n": normal, "tx": tx, "ty": ty, "d1": d1, "d2": d2_raw, "a": a,
-            "b": a / a_over_b, "eps_x": eps_x, "eps_y": eps_y, "eps_sp": eps_sp, "shrink": shrink,
-            "sliding": np.sum(v_rel * i, axis=-1)}
+    return {
+        "wheel": wheel,
+        "s": s,
+        "gap": gap,
+        "point": point,
+        "normal": n,
+        "force": force,
+        "moment": spin_moment[:, None] * n,
+        "n": normal,
+        "tx": tx,
+        "ty": ty,
+        "d1": d1,
+        "d2": d2_raw,
+        "a": a,
+        "b": a / a_over_b,
+        "eps_x": eps_x,
+        "eps_y": eps_y,
+        "eps_sp": eps_sp,
+        "shrink": shrink,
+        "sliding": np.sum(v_rel * i, axis=-1),
+    }
 
 
 def hertz(lam, p: Parameters):
@@ -271,9 +305,13 @@ def rhs(t: float, x: np.ndarray, p: Parameters) -> np.ndarray:
     force_f += force.sum(axis=0)
     moment_f += cross(arm, force).sum(axis=0)
 
-    ends = np.array([[0.0, y * yy, zz - up] for y in SECONDARY_SIDE
-                     for yy, zz in ((p.vertical_damper_y, p.vertical_damper_ends[1]),
-                                    (p.lateral_damper_y, p.lateral_damper_z))])
+    ends = np.array(
+        [
+            [0.0, y * yy, zz - up]
+            for y in SECONDARY_SIDE
+            for yy, zz in ((p.vertical_damper_y, p.vertical_damper_ends[1]), (p.lateral_damper_y, p.lateral_damper_z))
+        ]
+    )
     arm, d, _ = end_on_frame(ends)
     axis = np.array([2, 1, 2, 1])
     damping = np.array([p.vertical_damper[0], p.lateral_damper[0]] * 2)
@@ -338,7 +376,9 @@ def rhs(t: float, x: np.ndarray, p: Parameters) -> np.ndarray:
     # Newton and Euler
     x_dot[6:9] = force_f / p.frame_mass
     phi_d, theta_d, psi_d = rates
-    jac_dot_rates = psi_d * np.array([-ct * cf * theta_d + st * sf * phi_d, cf * phi_d, -st * cf * theta_d - ct * sf * phi_d])
+    jac_dot_rates = psi_d * np.array(
+        [-ct * cf * theta_d + st * sf * phi_d, cf * phi_d, -st * cf * theta_d - ct * sf * phi_d]
+    )
     jac_dot_rates += phi_d * theta_d * np.array([-st, 0.0, ct])
     inertia = np.array(p.frame_inertia)
     omega_dot = (rot_f.T @ moment_f - cross(omega_body, inertia * omega_body)) / inertia
@@ -358,7 +398,41 @@ def rhs(t: float, x: np.ndarray, p: Parameters) -> np.ndarray:
     return x_dot
 
 
-# ------------------------------------------------------------------------------------- equilibrium, outputs
+# ------------------------------------------------------------------------ Jacobian, equilibrium, outputs
+def difference_steps() -> np.ndarray:
+    """Steps of central differences in each state.
+
+    solve_ivp's own differences scale with |x| and atol; here displacements are micrometres next to rolling speeds of 1e2 rad/s,
+    its Jacobian is mostly noise, and the implicit methods need 20 times the evaluations.
+    """
+    step = np.full(STATES, 1e-8)
+    step[[*range(6, 12), *range(17, 23), *range(28, 36)]] = 1e-6
+    return step
+
+
+def absolute_tolerances() -> np.ndarray:
+    """Sizes below which a state does not matter: 10 nm and nrad, 0.1 um/s, 1e-5 rad/s of spin."""
+    size = np.full(STATES, 1e-8)
+    size[[*range(6, 12), *range(17, 22), *range(28, 33)]] = 1e-7
+    size[[22, 33, 34, 35]] = 1e-5
+    return size
+
+
+def jacobian(function, t: float, x: np.ndarray) -> np.ndarray:
+    """Central differences of function(t, x), shape (52, 52)."""
+    a = np.empty((STATES, STATES))
+    x = x.copy()
+    for k, h in enumerate(difference_steps()):
+        x_k = x[k]
+        x[k] = x_k + h
+        a[:, k] = function(t, x)
+        x[k] = x_k - h
+        a[:, k] -= function(t, x)
+        a[:, k] /= 2 * h
+        x[k] = x_k
+    return a
+
+
 def rolling_state(speed: float, p: Parameters) -> np.ndarray:
     """Design position, wheels and rollers turning at `speed` [m/s]."""
     x = np.zeros(STATES)
@@ -368,28 +442,26 @@ def rolling_state(speed: float, p: Parameters) -> np.ndarray:
 
 
 def equilibrium(speed: float, p: Parameters, function=rhs) -> np.ndarray:
-    """Steady running without torque, rollers held at `speed` [m/s]: Newton on positions, spins and damper states."""
-    from dataclasses import replace
+    """Steady running without torque, rollers held at `speed` [m/s]: Newton on positions, spins and damper states.
 
+    Args:
+        speed: of the rollers' surface [m/s].
+        p: parameters.
+        function: rhs(t, x, parameters) to bring to rest.
+    """
     held = replace(p, hold_rollers=True, torque=0.0)
     x = rolling_state(speed, p)
     x[[2, 14, 25]] = -3e-4
     free = np.r_[0:6, 12:17, 22, 23:28, 33, 36:52]
     rates = np.r_[6:12, 17:22, 22, 28:33, 33, 36:52]
-    step = np.full(STATES, 1e-8)
-    step[[22, 33]] = 1e-6
+    position = ~np.isin(free, (22, 33))
     for _ in range(60):
         f = function(0.0, x, held)[rates]
-        jac = np.empty((free.size, free.size))
-        for column, k in enumerate(free):
-            up, down = x.copy(), x.copy()
-            up[k] += step[k]
-            down[k] -= step[k]
-            jac[:, column] = (function(0.0, up, held)[rates] - function(0.0, down, held)[rates]) / (2 * step[k])
+        jac = jacobian(lambda t, y: function(t, y, held), 0.0, x)[np.ix_(rates, free)]
         dx = -np.linalg.solve(jac, f)
-        dx *= min(1.0, 2e-4 / max(np.abs(dx[:14]).max(), 1e-300))
+        dx *= min(1.0, 2e-4 / np.abs(dx[position]).max())
         x[free] += dx
-        if np.abs(dx).max() < 1e-11:
+        if np.abs(dx[position]).max() < 1e-12:
             break
     return x
 

@@ -1,0 +1,263 @@
+"""How fast: the default rig in rollerrig, in NumPy + SciPy and in Numba + SciPy, side by side on this machine.
+
+    python benchmarks/run.py [--json FILE] [--repeat N]
+
+Model   bogie of Manchester Benchmark vehicle 1, four wheels on two roller pairs, full contact (see scipy_model.py).
+Study   traction: 60 km/h, rollers free, torque on each wheelset 0 until 1 s, then linear to 4 kN m at 5 s, constant to 10 s.
+Error   largest difference to a tight reference, over the largest value of that signal; signals: absolute sliding, longitudinal
+        and vertical force of every wheel, every 5 ms. A run counts only if it stays below 0.1 %.
+
+The SciPy side is what somebody who knows SciPy well would do: Radau, with a difference Jacobian of sensible steps. With
+solve_ivp's own Jacobian, or with RK45 or LSODA as they come, the same study takes tens of times as many evaluations.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import platform
+import sys
+import time
+from collections.abc import Callable
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+os.environ.setdefault("OMP_NUM_THREADS", "1")  # one core, as the comparison says
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
+import bogie_data
+import numpy as np
+import scipy_model
+from rich.console import Console
+from rich.table import Table
+from scipy.integrate import solve_ivp
+
+DURATION = 10.0  # [s]
+START_SPEED = 60 / 3.6  # [m/s]
+OUTPUT_TIMES = np.linspace(0, DURATION, 2001)
+ALLOWED_ERROR = 1e-3
+SIGNALS = ("sliding", "fx", "fz")
+
+
+@dataclass
+class Measurement:
+    """What was measured of one implementation; None where it has no such thing."""
+
+    name: str
+    rhs_us: float | None = None  # one right-hand side of the whole rig [us]
+    contact_warm_us: float | None = None  # contact search of one wheel, started from the previous step [us]
+    contact_exhaustive_us: float | None = None  # contact search of one wheel, nothing known [us]
+    study_s: float | None = None  # processor time of the traction study [s]
+    study_method: str = ""
+    evaluations: int | None = None
+    error: float | None = None  # largest relative error of the plotted signals [-]
+
+    @property
+    def real_time_factor(self) -> float | None:
+        """Simulated time over processor time."""
+        return DURATION / self.study_s if self.study_s else None
+
+
+def best_time(function: Callable[[], object], repeat: int, least: float = 0.2) -> float:
+    """Processor time of one call [s]: the best of `repeat` batches of at least `least` seconds each."""
+    function()
+    number, elapsed = 1, 0.0
+    while True:
+        start = time.process_time()
+        for _ in range(number):
+            function()
+        elapsed = time.process_time() - start
+        if elapsed >= least / 4:
+            break
+        number *= 2
+    number = max(1, int(number * least / elapsed))
+    best = float("inf")
+    for _ in range(repeat):
+        start = time.process_time()
+        for _ in range(number):
+            function()
+        best = min(best, (time.process_time() - start) / number)
+    return best
+
+
+# --------------------------------------------------------------------------------- NumPy, Numba through SciPy
+def integrate(function, x0, relative, absolute):
+    """Radau over the study, in the pieces between the corners of the torque; returns states (52, n) and evaluations."""
+    counter = 0
+
+    def counted(t, x):
+        nonlocal counter
+        counter += 1
+        return function(t, x)
+
+    columns, x = [], x0
+    for begin, end in ((0.0, 1.0), (1.0, 5.0), (5.0, DURATION)):
+        # a piece keeps its outputs but the last, which opens the next piece
+        grid = OUTPUT_TIMES
+        times = grid[(grid >= begin - 1e-9) & (grid <= end + 1e-9)]
+        solution = solve_ivp(
+            counted,
+            (begin, end),
+            x,
+            method="Radau",
+            rtol=relative,
+            atol=absolute,
+            t_eval=np.clip(times, begin, end),
+            jac=lambda t, y: scipy_model.jacobian(counted, t, y),
+        )
+        if not solution.success:
+            raise RuntimeError(f"solve_ivp stopped: {solution.message}")
+        last = end == DURATION
+        columns.append(solution.y if last else solution.y[:, :-1])
+        x = solution.y[:, -1]
+    return np.concatenate(columns, axis=1), counter
+
+
+def plotted(states: np.ndarray, outputs: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
+    """Plotted signals of every wheel, shape (3 signals, 4 wheels, n times)."""
+    return np.stack([outputs(np.ascontiguousarray(x)) for x in states.T], axis=-1)
+
+
+def error_against(reference: np.ndarray, signals: np.ndarray) -> float:
+    """Largest error over the largest value, per signal and wheel; the worst of them [-]."""
+    return float((np.abs(signals - reference).max(axis=2) / np.abs(reference).max(axis=2)).max())
+
+
+def measure_scipy(p, x0, reference, repeat: int) -> Measurement:
+    """The NumPy model."""
+    study = lambda t, x: scipy_model.rhs(t, x, p)  # noqa: E731
+    m = Measurement("NumPy + SciPy", study_method="Radau, rtol 1e-3")
+    m.rhs_us = 1e6 * best_time(lambda: study(3.0, x0), repeat)
+    o, rot, _, _ = scipy_model.wheelset_motion(x0)
+    o = o + np.array([0.0, 0.0, p.roller_radius + p.wheel_radius])
+    m.contact_exhaustive_us = 1e6 / 4 * best_time(lambda: scipy_model.contact_points(o, rot, p), repeat)
+    start = time.process_time()
+    states, m.evaluations = integrate(study, x0, 1e-3, scipy_model.absolute_tolerances())
+    m.study_s = time.process_time() - start
+
+    def outputs(x):
+        out = scipy_model.wheel_outputs(x, p)
+        return np.stack([out[name] for name in SIGNALS])
+
+    every = slice(None, None, 10)  # the outputs of 200 of the 2001 times: this model is slow
+    m.error = error_against(reference[..., every], plotted(states[:, every], outputs))
+    return m
+
+
+def measure_numba(p, x0, repeat: int) -> tuple[Measurement, np.ndarray]:
+    """The Numba model, and the tight reference computed with it."""
+    import numba_model
+
+    packed = numba_model.pack(p)
+    study = lambda t, x: numba_model.rhs(t, x, packed)  # noqa: E731
+    outputs = lambda x: numba_model.wheel_outputs(x, packed)[:3]  # noqa: E731
+    m = Measurement("Numba + SciPy", study_method="Radau, rtol 1e-3")
+    m.rhs_us = 1e6 * best_time(lambda: study(3.0, x0), repeat)
+    centre = x0[12:15] + [0.0, 0.0, p.roller_radius + p.wheel_radius]
+    axes = numba_model.rotation_zx(x0[15], x0[16])
+    found, geometry = np.empty((6, 2)), np.empty((7, 9))
+    search = lambda: numba_model.find_contacts(1.0, centre, axes, packed, found, geometry)  # noqa: E731
+    m.contact_exhaustive_us = 1e6 * best_time(search, repeat)
+
+    reference = plotted(integrate(study, x0, 1e-8, 1e-3 * scipy_model.absolute_tolerances())[0], outputs)
+    start = time.process_time()
+    states, m.evaluations = integrate(study, x0, 1e-3, scipy_model.absolute_tolerances())
+    m.study_s = time.process_time() - start
+    m.error = error_against(reference, plotted(states, outputs))
+    return m, reference
+
+
+# --------------------------------------------------------------------------------------------- rollerrig
+def measure_rollerrig(repeat: int, reference: np.ndarray) -> Measurement | None:
+    """rollerrig itself, or None where it is not installed.
+
+    To be filled by whoever knows its interface: load the shipped traction case, time one right-hand side, the contact search
+    warm and exhaustive, and the study at a step whose error is below ALLOWED_ERROR.
+    """
+    try:
+        import rollerrig  # noqa: F401
+        from rollerrig import benchmark
+    except ImportError:
+        return None
+    return Measurement("rollerrig", **benchmark.measure(repeat, reference))
+
+
+# ------------------------------------------------------------------------------------------------- report
+def shown(value: float | None, digits: int = 3) -> str:
+    """A number for the table, or a dash."""
+    return "-" if value is None else f"{value:.{digits}g}"
+
+
+def report(results: list[Measurement], console: Console) -> None:
+    """Print the table, the ratios and what is missing."""
+    table = Table(title="Default rig: bogie, four wheels on rollers, full contact")
+    table.add_column("")
+    for r in results:
+        table.add_column(r.name, justify="right")
+    rows = [
+        ("right-hand side [us]", lambda r: shown(r.rhs_us)),
+        ("contact search per wheel, warm [us]", lambda r: shown(r.contact_warm_us)),
+        ("contact search per wheel, exhaustive [us]", lambda r: shown(r.contact_exhaustive_us)),
+        ("traction study of 10 s, processor time [s]", lambda r: shown(r.study_s)),
+        ("  method", lambda r: r.study_method or "-"),
+        ("  right-hand sides", lambda r: shown(r.evaluations, 6)),
+        ("  error of the plotted signals", lambda r: "-" if r.error is None else f"{100 * r.error:.3g} %"),
+        ("  real-time factor", lambda r: shown(r.real_time_factor)),
+    ]
+    for label, cell in rows:
+        table.add_row(label, *[cell(r) for r in results])
+    console.print(table)
+    by_name = {r.name: r for r in results}
+    ours = by_name.get("rollerrig")
+    for other in results:
+        if ours and other is not ours and other.study_s and ours.study_s:
+            console.print(
+                f"rollerrig against {other.name}: {other.rhs_us / ours.rhs_us:.3g} x per right-hand side, "
+                f"{other.study_s / ours.study_s:.3g} x for the study"
+            )
+        if other.error is not None and other.error > ALLOWED_ERROR:
+            console.print(
+                f"{other.name}: error {100 * other.error:.3g} % is above {100 * ALLOWED_ERROR:.3g} %: does not count"
+            )
+    if ours is None:
+        console.print("rollerrig is not installed here: its column is missing.")
+
+
+def main() -> int:
+    """Measure everything and print it; returns the exit code."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--json", type=Path, metavar="FILE", help="also write the numbers to FILE")
+    parser.add_argument(
+        "--repeat", type=int, default=5, metavar="N", help="batches per timing, the best counts (default 5)"
+    )
+    arguments = parser.parse_args()
+    console = Console()
+    p = bogie_data.Parameters()
+
+    results: list[Measurement] = []
+    with console.status("equilibrium"):
+        x0 = scipy_model.equilibrium(START_SPEED, p)
+    with console.status("Numba"):
+        numba, reference = measure_numba(p, x0, arguments.repeat)
+    with console.status("NumPy"):
+        numpy = measure_scipy(p, x0, reference, arguments.repeat)
+    with console.status("rollerrig"):
+        ours = measure_rollerrig(arguments.repeat, reference)
+    results = [r for r in (ours, numba, numpy) if r is not None]
+    console.print(
+        f"{platform.machine()}, {os.cpu_count()} cores, Python {platform.python_version()}, NumPy {np.__version__}; "
+        "one core used, processor time"
+    )
+    report(results, console)
+    if arguments.json:
+        rows = [asdict(r) | {"real_time_factor": r.real_time_factor} for r in results]
+        arguments.json.write_text(
+            json.dumps({"duration_s": DURATION, "results": rows}, indent=2) + "\n", encoding="utf-8"
+        )
+        console.print(f"written: {arguments.json}")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
