@@ -169,7 +169,7 @@ def measure_numba(p, x0, repeat: int) -> tuple[Measurement, np.ndarray]:
 
 
 # --------------------------------------------------------------------------------------------- rollerrig
-def measure_rollerrig(repeat: int, reference: np.ndarray) -> Measurement | str:
+def measure_rollerrig(repeat: int, reference: np.ndarray) -> Measurement | str:  # noqa: ARG001 - until it is filled
     """rollerrig itself, or a sentence that says why it could not be measured.
 
     To be filled by whoever knows its interface: load the shipped traction case, time one right-hand side, the contact search
