@@ -16,7 +16,8 @@ if TYPE_CHECKING:
     from rollerrig.contact_table import contact_table
     from rollerrig.model import assemble
     from rollerrig.results import OutputError, load_run, save_run
-    from rollerrig.run import StartError, simulate
+    from rollerrig.run import simulate
+    from rollerrig.start import StartError
 
 __version__ = "0.1.0"
 
@@ -24,7 +25,7 @@ _HOME = {
     "Case": "config",
     "ConfigError": "config",
     "OutputError": "results",
-    "StartError": "run",
+    "StartError": "start",
     "assemble": "model",
     "catalog_entries": "catalog",
     "catalog_text": "catalog",

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 
 import numpy as np
 import xarray as xr
@@ -18,9 +18,9 @@ from numpy.typing import NDArray
 
 from rollerrig import _core
 from rollerrig.config import Case, ConfigError, ConfigProblem
-from rollerrig.config.vehicle import DIRECTIONS
 from rollerrig.model import AssembledModel, assemble
 from rollerrig.results import Outcome, add_energy_audit, run_dataset
+from rollerrig.start import starting_state
 
 Vector = NDArray[np.float64]
 Progress = Callable[[float, str], None]
@@ -30,13 +30,8 @@ CHARACTERISTIC_RATE = 100.0
 """Rate that turns the tolerance of a displacement into that of its rate [1/s]."""
 
 _STATUS_NAMES = {code: name for name, code in _core.status_codes.items()}
-_OFFSETS = ("longitudinal", "lateral", "vertical", "roll", "pitch", "yaw")
 _SLICE_SECONDS = 0.2
 """A slice should take this long: often enough for a progress bar and Ctrl-C."""
-
-
-class StartError(Exception):
-    """No state was found from which the run can start; the message says what to change."""
 
 
 def simulate(case: Case, *, progress: Progress | None = None) -> xr.Dataset:
@@ -106,86 +101,6 @@ def absolute_tolerances(simulation: _core.Simulation, displacement: float) -> li
             if index >= 0:
                 tolerances[index] = CHARACTERISTIC_RATE * displacement
     return tolerances
-
-
-# ---------------------------------------------------------------------------------------------------- start
-
-
-def starting_state(simulation: _core.Simulation, model: AssembledModel) -> Vector:
-    """Equilibrium at the starting speed, with the case's disturbances held at their offsets.
-
-    An offset counts from the undisturbed equilibrium. A disturbed body keeps its equilibrium yaw unless the
-    disturbance says otherwise; everything else is in equilibrium with the disturbed bodies.
-
-    Raises:
-        ConfigError: a disturbance moves a coordinate that is held.
-        StartError: no equilibrium was found.
-    """
-    case = model.case
-    rest = equilibrium(simulation, case)
-    held = list(_held_coordinates(simulation, model, rest))
-    if not held:
-        return rest
-    found = simulation.equilibrium(case.motion.speed, 0.0, held)
-    if found["converged"]:
-        return _state(found)
-    # Far from equilibrium the others may have none: leave them where they were, and set the disturbed bodies down.
-    disturbed = {body for body, _, _ in held}
-    others = [
-        (body, direction, float(rest[index]))
-        for body, row in enumerate(simulation.coordinate_index)
-        for direction, index in enumerate(row)
-        if index >= 0 and body not in disturbed
-    ]
-    found = simulation.equilibrium(case.motion.speed, 0.0, [*held, *others])
-    if not found["converged"]:
-        names = ", ".join(sorted({d.body for d in case.disturbance}))
-        raise StartError(
-            f"{case.name}: disturbance: no equilibrium with {names} held at the offset; {found['residual']:.3g} N remain "
-            f"unbalanced; use a smaller offset"
-        )
-    return _state(found)
-
-
-def equilibrium(simulation: _core.Simulation, case: Case) -> Vector:
-    """State of steady running at the starting speed, undisturbed.
-
-    Raises:
-        StartError: none was found.
-    """
-    found = simulation.equilibrium(case.motion.speed, 0.0, [])
-    if not found["converged"]:
-        raise StartError(
-            f"{case.name}: no equilibrium at {case.motion.speed * 3.6:g} km/h: {found['residual']:.3g} N or N m remain "
-            "unbalanced after Newton's method; do all wheels meet their rail or roller (gauge, back_to_back, profiles), "
-            "do springs or locks carry every body, are the torques at time 0 within friction?"
-        )
-    return _state(found)
-
-
-def _state(found: dict[str, object]) -> Vector:
-    return np.ascontiguousarray(found["x"], dtype=np.float64)
-
-
-def _held_coordinates(
-    simulation: _core.Simulation, model: AssembledModel, rest: Vector
-) -> Iterator[tuple[int, int, float]]:
-    offsets: dict[tuple[int, int], float] = {}
-    for number, disturbance in enumerate(model.case.disturbance):
-        body = model.body_index(disturbance.body)
-        given = {name: getattr(disturbance, name) for name in _OFFSETS if getattr(disturbance, name) != 0.0}
-        for name, offset in given.items():
-            direction = _OFFSETS.index(name)
-            if simulation.coordinate_index[body][direction] < 0:
-                place = f"disturbance[{number}].{name}"
-                allowed = f"allowed: only 0, {disturbance.body} is locked or turns freely in {DIRECTIONS[direction]}"
-                raise ConfigError([ConfigProblem(model.case.name, place, f"{offset:g}", allowed)])
-            offsets[body, direction] = offsets.get((body, direction), 0.0) + offset
-        yaw = DIRECTIONS.index("yaw")
-        if given and simulation.coordinate_index[body][yaw] >= 0:
-            offsets.setdefault((body, yaw), 0.0)
-    for (body, direction), offset in offsets.items():
-        yield body, direction, float(rest[simulation.coordinate_index[body][direction]]) + offset
 
 
 # ---------------------------------------------------------------------------------------------------- integration

@@ -1,7 +1,7 @@
 """The arrow of the data is a test: a folder may use only what stands to its left.
 
 core:    scalar -> math -> profile -> body -> geometry -> contact -> system -> integrate -> record
-Python:  profiles -> config -> catalog -> model -> run -> results -> analysis -> plot -> report -> cli
+Python:  profiles -> config -> catalog -> model -> results -> run -> analysis -> plot -> report -> cli
 """
 
 from __future__ import annotations
@@ -72,7 +72,8 @@ PYTHON_LAYERS = [
     {"catalog"},
     {"model"},
     {"results"},
-    {"run"},
+    {"start"},
+    {"run", "contact_table"},
     {"analysis"},
     {"plot"},
     {"report"},

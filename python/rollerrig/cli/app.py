@@ -9,15 +9,22 @@ from importlib.util import find_spec
 import typer
 
 from rollerrig import __version__
-from rollerrig.cli.ending import readable_errors
+from rollerrig.cli.ending import INTERRUPTED, readable_errors
 
 COMMANDS = ("paper", "run", "stability", "contact", "check", "catalog")
-"""Modules of this folder, each with a function `command`."""
+"""Modules of this folder, each with a function `command`, or with an `app` of its own where there are subcommands."""
 
 HELP = """A roller rig for railway bogies, in software.
 
 CASE is the name of a case in the catalogue (rollerrig catalog) or a TOML file. Exit codes: 0 done, 2 bad input, 3 the run
 left the model's validity (results up to there are kept), 130 interrupted (results up to there are kept)."""
+
+
+def print_version(wanted: bool) -> None:
+    """Print the version and end."""
+    if wanted:
+        typer.echo(__version__)
+        raise typer.Exit
 
 
 def build_app() -> typer.Typer:
@@ -28,23 +35,28 @@ def build_app() -> typer.Typer:
 
     @app.callback()
     def common(
-        version: bool = typer.Option(False, "--version", help="Print the version and exit.", is_eager=True),
+        version: bool = typer.Option(
+            False, "--version", help="Print the version and exit.", is_eager=True, callback=print_version
+        ),
     ) -> None:
-        if version:
-            typer.echo(__version__)
-            raise typer.Exit
+        pass
 
     for name in COMMANDS:
         if find_spec(f"rollerrig.cli.{name}") is not None:
             module = import_module(f"rollerrig.cli.{name}")
-            app.command(name)(readable_errors(module.command))
+            if hasattr(module, "app"):
+                app.add_typer(module.app, name=name)
+            else:
+                app.command(name)(readable_errors(module.command))
     return app
 
 
 def main() -> None:
     """Entry point of `rollerrig`."""
     try:
-        build_app()()
+        build_app()(prog_name="rollerrig")
+    except KeyboardInterrupt:
+        sys.exit(INTERRUPTED)
     except BrokenPipeError:  # `rollerrig catalog | head`
         sys.stderr.close()
         sys.exit(1)

@@ -41,7 +41,7 @@ def readable_errors(command: Callable[P, R]) -> Callable[P, R]:
     def wrapped(*arguments: P.args, **options: P.kwargs) -> R:
         from rollerrig.config import ConfigError
         from rollerrig.results import OutputError
-        from rollerrig.run import StartError
+        from rollerrig.start import StartError
 
         try:
             return command(*arguments, **options)

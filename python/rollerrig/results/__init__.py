@@ -5,7 +5,7 @@ rows of the core -> [results] -> xarray.Dataset -> run.nc, summary.json, CSV
 
 from rollerrig.results.dataset import Outcome, run_dataset
 from rollerrig.results.energy import add_energy_audit
-from rollerrig.results.files import OutputError, load_run, output_folder, save_run, write_text
+from rollerrig.results.files import OutputError, load_run, output_file, output_folder, save_run, write_text
 from rollerrig.results.summary import SUMMARY_KEYS, summarise
 from rollerrig.results.tables import motion_table, wheel_table, write_csv
 
@@ -16,6 +16,7 @@ __all__ = [
     "add_energy_audit",
     "load_run",
     "motion_table",
+    "output_file",
     "output_folder",
     "run_dataset",
     "save_run",

@@ -58,19 +58,38 @@ def output_folder(path: str | Path) -> Path:
     return folder
 
 
+def output_file(path: str | Path) -> Path:
+    """The path of a file, its folder made if need be and known to take files.
+
+    Raises:
+        OutputError: the folder cannot be made or written to, or the path is a folder.
+    """
+    target = Path(path)
+    if target.is_dir():
+        raise OutputError(target, IsADirectoryError(errno.EISDIR, "is a folder"))
+    if not _is_device(target):
+        output_folder(target.resolve().parent)
+    return target
+
+
+def _is_device(target: Path) -> bool:
+    """Something that takes bytes but no other name: /dev/stdout, a pipe."""
+    return target.exists() and not target.is_file()
+
+
 def write_bytes(path: str | Path, content: bytes | memoryview) -> Path:
     """Write a file under a temporary name and rename it; an older file of that name stays until then.
 
     Raises:
         OutputError: it could not be written.
     """
-    target = Path(path)
+    target = Path(path).resolve()
     temporary: Path | None = None
     try:
-        if target.exists() and not target.is_file():  # a device or a pipe takes bytes, but no other name
+        if _is_device(target):
             with target.open("wb", buffering=0) as file:
                 file.write(content)
-            return target
+            return Path(path)
         handle, name = tempfile.mkstemp(prefix=f".{target.name}.", dir=target.parent)
         temporary = Path(name)
         with os.fdopen(handle, "wb") as file:
@@ -80,11 +99,11 @@ def write_bytes(path: str | Path, content: bytes | memoryview) -> Path:
         temporary.chmod(0o666 & ~_umask())
         temporary.replace(target)
     except OSError as cause:
-        raise OutputError(target, cause) from None
+        raise OutputError(Path(path), cause) from None
     finally:
         if temporary is not None:
             temporary.unlink(missing_ok=True)
-    return target
+    return Path(path)
 
 
 def write_text(path: str | Path, text: str) -> Path:

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
+from numpy.typing import NDArray
 
 SUMMARY_KEYS = {
     "case": "name of the case",
@@ -51,8 +52,8 @@ def summarise(run: xr.Dataset) -> dict[str, Any]:
     return {
         **{key: attributes[key] for key in ("case", "status", "status_message", "stopped_at_s", "stopped_wheel")},
         "samples": run.sizes["time"],
-        "speed_start_kmh": _number(speed[0]),
-        "speed_end_kmh": _number(speed[-1]),
+        "speed_start_kmh": _number(speed[:1]),
+        "speed_end_kmh": _number(speed[-1:]),
         "energy_turned_over_j": attributes["energy_turned_over_j"],
         "energy_relative_residual": attributes["energy_relative_residual"],
         "bodies": {body: _body(run.sel(body=body)) for body in json.loads(attributes["vehicle_bodies"])},
@@ -68,7 +69,7 @@ def _body(run: xr.Dataset) -> dict[str, float | None]:
     tail = lateral[-max(1, len(lateral) // 10) :]
     return {
         "lateral_largest_mm": _largest(lateral),
-        "lateral_end_mm": _number(lateral[-1]),
+        "lateral_end_mm": _number(lateral[-1:]),
         "lateral_last_tenth_mm": _largest(tail),
         "yaw_largest_mrad": _largest(1e3 * run["yaw"].to_numpy()),
     }
@@ -79,21 +80,30 @@ def _wheel(run: xr.Dataset) -> dict[str, float | int | None]:
     loaded = q > 0
     sliding = run["longitudinal_sliding"].to_numpy()
     return {
-        "vertical_force_start_n": _number(q[0]),
-        "vertical_force_end_n": _number(q[-1]),
-        "vertical_force_least_n": _number(q.min()),
+        "vertical_force_start_n": _number(q[:1]),
+        "vertical_force_end_n": _number(q[-1:]),
+        "vertical_force_least_n": _least(q),
         "lateral_force_largest_n": _largest(y),
         "derailment_quotient_largest": _largest(y[loaded] / q[loaded]),
         "longitudinal_sliding_largest_mps": _largest(sliding),
-        "longitudinal_sliding_end_mps": _number(sliding[-1]),
+        "longitudinal_sliding_end_mps": _number(sliding[-1:]),
         "samples_with_several_patches": int(np.count_nonzero(run["patch_count"].to_numpy() > 1)),
     }
 
 
-def _largest(values: np.ndarray[Any, np.dtype[np.float64]]) -> float | None:
+Numbers = NDArray[np.float64]
+
+
+def _largest(values: Numbers) -> float | None:
     finite = np.abs(values[np.isfinite(values)])
     return float(finite.max()) if finite.size else None
 
 
-def _number(value: float) -> float | None:
-    return float(value) if np.isfinite(value) else None
+def _least(values: Numbers) -> float | None:
+    finite = values[np.isfinite(values)]
+    return float(finite.min()) if finite.size else None
+
+
+def _number(value: Numbers) -> float | None:
+    """The only element; an interrupted run may have none, an unloaded wheel has NaN."""
+    return float(value[0]) if value.size and np.isfinite(value[0]) else None

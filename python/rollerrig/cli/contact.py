@@ -1,0 +1,54 @@
+"""`rollerrig contact CASE --lateral-mm=-8:8:0.5 --csv FILE`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from rollerrig.cli.ending import LEFT_VALIDITY, say
+from rollerrig.cli.ranges import read_range
+
+
+def command(
+    case: Annotated[str, typer.Argument(help="Case: a name of the catalogue or a TOML file.")],
+    lateral_mm: Annotated[
+        str, typer.Option(help="Lateral positions of the wheelset: start:stop:step, a list or one number [mm].")
+    ],
+    csv: Annotated[Path, typer.Option(help="File for the table, one row per contact patch.")],
+    yaw_mrad: Annotated[str | None, typer.Option(help="Yaw angles: a range, a list or one number [mrad].")] = None,
+    yaw_mrad_per_mm: Annotated[
+        float | None, typer.Option(help="Yaw in proportion to the lateral position [mrad/mm].")
+    ] = None,
+    roll_mrad: Annotated[float | None, typer.Option(help="Roll angle to hold [mrad]; free to roll if absent.")] = None,
+    plot: Annotated[Path | None, typer.Option(help="Picture of the table (.png, .svg or .pdf).")] = None,
+) -> None:
+    """Press the leading wheelset down with its axle load and list its contact patches."""
+    from rollerrig.config import load_case
+    from rollerrig.contact_table import contact_csv, contact_table
+    from rollerrig.results import output_file, write_text
+
+    if yaw_mrad is not None and yaw_mrad_per_mm is not None:
+        raise typer.BadParameter("give --yaw-mrad or --yaw-mrad-per-mm, not both", param_hint="--yaw-mrad")
+    lateral = read_range(lateral_mm, "--lateral-mm")
+    yaw = read_range(yaw_mrad, "--yaw-mrad") if yaw_mrad is not None else [0.0]
+    if yaw_mrad_per_mm is not None:
+        positions = [(y, y * yaw_mrad_per_mm) for y in lateral]
+    else:
+        positions = [(y, psi) for psi in yaw for y in lateral]
+    chosen = load_case(case)
+    for path in (csv, plot):
+        if path is not None:
+            output_file(path)
+    roll = None if roll_mrad is None else 1e-3 * roll_mrad
+    table = contact_table(chosen, [(1e-3 * y, 1e-3 * psi) for y, psi in positions], roll=roll)
+    typer.echo(write_text(csv, contact_csv(table)))
+    if plot is not None:
+        from rollerrig.plot import contact_figure, save_figure
+
+        typer.echo(save_figure(contact_figure(table), plot))
+    if table.attrs["failed_positions"]:
+        for line in table.attrs["failed_positions"].splitlines():
+            say(f"rollerrig: {chosen.name}: {line}")
+        raise typer.Exit(LEFT_VALIDITY)

@@ -1,0 +1,123 @@
+"""What `check` prints about a case or a part of one."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+import xarray as xr
+
+from rollerrig.config import Case, Element, Material, ProfileSpec, Rig, Track, Vehicle
+from rollerrig.model import AssembledModel, assemble
+from rollerrig.start import degrees_of_freedom, equilibrium_dataset
+
+Part = Vehicle | Rig | Track | Material | ProfileSpec
+
+
+def describe_case(case: Case) -> list[str]:
+    """The assembled model, static wheel loads and masses.
+
+    Raises:
+        StartError: the model has no equilibrium.
+    """
+    model = assemble(case)
+    run = equilibrium_dataset(model).isel(time=0)
+    lines = [f"{case.name}: {case.description}", ""]
+    lines += _bodies(model) + [""]
+    if model.elements:
+        lines += _elements(model) + [""]
+
+    vertical = [float(v) for v in run["vertical_force"]]
+    lateral = [float(v) for v in run["lateral_force"]]
+    speed = 3.6 * float(run["speed"])
+    rows = [
+        [wheel.name, f"{q / 1e3:.3f}", f"{y / 1e3:.3f}", f"{count:.0f}"]
+        for wheel, q, y, count in zip(model.wheels, vertical, lateral, run["patch_count"].to_numpy(), strict=True)
+    ]
+    lines += _table([f"wheels at {speed:.4g} km/h", "vertical kN", "lateral kN", "patches"], rows)
+    return lines + [""] + _balance(model, run)
+
+
+def describe_part(part: Part) -> list[str]:
+    """A line or two about a vehicle, a support, a material or a profile."""
+    match part:
+        case Vehicle():
+            total = sum(body.mass for body in part.body)
+            cuts = ", ".join(part.cut) or "none"
+            return [
+                f"{part.name}: {len(part.body)} bodies, {len(part.element)} force elements, {total / 1e3:.3f} t",
+                f"cuts: {cuts}",
+            ]
+        case Rig():
+            return [f"{part.name}: rollers of {1e3 * part.roller_radius:g} mm radius, gauge {1e3 * part.gauge:g} mm"]
+        case Track():
+            return [f"{part.name}: track, gauge {1e3 * part.gauge:g} mm"]
+        case Material():
+            return [f"G = {part.shear_modulus / 1e9:g} GPa, Poisson's ratio {part.poisson_ratio:g}"]
+        case _:
+            return [f"profile of kind {part.arguments()['kind']}"]
+
+
+def _bodies(model: AssembledModel) -> list[str]:
+    free = degrees_of_freedom(model)
+    rows = []
+    for body in model.bodies:
+        state = ", ".join(free[body]) if free[body] else ("speed held" if body in model.rollers else "held")
+        rows.append([body, f"{model.masses[body]:.0f}", state])
+    count = sum(len(directions) for directions in free.values())
+    return _table([f"bodies ({count} degrees of freedom)", "mass kg", "free"], rows)
+
+
+def _elements(model: AssembledModel) -> list[str]:
+    known = {element.name: element for element in model.case.vehicle.data.element}
+    rows = []
+    for name in model.elements:
+        element = known.get(name)
+        between = " - ".join(element.between) if element else "ground - roller"
+        directions = ", ".join(element.laws) if element else "mounting"
+        preload = f"{model.preloads[name] / 1e3:.3f}" if name in model.preloads else ""
+        rows.append([name, between, directions, preload])
+    return _table(["force elements", "between", "acts along", "preload kN"], rows)
+
+
+def _balance(model: AssembledModel, run: xr.Dataset) -> list[str]:
+    """Weight, and what held bodies add to it, against the sum of the wheel loads of the solved equilibrium."""
+    own = [body for body in model.bodies if body not in model.rollers and body not in model.held]
+    mass = sum(model.masses[body] for body in own)
+    weight = model.core.gravity * mass
+    lines = [f"mass of {', '.join(own)}: {mass / 1e3:.3f} t, weight {weight / 1e3:.3f} kN"]
+    carried = sum(
+        _downward(run, element, model.held) for element in model.case.vehicle.data.elements_in(model.case.vehicle.part)
+    )
+    if model.held:
+        design = sum(model.axle_loads.values()) - weight
+        lines.append(
+            f"load from {', '.join(model.held)}, which is held: {carried / 1e3:.3f} kN, in the design position "
+            f"{design / 1e3:.3f} kN"
+        )
+    total, on_wheels = weight + carried, float(run["vertical_force"].sum())
+    lines.append(
+        f"total weight {total / 1e3:.3f} kN, sum of the wheel loads {on_wheels / 1e3:.3f} kN "
+        f"(difference {on_wheels - total:+.1e} N)"
+    )
+    return lines
+
+
+def _downward(run: xr.Dataset, element: Element, held: Sequence[str]) -> float:
+    """Force by which an element presses free bodies down, 0 unless one of its ends is held [N]."""
+    a_held, b_held = (name in held for name in element.between)
+    force = float(run["element_force_z"].sel(element=element.name))
+    return (force if b_held else 0.0) - (force if a_held else 0.0)
+
+
+def _table(heading: Sequence[str], rows: Iterable[Sequence[str]]) -> list[str]:
+    cells = [list(heading), *(list(row) for row in rows)]
+    widths = [max(len(row[i]) for row in cells) for i in range(len(heading))]
+    numeric = [all(_is_number(row[i]) for row in cells[1:]) and len(cells) > 1 for i in range(len(heading))]
+    return [
+        "  ".join(c.rjust(w) if n else c.ljust(w) for c, w, n in zip(row, widths, numeric, strict=True)).rstrip()
+        for row in cells
+    ]
+
+
+def _is_number(text: str) -> bool:
+    return text == "" or text.replace(".", "").replace("-", "").isdigit()

@@ -1,0 +1,50 @@
+"""Ranges on the command line: `-8:8:0.5` counts from -8 to 8, both included."""
+
+from __future__ import annotations
+
+import re
+from fractions import Fraction
+
+import typer
+
+MOST_VALUES = 100_000
+_NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d{1,2})?")
+_FORMS = "write one number, a list like 1,2,5, or start:stop:step like -8:8:0.5"
+
+
+def read_range(text: str, option: str) -> list[float]:
+    """The numbers of a range, a list or a single number.
+
+    Decimal steps are counted exactly: -8:8:0.1 meets 0 and 0.3, not their neighbours.
+
+    Args:
+        text: what the user wrote.
+        option: the option it stands for, as written on the command line.
+
+    Raises:
+        typer.BadParameter: not a range; the message says what is allowed.
+    """
+    parts = text.split(":")
+    if len(parts) == 1:
+        return [float(_number(part, option)) for part in text.split(",")]
+    if len(parts) != 3:
+        raise _bad(option, f"'{text}' has {len(parts)} parts; {_FORMS}")
+    start, stop, step = (_number(part, option) for part in parts)
+    if step == 0:
+        raise _bad(option, f"'{text}': the step is zero; {_FORMS}")
+    if (stop - start) / step < 0:
+        raise _bad(option, f"'{text}' never gets from {parts[0]} to {parts[1]}; change the sign of the step {parts[2]}")
+    count = (stop - start) // step + 1
+    if count > MOST_VALUES:
+        raise _bad(option, f"'{text}' has {count} values; at most {MOST_VALUES} are allowed, take a larger step")
+    return [float(start + i * step) for i in range(count)]
+
+
+def _number(text: str, option: str) -> Fraction:
+    if not _NUMBER.fullmatch(text.strip()):
+        raise _bad(option, f"'{text}' is not a number; {_FORMS}")
+    return Fraction(text.strip())
+
+
+def _bad(option: str, message: str) -> typer.BadParameter:
+    return typer.BadParameter(message, param_hint=option)

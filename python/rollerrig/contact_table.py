@@ -1,0 +1,128 @@
+"""Where a loaded wheelset touches: quasi-static contact over lateral position and yaw.
+
+    Case, positions -> [press of the core] -> xarray.Dataset, one row per contact patch
+
+The leading wheelset is pressed down with its static axle load by elastic normal forces only. Left of the running
+direction is positive. Height and roll count from the unloaded, centred wheelset that touches both sides.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from rollerrig import _core
+from rollerrig.config import Case
+from rollerrig.model import AssembledModel, assemble
+
+_VARIABLES = {
+    "lateral": ("m", "lateral position of the wheelset, positive to the left"),
+    "yaw": ("rad", "yaw angle of the wheelset"),
+    "side": ("", "wheel"),
+    "patch": ("1", "number of the patch on its wheel, from the flange outwards"),
+    "wheel_abscissa": ("m", "EN abscissa S on the wheel profile, negative towards the flange"),
+    "angle": ("rad", "slope of the wheel profile at the contact, as an angle"),
+    "a": ("m", "semi-axis along the rolling direction"),
+    "b": ("m", "semi-axis across the rolling direction"),
+    "approach": ("m", "elastic approach of the surfaces"),
+    "normal": ("N", "normal force"),
+    "roll": ("rad", "roll angle of the wheelset"),
+    "height": ("m", "height of the wheelset"),
+    "peak_pressure": ("Pa", "largest pressure of Hertz' ellipse"),
+    "share": ("1", "share of Hertz' force that counts where two patches become one"),
+    "rolling_radius": ("m", "wheel radius at the contact"),
+    "rail_abscissa": ("m", "abscissa on rail or roller, 0 at the highest point, negative towards the gauge side"),
+}
+
+# Column of the CSV -> variable and factor from SI.
+_COLUMNS = {
+    "lateral_mm": ("lateral", 1e3),
+    "yaw_mrad": ("yaw", 1e3),
+    "side": ("side", None),
+    "patch": ("patch", None),
+    "wheel_s_mm": ("wheel_abscissa", 1e3),
+    "angle_rad": ("angle", 1.0),
+    "a_mm": ("a", 1e3),
+    "b_mm": ("b", 1e3),
+    "approach_mm": ("approach", 1e3),
+    "normal_n": ("normal", 1.0),
+    "roll_mrad": ("roll", 1e3),
+    "height_mm": ("height", 1e3),
+    "peak_pressure_mpa": ("peak_pressure", 1e-6),
+    "share": ("share", 1.0),
+    "rolling_radius_mm": ("rolling_radius", 1e3),
+    "rail_y_mm": ("rail_abscissa", 1e3),
+}
+
+
+def contact_table(case: Case, positions: Iterable[tuple[float, float]], *, roll: float | None = None) -> xr.Dataset:
+    """Press the leading wheelset down at each position.
+
+    Args:
+        case: vehicle, support and contact; its motion does not matter.
+        positions: lateral position [m] and yaw [rad] of the wheelset.
+        roll: roll angle to hold [rad]; None: free to roll.
+
+    Returns:
+        One entry per contact patch along dimension `row`. The attribute `failed_positions` lists those without a
+        result, as a sentence each; empty if all went well.
+
+    Example:
+        >>> from rollerrig import contact_table, load_case
+        >>> table = contact_table(load_case("contact_benchmark_track"), [(0.0, 0.0)])
+        >>> round(float(table["normal"].sum()), -2)
+        20000.0
+    """
+    model = assemble(case)
+    wheelset, left, right = leading_wheelset(model)
+    press = _core.WheelsetPress(model.core, left, right)
+    load = model.axle_loads[wheelset]
+    unloaded = max(press.touch_height(0.0, 0.0, 0.0, 0.0, side) for side in (False, True))
+    rows: list[tuple[Any, ...]] = []
+    failed: list[str] = []
+    for lateral, yaw in positions:
+        found = press.press(0.0, lateral, yaw, roll or 0.0, load, roll is None)
+        if not found["converged"]:
+            failed.append(
+                f"lateral {1e3 * lateral:g} mm, yaw {1e3 * yaw:g} mrad: {load / 1e3:.4g} kN find no balance on the "
+                "profiles; choose a position nearer to the middle, or let the wheelset roll"
+            )
+            continue
+        for side in ("left", "right"):
+            patches = [patch for patch in found["patches"] if patch["side"] == side and patch["normal"] > 0.0]
+            for number, patch in enumerate(sorted(patches, key=lambda p: float(p["wheel_s"])), start=1):
+                shape = tuple(patch[key] for key in ("wheel_s", "angle", "a", "b", "approach", "normal"))
+                pose = (found["roll"], found["z"] - unloaded)
+                rest = tuple(patch[key] for key in ("peak_pressure", "share", "wheel_radius", "rail_y"))
+                rows.append((lateral, yaw, side, number, *shape, *pose, *rest))
+    columns = list(zip(*rows, strict=True)) if rows else [()] * len(_VARIABLES)
+    variables: dict[str, Any] = {
+        name: ("row", np.array(column, dtype=_dtype(name)), {"units": unit, "long_name": meaning})
+        for (name, (unit, meaning)), column in zip(_VARIABLES.items(), columns, strict=True)
+    }
+    attributes = {"title": case.description or case.name, "case": case.name, "wheelset": wheelset, "load_n": load}
+    return xr.Dataset(variables, attrs={**attributes, "failed_positions": "\n".join(failed)})
+
+
+def contact_csv(table: xr.Dataset) -> str:
+    """The table as CSV text in mm, mrad, N and MPa; lengths, angles and forces with twelve digits."""
+    columns = []
+    for variable, factor in _COLUMNS.values():
+        values = table[variable].to_numpy()
+        columns.append([str(v) for v in values] if factor is None else [f"{factor * v + 0.0:.12g}" for v in values])
+    lines = [",".join(_COLUMNS), *(",".join(row) for row in zip(*columns, strict=True))]
+    return "\n".join(lines) + "\n"
+
+
+def leading_wheelset(model: AssembledModel) -> tuple[str, int, int]:
+    """The foremost wheelset, and the contacts of its left and right wheel."""
+    wheelset = max(model.wheelsets, key=lambda name: model.positions[name][0])
+    contact = {wheel.side: wheel.contact for wheel in model.wheels if wheel.wheelset == wheelset}
+    return wheelset, contact["left"], contact["right"]
+
+
+def _dtype(name: str) -> type:
+    return {"side": str, "patch": int}.get(name, float)
