@@ -26,7 +26,7 @@ using Vector = nb::ndarray<double, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
 
 class Simulation {
  public:
-  explicit Simulation(Model const& model) : dynamics_(model), recorder_(model) {}
+  explicit Simulation(Model const& model) : dynamics_(model), observed_(model), recorder_(model) {}
 
   void start(std::string const& method, double step, double relative, std::vector<double> const& absolute,
              double initial_step, double maximum_step, double final_time, double output_step,
@@ -65,7 +65,7 @@ class Simulation {
       status = integrator_->advance(t_stop, [&](double t, double const* x, double const* z) {
         if (filled >= capacity) return;
         times.data()[filled] = t;
-        recorder_.record(dynamics_, t, x, z, rows.data() + static_cast<std::size_t>(filled) * rows.shape(1));
+        recorder_.record(observed_, t, x, z, rows.data() + static_cast<std::size_t>(filled) * rows.shape(1));
         ++filled;
       });
     }
@@ -106,7 +106,7 @@ class Simulation {
   auto record(double t, Column const& x, Column const& z) {
     check_state(x);
     std::vector<double> row(static_cast<std::size_t>(recorder_.width()));
-    recorder_.record(dynamics_, t, x.data(), z.data(), row.data());
+    recorder_.record(observed_, t, x.data(), z.data(), row.data());
     auto const n = row.size();
     return owned_array<nb::ndim<1>>(std::move(row), {n});
   }
@@ -174,6 +174,7 @@ class Simulation {
   }
 
   Dynamics dynamics_;
+  Dynamics observed_;  // outputs are evaluated apart: asking for them changes no bit of the run
   Recorder recorder_;
   std::unique_ptr<Integrator<Dynamics>> integrator_;
 };
@@ -202,11 +203,12 @@ void bind_simulation(nb::module_& m) {
       .def("statistics", &Simulation::statistics)
       .def("counters", &Simulation::counters)
       .def_prop_ro("time", &Simulation::time)
-      .def_prop_ro("state", &Simulation::state)
+      .def_prop_ro("state", &Simulation::state, nb::rv_policy::move)
       .def_prop_ro("width", &Simulation::width)
       .def_prop_rw(
           "exhaustive_search", [](Simulation& s) { return s.dynamics().exhaustive_search; },
           [](Simulation& s, bool on) { s.dynamics().exhaustive_search = on; })
+      .def_prop_ro("search_evaluations", [](Simulation& s) { return s.dynamics().search_evaluations(); })
       .def_prop_ro("state_count", [](Simulation& s) { return s.dynamics().sizes().states; })
       .def_prop_ro("quadrature_count", [](Simulation& s) { return s.dynamics().sizes().quadratures; })
       .def_prop_ro("failed_contact", [](Simulation& s) { return s.dynamics().failed_contact(); })

@@ -2,16 +2,9 @@
 #include <cmath>
 
 #include "rig/geometry/search.hpp"
-#include "rig/math/dual.hpp"
 
 namespace rig {
 namespace {
-
-using Seeded = Dual<1>;
-
-RelativePose<Seeded> lifted(RelativePose<double> const& pose) {
-  return {lift<Seeded>(pose.o), {lift<Seeded>(pose.R.ex), lift<Seeded>(pose.R.ey), lift<Seeded>(pose.R.ez)}};
-}
 
 /// How far a point of the wheel can have moved between two poses [m] (lever arm of a rotation: 1 m).
 double motion_between(RelativePose<double> const& a, RelativePose<double> const& b) {
@@ -52,12 +45,13 @@ ContactSearch::Node const& ContactSearch::node(RelativePose<double> const& pose,
   if (n.call == call_) return n;
   n.call = call_;
   ++node_evaluations_;
-  auto const f = reduce(*pair_, lifted(pose), Seeded::variable(left(i), 0));
-  n.valid = f.foot.found;
-  n.residual = f.residual.value;
-  n.gradient = f.residual.d[0];
-  n.gap = f.gap.value;
-  node_foot_[index] = f.foot.y.value;
+  auto const f = reduce_with_slope(*pair_, pose, left(i));
+  n.valid = f.found;
+  n.residual = f.residual;
+  n.gradient = f.gradient;
+  n.gap = f.gap;
+  n.y = f.y;
+  node_foot_[index] = f.foot_y;
   return n;
 }
 
@@ -66,14 +60,13 @@ ContactSearch::Node const& ContactSearch::node(RelativePose<double> const& pose,
 /// @param falling  +1: F(low) > 0 > F(high), a minimum of the gap; -1: F rises, a maximum
 bool ContactSearch::polish(RelativePose<double> const& pose, double low, double high, double guess, double falling,
                            GapMinimum& root) const {
-  auto const seeded_pose = lifted(pose);
   double s = guess;
   double const resolution = 1e-14;  // of the abscissa [m]
   for (int iteration = 0; iteration < 60; ++iteration) {
-    auto const f = reduce(*pair_, seeded_pose, Seeded::variable(s, 0));
-    if (!f.foot.found) return false;
-    double const residual = f.residual.value;
-    root = {s, f.residual.d[0], f.gap.value};
+    auto const f = reduce_with_slope(*pair_, pose, s);
+    if (!f.found) return false;
+    double const residual = f.residual;
+    root = {s, f.gradient, f.gap};
     (falling * residual > 0.0 ? low : high) = s;
     bool const regular = falling * root.gradient < 0.0;
     double next = regular ? s - residual / root.gradient : 0.5 * (low + high);
@@ -131,15 +124,15 @@ void ContactSearch::trim(RelativePose<double> const& pose, double& first, Node& 
   double valid = good;
   double invalid = bad;
   end = a.valid ? a : b;
-  while (std::abs(invalid - valid) > 1e-9) {
+  while (std::abs(invalid - valid) > 1e-6) {
     double const middle = 0.5 * (valid + invalid);
-    auto const f = reduce(*pair_, lifted(pose), Seeded::variable(middle, 0));
-    if (!f.foot.found) {
+    auto const f = reduce_with_slope(*pair_, pose, middle);
+    if (!f.found) {
       invalid = middle;
       continue;
     }
     valid = middle;
-    end = {f.residual.value, f.residual.d[0], f.gap.value, true, call_};
+    end = {f.residual, f.gradient, f.gap, f.y, true, call_};
   }
   bad = valid;
 }
@@ -149,11 +142,19 @@ void ContactSearch::analyse(RelativePose<double> const& pose, int index, double 
   Cell& cell = cells_[static_cast<std::size_t>(index)];
   Node a = node(pose, index);
   Node b = node(pose, index + 1);
+  // Wheel points beside the generatrix are at least that far from it, wherever their normals go.
+  auto const beside = [this](Node const& n) { return std::max(pair_->rail->start - n.y, n.y - pair_->rail->end()); };
+  bool const same_side = (a.y < pair_->rail->start) == (b.y < pair_->rail->start);
+  if (double const distance = std::min(beside(a), beside(b)); same_side && distance > std::max(reach, 0.2e-3)) {
+    cell.state = CellState::unknown;
+    cell.gap_until = motion_ + 0.5 * distance;
+    return;
+  }
   double const partial_until = motion_ + 0.1e-3;
   bool const partial = !a.valid || !b.valid;  // the wheel's normals miss the generatrix somewhere here
   if (!a.valid && !b.valid) {
-    cell.state = CellState::empty;
-    cell.safe_until = cell.gap_until = partial_until;
+    cell.state = CellState::unknown;
+    cell.gap_until = partial_until;
     return;
   }
   double first = left(index);
@@ -167,8 +168,7 @@ void ContactSearch::analyse(RelativePose<double> const& pose, int index, double 
   cell.gap_until = motion_ + 0.5 * std::max(0.0, lowest_gap);
   if (partial) cell.gap_until = std::min(cell.gap_until, partial_until);
   if (lowest_gap > reach) {
-    cell.state = CellState::empty;
-    cell.safe_until = cell.gap_until;
+    cell.state = CellState::unknown;
     return;
   }
 
@@ -190,7 +190,7 @@ void ContactSearch::analyse(RelativePose<double> const& pose, int index, double 
     if (t2 > 0.0 && t2 < 1.0 && t2 > t1) cut[cuts++] = t2;
   }
   double value[4] = {a.residual, b.residual, b.residual, b.residual};
-  for (int i = 1; i < cuts; ++i) value[i] = reduce(*pair_, pose, first + h * cut[i]).residual;
+  for (int i = 1; i < cuts; ++i) value[i] = reduce_with_slope(*pair_, pose, first + h * cut[i]).residual;
   cut[cuts] = 1.0;
   value[cuts] = b.residual;
 
@@ -202,44 +202,57 @@ void ContactSearch::analyse(RelativePose<double> const& pose, int index, double 
     roots_between(pose, cell, first + h * cut[i], value[i], first + h * cut[i + 1], value[i + 1], reach);
   }
 
-  // F at a fixed abscissa changes by at most this much per metre of motion: turning of the wheel's slope, and the
-  // generatrix sliding by underneath.
+  double const safety = 1.25;
   double const slope =
-      std::abs(pair_->wheel->at(left(index)).slope) + std::abs(pair_->wheel->at(left(index + 1)).slope);
-  double const rate =
-      2.0 * ((1.0 + slope * slope) + 2.0 * steepest_rail(node_foot_[static_cast<std::size_t>(index)],
-                                                         node_foot_[static_cast<std::size_t>(index) + 1]));
-  if (changes <= 1) {
-    bool const minimum = value[0] > 0.0 && value[cuts] <= 0.0;
-    cell.state = minimum ? CellState::one_minimum : CellState::empty;
-    // With one sign change only the ends, and turning points on the wrong side, can add roots.
-    cell.safe_until = motion_ + 0.5 * smallest / rate;
-  } else {
-    cell.state = CellState::many;
-    cell.safe_until = motion_;
-  }
-  if (partial) cell.safe_until = motion_;  // what the rest of the cell holds is not known
+      std::max(std::abs(pair_->wheel->at(left(index)).slope), std::abs(pair_->wheel->at(left(index + 1)).slope));
+  cell.slope = slope;
+  cell.turn_rate = safety * (1.0 + slope * slope);
+  cell.shift_rate = safety * steepest_rail(node_foot_[static_cast<std::size_t>(index)],
+                                           node_foot_[static_cast<std::size_t>(index) + 1]);
+  cell.seen = now_;
+  cell.margin = smallest;
+  bool const minimum = value[0] > 0.0 && value[cuts] <= 0.0;
+  cell.state = partial       ? CellState::unknown
+               : changes > 1 ? CellState::many
+               : minimum     ? CellState::one_minimum
+                             : CellState::empty;
 }
 
-int ContactSearch::find_all(RelativePose<double> const& pose, double reach) {
+/// Whether the roots in a cell are still those it was left with: F has not moved by more than its margin.
+bool ContactSearch::still_holds(Cell const& cell) const {
+  if (cell.state != CellState::empty && cell.state != CellState::one_minimum) return false;
+  double const x = std::abs(now_.x - cell.seen.x);
+  double const yaw = std::abs(now_.yaw - cell.seen.yaw);
+  double const roll = std::abs(now_.roll - cell.seen.roll);
+  // Yaw and longitudinal offset turn the slope only through the small longitudinal component of the normal.
+  double const turn = roll + 0.1 * yaw + 0.2 * x;
+  double const shift = std::abs(now_.y - cell.seen.y) + (pair_->wheel_radius + 0.05) * roll + 0.05 * yaw + 0.1 * x +
+                       cell.slope * std::abs(now_.z - cell.seen.z);
+  double const reach = 0.8e-3;  // the generatrix' second derivative was bounded one millimetre around the cell
+  return shift < reach && cell.turn_rate * turn + cell.shift_rate * shift < cell.margin;
+}
+
+void ContactSearch::move_to(RelativePose<double> const& pose) {
   ++call_;
   count_ = 0;
   motion_ += motion_between(pose, last_pose_);
   last_pose_ = pose;
+  now_ = {pose.o.x, pose.o.y, pose.o.z, pose.R.ey.z, pose.R.ex.y};
+}
+
+int ContactSearch::find_all(RelativePose<double> const& pose, double reach) {
+  move_to(pose);
   for (int i = 0; i < static_cast<int>(cells_.size()); ++i) analyse(pose, i, reach);
   if (reach == 0.0) find_barriers(pose);
   return count_;
 }
 
 int ContactSearch::find_indented(RelativePose<double> const& pose) {
-  ++call_;
-  count_ = 0;
-  motion_ += motion_between(pose, last_pose_);
-  last_pose_ = pose;
+  move_to(pose);
   for (int i = 0; i < static_cast<int>(cells_.size()); ++i) {
     Cell& cell = cells_[static_cast<std::size_t>(i)];
     if (motion_ < cell.gap_until) continue;
-    if (motion_ < cell.safe_until) {
+    if (still_holds(cell)) {
       if (cell.state == CellState::empty) continue;
       GapMinimum root;
       if (polish(pose, left(i), left(i + 1), cell.root, 1.0, root)) {

@@ -88,7 +88,8 @@ GeneratrixFoot<T> generatrix_foot(WheelRollerPair const& pair, WheelNormalLine<T
 
   double y = y_p;
   bool converged = false;
-  double const resolution = 1e-16;  // of the abscissa [m]; the square of the last but one step
+  // A step below 1e-6 m leaves an error of at most 1e-9 m even at a gauge corner; the step in T squares it once more.
+  double const resolution = 1e-12;  // of the squared step [m^2]
   for (int iteration = 0; iteration < 12 && !converged; ++iteration) {
     auto const h = rail.at(y);
     double const residual = (y - y_p) * n_u - (h.value - height_p) * n_y;
@@ -129,6 +130,97 @@ Reduced<T> reduce(WheelRollerPair const& pair, RelativePose<T> const& pose, T co
   result.residual = foot.rail.slope + line.n.y / line.n_radial;
   result.gap = -((line.y - foot.y) * line.n.y + (line.height - foot.rail.value) * line.n_radial);
   return result;
+}
+
+/// F and its derivative for the search, in double: the same equations as reduce() with the chain rule written out, three
+/// times as fast as a dual number. A test holds the two together.
+struct ReducedSlope {
+  double residual{0.0};  ///< F [-]
+  double gradient{0.0};  ///< dF/ds at a fixed pose [1/m]
+  double gap{0.0};       ///< [m]
+  double y{0.0};         ///< abscissa of the wheel's point along the generatrix [m]
+  double foot_y{0.0};    ///< abscissa of the foot [m]
+  bool found{false};
+};
+
+inline ReducedSlope reduce_with_slope(WheelRollerPair const& pair, RelativePose<double> const& pose, double s) {
+  auto const& R = pose.R;
+  double const kappa = pair.inverse_radius;
+  auto const [z, slope, second] = pair.wheel->at(s);
+  double const r = pair.wheel_radius + z;
+  double const y_r = pair.tape_circle_y + s;
+
+  // Apex and meridian plane; u turns at the rate q as the apex moves along the axle.
+  double const apex = y_r + r * slope;
+  double const apex_rate = 1.0 + slope * slope + r * second;
+  double const ax = kappa * (pose.o.x + apex * R.ey.x);
+  double const az = kappa * (pose.o.z + apex * R.ey.z) + 1.0;
+  double const inverse_length = 1.0 / std::sqrt(ax * ax + az * az);
+  double const ux = ax * inverse_length;
+  double const uz = az * inverse_length;
+  double const q = kappa * apex_rate * (uz * R.ey.x - ux * R.ey.z) * inverse_length;
+
+  Vec3<double> const w = R.transposed_times({uz, 0.0, -ux});
+  Vec3<double> const v = R.transposed_times({ux, 0.0, uz});  // w turns towards -v
+  double const c = slope * w.y;
+  double const c_rate = second * w.y - slope * q * v.y;
+  double const inverse_rho2 = 1.0 / (1.0 - w.y * w.y);
+  double const root = std::sqrt(1.0 - w.y * w.y - c * c);
+  double const root_rate = (w.y * q * v.y - c * c_rate) / root;
+  double const rho2_rate = 2.0 * w.y * q * v.y;
+  double const sin_alpha = (c * w.x + w.z * root) * inverse_rho2;
+  double const cos_alpha = (w.x * root - c * w.z) * inverse_rho2;
+  double const sin_rate =
+      (c_rate * w.x - c * q * v.x - q * v.z * root + w.z * root_rate - sin_alpha * rho2_rate) * inverse_rho2;
+  double const cos_rate =
+      (w.x * root_rate - q * v.x * root - c_rate * w.z + c * q * v.z - cos_alpha * rho2_rate) * inverse_rho2;
+
+  // Normal (not scaled to one: F and the foot do not need it) and point of the wheel.
+  Vec3<double> const m = R * Vec3<double>{sin_alpha, -slope, -cos_alpha};
+  Vec3<double> const m_rate = R * Vec3<double>{sin_rate, -second, -cos_rate};
+  double const m_u = m.x * ux + m.z * uz;
+  double const m_u_rate = m_rate.x * ux + m_rate.z * uz + q * (m.x * uz - m.z * ux);
+  Vec3<double> const p = pose.o + R * Vec3<double>{r * sin_alpha, y_r, -r * cos_alpha};
+  Vec3<double> const p_rate =
+      R * Vec3<double>{slope * sin_alpha + r * sin_rate, 1.0, -slope * cos_alpha - r * cos_rate};
+  double const px = kappa * p.x;
+  double const pz = kappa * p.z + 1.0;
+  double const length = std::sqrt(px * px + pz * pz);
+  double const height = (kappa * (p.x * p.x + p.z * p.z) + 2.0 * p.z) / (length + 1.0);
+  double const height_rate = (px * p_rate.x + pz * p_rate.z) / length;
+
+  ReducedSlope out;
+  out.y = p.y - pair.rail_origin_y;
+  double const inverse_m_u = 1.0 / m_u;
+  double const sigma = m.y * inverse_m_u;
+  double const sigma_rate = (m_rate.y - sigma * m_u_rate) * inverse_m_u;
+
+  // Foot: y - y_p = (h(y) - height) sigma, by Newton as in generatrix_foot().
+  UniformSpline const& rail = *pair.rail;
+  double const normal2 = 1.0 + slope * slope;
+  double const facing = -m_u / std::sqrt(normal2);
+  double y = out.y;
+  CurvePoint<double> h{};
+  for (int iteration = 0; iteration < 12; ++iteration) {
+    h = rail.at(y);
+    double const gradient = 1.0 - h.slope * sigma;
+    if (!(gradient * facing > 0.1)) return out;
+    double const step = (y - out.y - (h.value - height) * sigma) / gradient;
+    y -= step;
+    if (!(y > rail.start - 0.05 && y < rail.end() + 0.05)) return out;
+    if (step * step < 1e-16) {  // the last hundredth of a micrometre by Taylor's series
+      h = {h.value - h.slope * step, h.slope - h.second * step, h.second};
+      out.found = rail.contains(y);
+      break;
+    }
+  }
+  if (!out.found) return out;
+  double const y_rate = (p_rate.y - sigma * height_rate + (h.value - height) * sigma_rate) / (1.0 - h.slope * sigma);
+  out.foot_y = y;
+  out.residual = h.slope + sigma;
+  out.gradient = h.second * y_rate + sigma_rate;
+  out.gap = -((out.y - y) * m.y + (height - h.value) * m_u) / std::sqrt(normal2);
+  return out;
 }
 
 }  // namespace rig

@@ -5,9 +5,10 @@
 // check), one where it rises is a maximum and is dropped; a root with gap < 0 is a patch (indentation check).
 //
 // Warm search. A cell that holds no indented minimum now cannot get one before the wheel has moved a certain way against
-// the roller: the gap changes at most about as fast as the wheel moves, and F has a bounded rate too. Each cell keeps the
-// amount of motion up to which its answer stands and is left alone until then; a cell with a known root is only
-// polished by Newton. The margins use factors of two for safety; tests compare with the exhaustive search along runs.
+// the roller: the gap changes at most as fast as the wheel moves, and F only by the turning of the wheel's slope (roll)
+// and by the generatrix sliding along underneath (lateral shift times its second derivative). Each cell remembers the pose
+// it was looked at and how far F was from zero, and is left alone while that bound holds; a cell with a known root is only
+// polished by Newton. The bounds carry a safety factor; tests compare with the exhaustive search along whole runs.
 #pragma once
 #include <array>
 #include <vector>
@@ -47,16 +48,27 @@ class ContactSearch {
   enum class CellState : char { unknown, empty, one_minimum, many };
   struct Node {
     double residual{0.0}, gradient{0.0}, gap{0.0};
+    double y{0.0};  ///< of the wheel's point on the generatrix' abscissa [m]
     bool valid{false};
     long call{-1};
   };
+  /// What the bounds on F are made of.
+  struct Placement {
+    double x{0.0}, y{0.0}, z{0.0}, roll{0.0}, yaw{0.0};
+  };
   struct Cell {
-    double safe_until{-1.0};  ///< accumulated motion up to which the state stands [m]
-    double gap_until{-1.0};   ///< accumulated motion up to which the cell cannot be indented [m]
+    double gap_until{-1.0};  ///< accumulated motion up to which the cell cannot be indented [m]
+    double margin{0.0};      ///< how far F is from changing its roots in this cell [-]
+    double turn_rate{0.0};   ///< largest change of F per roll [1/rad]
+    double shift_rate{0.0};  ///< largest change of F per lateral shift [1/m]
+    double slope{0.0};       ///< largest slope of the wheel profile here [-]
+    Placement seen{};        ///< where the wheel was then
     double root{0.0};
     CellState state{CellState::unknown};
   };
 
+  bool still_holds(Cell const& cell) const;
+  void move_to(RelativePose<double> const& pose);
   double left(int cell) const { return first_ + cell_width * cell; }
   Node const& node(RelativePose<double> const& pose, int i);
   void trim(RelativePose<double> const& pose, double& first, Node& a, double& last, Node& b) const;
@@ -81,6 +93,7 @@ class ContactSearch {
   long node_evaluations_{0};
   double motion_{0.0};
   RelativePose<double> last_pose_;
+  Placement now_;
 };
 
 }  // namespace rig

@@ -27,9 +27,9 @@ struct UniformSpline {
   bool contains(double y) const { return y >= start && y <= end(); }
 
   int piece_of(double y) const {
-    int const last = static_cast<int>(pieces.size()) - 1;
-    double const position = (y - start) / step;
-    return position > 0.0 ? std::min(static_cast<int>(std::min(position, 1e9)), last) : 0;
+    auto const last = static_cast<double>(pieces.size() - 1);
+    double const position = (y - start) * (1.0 / step);
+    return static_cast<int>(position > 0.0 ? std::min(position, last) : 0.0);  // not a number: piece 0
   }
 
   template <Scalar T>

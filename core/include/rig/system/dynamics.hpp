@@ -75,6 +75,12 @@ class Dynamics {
   ContactCounters const& counters() const { return counters_; }
   void reset_run();
   int failed_contact() const { return failed_contact_; }
+  /// Evaluations of the reduced contact equation at cell borders, all wheels: what the warm search saves.
+  long search_evaluations() const {
+    long sum = 0;
+    for (auto const& search : search_) sum += search.node_evaluations();
+    return sum;
+  }
   bool exhaustive_search{false};  ///< look at every cell in every evaluation (verification)
 
   double kinetic_energy() const;
