@@ -20,7 +20,9 @@ from rollerrig import _core
 from rollerrig.config import Case, ConfigError, ConfigProblem
 from rollerrig.model import AssembledModel, assemble
 from rollerrig.results import Outcome, add_energy_audit, run_dataset
-from rollerrig.start import starting_state
+from rollerrig.start import StartError, starting_state
+
+__all__ = ["Progress", "StartError", "absolute_tolerances", "available_memory", "begin", "sample_count", "simulate"]
 
 Vector = NDArray[np.float64]
 Progress = Callable[[float, str], None]

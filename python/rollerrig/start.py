@@ -10,6 +10,7 @@ from collections.abc import Iterator
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
+from scipy.optimize import brentq
 
 from rollerrig import _core
 from rollerrig.config import ConfigError, ConfigProblem
@@ -20,6 +21,7 @@ from rollerrig.results import Outcome, run_dataset
 Vector = NDArray[np.float64]
 
 _OFFSETS = ("longitudinal", "lateral", "vertical", "roll", "pitch", "yaw")
+_SET_DOWN_REACH = 0.03  # [m]
 
 
 class StartError(Exception):
@@ -30,20 +32,18 @@ def starting_state(simulation: _core.Simulation, model: AssembledModel) -> Vecto
     """Equilibrium at the starting speed, with the case's disturbances held at their offsets.
 
     An offset counts from the undisturbed equilibrium. A disturbed body keeps its equilibrium yaw unless the
-    disturbance says otherwise; everything else is in equilibrium with the disturbed bodies.
+    disturbance says otherwise; everything else is in equilibrium with the disturbed bodies. Where there is no such
+    equilibrium (on a flange), everything else stays at the undisturbed one, and the disturbed bodies are set down.
 
     Raises:
         ConfigError: a disturbance moves a coordinate that is held.
-        StartError: no equilibrium was found.
+        StartError: no equilibrium was found, or no support for a disturbed body.
     """
     case = model.case
     rest = equilibrium(simulation, model)
     held = list(_held_coordinates(simulation, model, rest))
     if not held:
         return rest
-    found = simulation.equilibrium(case.motion.speed, 0.0, held)
-    if found["converged"]:
-        return _state(found)
     # Far from equilibrium the others may have none: leave them where they were, and set the disturbed bodies down.
     disturbed = {body for body, _, _ in held}
     others = [
@@ -52,14 +52,39 @@ def starting_state(simulation: _core.Simulation, model: AssembledModel) -> Vecto
         for direction, index in enumerate(row)
         if index >= 0 and body not in disturbed
     ]
-    found = simulation.equilibrium(case.motion.speed, 0.0, [*held, *others])
-    if not found["converged"]:
-        names = ", ".join(sorted({d.body for d in case.disturbance}))
+    for more in ([], others):
+        found = simulation.equilibrium(case.motion.speed, 0.0, [*held, *more])
+        if found["converged"]:
+            return _state(found)
+    for body, direction, value in held:
+        rest[simulation.coordinate_index[body][direction]] = value
+    vertical = DIRECTIONS.index("z")
+    for body in sorted(disturbed - {b for b, d, _ in held if d == vertical}):
+        _set_down(simulation, model, rest, body)
+    return rest
+
+
+def _set_down(simulation: _core.Simulation, model: AssembledModel, state: Vector, body: int) -> None:
+    """Move a body up or down to where no vertical acceleration is left; changes the state.
+
+    Raises:
+        StartError: it floats or sinks everywhere within 30 mm of where it was.
+    """
+    place = simulation.coordinate_index[body][DIRECTIONS.index("z")]
+    if place < 0:
+        return
+    rate = simulation.rate_index[body][DIRECTIONS.index("z")]
+    here = float(state[place])
+
+    def acceleration(height: float) -> float:
+        state[place] = here + height
+        return float(simulation.derivative(0.0, state)[0][rate])
+
+    if not acceleration(-_SET_DOWN_REACH) > 0.0 > acceleration(_SET_DOWN_REACH):
         raise StartError(
-            f"{case.name}: disturbance: no equilibrium with {names} held at the offset; {found['residual']:.3g} N remain "
-            f"unbalanced; use a smaller offset"
+            f"{model.case.name}: disturbance: {model.bodies[body]} finds no support at its offset; use a smaller offset"
         )
-    return _state(found)
+    state[place] = here + brentq(acceleration, -_SET_DOWN_REACH, _SET_DOWN_REACH, xtol=1e-12)
 
 
 def equilibrium(simulation: _core.Simulation, model: AssembledModel) -> Vector:
