@@ -129,16 +129,16 @@ def equilibrium(simulation: _core.Simulation, speed: float, held: tuple[tuple[in
     return result["x"]
 
 
-def settings(simulation: _core.Simulation, duration: float, **given: object) -> dict[str, object]:
-    """Arguments of Simulation.start: rodas4, tolerances 1e-8 on displacements, 1e-6 on rates."""
-    states = simulation.state_count
-    absolute = np.full(states, 1e-10)
-    rates = [i for body in simulation.rate_index for i in body if i >= 0]
-    absolute[rates] = 1e-8
+def settings(
+    simulation: _core.Simulation, duration: float, tolerance: float = 1e-7, **given: object
+) -> dict[str, object]:
+    """Arguments of Simulation.start: rodas4; `tolerance` is relative, 1e-3 of it absolute on displacements [m, rad]."""
+    absolute = np.full(simulation.state_count, 1e-3 * tolerance)
+    absolute[[i for body in simulation.rate_index for i in body if i >= 0]] = 1e-1 * tolerance  # at some 100 rad/s
     defaults: dict[str, object] = {
         "method": "rodas4",
-        "step": 1e-4,
-        "relative_tolerance": 1e-7,
+        "step": 0.0,
+        "relative_tolerance": tolerance,
         "absolute_tolerance": absolute.tolist(),
         "initial_step": 1e-6,
         "maximum_step": 0.01,
@@ -153,13 +153,20 @@ def settings(simulation: _core.Simulation, duration: float, **given: object) -> 
 class Run:
     """A finished run: times and fields by name."""
 
-    def __init__(self, simulation: _core.Simulation, x0: np.ndarray, duration: float, **given: object) -> None:
+    def __init__(
+        self,
+        simulation: _core.Simulation,
+        x0: np.ndarray,
+        duration: float,
+        t_stop: float | None = None,
+        **given: object,
+    ) -> None:
         arguments = settings(simulation, duration, **given)
         count = round(duration / float(arguments["output_step"])) + 2  # type: ignore[arg-type]
         self.time = np.full(count, np.nan)
         self.rows = np.full((count, simulation.width), np.nan)
         simulation.start(**arguments, x0=x0)  # type: ignore[arg-type]
-        self.status, filled = simulation.advance(duration, self.time, self.rows, 0)
+        self.status, filled = simulation.advance(t_stop or duration, self.time, self.rows, 0)
         self.time, self.rows = self.time[:filled], self.rows[:filled]
         self.statistics, self.counters, self.final_state = simulation.statistics(), simulation.counters(), simulation.state
         self.bodies = len(simulation.rate_index)
