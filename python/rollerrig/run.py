@@ -153,7 +153,6 @@ def _integrate(simulation: _core.Simulation, case: Case, times: Vector, rows: Ve
         spent = time.perf_counter() - begun
         if code != ok:
             return code
-        until = max(until, min(simulation.time, duration))
         if progress is not None:
             speed = 3.6 * rows[filled - 1, -1]
             progress(until / duration, f"t = {until:.2f} s of {duration:g} s, {speed:.0f} km/h")

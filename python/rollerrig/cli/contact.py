@@ -31,6 +31,10 @@ def command(
 
     if yaw_mrad is not None and yaw_mrad_per_mm is not None:
         raise typer.BadParameter("give --yaw-mrad or --yaw-mrad-per-mm, not both", param_hint="--yaw-mrad")
+    if plot is not None:
+        from rollerrig.cli.figures import check_picture
+
+        check_picture(plot, "--plot")
     lateral = read_range(lateral_mm, "--lateral-mm")
     yaw = read_range(yaw_mrad, "--yaw-mrad") if yaw_mrad is not None else [0.0]
     if yaw_mrad_per_mm is not None:
@@ -45,7 +49,8 @@ def command(
     table = contact_table(chosen, [(1e-3 * y, 1e-3 * psi) for y, psi in positions], roll=roll)
     typer.echo(write_text(csv, contact_csv(table)))
     if plot is not None:
-        from rollerrig.plot import contact_figure, save_figure
+        from rollerrig.cli.figures import save_figure
+        from rollerrig.plot.contact import contact_figure
 
         typer.echo(save_figure(contact_figure(table), plot))
     if table.attrs["failed_positions"]:

@@ -5,7 +5,7 @@ rows of the core -> [results] -> xarray.Dataset -> run.nc, summary.json, CSV
 
 from rollerrig.results.dataset import Outcome, run_dataset
 from rollerrig.results.energy import add_energy_audit
-from rollerrig.results.files import OutputError, load_run, output_file, output_folder, save_run, write_text
+from rollerrig.results.files import OutputError, load_run, output_file, output_folder, save_run, write_bytes, write_text
 from rollerrig.results.summary import SUMMARY_KEYS, summarise
 from rollerrig.results.tables import motion_table, wheel_table, write_csv
 
@@ -22,6 +22,7 @@ __all__ = [
     "save_run",
     "summarise",
     "wheel_table",
+    "write_bytes",
     "write_csv",
     "write_text",
 ]
