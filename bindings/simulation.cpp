@@ -111,16 +111,20 @@ class Simulation {
     return owned_array<nb::ndim<1>>(std::move(row), {n});
   }
 
-  /// Seconds of work, not of waiting, are for benchmarks: n evaluations of the right-hand side in one call.
-  void repeat_derivative(double t, Column const& x, int n) {
-    check_state(x);
-    std::vector<double> x_dot(static_cast<std::size_t>(dynamics_.sizes().states));
-    for (int i = 0; i < n; ++i) dynamics_.derivative(t, x.data(), x_dot.data(), nullptr);
+  /// The contact search alone along a sequence of states, one per row.
+  void search_along(double t, nb::ndarray<double const, nb::ndim<2>, nb::c_contig, nb::device::cpu> states) {
+    if (static_cast<int>(states.shape(1)) != dynamics_.sizes().states) throw nb::value_error("one state per row");
+    for (std::size_t i = 0; i < states.shape(0); ++i) dynamics_.search_contacts(t, states.data() + i * states.shape(1));
   }
-  void repeat_jacobian(double t, Column const& x, int n) {
-    check_state(x);
-    JacobianData j(dynamics_.sizes());
-    for (int i = 0; i < n; ++i) dynamics_.jacobian(t, x.data(), j);
+
+  /// x_dot of a sequence of states, one per row, in one call.
+  auto derivatives(double t, nb::ndarray<double const, nb::ndim<2>, nb::c_contig, nb::device::cpu> states) {
+    std::size_t const n = states.shape(1);
+    if (static_cast<int>(n) != dynamics_.sizes().states) throw nb::value_error("one state per row");
+    std::vector<double> x_dot(states.shape(0) * n);
+    for (std::size_t i = 0; i < states.shape(0); ++i)
+      dynamics_.derivative(t, states.data() + i * n, x_dot.data() + i * n, nullptr);
+    return owned_array<nb::ndim<2>>(std::move(x_dot), {states.shape(0), n});
   }
 
   nb::dict statistics() const {
@@ -198,8 +202,8 @@ void bind_simulation(nb::module_& m) {
       .def("jacobian", &Simulation::jacobian, "t"_a, "x"_a)
       .def("equilibrium", &Simulation::equilibrium, "speed"_a, "t"_a, "held"_a)
       .def("record", &Simulation::record, "t"_a, "x"_a, "z"_a)
-      .def("repeat_derivative", &Simulation::repeat_derivative, "t"_a, "x"_a, "n"_a)
-      .def("repeat_jacobian", &Simulation::repeat_jacobian, "t"_a, "x"_a, "n"_a)
+      .def("derivatives", &Simulation::derivatives, "t"_a, "states"_a)
+      .def("search_along", &Simulation::search_along, "t"_a, "states"_a)
       .def("statistics", &Simulation::statistics)
       .def("counters", &Simulation::counters)
       .def_prop_ro("time", &Simulation::time)

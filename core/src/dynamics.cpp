@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "rig/contact/patch_share.hpp"
 
@@ -74,6 +75,7 @@ Dynamics::Dynamics(Model const& model) : model_(&model), map_(model) {
       if (wheel.at(s).value > wheel.at(tip).value) tip = s;
     flange_tip_.push_back(wheel.at(tip).value > 0.015 ? tip : wheel.start - 1.0);
   }
+  evaluated_.assign(at(map_.states()), 0.0);
   plan_sweeps();
 }
 
@@ -283,8 +285,26 @@ void Dynamics::evaluate_forces(Workspace<T>& w, T const& t, Sweep const* sweep) 
 }
 
 void Dynamics::evaluate(double t, double const* x) {
+  // A step's end is looked at by accept(), the next step's first stage and the Jacobian: evaluated once.
+  if (t == evaluated_time_ && std::equal(evaluated_.begin(), evaluated_.end(), x)) return;
   unpack(x);
   evaluate_forces(work_, t, nullptr);
+  evaluated_time_ = t;
+  std::copy_n(x, evaluated_.size(), evaluated_.begin());
+}
+
+void Dynamics::search_contacts(double t, double const* x) {
+  unpack(x);
+  evaluated_time_ = std::numeric_limits<double>::quiet_NaN();
+  for (std::size_t i = 0; i < model_->contacts.size(); ++i) {
+    RelativePose<double> pose;
+    ContactMotion<double> motion;
+    relative_motion(model_->contacts[i], work_, t, pose, motion);
+    if (exhaustive_search)
+      search_[i].find_all(pose, 0.0);
+    else
+      search_[i].find_indented(pose);
+  }
 }
 
 Status Dynamics::derivative(double t, double const* x, double* x_dot, double* z_dot) {

@@ -6,6 +6,7 @@
 // Euler. The same template runs in double and in JacobianDual; the Jacobian is made of sweeps over groups of bodies, and
 // each sweep evaluates only what its bodies touch.
 #pragma once
+#include <limits>
 #include <vector>
 
 #include "rig/differential_equation.hpp"
@@ -57,6 +58,9 @@ class Dynamics {
 
   /// Evaluates the model at (t, x) and leaves motion, forces and patches to be read.
   void evaluate(double t, double const* x);
+
+  /// The contact search of every wheel alone, for benchmarks.
+  void search_contacts(double t, double const* x);
 
   Model const& model() const { return *model_; }
   StateMap const& map() const { return map_; }
@@ -128,6 +132,8 @@ class Dynamics {
   std::vector<char> element_rotates_;
   std::vector<double> off_since_;
   std::vector<double> flange_tip_;
+  double evaluated_time_{std::numeric_limits<double>::quiet_NaN()};  ///< what work_ belongs to
+  std::vector<double> evaluated_;
   ContactCounters counters_;
   int failed_contact_{-1};
 };
