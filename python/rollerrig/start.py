@@ -54,8 +54,11 @@ def starting_state(simulation: _core.Simulation, model: AssembledModel) -> Vecto
     ]
     for more in ([], others):
         found = simulation.equilibrium(case.motion.speed, 0.0, [*held, *more])
-        if found["converged"]:
-            return _state(found)
+        state = _state(found)
+        # The core stands a wheelset on its rollers to begin with, even where a disturbance lifts it.
+        kept = all(state[simulation.coordinate_index[body][direction]] == value for body, direction, value in held)
+        if found["converged"] and kept:
+            return state
     for body, direction, value in held:
         rest[simulation.coordinate_index[body][direction]] = value
     vertical = DIRECTIONS.index("z")
