@@ -1,0 +1,251 @@
+"""Runs from a lateral disturbance at constant speed: does it die out, or end in a limit cycle?
+
+    Case, speeds -> [run, signals] -> amplitude, frequency and growth rate over speed -> nonlinear critical speed
+
+The nonlinear critical speed is the lowest at which a disturbance of a given size ends in a sustained oscillation. It depends
+on that size, and it can lie below the linear one.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+import xarray as xr
+
+from rollerrig.analysis.linearise import at_constant_speed
+from rollerrig.analysis.parallel import Progress, run_jobs
+from rollerrig.analysis.signals import Ending, ending
+from rollerrig.config import Case
+from rollerrig.run import simulate
+
+LEAST_AMPLITUDE = 2e-5
+"""A limit cycle below 0.02 mm is not counted as one [m]."""
+
+SLOWEST_DECAY = 0.2
+"""An oscillation that decays faster than this at the end of its run is on its way to nothing [1/s]."""
+
+SIGNALS = ("lateral", "yaw")
+
+
+@dataclass(frozen=True)
+class HuntingSettings:
+    """How the runs of a hunting study are done.
+
+    Attributes:
+        disturbance: lateral offset of the leading wheelset at the start [m].
+        duration: length of each run [s].
+        output_step: interval of the samples [s].
+        relative_tolerance: of the integrator.
+        absolute_tolerance: of the integrator, for displacements [m].
+    """
+
+    disturbance: float = 3e-3
+    duration: float = 6.0
+    output_step: float = 5e-3
+    relative_tolerance: float = 1e-4
+    absolute_tolerance: float = 1e-7
+
+
+@dataclass(frozen=True)
+class HuntingRun:
+    """One run.
+
+    Attributes:
+        speed: running speed [m/s].
+        body: whose lateral motion was judged.
+        motion: Dataset over time and body, with the run's attributes.
+        ending: what the motion is at the end.
+    """
+
+    speed: float
+    body: str
+    motion: xr.Dataset
+    ending: Ending
+
+    @property
+    def valid(self) -> bool:
+        """Whether the run came to its end within the model's validity."""
+        return str(self.motion.attrs["status"]) == "ok"
+
+    @property
+    def sustained(self) -> bool:
+        """Whether the run ends in an oscillation that goes on, or leaves the model's validity by growing."""
+        return not self.valid or self.ending.sustained(LEAST_AMPLITUDE, SLOWEST_DECAY)
+
+
+def hunting_case(case: Case, speed: float, settings: HuntingSettings) -> Case:
+    """The case at one speed [m/s], disturbed and integrated as the settings say."""
+    leading = next(b.name for b in case.vehicle.data.bodies_in(case.vehicle.part) if b.kind == "wheelset")
+    return at_constant_speed(case, speed).with_changes(
+        {
+            "disturbance": [{"body": leading, "lateral": settings.disturbance}],
+            "axle_torque": [],
+            "time.duration": settings.duration,
+            "time.output_step": settings.output_step,
+            "time.method": "rodas4",
+            "time.step": None,
+            "time.relative_tolerance": settings.relative_tolerance,
+            "time.absolute_tolerance": settings.absolute_tolerance,
+        }
+    )
+
+
+def observed_body(case: Case) -> str:
+    """The body whose lateral motion stands for the vehicle: the first frame, else the leading wheelset."""
+    bodies = case.vehicle.data.bodies_in(case.vehicle.part)
+    frames = [b.name for b in bodies if "frame" in b.name]
+    return frames[0] if frames else next(b.name for b in bodies if b.kind == "wheelset")
+
+
+def hunting_run(job: tuple[Case, float, HuntingSettings], progress: Progress | None = None) -> HuntingRun:
+    """One run from a disturbance at constant speed.
+
+    Args:
+        job: case, running speed [m/s], settings.
+        progress: called with the fraction done and a short text.
+
+    Raises:
+        KeyboardInterrupt: Ctrl-C came before the end.
+        StartError: no state was found from which the run can start.
+    """
+    case, speed, settings = job
+    run = simulate(hunting_case(case, speed, settings), progress=progress)
+    if run.attrs["status"] == "interrupted":
+        raise KeyboardInterrupt
+    body = observed_body(case)
+    moving = json.loads(run.attrs["vehicle_bodies"])
+    motion = run[list(SIGNALS)].sel(body=moving).copy(deep=True)
+    lateral = motion["lateral"].sel(body=body).to_numpy()
+    return HuntingRun(speed, body, motion, ending(motion["time"].to_numpy(), lateral))
+
+
+def hunting_runs(
+    case: Case,
+    speeds_kmh: Sequence[float],
+    settings: HuntingSettings | None = None,
+    *,
+    processes: int = 1,
+    progress: Callable[[float, str], None] | None = None,
+) -> list[HuntingRun]:
+    """Runs at several speeds, by speed; after Ctrl-C those that were done.
+
+    Args:
+        case: the case.
+        speeds_kmh: running speeds [km/h].
+        settings: disturbance, duration, tolerances.
+        processes: runs at a time.
+        progress: called with the fraction done and a short text.
+    """
+    chosen = settings or HuntingSettings()
+    jobs = [(case, speed / 3.6, chosen) for speed in speeds_kmh]
+    names = [f"run at {speed:.0f} km/h" for speed in speeds_kmh]
+    done = run_jobs(hunting_run, jobs, processes=processes, progress=progress, names=names)
+    return sorted((run for run in done.results if run is not None), key=lambda run: run.speed)
+
+
+@dataclass(frozen=True)
+class NonlinearCriticalSpeed:
+    """Between which speeds a disturbance begins to end in a sustained oscillation.
+
+    Attributes:
+        dies_out: highest speed, below the onset, at which it died out [m/s]; NaN if it never did.
+        goes_on: lowest speed at which it went on [m/s]; NaN if it never did.
+        disturbance: its size, lateral offset of the leading wheelset [m].
+        runs: all runs made for it, by speed.
+    """
+
+    dies_out: float
+    goes_on: float
+    disturbance: float
+    runs: list[HuntingRun]
+
+    @property
+    def speed(self) -> float:
+        """Middle of the two [m/s]; NaN if there is no onset in the range."""
+        return 0.5 * (self.dies_out + self.goes_on)
+
+
+def bracket(runs: Sequence[HuntingRun], disturbance: float) -> NonlinearCriticalSpeed:
+    """The onset of sustained oscillation among runs at rising speeds."""
+    ordered = sorted(runs, key=lambda run: run.speed)
+    onset = next((k for k, run in enumerate(ordered) if run.sustained), None)
+    if onset is None:
+        return NonlinearCriticalSpeed(ordered[-1].speed if ordered else math.nan, math.nan, disturbance, ordered)
+    below = ordered[onset - 1].speed if onset > 0 else math.nan
+    return NonlinearCriticalSpeed(below, ordered[onset].speed, disturbance, ordered)
+
+
+def nonlinear_critical_speed(
+    case: Case,
+    speeds_kmh: Sequence[float],
+    settings: HuntingSettings | None = None,
+    *,
+    tolerance_kmh: float = 2.0,
+    processes: int = 1,
+    progress: Callable[[float, str], None] | None = None,
+    runs: Sequence[HuntingRun] = (),
+) -> NonlinearCriticalSpeed:
+    """The lowest speed at which a disturbance ends in a sustained oscillation, by narrowing down over runs.
+
+    Args:
+        case: the case.
+        speeds_kmh: speeds to begin with [km/h]; the onset is looked for between them.
+        settings: disturbance, duration, tolerances.
+        tolerance_kmh: width of the bracket at the end [km/h].
+        processes: runs at a time; with two, each round divides the bracket by three.
+        progress: called with the fraction done and a short text.
+        runs: runs already made with the same settings.
+    """
+    chosen = settings or HuntingSettings()
+    known = list(runs)
+    missing = [v for v in speeds_kmh if not any(abs(3.6 * run.speed - v) < 1e-6 for run in known)]
+    report = progress or (lambda _fraction, _text: None)
+    known += hunting_runs(case, missing, chosen, processes=processes, progress=lambda f, t: report(0.7 * f, t))
+    found = bracket(known, chosen.disturbance)
+    while 3.6 * (found.goes_on - found.dies_out) > tolerance_kmh:
+        between = np.linspace(3.6 * found.dies_out, 3.6 * found.goes_on, max(1, processes) + 2)[1:-1]
+        report(0.8, f"between {3.6 * found.dies_out:.1f} and {3.6 * found.goes_on:.1f} km/h")
+        more = hunting_runs(case, [float(v) for v in between], chosen, processes=processes)
+        if len(more) < len(between):
+            break  # Ctrl-C: what is known is kept
+        found = bracket([*found.runs, *more], chosen.disturbance)
+    return found
+
+
+def hunting_table(runs: Sequence[HuntingRun], disturbance: float) -> xr.Dataset:
+    """Runs as a Dataset over speed: amplitude, frequency, growth rate at the end, and whether it goes on."""
+    ordered = sorted(runs, key=lambda run: run.speed)
+    amplitude = np.array([run.ending.amplitude if run.sustained or run.ending.amplitude else 0.0 for run in ordered])
+    sustained = np.array([run.sustained for run in ordered], dtype=np.int8)
+    frequency = np.array([run.ending.frequency for run in ordered])
+    rate = np.array([run.ending.rate for run in ordered])
+    body = ordered[0].body if ordered else ""
+    return xr.Dataset(
+        {
+            "amplitude": ("speed", amplitude, {"units": "m", "long_name": f"lateral amplitude of {body} at the end"}),
+            "oscillation_frequency": ("speed", frequency, {"units": "Hz", "long_name": "frequency at the end"}),
+            "rate_at_end": ("speed", rate, {"units": "1/s", "long_name": "growth rate at the end"}),
+            "sustained": (
+                "speed",
+                sustained,
+                {"units": "1", "long_name": "1: the oscillation goes on, 0: it dies out"},
+            ),
+        },
+        {
+            "speed": (
+                "speed",
+                np.array([3.6 * r.speed for r in ordered]),
+                {"units": "km/h", "long_name": "running speed"},
+            )
+        },
+        {"disturbance_mm": 1e3 * disturbance, "body": body},
+    )
+
+
+def with_disturbance(settings: HuntingSettings, disturbance: float) -> HuntingSettings:
+    """The settings with a disturbance of another size [m]."""
+    return replace(settings, disturbance=disturbance)

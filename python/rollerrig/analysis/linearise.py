@@ -1,0 +1,123 @@
+"""Linearisation at the rolling equilibrium, with the core's exact derivatives.
+
+    Case, running speed -> [linearise] -> A of x' = A x around steady rolling, names of the states
+
+The rollers (or the rails) run at a held speed: the rates of driven rollers are inputs, not states, and are taken out of A.
+Equations: docs/theory/equilibrium_and_linearisation.md, (L3)-(L4).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rollerrig import _core
+from rollerrig.config import Case, Rig
+from rollerrig.model import AssembledModel, assemble
+from rollerrig.start import StartError
+
+Matrix = NDArray[np.float64]
+
+DIRECTIONS = ("longitudinal", "lateral", "vertical", "roll", "pitch", "yaw")
+"""Words for the six coordinates of a body, in the core's order."""
+
+
+@dataclass(frozen=True)
+class Linearisation:
+    """x' = A x for small motions around steady rolling.
+
+    Attributes:
+        speed: running speed [m/s].
+        matrix: A, shape (states, states).
+        equilibrium: all states of the core at the equilibrium, driven rates included.
+        rate_rows: per moving body coordinate (body, direction), the row of its rate in A.
+        inertia: mass [kg] or moment of inertia [kg m^2] that belongs to each of them.
+    """
+
+    speed: float
+    matrix: Matrix
+    equilibrium: Matrix
+    rate_rows: dict[tuple[str, str], int]
+    inertia: dict[tuple[str, str], float]
+
+
+class Lineariser:
+    """One assembled model, linearised at any number of speeds."""
+
+    def __init__(self, case: Case) -> None:
+        self.case = at_constant_speed(case)
+        self.model = assemble(self.case)
+        self._simulation = _core.Simulation(self.model.core)
+        self._inertia = _inertias(self.model)
+
+    def at(self, speed: float) -> Linearisation:
+        """Linearise at a running speed.
+
+        Args:
+            speed: running speed [m/s].
+
+        Raises:
+            StartError: no rolling equilibrium was found at this speed.
+        """
+        self.model.core.set_speed([(0.0, speed)])  # a moving rail; rollers take theirs from the state
+        found = self._simulation.equilibrium(speed, 0.0, [])
+        if not found["converged"]:
+            raise StartError(
+                f"{self.case.name}: no rolling equilibrium at {3.6 * speed:g} km/h: {found['residual']:.3g} N or N m remain "
+                "unbalanced; check gauge, profiles and torques with `rollerrig check`; a whole vehicle on track needs "
+                "something that holds it in x, e.g. locked = ['x'] for its car body"
+            )
+        state = np.ascontiguousarray(found["x"], dtype=np.float64)
+        full = self._simulation.jacobian(0.0, state)[0]
+        rates = self._simulation.rate_index
+        driven = {rates[self.model.body_index(name)][4] for name in self.model.rollers}
+        kept = [i for i in range(len(state)) if i not in driven]
+        row_of = {state_index: row for row, state_index in enumerate(kept)}
+        rows = {
+            (body, direction): row_of[rates[b][d]]
+            for b, body in enumerate(self.model.bodies)
+            for d, direction in enumerate(DIRECTIONS)
+            if rates[b][d] in row_of
+        }
+        inertia = {key: self._inertia[key] for key in rows}
+        return Linearisation(speed, np.array(full[np.ix_(kept, kept)]), state, rows, inertia)
+
+
+def linearise(case: Case, speed: float) -> Linearisation:
+    """Linearise a case at one running speed; see `Lineariser` for many.
+
+    Args:
+        case: the case; its drive is taken as speed-held.
+        speed: running speed [m/s].
+
+    Raises:
+        StartError: no rolling equilibrium was found at this speed.
+    """
+    return Lineariser(case).at(speed)
+
+
+def at_constant_speed(case: Case, speed: float | None = None) -> Case:
+    """The case with rollers or rails held at one speed, by custom the starting speed [m/s]."""
+    changes: dict[str, object] = {
+        "motion.drive": "held",
+        "motion.speed_table": None,
+        "motion.torque_table": None,
+        "motion.speed": case.motion.speed if speed is None else speed,
+    }
+    return case.with_changes(changes)
+
+
+def _inertias(model: AssembledModel) -> dict[tuple[str, str], float]:
+    tensors = {body.name: body.inertia for body in model.case.vehicle.data.body}
+    support = model.case.support.data
+    if isinstance(support, Rig):
+        share = model.masses[model.rollers[0]] / support.roller_mass
+        ixx, iyy, izz = support.roller_inertia
+        tensors |= dict.fromkeys(model.rollers, (share * ixx, share * iyy, share * izz))
+    return {
+        (body, direction): value
+        for body, mass in model.masses.items()
+        for direction, value in zip(DIRECTIONS, (mass, mass, mass, *tensors[body]), strict=True)
+    }

@@ -1,0 +1,21 @@
+"""Figures: one function per figure, results in, matplotlib Figure out; no physics is computed here.
+
+Datasets of run and analysis -> [plot] -> Figure -> report, files
+"""
+
+from rollerrig.plot.hunting import amplitude_over_speed, hunting_over_time, ramp_over_speed
+from rollerrig.plot.modes import damping_over_speed, frequency_over_speed, root_locus
+from rollerrig.plot.style import figure_bytes
+from rollerrig.plot.traction import traction_forces, traction_sliding
+
+__all__ = [
+    "amplitude_over_speed",
+    "damping_over_speed",
+    "figure_bytes",
+    "frequency_over_speed",
+    "hunting_over_time",
+    "ramp_over_speed",
+    "root_locus",
+    "traction_forces",
+    "traction_sliding",
+]

@@ -1,0 +1,152 @@
+"""Figures of the modes over speed."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from rollerrig.plot.style import COLOURS, GREY, MARKERS, STYLES, critical_line, house_style, new_figure
+
+HIGHEST_FREQUENCY = 30.0
+"""Modes above are those of wheels on their Hertz springs; they say nothing about stability and squeeze the rest [Hz]."""
+
+SHOWN_DAMPING = 0.6
+"""Modes that are always damped more than this are left out of the figures [1]."""
+
+
+def shown_modes(modes: xr.Dataset) -> list[str]:
+    """Modes worth a line: oscillations below HIGHEST_FREQUENCY that are not heavily damped throughout."""
+    kept = (modes["frequency"].max("speed") <= HIGHEST_FREQUENCY) & (modes["damping"].min("speed") <= SHOWN_DAMPING)
+    return [str(name) for name in modes["mode"].to_numpy()[kept.to_numpy()]]
+
+
+def _look(name: str, number: int) -> dict[str, object]:
+    if name == "hunting":
+        return {"color": COLOURS[1], "linewidth": 2.2, "linestyle": "-", "zorder": 5}
+    colours = [c for c in COLOURS if c != COLOURS[1]]
+    return {"color": colours[number % len(colours)], "linestyle": STYLES[(number // len(colours)) % len(STYLES)]}
+
+
+def _mark_critical(axes: Axes, modes: xr.Dataset) -> None:
+    speed = float(modes.attrs["linear_critical_speed_kmh"])
+    if math.isfinite(speed):
+        critical_line(axes, speed, f"linear critical speed {speed:.1f} km/h")
+
+
+def root_locus(modes: xr.Dataset) -> Figure:
+    """Eigenvalues in the complex plane, one line per mode, from the lowest speed (open) to the highest (filled).
+
+    Args:
+        modes: Dataset of `stability`.
+    """
+    with house_style():
+        figure, (axes,) = new_figure(height=4.4)
+        for number, name in enumerate(shown_modes(modes)):
+            mode = modes.sel(mode=name)
+            real, imaginary = mode["growth_rate"].to_numpy(), mode["frequency"].to_numpy()
+            look = _look(name, number)
+            axes.plot(real, imaginary, marker=".", markersize=4, label=name, **look)  # type: ignore[arg-type]
+            marker = {"marker": "o", "markersize": 5, "color": look["color"], "linestyle": "none", "zorder": 6}
+            axes.plot(real[:1], imaginary[:1], markerfacecolor="white", **marker)  # type: ignore[arg-type]
+            axes.plot(real[-1:], imaginary[-1:], **marker)  # type: ignore[arg-type]
+        axes.axvline(0.0, color=GREY, linewidth=1.0)
+        low, high = (float(modes["speed"][k]) for k in (0, -1))
+        axes.set_xlabel(
+            f"growth rate Re λ [1/s], unstable to the right of 0 (open: {low:g} km/h, filled: {high:g} km/h)"
+        )
+        axes.set_ylabel("frequency Im λ / 2π [Hz]")
+        axes.set_xlim(right=max(2.0, 1.08 * axes.get_xlim()[1]))
+        axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
+        return figure
+
+
+def damping_over_speed(modes: xr.Dataset) -> Figure:
+    """Damping ratio of each mode over speed.
+
+    Args:
+        modes: Dataset of `stability`.
+    """
+    with house_style():
+        figure, (axes,) = new_figure()
+        for number, name in enumerate(shown_modes(modes)):
+            look = _look(name, number)
+            axes.plot(modes["speed"], 100 * modes["damping"].sel(mode=name), label=name, **look)  # type: ignore[arg-type]
+        axes.axhline(0.0, color=GREY, linewidth=1.0)
+        _mark_critical(axes, modes)
+        axes.set_xlabel("speed [km/h]")
+        axes.set_ylabel("damping ratio [%]")
+        axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
+        return figure
+
+
+def frequency_over_speed(
+    modes: xr.Dataset,
+    runs: xr.Dataset | None = None,
+) -> Figure:
+    """Frequency of each mode over speed, and of limit cycles where runs are given.
+
+    Args:
+        modes: Dataset of `stability`.
+        runs: Dataset of `hunting_table`.
+    """
+    with house_style():
+        figure, (axes,) = new_figure()
+        for number, name in enumerate(shown_modes(modes)):
+            look = _look(name, number)
+            axes.plot(modes["speed"], modes["frequency"].sel(mode=name), label=name, **look)  # type: ignore[arg-type]
+        if runs is not None:
+            going = runs["sustained"].to_numpy() == 1
+            axes.plot(
+                runs["speed"].to_numpy()[going],
+                runs["oscillation_frequency"].to_numpy()[going],
+                "ks",
+                markersize=4.5,
+                label="limit cycle (runs)",
+            )
+        _mark_critical(axes, modes)
+        axes.set_ylim(bottom=0.0)
+        axes.set_xlabel("speed [km/h]")
+        axes.set_ylabel("frequency [Hz]")
+        axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
+        return figure
+
+
+def hunting_frequencies(linear: dict[str, xr.Dataset], runs: dict[str, xr.Dataset], title: str = "") -> Figure:
+    """Frequency of hunting over speed: linear modes as lines, limit cycles of runs as markers.
+
+    Args:
+        linear: label -> Dataset of `stability`; only its mode 'hunting' is drawn.
+        runs: label -> Dataset of `hunting_table`.
+        title: of the figure.
+    """
+    with house_style():
+        figure, (axes,) = new_figure(height=3.6)
+        for number, (label, modes) in enumerate(linear.items()):
+            colour, style = COLOURS[number % len(COLOURS)], STYLES[number % len(STYLES)]
+            frequency = modes["frequency"].sel(mode="hunting").where(modes["frequency"].sel(mode="hunting") > 0)
+            axes.plot(modes["speed"], frequency, color=colour, linestyle=style, label=label)
+            critical = float(modes.attrs["linear_critical_speed_kmh"])
+            if math.isfinite(critical):
+                at = np.interp(critical, modes["speed"].to_numpy(), frequency.to_numpy())
+                axes.plot([critical], [at], marker="x", color=colour, markersize=8, markeredgewidth=2)
+        for number, (label, table) in enumerate(runs.items()):
+            going = table["sustained"].to_numpy() == 1
+            axes.plot(
+                table["speed"].to_numpy()[going],
+                table["oscillation_frequency"].to_numpy()[going],
+                MARKERS[number % len(MARKERS)],
+                color="black",
+                markerfacecolor="none",
+                markersize=5,
+                label=label,
+            )
+        axes.set_ylim(bottom=0.0)
+        axes.set_xlabel("speed [km/h]")
+        axes.set_ylabel("frequency of lateral oscillation [Hz]")
+        axes.set_title(title, loc="left")
+        axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
+        return figure
