@@ -92,8 +92,11 @@ Equilibrium solve_equilibrium(Dynamics& dynamics, double speed, double t, std::v
     if (int const i = map.rate[at(contact.roller)][coord_pitch]; i >= 0)
       x[at(i)] = -speed * contact.pair.inverse_radius;
   }
+  auto const height_is_held = [&](int b) {
+    return std::ranges::any_of(held, [b](auto const& h) { return h.body == b && h.coordinate == coord_z; });
+  };
   for (int b = 0; b < static_cast<int>(model.bodies.size()); ++b)
-    if (is_wheelset(model, b)) set_down(dynamics, t, x, b);
+    if (is_wheelset(model, b) && !height_is_held(b)) set_down(dynamics, t, x, b);
 
   JacobianData j(dynamics.sizes());
   std::vector<double> x_dot(x.size());

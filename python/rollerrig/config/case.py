@@ -66,7 +66,7 @@ class Contact(Table):
         default=0.1, description="V_s in the rolling speed sqrt(V^2 + V_s^2) that creepages are divided by"
     )
     merge_barrier: Annotated[float, Quantity("1", ge=0, le=1)] = Field(
-        default=0.02,
+        default=0.01,
         description="two indented dips of the gap hand over smoothly once the rise between them is below this fraction of "
         "the approach; 0: the paper's bare rule, patches appear and vanish at full force",
     )

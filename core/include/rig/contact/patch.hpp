@@ -22,7 +22,7 @@ struct ContactLaws {
   CreepLaw creep{};
   Friction friction{};
   double standstill_speed{0.1};  ///< V_s [m/s]: rolling speed below which creepage turns into viscous friction
-  double merge_barrier{0.02};    ///< see contact/patch_share.hpp [-]; 0: patches appear and vanish at full force
+  double merge_barrier{0.01};    ///< see contact/patch_share.hpp [-]; 0: patches appear and vanish at full force
 };
 
 /// Motion of wheel and roller, all in b components.
