@@ -53,8 +53,7 @@ WheelsetPress::Load WheelsetPress::load_at(WheelsetPosition const& p) {
     auto const at = pose(p, right);
     for (auto const& patch : pressed_patches(p, right)) {
       Vec3<double> const force = patch.normal * patch.direction;
-      Vec3<double> arm = patch.point - at.o;
-      if (right) arm = patch.point - Vec3<double>{at.o.x, -at.o.y, at.o.z};
+      Vec3<double> const arm = patch.point - Vec3<double>{at.o.x, p.y + contact_[0]->wheelset_from_crown.y, 0.0};
       load.vertical += force.z;
       load.roll_moment += cross(arm, force).x;
     }
@@ -128,23 +127,29 @@ double WheelsetPress::touch_height(WheelsetPosition p, bool right) {
   return root_between(lowest_gap, low, high, 1e-13);
 }
 
+/// Height at which the contacts carry `load`, looked for around p.z.
 double WheelsetPress::height_for(WheelsetPosition p, double load) {
+  double const start = p.z;
   auto const surplus = [&](double z) {
     p.z = z;
     return load_at(p).vertical - load;
   };
-  double high = std::max(touch_height(p, false), touch_height(p, true));
-  double low = high - 0.05e-3;
-  while (surplus(low) < 0.0 && low > high - 0.05) low -= 0.1e-3;
+  double const widest = 0.1;  // [m]
+  double step = 0.02e-3;
+  double low = start;
+  while (surplus(low) < 0.0 && low > start - widest) low -= step, step *= 2.0;
+  double high = low + step;
+  while (surplus(high) > 0.0 && high < start + widest) high += step, step *= 2.0;
   return root_between(surplus, low, high, 1e-13);
 }
 
 PressedWheelset WheelsetPress::press(WheelsetPosition p, double load, bool free_to_roll) {
+  p.z = std::max(touch_height(p, false), touch_height(p, true));
   if (free_to_roll) {
     auto const moment = [&](double roll) {
       WheelsetPosition trial = p;
       trial.roll = roll;
-      trial.z = height_for(trial, load);
+      trial.z = p.z = height_for(trial, load);  // the next one is looked for around it
       return load_at(trial).roll_moment;
     };
     // More roll lowers the right wheel (y < 0) into its roller, which turns the wheelset back.

@@ -1,5 +1,7 @@
 // system/press.hpp - a wheelset pressed onto its rollers or rails at a given lateral position and yaw: the quasi-static
-// contact problem behind `rollerrig contact`. Elastic normal forces only.
+// contact problem behind `rollerrig contact`. Elastic normal forces only. The load acts at the wheelset's centre, and what
+// holds the wheelset sideways acts at the height of the running surface, where the creep forces would: so the wheels share
+// the load by their lever arms, and a steep flange does not tip the wheelset.
 #pragma once
 #include <array>
 #include <vector>
