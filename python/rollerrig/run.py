@@ -145,7 +145,8 @@ def _integrate(simulation: _core.Simulation, case: Case, times: Vector, rows: Ve
     """Advance to the end, or to the first status that is not ok; returns its code."""
     ok: int = _core.status_codes["ok"]
     duration, filled, until = case.time.duration, 0, 0.0
-    length = min(case.time.output_step, duration)
+    length = case.time.output_step
+    shortest = 0.1 * length  # however slow the model is
     while until < duration:
         until = min(until + length, duration)
         begun = time.perf_counter()
@@ -159,7 +160,7 @@ def _integrate(simulation: _core.Simulation, case: Case, times: Vector, rows: Ve
         if spent < 0.5 * _SLICE_SECONDS:
             length *= 2.0
         elif spent > 2.0 * _SLICE_SECONDS:
-            length *= 0.5
+            length = max(0.5 * length, shortest)
     return ok
 
 

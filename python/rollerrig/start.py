@@ -124,7 +124,7 @@ def _held_coordinates(
                 place = f"disturbance[{number}].{name}"
                 allowed = f"allowed: only 0, {disturbance.body} is locked or turns freely in {DIRECTIONS[direction]}"
                 raise ConfigError([ConfigProblem(model.case.name, place, f"{offset:g}", allowed)])
-            offsets[body, direction] = offsets.get((body, direction), 0.0) + offset
+            offsets[body, direction] = offset
         yaw = DIRECTIONS.index("yaw")
         if given and simulation.coordinate_index[body][yaw] >= 0:
             offsets.setdefault((body, yaw), 0.0)

@@ -1,0 +1,245 @@
+"""The commands as a user meets them: files, exit codes, messages."""
+
+from __future__ import annotations
+
+import csv
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+import rollerrig as rr
+from rollerrig.cli.app import build_app
+
+CASE = """
+name = "short"
+vehicle = { use = "manchester_vehicle_1", cut = "leading_wheelset" }
+support = { use = "full_scale_rig" }
+contact = { material = "steel" }
+motion = { speed = "40 km/h" }
+disturbance = [{ body = "wheelset_1", lateral = "3 mm" }]
+time = { duration = "0.1 s" }
+"""
+ENTRY = [sys.executable, "-c", "from rollerrig.cli import main; main()"]
+
+
+class Done:
+    def __init__(self, *arguments: object) -> None:
+        result = CliRunner().invoke(build_app(), [str(argument) for argument in arguments])
+        if result.exception is not None and not isinstance(result.exception, SystemExit):
+            raise result.exception
+        self.code, self.out, self.err = result.exit_code, result.stdout, result.stderr
+
+
+@pytest.fixture
+def case(tmp_path: Path) -> Path:
+    path = tmp_path / "short.toml"
+    path.write_text(CASE)
+    return path
+
+
+def test_run_writes_its_files(case: Path, tmp_path: Path) -> None:
+    done = Done("run", case, "--out", tmp_path / "out")
+    assert done.code == 0, done.err
+    names = {path.name for path in (tmp_path / "out").iterdir()}
+    assert {"run.nc", "summary.json", "motion.csv", "wheels.csv"} <= names
+    assert not [name for name in names if name.startswith(".")]
+    assert done.err == ""  # no progress bar where nobody looks
+    summary = json.loads((tmp_path / "out" / "summary.json").read_text())
+    assert summary["status"] == "ok"
+    assert summary["keys"]["stopped_at_s"]
+    assert rr.load_run(tmp_path / "out" / "run.nc").attrs["case"] == "short"
+
+
+def test_same_input_same_bytes(case: Path, tmp_path: Path) -> None:
+    for folder in ("first", "second"):
+        subprocess.run([*ENTRY, "run", case, "--out", tmp_path / folder], check=True, capture_output=True)
+    for path in (tmp_path / "first").iterdir():
+        assert path.read_bytes() == (tmp_path / "second" / path.name).read_bytes(), path.name
+
+
+def test_a_run_that_stops_keeps_its_results(case: Path, tmp_path: Path) -> None:
+    case.write_text(CASE.replace('"0.1 s"', '"0.1 s", method = "rk4", step = "5 ms"'))
+    done = Done("run", case, "--out", tmp_path / "out")
+    assert done.code == 3
+    assert "short: t = 0." in done.err
+    assert "reduce the step" in done.err
+    assert rr.load_run(tmp_path / "out" / "run.nc").sizes["time"] > 0
+
+
+def test_ctrl_c_keeps_what_was_computed(case: Path, tmp_path: Path) -> None:
+    case.write_text(CASE.replace('"0.1 s"', '"100000 s", maximum_step = "1 ms", output_step = "5 s"'))
+    out = tmp_path / "out"
+    process = subprocess.Popen(
+        [*ENTRY, "run", case, "--out", out], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    )
+    while not out.exists() and process.poll() is None:  # the folder is made just before the run
+        time.sleep(0.02)
+    time.sleep(1.5)
+    process.send_signal(signal.SIGINT)
+    _, errors = process.communicate(timeout=30)
+    assert process.returncode == 130, errors
+    assert "interrupted" in errors
+    run = rr.load_run(out / "run.nc")
+    assert run.attrs["status"] == "interrupted"
+    assert 0 < float(run["time"][-1]) < 1e5
+    assert json.loads((out / "summary.json").read_text())["samples"] == run.sizes["time"]
+
+
+def test_mistakes_of_a_file_end_with_code_2(case: Path, tmp_path: Path) -> None:
+    case.write_text(CASE.replace("steel", "steal").replace('"40 km/h"', "nan"))
+    done = Done("run", case, "--out", tmp_path / "out")
+    assert done.code == 2
+    assert "contact.material: 'steal'" in done.err
+    assert "did you mean 'steel'?" in done.err
+    assert "motion.speed" in done.err
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize("command", ["run", "check", "contact"])
+def test_a_missing_file_ends_with_code_2(command: str, tmp_path: Path) -> None:
+    more = {"run": ["--out", tmp_path / "o"], "check": [], "contact": ["--lateral-mm=0", "--csv", tmp_path / "c.csv"]}
+    done = Done(command, "missing.toml", *more[command])
+    assert done.code == 2
+    assert "missing.toml" in done.err
+
+
+def test_an_unwritable_folder_is_found_before_the_run(case: Path, tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("")
+    done = Done("run", case, "--out", tmp_path / "file" / "out")
+    assert done.code == 2
+    assert "a part of the path is a file" in done.err
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="needs limits of processes")
+def test_a_full_disk_ends_with_code_2_and_nothing_half_written(case: Path, tmp_path: Path) -> None:
+    """A limit on the size of files stops the write as a full disk does."""
+    limited = (
+        "import resource, signal; signal.signal(signal.SIGXFSZ, signal.SIG_IGN);"
+        "resource.setrlimit(resource.RLIMIT_FSIZE, (20000, 20000));"
+        "from rollerrig.cli import main; main()"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", limited, "run", case, "--out", tmp_path / "out"],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 2, done.stderr
+    assert "run.nc: cannot be written" in done.stderr
+    assert list((tmp_path / "out").iterdir()) == []
+
+
+def test_check_prints_model_loads_and_masses() -> None:
+    done = Done("check", "bogie_rollers_constant")
+    assert done.code == 0
+    assert "20 degrees of freedom" in done.out
+    assert "secondary_spring_front_left" in done.out
+    assert "mass of front_frame, wheelset_1, wheelset_2: 6.241 t, weight 61.224 kN" in done.out
+    difference = float(done.out.split("(difference")[1].split()[0])
+    assert abs(difference) < 1e-3  # N; what Newton's method leaves
+
+
+@pytest.mark.parametrize("name", ["manchester_vehicle_1", "full_scale_rig", "uic60_track", "steel", "s1002"])
+def test_check_knows_every_kind(name: str) -> None:
+    done = Done("check", name)
+    assert done.code == 0
+    assert "a valid" in done.out
+
+
+def test_check_reports_what_is_wrong(case: Path) -> None:
+    case.write_text(CASE + "colour = 'red'\n")
+    done = Done("check", case)
+    assert done.code == 2
+    assert "colour" in done.err
+
+
+def test_catalog_lists_and_shows() -> None:
+    listed = Done("catalog")
+    assert listed.code == 0
+    assert {"bogie_rollers_ramp", "manchester_vehicle_1", "steel"} <= set(listed.out.split())
+    assert Done("catalog", "show", "steel").out == rr.catalog_text("steel")
+    missing = Done("catalog", "show", "steal")
+    assert missing.code == 2
+    assert "did you mean 'steel'?" in missing.err
+
+
+def test_contact_writes_a_row_per_patch(tmp_path: Path) -> None:
+    path = tmp_path / "new" / "contact.csv"
+    done = Done("contact", "contact_benchmark_track", "--lateral-mm=-2:2:2", "--csv", path)
+    assert done.code == 0, done.err
+    rows = list(csv.DictReader(path.open()))
+    head = "lateral_mm,yaw_mrad,side,patch,wheel_s_mm,angle_rad,a_mm,b_mm,approach_mm,normal_n,roll_mrad,height_mm,"
+    assert path.read_text().startswith(head)
+    assert {row["lateral_mm"] for row in rows} == {"-2", "0", "2"}
+    assert {row["side"] for row in rows} == {"left", "right"}
+    # the wheelset presses through steel: loaded it stands lower than unloaded
+    centred = [row for row in rows if row["lateral_mm"] == "0"]
+    assert all(-0.03 < float(row["height_mm"]) < 0 for row in centred)
+    assert sum(float(row["normal_n"]) for row in centred) == pytest.approx(20e3, rel=3e-3)  # over the cosine
+
+
+def test_contact_in_proportion_and_with_a_plot(tmp_path: Path) -> None:
+    path, picture = tmp_path / "c.csv", tmp_path / "c.png"
+    done = Done(
+        "contact",
+        "contact_benchmark_rollers",
+        "--lateral-mm=1,2",
+        "--yaw-mrad-per-mm=2.4",
+        "--csv",
+        path,
+        "--plot",
+        picture,
+    )
+    assert done.code == 0, done.err
+    assert {row["yaw_mrad"] for row in csv.DictReader(path.open())} == {"2.4", "4.8"}
+    assert picture.read_bytes()[:4] == b"\x89PNG"
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (["--lateral-mm=1:2:0"], "the step is zero"),
+        (["--lateral-mm=a"], "not a number"),
+        (["--lateral-mm=0", "--yaw-mrad=1", "--yaw-mrad-per-mm=2"], "not both"),
+        (["--lateral-mm=0", "--plot", "picture.doc"], "must end in"),
+    ],
+)
+def test_bad_options_of_contact(options: list[str], message: str, tmp_path: Path) -> None:
+    done = Done("contact", "contact_benchmark_track", *options, "--csv", tmp_path / "c.csv")
+    assert done.code == 2
+    assert message in done.err
+    assert not (tmp_path / "c.csv").exists()
+
+
+def test_roll_can_be_held(tmp_path: Path) -> None:
+    path = tmp_path / "c.csv"
+    done = Done("contact", "contact_benchmark_track", "--lateral-mm=3", "--roll-mrad=0.1", "--csv", path)
+    assert done.code == 0, done.err
+    assert {row["roll_mrad"] for row in csv.DictReader(path.open())} == {"0.1"}
+
+
+def test_version_and_help() -> None:
+    assert Done("--version").out.strip() == rr.__version__
+    text = Done("--help").out
+    assert "run" in text
+    assert "130 interrupted" in " ".join(text.split())
+
+
+def test_the_version_is_that_of_the_package() -> None:
+    import tomllib
+
+    root = Path(__file__).resolve().parents[3]
+    assert tomllib.loads((root / "pyproject.toml").read_text())["project"]["version"] == rr.__version__
+
+
+def test_public_names_exist() -> None:
+    for name in rr.__all__:
+        if name != "stability":  # needs the analysis; tested there
+            assert getattr(rr, name) is not None

@@ -1,0 +1,151 @@
+"""Energy audit, files, tables and summary of a run."""
+
+from __future__ import annotations
+
+import errno
+import fnmatch
+import json
+import os
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import rollerrig as rr
+from rollerrig import results
+from rollerrig.config import Case
+from rollerrig.results import files
+from rollerrig.results.energy import DISSIPATED, STORED, WORK_IN
+
+
+def short_case() -> Case:
+    return rr.load_case("wheelset_rollers").with_changes({"motion.speed": "40 km/h", "time.duration": "0.1 s"})
+
+
+@pytest.fixture(scope="module")
+def run() -> xr.Dataset:
+    return rr.simulate(short_case())
+
+
+def accounts(**given: list[float]) -> xr.Dataset:
+    """Three samples of every account, zero unless given."""
+    names = (*WORK_IN, *STORED, *DISSIPATED)
+    return xr.Dataset({name: ("time", np.array(given.get(name, [0.0, 0.0, 0.0]))) for name in names})
+
+
+def test_a_swing_turns_its_energy_over_without_residual() -> None:
+    swing = accounts(energy_kinetic=[0.0, 5.0, 0.0], energy_gravity=[7.0, 2.0, 7.0])
+    audit = results.add_energy_audit(swing)
+    assert audit.attrs == {"energy_turned_over_j": 10.0, "energy_relative_residual": 0.0}
+
+
+def test_a_missing_joule_shows() -> None:
+    audit = results.add_energy_audit(
+        accounts(energy_work_of_drive=[0.0, 4.0, 8.0], energy_dissipated_creep=[0.0, 4.0, 7.0])
+    )
+    assert audit["energy_residual"].to_numpy().tolist() == [0.0, 0.0, 1.0]
+    assert audit.attrs["energy_relative_residual"] == 1.0 / 7.5
+
+
+def test_what_is_saved_is_what_is_loaded(run: xr.Dataset, tmp_path: Path) -> None:
+    path = rr.save_run(run, tmp_path / "run.nc")
+    xr.testing.assert_identical(rr.load_run(path), run)
+
+
+def test_same_run_same_bytes(run: xr.Dataset, tmp_path: Path) -> None:
+    again = rr.simulate(short_case())
+    first = rr.save_run(run, tmp_path / "first.nc").read_bytes()
+    assert first == rr.save_run(again, tmp_path / "second.nc").read_bytes()
+
+
+def test_any_dataset_can_be_saved(tmp_path: Path) -> None:
+    data = xr.Dataset(
+        {"a": ("x", [1.0, 2.0], {"units": "m"}), "n": ((), 3)},
+        {"x": ["p", "q"], "label": ("x", ["one", "two"])},
+        {"title": "ä"},
+    )
+    xr.testing.assert_identical(rr.load_run(rr.save_run(data, tmp_path / "any.nc")), data)
+
+
+def test_a_full_disk_leaves_the_old_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def full(_: int) -> None:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    target = tmp_path / "summary.json"
+    target.write_text("old")
+    monkeypatch.setattr(files.os, "fsync", full)
+    with pytest.raises(rr.OutputError, match=r"summary.json: cannot be written: the disk is full"):
+        results.write_text(target, "new")
+    assert target.read_text() == "old"
+    assert list(tmp_path.iterdir()) == [target]
+
+
+def test_a_device_is_written_to_and_a_full_one_reported(tmp_path: Path) -> None:
+    results.write_text("/dev/null", "text")
+    with pytest.raises(rr.OutputError, match="/dev/full: cannot be written: the disk is full"):
+        results.write_text("/dev/full", "text")
+
+
+def test_folders_that_cannot_be(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("")
+    with pytest.raises(rr.OutputError, match="choose another folder"):
+        results.output_folder(tmp_path / "file")
+    with pytest.raises(rr.OutputError, match="a part of the path is a file"):
+        results.output_folder(tmp_path / "file" / "below")
+    with pytest.raises(rr.OutputError, match="the folder does not exist"):
+        results.write_text(tmp_path / "missing" / "a.txt", "text")
+    with pytest.raises(rr.OutputError, match="there is a folder of that name"):
+        results.output_file(tmp_path)
+
+
+@pytest.mark.skipif(os.geteuid() == 0, reason="root may write everywhere")
+def test_a_folder_without_permission(tmp_path: Path) -> None:
+    tmp_path.chmod(0o500)
+    with pytest.raises(rr.OutputError, match="no permission"):
+        results.output_folder(tmp_path)
+
+
+def test_files_are_readable_by_others_as_usual(tmp_path: Path) -> None:
+    mask = os.umask(0o022)
+    try:
+        assert results.write_text(tmp_path / "a.txt", "text").stat().st_mode & 0o777 == 0o644
+    finally:
+        os.umask(mask)
+
+
+def test_a_missing_run_is_named(tmp_path: Path) -> None:
+    with pytest.raises(FileNotFoundError, match=r"nothing.nc: no such file"):
+        rr.load_run(tmp_path / "nothing.nc")
+
+
+def test_tables_have_units_in_their_heads(run: xr.Dataset, tmp_path: Path) -> None:
+    names, rows = results.motion_table(run)
+    assert names[:3] == ["time_s", "speed_mps", "wheelset_1.longitudinal_m"]
+    path = results.write_csv(tmp_path / "motion.csv", (names, rows))
+    lines = path.read_text().splitlines()
+    assert lines[0] == ",".join(names)
+    assert len(lines) == 1 + run.sizes["time"]
+    assert float(lines[1].split(",")[names.index("wheelset_1.lateral_m")]) == 0.003
+    assert "wheelset_1_left.vertical_force_n" in results.wheel_table(run)[0]
+
+
+def test_every_number_of_the_summary_is_documented(run: xr.Dataset) -> None:
+    def keys(value: object, prefix: str = "") -> list[str]:
+        if not isinstance(value, dict) or prefix in ("solver", "contact"):
+            return [prefix]
+        return [k for name, item in value.items() for k in keys(item, f"{prefix}.{name}".strip("."))]
+
+    summary = results.summarise(run)
+    json.dumps(summary, allow_nan=False)
+    found = keys(summary)
+    for key in found:
+        assert any(fnmatch.fnmatch(key, pattern) for pattern in results.SUMMARY_KEYS), key
+    for pattern in results.SUMMARY_KEYS:
+        assert any(fnmatch.fnmatch(key, pattern + "*") for key in found), pattern
+
+
+def test_a_run_without_samples_has_a_summary(run: xr.Dataset) -> None:
+    summary = results.summarise(results.add_energy_audit(run.isel(time=slice(0))))
+    assert summary["samples"] == 0
+    assert summary["bodies"]["wheelset_1"]["lateral_largest_mm"] is None
