@@ -10,7 +10,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from rollerrig.analysis import stability
+    from rollerrig.analysis.stability import stability
     from rollerrig.catalog import catalog_entries, catalog_text
     from rollerrig.config import Case, ConfigError, load_case
     from rollerrig.contact_table import contact_table

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 import typer
 
@@ -22,19 +22,17 @@ def command(
         float | None, typer.Option(help="Yaw in proportion to the lateral position [mrad/mm].")
     ] = None,
     roll_mrad: Annotated[float | None, typer.Option(help="Roll angle to hold [mrad]; free to roll if absent.")] = None,
-    plot: Annotated[Path | None, typer.Option(help="Picture of the table (.png, .svg or .pdf).")] = None,
+    plot: Annotated[Path | None, typer.Option(help="Picture of the table (.png or .svg).")] = None,
 ) -> None:
     """Press the leading wheelset down with its axle load and list its contact patches."""
     from rollerrig.config import load_case
     from rollerrig.contact_table import contact_csv, contact_table
-    from rollerrig.results import output_file, write_text
+    from rollerrig.results import output_file, write_bytes, write_text
 
     if yaw_mrad is not None and yaw_mrad_per_mm is not None:
         raise typer.BadParameter("give --yaw-mrad or --yaw-mrad-per-mm, not both", param_hint="--yaw-mrad")
-    if plot is not None:
-        from rollerrig.cli.figures import check_picture
-
-        check_picture(plot, "--plot")
+    if plot is not None and plot.suffix.lower() not in (".png", ".svg"):
+        raise typer.BadParameter(f"'{plot}' must end in .png or .svg", param_hint="--plot")
     lateral = read_range(lateral_mm, "--lateral-mm")
     yaw = read_range(yaw_mrad, "--yaw-mrad") if yaw_mrad is not None else [0.0]
     if yaw_mrad_per_mm is not None:
@@ -49,10 +47,11 @@ def command(
     table = contact_table(chosen, [(1e-3 * y, 1e-3 * psi) for y, psi in positions], roll=roll)
     typer.echo(write_text(csv, contact_csv(table)))
     if plot is not None:
-        from rollerrig.cli.figures import save_figure
+        from rollerrig.plot import figure_bytes
         from rollerrig.plot.contact import contact_figure
 
-        typer.echo(save_figure(contact_figure(table), plot))
+        kind: Literal["svg", "png"] = "svg" if plot.suffix.lower() == ".svg" else "png"
+        typer.echo(write_bytes(plot, figure_bytes(contact_figure(table), kind)))
     if table.attrs["failed_positions"]:
         for line in table.attrs["failed_positions"].splitlines():
             say(f"rollerrig: {chosen.name}: {line}")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import Annotated
 
@@ -18,30 +17,15 @@ def command(
 ) -> None:
     """Simulate one case: run.nc (every signal), summary.json, motion.csv, wheels.csv, report.html."""
     from rollerrig.config import load_case
-    from rollerrig.results import (
-        SUMMARY_KEYS,
-        motion_table,
-        output_folder,
-        save_run,
-        summarise,
-        wheel_table,
-        write_csv,
-        write_text,
-    )
+    from rollerrig.results import output_folder
     from rollerrig.run import simulate
+    from rollerrig.studies.run import write_run
 
     chosen = load_case(case)
     folder = output_folder(out)
     with progress_bar(chosen.name) as progress:
         run = simulate(chosen, progress=progress)
-    summary = summarise(run)
-    written = [
-        save_run(run, folder / "run.nc"),
-        write_text(folder / "summary.json", json.dumps({**summary, "keys": SUMMARY_KEYS}, indent=2) + "\n"),
-        write_csv(folder / "motion.csv", motion_table(run)),
-        write_csv(folder / "wheels.csv", wheel_table(run)),
-    ]
-    for path in written:
+    for path in write_run(run, folder):
         typer.echo(path)
     if run.attrs["status"] != "ok":
         say(f"rollerrig: {chosen.name}: {run.attrs['status_message']}")

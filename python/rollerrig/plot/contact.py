@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import xarray as xr
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-_COLOURS = {"left": "#1f5fa8", "right": "#c2571a"}
+from rollerrig.plot.style import COLOURS, MARKERS, house_style, new_figure
 
 
 def contact_figure(table: xr.Dataset) -> Figure:
@@ -15,31 +16,28 @@ def contact_figure(table: xr.Dataset) -> Figure:
     Args:
         table: what `contact_table` returns; one entry per patch along `row`.
     """
-    figure = Figure(figsize=(10, 7), layout="constrained")
-    position, force, size, pose = figure.subplots(2, 2, sharex=True).flat
-    lateral = 1e3 * table["lateral"]
-    for side, colour in _COLOURS.items():
-        here = table["side"] == side
-        y = lateral[here]
-        position.plot(y, 1e3 * table["wheel_abscissa"][here], "o", ms=4, color=colour, label=side)
-        force.plot(y, 1e-3 * table["normal"][here], "o", ms=4, color=colour)
-        size.plot(y, 1e3 * table["a"][here], "o", ms=4, color=colour)
-        size.plot(y, 1e3 * table["b"][here], "x", ms=4, color=colour)
-    pose.plot(lateral, 1e3 * table["height"], ".", color="black", label="height [mm]")
-    pose.plot(lateral, 1e3 * table["roll"], ".", color="#777777", label="roll [mrad]")
-    _finish(position, "contact on the wheel S [mm]", "flange is negative")
-    _finish(force, "normal force [kN]", "")
-    _finish(size, "semi-axes [mm]", "o along, x across the rolling direction")
-    _finish(pose, "pose of the wheelset", "")
-    position.legend(frameon=False)
-    pose.legend(frameon=False)
-    for axes in (size, pose):
-        axes.set_xlabel("lateral position [mm], positive to the left")
-    figure.suptitle(f"{table.attrs['case']}: {table.attrs['wheelset']} under {1e-3 * table.attrs['load_n']:.4g} kN")
-    return figure
-
-
-def _finish(axes: Axes, label: str, note: str) -> None:
-    axes.set_ylabel(label)
-    axes.set_title(note, fontsize="small", loc="left")
-    axes.grid(alpha=0.3)
+    with house_style():
+        figure, (place, force, size, pose) = new_figure(4, height=9.0, sharex=True)
+        lateral = 1e3 * table["lateral"]
+        for number, side in enumerate(("left", "right")):
+            here = (table["side"] == side).to_numpy()
+            y = lateral[here]
+            look: dict[str, Any] = {"linestyle": "none", "markersize": 4, "color": COLOURS[number]}
+            place.plot(y, 1e3 * table["wheel_abscissa"][here], MARKERS[number], label=side, **look)
+            force.plot(y, 1e-3 * table["normal"][here], MARKERS[number], label=side, **look)
+            size.plot(
+                y, 1e3 * table["a"][here], MARKERS[number], label=f"{side}, a along the rolling direction", **look
+            )
+            size.plot(y, 1e3 * table["b"][here], "x+"[number], label=f"{side}, b across it", **look)
+        pose.plot(lateral, 1e3 * table["height"], ".", color="black", label="height [mm]")
+        pose.plot(lateral, 1e3 * table["roll"], "x", markersize=4, color=COLOURS[2], label="roll [mrad]")
+        place.set_ylabel("on the wheel S [mm]")
+        force.set_ylabel("normal force [kN]")
+        size.set_ylabel("semi-axes [mm]")
+        pose.set_ylabel("pose of the wheelset")
+        pose.set_xlabel("lateral position of the wheelset [mm], positive to the left")
+        title = f"{table.attrs['case']}: {table.attrs['wheelset']} under {1e-3 * table.attrs['load_n']:.4g} kN"
+        place.set_title(title, loc="left")
+        for axes in (place, size, pose):
+            axes.legend(loc="best")
+        return figure

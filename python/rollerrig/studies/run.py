@@ -1,0 +1,124 @@
+"""What `rollerrig run` leaves: every signal, the numbers, tables, and a report to open.
+
+Dataset of a run -> [run] -> run.nc, summary.json, motion.csv, wheels.csv, report.html
+"""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import xarray as xr
+
+from rollerrig.plot import figure_bytes
+from rollerrig.plot.run import energy_over_time, forces_over_time, motion_over_time, sliding_over_time
+from rollerrig.report import Figure, Page, Preformatted, Section, Table, Text, render
+from rollerrig.results import SUMMARY_KEYS, motion_table, save_run, summarise, wheel_table, write_csv, write_text
+
+LEFT_OUT = (
+    "Rigid bodies, rails and rollers without flexibility of their own; profiles without irregularities or wear; Hertz "
+    "ellipses also where the patch is none; Kalker's linear creep law with saturation, of which the spin moment is not "
+    "saturated by default; a constant coefficient of friction."
+)
+
+
+def write_run(run: xr.Dataset, folder: Path) -> list[Path]:
+    """Write all files of a run.
+
+    Args:
+        run: results of `simulate`.
+        folder: an existing folder.
+
+    Returns:
+        The files, the report last.
+
+    Raises:
+        OutputError: a file could not be written; those before it are whole.
+    """
+    summary = summarise(run)
+    return [
+        save_run(run, folder / "run.nc"),
+        write_text(folder / "summary.json", json.dumps({**summary, "keys": SUMMARY_KEYS}, indent=2) + "\n"),
+        write_csv(folder / "motion.csv", motion_table(run)),
+        write_csv(folder / "wheels.csv", wheel_table(run)),
+        write_text(folder / "report.html", run_report(run, summary)),
+    ]
+
+
+def run_report(run: xr.Dataset, summary: dict[str, Any]) -> str:
+    """One self-contained HTML page about a run."""
+    drawings = {
+        "Motion": (motion_over_time, "Lateral displacement and yaw of the vehicle's bodies, and the running speed."),
+        "Contact forces": (forces_over_time, "Forces of rails or rollers on the wheels; lateral positive to the left."),
+        "Sliding": (sliding_over_time, "Longitudinal sliding, wheel minus roller, and the place of contact (EN S)."),
+        "Energy": (energy_over_time, "Work put in = change of what is stored + heat + residual."),
+    }
+    sections = [Section("Numbers", [_bodies(summary), _wheels(summary)])]
+    if run.sizes["time"] > 1:
+        for title, (draw, caption) in drawings.items():
+            sections.append(Section(title, [Figure(figure_bytes(draw(run), "png"), caption)]))
+    sections.append(Section("How it was computed", [_table("integration", summary["solver"]), _contact(summary)]))
+    sections.append(Section("What is left out", [Text(LEFT_OUT)]))
+    sources = json.loads(run.attrs["sources"])
+    whole = Preformatted("the whole case", run.attrs["config_toml"])
+    sections.append(Section("Case and sources", [Table(("of", "source"), list(sources.items())), whole]))
+    footer = f"rollerrig {run.attrs['rollerrig_version']}"
+    return render(Page(f"{run.attrs['case']}: {run.attrs['title']}", _lead(summary), sections, footer))
+
+
+def _lead(summary: dict[str, Any]) -> str:
+    ended = f"{summary['stopped_at_s']:g} s computed. {summary['status_message']}"
+    speeds = ""
+    if summary["samples"]:
+        speeds = f"Speed {summary['speed_start_kmh']:.4g} km/h at the start, {summary['speed_end_kmh']:.4g} km/h at the end. "
+    audit = (
+        f"Energy balance closed to {summary['energy_relative_residual']:.1e} of the {summary['energy_turned_over_j']:.4g} J "
+        "turned over."
+    )
+    return f"{ended}\n{speeds}{audit}"
+
+
+def _bodies(summary: dict[str, Any]) -> Table:
+    header = (
+        "body",
+        "largest lateral [mm]",
+        "lateral at the end [mm]",
+        "largest in the last tenth [mm]",
+        "largest yaw [mrad]",
+    )
+    return _numbers(header, summary["bodies"])
+
+
+def _wheels(summary: dict[str, Any]) -> Table:
+    header = (
+        "wheel",
+        "Q at start [N]",
+        "Q at end [N]",
+        "least Q [N]",
+        "largest Y [N]",
+        "largest Y/Q",
+        "largest sliding [m/s]",
+        "sliding at end [m/s]",
+        "samples in several patches",
+    )
+    return _numbers(header, summary["wheels"])
+
+
+def _numbers(header: tuple[str, ...], parts: dict[str, dict[str, float | None]]) -> Table:
+    rows = [[name, *("–" if v is None else v for v in numbers.values())] for name, numbers in parts.items()]
+    return Table(header, rows)
+
+
+def _contact(summary: dict[str, Any]) -> Table:
+    return _table("contacts, counted over accepted steps and wheels", summary["contact"])
+
+
+def _table(caption: str, numbers: dict[str, float | None]) -> Table:
+    return Table(
+        ("count", "value"), [(_words(key), "–" if value is None else value) for key, value in numbers.items()], caption
+    )
+
+
+def _words(key: str) -> str:
+    return key.replace("_", " ") + (" [s]" if key in ("largest_step", "smallest_step") else "")
