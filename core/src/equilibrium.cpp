@@ -73,6 +73,23 @@ void set_down(Dynamics& dynamics, double t, std::vector<double>& x, int body) {
   }
 }
 
+/// Where only one wheel stands after that: turns the wheelset about its running direction until the wheels balance.
+void level(Dynamics& dynamics, double t, std::vector<double>& x, int body) {
+  Model const& model = dynamics.model();
+  bool hanging = false;
+  for (int c = 0; c < static_cast<int>(model.contacts.size()); ++c)
+    hanging = hanging || (model.contacts[at(c)].wheelset == body && dynamics.patch_count(c) == 0);
+  int const roll = dynamics.map().coordinate[at(body)][coord_roll];
+  if (!hanging || roll < 0) return;
+  double low = -20e-3;  // the left wheel carries: turned to the left side up
+  double high = 20e-3;
+  for (int i = 0; i < 40; ++i) {
+    x[at(roll)] = 0.5 * (low + high);
+    set_down(dynamics, t, x, body);
+    (dynamics.work().wrench[at(body)].moment.x > 0.0 ? low : high) = x[at(roll)];
+  }
+}
+
 }  // namespace
 
 Equilibrium solve_equilibrium(Dynamics& dynamics, double speed, double t, std::vector<HeldCoordinate> const& held) {
@@ -92,11 +109,14 @@ Equilibrium solve_equilibrium(Dynamics& dynamics, double speed, double t, std::v
     if (int const i = map.rate[at(contact.roller)][coord_pitch]; i >= 0)
       x[at(i)] = -speed * contact.pair.inverse_radius;
   }
-  auto const height_is_held = [&](int b) {
-    return std::ranges::any_of(held, [b](auto const& h) { return h.body == b && h.coordinate == coord_z; });
+  auto const is_held = [&](int b, int c) {
+    return std::ranges::any_of(held, [b, c](auto const& h) { return h.body == b && h.coordinate == c; });
   };
-  for (int b = 0; b < static_cast<int>(model.bodies.size()); ++b)
-    if (is_wheelset(model, b) && !height_is_held(b)) set_down(dynamics, t, x, b);
+  for (int b = 0; b < static_cast<int>(model.bodies.size()); ++b) {
+    if (!is_wheelset(model, b) || is_held(b, coord_z)) continue;
+    set_down(dynamics, t, x, b);
+    if (!is_held(b, coord_roll)) level(dynamics, t, x, b);
+  }
 
   JacobianData j(dynamics.sizes());
   std::vector<double> x_dot(x.size());
