@@ -22,7 +22,8 @@ UniformSpline spline_of(F const& f, double start, double end, double step) {
   for (std::size_t i = n - 1; i >= 1; --i) second[i] -= ratio[i] * second[i + 1];
   UniformSpline spline{start, step, {}};
   for (std::size_t i = 0; i < n; ++i)
-    spline.pieces.push_back({value[i], (value[i + 1] - value[i]) / step - step * (2.0 * second[i] + second[i + 1]) / 6.0,
+    spline.pieces.push_back({value[i],
+                             (value[i + 1] - value[i]) / step - step * (2.0 * second[i] + second[i + 1]) / 6.0,
                              0.5 * second[i], (second[i + 1] - second[i]) / (6.0 * step)});
   return spline;
 }
@@ -93,9 +94,7 @@ struct BenchmarkPair {
   UniformSpline rail = spline_of(uic60, -42.8e-3, 28.5e-3, 0.05e-3);
   WheelRollerPair pair{};
 
-  explicit BenchmarkPair(double inverse_radius) {
-    pair = {&wheel, &rail, 0.46, 0.75, 0.7605385, inverse_radius};
-  }
+  explicit BenchmarkPair(double inverse_radius) { pair = {&wheel, &rail, 0.46, 0.75, 0.7605385, inverse_radius}; }
   BenchmarkPair(BenchmarkPair const&) = delete;
   BenchmarkPair& operator=(BenchmarkPair const&) = delete;
 };

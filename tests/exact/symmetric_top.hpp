@@ -11,9 +11,9 @@
 namespace rig::exact {
 
 struct SymmetricTop {
-  double across, along;     // A, C [kg m^2]
-  Vec3<double> axis;        // unit vector of symmetry at t = 0, world
-  Vec3<double> omega;       // angular velocity at t = 0, world [rad/s]
+  double across, along;  // A, C [kg m^2]
+  Vec3<double> axis;     // unit vector of symmetry at t = 0, world
+  Vec3<double> omega;    // angular velocity at t = 0, world [rad/s]
 
   double spin() const { return dot(omega, axis); }
   Vec3<double> momentum() const {  // [kg m^2/s]

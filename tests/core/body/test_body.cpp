@@ -226,9 +226,12 @@ TEST_CASE("accelerations carry derivatives with respect to position, rate and lo
         auto qq = q;
         auto rr = rate;
         auto w = wrench;
-        if (seed < 6) qq[static_cast<std::size_t>(seed)] += by;
-        else if (seed < 12) rr[static_cast<std::size_t>(seed - 6)] += by;
-        else (seed == 12 ? w.moment.x : seed == 13 ? w.moment.y : w.moment.z) += by;
+        if (seed < 6)
+          qq[static_cast<std::size_t>(seed)] += by;
+        else if (seed < 12)
+          rr[static_cast<std::size_t>(seed - 6)] += by;
+        else
+          (seed == 12 ? w.moment.x : seed == 13 ? w.moment.y : w.moment.z) += by;
         double unused = 0.0;
         return accelerations(body, motion_of(body, qq, rr), w, 0.0, unused);
       };

@@ -200,7 +200,8 @@ TEST_CASE("the dual torque axes are the gradients of the relative angles") {
       pitch_turns{-std::sin(yaw) * std::cos(roll), std::cos(yaw) * std::cos(roll), std::sin(roll)};
   Vec3<double> const axes[] = {e.roll_axis, e.pitch_axis, e.yaw_axis}, turns[] = {roll_turns, pitch_turns, yaw_turns};
   for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j) CHECK(dot(axes[i], turns[j]) == doctest::Approx(i == j ? 1.0 : 0.0).epsilon(1e-13).scale(1.0));
+    for (int j = 0; j < 3; ++j)
+      CHECK(dot(axes[i], turns[j]) == doctest::Approx(i == j ? 1.0 : 0.0).epsilon(1e-13).scale(1.0));
 }
 
 TEST_CASE("element laws carry derivatives and hold for a scalar with no implicit conversions") {

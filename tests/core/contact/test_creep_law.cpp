@@ -107,7 +107,8 @@ TEST_CASE("linear creep with spin dissipates: the antisymmetric f23 does no work
   for (int i = 0; i < 2000; ++i) {
     Creepage<double> const e{1e-3 * any(random), 1e-3 * any(random), any(random)};
     auto const force = KalkerLinear{}(e, f, adhesion);
-    double const power = -(force.longitudinal * e.longitudinal + force.lateral * e.lateral + force.spin_moment * e.spin);
+    double const power =
+        -(force.longitudinal * e.longitudinal + force.lateral * e.lateral + force.spin_moment * e.spin);
     CHECK(power >= 0.0);
     CHECK(power == doctest::Approx(f.f11 * e.longitudinal * e.longitudinal + f.f22 * e.lateral * e.lateral +
                                    f.f33 * e.spin * e.spin)
@@ -128,17 +129,17 @@ TEST_CASE("the spin moment is saturated only when asked for") {
 TEST_CASE("the law carries derivatives at zero creepage and in gross sliding") {
   using D = Dual<3>;
   KalkerStiffness<D> const stiffness{D(f.f11), D(f.f22), D(f.f23), D(f.f33)};
-  for (auto const& e : {Creepage<double>{0.0, 0.0, 0.0}, Creepage<double>{1e-4, -2e-4, 0.05},
-                        Creepage<double>{2e-2, 1e-2, -0.3}}) {
-    auto const force =
-        KalkerSaturated{}(Creepage<D>{D::variable(e.longitudinal, 0), D::variable(e.lateral, 1), D::variable(e.spin, 2)},
-                          stiffness, D(adhesion));
+  for (auto const& e :
+       {Creepage<double>{0.0, 0.0, 0.0}, Creepage<double>{1e-4, -2e-4, 0.05}, Creepage<double>{2e-2, 1e-2, -0.3}}) {
+    auto const force = KalkerSaturated{}(
+        Creepage<D>{D::variable(e.longitudinal, 0), D::variable(e.lateral, 1), D::variable(e.spin, 2)}, stiffness,
+        D(adhesion));
     for (int k = 0; k < 3; ++k) {
       double const h = k == 2 ? 1e-5 : 1e-8;
       auto const moved = [&](double by) {
-        return KalkerSaturated{}(Creepage<double>{e.longitudinal + (k == 0) * by, e.lateral + (k == 1) * by,
-                                                  e.spin + (k == 2) * by},
-                                 f, adhesion);
+        return KalkerSaturated{}(
+            Creepage<double>{e.longitudinal + (k == 0) * by, e.lateral + (k == 1) * by, e.spin + (k == 2) * by}, f,
+            adhesion);
       };
       auto const up = moved(h), down = moved(-h);
       double const scale = k == 2 ? f.f23 : f.f11;  // differences near zero creepage miss by the curvature: 1e-4

@@ -36,7 +36,8 @@ TEST_CASE("coefficients are smooth over the axis ratio: value, slope and curvatu
     double const h = 1e-6;
     CHECK(slope(x - h) == doctest::Approx(slope(x + h)).epsilon(1e-4));  // a slope of 10 turns by 1e-5 over 2h
     double const left = (slope(x - h) - slope(x - 2 * h)) / h, right = (slope(x + 2 * h) - slope(x + h)) / h;
-    CHECK(left == doctest::Approx(right).epsilon(2e-3));  // round-off 1e-10 of the differences, and the third derivative
+    CHECK(left ==
+          doctest::Approx(right).epsilon(2e-3));  // round-off 1e-10 of the differences, and the third derivative
   }
 }
 

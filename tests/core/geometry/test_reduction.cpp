@@ -149,8 +149,8 @@ TEST_CASE("at random poses the common normal satisfies equations (7) and (8) bel
         Vec3<double> const miss = cross(n_b, point.n);
         CHECK(std::sqrt(dot(miss, miss)) < 1e-10);
         CHECK(std::abs(point.p.y - benchmark.pair.rail_origin_y - point.rail_y) < 1e-12);
-        double const height = (inverse_radius * (point.p.x * point.p.x + point.p.z * point.p.z) + 2.0 * point.p.z) /
-                              (length + 1.0);
+        double const height =
+            (inverse_radius * (point.p.x * point.p.x + point.p.z * point.p.z) + 2.0 * point.p.z) / (length + 1.0);
         CHECK(std::abs(height - h.value) < 1e-10);
         // The patch lies inside both profiles.
         CHECK(benchmark.wheel.contains(point.wheel_s));
@@ -214,11 +214,10 @@ TEST_CASE("a contact point's derivatives with respect to the pose are those of d
       search.find_all(pose_at(0, 0.0), 1e-3);
       for (int k = 0; k < search.count(); ++k) {
         if (std::abs(search[k].gradient) < 2.0) continue;  // near a fold the root runs away from any difference
-        auto const point = contact_point(
-            benchmark.pair,
-            pose_of(D::variable(q[0], 0), D::variable(q[1], 1), D::variable(q[2], 2), D::variable(q[3], 3),
-                    D::variable(q[4], 4)),
-            search[k].s, search[k].gradient);
+        auto const point = contact_point(benchmark.pair,
+                                         pose_of(D::variable(q[0], 0), D::variable(q[1], 1), D::variable(q[2], 2),
+                                                 D::variable(q[3], 3), D::variable(q[4], 4)),
+                                         search[k].s, search[k].gradient);
         for (int seed = 0; seed < 5; ++seed) {
           double const h = 1e-7;
           auto const moved = [&](double by) {

@@ -69,7 +69,8 @@ TEST_CASE("the cells find every minimum that a fine scan finds, at random poses 
     ContactSearch search(benchmark.pair);
     for (int i = 0; i < 120; ++i) {
       double const yaw = (i % 3 == 0 ? 50e-3 : 5e-3) * any(random);
-      auto const pose = pose_of(5e-3 * any(random), 8.5e-3 * any(random), 0.46 + 1e-3 * any(random), 5e-3 * any(random), yaw);
+      auto const pose =
+          pose_of(5e-3 * any(random), 8.5e-3 * any(random), 0.46 + 1e-3 * any(random), 5e-3 * any(random), yaw);
       double const reach = 1e-3;
       auto const expected = brute_force(benchmark.pair, pose, reach);
       search.find_all(pose, reach);
@@ -105,7 +106,8 @@ TEST_CASE("between two minima stands the maximum of the gap") {
   CHECK(top.s < search[1].s);
   CHECK(top.gradient > 0.0);
   double highest = -1.0;
-  for (double s = search[0].s; s < search[1].s; s += 1e-6) highest = std::max(highest, reduce(benchmark.pair, pose, s).gap);
+  for (double s = search[0].s; s < search[1].s; s += 1e-6)
+    highest = std::max(highest, reduce(benchmark.pair, pose, s).gap);
   CHECK(top.gap == doctest::Approx(highest).epsilon(1e-6));  // the scan misses the top by up to 0.5 um
 }
 

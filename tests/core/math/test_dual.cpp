@@ -33,12 +33,14 @@ template <int N>
 void check_all() {
   using D = Dual<N>;
   check<N>("+", [](D x) { return x + x * x + 2.0 + (3.0 + x); }, [](Complex x) { return x + x * x + 2.0 + (3.0 + x); });
-  check<N>("-", [](D x) { return -x - x * x - 2.0 - (3.0 - x); }, [](Complex x) { return -x - x * x - 2.0 - (3.0 - x); });
+  check<N>(
+      "-", [](D x) { return -x - x * x - 2.0 - (3.0 - x); }, [](Complex x) { return -x - x * x - 2.0 - (3.0 - x); });
   check<N>("*", [](D x) { return x * x * 1.7 * (0.3 * x); }, [](Complex x) { return x * x * 1.7 * (0.3 * x); });
   check<N>("/", [](D x) { return (x + 1.0) / (x * x + 2.0); }, [](Complex x) { return (x + 1.0) / (x * x + 2.0); });
   check<N>("/ double", [](D x) { return x / 7.0 + 7.0 / x; }, [](Complex x) { return x / 7.0 + 7.0 / x; });
   check<N>("sqrt", [](D x) { return sqrt(x); }, [](Complex x) { return std::sqrt(x); });
-  check<N>("sin cos", [](D x) { return sin(x) * cos(2.0 * x); }, [](Complex x) { return std::sin(x) * std::cos(2.0 * x); });
+  check<N>(
+      "sin cos", [](D x) { return sin(x) * cos(2.0 * x); }, [](Complex x) { return std::sin(x) * std::cos(2.0 * x); });
   check<N>("log exp", [](D x) { return log(x) * exp(-x); }, [](Complex x) { return std::log(x) * std::exp(-x); });
   check<N>("asin", [](D x) { return asin(x); }, [](Complex x) { return std::asin(x); });
   check<N>(

@@ -1,0 +1,272 @@
+// The assembled system: state map, equilibrium, Jacobian, symmetry, power balance, validity.
+#include <doctest/doctest.h>
+
+#include <random>
+
+#include "rig/integrate/integrator.hpp"
+#include "system/models.hpp"
+
+using namespace rig;
+using test::Setup;
+using test::wheelset_model;
+
+namespace {
+
+std::vector<double> derivative(Dynamics& dynamics, std::vector<double> const& x, std::vector<double>* z = nullptr) {
+  auto const sizes = dynamics.sizes();
+  std::vector<double> x_dot(static_cast<std::size_t>(sizes.states)), z_dot(static_cast<std::size_t>(sizes.quadratures));
+  REQUIRE(dynamics.derivative(0.0, x.data(), x_dot.data(), z_dot.data()) == Status::ok);
+  if (z) *z = z_dot;
+  return x_dot;
+}
+
+std::vector<double> disturbed(std::vector<double> x, StateMap const& map, unsigned seed, double size) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> any(-1.0, 1.0);
+  for (int i = 0; i < map.coordinates; ++i) x[static_cast<std::size_t>(i)] += size * any(random);
+  for (int i = 0; i < map.rates; ++i) x[static_cast<std::size_t>(map.coordinates + i)] += 30 * size * any(random);
+  return x;
+}
+
+}  // namespace
+
+TEST_CASE("the state holds coordinates without the cyclic angle, rates with the spin, and damper nodes") {
+  auto const model = wheelset_model({});
+  Dynamics dynamics(*model);
+  auto const& map = dynamics.map();
+  CHECK(map.coordinates == 5);  // wheelset without pitch; the roller only spins
+  CHECK(map.rates == 7);
+  CHECK(map.nodes == 2);
+  CHECK(dynamics.sizes().quadratures == 2 + account_count);  // two angles
+  for (int i = 0; i < dynamics.kinematic_states(); ++i)
+    CHECK(dynamics.velocity_column(i) >= dynamics.kinematic_states());
+}
+
+TEST_CASE("at the equilibrium all accelerations but those of the rollers vanish and the load is carried") {
+  for (double radius : {0.725, 0.0}) {
+    for (double speed : {0.0, 0.1, 20.0}) {
+      auto const model = wheelset_model({.roller_radius = radius, .speed = speed});
+      Dynamics dynamics(*model);
+      auto const e = solve_equilibrium(dynamics, speed, 0.0);
+      REQUIRE(e.converged);
+      auto const x_dot = derivative(dynamics, e.x);
+      for (double rate : x_dot) CHECK(std::abs(rate) < 1e-6);
+      double vertical = 0.0;
+      for (int c = 0; c < 2; ++c)
+        for (int k = 0; k < dynamics.patch_count(c); ++k) vertical += dynamics.patch(c, k).force.z;
+      CHECK(vertical == doctest::Approx(11000.0 * 9.81).epsilon(1e-9));
+    }
+  }
+}
+
+TEST_CASE("a held coordinate stays where it is put") {
+  auto const model = wheelset_model({});
+  Dynamics dynamics(*model);
+  for (double y : {0.5e-3, 2e-3, 3e-3, 6e-3}) {  // without roll only one wheel would stand there
+    auto const e = solve_equilibrium(dynamics, 20.0, 0.0, {{0, coord_y, y}});
+    CHECK(e.x[static_cast<std::size_t>(dynamics.map().coordinate[0][coord_y])] == y);
+    CHECK(e.converged);
+    auto const x_dot = derivative(dynamics, e.x);
+    CHECK(std::abs(x_dot[static_cast<std::size_t>(dynamics.map().rate[0][coord_roll])]) < 1e-6);
+  }
+}
+
+TEST_CASE("the exact Jacobian is that of differences") {
+  for (double radius : {0.725, 0.0}) {
+    auto const model = wheelset_model({.roller_radius = radius, .driven = false});
+    Dynamics dynamics(*model);
+    auto const x = disturbed(solve_equilibrium(dynamics, 20.0, 0.0).x, dynamics.map(), 3, 2e-5);
+    JacobianData j(dynamics.sizes());
+    REQUIRE(dynamics.jacobian(0.0, x.data(), j) == Status::ok);
+    for (std::size_t k = 0; k < x.size(); ++k) {
+      auto const column = static_cast<Eigen::Index>(k);
+      double const a_scale = 1e-5 * j.a.col(column).cwiseAbs().maxCoeff() + 1e-4;
+      double smallest = 1e300;
+      // The knots of the profiles are kinks of the forces; the shorter step stays clear of one that is near.
+      for (double step : {1.0, 0.1}) {
+        double const h = step * (static_cast<int>(k) < dynamics.map().coordinates ? 1e-8 : 2e-6);
+        auto up = x, down = x;
+        up[k] += h, down[k] -= h;
+        std::vector<double> z_up, z_down;
+        auto const f_up = derivative(dynamics, up, &z_up), f_down = derivative(dynamics, down, &z_down);
+        double worst = 0.0;
+        for (std::size_t i = 0; i < x.size(); ++i)
+          worst = std::max(
+              worst, std::abs(j.a(static_cast<Eigen::Index>(i), column) - (f_up[i] - f_down[i]) / (2 * h)) / a_scale);
+        for (std::size_t i = 0; i < z_up.size(); ++i) {
+          auto const row = static_cast<Eigen::Index>(i);
+          double const size = 1e-5 * j.g.row(row).cwiseAbs().maxCoeff() + 1.0;
+          worst = std::max(worst, std::abs(j.g(row, column) - (z_up[i] - z_down[i]) / (2 * h)) / size);
+        }
+        smallest = std::min(smallest, worst);
+      }
+      CAPTURE(k);
+      CHECK(smallest < 1.0);
+    }
+  }
+}
+
+TEST_CASE("the time derivative of the right-hand side is that of the speed and torque tables") {
+  auto const model = wheelset_model({.roller_radius = 0.0});
+  model->speed = {{{0.0, 10.0}, {20.0, 30.0}}};
+  model->axle_torques.push_back({0, ground, {{{0.0, 4.0}, {0.0, 4000.0}}}});
+  Dynamics dynamics(*model);
+  auto const x = disturbed(solve_equilibrium(dynamics, 21.0, 1.0).x, dynamics.map(), 4, 1e-5);
+  JacobianData j(dynamics.sizes());
+  dynamics.jacobian(1.0, x.data(), j);
+  double const h = 1e-6;
+  std::vector<double> up(x.size()), down(x.size());
+  dynamics.derivative(1.0 + h, x.data(), up.data(), nullptr);
+  dynamics.derivative(1.0 - h, x.data(), down.data(), nullptr);
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    double const exact = j.f_t[static_cast<Eigen::Index>(i)];
+    CHECK(exact == doctest::Approx((up[i] - down[i]) / (2 * h)).epsilon(1e-5).scale(10.0));
+  }
+}
+
+TEST_CASE("power put in is power stored and dissipated, at any state") {
+  for (double radius : {0.725, 0.0}) {
+    auto const model = wheelset_model({.roller_radius = radius, .driven = false});
+    Dynamics dynamics(*model);
+    for (unsigned seed = 0; seed < 10; ++seed) {
+      auto const x = disturbed(solve_equilibrium(dynamics, 20.0, 0.0).x, dynamics.map(), seed, 3e-5);
+      std::vector<double> z;
+      auto const x_dot = derivative(dynamics, x, &z);
+      auto const account = [&](Account a) { return z[static_cast<std::size_t>(dynamics.map().angles + a)]; };
+      double const h = 1e-8;
+      auto up = x, down = x;
+      for (std::size_t i = 0; i < x.size(); ++i) up[i] += h * x_dot[i], down[i] -= h * x_dot[i];
+      auto const energy = [&](std::vector<double> const& state) {
+        dynamics.evaluate(0.0, state.data());
+        return dynamics.kinetic_energy() + dynamics.gravity_energy() + dynamics.element_energy();
+      };
+      double const stored = (energy(up) - energy(down)) / (2 * h);
+      double const balance = account(work_of_drive) + account(work_of_torque) - account(dissipated_elements) -
+                             account(dissipated_normal) - account(dissipated_creep) - account(stored_contacts);
+      // Kinetic energy 7e5 J is known to 1e-10 J: 1e-2 W of the difference; powers are up to 1e5 W.
+      CHECK(stored == doctest::Approx(balance).epsilon(1e-6).scale(1e5));
+      CHECK(account(dissipated_elements) >= 0.0);
+      CHECK(account(dissipated_normal) >= 0.0);
+    }
+  }
+}
+
+TEST_CASE("the mirrored state of a wheelset has mirrored accelerations") {
+  auto const model = wheelset_model({});
+  Dynamics dynamics(*model);
+  auto const& map = dynamics.map();
+  auto const x = disturbed(solve_equilibrium(dynamics, 20.0, 0.0).x, map, 8, 1e-4);
+  auto const mirror = [&](std::vector<double> s) {
+    for (int c : {int{coord_y}, int{coord_roll}, int{coord_yaw}}) {
+      s[static_cast<std::size_t>(map.coordinate[0][static_cast<std::size_t>(c)])] *= -1.0;
+      s[static_cast<std::size_t>(map.rate[0][static_cast<std::size_t>(c)])] *= -1.0;
+    }
+    std::swap(s[s.size() - 1], s[s.size() - 2]);
+    return s;
+  };
+  auto const f = derivative(dynamics, x), g = mirror(derivative(dynamics, mirror(x)));
+  for (std::size_t i = 0; i < f.size(); ++i) CHECK(f[i] == doctest::Approx(g[i]).epsilon(1e-11).scale(10.0));
+}
+
+TEST_CASE("elastic rollers held by stiff springs move like rollers on rigid bearings") {
+  auto const rigid = wheelset_model({});
+  auto const elastic = wheelset_model({});
+  auto& roller = elastic->bodies[1];
+  roller.locked = {true, false, false, true, false, false};
+  ForceElement e;
+  e.body_a = ground, e.body_b = 1;
+  for (int c : {int{coord_y}, int{coord_z}, int{coord_yaw}}) e.law[static_cast<std::size_t>(c)].stiffness = 1e16;
+  e.law[coord_z].preload = (2980.0 + 11000.0) * 9.81;
+  elastic->elements.push_back(e);
+  Dynamics a(*rigid), b(*elastic);
+  auto const ea = solve_equilibrium(a, 20.0, 0.0), eb = solve_equilibrium(b, 20.0, 0.0);
+  REQUIRE(ea.converged);
+  REQUIRE(eb.converged);
+  for (int c : {int{coord_x}, int{coord_y}, int{coord_z}, int{coord_roll}, int{coord_yaw}}) {
+    auto const i = static_cast<std::size_t>(c);
+    CHECK(std::abs(ea.x[static_cast<std::size_t>(a.map().coordinate[0][i])] -
+                   eb.x[static_cast<std::size_t>(b.map().coordinate[0][i])]) < 1e-10);
+  }
+}
+
+TEST_CASE("a wheelset lifted off its rollers is reported lost after the limit, with its wheel") {
+  auto const model = wheelset_model({.lateral_spring = 0.0});
+  Dynamics dynamics(*model);
+  auto x = solve_equilibrium(dynamics, 20.0, 0.0).x;
+  x[static_cast<std::size_t>(dynamics.map().coordinate[0][coord_z])] = 5e-3;
+  dynamics.reset_run();
+  CHECK(dynamics.accept(0.0, x.data()) == Status::ok);
+  CHECK(dynamics.accept(0.1, x.data()) == Status::ok);
+  CHECK(dynamics.accept(0.21, x.data()) == Status::contact_lost);
+  CHECK(dynamics.failed_contact() == 0);
+  dynamics.reset_run();
+  CHECK(dynamics.accept(0.3, x.data()) == Status::ok);
+}
+
+TEST_CASE("a wheel pushed over its flange tip is a derailment") {
+  auto const model = wheelset_model({});
+  Dynamics dynamics(*model);
+  auto x = solve_equilibrium(dynamics, 20.0, 0.0).x;
+  auto const at = [&](int c) {
+    return static_cast<std::size_t>(dynamics.map().coordinate[0][static_cast<std::size_t>(c)]);
+  };
+  Status status = Status::ok;
+  for (double y = 0.0; y < 40e-3 && status == Status::ok; y += 0.5e-3) {
+    x[at(coord_y)] = y;  // to the left, wheels just loaded
+    double low = -5e-3, high = 40e-3;
+    for (int i = 0; i < 50; ++i) {
+      x[at(coord_z)] = 0.5 * (low + high);
+      dynamics.evaluate(0.0, x.data());
+      (dynamics.patch_count(0) > 0 ? low : high) = x[at(coord_z)];
+    }
+    x[at(coord_z)] = low - 1e-6;
+    status = dynamics.accept(y, x.data());
+  }
+  CHECK((status == Status::derailed || status == Status::off_profile));
+  CHECK(dynamics.failed_contact() == 0);
+}
+
+TEST_CASE("evaluating twice gives the same to round-off, and an accepted run counts what it saw") {
+  auto const model = wheelset_model({});
+  Dynamics dynamics(*model);
+  auto const x = disturbed(solve_equilibrium(dynamics, 20.0, 0.0).x, dynamics.map(), 5, 1e-5);
+  auto const a = derivative(dynamics, x), b = derivative(dynamics, x);
+  for (std::size_t i = 0; i < a.size(); ++i) CHECK(a[i] == doctest::Approx(b[i]).epsilon(1e-11).scale(10.0));
+  dynamics.reset_run();
+  dynamics.accept(0.0, x.data());
+  CHECK(dynamics.counters().checked == 2);
+  CHECK(dynamics.counters().several_patches == 2);
+  CHECK(dynamics.counters().lost == 0);
+}
+
+TEST_CASE("a random pose never gives a force that is not finite or pulls") {
+  auto const model = wheelset_model({});
+  Dynamics dynamics(*model);
+  auto const start = solve_equilibrium(dynamics, 20.0, 0.0).x;
+  std::mt19937 random(6);
+  std::uniform_real_distribution<double> any(-1.0, 1.0);
+  int patches = 0;
+  for (int i = 0; i < 3000; ++i) {
+    auto x = start;
+    auto const& q = dynamics.map().coordinate[0];
+    x[static_cast<std::size_t>(q[coord_x])] += 5e-3 * any(random);
+    x[static_cast<std::size_t>(q[coord_y])] += 12e-3 * any(random);
+    x[static_cast<std::size_t>(q[coord_z])] += 2e-3 * any(random);
+    x[static_cast<std::size_t>(q[coord_roll])] += 5e-3 * any(random);
+    x[static_cast<std::size_t>(q[coord_yaw])] += 50e-3 * any(random);
+    for (int k = 0; k < 5; ++k) x[static_cast<std::size_t>(dynamics.map().coordinates + k)] += 0.5 * any(random);
+    for (double value : derivative(dynamics, x)) CHECK(std::isfinite(value));
+    for (int c = 0; c < 2; ++c)
+      for (int k = 0; k < dynamics.patch_count(c); ++k) {
+        auto const& p = dynamics.patch(c, k);
+        CHECK(p.normal.total() >= 0.0);
+        CHECK(p.point.gap <= 0.0);
+        CHECK(model->profiles[0].contains(p.point.wheel_s));
+        CHECK(model->profiles[1].contains(p.point.rail_y));
+        CHECK(p.share >= 0.0);
+        CHECK(p.share <= 1.0);
+        ++patches;
+      }
+  }
+  CHECK(patches > 1000);
+}
