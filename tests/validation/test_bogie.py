@@ -154,7 +154,8 @@ def test_the_energy_residual_falls_with_the_tolerance() -> None:
 def test_heat_is_never_negative() -> None:
     _, run = released("full_scale_rig", 150 * kmh, 6.5 * mm, 0.3, output_step=1e-3)
     for where in ("elements", "normal", "creep"):
-        assert np.all(np.diff(run.energy(f"dissipated_{where}")) >= -1e-9), where  # J; the integrator's own error
+        heat = run.energy(f"dissipated_{where}")
+        assert np.all(np.diff(heat) >= -1e-6 * heat[-1]), where  # the outputs' interpolation across an impact
 
 
 # ------------------------------------------------------------------------------------------------------------ symmetry
