@@ -41,7 +41,7 @@ class Comparison:
 
     @property
     def approach(self) -> float:
-        return self.largest["approach"] / mm
+        return max(patch["approach"] for patch in self.patches) / mm
 
     @property
     def area(self) -> float:
@@ -82,7 +82,9 @@ class Comparison:
         force = self.creep_force()
         if force is None:
             return float("nan")
-        return float(np.hypot(force[0] - self.reference["Fx"], force[1] - self.reference["Fs"]) / (FRICTION * self.normal))
+        return float(
+            np.hypot(force[0] - self.reference["Fx"], force[1] - self.reference["Fs"]) / (FRICTION * self.normal)
+        )
 
 
 def compare(press: _core.WheelsetPress, row: dict) -> Comparison:
@@ -93,9 +95,7 @@ def compare(press: _core.WheelsetPress, row: dict) -> Comparison:
         return press.minima(0.0, y, z, yaw, roll, right, 0.0)
 
     touch = press.touch_height(0.0, y, yaw, roll, right)
-    z = brentq(
-        lambda z: sum(patch["normal"] for patch in patches(z)) - row["Fn"], touch - 0.4 * mm, touch, xtol=1e-13
-    )
+    z = brentq(lambda z: sum(patch["normal"] for patch in patches(z)) - row["Fn"], touch - 0.4 * mm, touch, xtol=1e-13)
     found = patches(z)
     return Comparison(row, found, -z / mm, sum(patch["normal"] for patch in found))
 

@@ -122,7 +122,9 @@ def cut(name: str, support: str, speed: float, **changes: object) -> AssembledMo
     return assemble(case)
 
 
-def equilibrium(simulation: _core.Simulation, speed: float, held: tuple[tuple[int, int, float], ...] = ()) -> np.ndarray:
+def equilibrium(
+    simulation: _core.Simulation, speed: float, held: tuple[tuple[int, int, float], ...] = ()
+) -> np.ndarray:
     """State of steady running [m/s]."""
     result = simulation.equilibrium(speed, 0.0, list(held))
     assert result["converged"], result
@@ -168,7 +170,11 @@ class Run:
         simulation.start(**arguments, x0=x0)  # type: ignore[arg-type]
         self.status, filled = simulation.advance(t_stop or duration, self.time, self.rows, 0)
         self.time, self.rows = self.time[:filled], self.rows[:filled]
-        self.statistics, self.counters, self.final_state = simulation.statistics(), simulation.counters(), simulation.state
+        self.statistics, self.counters, self.final_state = (
+            simulation.statistics(),
+            simulation.counters(),
+            simulation.state,
+        )
         self.bodies = len(simulation.rate_index)
 
     def body(self, index: int, field: str) -> np.ndarray:

@@ -14,9 +14,7 @@ LATERAL, ROLL, YAW = 1, 3, 5
 BODIES = ("front_frame", "wheelset_1", "wheelset_2")
 
 
-def displaced(
-    model: AssembledModel, simulation: _core.Simulation, speed: float, lateral: float
-) -> np.ndarray:
+def displaced(model: AssembledModel, simulation: _core.Simulation, speed: float, lateral: float) -> np.ndarray:
     """Equilibrium with frame and wheelsets moved aside together [m]."""
     x = equilibrium(simulation, speed).copy()
     for name in BODIES:
@@ -109,7 +107,9 @@ def test_jacobian_against_extrapolated_differences(support: str, seed: int) -> N
     a, g, _, _ = simulation.jacobian(0.0, x)
     exact = np.vstack([a, g])
     # Relative to the largest acceleration of the column, and to the largest power of the row (plus 1 kW per unit).
-    scale = np.vstack([np.broadcast_to(np.abs(a).max(axis=0), a.shape), 1e3 + np.abs(g).max(axis=1, keepdims=True) + 0 * g])
+    scale = np.vstack(
+        [np.broadcast_to(np.abs(a).max(axis=0), a.shape), 1e3 + np.abs(g).max(axis=1, keepdims=True) + 0 * g]
+    )
 
     def error(steps: np.ndarray) -> np.ndarray:
         difference = richardson(lambda y: np.concatenate(simulation.derivative(0.0, y)), x, steps)
@@ -148,7 +148,9 @@ def test_the_energy_residual_falls_with_the_tolerance() -> None:
         float(np.abs(released("full_scale_rig", 150 * kmh, 3 * mm, 0.3, tolerance=tol)[1].energy_residual()).max())
         for tol in (1e-6, 1e-8)
     ]
-    assert residuals[1] < 0.05 * residuals[0]  # the quadratures go with the tolerance: a factor of 100, here with margin
+    assert (
+        residuals[1] < 0.05 * residuals[0]
+    )  # the quadratures go with the tolerance: a factor of 100, here with margin
 
 
 def test_heat_is_never_negative() -> None:
@@ -216,7 +218,9 @@ def test_static_wheel_loads_sum_to_the_weight(support: str, speed_kmh: float) ->
     # The bogie settles by 0.19 mm into its springs and contacts; the secondary springs then carry less.
     settled = x[simulation.coordinate_index[model.body_index("front_frame")][2]]
     assert vertical.sum() == pytest.approx(weight + 2 * 430e3 * settled, rel=1e-9)  # residual of the equilibrium
-    assert vertical == pytest.approx(vertical.mean(), rel=1e-3)  # rolling resistance moves some newtons from wheel to wheel
+    assert vertical == pytest.approx(
+        vertical.mean(), rel=1e-3
+    )  # rolling resistance moves some newtons from wheel to wheel
     assert model.axle_loads == {name: pytest.approx(2 * 54.55e3, rel=2e-4) for name in model.wheelsets}
 
 

@@ -13,6 +13,7 @@ from validation.reference import FOLDER, mm, needs_reference, rows
 
 pytestmark = needs_reference
 
+
 # --------------------------------------------------------------------------------------------------------------- Hertz
 @pytest.mark.parametrize("row", rows("hertz_ellipses.csv") if FOLDER.is_dir() else [])
 def test_hertz_ellipses(row: dict) -> None:
@@ -57,9 +58,7 @@ def test_the_papers_creep_law() -> None:
         assert fy == pytest.approx(row["Fy_paperLinSat"], abs=0.005 * limit)
         c = [float(row[f"C{index}_table"]) for index in (11, 22, 23)]
         ab = row["a_mm"] * row["b_mm"]
-        terms = row["G_Nmm2"] * (
-            ab**1.5 * c[2] * abs(row["ceta"]) + ab**2 * row["C33"] * abs(row["cphi_radpermm"])
-        )
+        terms = row["G_Nmm2"] * (ab**1.5 * c[2] * abs(row["ceta"]) + ab**2 * row["C33"] * abs(row["cphi_radpermm"]))
         assert mz == pytest.approx(row["Mz_paperLin"], abs=0.011 * terms + 1e-6)
 
 

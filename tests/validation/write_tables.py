@@ -1,0 +1,167 @@
+"""Writes docs/validation.md: every number on that page comes from here.
+
+    python tests/validation/write_tables.py
+
+Needs the reference tables (folder `shared` beside the repository, or ROLLERRIG_SHARED).
+"""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import numpy as np
+
+ROOT = Path(__file__).parents[2]
+sys.path[:0] = [str(ROOT / "tests")]
+
+from validation import test_bogie as bogie_checks  # noqa: E402
+from validation import test_contact_results as contact_checks  # noqa: E402
+from validation import test_kinematics as kinematics  # noqa: E402
+from validation import test_rigid_touch as touch  # noqa: E402
+from validation.comparison import FILES, Comparison, comparisons  # noqa: E402
+from validation.reference import benchmark_press, kmh, mm, rows  # noqa: E402
+
+INTRODUCTION = """# Validation
+
+What the simulator is compared with, and how far apart the two are. This page is written by
+`python tests/validation/write_tables.py`; the tests in `tests/validation` and `tests/core` assert the same comparisons with
+tolerances that carry their reasons.
+
+References: CONTACT (Vollebregt, Kalker: exact half-space theory), independent codes for rigid contact points and Hertz
+ellipses, a bogie model written separately in NumPy (`benchmarks/scipy_model.py`), and closed forms.
+"""
+
+
+def table(header: list[str], body: list[list[str]]) -> str:
+    lines = ["| " + " | ".join(header) + " |", "|" + "---|" * len(header)]
+    return "\n".join(lines + ["| " + " | ".join(row) + " |" for row in body]) + "\n"
+
+
+def rigid_touch() -> str:
+    presses = {"rail": benchmark_press(None), "roller": benchmark_press(0.5)}
+    found = [touch.compare(presses[row["cfg"]], row) for row in rows("rigid_touch.csv")]
+    body = []
+    for support in ("rail", "roller"):
+        for flange in (False, True):
+            part = [d for d in found if d.row["cfg"] == support and d.flange == flange]
+            position = [max(abs(d.s), abs(d.x), abs(d.y), abs(d.z)) for d in part]
+            height = [abs(d.height) for d in part]
+            body.append(
+                [support, "flange" if flange else "tread", str(len(part)), f"{np.median(position):.5f}",
+                 f"{max(position):.4f}", f"{max(height):.1e}"]
+            )  # fmt: skip
+    second = [d for d in found if not np.isnan(d.row["gap2"])]
+    return (
+        "## Where rigid profiles touch\n\n"
+        "S1002 on UIC60 1:40, rail and roller of 500 mm radius; shift -8 to 8 mm, yaw 0 to 50 mrad, longitudinal offset 0 "
+        "to 20 mm. Largest difference of any coordinate of the contact point, and of the height of the wheelset, in mm.\n\n"
+        + table(["support", "contact on the", "poses", "position, median", "position, worst", "height, worst"], body)
+        + f"\nAll {len(second)} second contacts of the reference are found; their heights differ by at most "
+        f"{max(abs(d.second_height) for d in second):.1e} mm.\n"
+    )
+
+
+def contact_rows(results: list[Comparison]) -> list[list[str]]:
+    body = []
+    for c in results:
+        r = c.reference
+        creep = "" if np.isnan(c.creep_error) else f"{100 * c.creep_error:.1f}"
+        body.append(
+            [r["side"], f"{r['y_ws']:g}", f"{len(c.patches)}", f"{np.degrees(c.angle):.1f}", f"{r['Fn'] / 1e3:.2f}",
+             f"{1e3 * r['approach']:.1f}", f"{100 * c.ratio('approach', 'approach'):+.1f}",
+             f"{100 * c.ratio('area', 'patch_area'):+.0f}", f"{100 * c.ratio('pressure', 'pmax'):+.1f}",
+             f"{c.abscissa - c.reference_abscissa:+.2f}", f"{1e3 * (c.height - r['z_ws']):+.1f}", creep]
+        )  # fmt: skip
+    return body
+
+
+def elastic_contact() -> str:
+    results = {file: comparisons(file) for file in FILES}
+    ellipses = [c for part in results.values() for c in part if contact_checks.is_elliptic(c)]
+    approach = [100 * abs(c.ratio("approach", "approach")) for c in ellipses]
+    tread = max(100 * c.creep_error for c in ellipses if c.angle < 0.2)
+    flange = max(100 * c.creep_error for c in ellipses if c.angle >= 0.2)
+    text = (
+        "## Hertz and the paper's creep law against CONTACT\n\n"
+        "Each wheel carries the normal force that CONTACT found. `patches`: how many the paper's method keeps (CONTACT always "
+        "finds one). Approach (largest), area and peak pressure are differences to CONTACT; its areas count grid cells of "
+        "0.2 mm and are high by half a rim, 2 to 8 %. Position: centre of the patches on the wheel, weighted with force; "
+        "height: of the wheelset under load. Creep: error of the tangential force at CONTACT's creepages, in % of the "
+        "friction limit, where there is one patch.\n\n"
+        f"Where the patch is an ellipse the two agree: in the approach {np.median(approach):.1f} % (median), "
+        f"{max(approach):.1f} % (worst). They do not where the profiles conform: within "
+        "1 mm of the centred position, where CONTACT sees one patch 14 to 16 mm wide and the paper's method two Hertz "
+        "patches, then one that is too long or too short; and in the flange root at 5 mm. The tangential force is at most "
+        f"{tread:.0f} % of the friction limit off on the tread and {flange:.0f} % on the flange, where spin is large: the "
+        "paper's law takes spin as linear up to the limit.\n"
+    )
+    header = ["side", "shift mm", "patches", "angle deg", "N kN", "approach um", "approach %", "area %", "pressure %",
+              "position mm", "height um", "creep %"]  # fmt: skip
+    for file, title in FILES.items():
+        text += f"\n### {title[0].upper() + title[1:]}\n\n" + table(header, contact_rows(results[file]))
+    return text
+
+
+def limits() -> str:
+    speed = 100 * kmh
+    track = bogie_checks.eigenvalues("uic60_track", speed)
+    body = []
+    for radius in (10.0, 100.0, 1e3, 1e4):
+        rig = bogie_checks.eigenvalues("full_scale_rig", speed, support__roller_radius=radius)
+        body.append([f"{radius:g}", f"{bogie_checks.largest_relative_difference(track, rig):.2e}"])
+    return (
+        "## Rollers grow into a track\n\n"
+        "Eigenvalues of the bogie at 100 km/h on rollers of growing radius against those on straight track: largest relative "
+        "difference of any of the 50 eigenvalues. Rail and roller are the same code; the difference falls as 1/R.\n\n"
+        + table(["roller radius m", "difference"], body)
+    )
+
+
+def slow_rolling() -> str:
+    body = []
+    for conicity in (1 / 20, 1 / 40, 1 / 100):
+        length, radius, half = kinematics.wavelength(kinematics.lone_wheelset(conicity))
+        expected = kinematics.klingel(radius, half, conicity)
+        name = f"wheelset, cone 1:{1 / conicity:.0f}"
+        body.append([name, f"{length:.3f}", f"{expected:.3f}", f"{100 * (length / expected - 1):+.2f}"])
+    for nu, label in ((0.0, "nu = 0 (C11 = C22)"), (0.28, "steel")):
+        length, radius, half = kinematics.wavelength(kinematics.rigid_bogie(1 / 40, nu))
+        expected = kinematics.klingel(radius, half, 1 / 40) * float(np.sqrt(1 + (1.28 / half) ** 2))
+        body.append([f"rigid bogie, cone 1:40, {label}", f"{length:.3f}", f"{expected:.3f}",
+                     f"{100 * (length / expected - 1):+.2f}"])  # fmt: skip
+    return (
+        "## Slow rolling\n\n"
+        "Wavelength of the weave at 2 m/s, from the eigenvalues, against Klingel's formula and its form for a rigid bogie, "
+        "L sqrt(1 + (lw/l0)^2). That form holds for equal longitudinal and lateral creep coefficients; with steel C22 < C11, "
+        "and the bogie's wave is shorter by what their ratio says.\n\n"
+        + table(["model", "computed m", "formula m", "difference %"], body)
+    )
+
+
+def energy() -> str:
+    body = []
+    for support, speed, lateral in (
+        ("full_scale_rig", 150.0, 3.0),
+        ("full_scale_rig", 150.0, 6.5),
+        ("uic60_track", 150.0, 3.0),
+        ("full_scale_rig", 0.0, 3.0),
+    ):
+        _, run = bogie_checks.released(support, speed * kmh, lateral * mm, 0.5, tolerance=1e-8)
+        share = float(np.abs(run.energy_residual()).max()) / bogie_checks.turned_over(run)
+        body.append([support, f"{speed:g}", f"{lateral:g}", f"{bogie_checks.turned_over(run):.0f}", f"{share:.0e}"])
+    return (
+        "## Energy\n\n"
+        "Work put in less what is stored and what turned into heat, over 0.5 s after a release beside the middle, relative "
+        "tolerance 1e-8. Every run reports this residual.\n\n"
+        + table(["support", "km/h", "offset mm", "energy turned over J", "residual / turned over"], body)
+    )
+
+
+def main() -> None:
+    parts = [INTRODUCTION, rigid_touch(), elastic_contact(), limits(), slow_rolling(), energy()]
+    (ROOT / "docs" / "validation.md").write_text("\n".join(parts), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()
