@@ -31,6 +31,9 @@ Progress = Callable[[float, str], None]
 CHARACTERISTIC_RATE = 100.0
 """Rate that turns the tolerance of a displacement into that of its rate [1/s]."""
 
+ENERGY_WARNING = 1e-3
+"""Relative energy residual above which a run carries a warning [-]."""
+
 _STATUS_NAMES = {code: name for name, code in _core.status_codes.items()}
 _SLICE_SECONDS = 0.2
 """A slice should take this long: often enough for a progress bar and Ctrl-C."""
@@ -48,7 +51,8 @@ def simulate(case: Case, *, progress: Progress | None = None) -> xr.Dataset:
         interrupted by Ctrl-C returns what was computed until then; the attributes `status` and `status_message` say so.
 
     Raises:
-        ConfigError: the results would not fit in memory, or a disturbance moves what is held.
+        ConfigError: the results would not fit in memory, the fixed step is unstable, or a disturbance moves what is
+            held.
         StartError: no equilibrium was found to start from.
 
     Example:
@@ -66,7 +70,9 @@ def simulate(case: Case, *, progress: Progress | None = None) -> xr.Dataset:
     except KeyboardInterrupt:
         code = _core.status_codes["interrupted"]
     filled = int(np.count_nonzero(np.isfinite(times)))  # also what the last slice wrote before it was cut off
-    return add_energy_audit(run_dataset(model, times[:filled], rows[:filled], _outcome(simulation, model, code)))
+    return _with_warnings(
+        add_energy_audit(run_dataset(model, times[:filled], rows[:filled], _outcome(simulation, model, code)))
+    )
 
 
 def begin(simulation: _core.Simulation, model: AssembledModel, state: Vector, *, start_time: float = 0.0) -> None:
@@ -77,9 +83,14 @@ def begin(simulation: _core.Simulation, model: AssembledModel, state: Vector, *,
         model: its model.
         state: state at the start.
         start_time: time at the start [s].
+
+    Raises:
+        ConfigError: the fixed step is beyond the stability limit of the method at the start.
     """
     settings = model.case.time
     fixed = settings.method == "rk4"
+    if fixed:
+        _check_fixed_step(simulation, model.case, state)
     simulation.start(
         method=settings.method,
         step=(settings.step or 0.0) if fixed else 0.0,
@@ -95,6 +106,32 @@ def begin(simulation: _core.Simulation, model: AssembledModel, state: Vector, *,
     )
 
 
+def _check_fixed_step(simulation: _core.Simulation, case: Case, state: Vector) -> None:
+    """Refuse a step at which classical Runge-Kutta lets a decaying motion of the starting state grow.
+
+    A motion exp(lambda t) is multiplied by R(z) = 1 + z + z^2/2 + z^3/6 + z^4/24, z = lambda step, in each step (Hairer,
+    Wanner, Solving Ordinary Differential Equations II, IV.2). Slow running and stiff dampers make lambda large.
+    """
+    rates = np.linalg.eigvals(simulation.jacobian(0.0, state)[0])
+    decaying = rates[rates.real < -1.0]
+
+    def stable(step: float) -> bool:
+        z = step * decaying
+        return bool(np.all(np.abs(1 + z * (1 + z / 2 * (1 + z / 3 * (1 + z / 4)))) <= 1.0 + 1e-9))
+
+    step = case.time.step or 0.0
+    if not len(decaying) or stable(step):
+        return
+    allowed_step = step
+    while not stable(allowed_step):
+        allowed_step *= 0.97
+    allowed = (
+        f"allowed: at most {1e3 * allowed_step:.2g} ms, where rk4 is stable at {3.6 * case.motion.speed:g} km/h in this "
+        "case; or method = 'rodas4', which has no such limit"
+    )
+    raise ConfigError([ConfigProblem(case.name, "time.step", f"{1e3 * step:g} ms", allowed)])
+
+
 def absolute_tolerances(simulation: _core.Simulation, displacement: float) -> list[float]:
     """Absolute tolerance of each state: of displacements as given [m, rad], of rates 100 1/s times that."""
     tolerances = [displacement] * simulation.state_count
@@ -103,6 +140,17 @@ def absolute_tolerances(simulation: _core.Simulation, displacement: float) -> li
             if index >= 0:
                 tolerances[index] = CHARACTERISTIC_RATE * displacement
     return tolerances
+
+
+def _with_warnings(run: xr.Dataset) -> xr.Dataset:
+    """The run with the attribute `warnings`: what a reader must know before believing it, one line each, or empty."""
+    warnings = []
+    if run.attrs["energy_relative_residual"] > ENERGY_WARNING:
+        warnings.append(
+            f"energy balance open by {100 * run.attrs['energy_relative_residual']:.2g} % of the energy turned over: the "
+            "integration missed something (an impact, a stiff contact); use a smaller step, tolerance or maximum_step"
+        )
+    return run.assign_attrs(warnings="\n".join(warnings))
 
 
 # ---------------------------------------------------------------------------------------------------- integration

@@ -27,6 +27,8 @@ def command(
         run = simulate(chosen, progress=progress)
     for path in write_run(run, folder):
         typer.echo(path)
+    for warning in run.attrs["warnings"].splitlines():
+        say(f"rollerrig: {chosen.name}: warning: {warning}")
     if run.attrs["status"] != "ok":
         say(f"rollerrig: {chosen.name}: {run.attrs['status_message']}")
     raise typer.Exit(exit_code(run.attrs["status"]))

@@ -76,7 +76,8 @@ def _lead(summary: dict[str, Any]) -> str:
         f"Energy balance closed to {summary['energy_relative_residual']:.1e} of the {summary['energy_turned_over_j']:.4g} J "
         "turned over."
     )
-    return f"{ended}\n{speeds}{audit}"
+    warning = "".join(f"\nWarning: {line}." for line in summary["warnings"].splitlines())
+    return f"{ended}\n{speeds}{audit}{warning}"
 
 
 def _bodies(summary: dict[str, Any]) -> Table:

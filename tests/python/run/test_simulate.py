@@ -154,7 +154,8 @@ def test_leaving_the_model_is_named_with_time_and_wheel() -> None:
     assert np.allclose(fallen, -0.5 * 9.81 * run["time"] ** 2, atol=1e-12)
 
 
-def test_a_diverging_run_ends_with_a_status() -> None:
+def test_a_diverging_run_ends_with_a_status(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(run_module, "_check_fixed_step", lambda *_: None)  # it would have been refused
     run = rr.simulate(short_case(time__method="rk4", time__step="5 ms", time__output_step="5 ms"))
     assert run.attrs["status"] == "not_finite"
     assert 0 < run.sizes["time"] < 41
@@ -177,3 +178,28 @@ def test_memory_is_taken_once() -> None:
     times, rows = run_module._allocate(case, 10)
     assert rows.shape == (run_module.sample_count(case), 10)
     assert len(times) == 101
+
+
+def test_an_unstable_fixed_step_is_refused_with_the_step_that_works() -> None:
+    case = short_case(motion__speed="1 km/h", time__method="rk4", time__step="0.25 ms")
+    with pytest.raises(rr.ConfigError, match=r"time\.step: 0\.25 ms; allowed: at most 0\.0\d+ ms.*rodas4"):
+        rr.simulate(case)
+
+
+def test_a_run_whose_energy_does_not_close_says_so() -> None:
+    dropped = {"body": "wheelset_1", "vertical": "0.3 m"}
+    run = rr.simulate(
+        short_case(
+            disturbance=[dropped],
+            time__duration="0.6 s",
+            time__step=None,
+            time__relative_tolerance=1e-3,
+            time__absolute_tolerance=1e-5,
+        )
+    )
+    assert run.attrs["energy_relative_residual"] > 1e-3
+    assert "energy balance open" in run.attrs["warnings"]
+
+
+def test_a_quiet_run_carries_no_warning(run: xr.Dataset) -> None:
+    assert run.attrs["warnings"] == ""
