@@ -64,11 +64,12 @@ def test_same_input_same_bytes(case: Path, tmp_path: Path) -> None:
 
 
 def test_a_run_that_stops_keeps_its_results(case: Path, tmp_path: Path) -> None:
-    case.write_text(CASE.replace('"0.1 s"', '"0.1 s", method = "rk4", step = "5 ms"'))
+    lifted = {"disturbance": [{"body": "wheelset_1", "vertical": "0.5 m"}], "time.duration": "0.4 s"}
+    case.write_text(rr.load_case("contact_benchmark_track").with_changes(lifted).to_toml())  # it falls for 0.32 s
     done = Done("run", case, "--out", tmp_path / "out")
     assert done.code == 3
-    assert "short: t = 0." in done.err
-    assert "reduce the step" in done.err
+    assert "contact_benchmark_track: t = 0.2" in done.err
+    assert "wheelset_1_left: A wheel lost contact" in done.err
     assert rr.load_run(tmp_path / "out" / "run.nc").sizes["time"] > 0
 
 

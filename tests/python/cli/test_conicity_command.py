@@ -1,0 +1,69 @@
+"""`rollerrig conicity` as a user meets it."""
+
+from __future__ import annotations
+
+import csv
+import json
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner, Result
+
+from rollerrig.cli.app import build_app
+
+FILES = {"shift.csv", "conicity.csv", "characteristics.png", "summary.json", "report.html"}
+QUICK = ("--shift-mm", "4", "--step-mm", "0.5", "--amplitudes-mm", "1:4:1")
+
+
+def conicity(*arguments: object) -> Result:
+    return CliRunner().invoke(build_app(), ["conicity", *map(str, arguments)])
+
+
+def test_rail_and_roller_stand_side_by_side(tmp_path: Path) -> None:
+    done = conicity("s1002", "en_60e1_1_40", "--roller-radius", "0.5 m", "--out", tmp_path, *QUICK)
+    assert done.exit_code == 0, done.output
+    assert {path.name for path in tmp_path.iterdir()} == FILES
+    supports = json.loads((tmp_path / "summary.json").read_text())["supports"]
+    assert supports["rail"]["conicity_3mm"] < supports["roller R = 500 mm"]["conicity_3mm"]
+    with (tmp_path / "conicity.csv").open() as lines:
+        rows = list(csv.DictReader(lines))
+    assert [(row["support"], row["amplitude_mm"]) for row in rows[::4]] == [("rail", "1"), ("roller R = 500 mm", "1")]
+    assert "conicity" in done.stderr
+
+
+def test_every_key_of_the_summary_is_explained(tmp_path: Path) -> None:
+    conicity("cone_1_20", "en_60e1_1_40", "--out", tmp_path, *QUICK)
+    summary = json.loads((tmp_path / "summary.json").read_text())
+    inner = {f"supports.*.{key}" for support in summary["supports"].values() for key in support}
+    assert summary["keys"].keys() == (summary.keys() - {"keys"}) | inner
+
+
+def test_same_input_same_bytes(tmp_path: Path) -> None:
+    for name in "ab":
+        conicity("cone_1_20", "en_60e1_1_40", "--out", tmp_path / name, *QUICK)
+    for name in FILES:
+        assert (tmp_path / "a" / name).read_bytes() == (tmp_path / "b" / name).read_bytes(), name
+
+
+def test_a_table_that_ends_early_is_kept_and_told(tmp_path: Path) -> None:
+    done = conicity("cone_1_20", "en_60e1_1_40", "--shift-mm", "50", "--step-mm", "1", "--gauge", "1460mm", "--out", tmp_path)
+    assert done.exit_code == 3
+    assert "no contact from" in done.stderr
+    assert (tmp_path / "report.html").is_file()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("s102", "en_60e1_1_40"), "did you mean 's1002'"),
+        (("en_60e1_1_40", "s1002"), "cannot be used as a wheel"),
+        (("s1002", "en_60e1_1_40", "--gauge", "1435"), "write it with its unit"),
+        (("s1002", "en_60e1_1_40", "--gauge", "1600 mm"), "the wheels miss the rails"),
+        (("s1002", "en_60e1_1_40", "--amplitudes-mm", "0:4:1"), "above 0"),
+        (("s1002", "en_60e1_1_40", "--amplitudes-mm", "9"), "up to --shift-mm"),
+    ],
+)
+def test_bad_input_is_named(arguments: tuple[str, ...], message: str, tmp_path: Path) -> None:
+    done = conicity(*arguments, "--out", tmp_path)
+    assert done.exit_code == 2
+    assert message in " ".join(done.stderr.replace("│", " ").split())
