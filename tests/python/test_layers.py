@@ -1,7 +1,7 @@
 """The arrow of the data is a test: a folder may use only what stands to its left.
 
 core:    scalar -> math -> profile -> body -> geometry -> contact -> system -> integrate -> record
-Python:  profiles -> config -> catalog -> model -> results -> run -> analysis -> plot -> report -> cli
+Python:  profiles -> config -> catalog -> model -> results -> run -> characteristics -> analysis -> plot -> report -> studies -> cli
 """
 
 from __future__ import annotations
@@ -74,9 +74,11 @@ PYTHON_LAYERS = [
     {"results"},
     {"start"},
     {"run", "contact_table"},
+    {"characteristics"},
     {"analysis"},
     {"plot"},
     {"report"},
+    {"studies"},
     {"cli"},
 ]
 """From left to right; what `rollerrig/__init__.py` itself defines is open to all."""

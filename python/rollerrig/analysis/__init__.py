@@ -14,7 +14,7 @@ from rollerrig.analysis.hunting import (
     nonlinear_critical_speed,
 )
 from rollerrig.analysis.linearise import Linearisation, Lineariser, linearise
-from rollerrig.analysis.ramp import RampSettings, ramp_run
+from rollerrig.analysis.ramp import RampSettings, end_of_hunting, ramp_run
 from rollerrig.analysis.signals import ending, growth_rate, half_waves
 from rollerrig.analysis.stability import CriticalSpeed, linear_critical_speed, stability
 
@@ -26,6 +26,7 @@ __all__ = [
     "Lineariser",
     "NonlinearCriticalSpeed",
     "RampSettings",
+    "end_of_hunting",
     "ending",
     "growth_rate",
     "half_waves",

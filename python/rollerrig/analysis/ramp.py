@@ -10,19 +10,23 @@ velocity of all its moving bodies. What is left of it before the next one shows 
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import xarray as xr
+from numpy.typing import NDArray
 
 from rollerrig import _core
 from rollerrig.analysis.hunting import HuntingSettings, hunting_case
 from rollerrig.config import Case
 from rollerrig.model import AssembledModel, assemble
 from rollerrig.results import Outcome, add_energy_audit, run_dataset
-from rollerrig.run import begin
+from rollerrig.run import absolute_tolerances
 from rollerrig.start import starting_state
+
+Vector = NDArray[np.float64]
 
 SLICES_PER_SEGMENT = 8
 LATERAL = 1
@@ -67,39 +71,44 @@ def ramp_run(job: tuple[Case, RampSettings, HuntingSettings], progress: Callable
     """
     case, ramp, settings = job
     one_way = (ramp.high - ramp.low) / ramp.acceleration
-    turning = [one_way, 2 * one_way] if ramp.down else [one_way]
-    table = [[0.0, ramp.low], [one_way, ramp.high], [2 * one_way, ramp.low]][: len(turning) + 1]
-    chosen = hunting_case(case, ramp.low, _with_duration(settings, ramp.disturbance, turning[-1]))
-    model = assemble(chosen.with_changes({"motion.speed_table": table}))
-    simulation = _core.Simulation(model.core)
-    state = starting_state(simulation, model)
-    parts: list[xr.Dataset] = []
-    starts = _segment_starts(ramp, one_way, turning[-1])
-    for number, (start, stop) in enumerate(zip(starts, [*starts[1:], turning[-1]], strict=True)):
-        if number > 0 and ramp.nudge and start < one_way:
-            state = _nudged(state, simulation, model, ramp.nudge)
-        part = _segment(simulation, model, state, start, stop, lambda t: progress(t / turning[-1], "ramp"))
-        parts.append(part)
-        if part.attrs["status"] != "ok":
-            break
-        state = simulation.state
-    return _joined(parts, [s for s in starts[1:] if ramp.nudge and s < one_way])
-
-
-def _with_duration(settings: HuntingSettings, disturbance: float, duration: float) -> HuntingSettings:
-    return HuntingSettings(
-        disturbance, duration, settings.output_step, settings.relative_tolerance, settings.absolute_tolerance
-    )
-
-
-def _segment_starts(ramp: RampSettings, one_way: float, end: float) -> list[float]:
-    """Start of each segment, on the way up and down [s]."""
+    ways = [(ramp.low, ramp.high), (ramp.high, ramp.low)][: 2 if ramp.down else 1]
     count = max(1, round((ramp.high - ramp.low) / ramp.nudge_every))
-    ways = round(end / one_way)
-    return [one_way * (way + k / count) for way in range(ways) for k in range(count)]
+    marks = [one_way * k / count for k in range(count)] + [one_way]
+    parts: list[xr.Dataset] = []
+    nudges: list[float] = []
+    state: Vector | None = None
+    for way, (first, last) in enumerate(ways):  # each way is a run of its own: no corner of the speed within it
+        model = assemble(_one_way_case(case, ramp, settings, first, last, one_way))
+        simulation = _core.Simulation(model.core)
+        state = starting_state(simulation, model) if state is None else state
+        for start, stop in zip(marks[:-1], marks[1:], strict=True):
+            if way == 0 and start > 0 and ramp.nudge:
+                state = _nudged(state, simulation, model, ramp.nudge)
+                nudges.append(start)
+            done, whole = way * one_way, len(ways) * one_way
+            part = _segment(simulation, model, state, start, stop, _share(progress, done / whole, 1 / whole))
+            parts.append(part.assign_coords(time=part["time"] + done))
+            if part.attrs["status"] != "ok":
+                return _joined(parts, nudges)
+            state = simulation.state
+    return _joined(parts, nudges)
 
 
-def _nudged(state: np.ndarray, simulation: _core.Simulation, model: AssembledModel, velocity: float) -> np.ndarray:
+def _one_way_case(
+    case: Case, ramp: RampSettings, settings: HuntingSettings, first: float, last: float, duration: float
+) -> Case:
+    own = replace(settings, disturbance=ramp.disturbance, duration=duration)
+    chosen = hunting_case(case, first, own)
+    beyond = 1.001  # the table goes on a little beyond the end, so that no stage of the last step meets its corner
+    table = [[0.0, first], [beyond * duration, first + beyond * (last - first)]]
+    return chosen.with_changes({"motion.speed_table": table})
+
+
+def _share(progress: Callable[[float, str], None], done: float, per_second: float) -> Callable[[float], None]:
+    return lambda time: progress(done + per_second * time, "ramp")
+
+
+def _nudged(state: Vector, simulation: _core.Simulation, model: AssembledModel, velocity: float) -> Vector:
     pushed = np.array(state)
     for body in model.lateral_bodies:
         index = simulation.rate_index[model.body_index(body)][LATERAL]
@@ -111,13 +120,26 @@ def _nudged(state: np.ndarray, simulation: _core.Simulation, model: AssembledMod
 def _segment(
     simulation: _core.Simulation,
     model: AssembledModel,
-    state: np.ndarray,
+    state: Vector,
     start: float,
     stop: float,
     progress: Callable[[float], None],
 ) -> xr.Dataset:
-    begin(simulation, model, np.ascontiguousarray(state), start_time=start)
-    room = int((stop - start) / model.case.time.output_step) + 3
+    settings = model.case.time
+    simulation.start(
+        method=settings.method,
+        step=0.0,
+        relative_tolerance=settings.relative_tolerance,
+        absolute_tolerance=absolute_tolerances(simulation, settings.absolute_tolerance),
+        initial_step=0.0,
+        maximum_step=math.inf,
+        final_time=stop,  # hit exactly: the next segment starts from the state there
+        output_step=settings.output_step,
+        breakpoints=[],
+        t0=start,
+        x0=np.ascontiguousarray(state),
+    )
+    room = math.ceil((stop - start) / settings.output_step) + 3
     times, rows = np.empty(room), np.empty((room, simulation.width))
     filled = 0
     code = _core.status_codes["ok"]
@@ -166,3 +188,19 @@ def _summed(texts: Iterable[str]) -> dict[str, float]:
             old = total.get(key)
             total[key] = value if old is None else pick(old, value) if pick else old + value
     return total
+
+
+def end_of_hunting(ramp: xr.Dataset, body: str, least_amplitude: float = 1e-4) -> float:
+    """Speed at which the hunting ends while the rollers slow down [m/s]; NaN if they do not, or if it never ends.
+
+    Args:
+        ramp: Dataset of `ramp_run`.
+        body: whose lateral motion.
+        least_amplitude: smaller displacements are no hunting [m].
+    """
+    speed, lateral = ramp["speed"].to_numpy(), np.abs(ramp["lateral"].sel(body=body).to_numpy())
+    top = int(np.argmax(speed))
+    moving = np.flatnonzero(lateral[top:] > least_amplitude)
+    if moving.size == 0 or moving[-1] + 1 >= len(speed) - top:
+        return float("nan")
+    return float(speed[top + moving[-1]])

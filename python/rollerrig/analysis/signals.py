@@ -75,10 +75,6 @@ def growth_rate(signal: xr.DataArray, least_amplitude: float = LEAST_AMPLITUDE) 
         The rate; NaN with fewer than three half-waves.
     """
     waves = half_waves(signal["time"].to_numpy(), signal.to_numpy(), least_amplitude)
-    return _rate(waves)
-
-
-def _rate(waves: HalfWaves) -> float:
     if len(waves.time) < 3:
         return float("nan")
     return float(np.polyfit(waves.time - waves.time.mean(), np.log(waves.amplitude), 1)[0])
@@ -89,7 +85,7 @@ class Ending:
     """What is left at the end of a run.
 
     Attributes:
-        amplitude: median half-wave amplitude in the last part of the run [unit of the signal]; 0 if it died out.
+        amplitude: half the range of the signal in the last part of the run [unit of the signal]; 0 if it died out.
         frequency: of that oscillation [Hz]; NaN if it died out.
         rate: its growth rate [1/s]; NaN if it died out.
     """
@@ -103,8 +99,15 @@ class Ending:
         return self.amplitude >= least_amplitude and not self.rate < -slowest_decay
 
 
+RIPPLE = 0.25
+"""Half-waves smaller than this part of the amplitude are ripples on larger waves: they count for no frequency [1]."""
+
+
 def ending(time: Series, signal: Series, part: float = 1 / 3, least_amplitude: float = LEAST_AMPLITUDE) -> Ending:
     """Amplitude, frequency and growth rate in the last part of a run.
+
+    The rate compares the ranges of the two halves of that part: it is exact for an exponential, and an irregular limit
+    cycle, whose half-waves differ, gives nearly zero.
 
     Args:
         time: rising times [s].
@@ -114,8 +117,11 @@ def ending(time: Series, signal: Series, part: float = 1 / 3, least_amplitude: f
     """
     start = time[-1] - part * (time[-1] - time[0])
     last = time >= start
-    waves = half_waves(time[last], signal[last], least_amplitude)
-    if len(waves.time) < 2:
+    t, y = time[last], signal[last]
+    amplitude = 0.5 * float(np.ptp(y)) if len(y) else 0.0
+    waves = half_waves(t, y, max(least_amplitude, RIPPLE * amplitude))
+    if amplitude < least_amplitude or len(waves.time) < 2:
         return Ending(0.0, float("nan"), float("nan"))
-    frequency = 0.5 * len(waves.duration) / float(waves.duration.sum())
-    return Ending(float(np.median(waves.amplitude)), frequency, _rate(waves))
+    early, late = (0.5 * float(np.ptp(half)) for half in np.array_split(y, 2))
+    rate = float(np.log(late / early)) / (0.5 * float(t[-1] - t[0])) if late > 0 < early else float("-inf")
+    return Ending(amplitude, 0.5 * len(waves.duration) / float(waves.duration.sum()), rate)

@@ -37,7 +37,8 @@ def ramp_over_speed(ramps: Mapping[str, xr.Dataset], body: str, critical: Mappin
             nudges = np.array(json.loads(ramp.attrs["nudge_times_s"]))
             if nudges.size:
                 at = np.interp(nudges, ramp["time"].to_numpy(), speed)
-                axes.plot(at, np.zeros_like(at), "|", color="black", markersize=7, label="nudge")
+                place = axes.get_xaxis_transform()
+                axes.plot(at, np.full_like(at, 0.02), "^", color="black", markersize=4, label="nudge", transform=place)
             for name, value in critical.get(label, {}).items():
                 if np.isfinite(value):
                     critical_line(axes, value, f"{name} {value:.0f} km/h")
@@ -63,13 +64,15 @@ def hunting_over_time(runs: Sequence[tuple[float, xr.Dataset]], body: str, title
             axes.plot(run["time"].to_numpy(), lateral, color=COLOURS[0], linewidth=0.9)
             axes.annotate(
                 f"{speed:.0f} km/h",
-                (0.995, 0.93),
+                (0.995, 0.95),
                 xycoords="axes fraction",
                 ha="right",
                 va="top",
                 weight="bold",
                 fontsize=8,
+                bbox={"boxstyle": "square,pad=0.15", "facecolor": "white", "edgecolor": "none", "alpha": 0.9},
             )
+            axes.margins(x=0.01)
             axes.set_ylabel("[mm]")
         panels[0].set_title(title, loc="left")
         panels[-1].set_xlabel("time [s]")

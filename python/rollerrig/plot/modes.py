@@ -37,6 +37,11 @@ def _mark_critical(axes: Axes, modes: xr.Dataset) -> None:
         critical_line(axes, speed, f"linear critical speed {speed:.1f} km/h")
 
 
+def _where_it_oscillates(modes: xr.Dataset, variable: str, name: str) -> xr.DataArray:
+    mode = modes.sel(mode=name)
+    return mode[variable].where(mode["frequency"] > 0.0)
+
+
 def root_locus(modes: xr.Dataset) -> Figure:
     """Eigenvalues in the complex plane, one line per mode, from the lowest speed (open) to the highest (filled).
 
@@ -47,7 +52,8 @@ def root_locus(modes: xr.Dataset) -> Figure:
         figure, (axes,) = new_figure(height=4.4)
         for number, name in enumerate(shown_modes(modes)):
             mode = modes.sel(mode=name)
-            real, imaginary = mode["growth_rate"].to_numpy(), mode["frequency"].to_numpy()
+            going = mode["frequency"].to_numpy() > 0.0
+            real, imaginary = mode["growth_rate"].to_numpy()[going], mode["frequency"].to_numpy()[going]
             look = _look(name, number)
             axes.plot(real, imaginary, marker=".", markersize=4, label=name, **look)  # type: ignore[arg-type]
             marker = {"marker": "o", "markersize": 5, "color": look["color"], "linestyle": "none", "zorder": 6}
@@ -74,7 +80,7 @@ def damping_over_speed(modes: xr.Dataset) -> Figure:
         figure, (axes,) = new_figure()
         for number, name in enumerate(shown_modes(modes)):
             look = _look(name, number)
-            axes.plot(modes["speed"], 100 * modes["damping"].sel(mode=name), label=name, **look)  # type: ignore[arg-type]
+            axes.plot(modes["speed"], 100 * _where_it_oscillates(modes, "damping", name), label=name, **look)  # type: ignore[arg-type]
         axes.axhline(0.0, color=GREY, linewidth=1.0)
         _mark_critical(axes, modes)
         axes.set_xlabel("speed [km/h]")
@@ -97,7 +103,7 @@ def frequency_over_speed(
         figure, (axes,) = new_figure()
         for number, name in enumerate(shown_modes(modes)):
             look = _look(name, number)
-            axes.plot(modes["speed"], modes["frequency"].sel(mode=name), label=name, **look)  # type: ignore[arg-type]
+            axes.plot(modes["speed"], _where_it_oscillates(modes, "frequency", name), label=name, **look)  # type: ignore[arg-type]
         if runs is not None:
             going = runs["sustained"].to_numpy() == 1
             axes.plot(

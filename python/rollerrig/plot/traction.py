@@ -25,7 +25,15 @@ def traction_sliding(study: xr.Dataset, wheels: Mapping[str, str]) -> Figure:
             top.plot(time, 1e3 * own["sliding"], color=COLOURS[number], linestyle=STYLES[number], label=label)
         first = next(iter(wheels))
         theory = 1e3 * study["sliding_theory"].sel(wheel=first)
-        top.plot(time, theory, color="black", linestyle=":", linewidth=1.6, label="linear creep theory: torque × speed")
+        top.plot(
+            time,
+            theory,
+            color="black",
+            linestyle=":",
+            linewidth=1.6,
+            label="slope of the creep law at the start × force × speed",
+        )
+        top.set_ylim(bottom=0.0)
         top.set_ylabel("absolute sliding [mm/s]")
         top.legend(loc="upper left")
         bottom.plot(time, 1e-3 * study["torque"], color=COLOURS[2], label="torque per wheelset [kN m]")
@@ -63,5 +71,5 @@ def traction_forces(study: xr.Dataset, wheels: Mapping[str, str]) -> Figure:
         bottom.set_ylabel("vertical force\non the wheel [kN]")
         bottom.set_xlabel("time [s]")
         top.legend(loc="lower right")
-        bottom.legend(loc="center left")
+        bottom.legend(loc="center right")
         return figure

@@ -1,0 +1,86 @@
+"""The contact of the wheels in steady rolling: how deep, how stiff, how conical.
+
+Case -> equilibrium -> [contact_state] -> approach, creep stiffness, kinematic wavelength, equivalent conicity
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from rollerrig import _core
+from rollerrig.analysis.linearise import Lineariser
+from rollerrig.analysis.modes import HUNTING_SHARE, LEAST_FREQUENCY, eigensystem, energy_shares, wheelset_lateral_share
+from rollerrig.config import Case
+from rollerrig.results import Outcome, run_dataset
+
+SLOW = 5 / 3.6
+"""Speed at which the hunting mode is kinematic: inertia plays no part [m/s]."""
+
+REFERENCE_SPEED = 100 / 3.6
+"""Speed at which approach and creep stiffness are read; they hardly depend on it [m/s]."""
+
+
+@dataclass(frozen=True)
+class ContactState:
+    """Numbers of one wheel of the leading wheelset, and of the kinematic motion.
+
+    Attributes:
+        patches: number of patches.
+        approach: of the deepest patch [m].
+        creep_stiffness: sum of f11 over its patches, Kalker's linear theory [N].
+        wavelength: of slow hunting [m]; NaN if the motion does not oscillate.
+        conicity: that a rigid bogie on track would need for this wavelength [1].
+    """
+
+    patches: int
+    approach: float
+    creep_stiffness: float
+    wavelength: float
+    conicity: float
+
+
+def contact_state(case: Case) -> ContactState:
+    """The contact of the leading left wheel in steady rolling, and the wavelength of slow hunting.
+
+    Raises:
+        StartError: no rolling equilibrium was found.
+    """
+    lineariser = Lineariser(case)
+    linear = lineariser.at(REFERENCE_SPEED)
+    simulation = _core.Simulation(lineariser.model.core)
+    row = simulation.record(0.0, linear.equilibrium, np.zeros(simulation.quadrature_count))
+    outcome = Outcome("ok", "", 0.0, "", {}, {})
+    wheel = run_dataset(lineariser.model, np.zeros(1), row[None, :], outcome).isel(time=0, wheel=0)
+    count = int(wheel["patch_count"])
+    material, stiffness = case.contact.material, 0.0
+    for k in range(count):
+        a, b = float(wheel["patch_a"][k]), float(wheel["patch_b"][k])
+        c11 = _core.kalker_coefficients(a / b, material.poisson_ratio)[0]
+        stiffness += material.shear_modulus * a * b * c11
+    wavelength = slow_wavelength(lineariser)
+    wheelsets = [b for b in case.vehicle.data.bodies_in(case.vehicle.part) if b.kind == "wheelset"]
+    half_base = 0.5 * abs(wheelsets[0].position[0] - wheelsets[min(1, len(wheelsets) - 1)].position[0])
+    half_gauge = lineariser.model.rail_origin_y
+    ratio = 1 + (half_base / half_gauge) ** 2
+    conicity = case.vehicle.data.wheel.radius * half_gauge * ratio * (2 * math.pi / wavelength) ** 2
+    return ContactState(count, float(wheel["patch_approach"].max()), stiffness, wavelength, conicity)
+
+
+def slow_wavelength(lineariser: Lineariser, speed: float = SLOW) -> float:
+    """Wavelength of the least damped mode in which wheelsets weave, at low speed [m]; NaN if none oscillates.
+
+    Klingel's for a lone wheelset, 2 pi sqrt(r l0 / conicity); times sqrt(1 + (half base / l0)^2) for a rigid bogie.
+    """
+    linear = lineariser.at(speed)
+    system = eigensystem(linear.matrix)
+    weaving = [
+        value
+        for value, vector in zip(system.values, system.vectors.T, strict=True)
+        if value.imag > LEAST_FREQUENCY and wheelset_lateral_share(energy_shares(linear, vector)) >= HUNTING_SHARE
+    ]
+    if not weaving:
+        return math.nan
+    return 2 * math.pi * speed / float(max(weaving, key=lambda value: value.real).imag)

@@ -1,0 +1,251 @@
+"""What theory says about a bogie under traction on free rollers, beside what a run gave.
+
+    run of the traction case -> [closed forms] -> sliding, longitudinal force and load transfer, computed and expected
+
+Rolling:        C = J_w a + F r  and  F R = J_R a r / R  for each axle     =>  F = C / r * m_R / (m_R + m_w),  m = J / r^2
+Sliding:        F = -K (e - e_0), K the slope of the creep law at the start  =>  sliding = V (e_0 - F / K)
+Load transfer:  moments of the whole bogie about the middle of its crown line; frame and wheelsets shift and pitch on their
+                springs, and a wheelset off the crown by x feels its load along x: Q x / (R + r).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from rollerrig import _core
+from rollerrig.config import Case, Rig
+
+Series = NDArray[np.float64]
+
+GRAVITY = 9.81
+ITERATIONS = 60
+"""Of the fixed point for the shifts; each gains about a digit."""
+
+
+@dataclass(frozen=True)
+class Bogie:
+    """What the balance of moments needs, from the case.
+
+    Attributes:
+        half_base: half the wheelbase [m].
+        wheel_radius: [m].
+        roller_radius: [m].
+        wheelset_inertia: spin inertia of one wheelset [kg m^2].
+        roller_inertia: spin inertia of one roller pair [kg m^2].
+        wheelset_mass: of one wheelset [kg].
+        frame_mass: [kg].
+        frame_height: of the frame's centre of mass [m].
+        carried: load that the secondary springs put on the frame [N].
+        restraints: height [m] and longitudinal stiffness [N/m] of each element between frame and car body.
+        secondary_height: at which the carried load acts on the frame [m].
+        pitch_stiffness: of the elements between frame and car body [N m/rad].
+        primary: longitudinal and vertical stiffness of one axle's suspension [N/m].
+        primary_height: of its springs [m].
+    """
+
+    half_base: float
+    wheel_radius: float
+    roller_radius: float
+    wheelset_inertia: float
+    roller_inertia: float
+    wheelset_mass: float
+    frame_mass: float
+    frame_height: float
+    carried: float
+    restraints: tuple[tuple[float, float], ...]
+    secondary_height: float
+    pitch_stiffness: float
+    primary: tuple[float, float]
+    primary_height: float
+
+    @property
+    def share_to_roller(self) -> float:
+        """Part of C / r that reaches the roller; the rest spins up the wheelset."""
+        roller = self.roller_inertia / self.roller_radius**2
+        return roller / (roller + self.wheelset_inertia / self.wheel_radius**2)
+
+
+def bogie_of(case: Case, axle_load: float) -> Bogie:
+    """Gather the numbers from a case with one frame and two wheelsets on a rig.
+
+    Args:
+        case: the traction case.
+        axle_load: static load of one axle [N].
+
+    Raises:
+        ValueError: the case is no bogie on a rig.
+    """
+    support, vehicle = case.support.data, case.vehicle.data
+    bodies = vehicle.bodies_in(case.vehicle.part)
+    wheelsets = [b for b in bodies if b.kind == "wheelset"]
+    frames = [b for b in bodies if b.kind == "rigid" and b.name not in case.vehicle.part.held]
+    if not isinstance(support, Rig) or len(wheelsets) != 2 or len(frames) != 1:
+        raise ValueError(f"{case.name}: the traction study needs one frame on two wheelsets, on a rig")
+    frame = frames[0]
+    restraints, pitch, kx, kz, heights, primary_height = [], 0.0, 0.0, 0.0, [], wheelsets[0].position[2]
+    for element in vehicle.elements_in(case.vehicle.part):
+        laws = element.laws
+        x_stiffness = laws["x"].stiffness or 0.0 if "x" in laws else 0.0
+        if wheelsets[0].name in element.between:
+            kx += x_stiffness
+            kz += (laws["z"].stiffness or 0.0) if "z" in laws else 0.0
+            primary_height = element.end_b[2]
+        elif frame.name in element.between and wheelsets[1].name not in element.between:
+            end = element.end_b if element.between[1] == frame.name else element.end_a
+            restraints.append((end[2], x_stiffness))
+            pitch += (laws["pitch"].stiffness or 0.0) if "pitch" in laws else 0.0
+            if element.carries_load:
+                heights.append(end[2])
+    carried = 2 * axle_load - (2 * wheelsets[0].mass + frame.mass) * GRAVITY
+    return Bogie(
+        half_base=0.5 * abs(wheelsets[0].position[0] - wheelsets[1].position[0]),
+        wheel_radius=vehicle.wheel.radius,
+        roller_radius=support.roller_radius,
+        wheelset_inertia=wheelsets[0].inertia[1],
+        roller_inertia=support.roller_inertia[1],
+        wheelset_mass=wheelsets[0].mass,
+        frame_mass=frame.mass,
+        frame_height=frame.position[2],
+        carried=carried,
+        restraints=tuple(restraints),
+        secondary_height=float(np.mean(heights)) if heights else frame.position[2],
+        pitch_stiffness=pitch,
+        primary=(kx, kz),
+        primary_height=primary_height,
+    )
+
+
+@dataclass(frozen=True)
+class Balance:
+    """Closed forms over time; one axle each [N].
+
+    Attributes:
+        creep_force: tangential force on one wheelset.
+        longitudinal: force along x on front and rear wheelset; more than the creep force, since both left the crown.
+        vertical: force on front and rear wheelset.
+        shift: of front and rear wheelset from the crown [m].
+    """
+
+    creep_force: Series
+    longitudinal: tuple[Series, Series]
+    vertical: tuple[Series, Series]
+    shift: tuple[Series, Series]
+
+
+def balance(bogie: Bogie, torque: Series, axle_load: float) -> Balance:
+    """Quasi-static balance of the bogie under equal torques on both wheelsets that react on the frame.
+
+    Args:
+        bogie: from `bogie_of`.
+        torque: on each wheelset [N m].
+        axle_load: static load of one axle [N].
+    """
+    r, big_r, base = bogie.wheel_radius, bogie.roller_radius, bogie.half_base
+    creep = bogie.share_to_roller * torque / r
+    spin_up = 2 * (torque - creep * r)  # rate of both wheelsets' angular momentum
+    k = np.array([stiffness for _, stiffness in bogie.restraints])
+    z = np.array([height for height, _ in bogie.restraints]) - bogie.frame_height
+    frame_x, pitch, transfer = (np.zeros_like(torque) for _ in range(3))
+    front, rear = np.zeros_like(torque), np.zeros_like(torque)
+    for _ in range(ITERATIONS):
+        pull = [
+            creep + load * x / (big_r + r) for load, x in ((axle_load - transfer, front), (axle_load + transfer, rear))
+        ]
+        frame_x = (pull[0] + pull[1] - pitch * float(k @ z)) / k.sum()
+        springs = frame_x + pitch * (bogie.primary_height - bogie.frame_height)
+        front, rear = (springs + force / bogie.primary[0] for force in pull)
+        shift = 0.5 * (front + rear)
+        moment = spin_up + bogie.pitch_stiffness * pitch + shift * big_r / (big_r + r) * 2 * axle_load
+        for height, stiffness in zip(z, k, strict=True):
+            moment = moment + (height + bogie.frame_height) * stiffness * (frame_x + pitch * height)
+        carried_x = frame_x + pitch * (bogie.secondary_height - bogie.frame_height)
+        moment = moment - GRAVITY * (2 * bogie.wheelset_mass * shift + bogie.frame_mass * frame_x)
+        transfer = (moment - bogie.carried * carried_x) / (2 * base)
+        pitch = -transfer / (bogie.primary[1] * base)
+    vertical = (axle_load - transfer, axle_load + transfer)
+    return Balance(creep, (pull[0], pull[1]), vertical, (front, rear))
+
+
+def creep_slope(run: xr.Dataset, case: Case, wheel: str) -> float:
+    """Slope -dT_x / d(creepage) of all patches of a wheel at the first output time, from the creep law [N]."""
+    first = run.sel(wheel=wheel).isel(time=0)
+    material, contact, step = case.contact.material, case.contact, 1e-7
+    slope = 0.0
+    for k in range(int(first["patch_count"])):
+        patch = first.isel(patch=k)
+        e = [float(patch[f"patch_creepage_{d}"]) for d in ("x", "y", "spin")]
+        a, b, load = (float(patch[f"patch_{name}"]) for name in ("a", "b", "normal"))
+        forces = [
+            _core.creep_force(
+                [e[0] + d, e[1], e[2]],
+                a,
+                b,
+                load,
+                contact.friction,
+                material.shear_modulus,
+                material.poisson_ratio,
+                contact.creep,
+                contact.saturate_spin_moment,
+            )[0]
+            for d in (-step, step)
+        ]
+        slope -= (forces[1] - forces[0]) / (2 * step)
+    return slope
+
+
+def torque_over_time(case: Case, time: Series) -> Series:
+    """Torque on one wheelset [N m]; both must have the same."""
+    torques = []
+    for axle in case.axle_torque:
+        table = axle.table if axle.table is not None else ((0.0, axle.constant or 0.0),)
+        rows = np.array(table, dtype=np.float64)
+        torques.append(np.interp(time, rows[:, 0], rows[:, 1]))
+    if len(torques) != 2 or np.any(torques[0] != torques[1]):
+        raise ValueError(f"{case.name}: the traction study needs the same torque on both wheelsets")
+    return np.asarray(torques[0])
+
+
+def with_theory(run: xr.Dataset, case: Case) -> xr.Dataset:
+    """The run's wheels with what theory expects of them.
+
+    Args:
+        run: results of `simulate` for the traction case.
+        case: the case.
+
+    Returns:
+        Over time and wheel: `sliding`, `sliding_theory` [m/s], `longitudinal_force`, `longitudinal_force_theory`,
+        `vertical_force`, `vertical_force_theory` [N]; over time: `torque` [N m], `speed` [m/s].
+    """
+    time = run["time"].to_numpy()
+    torque = torque_over_time(case, time)
+    # The car body is held in its design position: the frame settles on the contacts and feels a little less of it.
+    axle_load = 0.5 * float(run["vertical_force"].isel(time=0).sum())
+    forces = balance(bogie_of(case, axle_load), torque, axle_load)
+    names = [str(w) for w in run["wheel"].to_numpy()]
+    first = names[0].rsplit("_", 1)[0]
+    speed = run["speed"].to_numpy()
+    sliding, along, up = (np.zeros((len(time), len(names))) for _ in range(3))
+    for k, name in enumerate(names):
+        axle = 0 if name.startswith(first) else 1
+        start = run.sel(wheel=name).isel(time=0)
+        free = float(start["longitudinal_sliding"]) / float(start["speed"])
+        sliding[:, k] = np.abs(speed * (free - 0.5 * forces.creep_force / creep_slope(run, case, name)))
+        along[:, k], up[:, k] = 0.5 * forces.longitudinal[axle], 0.5 * forces.vertical[axle]
+    dims = ("time", "wheel")
+    both = {
+        "sliding": (
+            dims,
+            np.abs(run["longitudinal_sliding"].to_numpy()),
+            {"units": "m/s", "long_name": "absolute sliding"},
+        ),
+        "sliding_theory": (dims, sliding, {"units": "m/s", "long_name": "linearised creep theory"}),
+        "longitudinal_force_theory": (dims, along, {"units": "N", "long_name": "closed form"}),
+        "vertical_force_theory": (dims, up, {"units": "N", "long_name": "closed form"}),
+        "torque": ("time", torque, {"units": "N m", "long_name": "torque on each wheelset"}),
+    }
+    kept = run[["longitudinal_force", "vertical_force", "longitudinal_sliding", "lateral_sliding", "speed"]]
+    return kept.assign(both)

@@ -1,0 +1,93 @@
+"""What the paper study computes: cases, speeds, lengths of runs."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from rollerrig.analysis import HuntingSettings, RampSettings
+from rollerrig.config import Case, load_case
+
+MATERIALS = ("steel", "paper")
+"""Names in the catalogue; `paper` has the G = 10 GPa of the paper."""
+
+PAPER_CRITICAL_KMH = 100.0
+"""Speed above which the paper's figure 7a grows [km/h]."""
+
+VARIANTS = {
+    "bogie on the rig": ("bogie_rollers_constant", "leading_bogie"),
+    "bogie on track": ("bogie_track", "leading_bogie"),
+    "vehicle on track": ("bogie_track", "vehicle"),
+}
+"""What is linearised: label -> case, cut."""
+
+BARRIERS = (0.0, 0.005, 0.01, 0.015, 0.02, 0.05)
+"""Values of contact.merge_barrier for which the sensitivity of the critical speed is shown."""
+
+
+@dataclass(frozen=True)
+class PaperPlan:
+    """Speeds and lengths.
+
+    Attributes:
+        linear_kmh: speeds at which modes are computed [km/h].
+        runs_kmh: material -> speeds of runs at constant speed [km/h].
+        bracket_kmh: width to which the nonlinear critical speed is narrowed down [km/h].
+        ramps: material -> ramp.
+        hunting: disturbance, length and tolerances of the runs.
+        traction_case: name of the case in the catalogue.
+        traction_changes: changes to it.
+        barriers: values of the merge barrier for the sensitivity.
+    """
+
+    linear_kmh: tuple[float, ...]
+    runs_kmh: dict[str, tuple[float, ...]]
+    bracket_kmh: float
+    ramps: dict[str, RampSettings]
+    hunting: HuntingSettings = field(default_factory=HuntingSettings)
+    traction_case: str = "bogie_rollers_traction"
+    traction_changes: dict[str, object] = field(default_factory=dict)
+    barriers: tuple[float, ...] = BARRIERS
+
+
+def _kmh(low: float, high: float, acceleration: float, nudge_every: float) -> RampSettings:
+    return RampSettings(low / 3.6, high / 3.6, acceleration / 3.6, nudge_every=nudge_every / 3.6)
+
+
+FULL = PaperPlan(
+    linear_kmh=tuple(float(v) for v in range(20, 401, 10)),
+    runs_kmh={
+        "steel": tuple(float(v) for v in range(100, 301, 20)),
+        "paper": tuple(float(v) for v in range(80, 221, 20)),
+    },
+    bracket_kmh=2.5,
+    ramps={"steel": _kmh(60, 300, 2, 10), "paper": _kmh(40, 220, 2, 10)},
+)
+
+QUICK = PaperPlan(
+    linear_kmh=(180.0, 260.0),
+    runs_kmh={"steel": (100.0, 200.0), "paper": (100.0, 160.0)},
+    bracket_kmh=1000.0,
+    ramps={"steel": _kmh(140, 180, 40, 20), "paper": _kmh(100, 140, 40, 20)},
+    hunting=HuntingSettings(duration=1.0, output_step=1e-2),
+    barriers=(0.0, 0.01),
+)
+
+
+def case_of(variant: str, material: str) -> Case:
+    """The case of one of VARIANTS with a material of the catalogue."""
+    name, cut = VARIANTS[variant]
+    changes: dict[str, object] = {"contact.material": material, "vehicle.cut": cut}
+    if cut == "vehicle":
+        # Two patches of one wheel fight each other and brake; what pulls the vehicle at constant speed holds it in x.
+        changes["vehicle.body.car_body.locked"] = ["x"]
+    return load_case(name).with_changes(changes)
+
+
+def rig_case(material: str) -> Case:
+    """The bogie on the rig."""
+    return case_of("bogie on the rig", material)
+
+
+def traction_case(plan: PaperPlan) -> Case:
+    """The case of figure 8."""
+    return load_case(plan.traction_case).with_changes(plan.traction_changes)

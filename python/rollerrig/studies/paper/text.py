@@ -1,0 +1,184 @@
+"""The sentences of the paper report, made from its numbers."""
+
+from __future__ import annotations
+
+import math
+
+from rollerrig.analysis import end_of_hunting
+from rollerrig.studies.paper.compute import PaperResults
+from rollerrig.studies.paper.plan import MATERIALS, PAPER_CRITICAL_KMH
+
+GIGA = 1e9
+NAMES = {"steel": "steel", "paper": "the paper's material"}
+
+
+def kmh(value: float, digits: int = 0) -> str:
+    """A speed as text; a dash where there is none."""
+    return f"{value:.{digits}f} km/h" if math.isfinite(value) else "–"
+
+
+def lead(results: PaperResults) -> str:
+    """The whole in a few lines."""
+    lines = [
+        f"{NAMES[m].capitalize()}: linear critical speed on the rig {kmh(results.linear_kmh(m), 1)}, nonlinear (from "
+        f"{1e3 * results.plan.hunting.disturbance:g} mm) {kmh(results.nonlinear_kmh(m))}."
+        for m in MATERIALS
+        if m in results.modes
+    ]
+    study = results.traction_theory
+    if study is not None:
+        end = study.isel(time=-1)
+        front, rear = (float(end["sliding"].sel(wheel=w)) for w in ("wheelset_1_right", "wheelset_2_right"))
+        lines.append(
+            f"Traction: at the end the front wheels slide at {1e3 * front:.1f} mm/s and the rear ones at "
+            f"{1e3 * rear:.1f} mm/s while they run at {3.6 * float(end['speed']):.0f} km/h."
+        )
+    if results.interrupted:
+        lines.insert(0, "Interrupted: this report holds what was computed until then.")
+    return "\n".join(lines)
+
+
+def critical_paragraphs(results: PaperResults) -> list[str]:
+    """What figure 7 says about the critical speed."""
+    texts = []
+    for material in MATERIALS:
+        linear, nonlinear = results.linear_kmh(material), results.nonlinear_kmh(material)
+        if not (math.isfinite(linear) and math.isfinite(nonlinear)):
+            continue
+        found = results.runs[material]
+        size = 1e3 * found.disturbance
+        text = (
+            f"{NAMES[material].capitalize()}: small disturbances grow above {linear:.1f} km/h. From {size:g} mm the "
+            f"bogie calms down at {3.6 * found.dies_out:.1f} km/h and hunts for ever at {3.6 * found.goes_on:.1f} km/h."
+        )
+        if nonlinear < linear - 5:
+            text += (
+                f" Between {nonlinear:.0f} and {linear:.0f} km/h both are possible: small disturbances die out, "
+                f"larger ones end in a limit cycle, and a bogie that hunts goes on doing so while the rollers slow "
+                f"down, until the lower of the two speeds (hysteresis, a subcritical bifurcation)."
+            )
+        ramp = results.ramps.get(material)
+        end = 3.6 * end_of_hunting(ramp, "front_frame") if ramp is not None else math.nan
+        if math.isfinite(end):
+            text += f" On the ramp down, the hunting ends at {end:.0f} km/h."
+        texts.append(text)
+    return texts
+
+
+RAMP_TEXT = (
+    "The rollers are sped up slowly from a disturbed start, as in the paper, and then slowed down again. The model "
+    "has no irregularities: below the critical speed the first disturbance decays within seconds to exact rest, and "
+    "a bogie at exact rest stays there far above the critical speed, whatever its stability. So the bogie gets a "
+    "sideways nudge at every {every:g} km/h on the way up (triangles): all its moving bodies are given a lateral "
+    "velocity of {nudge:g} mm/s. What remains of one nudge before the next shows whether disturbances grow. The "
+    "rollers gain {rate:g} km/h per second."
+)
+
+
+def ramp_text(results: PaperResults) -> str:
+    """What was done in the ramps."""
+    ramp = results.plan.ramps[MATERIALS[0]]
+    return RAMP_TEXT.format(
+        every=round(3.6 * ramp.nudge_every, 6), nudge=1e3 * ramp.nudge, rate=round(3.6 * ramp.acceleration, 6)
+    )
+
+
+def fit_paragraphs(results: PaperResults) -> list[str]:
+    """Which material the paper's critical speed fits, and why; from the numbers."""
+    values = {
+        (m, kind): value
+        for m in MATERIALS
+        for kind, value in (("linear", results.linear_kmh(m)), ("nonlinear", results.nonlinear_kmh(m)))
+        if math.isfinite(value)
+    }
+    if not values:
+        return []
+    nearest = min(values, key=lambda key: abs(values[key] - PAPER_CRITICAL_KMH))
+    by_material = {
+        m: min((abs(v - PAPER_CRITICAL_KMH) for (n, _), v in values.items() if n == m), default=math.inf)
+        for m in MATERIALS
+    }
+    material, kind = nearest
+    texts = [
+        f"The paper reports growing oscillations above {PAPER_CRITICAL_KMH:.0f} km/h. Nearest comes "
+        f"{NAMES[material]}, with its {kind} critical speed of {values[nearest]:.0f} km/h; the other material comes "
+        f"no nearer than {max(v for v in by_material.values() if math.isfinite(v)):.0f} km/h. "
+        f"{_verdict(values[nearest])}"
+    ]
+    if all(m in results.contact for m in MATERIALS):
+        texts.append(_why(results))
+    sensitivity = _sensitivity(results)
+    return [*texts, sensitivity] if sensitivity else texts
+
+
+def _verdict(value: float) -> str:
+    off = value / PAPER_CRITICAL_KMH - 1
+    if abs(off) <= 0.1:
+        return "That is within a tenth of the paper's value."
+    word = "above" if off > 0 else "below"
+    return (
+        f"That is still {100 * abs(off):.0f} % {word} the paper's value, so neither repeats it. The paper gives no "
+        f"suspension data, no profiles and no radius of its rollers; no parameter was tuned here to close the gap."
+    )
+
+
+def onset_wavelength(results: PaperResults, material: str) -> float:
+    """Wavelength of the limit cycle at the lowest speed at which it was found [m]; NaN if there is none."""
+    found = results.runs.get(material)
+    going = [run for run in found.runs if run.sustained and run.valid] if found else []
+    return going[0].speed / going[0].ending.frequency if going else math.nan
+
+
+def _why(results: PaperResults) -> str:
+    steel, soft = (results.contact[m] for m in MATERIALS)
+    text = (
+        f"Why the material matters: with G = 10 GPa the wheels sink in {soft.approach / steel.approach:.1f} times "
+        f"as deep ({1e6 * soft.approach:.0f} instead of {1e6 * steel.approach:.0f} µm), and the creep stiffness "
+        f"Σf₁₁ of a wheel falls to {100 * soft.creep_stiffness / steel.creep_stiffness:.0f} % (Hertz and Kalker "
+        f"together give G^(1/3), which is {100 * (10 / 82.03) ** (1 / 3):.0f} %): what holds the wheelsets on "
+        f"course against their inertia is weaker."
+    )
+    waves = [onset_wavelength(results, m) for m in MATERIALS]
+    if all(math.isfinite(w) for w in waves):
+        ratio = (waves[0] / waves[1]) ** 2
+        text += (
+            f" Where hunting begins, its wavelength is {waves[0]:.1f} m with steel and {waves[1]:.1f} m with the "
+            f"paper's material; the square of their ratio, {ratio:.2f}, is that of the effective conicities. Small "
+            f"motion about the centre has {steel.wavelength:.1f} m and {soft.wavelength:.1f} m on the same rig: in "
+            f"the soft contact the steering stiffens much more with amplitude, which is why its limit cycle begins "
+            f"so far below its own linear critical speed."
+        )
+    return text
+
+
+def _sensitivity(results: PaperResults) -> str:
+    parts = []
+    for material in MATERIALS:
+        speeds = [3.6 * v for v in results.barriers.get(material, {}).values() if math.isfinite(v)]
+        if len(speeds) > 1:
+            parts.append(f"{NAMES[material]} {min(speeds):.0f} to {max(speeds):.0f} km/h")
+    if not parts:
+        return ""
+    return (
+        "How firm these numbers are: near its centred position S1002 on UIC60 1:40 touches in two patches per "
+        "wheel, and the method of the paper treats each as a Hertz contact of its own. What happens where two "
+        "patches become one is a modelling choice (contact.merge_barrier). Over the values in the table the linear "
+        "critical speed is "
+        + " and ".join(parts)
+        + ". The exact solution has a single patch there, so the linear critical speed of this pair "
+        "should not be read finer than that."
+    )
+
+
+LEFT_OUT = (
+    "Track or roller irregularities, and any compliance of the rig itself: the rollers only spin.",
+    "The car body's motion: it is held, as in the paper. The frame therefore settles on the contacts without the "
+    "car body following, and the wheel loads are about 0.1 % below their static values.",
+    "Contact of other than elliptic shape: two patches of one wheel are two Hertz ellipses, where the exact theory "
+    "sees one patch; overlaps are counted in the table of counters.",
+    "Transient rolling contact, falling friction, temperature and wear: creep forces follow Kalker's steady linear "
+    "theory with saturation at constant friction.",
+    "Flexible wheelsets and frames, and drive dynamics: torques are prescribed.",
+    "The control of the rig: its rollers are held at a speed in figure 7 and turn freely in figure 8.",
+)
+"""What the model does not have."""

@@ -1,0 +1,65 @@
+"""Growth rate, amplitude and frequency of signals that are known exactly."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import xarray as xr
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from rollerrig.analysis import ending, growth_rate, half_waves
+
+TIME = np.linspace(0.0, 6.0, 1201)
+
+
+def spiral(rate: float, frequency: float = 2.5, amplitude: float = 1e-3) -> np.ndarray:
+    return amplitude * np.exp(rate * TIME) * np.sin(2 * np.pi * frequency * TIME)
+
+
+@pytest.mark.parametrize("rate", [-1.2, -0.3, 0.0, 0.4, 1.5])
+def test_growth_rate_of_a_spiral(rate: float) -> None:
+    y = xr.DataArray(spiral(rate), {"time": TIME}, ["time"])
+    # extrema of a spline through 80 points per wave: their error is of fourth order
+    assert growth_rate(y) == pytest.approx(rate, abs=1e-4)
+
+
+@settings(max_examples=25, deadline=None)
+@given(
+    rate=st.floats(-1.0, 1.0), frequency=st.floats(1.0, 8.0), offset=st.floats(-1e-2, 1e-2), scale=st.floats(1e-2, 1e2)
+)
+def test_growth_rate_knows_no_offset_and_no_scale(rate: float, frequency: float, offset: float, scale: float) -> None:
+    y = xr.DataArray(offset + scale * spiral(rate, frequency), {"time": TIME}, ["time"])
+    assert growth_rate(y, least_amplitude=1e-9) == pytest.approx(rate, abs=2e-3)
+
+
+def test_frequency_and_amplitude_of_a_steady_wave() -> None:
+    found = ending(TIME, spiral(0.0))
+    assert found.frequency == pytest.approx(2.5, rel=1e-5)
+    assert found.amplitude == pytest.approx(1e-3, rel=1e-5)
+    assert found.sustained(least_amplitude=1e-5, slowest_decay=0.2)
+
+
+def test_a_dying_signal_leaves_nothing() -> None:
+    found = ending(TIME, spiral(-8.0))
+    assert found.amplitude == 0.0
+    assert np.isnan(found.frequency)
+    assert not found.sustained(1e-5, 0.2)
+
+
+def test_a_slowly_dying_signal_is_not_sustained() -> None:
+    assert not ending(TIME, spiral(-0.5)).sustained(1e-5, 0.2)
+
+
+def test_rest_and_short_signals_do_not_trouble() -> None:
+    assert ending(TIME, np.zeros_like(TIME)).amplitude == 0.0
+    assert len(half_waves(TIME[:3], TIME[:3]).time) == 0
+    assert np.isnan(growth_rate(xr.DataArray(TIME, {"time": TIME}, ["time"])))
+
+
+def test_ripples_below_the_threshold_do_not_split_waves() -> None:
+    clean = spiral(0.0)
+    rippled = clean + 1e-7 * np.sin(2 * np.pi * 60 * TIME)
+    found = half_waves(TIME, rippled, least_amplitude=1e-6)
+    assert len(found.time) == len(half_waves(TIME, clean).time)
+    assert np.median(found.amplitude) == pytest.approx(1e-3, rel=1e-3)

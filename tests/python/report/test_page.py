@@ -1,0 +1,81 @@
+"""The report is one file that needs no other, says pass and fail, and escapes what it is given."""
+
+from __future__ import annotations
+
+import math
+from html.parser import HTMLParser
+
+import pytest
+
+from rollerrig.report import Check, Figure, Page, Preformatted, Section, Table, Text, check_table, render
+from rollerrig.report.page import number
+
+PNG = b"\x89PNG\r\n\x1a\n"
+
+
+class Reader(HTMLParser):
+    def __init__(self) -> None:
+        super().__init__()
+        self.open: list[str] = []
+        self.links: list[str] = []
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        if tag not in ("img", "meta", "link", "br"):
+            self.open.append(tag)
+        self.links += [value or "" for name, value in attrs if name in ("src", "href")]
+
+    def handle_endtag(self, tag: str) -> None:
+        assert self.open.pop() == tag
+
+
+def page() -> Page:
+    table = Table(("a", "b"), [("text <b>", 1.5), (2, "✔ pass")], "caption")
+    blocks = [Text("1 < 2 & 3"), Figure(PNG, "a picture"), table, Preformatted("config", "x = '<y>'")]
+    return Page("A title", "lead", [Section("One thing", blocks)], "footer")
+
+
+def test_the_page_is_well_formed_and_needs_nothing_else() -> None:
+    reader = Reader()
+    reader.feed(render(page()))
+    assert reader.open == []
+    assert all(link.startswith(("#", "data:")) for link in reader.links)
+
+
+def test_what_is_given_is_escaped() -> None:
+    text = render(page())
+    assert "text &lt;b&gt;" in text
+    assert "1 &lt; 2 &amp; 3" in text
+
+
+def test_the_kind_of_a_picture_is_known() -> None:
+    assert Figure(PNG, "").source.startswith("data:image/png;base64,")
+    assert Figure(b"<svg/>", "").source.startswith("data:image/svg+xml;base64,")
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [
+        (0.0, "0"),
+        (1.23456, "1.235"),
+        (12345.6, "12\u202f346"),
+        (2, "2"),
+        (1e-7, "1.000·10^-7"),
+        (math.nan, "–"),
+        ("x", "x"),
+    ],
+)
+def test_numbers_are_written_as_people_do(value: object, text: str) -> None:
+    assert number(value) == text
+
+
+def test_checks_pass_and_fail() -> None:
+    good = Check("a", 1.01, 1.0, 0.02, "reason", relative=True)
+    bad = Check("b", 1.1, 1.0, 0.02, "reason", "N")
+    nothing = Check("c", math.nan, 1.0, 0.02, "reason")
+    assert good.passed
+    assert not bad.passed
+    assert not nothing.passed
+    rows = check_table([good, bad]).rows
+    assert rows[0][0] == "✔ pass"
+    assert rows[1][0] == "✘ FAIL"
+    assert good.as_dict()["deviation"] == pytest.approx(0.01)
