@@ -1,7 +1,8 @@
 """The arrow of the data is a test: a folder may use only what stands to its left.
 
 core:    scalar -> math -> profile -> body -> geometry -> contact -> system -> integrate -> record
-Python:  profiles -> config -> catalog -> model -> results -> run -> characteristics -> analysis -> plot -> report -> studies -> cli
+Python:  profiles -> config -> catalog -> model -> results -> run -> characteristics -> analysis -> plot -> report
+         -> studies -> cli
 """
 
 from __future__ import annotations

@@ -19,34 +19,41 @@ def conicity(*arguments: object) -> Result:
     return CliRunner().invoke(build_app(), ["conicity", *map(str, arguments)])
 
 
-def test_rail_and_roller_stand_side_by_side(tmp_path: Path) -> None:
-    done = conicity("s1002", "en_60e1_1_40", "--roller-radius", "0.5 m", "--out", tmp_path, *QUICK)
-    assert done.exit_code == 0, done.output
-    assert {path.name for path in tmp_path.iterdir()} == FILES
-    supports = json.loads((tmp_path / "summary.json").read_text())["supports"]
+@pytest.fixture(scope="module")
+def outputs(tmp_path_factory: pytest.TempPathFactory) -> list[Path]:
+    """The same command twice."""
+    folders = [tmp_path_factory.mktemp(name) for name in ("first", "second")]
+    for folder in folders:
+        done = conicity("s1002", "en_60e1_1_40", "--roller-radius", "0.5 m", "--out", folder, *QUICK)
+        assert done.exit_code == 0, done.output
+        assert "conicity" in done.stderr
+    return folders
+
+
+def test_rail_and_roller_stand_side_by_side(outputs: list[Path]) -> None:
+    assert {path.name for path in outputs[0].iterdir()} == FILES
+    supports = json.loads((outputs[0] / "summary.json").read_text())["supports"]
     assert supports["rail"]["conicity_3mm"] < supports["roller R = 500 mm"]["conicity_3mm"]
-    with (tmp_path / "conicity.csv").open() as lines:
+    with (outputs[0] / "conicity.csv").open() as lines:
         rows = list(csv.DictReader(lines))
     assert [(row["support"], row["amplitude_mm"]) for row in rows[::4]] == [("rail", "1"), ("roller R = 500 mm", "1")]
-    assert "conicity" in done.stderr
 
 
-def test_every_key_of_the_summary_is_explained(tmp_path: Path) -> None:
-    conicity("cone_1_20", "en_60e1_1_40", "--out", tmp_path, *QUICK)
-    summary = json.loads((tmp_path / "summary.json").read_text())
+def test_every_key_of_the_summary_is_explained(outputs: list[Path]) -> None:
+    summary = json.loads((outputs[0] / "summary.json").read_text())
     inner = {f"supports.*.{key}" for support in summary["supports"].values() for key in support}
     assert summary["keys"].keys() == (summary.keys() - {"keys"}) | inner
 
 
-def test_same_input_same_bytes(tmp_path: Path) -> None:
-    for name in "ab":
-        conicity("cone_1_20", "en_60e1_1_40", "--out", tmp_path / name, *QUICK)
-    for name in FILES:
-        assert (tmp_path / "a" / name).read_bytes() == (tmp_path / "b" / name).read_bytes(), name
+@pytest.mark.parametrize("name", sorted(FILES))
+def test_same_input_same_bytes(outputs: list[Path], name: str) -> None:
+    assert (outputs[0] / name).read_bytes() == (outputs[1] / name).read_bytes()
 
 
 def test_a_table_that_ends_early_is_kept_and_told(tmp_path: Path) -> None:
-    done = conicity("cone_1_20", "en_60e1_1_40", "--shift-mm", "50", "--step-mm", "1", "--gauge", "1460mm", "--out", tmp_path)
+    done = conicity(
+        "cone_1_20", "en_60e1_1_40", "--shift-mm", "50", "--step-mm", "1", "--back-to-back", "1320mm", "--out", tmp_path
+    )
     assert done.exit_code == 3
     assert "no contact from" in done.stderr
     assert (tmp_path / "report.html").is_file()

@@ -1,0 +1,141 @@
+"""Equivalent conicity: the cone whose wheelset would weave as long as this one does.
+
+    rolling radius difference over lateral shift -> [kinematic motion integrated] -> wavelength, conicity over amplitude
+
+A free wheelset that rolls without slip follows, over the distance x it travels,
+
+    y'' + Δr(y) / (e r0) = 0                                                       (K1)
+
+which has the first integral y'^2 / 2 = [U(ŷ) - U(y)] / (e r0), U(y) = ∫ Δr dy. A quarter of its wave is the way from
+y = 0 to the amplitude ŷ, and since both sides have the same profiles the four quarters are alike:
+
+    λ(ŷ) = 4 sqrt(e r0) ∫_0^ŷ dy / sqrt(2 [U(ŷ) - U(y)])                            (K2)
+    tan γ_e = 2 e r0 (π / λ)^2                                                     (K3)
+
+On rollers Δr is the effective difference, which counts the rollers' radii as well, and x is the way of the surface.
+
+Units   SI. The conicity depends on neither e nor r0; the wavelength does.
+Source  EN 15302:2021, clause 9 and annex E (direct integration of the nonlinear differential equation); EN 15302:2008,
+        annex B; Klingel (1883) for (K3).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+FloatArray = NDArray[np.float64]
+
+POINTS = 2000
+"""Of the quadrature in (K2); the kink that a jump of the contact leaves in U costs 1e-6 of the conicity."""
+
+CYLINDRICAL = 1e-7
+"""Rolling radius differences up to this one count as none [m]: profile files print no more digits."""
+
+
+def equivalent_conicity(lateral: FloatArray, difference: FloatArray, amplitudes: Sequence[float]) -> FloatArray:
+    """Equivalent conicity tan γ_e over the amplitude of the kinematic motion.
+
+    Args:
+        lateral: lateral shifts, increasing, 0 among them [m]; of a symmetric wheelset only those from 0 on are used.
+        difference: rolling radius difference, left less right, at these shifts [m]; straight lines between them.
+        amplitudes: amplitudes ŷ, half of the distance between the outer positions [m].
+
+    Returns:
+        One value per amplitude [-]: 0 where the radii do not differ, NaN where nothing drives the wheelset back.
+
+    Raises:
+        ValueError: an amplitude is not positive or beyond the shifts given.
+
+    Example:
+        >>> y = np.linspace(-8e-3, 8e-3, 161)
+        >>> equivalent_conicity(y, 2 * 0.05 * y, [3e-3]).round(6).tolist()  # a cone 1:20
+        [0.05]
+    """
+    y, dr = lateral[lateral >= 0], difference[lateral >= 0]
+    if len(y) < 2 or y[0] != 0.0:
+        raise ValueError("lateral: the shift 0 and positive ones are needed")
+    for amplitude in amplitudes:
+        if not 0 < amplitude <= y[-1] * (1 + 1e-12):
+            raise ValueError(f"amplitude {1e3 * amplitude:g} mm; allowed above 0 and up to {1e3 * y[-1]:g} mm")
+    potential = np.concatenate(([0.0], np.cumsum(0.5 * (dr[1:] + dr[:-1]) * np.diff(y))))
+    slope = np.diff(dr) / np.diff(y)
+
+    def energy(at: FloatArray) -> FloatArray:
+        """U(y) of the straight lines, exact [m^2]."""
+        k = np.clip(np.searchsorted(y, at, side="right") - 1, 0, len(slope) - 1)
+        t = at - y[k]
+        return np.asarray(potential[k] + t * (dr[k] + 0.5 * slope[k] * t))
+
+    # y = ŷ sin θ takes the root at the turning point out of the integrand.
+    theta = (np.arange(POINTS) + 0.5) * (0.5 * math.pi / POINTS)
+    result = []
+    for amplitude in amplitudes:
+        at = amplitude * np.sin(theta)
+        if np.max(np.abs(np.interp(at, y, dr))) < CYLINDRICAL:
+            result.append(0.0)
+            continue
+        rest = energy(np.array([amplitude])) - energy(at)
+        if np.any(rest <= 0.0):
+            result.append(math.nan)
+            continue
+        quarter = np.sum(amplitude * np.cos(theta) / np.sqrt(2 * rest)) * (0.5 * math.pi / POINTS)
+        result.append(2 * (math.pi / (4 * quarter)) ** 2)  # (K2) in (K3)
+    return np.array(result)
+
+
+def conicity_table(shifts: xr.Dataset, amplitudes: Sequence[float]) -> xr.Dataset:
+    """Conicity and wavelength of the kinematic motion over its amplitude.
+
+    Args:
+        shifts: what `shift_table` returns.
+        amplitudes: [m].
+
+    Returns:
+        Over `amplitude`: conicity [-] and wavelength [m], infinite where the conicity is 0. The attribute
+        nonlinearity_per_mm is the `nonlinearity_parameter`, NaN where it does not exist.
+    """
+    lateral, difference = shifts["lateral"].to_numpy(), shifts["effective_difference"].to_numpy()
+    conicity = equivalent_conicity(lateral, difference, amplitudes)
+    product = shifts.attrs["contact_distance_m"] * shifts.attrs["wheel_radius_m"]
+    with np.errstate(divide="ignore"):
+        wavelength = math.pi * np.sqrt(2 * product / conicity)  # (K3)
+    return xr.Dataset(
+        {
+            "conicity": ("amplitude", conicity, {"units": "1", "long_name": "equivalent conicity"}),
+            "wavelength": ("amplitude", wavelength, {"units": "m", "long_name": "wavelength of the kinematic motion"}),
+        },
+        coords={"amplitude": ("amplitude", np.array(amplitudes), {"units": "m", "long_name": "amplitude"})},
+        attrs={
+            "title": shifts.attrs["title"],
+            "support": shifts.attrs["support"],
+            "nonlinearity_per_mm": nonlinearity_parameter(lateral, difference),
+        },
+    )
+
+
+def nonlinearity_parameter(lateral: FloatArray, difference: FloatArray) -> float:
+    """Change of the conicity from 2 to 4 mm of amplitude, per millimetre.
+
+        N_P = [tan γ_e(4 mm) - tan γ_e(2 mm)] / 2 mm
+
+    Negative where the conicity falls with the amplitude, which goes with a gradual onset of small limit cycles;
+    positive with a sudden one of large ones.
+
+    Args:
+        lateral: as in `equivalent_conicity`.
+        difference: as there.
+
+    Returns:
+        N_P [1/mm]; NaN if the shifts end before 4 mm.
+
+    Source: O. Polach, Vehicle System Dynamics 48 Suppl. (2010) 19-36; EN 15302:2021, clause 9.
+    """
+    if lateral[-1] < 4e-3:
+        return math.nan
+    two, four = equivalent_conicity(lateral, difference, [2e-3, 4e-3])
+    return float(four - two) / 2

@@ -1,0 +1,219 @@
+"""Where an unloaded wheelset touches over its lateral shift, and how the rolling radii differ.
+
+    Case -> [touching points of the core] -> xarray.Dataset over `lateral` and `side`
+
+Rigid profiles, no yaw, the wheelset above the crown. Left of the running direction is positive. As in EN 15302 each
+wheel is lowered on its own (roll neglected) unless the wheelset is asked to roll until both touch.
+
+At zero yaw the points of touch lie in the plane through the wheelset's and the roller's axis. There a roller is its
+generatrix, so wheel and roller touch where wheel and rail do; what differs is what the contact does to the rolling.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from rollerrig import _core
+from rollerrig.config import Case, Rig
+from rollerrig.contact_table import leading_wheelset
+from rollerrig.model import FLANGE_BACK_TO_TAPE_CIRCLE, assemble
+
+SIDES = ("left", "right")
+
+JUMP = 1e-3
+"""Rows are set closer together where a contact moves further than this from row to row [m]..."""
+
+FINEST = 1e-6
+"""...down to this distance [m]: so well is a jump of the contact placed."""
+
+_JUST_TOUCHING = 1e-9
+"""A touching point whose gap is larger than this is none [m]; the core closes gaps to 1e-13 m."""
+
+LEVEL = 1e-10
+"""Both wheels touch where their heights differ by less [m]."""
+
+MOST_STEPS = 40
+
+_VARIABLES = {
+    "wheel_abscissa": ("m", "EN abscissa S of the contact on the wheel profile, negative towards the flange"),
+    "rail_abscissa": ("m", "contact on rail or roller, 0 at the highest point, negative towards the gauge side"),
+    "rail_height": ("m", "height of the contact over the highest point: what the roller's radius gains there"),
+    "rolling_radius": ("m", "wheel radius at the contact"),
+    "contact_angle": ("rad", "inclination of the contact plane, positive as at the flange"),
+}
+
+
+@dataclass(frozen=True)
+class _Touch:
+    """Both wheels at one shift, left first; see _VARIABLES."""
+
+    roll: float
+    sides: tuple[tuple[float, ...], tuple[float, ...]]
+
+
+def shift_table(case: Case, largest: float = 8e-3, step: float = 0.1e-3, *, free_to_roll: bool = False) -> xr.Dataset:
+    """Touching points and rolling radii of the leading wheelset over its lateral shift.
+
+    Args:
+        case: its wheel, support and their profiles; nothing else matters.
+        largest: lateral shift to both sides [m].
+        step: distance of the rows [m]; where a contact jumps, rows are added until the jump is placed to FINEST.
+        free_to_roll: roll the wheelset until both wheels touch; else each wheel is lowered on its own, as EN 15302 allows.
+
+    Returns:
+        Over `lateral` and `side`: wheel_abscissa, rail_abscissa, rail_height, rolling_radius, contact_angle. Over
+        `lateral`: roll [rad], rolling_radius_difference r_left - r_right [m], and effective_difference [m], which on
+        rollers is less by what the rollers' own radii differ, (r0/R0) (R_left - R_right). If a wheel finds no contact
+        the table ends before that shift, on both sides, and attrs["ended"] says so.
+
+    Raises:
+        ValueError: shift or step is not positive, or the wheels do not touch even in the middle.
+    """
+    if not (0 < step <= largest):
+        raise ValueError(f"step {step:g} m and largest shift {largest:g} m: positive, and the step not larger")
+    model = assemble(case)
+    _, left, right = leading_wheelset(model)
+    press = _core.WheelsetPress(model.core, left, right)
+    wheel, support = case.vehicle.data.wheel, case.support.data
+    contact_distance = wheel.back_to_back + 2 * FLANGE_BACK_TO_TAPE_CIRCLE
+    arm = contact_distance if free_to_roll else None
+
+    touches, ended = _outward(press, _steps(largest, step), arm)
+    _refine(press, touches, arm)
+    mirrored = {-y: _Touch(-touch.roll, (touch.sides[1], touch.sides[0])) for y, touch in touches.items() if y > 0.0}
+    touches |= mirrored  # both sides have the same profiles
+    lateral = np.array(sorted(touches))
+    values = np.array([touches[y].sides for y in sorted(touches)])  # (lateral, side, variable)
+
+    variables: dict[str, Any] = {
+        name: (("lateral", "side"), values[:, :, k], {"units": unit, "long_name": meaning})
+        for k, (name, (unit, meaning)) in enumerate(_VARIABLES.items())
+    }
+    roller_radius = support.roller_radius if isinstance(support, Rig) else np.inf
+    table = xr.Dataset(
+        variables,
+        coords={
+            "lateral": ("lateral", lateral, {"units": "m", "long_name": "lateral shift, left"}),
+            "side": list(SIDES),
+        },
+        attrs={
+            "title": case.description,
+            "support": support.kind,
+            "wheel_radius_m": wheel.radius,
+            "roller_radius_m": roller_radius,
+            "contact_distance_m": contact_distance,
+            "gauge_m": support.gauge,
+            "back_to_back_m": wheel.back_to_back,
+            "roll": "free" if free_to_roll else "neglected",
+            "ended": ended,
+        },
+    )
+    roll = np.array([touches[y].roll for y in sorted(touches)])
+    table["roll"] = ("lateral", roll, {"units": "rad", "long_name": "roll angle of the wheelset"})
+    difference = _left_less_right(table["rolling_radius"])
+    of_rollers = _left_less_right(table["rail_height"])
+    table["rolling_radius_difference"] = difference.assign_attrs(
+        units="m", long_name="rolling radius, left less right wheel"
+    )
+    table["effective_difference"] = (difference - wheel.radius / roller_radius * of_rollers).assign_attrs(
+        units="m", long_name="rolling radius difference less that of the rollers, in the wheel's scale"
+    )
+    return table
+
+
+def _left_less_right(values: xr.DataArray) -> xr.DataArray:
+    return values.sel(side="left", drop=True) - values.sel(side="right", drop=True)
+
+
+def _steps(largest: float, step: float) -> list[float]:
+    """Shifts from the first step to the largest, both included [m]."""
+    return [min(k * step, largest) for k in range(1, math.ceil(largest / step - 1e-9) + 1)]
+
+
+def _outward(press: _core.WheelsetPress, shifts: list[float], arm: float | None) -> tuple[dict[float, _Touch], str]:
+    """Rows from the middle to the left, as far as both wheels touch; why they end early, or nothing."""
+    middle = _touch(press, 0.0, arm, 0.0)
+    if middle is None:
+        raise ValueError("the wheels do not touch in the middle; check gauge, back-to-back distance and profiles")
+    touches, last = {0.0: middle}, middle
+    for y in shifts:
+        touch = _touch(press, y, arm, last.roll)
+        if touch is None:
+            return touches, f"no contact from {1e3 * y:g} mm on: a wheel is off its profile or off the rail"
+        touches[y] = last = touch
+    return touches, ""
+
+
+def _refine(press: _core.WheelsetPress, touches: dict[float, _Touch], arm: float | None) -> None:
+    """Add rows where a contact moves fast or jumps."""
+    while True:
+        lateral = sorted(touches)
+        new = [
+            (low, 0.5 * (low + high))
+            for low, high in zip(lateral, lateral[1:], strict=False)
+            if high - low > FINEST and _travel(touches[low], touches[high]) > JUMP
+        ]
+        if not new:
+            return
+        for beside, y in new:
+            touch = _touch(press, y, arm, touches[beside].roll)
+            if touch is None:
+                return
+            touches[y] = touch
+
+
+def _travel(a: _Touch, b: _Touch) -> float:
+    """How far the contacts on the wheels are apart [m]."""
+    return max(abs(p[0] - q[0]) for p, q in zip(a.sides, b.sides, strict=True))
+
+
+def _touch(press: _core.WheelsetPress, y: float, arm: float | None, roll: float) -> _Touch | None:
+    """Both wheels touching at a lateral shift [m].
+
+    Args:
+        press: the core's wheelset.
+        y: lateral shift [m].
+        arm: about how far the contacts are apart [m]: the wheelset rolls until both wheels touch. None: roll is 0.
+        roll: roll angle to start from [rad].
+    """
+    heights = _heights(press, y, roll)
+    slope, surplus = -(arm or 0.0), heights[0] - heights[1]  # secant steps; a metre's arm gains a metre per radian
+    for _ in range(MOST_STEPS):
+        if arm is None or abs(surplus) < LEVEL:
+            break
+        turn = -surplus / slope
+        roll += turn
+        heights, before = _heights(press, y, roll), surplus
+        surplus = heights[0] - heights[1]
+        # On a flange, roll moves the wheel sideways as well: steeper than the arm. At a jump the slope has a step.
+        slope = min(max((surplus - before) / turn, -4 * arm), -0.5 * arm)
+    sides = tuple(
+        _first_touch(press, y, height, roll, right) for height, right in zip(heights, (False, True), strict=True)
+    )
+    left, right_side = sides
+    return None if left is None or right_side is None else _Touch(roll, (left, right_side))
+
+
+def _heights(press: _core.WheelsetPress, y: float, roll: float) -> list[float]:
+    """Heights at which the left and the right wheel touch [m]."""
+    return [press.touch_height(0.0, y, 0.0, roll, right) for right in (False, True)]
+
+
+def _first_touch(
+    press: _core.WheelsetPress, y: float, height: float, roll: float, right: bool
+) -> tuple[float, ...] | None:
+    """The point of touch of one wheel in the order of _VARIABLES, if there is one."""
+    near = press.minima(0.0, y, height, 0.0, roll, right, 1e-6)
+    if not near:
+        return None
+    patch = max(near, key=lambda found: float(found["approach"]))
+    if abs(patch["approach"]) > _JUST_TOUCHING:
+        return None
+    _, lean, upward = patch["direction"]
+    angle = np.arctan2(lean if right else -lean, upward)
+    return patch["wheel_s"], patch["rail_y"], patch["point"][2], patch["wheel_radius"], float(angle)

@@ -1,0 +1,79 @@
+"""`rollerrig conicity WHEEL RAIL --roller-radius 725mm --out DIR`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from rollerrig.cli.ending import LEFT_VALIDITY, say, stop
+from rollerrig.cli.ranges import read_range
+
+
+def command(
+    wheel: Annotated[str, typer.Argument(help="Wheel profile: a name of the catalogue or a file of points.")],
+    rail: Annotated[str, typer.Argument(help="Rail profile, also the generatrix of a roller: likewise.")],
+    out: Annotated[Path, typer.Option(help="Folder for the results; made if it does not exist.")],
+    gauge: Annotated[str, typer.Option(help="Distance between the gauge sides.")] = "1435mm",
+    gauge_depth: Annotated[str, typer.Option(help="Depth below the highest point where it is taken.")] = "14mm",
+    back_to_back: Annotated[str, typer.Option(help="Distance between the flange backs.")] = "1360mm",
+    radius: Annotated[str, typer.Option(help="Wheel radius at the tape circle.")] = "460mm",
+    roller_radius: Annotated[
+        str | None, typer.Option(help="Radius of rollers of this head, to be shown beside the rails.")
+    ] = None,
+    amplitudes_mm: Annotated[
+        str, typer.Option(help="Amplitudes of the conicity: start:stop:step, a list or one number [mm].")
+    ] = "0.5:7:0.1",
+    shift_mm: Annotated[float, typer.Option(min=0.1, max=50.0, help="Lateral shift to both sides [mm].")] = 8.0,
+    step_mm: Annotated[float, typer.Option(min=0.005, max=1.0, help="Distance of the rows [mm].")] = 0.1,
+    with_roll: Annotated[
+        bool, typer.Option("--with-roll", help="Roll the wheelset until both wheels touch; neglected otherwise.")
+    ] = False,
+) -> None:
+    """Rolling radius difference, contact angles and positions, and equivalent conicity of a pair of profiles."""
+    from rollerrig.results import output_folder
+    from rollerrig.studies.conicity import conicity_study, lead, write_study
+
+    lengths = {
+        "gauge": _length(gauge, "--gauge"),
+        "gauge_depth": _length(gauge_depth, "--gauge-depth"),
+        "back_to_back": _length(back_to_back, "--back-to-back"),
+        "radius": _length(radius, "--radius"),
+    }
+    roller = None if roller_radius is None else _length(roller_radius, "--roller-radius")
+    amplitudes = read_range(amplitudes_mm, "--amplitudes-mm")
+    if min(amplitudes) <= 0 or max(amplitudes) > shift_mm:
+        allowed = f"amplitudes must lie above 0 and up to --shift-mm, {shift_mm:g}"
+        raise typer.BadParameter(f"'{amplitudes_mm}': {allowed}", param_hint="--amplitudes-mm")
+    folder = output_folder(out)
+    try:
+        study = conicity_study(
+            wheel,
+            rail,
+            [1e-3 * a for a in sorted(set(amplitudes))],
+            roller_radius=roller,
+            largest=1e-3 * shift_mm,
+            step=1e-3 * min(step_mm, shift_mm),
+            free_to_roll=with_roll,
+            **lengths,
+        )
+    except ValueError as error:
+        stop(f"{wheel} on {rail}: {error}")
+    for path in write_study(study, folder):
+        typer.echo(path)
+    say(lead(study))
+    if any(table.attrs["ended"] for table in study.shifts.values()):
+        raise typer.Exit(LEFT_VALIDITY)
+
+
+def _length(text: str, option: str) -> float:
+    """A length with its unit, in metres."""
+    from rollerrig.config.units import Quantity
+
+    try:
+        return Quantity("m", gt=0).parse(text)
+    except ValueError:
+        raise typer.BadParameter(
+            f"'{text}' is not a length; write it with its unit, like 460mm", param_hint=option
+        ) from None
