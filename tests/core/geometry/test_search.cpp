@@ -191,6 +191,39 @@ TEST_CASE("the warm search survives jumps to any other pose and back") {
   CHECK(minima > 200);
 }
 
+TEST_CASE("the warm search survives slow walks in every direction, near the limit of what it may leave alone") {
+  std::mt19937 random(17);
+  std::uniform_real_distribution<double> any(-1.0, 1.0);
+  int minima = 0, changes = 0;
+  for (double inverse_radius : {0.0, 1.0 / 0.725, 1.0 / 0.3}) {
+    BenchmarkPair const benchmark(inverse_radius);
+    for (int walk = 0; walk < 40; ++walk) {
+      double const yaw = (walk % 2 == 0 ? 50e-3 : 5e-3) * any(random);
+      double q[5] = {10e-3 * any(random), 7.5e-3 * any(random), 0.0, 3e-3 * any(random), yaw};
+      // Start where the deepest point of the wheel is a little in the rail.
+      ContactSearch start(benchmark.pair);
+      start.find_all(pose_of(q[0], q[1], 0.461, q[3], q[4]), 2e-2);
+      if (start.count() == 0) continue;
+      double gap = 1.0;
+      for (int k = 0; k < start.count(); ++k) gap = std::min(gap, start[k].gap);
+      q[2] = 0.461 - gap - 0.05e-3;
+      // One direction for a while, then another; each coordinate also alone.
+      double const size[5] = {2e-4, 4e-6, 2e-6, 8e-6, 2e-5};
+      double direction[5] = {};
+      std::vector<RelativePose<double>> poses;
+      for (int i = 0; i < 250; ++i) {
+        if (i % 50 == 0)
+          for (int c = 0; c < 5; ++c) direction[c] = (i / 50 == c || i == 0 ? 1.0 : 0.2 * (walk % 3)) * any(random);
+        for (int c = 0; c < 5; ++c) q[c] += direction[c] * size[c];
+        poses.push_back(pose_of(q[0], q[1], q[2], q[3], q[4]));
+      }
+      along(benchmark, poses, minima, changes);
+    }
+  }
+  CHECK(minima > 10000);
+  CHECK(changes > 200);
+}
+
 TEST_CASE("the warm search needs a fraction of the exhaustive one's evaluations") {
   BenchmarkPair const benchmark(1.0 / 0.725);
   ContactSearch warm(benchmark.pair), exhaustive(benchmark.pair);
