@@ -58,21 +58,12 @@ def hunting_over_time(runs: Sequence[tuple[float, xr.Dataset]], body: str, title
         title: of the figure.
     """
     with house_style():
-        figure, panels = new_figure(len(runs), height=0.7 + 1.15 * len(runs), sharex=True, sharey=True)
+        figure, panels = new_figure(len(runs), height=0.7 + 1.25 * len(runs), sharex=True, sharey=True)
         for axes, (speed, run) in zip(panels, runs, strict=True):
             lateral = 1e3 * run["lateral"].sel(body=body).to_numpy()
             axes.plot(run["time"].to_numpy(), lateral, color=COLOURS[0], linewidth=0.9)
-            axes.annotate(
-                f"{speed:.0f} km/h",
-                (0.995, 0.95),
-                xycoords="axes fraction",
-                ha="right",
-                va="top",
-                weight="bold",
-                fontsize=8,
-                bbox={"boxstyle": "square,pad=0.15", "facecolor": "white", "edgecolor": "none", "alpha": 0.9},
-            )
-            axes.margins(x=0.01)
+            axes.set_title(f"{speed:.0f} km/h", loc="right", fontsize=8, weight="bold", pad=2)
+            axes.set_xlim(0.0, float(run["time"][-1]))
             axes.set_ylabel("[mm]")
         panels[0].set_title(title, loc="left")
         panels[-1].set_xlabel("time [s]")

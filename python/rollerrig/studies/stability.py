@@ -316,9 +316,9 @@ def nonlinear_sentence(found: NonlinearCriticalSpeed) -> str:
     """The bracket of the nonlinear critical speed as a sentence."""
     size = f"A lateral offset of {1e3 * found.disturbance:g} mm of the leading wheelset"
     if math.isfinite(found.speed):
-        return f"{size} dies out at {3.6 * found.dies_out:.1f} km/h and goes on for ever at {3.6 * found.goes_on:.1f} km/h."
+        return f"{size} dies out at {3.6 * found.dies_out:.1f} km/h and goes on at {3.6 * found.goes_on:.1f} km/h."
     if math.isfinite(found.goes_on):
-        return f"{size} goes on for ever already at {3.6 * found.goes_on:.1f} km/h, the lowest speed run."
+        return f"{size} goes on already at {3.6 * found.goes_on:.1f} km/h, the lowest speed run."
     return f"{size} dies out at all speeds run, up to {3.6 * found.dies_out:.1f} km/h."
 
 

@@ -32,7 +32,7 @@ def traction_checks(results: PaperResults) -> list[Check]:
             float(run.attrs["energy_relative_residual"]),
             0.0,
             1e-6,
-            "of the energy turned over; error of the integration at the case's tolerance 1e-6",
+            "of the energy turned over; the error of the integration",
         ),
     ]
 

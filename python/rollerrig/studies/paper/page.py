@@ -60,7 +60,9 @@ def stability_blocks(results: PaperResults, pictures: dict[str, bytes]) -> list[
         *_pictures(pictures, "figure_7a_ramp"),
         Text(
             "At constant speeds the leading wheelset is held aside and released. Runs are repeated between the "
-            "highest speed at which the motion dies out and the lowest at which it goes on, until the two are close."
+            "highest speed at which the motion dies out and the lowest at which it goes on, until the two are "
+            "close. Near the highest speeds the flanges strike and the motion becomes irregular: its amplitude is "
+            "meaningful, its course is not, since the smallest change alters it."
         ),
         *_pictures(pictures, "figure_7a_time_steel", "figure_7a_time_paper", "figure_7a_amplitude"),
         *_pictures(pictures, "figure_7b_steel", "figure_7b_paper"),
@@ -118,8 +120,10 @@ def fit_blocks(results: PaperResults) -> list[Block]:
             (f"{barrier:g}", *(kmh(3.6 * results.barriers[m][barrier], 1) for m in names))
             for barrier in results.plan.barriers
         ]
-        caption = "Linear critical speed of the bogie on the rig over contact.merge_barrier, the rule for two "
-        "patches that become one."
+        caption = (
+            "Linear critical speed of the bogie on the rig over contact.merge_barrier, the rule for two patches that "
+            "become one."
+        )
         blocks.append(Table(("merge barrier", *(NAMES[m] for m in names)), values, caption))
     return blocks
 

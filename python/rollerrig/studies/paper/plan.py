@@ -60,7 +60,7 @@ FULL = PaperPlan(
         "paper": tuple(float(v) for v in range(80, 221, 20)),
     },
     bracket_kmh=2.5,
-    ramps={"steel": _kmh(60, 300, 2, 10), "paper": _kmh(40, 220, 2, 10)},
+    ramps={"steel": _kmh(60, 280, 3, 10), "paper": _kmh(40, 220, 3, 10)},
 )
 
 QUICK = PaperPlan(

@@ -6,9 +6,8 @@ import math
 
 from rollerrig.analysis import end_of_hunting
 from rollerrig.studies.paper.compute import PaperResults
-from rollerrig.studies.paper.plan import MATERIALS, PAPER_CRITICAL_KMH
+from rollerrig.studies.paper.plan import MATERIALS, PAPER_CRITICAL_KMH, rig_case
 
-GIGA = 1e9
 NAMES = {"steel": "steel", "paper": "the paper's material"}
 
 
@@ -49,7 +48,7 @@ def critical_paragraphs(results: PaperResults) -> list[str]:
         size = 1e3 * found.disturbance
         text = (
             f"{NAMES[material].capitalize()}: small disturbances grow above {linear:.1f} km/h. From {size:g} mm the "
-            f"bogie calms down at {3.6 * found.dies_out:.1f} km/h and hunts for ever at {3.6 * found.goes_on:.1f} km/h."
+            f"bogie calms down at {3.6 * found.dies_out:.1f} km/h and keeps hunting at {3.6 * found.goes_on:.1f} km/h."
         )
         if nonlinear < linear - 5:
             text += (
@@ -117,8 +116,9 @@ def _verdict(value: float) -> str:
         return "That is within a tenth of the paper's value."
     word = "above" if off > 0 else "below"
     return (
-        f"That is still {100 * abs(off):.0f} % {word} the paper's value, so neither repeats it. The paper gives no "
-        f"suspension data, no profiles and no radius of its rollers; no parameter was tuned here to close the gap."
+        f"That is still {100 * abs(off):.0f} % {word} the paper's value, so neither repeats it. The paper names "
+        "its vehicle, but neither profiles nor friction nor the radius of its rollers; no parameter was tuned here to close "
+        "the gap."
     )
 
 
@@ -131,22 +131,25 @@ def onset_wavelength(results: PaperResults, material: str) -> float:
 
 def _why(results: PaperResults) -> str:
     steel, soft = (results.contact[m] for m in MATERIALS)
+    moduli = [rig_case(m).contact.material.shear_modulus for m in MATERIALS]
     text = (
-        f"Why the material matters: with G = 10 GPa the wheels sink in {soft.approach / steel.approach:.1f} times "
-        f"as deep ({1e6 * soft.approach:.0f} instead of {1e6 * steel.approach:.0f} µm), and the creep stiffness "
-        f"Σf₁₁ of a wheel falls to {100 * soft.creep_stiffness / steel.creep_stiffness:.0f} % (Hertz and Kalker "
-        f"together give G^(1/3), which is {100 * (10 / 82.03) ** (1 / 3):.0f} %): what holds the wheelsets on "
-        f"course against their inertia is weaker."
+        f"What the material changes: with G = {1e-9 * moduli[1]:.0f} GPa the wheels sink in "
+        f"{soft.approach / steel.approach:.1f} times as deep ({1e6 * soft.approach:.0f} instead of "
+        f"{1e6 * steel.approach:.0f} µm), and the creep stiffness Σf₁₁ of a wheel falls to "
+        f"{100 * soft.creep_stiffness / steel.creep_stiffness:.0f} % (Hertz and Kalker together give G^(1/3), which is "
+        f"{100 * (moduli[1] / moduli[0]) ** (1 / 3):.0f} %): the same creepage meets that much less force."
     )
+    if all(f(MATERIALS[1]) < f(MATERIALS[0]) for f in (results.linear_kmh, results.nonlinear_kmh)):
+        text += " Both the linear and the nonlinear critical speed come down with it."
     waves = [onset_wavelength(results, m) for m in MATERIALS]
     if all(math.isfinite(w) for w in waves):
-        ratio = (waves[0] / waves[1]) ** 2
+        steeper = [(state.wavelength / wave) ** 2 for state, wave in zip((steel, soft), waves, strict=True)]
         text += (
-            f" Where hunting begins, its wavelength is {waves[0]:.1f} m with steel and {waves[1]:.1f} m with the "
-            f"paper's material; the square of their ratio, {ratio:.2f}, is that of the effective conicities. Small "
-            f"motion about the centre has {steel.wavelength:.1f} m and {soft.wavelength:.1f} m on the same rig: in "
-            f"the soft contact the steering stiffens much more with amplitude, which is why its limit cycle begins "
-            f"so far below its own linear critical speed."
+            " With either material the wheels steer more sharply once they move: where hunting begins, its wavelength is "
+            f"{waves[0]:.1f} m with steel and {waves[1]:.1f} m with the paper's material, against "
+            f"{steel.wavelength:.1f} m and {soft.wavelength:.1f} m for small motion at low speed, as if the conicity were "
+            f"{steeper[0]:.1f} and {steeper[1]:.1f} times as large. That goes with hunting from a disturbance well below "
+            "the linear critical speed."
         )
     return text
 
