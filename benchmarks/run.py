@@ -221,7 +221,9 @@ def measure_rollerrig(repeat: int) -> Measurement | str:
         elapsed = time.process_time() - begun
         names = [name for name, _, _ in _core.wheel_fields]
         first = len(model.bodies) * len(_core.body_fields)
-        wheels = rows[:, first : first + len(model.wheels) * len(names)].reshape(len(rows), len(model.wheels), len(names))
+        wheels = rows[:, first : first + len(model.wheels) * len(names)].reshape(
+            len(rows), len(model.wheels), len(names)
+        )
         fields = ("longitudinal_sliding", "longitudinal_force", "vertical_force")
         return elapsed, np.stack([wheels[:, :, names.index(f)].T for f in fields]), simulation.statistics()
 
