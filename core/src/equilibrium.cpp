@@ -90,17 +90,11 @@ void level(Dynamics& dynamics, double t, std::vector<double>& x, int body) {
   }
 }
 
-}  // namespace
-
-Equilibrium solve_equilibrium(Dynamics& dynamics, double speed, double t, std::vector<HeldCoordinate> const& held) {
+/// First guess: wheels roll at the running speed, held coordinates are where they belong, wheelsets stand on their wheels.
+std::vector<double> first_guess(Dynamics& dynamics, double speed, double t, std::vector<HeldCoordinate> const& held) {
   Model const& model = dynamics.model();
   StateMap const& map = dynamics.map();
-  Problem const problem = set_up(dynamics, held);
-  auto const n = static_cast<Eigen::Index>(problem.rows.size());
-  Equilibrium result;
-  std::vector<double>& x = result.x;
-  x.assign(at(map.states()), 0.0);
-
+  std::vector<double> x(at(map.states()), 0.0);
   for (auto const& h : held)
     if (int const i = map.coordinate[at(h.body)][at(h.coordinate)]; i >= 0) x[at(i)] = h.value;
   for (auto const& contact : model.contacts) {
@@ -117,53 +111,74 @@ Equilibrium solve_equilibrium(Dynamics& dynamics, double speed, double t, std::v
     set_down(dynamics, t, x, b);
     if (!is_held(b, coord_roll)) level(dynamics, t, x, b);
   }
+  return x;
+}
+
+/// Unbalanced forces and moments in one state; false where a wheel has no contact or a number is not finite.
+bool unbalanced(Dynamics& dynamics, Problem const& problem, double t, std::vector<double> const& x,
+                Eigen::VectorXd& residual) {
+  std::vector<double> x_dot(x.size());
+  dynamics.derivative(t, x.data(), x_dot.data(), nullptr);
+  for (std::size_t i = 0; i < problem.rows.size(); ++i)
+    residual[static_cast<Eigen::Index>(i)] = problem.weight[i] * x_dot[at(problem.rows[i])];
+  for (int c = 0; c < static_cast<int>(dynamics.model().contacts.size()); ++c)
+    if (dynamics.patch_count(c) == 0) return false;
+  return residual.allFinite();
+}
+
+/// One Newton step for the unknowns.
+///
+/// @param out_of_reach  largest force that no change of the unknowns can balance, where a motion is neutral [N]
+Eigen::VectorXd newton_step(Dynamics& dynamics, Problem const& problem, double t, std::vector<double> const& x,
+                            Eigen::VectorXd const& residual, JacobianData& j, double& out_of_reach) {
+  auto const n = residual.size();
+  dynamics.jacobian(t, x.data(), j);
+  Eigen::MatrixXd matrix(n, n);
+  for (Eigen::Index r = 0; r < n; ++r)
+    for (Eigen::Index c = 0; c < n; ++c)
+      matrix(r, c) = problem.weight[static_cast<std::size_t>(r)] *
+                     j.a(problem.rows[static_cast<std::size_t>(r)], problem.columns[static_cast<std::size_t>(c)]);
+  // Unknowns of very different size (m, rad, rad/s): scale the columns. Least norm where a motion is neutral, as the
+  // spin of a wheelset without friction is: forces that change by less than a hundred newton per unit do not count.
+  double const floor = 1e2;
+  Eigen::VectorXd const scale = matrix.colwise().norm().cwiseMax(floor).cwiseInverse();
+  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> solver;
+  solver.setThreshold(1e-10);
+  solver.compute(matrix * scale.asDiagonal());
+  Eigen::VectorXd const step = scale.asDiagonal() * solver.solve(residual);
+  out_of_reach = solver.rank() < n ? (residual - matrix * step).cwiseAbs().maxCoeff() : 0.0;
+  return step;
+}
+
+}  // namespace
+
+Equilibrium solve_equilibrium(Dynamics& dynamics, double speed, double t, std::vector<HeldCoordinate> const& held) {
+  Problem const problem = set_up(dynamics, held);
+  Equilibrium result;
+  std::vector<double>& x = result.x;
+  x = first_guess(dynamics, speed, t, held);
 
   JacobianData j(dynamics.sizes());
-  std::vector<double> x_dot(x.size());
-  Eigen::VectorXd residual(n);
-  Eigen::MatrixXd matrix(n, n);
-  auto const residual_at = [&](std::vector<double> const& state, Eigen::VectorXd& r) {
-    dynamics.derivative(t, state.data(), x_dot.data(), nullptr);
-    for (Eigen::Index i = 0; i < n; ++i)
-      r[i] = problem.weight[static_cast<std::size_t>(i)] * x_dot[at(problem.rows[static_cast<std::size_t>(i)])];
-    for (int c = 0; c < static_cast<int>(model.contacts.size()); ++c)
-      if (dynamics.patch_count(c) == 0) return false;
-    return r.allFinite();
-  };
-
-  residual_at(x, residual);
-  Eigen::VectorXd trial_residual(n);
-  double out_of_reach = 0.0;  // largest force that no change of the unknowns can balance, where a motion is neutral
+  Eigen::VectorXd residual(static_cast<Eigen::Index>(problem.rows.size()));
+  Eigen::VectorXd trial_residual = residual;
+  unbalanced(dynamics, problem, t, x, residual);
+  double out_of_reach = 0.0;
+  double const enough = 1e-7;  // unbalanced [N, N m], far below anything a result shows; rounding leaves 1e-8
   for (result.iterations = 1; result.iterations <= 60; ++result.iterations) {
-    dynamics.jacobian(t, x.data(), j);
-    for (Eigen::Index r = 0; r < n; ++r)
-      for (Eigen::Index c = 0; c < n; ++c)
-        matrix(r, c) = problem.weight[static_cast<std::size_t>(r)] *
-                       j.a(problem.rows[static_cast<std::size_t>(r)], problem.columns[static_cast<std::size_t>(c)]);
-    // Unknowns of very different size (m, rad, rad/s): scale the columns; least norm where a motion is neutral.
-    Eigen::VectorXd const scale = matrix.colwise().norm().cwiseMax(1e-12).cwiseInverse();
-    Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> solver;
-    solver.setThreshold(1e-11);
-    solver.compute(matrix * scale.asDiagonal());
-    Eigen::VectorXd const step = scale.asDiagonal() * solver.solve(residual);
-    out_of_reach = solver.rank() < n ? (residual - matrix * step).cwiseAbs().maxCoeff() : 0.0;
-
-    double const before = residual.norm();
+    Eigen::VectorXd const step = newton_step(dynamics, problem, t, x, residual, j, out_of_reach);
     double fraction = 1.0;
     std::vector<double> trial = x;
     for (int halving = 0; halving < 12; ++halving, fraction *= 0.5) {
-      for (Eigen::Index i = 0; i < n; ++i)
-        trial[at(problem.columns[static_cast<std::size_t>(i)])] =
-            x[at(problem.columns[static_cast<std::size_t>(i)])] - fraction * step[i];
-      if (residual_at(trial, trial_residual) && trial_residual.norm() < before) break;
+      for (std::size_t i = 0; i < problem.columns.size(); ++i)
+        trial[at(problem.columns[i])] = x[at(problem.columns[i])] - fraction * step[static_cast<Eigen::Index>(i)];
+      if (unbalanced(dynamics, problem, t, trial, trial_residual) && trial_residual.norm() < residual.norm()) break;
     }
-    double const after = trial_residual.norm();
-    if (!(after < before)) break;  // rounding level, or stuck
+    if (!(trial_residual.norm() < residual.norm())) break;  // rounding level, or stuck
     x = trial;
     residual = trial_residual;
-    if (after < 1e-9) break;
+    if (residual.norm() < enough) break;
   }
-  residual_at(x, residual);
+  unbalanced(dynamics, problem, t, x, residual);
   result.residual = residual.cwiseAbs().maxCoeff();
   // A vehicle that is free along its track keeps its rolling resistance, newtons: steady but for a slow coasting.
   bool const coasting = out_of_reach > 0.0 && out_of_reach < 10.0 && result.residual < 1.001 * out_of_reach + 1e-3;

@@ -120,10 +120,13 @@ double WheelsetPress::touch_height(WheelsetPosition p, bool right) {
     for (auto const& patch : minima(p, right, 1.0)) gap = std::min(gap, -patch.approach);
     return gap;
   };
-  // From above: the first height where something overlaps, then the root between.
+  // From above: lowering the wheel by d takes at most d off any gap, so a step may be as long as the lowest gap.
   double high = 0.05;
   double low = high;
-  while (low > -0.05 && !(lowest_gap(low) < 0.0)) high = low, low -= 0.5e-3;
+  for (double gap = lowest_gap(low); gap >= 0.0 && low > -0.05; gap = lowest_gap(low)) {
+    high = low;
+    low -= gap < 1.0 ? std::max(0.5e-3, gap) : 0.5e-3;
+  }
   return root_between(lowest_gap, low, high, 1e-13);
 }
 
