@@ -169,6 +169,50 @@ def measure_numba(p, x0, repeat: int) -> tuple[Measurement, np.ndarray]:
 
 
 # --------------------------------------------------------------------------------------------- rollerrig
+def states_along(case, count: int):
+    """The assembled model of a fixed-step case, and its states after each of the first `count` steps, one per row."""
+    from rollerrig import _core
+    from rollerrig.model import assemble
+    from rollerrig.run import begin
+    from rollerrig.start import starting_state
+
+    model = assemble(case)
+    simulation = _core.Simulation(model.core)
+    begin(simulation, model, starting_state(simulation, model))
+    times, rows = np.empty(0), np.empty((0, simulation.width))
+    states = []
+    for k in range(count):
+        simulation.advance((k + 1) * case.time.step, times, rows, 0)
+        states.append(simulation.state)
+    return model, np.array(states)
+
+
+def measure_growth(repeat: int) -> list[tuple[str, str, float]]:
+    """How rollerrig's cost grows: right-hand side over wheelsets [us], run over simulated time [ms of processor time]."""
+    from rollerrig import _core, load_case
+    from rollerrig.model import assemble
+    from rollerrig.run import begin
+    from rollerrig.start import starting_state
+
+    hunting = load_case("bogie_rollers_constant").with_changes({"motion.speed": "200 km/h"})
+    rows = []
+    for cut, wheelsets in (("leading_wheelset", 1), ("leading_bogie", 2), ("vehicle", 4)):
+        model, states = states_along(hunting.with_changes({"vehicle.cut": cut}), 2000)
+        simulation = _core.Simulation(model.core)
+        time_us = 1e6 / len(states) * best_time(lambda: simulation.derivatives(0.0, states), repeat)  # noqa: B023
+        rows.append((f"right-hand side, {wheelsets} wheelset{'s' * (wheelsets > 1)} on rollers", "us", time_us))
+    for duration in (5, 10, 20):
+        case = hunting.with_changes({"time.duration": f"{duration} s", "time.output_step": "10 ms"})
+        model = assemble(case)
+        simulation = _core.Simulation(model.core)
+        begin(simulation, model, starting_state(simulation, model))
+        times, results = np.empty(100 * duration + 1), np.empty((100 * duration + 1, simulation.width))
+        begun = time.process_time()
+        simulation.advance(duration, times, results, 0)
+        rows.append((f"hunting bogie, {duration} s simulated, rk4 0.25 ms", "ms", 1e3 * (time.process_time() - begun)))
+    return rows
+
+
 def measure_rollerrig(repeat: int) -> Measurement | str:
     """rollerrig itself, or a sentence that says why it could not be measured.
 
@@ -183,19 +227,8 @@ def measure_rollerrig(repeat: int) -> Measurement | str:
     except ImportError as error:
         return f"rollerrig is not installed here ({error}): its column is missing."
 
-    def states_of(case, count):
-        model = assemble(case)
-        simulation = _core.Simulation(model.core)
-        begin(simulation, model, starting_state(simulation, model))
-        times, rows = np.empty(0), np.empty((0, simulation.width))
-        states = []
-        for k in range(count):
-            simulation.advance((k + 1) * case.time.step, times, rows, 0)
-            states.append(simulation.state)
-        return model, np.array(states)
-
     hunting = load_case("bogie_rollers_constant").with_changes({"motion.speed": "200 km/h"})
-    model, states = states_of(hunting, 4000)
+    model, states = states_along(hunting, 4000)
     simulation = _core.Simulation(model.core)
     m = Measurement("rollerrig")
     m.rhs_us = 1e6 / len(states) * best_time(lambda: simulation.derivatives(0.0, states), repeat)
@@ -305,10 +338,13 @@ def main() -> int:
     report(results, console)
     if isinstance(ours, str):
         console.print(ours)
+    growth = [] if isinstance(ours, str) else measure_growth(arguments.repeat)
+    for label, unit, value in growth:
+        console.print(f"rollerrig, {label}: {value:.3g} {unit}")
     if arguments.json:
         rows = [asdict(r) | {"real_time_factor": r.real_time_factor} for r in results]
         arguments.json.write_text(
-            json.dumps({"duration_s": DURATION, "results": rows}, indent=2) + "\n", encoding="utf-8"
+            json.dumps({"duration_s": DURATION, "results": rows, "growth": growth}, indent=2) + "\n", encoding="utf-8"
         )
         console.print(f"written: {arguments.json}")
     return 0
