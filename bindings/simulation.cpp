@@ -40,7 +40,7 @@ class Simulation {
       options.method = Method::rodas4;
     else
       throw nb::value_error("unknown method; known: rk4, dormand_prince, rodas4");
-    check_state(x0);
+    begin_call(x0);
     options.step = step;
     options.relative_tolerance = relative;
     options.absolute_tolerance = absolute;
@@ -73,7 +73,7 @@ class Simulation {
   }
 
   auto derivative(double t, Column const& x) {
-    check_state(x);
+    begin_call(x);
     auto const sizes = dynamics_.sizes();
     std::vector<double> x_dot(static_cast<std::size_t>(sizes.states)),
         z_dot(static_cast<std::size_t>(sizes.quadratures));
@@ -84,7 +84,7 @@ class Simulation {
 
   /// df/dx, row-major.
   auto jacobian(double t, Column const& x) {
-    check_state(x);
+    begin_call(x);
     JacobianData j(dynamics_.sizes());
     dynamics_.jacobian(t, x.data(), j);
     return nb::make_tuple(matrix(j.a), matrix(j.g), matrix(j.f_t), matrix(j.g_t));
@@ -93,6 +93,7 @@ class Simulation {
   nb::dict equilibrium(double speed, double t, std::vector<std::tuple<int, int, double>> const& held) {
     std::vector<HeldCoordinate> coordinates;
     for (auto const& [body, coordinate, value] : held) coordinates.push_back({body, coordinate, value});
+    dynamics_.forget();
     auto r = solve_equilibrium(dynamics_, speed, t, coordinates);
     nb::dict d;
     d["converged"] = r.converged;
@@ -104,7 +105,7 @@ class Simulation {
   }
 
   auto record(double t, Column const& x, Column const& z) {
-    check_state(x);
+    begin_call(x);
     std::vector<double> row(static_cast<std::size_t>(recorder_.width()));
     recorder_.record(observed_, t, x.data(), z.data(), row.data());
     auto const n = row.size();
@@ -164,6 +165,12 @@ class Simulation {
   int width() const { return recorder_.width(); }
 
  private:
+  /// A call from outside may follow a change of the model: nothing remembered counts.
+  void begin_call(Column const& x) {
+    check_state(x);
+    dynamics_.forget();
+    observed_.forget();
+  }
   void check_state(Column const& x) const {
     if (static_cast<int>(x.shape(0)) != dynamics_.sizes().states)
       throw nb::value_error("x must hold one value per state");

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "rig/contact/patch_share.hpp"
 
@@ -295,7 +294,7 @@ void Dynamics::evaluate(double t, double const* x) {
 
 void Dynamics::search_contacts(double t, double const* x) {
   unpack(x);
-  evaluated_time_ = std::numeric_limits<double>::quiet_NaN();
+  forget();
   for (std::size_t i = 0; i < model_->contacts.size(); ++i) {
     RelativePose<double> pose;
     ContactMotion<double> motion;

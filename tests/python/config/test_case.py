@@ -94,7 +94,7 @@ def test_a_change_may_replace_or_remove_a_whole_part(bogie: Case) -> None:
 def test_mistaken_changes_are_told_like_mistakes_in_a_file(bogie: Case) -> None:
     with pytest.raises(ConfigError) as error:
         bogie.with_changes(
-            {"motion.sped": 3, "support.roler_radius": 1, "vehicle.body.carbody.mass": 1, "time.step.x": 1}
+            {"motion.sped": 3, "support.roler_radius": 1, "vehicle.body.carbody.mass": 1, "time.maximum_step.x": 1}
         )
     lines = str(error.value).splitlines()
     assert lines[0] == (
@@ -103,7 +103,7 @@ def test_mistaken_changes_are_told_like_mistakes_in_a_file(bogie: Case) -> None:
     )
     assert "bogie_rollers_constant (changed): motion.sped: unknown key (= 3)" in lines[2]
     assert {problem.key for problem in error.value.problems} == {
-        "motion.sped", "support.data.roler_radius", "vehicle.data.body.carbody.mass", "time.step"
+        "motion.sped", "support.data.roler_radius", "vehicle.data.body.carbody.mass", "time.maximum_step"
     }  # fmt: skip
 
 

@@ -59,6 +59,9 @@ class Dynamics {
   /// Evaluates the model at (t, x) and leaves motion, forces and patches to be read.
   void evaluate(double t, double const* x);
 
+  /// Evaluate anew next time: to be called after a change of the model.
+  void forget() { evaluated_time_ = std::numeric_limits<double>::quiet_NaN(); }
+
   /// The contact search of every wheel alone, for benchmarks.
   void search_contacts(double t, double const* x);
 
