@@ -9,7 +9,7 @@ project = "rollerrig"
 author = "The rollerrig authors"
 copyright = "The rollerrig authors, Apache-2.0"
 
-extensions = ["myst_parser", "sphinx.ext.mathjax", "config_reference"]
+extensions = ["myst_parser", "sphinx.ext.mathjax", "config_reference", "results_reference"]
 myst_enable_extensions = ["dollarmath", "amsmath", "deflist", "colon_fence", "attrs_inline"]
 myst_heading_anchors = 3
 exclude_patterns = ["_build", "reference/generated"]

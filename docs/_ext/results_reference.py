@@ -1,0 +1,128 @@
+"""Sphinx extension: the reference of the results, written from a short run and from the key tables of the studies.
+
+core's field tables, key tables -> Dataset of one run -> [this file] -> reference/generated/results.md
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from pathlib import Path
+
+import xarray as xr
+from sphinx.application import Sphinx
+
+DIMENSIONS = {
+    ("time", "body"): "Per body",
+    ("time", "wheel"): "Per wheel",
+    ("time", "wheel", "patch"): "Per contact patch",
+    ("time", "element"): "Per force element",
+    ("time",): "Of the whole run",
+}
+
+ATTRIBUTES = {
+    "title": "description of the case",
+    "case": "name of the case",
+    "status": "`ok`, `interrupted`, or why the run stopped",
+    "status_message": "the same as a sentence, with time, wheel and remedy",
+    "stopped_at_s": "time that the integration reached [s]",
+    "stopped_wheel": "wheel at which the run stopped; empty if none",
+    "solver_statistics": "counts of the integrator, JSON",
+    "contact_counters": "counts of the contacts, JSON; the table below",
+    "vehicle_bodies": "names of the bodies that belong to the vehicle and are not held, JSON",
+    "sources": "publications that the model and its data come from, JSON",
+    "config_toml": "the whole configuration; `rollerrig run` takes it as a file",
+    "rollerrig_version": "version of the program",
+    "energy_turned_over_j": "half the sum of the total variations of all energy accounts [J]",
+    "energy_relative_residual": "largest energy residual over the energy turned over",
+    "warnings": "what to know before believing the run, one line each; empty if nothing",
+}
+
+COUNTERS = {
+    "checked": "wheels looked at: wheels times accepted steps",
+    "several_patches": "wheels with more than one patch",
+    "overlapping": "neighbouring patches of one wheel whose ellipses overlap",
+    "faded": "patches whose share (F4) was below 1",
+    "limited_curvature": "patches whose curvatures were outside Hertz' theory and were limited",
+    "clamped_aspect": "patches with a/b outside Kalker's table",
+    "lost": "wheels without contact",
+    "negative_dissipation": "patches whose creep force fed energy in",
+}
+
+
+def write_reference(app: Sphinx) -> None:
+    """Write the tables that reference/results.md includes."""
+    target = Path(app.srcdir) / "reference" / "generated" / "results.md"
+    text = "\n".join(reference())
+    target.parent.mkdir(exist_ok=True)
+    if not target.is_file() or target.read_text() != text:  # an unchanged file keeps its date: no rebuild
+        target.write_text(text)
+
+
+def reference() -> list[str]:
+    """The whole reference as lines of MyST Markdown."""
+    from rollerrig import load_case, simulate
+    from rollerrig.results import SUMMARY_KEYS
+    from rollerrig.studies.conicity import CONICITY_KEYS
+    from rollerrig.studies.paper.write import PAPER_KEYS
+    from rollerrig.studies.stability import STABILITY_KEYS
+
+    run = simulate(load_case("wheelset_rollers").with_changes({"time.duration": "0.01 s"}))
+    return [
+        *variables(run),
+        *described("Attributes of a run", "attribute", run.attrs, ATTRIBUTES),
+        *described("Counters of the contacts", "counter", json.loads(run.attrs["contact_counters"]), COUNTERS),
+        *keys("rollerrig run", SUMMARY_KEYS),
+        *keys("rollerrig stability", STABILITY_KEYS),
+        *keys("rollerrig conicity", CONICITY_KEYS),
+        *keys("rollerrig paper", PAPER_KEYS),
+    ]
+
+
+def variables(run: xr.Dataset) -> list[str]:
+    """One table per combination of dimensions; every variable once."""
+    lines: list[str] = []
+    written: set[str] = set()
+    for dimensions, title in DIMENSIONS.items():
+        rows = [
+            (f"`{name}`", unit(str(variable.attrs["units"])), str(variable.attrs["long_name"]))
+            for name, variable in run.data_vars.items()
+            if variable.dims == dimensions
+        ]
+        written |= {str(name) for name, variable in run.data_vars.items() if variable.dims == dimensions}
+        names = ", ".join(f"`{d}`" for d in dimensions)
+        lines += [f"## {title}", "", f"Dimensions: {names}.", "", *table(("variable", "unit", "meaning"), rows)]
+    if missing := {str(name) for name in run.data_vars} - written:
+        raise RuntimeError(f"variables without a section in the reference: {', '.join(sorted(missing))}")
+    return lines
+
+
+def described(title: str, head: str, found: Mapping[str, object], meanings: Mapping[str, str]) -> list[str]:
+    """A table of names whose meanings stand above; a name too many or too few stops the build."""
+    if different := set(found) ^ set(meanings):
+        raise RuntimeError(f"{title}: described and existing names differ: {', '.join(sorted(different))}")
+    rows = [(f"`{name}`", meaning) for name, meaning in meanings.items()]
+    return [f"## {title}", "", *table((head, "meaning"), rows)]
+
+
+def keys(command: str, meanings: Mapping[str, str]) -> list[str]:
+    """The keys of one command's summary.json."""
+    rows = [(f"`{name}`", meaning) for name, meaning in meanings.items()]
+    return [f"## `summary.json` of `{command}`", "", *table(("key", "meaning"), rows)]
+
+
+def unit(name: str) -> str:
+    """The unit; a dash for a pure number."""
+    return "–" if name == "1" else name.replace("^2", "²")
+
+
+def table(head: tuple[str, ...], rows: list[tuple[str, ...]]) -> list[str]:
+    """A Markdown table."""
+    lines = [head, ("---",) * len(head), *rows]
+    return ["| " + " | ".join(cell.replace("|", "\\|") for cell in line) + " |" for line in lines] + [""]
+
+
+def setup(app: Sphinx) -> dict[str, bool]:
+    """Register with Sphinx."""
+    app.connect("builder-inited", write_reference)
+    return {"parallel_read_safe": True, "parallel_write_safe": True}
