@@ -2,7 +2,8 @@
 //
 // Signs   forces act on the wheel, along i (rolling direction) and t = n x i; the moment about n, out of the roller.
 //         Creepage: velocity of the wheel's point relative to the roller's, over the rolling speed.
-// To add a law: write a struct with the call operator below, give it a name in CreepLawKind and a line in creep_force().
+// To add a law: write a struct with the call operator below, give it a name in CreepLawKind and a line in creep_force();
+// how a configuration then asks for it is in docs/how_to/contact_law.md.
 // Source  Malvezzi, Meli, Pugi (2010), eqs (20)-(24); Kalker (1967); Vermeulen and Johnson (1964) for (23).
 #pragma once
 #include "rig/contact/kalker.hpp"

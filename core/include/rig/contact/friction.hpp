@@ -4,7 +4,7 @@
 
 namespace rig {
 
-/// Coulomb friction. The arguments are what later laws may depend on: time, place along the rail, and slip.
+/// Coulomb friction with one coefficient. The arguments are there for laws that depend on time, place along the rail or slip.
 struct Friction {
   double coefficient{0.3};  ///< mu [-]
 

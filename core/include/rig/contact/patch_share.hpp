@@ -8,6 +8,8 @@
 //
 //     t_k = barrier_k / (merge_barrier approach_k),   S_k = t^2 (3 - 2 t) for t < 1, else 1,   share_k = S_k / max_j S_j
 //
+// A patch between two others has the product of two S. Above 0.01 the rule acts on the centred position of S1002 on UIC60 in
+// soft material and moves its linear critical speed: docs/theory/contact_forces.md, (F4).
 // Source: our own rule; the paper is silent. Runs count how often it acts.
 #pragma once
 #include <array>
@@ -20,7 +22,8 @@ namespace rig {
 template <Scalar T>
 using PatchShares = std::array<T, ContactSearch::max_minima>;
 
-/// @param points  contact points of the search's minima, in order
+/// @param points         contact points of the search's minima, in order
+/// @param merge_barrier  [-]; 0: every patch counts in full
 template <Scalar T>
 PatchShares<T> patch_shares(WheelRollerPair const& pair, RelativePose<T> const& pose, ContactSearch const& search,
                             ContactPoint<T> const* points, double merge_barrier) {

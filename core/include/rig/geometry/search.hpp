@@ -1,14 +1,16 @@
 // geometry/search.hpp - finds every contact patch of one wheel, and knows when it need not look again.
 //
 // The wheel profile is cut into cells. In each cell the reduced equation F(s) and its exact slope at both ends give a
-// cubic; its monotone stretches bracket the roots. A root where F falls is a minimum of the gap (the paper's curvature
-// check), one where it rises is a maximum and is dropped; a root with gap < 0 is a patch (indentation check).
+// cubic; its monotone stretches bracket the roots. A cell whose normals miss the generatrix at one end is cut to the part
+// that meets it. A root where F falls is a minimum of the gap (the paper's curvature check); one where it rises is a maximum,
+// and only the height of those between two minima is kept; a minimum with gap < 0 is a patch (indentation check).
 //
-// Warm search. A cell that holds no indented minimum now cannot get one before the wheel has moved a certain way against
-// the roller: the gap changes at most as fast as the wheel moves, and F only by the turning of the wheel's slope (roll)
-// and by the generatrix sliding along underneath (lateral shift times its second derivative). Each cell remembers the pose
-// it was looked at and how far F was from zero, and is left alone while that bound holds; a cell with a known root is only
-// polished by Newton. The bounds carry a safety factor; tests compare with the exhaustive search along whole runs.
+// Warm search. A cell is left alone while one of two bounds holds. The gap: it falls at most as fast as the wheel moves, so
+// a cell cannot be indented before half its lowest gap is used up. The roots of F: F changes by the turning of the wheel's
+// slope (roll; yaw and longitudinal offset a little) and by the generatrix sliding along underneath (lateral shift times its
+// second derivative); while that is less than how far F was from changing its roots, a known root is only polished by Newton.
+// The weights carry a margin and are not proved; tests compare with the exhaustive search along whole runs.
+// Equations (G5), (G6) of docs/theory/contact_geometry.md.
 #pragma once
 #include <array>
 #include <vector>

@@ -1,7 +1,8 @@
 // system/equilibrium.hpp - static and steady-rolling equilibrium, solved by Newton's method with the exact Jacobian.
 //
 // Unknown: coordinates, wheelset spin rates, inner nodes of dampers. Given: rollers turn (or rails move) at the running
-// speed, all other rates are zero. Equations: accelerations and node rates vanish.
+// speed, all other rates are zero. Equations: accelerations and node rates vanish; a vehicle that is free along its track may
+// keep up to 10 N of rolling resistance that nothing can balance (it coasts).
 #pragma once
 #include <string>
 #include <vector>

@@ -34,7 +34,7 @@ struct PressedWheelset {
   bool converged{false};
   WheelsetPosition position{};
   double vertical{0.0};     ///< sum of vertical contact forces [N]
-  double roll_moment{0.0};  ///< about the wheelset's centre [N m]
+  double roll_moment{0.0};  ///< about the point below the wheelset's centre at the running surface [N m]
   std::vector<PressedPatch> patches;
 };
 
