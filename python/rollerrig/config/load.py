@@ -23,6 +23,7 @@ from rollerrig.config.read import Document, parse_document, read_document
 from rollerrig.config.resolve import (
     ProfileRoot,
     refer,
+    relative_to,
     resolve_material,
     resolve_profile,
     resolve_support,
@@ -163,6 +164,7 @@ def _part(
     if own is None:
         return None, problems
     changes, labels = _overrides(choice, key)
+    changes = {name: relative_to(document.folder, name, value) for name, value in changes.items()}
     tables = plain(deepcopy(own.raw))
     problems += apply_changes(tables, changes, document.file, f"{key}.changes")
     part, mistakes = resolve(replace(own, raw=tables))

@@ -110,6 +110,17 @@ def _absolute(spec: Mapping[str, Any], folder: Path) -> dict[str, Any]:
     return {**spec, "path": str((folder / path).absolute())}
 
 
+def relative_to(folder: Path, key: str, value: object) -> object:
+    """A new value as the file in ``folder`` means it: a profile file that it names stands relative to that file."""
+    if isinstance(value, Mapping):
+        return {name: relative_to(folder, str(name), inner) for name, inner in value.items()}
+    last = key.rpartition(".")[2]
+    if not isinstance(value, str) or not value or "\0" in value:
+        return value
+    names_a_file = last == "profile" and Path(value).suffix.lower() in (*_POINT_FILES, ".toml")
+    return str((folder / value).absolute()) if names_a_file or last == "path" else value
+
+
 def _new(mistakes: Problems, known: Problems) -> Problems:
     """Mistakes at keys of which nothing has been said yet."""
     keys = {(problem.file, problem.key) for problem in known}

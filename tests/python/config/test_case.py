@@ -141,3 +141,12 @@ def test_profile_arguments_are_what_the_profiles_take() -> None:
     }  # fmt: skip
     with pytest.raises(ConfigError, match="did you mean 's1002'"):
         load_profile("s102")
+
+
+@pytest.mark.parametrize("value", ['"my head.prr"', '{kind = "file", path = "my head.prr"}'])
+def test_a_profile_file_in_changes_stands_relative_to_the_case(tmp_path: Path, value: str) -> None:
+    (tmp_path / "my head.prr").write_text("".join(f"{u} {-u * u / 80:.6f}\n" for u in range(-36, 37)))
+    rig = 'use = "full_scale_rig"'
+    case = spoil(catalog_text("wheelset_rollers"), rig, f"{rig}\nchanges.profile = {value}")
+    (tmp_path / "case.toml").write_text(case)
+    assert str(tmp_path / "my head.prr") in load_case(tmp_path / "case.toml").to_toml()
