@@ -172,7 +172,8 @@ class TimeSettings(Table):
         default=1e-6, description="local error per step, relative to each state"
     )
     absolute_tolerance: Annotated[float, Quantity("1", gt=0, le=1)] = Field(
-        default=1e-9, description="local error per step, in the SI unit of each state"
+        default=1e-9,
+        description="local error per step of a displacement or angle [m, rad]; of its rate 100 1/s times that",
     )
     maximum_step: PositiveTime | None = Field(
         default=None, description="longest step of an adaptive method; absent: no limit"
