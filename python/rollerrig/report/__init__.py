@@ -3,6 +3,6 @@
 sections of text, tables, figures, checks -> [report] -> report.html
 """
 
-from rollerrig.report.page import Check, Figure, Page, Preformatted, Section, Table, Text, check_table, render
+from rollerrig.report.page import Check, Figure, Page, Preformatted, Section, Table, Text, check_table, number, render
 
-__all__ = ["Check", "Figure", "Page", "Preformatted", "Section", "Table", "Text", "check_table", "render"]
+__all__ = ["Check", "Figure", "Page", "Preformatted", "Section", "Table", "Text", "check_table", "number", "render"]

@@ -138,6 +138,9 @@ class Page:
     footer: str = ""
 
 
+_SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+
 def number(value: object, digits: int = 4) -> str:
     """A number as people write it; text as it is."""
     if isinstance(value, bool) or not isinstance(value, int | float):
@@ -148,7 +151,9 @@ def number(value: object, digits: int = 4) -> str:
         return "–"
     if value != 0 and not 1e-3 <= abs(value) < 1e6:
         mantissa, exponent = f"{value:.{digits - 1}e}".split("e")
-        return f"{mantissa}·10^{int(exponent)}"
+        mantissa = mantissa.rstrip("0").rstrip(".") if "." in mantissa else mantissa
+        power = f"10{str(int(exponent)).translate(_SUPERSCRIPT)}"
+        return power if mantissa == "1" else f"{mantissa}·{power}"
     return f"{value:.{digits}g}" if abs(value) < 1e4 else f"{value:,.0f}".replace(",", "\u202f")
 
 

@@ -13,7 +13,7 @@ import xarray as xr
 
 from rollerrig.plot import figure_bytes
 from rollerrig.plot.run import energy_over_time, forces_over_time, motion_over_time, sliding_over_time
-from rollerrig.report import Figure, Page, Preformatted, Section, Table, Text, render
+from rollerrig.report import Figure, Page, Preformatted, Section, Table, Text, number, render
 from rollerrig.results import SUMMARY_KEYS, motion_table, save_run, summarise, wheel_table, write_csv, write_text
 
 LEFT_OUT = (
@@ -21,6 +21,18 @@ LEFT_OUT = (
     "ellipses also where the patch is none; Kalker's linear creep law with saturation, of which the spin moment is not "
     "saturated by default; a constant coefficient of friction."
 )
+
+COUNTERS = {
+    "checked": "wheels looked at: accepted steps times wheels",
+    "several_patches": "wheels that touched in more than one patch",
+    "overlapping": "pairs of patches of one wheel whose ellipses overlap, where Hertz' theory would want them far apart",
+    "faded": "patches that count in part, while two neighbours merge or part",
+    "limited_curvature": "patches whose curvatures were outside Hertz' theory and were limited",
+    "clamped_aspect": "patches more slender than Kalker's table; its last value was used",
+    "negative_dissipation": "patches in which the creep law fed energy in",
+    "lost": "wheels without contact",
+}
+"""Counter of the contact model -> what it says."""
 
 
 def write_run(run: xr.Dataset, folder: Path) -> list[Path]:
@@ -73,8 +85,8 @@ def _lead(summary: dict[str, Any]) -> str:
     if summary["samples"]:
         speeds = f"Speed {summary['speed_start_kmh']:.4g} km/h at the start, {summary['speed_end_kmh']:.4g} km/h at the end. "
     audit = (
-        f"Energy balance closed to {summary['energy_relative_residual']:.1e} of the {summary['energy_turned_over_j']:.4g} J "
-        "turned over."
+        f"Energy balance closed to {number(summary['energy_relative_residual'], 2)} of the "
+        f"{number(summary['energy_turned_over_j'] / 1e3)} kJ turned over."
     )
     warning = "".join(f"\nWarning: {line}." for line in summary["warnings"].splitlines())
     return f"{ended}\n{speeds}{audit}{warning}"
@@ -112,7 +124,8 @@ def _numbers(header: tuple[str, ...], parts: dict[str, dict[str, float | None]])
 
 
 def _contact(summary: dict[str, Any]) -> Table:
-    return _table("contacts, counted over accepted steps and wheels", summary["contact"])
+    rows = [(_words(key), value, COUNTERS.get(key, "")) for key, value in summary["contact"].items()]
+    return Table(("count", "value", "meaning"), rows, "contacts, counted over accepted steps and wheels")
 
 
 def _table(caption: str, numbers: dict[str, float | None]) -> Table:

@@ -357,11 +357,21 @@ def shape_tables(modes: xr.Dataset) -> list[Table]:
             cells = []
             for direction in at["direction"].to_numpy():
                 a, p = (float(v.sel(body=body, direction=direction)) for v in (amplitude, phase))
-                cells.append(f"{a:.2f} ∠ {p:.0f}°" if a >= 0.02 else "")
+                cells.append(f"{a:.2f} ∠ {round(p):d}°" if a >= 0.02 else "")
             rows.append([str(body), *cells])
         caption = f"{name}, {float(at['frequency'].sel(mode=name)):.2f} Hz at {speed[k]:g} km/h"
         tables.append(Table(["body", *map(str, at["direction"].to_numpy())], rows, caption))
     return tables
+
+
+RUN_HEADER = (
+    "speed [km/h]",
+    "amplitude at the end [mm]",
+    "frequency [Hz]",
+    "growth rate at the end [1/s]",
+    "goes on",
+    "how the run ended",
+)
 
 
 def nonlinear_section(found: NonlinearCriticalSpeed, figures: dict[str, bytes]) -> Section:
@@ -371,6 +381,8 @@ def nonlinear_section(found: NonlinearCriticalSpeed, figures: dict[str, bytes]) 
         blocks += [
             Figure(figures["amplitude"], "Amplitude at the end of each run; open markers: the disturbance dies out."),
             Figure(figures["runs"], "Lateral displacement over time at the speeds nearest to the onset."),
-            Table([str(cell) for cell in run_rows(found)[0]], run_rows(found)[1:], "All runs."),
+            Table(
+                RUN_HEADER, [[*row[:4], "yes" if row[4] else "no", row[5]] for row in run_rows(found)[1:]], "All runs."
+            ),
         ]
     return Section("Runs from a disturbance", blocks)

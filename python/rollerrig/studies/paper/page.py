@@ -10,7 +10,7 @@ import math
 
 from rollerrig import __version__
 from rollerrig.config import Rig
-from rollerrig.report import Check, Figure, Page, Preformatted, Section, Table, Text, check_table
+from rollerrig.report import Check, Figure, Page, Preformatted, Section, Table, Text, check_table, number
 from rollerrig.report.page import Block
 from rollerrig.studies.paper.compute import PaperResults
 from rollerrig.studies.paper.figures import CAPTIONS
@@ -175,9 +175,9 @@ def solver_table(results: PaperResults) -> Table:
                 attributes["status"],
                 int(statistics["steps"]),
                 int(statistics["rejected_steps"]),
-                f"{statistics['smallest_step']:.1e}",
+                number(float(statistics["smallest_step"]), 2),
                 f"{1e-3 * float(str(attributes['energy_turned_over_j'])):.1f}",
-                f"{float(str(attributes['energy_relative_residual'])):.1e}",
+                number(float(str(attributes["energy_relative_residual"])), 2),
             )
         )
     return Table(
