@@ -62,6 +62,7 @@ def write_reference(app: Sphinx) -> None:
 def reference() -> list[str]:
     """The whole reference as lines of MyST Markdown."""
     from rollerrig import load_case, simulate
+    from rollerrig.contact_table import _COLUMNS, _VARIABLES
     from rollerrig.results import SUMMARY_KEYS
     from rollerrig.studies.conicity import CONICITY_KEYS
     from rollerrig.studies.paper.write import PAPER_KEYS
@@ -72,6 +73,7 @@ def reference() -> list[str]:
         *variables(run),
         *described("Attributes of a run", "attribute", run.attrs, ATTRIBUTES),
         *described("Counters of the contacts", "counter", json.loads(run.attrs["contact_counters"]), COUNTERS),
+        *columns({column: _VARIABLES[variable][1] for column, (variable, _) in _COLUMNS.items()}),
         *keys("rollerrig run", SUMMARY_KEYS),
         *keys("rollerrig stability", STABILITY_KEYS),
         *keys("rollerrig conicity", CONICITY_KEYS),
@@ -103,6 +105,12 @@ def described(title: str, head: str, found: Mapping[str, object], meanings: Mapp
         raise RuntimeError(f"{title}: described and existing names differ: {', '.join(sorted(different))}")
     rows = [(f"`{name}`", meaning) for name, meaning in meanings.items()]
     return [f"## {title}", "", *table((head, "meaning"), rows)]
+
+
+def columns(meanings: Mapping[str, str]) -> list[str]:
+    """The columns of the table of `rollerrig contact`."""
+    rows = [(f"`{name}`", meaning) for name, meaning in meanings.items()]
+    return ["## Columns of `rollerrig contact --csv`", "", *table(("column", "meaning"), rows)]
 
 
 def keys(command: str, meanings: Mapping[str, str]) -> list[str]:
