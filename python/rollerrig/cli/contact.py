@@ -8,7 +8,7 @@ from typing import Annotated, Literal
 import typer
 
 from rollerrig.cli.ending import LEFT_VALIDITY, say
-from rollerrig.cli.ranges import read_range
+from rollerrig.cli.ranges import check_finite, read_range
 
 
 def command(
@@ -33,6 +33,8 @@ def command(
         raise typer.BadParameter("give --yaw-mrad or --yaw-mrad-per-mm, not both", param_hint="--yaw-mrad")
     if plot is not None and plot.suffix.lower() not in (".png", ".svg"):
         raise typer.BadParameter(f"'{plot}' must end in .png or .svg", param_hint="--plot")
+    for option, value in (("--yaw-mrad-per-mm", yaw_mrad_per_mm), ("--roll-mrad", roll_mrad)):
+        check_finite(value, option)
     lateral = read_range(lateral_mm, "--lateral-mm")
     yaw = read_range(yaw_mrad, "--yaw-mrad") if yaw_mrad is not None else [0.0]
     if yaw_mrad_per_mm is not None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from fractions import Fraction
 
@@ -38,6 +39,16 @@ def read_range(text: str, option: str) -> list[float]:
     if count > MOST_VALUES:
         raise _bad(option, f"'{text}' has {count} values; at most {MOST_VALUES} are allowed, take a larger step")
     return [float(start + i * step) for i in range(count)]
+
+
+def check_finite(value: float | None, option: str) -> None:
+    """Refuse `nan` and `inf`, which the parser of the command line takes for numbers.
+
+    Raises:
+        typer.BadParameter: not a finite number.
+    """
+    if value is not None and not math.isfinite(value):
+        raise _bad(option, f"'{value}' is not a finite number")
 
 
 def _number(text: str, option: str) -> Fraction:

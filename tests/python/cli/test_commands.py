@@ -260,3 +260,11 @@ def test_public_names_exist() -> None:
     for name in rr.__all__:
         if name != "stability":  # needs the analysis; tested there
             assert getattr(rr, name) is not None
+
+
+@pytest.mark.parametrize("option", ["--yaw-mrad-per-mm=nan", "--roll-mrad=inf"])
+def test_options_are_finite_numbers(tmp_path: Path, option: str) -> None:
+    done = Done("contact", "contact_benchmark_track", "--lateral-mm=0", option, "--csv", tmp_path / "c.csv")
+    assert done.code == 2
+    assert option.split("=")[0] in done.err
+    assert not (tmp_path / "c.csv").exists()
