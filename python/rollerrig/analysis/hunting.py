@@ -156,12 +156,14 @@ class NonlinearCriticalSpeed:
         goes_on: lowest speed at which it went on [m/s]; NaN if it never did.
         disturbance: its size, lateral offset of the leading wheelset [m].
         runs: all runs made for it, by speed.
+        interrupted: whether Ctrl-C came before it was narrowed down.
     """
 
     dies_out: float
     goes_on: float
     disturbance: float
     runs: list[HuntingRun]
+    interrupted: bool = False
 
     @property
     def speed(self) -> float:
@@ -199,6 +201,9 @@ def nonlinear_critical_speed(
         processes: runs at a time; with two, each round divides the bracket by three.
         progress: called with the fraction done and a short text.
         runs: runs already made with the same settings.
+
+    Returns:
+        What the runs say; after Ctrl-C, those that were done until then.
     """
     chosen = settings or HuntingSettings()
     known = list(runs)
@@ -206,13 +211,15 @@ def nonlinear_critical_speed(
     report = progress or (lambda _fraction, _text: None)
     known += hunting_runs(case, missing, chosen, processes=processes, progress=lambda f, t: report(0.7 * f, t))
     found = bracket(known, chosen.disturbance)
+    if len(known) < len(runs) + len(missing):
+        return replace(found, interrupted=True)
     while 3.6 * (found.goes_on - found.dies_out) > tolerance_kmh:
         between = np.linspace(3.6 * found.dies_out, 3.6 * found.goes_on, max(1, processes) + 2)[1:-1]
         report(0.8, f"between {3.6 * found.dies_out:.1f} and {3.6 * found.goes_on:.1f} km/h")
         more = hunting_runs(case, [float(v) for v in between], chosen, processes=processes)
-        if len(more) < len(between):
-            break  # Ctrl-C: what is known is kept
         found = bracket([*found.runs, *more], chosen.disturbance)
+        if len(more) < len(between):
+            return replace(found, interrupted=True)
     return found
 
 

@@ -10,8 +10,9 @@ from __future__ import annotations
 
 import multiprocessing
 import signal
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any, Generic, TypeVar
 
@@ -85,9 +86,20 @@ def _at_once(
     interrupted = False
     last = names[0]
     with ProcessPoolExecutor(processes, context, _adopt, (stop, fractions)) as pool:
-        running: dict[Future[R | None], int] = {
-            pool.submit(_work, function, argument, number): number for number, argument in enumerate(arguments)
-        }
+        running: dict[Future[R | None], int] = {}
+
+        def halt() -> None:
+            stop.set()
+            for future in running:
+                future.cancel()
+
+        try:
+            with _deaf_to_ctrl_c():
+                for number, argument in enumerate(arguments):
+                    running[pool.submit(_work, function, argument, number)] = number
+        except KeyboardInterrupt:
+            interrupted = True
+            halt()
         while running:
             try:
                 done, _ = wait(running, _POLL_SECONDS, FIRST_COMPLETED)
@@ -99,10 +111,21 @@ def _at_once(
                 report(sum(fractions[:]) / len(arguments), last)
             except KeyboardInterrupt:
                 interrupted = True
-                stop.set()
-                for future in running:
-                    future.cancel()
+                halt()
     return Finished(results, interrupted)
+
+
+@contextmanager
+def _deaf_to_ctrl_c() -> Iterator[None]:
+    """Processes started meanwhile never see Ctrl-C, not even before `_adopt`; this one hears of it afterwards."""
+    if not hasattr(signal, "pthread_sigmask"):
+        yield
+        return
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 # ---------------------------------------------------------------------------------------- inside a worker process

@@ -63,11 +63,13 @@ def stability(
     Returns:
         Dimensions speed, mode, body, direction; `growth_rate` [1/s], `frequency` [Hz], `damping` [1],
         `shape_amplitude` and `shape_phase` [deg], `energy_share` [1]. Modes are ordered by frequency at the highest speed.
-        The attributes hold the linear critical speed within the range, or NaN.
+        The attributes hold the linear critical speed within the range, or NaN, and whether Ctrl-C came first
+        (`interrupted`, 0 or 1): then the speeds done until then are there.
 
     Raises:
         ValueError: speeds not rising or not positive.
         StartError: no rolling equilibrium at one of the speeds.
+        KeyboardInterrupt: Ctrl-C came before the first speed was done.
     """
     speeds = np.asarray(speeds_kmh, dtype=np.float64) / 3.6
     if speeds.size == 0 or not np.all(np.isfinite(speeds)) or speeds[0] <= 0 or np.any(np.diff(speeds) <= 0):
@@ -75,10 +77,18 @@ def stability(
     lineariser = Lineariser(case)
     fine, asked = _refined(speeds)
     linearisations = []
-    for done, speed in enumerate(fine):
-        linearisations.append(lineariser.at(float(speed)))
-        if progress is not None:
-            progress(done / len(fine), f"{3.6 * speed:.0f} km/h")
+    interrupted = False
+    try:
+        for done, speed in enumerate(fine):
+            linearisations.append(lineariser.at(float(speed)))
+            if progress is not None:
+                progress(done / len(fine), f"{3.6 * speed:.0f} km/h")
+    except KeyboardInterrupt:
+        interrupted = True
+        asked = [i for i in asked if i < len(linearisations)]
+        if not asked:
+            raise
+        speeds, linearisations = speeds[: len(asked)], linearisations[: asked[-1] + 1]
     systems = track([eigensystem(item.matrix) for item in linearisations])
     values = np.array([systems[i].values for i in asked])
     sure = [m for m in range(values.shape[1]) if np.any(values[:, m].imag > LEAST_FREQUENCY)]
@@ -98,13 +108,15 @@ def stability(
                 at = (k, j, bodies.index(body), DIRECTIONS.index(direction))
                 shape[at], share[at] = part, shares[k][j][body, direction]
     dataset = _dataset(speeds, names, bodies, values[:, modes], shape, share)
-    critical = linear_critical_speed(lineariser, speeds.tolist())
+    rates = [float(systems[i].values[oscillates(systems[i].values)].real.max()) for i in asked]
+    critical = linear_critical_speed(lineariser, speeds.tolist(), rates)
     return dataset.assign_attrs(
         title=f"Modes of {case.name} over speed",
         case=case.name,
         linear_critical_speed_kmh=3.6 * critical.speed if critical else np.nan,
         linear_critical_frequency_hz=critical.frequency if critical else np.nan,
         linear_critical_mode=critical.name if critical else "",
+        interrupted=int(interrupted),
         config_toml=lineariser.case.to_toml(),
         rollerrig_version=__version__,
     )
@@ -116,18 +128,22 @@ def largest_growth_rate(lineariser: Lineariser, speed: float) -> float:
     return float(values[oscillates(values)].real.max())
 
 
-def linear_critical_speed(case: Case | Lineariser, speeds: Sequence[float]) -> CriticalSpeed | None:
+def linear_critical_speed(
+    case: Case | Lineariser, speeds: Sequence[float], rates: Sequence[float] | None = None
+) -> CriticalSpeed | None:
     """The lowest speed at which an oscillatory mode turns from damped to growing.
 
     Args:
         case: the case, or its lineariser.
         speeds: speeds between which a change of sign is looked for [m/s], rising.
+        rates: `largest_growth_rate` at each of them, where it is known already [1/s].
 
     Returns:
         The critical speed, to `SPEED_TOLERANCE`; None if nothing changes from damped to growing in the range.
     """
     lineariser = case if isinstance(case, Lineariser) else Lineariser(case)
-    rates = [largest_growth_rate(lineariser, float(speed)) for speed in speeds]
+    if rates is None:
+        rates = [largest_growth_rate(lineariser, float(speed)) for speed in speeds]
     for k in range(len(rates) - 1):
         if rates[k] < 0 <= rates[k + 1]:
             low, high = float(speeds[k]), float(speeds[k + 1])

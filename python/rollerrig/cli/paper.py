@@ -23,8 +23,8 @@ def command(
     from rollerrig.studies.paper.text import lead
 
     folder = output_folder(out)
-    with progress_bar("paper") as progress:
-        results = compute(QUICK if quick else FULL, processes=processes, progress=progress or _lines())
+    with progress_bar("paper", _lines()) as progress:
+        results = compute(QUICK if quick else FULL, processes=processes, progress=progress)
     written = write_paper(results, folder)
     say(lead(results))
     typer.echo(written[-1])

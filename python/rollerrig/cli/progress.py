@@ -1,17 +1,58 @@
-"""A progress bar on stderr, only where somebody looks at it."""
+"""A progress bar on stderr, only where somebody looks at it; and Ctrl-C, which reaches the work through its progress."""
 
 from __future__ import annotations
 
+import signal
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from types import FrameType
+
+Progress = Callable[[float, str], None]
 
 
 @contextmanager
-def progress_bar(title: str) -> Iterator[Callable[[float, str], None] | None]:
-    """A function (fraction, text) that moves a bar; None if stderr is no terminal."""
+def heard_ctrl_c() -> Iterator[Callable[[], None]]:
+    """A function that raises KeyboardInterrupt once more: Python drops one that comes in a callback of the collector."""
+    pressed = False
+
+    def press(_signal: int, _frame: FrameType | None) -> None:
+        nonlocal pressed
+        pressed = True
+        raise KeyboardInterrupt
+
+    def check() -> None:
+        nonlocal pressed
+        if pressed:
+            pressed = False
+            raise KeyboardInterrupt
+
+    if signal.getsignal(signal.SIGINT) is not signal.default_int_handler:  # not the main program, or told to ignore it
+        yield check
+        return
+    before = signal.signal(signal.SIGINT, press)
+    try:
+        yield check
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+@contextmanager
+def progress_bar(title: str, otherwise: Progress | None = None) -> Iterator[Progress]:
+    """A function (fraction, text) that moves a bar, or calls `otherwise` if stderr is no terminal."""
+    with heard_ctrl_c() as check, _shown(title, otherwise) as show:
+
+        def progress(fraction: float, text: str) -> None:
+            check()
+            show(fraction, text)
+
+        yield progress
+
+
+@contextmanager
+def _shown(title: str, otherwise: Progress | None) -> Iterator[Progress]:
     if not sys.stderr.isatty():
-        yield None
+        yield otherwise or (lambda _fraction, _text: None)
         return
     from rich.console import Console
     from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from rollerrig.cli.ending import say
+from rollerrig.cli.ending import INTERRUPTED, say
 from rollerrig.cli.progress import progress_bar
 from rollerrig.cli.ranges import read_range
 
@@ -47,3 +47,5 @@ def command(
     for path in write_study(study, folder):
         typer.echo(path)
     say(lead(study))
+    if study.interrupted:
+        raise typer.Exit(INTERRUPTED)

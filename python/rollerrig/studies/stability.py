@@ -46,6 +46,7 @@ STABILITY_KEYS = {
     "linear_critical_frequency_hz": "its frequency [Hz]",
     "linear_critical_mode": "its name",
     "least_damping": "per speed, the smallest damping ratio of all oscillatory modes [1]",
+    "interrupted": "whether Ctrl-C ended the study early; speeds and runs that are missing were not computed",
     "nonlinear": "only with --nonlinear: the numbers below",
     "nonlinear.disturbance_mm": "lateral offset of the leading wheelset at the start of each run [mm]",
     "nonlinear.dies_out_kmh": "highest speed below the onset at which the disturbance died out [km/h]",
@@ -70,6 +71,11 @@ class StabilityStudy:
     modes: xr.Dataset
     nonlinear: NonlinearCriticalSpeed | None
 
+    @property
+    def interrupted(self) -> bool:
+        """Whether Ctrl-C ended it early."""
+        return bool(self.modes.attrs["interrupted"]) or (self.nonlinear is not None and self.nonlinear.interrupted)
+
 
 def stability_study(
     case: Case,
@@ -93,7 +99,7 @@ def stability_study(
     report = progress or (lambda _fraction, _text: None)
     share = 0.1 if nonlinear else 1.0
     modes = stability(case, speeds_kmh, progress=lambda f, t: report(share * f, t))
-    if not nonlinear:
+    if not nonlinear or modes.attrs["interrupted"]:
         return StabilityStudy(case, modes, None)
     found = nonlinear_critical_speed(
         case,
@@ -135,7 +141,7 @@ def write_study(study: StabilityStudy, out: str | Path) -> list[Path]:
 
 
 def _merged(study: StabilityStudy) -> xr.Dataset:
-    if study.nonlinear is None:
+    if study.nonlinear is None or not study.nonlinear.runs:
         return study.modes
     runs = hunting_table(study.nonlinear.runs, study.nonlinear.disturbance).rename(speed="run_speed")
     return study.modes.merge(runs, combine_attrs="drop_conflicts")
@@ -179,6 +185,7 @@ def summary(study: StabilityStudy) -> dict[str, object]:
         "linear_critical_frequency_hz": finite(modes.attrs["linear_critical_frequency_hz"]),
         "linear_critical_mode": modes.attrs["linear_critical_mode"],
         "least_damping": modes["damping"].where(modes["frequency"] > 0.05).min("mode").to_numpy().tolist(),
+        "interrupted": study.interrupted,
     }
     if study.nonlinear is not None:
         result["nonlinear"] = nonlinear_summary(study.nonlinear)
@@ -209,10 +216,10 @@ def nonlinear_summary(found: NonlinearCriticalSpeed) -> dict[str, object]:
 def mode_rows(modes: xr.Dataset) -> list[list[object]]:
     """Table of all modes over speed, header first."""
     rows: list[list[object]] = [["speed_kmh", "mode", "growth_rate_per_s", "frequency_hz", "damping"]]
-    for k, speed in enumerate(modes["speed"].to_numpy()):
-        for name in modes["mode"].to_numpy():
-            one = modes.sel(mode=name).isel(speed=k)
-            rows.append([float(speed), str(name), *(float(one[v]) for v in ("growth_rate", "frequency", "damping"))])
+    speeds, names = modes["speed"].to_numpy(), modes["mode"].to_numpy()
+    values = [modes[v].transpose("speed", "mode").to_numpy() for v in ("growth_rate", "frequency", "damping")]
+    for at in np.ndindex(values[0].shape):
+        rows.append([float(speeds[at[0]]), str(names[at[1]]), *(float(v[at]) for v in values)])
     return rows
 
 
@@ -221,12 +228,11 @@ def shape_rows(modes: xr.Dataset) -> list[list[object]]:
     rows: list[list[object]] = [["speed_kmh", "mode", "body", "direction", "amplitude", "phase_deg", "energy_share"]]
     names = ("shape_amplitude", "shape_phase", "energy_share")
     values = [modes[name].transpose("speed", "mode", "body", "direction").to_numpy() for name in names]
+    speeds = modes["speed"].to_numpy()
+    labels = [[str(label) for label in modes[d].to_numpy()] for d in ("mode", "body", "direction")]
     for k, mode, body, direction in np.ndindex(values[0].shape):
         at = (k, mode, body, direction)
-        place = [
-            float(modes["speed"][k]),
-            *(str(modes[d][i].item()) for d, i in zip(("mode", "body", "direction"), at[1:], strict=True)),
-        ]
+        place = [float(speeds[k]), labels[0][mode], labels[1][body], labels[2][direction]]
         rows.append([*place, *(float(v[at]) for v in values)])
     return rows
 
@@ -308,13 +314,18 @@ def lead(study: StabilityStudy) -> str:
     elif float(study.modes["growth_rate"].isel(speed=0).max()) > 0:
         text = f"Unstable already at {speeds[0]:g} km/h, the lowest speed looked at."
     else:
-        text = f"No linear critical speed between {speeds[0]:g} and {speeds[-1]:g} km/h: all oscillations are damped."
+        where = f"between {speeds[0]:g} and {speeds[-1]:g} km/h" if len(speeds) > 1 else f"at {speeds[0]:g} km/h"
+        text = f"No linear critical speed {where}: all oscillations are damped."
+    if study.interrupted:
+        text = f"Interrupted: what was computed until then.\n{text}"
     return text if study.nonlinear is None else f"{text}\n{nonlinear_sentence(study.nonlinear)}"
 
 
 def nonlinear_sentence(found: NonlinearCriticalSpeed) -> str:
     """The bracket of the nonlinear critical speed as a sentence."""
     size = f"A lateral offset of {1e3 * found.disturbance:g} mm of the leading wheelset"
+    if not found.runs:
+        return f"{size}: no run was finished."
     if math.isfinite(found.speed):
         return f"{size} dies out at {3.6 * found.dies_out:.1f} km/h and goes on at {3.6 * found.goes_on:.1f} km/h."
     if math.isfinite(found.goes_on):

@@ -3,14 +3,21 @@
 from __future__ import annotations
 
 import json
+import os
+import signal
+import subprocess
+import sys
+import time
 from pathlib import Path
 
 import pytest
 from typer.testing import CliRunner
 
+from rollerrig.analysis import HuntingSettings
 from rollerrig.cli.app import build_app
+from rollerrig.config import load_case
 from rollerrig.results import load_run
-from rollerrig.studies.stability import STABILITY_KEYS
+from rollerrig.studies.stability import STABILITY_KEYS, stability_study, write_study
 
 runner = CliRunner()
 
@@ -71,3 +78,44 @@ def test_bad_speeds_are_refused(tmp_path) -> None:
         result = run("bogie_rollers_constant", "--speeds-kmh", speeds, "--out", str(tmp_path))
         assert result.exit_code == 2
         assert "--speeds-kmh" in result.output
+
+
+def interrupt_at(fraction: float):
+    def progress(done: float, _text: str) -> None:
+        if done >= fraction:
+            raise KeyboardInterrupt
+
+    return progress
+
+
+def test_ctrl_c_keeps_the_speeds_that_were_done(tmp_path) -> None:
+    case = load_case("wheelset_rollers")
+    study = stability_study(case, [20.0, 25.0, 30.0, 35.0], progress=interrupt_at(0.5))
+    assert study.interrupted
+    assert study.modes["speed"].to_numpy().tolist() == [20.0, 25.0]
+    write_study(study, tmp_path)
+    assert json.loads((tmp_path / "summary.json").read_text())["interrupted"] is True
+
+
+@pytest.mark.parametrize(("fraction", "finished"), [(0.2, 0), (0.5, 1)])
+def test_ctrl_c_keeps_the_runs_that_were_done(tmp_path, fraction: float, finished: int) -> None:
+    case = load_case("wheelset_rollers")
+    settings = HuntingSettings(duration=1.0)
+    study = stability_study(case, [20, 40], nonlinear=True, settings=settings, progress=interrupt_at(fraction))
+    assert study.interrupted
+    assert study.nonlinear is not None
+    assert len(study.nonlinear.runs) == finished
+    write_study(study, tmp_path)
+    assert "Interrupted" in (tmp_path / "report.html").read_text()
+
+
+def test_ctrl_c_ends_the_command_with_130(tmp_path) -> None:
+    """To the whole process group, as a terminal sends it, also while the workers are still starting."""
+    command = [sys.executable, "-c", "from rollerrig.cli import main; main()", "stability", "wheelset_rollers"]
+    options = ["--speeds-kmh", "20:100:20", "--nonlinear", "--duration", "600", "--out", str(tmp_path)]
+    process = subprocess.Popen([*command, *options], stderr=subprocess.PIPE, text=True, start_new_session=True)
+    time.sleep(4.0)
+    os.killpg(process.pid, signal.SIGINT)
+    _, errors = process.communicate(timeout=60)
+    assert process.returncode == 130, errors
+    assert "Traceback" not in errors

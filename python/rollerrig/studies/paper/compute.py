@@ -105,6 +105,8 @@ def _linear_part(results: PaperResults, report: Progress) -> None:
     for number, (material, variant) in enumerate(steps):
         report(number / len(steps), f"modes: {variant}, {material}")
         modes = stability(case_of(variant, material), results.plan.linear_kmh)
+        if modes.attrs["interrupted"]:
+            raise KeyboardInterrupt
         results.modes.setdefault(material, {})[variant] = modes
     scan = np.array(results.plan.linear_kmh) / 3.6
     for material in MATERIALS:

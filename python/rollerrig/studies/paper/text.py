@@ -16,16 +16,17 @@ def kmh(value: float, digits: int = 0) -> str:
     return f"{value:.{digits}f} km/h" if math.isfinite(value) else "–"
 
 
-def found_kmh(value: float, digits: int = 0) -> str:
-    """A critical speed as text, where there is no column for a dash."""
-    return kmh(value, digits) if math.isfinite(value) else "not found in the range"
+def _found(results: PaperResults, value: float, digits: int = 0) -> str:
+    """A critical speed as text, in a sentence."""
+    missing = "not computed" if results.interrupted else "not found in the range"
+    return kmh(value, digits) if math.isfinite(value) else missing
 
 
 def lead(results: PaperResults) -> str:
     """The whole in a few lines."""
     lines = [
-        f"{NAMES[m].capitalize()}: linear critical speed on the rig {found_kmh(results.linear_kmh(m), 1)}, nonlinear (from "
-        f"{1e3 * results.plan.hunting.disturbance:g} mm) {found_kmh(results.nonlinear_kmh(m))}."
+        f"{NAMES[m].capitalize()}: linear critical speed on the rig {_found(results, results.linear_kmh(m), 1)}, nonlinear (from "
+        f"{1e3 * results.plan.hunting.disturbance:g} mm) {_found(results, results.nonlinear_kmh(m))}."
         for m in MATERIALS
         if m in results.modes
     ]
