@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Callable
+import tomllib
+from collections.abc import Callable, Mapping
+from pathlib import Path
 from typing import NoReturn, ParamSpec, TypeVar
 
 import typer
@@ -34,6 +36,19 @@ def exit_code(status: str) -> int:
     return {"ok": OK, "interrupted": INTERRUPTED}.get(status, LEFT_VALIDITY)
 
 
+def _with_file(message: str, options: Mapping[str, object]) -> str:
+    """The message with the user's file in place of the name of the case in it: what is found late knows only the name."""
+    source = str(options.get("case") or options.get("file") or "")
+    try:
+        name = tomllib.loads(Path(source).read_text(encoding="utf-8")).get("name")
+    except (OSError, ValueError):
+        return message
+    return "\n".join(
+        f"{source}: {line.removeprefix(f'{name}: ')}" if line.startswith(f"{name}: ") else line
+        for line in message.splitlines()
+    )
+
+
 def readable_errors(command: Callable[P, R]) -> Callable[P, R]:
     """Bad input ends the command with its message and exit code 2, Ctrl-C with 130."""
 
@@ -46,7 +61,7 @@ def readable_errors(command: Callable[P, R]) -> Callable[P, R]:
         try:
             return command(*arguments, **options)
         except (ConfigError, OutputError, StartError) as error:
-            stop(error)
+            stop(_with_file(str(error), options))
         except MemoryError:
             stop("not enough memory; raise time.output_step or shorten the run")
         except KeyboardInterrupt:

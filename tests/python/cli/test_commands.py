@@ -268,3 +268,10 @@ def test_options_are_finite_numbers(tmp_path: Path, option: str) -> None:
     assert done.code == 2
     assert option.split("=")[0] in done.err
     assert not (tmp_path / "c.csv").exists()
+
+
+def test_what_is_found_late_names_the_file_too(case: Path, tmp_path: Path) -> None:
+    case.write_text(CASE.replace('"0.1 s"', '"0.1 s", method = "rk4", step = "9 ms"'))
+    done = Done("run", case, "--out", tmp_path / "out")
+    assert done.code == 2
+    assert f"rollerrig: {case}: time.step: 9 ms; allowed" in done.err
