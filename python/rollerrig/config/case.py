@@ -145,12 +145,15 @@ class AxleTorque(Table):
         return self
 
 
+SidewaysOffset = Annotated[float, Quantity("m", ge=-0.1, le=0.1)]
+
+
 class Disturbance(Table):
     """Offset of a body from its equilibrium, from which the run starts."""
 
     body: str = Field(description="the body")
     longitudinal: Length = Field(default=0.0, description="offset along x")
-    lateral: Length = Field(default=0.0, description="offset along y, positive to the left")
+    lateral: SidewaysOffset = Field(default=0.0, description="offset along y, positive to the left")
     vertical: Length = Field(default=0.0, description="offset along z")
     roll: Angle = Field(default=0.0, description="offset about x")
     pitch: Angle = Field(default=0.0, description="offset about y")

@@ -43,6 +43,10 @@ PRIMARY = 'between = ["front_frame", "wheelset_1"]\npoint = [10.78, 1.0, 0.46]'
         ("vehicle", "inertia = [56.8e3, 1.970e6, 1.970e6]", "inertia = [56.8e3, 0, 1.970e6]",
          "vehicle.toml: body.car_body.inertia[1]: 0; allowed: a number in kg m^2 or a text with a unit like "
          "'1120 kg m^2', greater than 0 kg m^2"),
+        # a disturbance off the rig
+        ("case", 'lateral = "3 mm"', 'lateral = "3 m"',
+         "case.toml: disturbance.wheelset_1.lateral: '3 m'; allowed: a number in m or a text with a unit like '460 mm', "
+         "at least -0.1 m and at most 0.1 m"),
         # zero roller radius
         ("support", 'roller_radius = "725 mm"', "roller_radius = 0",
          "support.toml: roller_radius: 0; allowed: a number in m or a text with a unit like '460 mm', "
