@@ -46,7 +46,19 @@ def load_case(source: str | Path) -> Case:
     Raises:
         ConfigError: all mistakes found.
     """
-    return build_case(read_document("case", source))
+    kinds: tuple[CatalogKind, ...] = get_args(CatalogKind)
+    named = [kind for kind in kinds if str(source) in catalog_names(kind)]
+    if named and "case" not in named:
+        raise ConfigError([_not_a_case(source, named[0])])
+    document = read_document("case", source)
+    if (kind := _kind_of(document.raw)) != "case":
+        raise ConfigError([_not_a_case(source, kind)])
+    return build_case(document)
+
+
+def _not_a_case(source: str | Path, kind: CatalogKind) -> ConfigProblem:
+    needed = f"needed: a case that uses it, e.g. a copy of `rollerrig catalog show bogie_track` with this {kind} in it"
+    return ConfigProblem(str(source), "", f"a {kind}, not a case", needed)
 
 
 def case_from_toml(text: str, file: str = "case", folder: Path | None = None) -> Case:

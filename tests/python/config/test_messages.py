@@ -182,6 +182,13 @@ def line_of(source: object) -> str:
     return str(error.value)
 
 
+@pytest.mark.parametrize(("name", "kind"), [("manchester_vehicle_1", "vehicle"), ("full_scale_rig", "support")])
+def test_what_is_no_case_is_told_as_what_it_is(folder: Path, name: str, kind: str) -> None:
+    assert line_of(name).startswith(f"{name}: a {kind}, not a case; needed: a case that uses it")
+    (folder / "mine.toml").write_text(catalog_text(name))
+    assert line_of(folder / "mine.toml").startswith(f"{folder / 'mine.toml'}: a {kind}, not a case")
+
+
 def test_a_missing_case_names_the_nearest(folder: Path) -> None:
     line = line_of("bogie_rollers_rmp.toml")
     assert line.startswith("bogie_rollers_rmp.toml: no such file; allowed: a TOML file, or a case of the catalogue: ")
