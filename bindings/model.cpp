@@ -126,8 +126,5 @@ void bind_model(nb::module_& m) {
           "set_speed", [](Model& model, Rows2 const& table) { model.speed = {piecewise(table)}; }, "table"_a)
       .def("static_preloads", &preloads, "Vertical preload per element [N], and the worst remaining imbalance.")
       .def_rw("gravity", &Model::gravity)
-      .def_rw("contact_loss_limit", &Model::contact_loss_limit)
-      .def_prop_ro("body_count", [](Model const& model) { return model.bodies.size(); })
-      .def_prop_ro("element_count", [](Model const& model) { return model.elements.size(); })
-      .def_prop_ro("contact_count", [](Model const& model) { return model.contacts.size(); });
+      .def_rw("contact_loss_limit", &Model::contact_loss_limit);
 }

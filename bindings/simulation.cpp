@@ -242,7 +242,6 @@ void bind_simulation(nb::module_& m) {
   codes["derailed"] = static_cast<int>(Status::derailed);
   codes["step_too_small"] = static_cast<int>(Status::step_too_small);
   codes["too_many_steps"] = static_cast<int>(Status::too_many_steps);
-  codes["newton_failed"] = static_cast<int>(Status::newton_failed);
   codes["interrupted"] = static_cast<int>(Status::interrupted);
   m.attr("status_codes") = codes;
 }

@@ -15,7 +15,6 @@ enum class Status : int {
   derailed,        ///< a wheelset climbed over the flange or fell between the rails
   step_too_small,  ///< the error tolerance asks for a step below the resolution of time
   too_many_steps,  ///< the step budget of the run is spent
-  newton_failed,   ///< an inner iteration did not converge
   interrupted,     ///< the caller asked to stop
 };
 
@@ -41,8 +40,6 @@ constexpr std::string_view status_sentence(Status status) {
     case Status::too_many_steps:
       return "The step budget is spent; raise the largest number of steps, relax the tolerances, or "
              "choose the stiff method rodas4.";
-    case Status::newton_failed:
-      return "An inner iteration did not converge; start nearer to equilibrium or reduce the step.";
     case Status::interrupted: return "The computation was interrupted; the results up to this time are valid.";
   }
   return "Unknown status; this is a programming error, please report it.";
