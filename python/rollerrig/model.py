@@ -251,8 +251,8 @@ class _Assembly:
         corners = [time for time, _ in speed]
         if motion.torque_table is not None:
             corners += [time for time, _ in motion.torque_table]
-            pairs = len(self.rollers) // max(1, len({name.split("_")[1] for name in self.rollers}))
-            rows = [(time, torque / max(1, pairs)) for time, torque in motion.torque_table]
+            axle_share = 0.5 if isinstance(self.support, Rig) and self.support.coupling == "independent" else 1.0
+            rows = [(time, axle_share * torque) for time, torque in motion.torque_table]
             for name in self.rollers:
                 self.core.add_roller_torque(self.bodies.index(name), rows)
         for torque in self.case.axle_torque:
