@@ -137,6 +137,33 @@ void ContactSearch::trim(RelativePose<double> const& pose, double& first, Node& 
   bad = valid;
 }
 
+/// Cuts a cell where the cubic through the values and slopes of F at both ends turns, and evaluates F there.
+ContactSearch::Stretches ContactSearch::monotone_stretches(RelativePose<double> const& pose, double first, double h,
+                                                           Node const& a, Node const& b) const {
+  // F = f0 + m0 t + c2 t^2 + c3 t^3, t in 0..1.
+  double const m0 = h * a.gradient;
+  double const m1 = h * b.gradient;
+  double const jump = b.residual - a.residual;
+  double const c2 = 3.0 * jump - 2.0 * m0 - m1;
+  double const c3 = m0 + m1 - 2.0 * jump;
+  Stretches out{{0.0, 1.0, 1.0, 1.0}, {a.residual, b.residual, b.residual, b.residual}, 1};
+  double const discriminant = c2 * c2 - 3.0 * c3 * m0;
+  if (discriminant > 0.0) {
+    double const q = -(c2 + std::copysign(std::sqrt(discriminant), c2));
+    double t1 = c3 != 0.0 ? q / (3.0 * c3) : -1.0;
+    double t2 = q != 0.0 ? m0 / q : -1.0;
+    if (t1 > t2) std::swap(t1, t2);
+    auto const inside = [](double t) { return t > 0.0 && t < 1.0; };
+    if (inside(t1)) out.cut[static_cast<std::size_t>(out.count++)] = t1;
+    if (inside(t2) && t2 > t1) out.cut[static_cast<std::size_t>(out.count++)] = t2;
+  }
+  for (std::size_t i = 1; i < static_cast<std::size_t>(out.count); ++i)
+    out.value[i] = reduce_with_slope(*pair_, pose, first + h * out.cut[i]).residual;
+  out.cut[static_cast<std::size_t>(out.count)] = 1.0;
+  out.value[static_cast<std::size_t>(out.count)] = b.residual;
+  return out;
+}
+
 /// Looks at one cell afresh: its roots, and the motion up to which what was found stands.
 void ContactSearch::analyse(RelativePose<double> const& pose, int index, double reach) {
   Cell& cell = cells_[static_cast<std::size_t>(index)];
@@ -172,31 +199,10 @@ void ContactSearch::analyse(RelativePose<double> const& pose, int index, double 
     return;
   }
 
-  // Cubic through values and slopes at both ends: F = f0 + m0 t + c2 t^2 + c3 t^3, t in 0..1.
-  double const m0 = h * a.gradient;
-  double const m1 = h * b.gradient;
-  double const jump = b.residual - a.residual;
-  double const c2 = 3.0 * jump - 2.0 * m0 - m1;
-  double const c3 = m0 + m1 - 2.0 * jump;
-  double cut[4] = {0.0, 1.0, 1.0, 1.0};
-  int cuts = 1;
-  double const discriminant = c2 * c2 - 3.0 * c3 * m0;
-  if (discriminant > 0.0) {
-    double const q = -(c2 + std::copysign(std::sqrt(discriminant), c2));
-    double t1 = c3 != 0.0 ? q / (3.0 * c3) : -1.0;
-    double t2 = q != 0.0 ? m0 / q : -1.0;
-    if (t1 > t2) std::swap(t1, t2);
-    if (t1 > 0.0 && t1 < 1.0) cut[cuts++] = t1;
-    if (t2 > 0.0 && t2 < 1.0 && t2 > t1) cut[cuts++] = t2;
-  }
-  double value[4] = {a.residual, b.residual, b.residual, b.residual};
-  for (int i = 1; i < cuts; ++i) value[i] = reduce_with_slope(*pair_, pose, first + h * cut[i]).residual;
-  cut[cuts] = 1.0;
-  value[cuts] = b.residual;
-
+  auto const [cut, value, cuts] = monotone_stretches(pose, first, h, a, b);
   int changes = 0;
   double smallest = std::abs(value[0]);
-  for (int i = 0; i < cuts; ++i) {
+  for (std::size_t i = 0; i < static_cast<std::size_t>(cuts); ++i) {
     changes += (value[i] > 0.0) != (value[i + 1] > 0.0);
     smallest = std::min(smallest, std::abs(value[i + 1]));
     roots_between(pose, cell, first + h * cut[i], value[i], first + h * cut[i + 1], value[i + 1], reach);
@@ -211,7 +217,7 @@ void ContactSearch::analyse(RelativePose<double> const& pose, int index, double 
                                            node_foot_[static_cast<std::size_t>(index) + 1]);
   cell.seen = now_;
   cell.margin = smallest;
-  bool const minimum = value[0] > 0.0 && value[cuts] <= 0.0;
+  bool const minimum = value[0] > 0.0 && b.residual <= 0.0;
   cell.state = partial       ? CellState::unknown
                : changes > 1 ? CellState::many
                : minimum     ? CellState::one_minimum

@@ -64,7 +64,7 @@ HertzFunctions hertz_functions(double x) {
           x < 0.0 ? -std::log(g) : std::log(g)};
 }
 
-/// Cubic with continuous second derivative through f(start + i step), slopes by eighth-order differences.
+/// Cubic Hermite pieces through f(start + i step), slopes by eighth-order differences.
 template <class F>
 UniformSpline tabulate(F const& f, double start, double step, int pieces) {
   UniformSpline table{start, step, {}};
@@ -90,7 +90,7 @@ UniformSpline tabulate(F const& f, double start, double step, int pieces) {
 }  // namespace
 
 HertzTable::HertzTable() {
-  double const step = 0.02;
+  double const step = 0.01;
   int const half = static_cast<int>(std::ceil(std::log(limit) / step)) + 1;
   auto const build = [&](double HertzFunctions::* field) {
     return tabulate([field](double x) { return hertz_functions(x).*field; }, -step * half, step, 2 * half);

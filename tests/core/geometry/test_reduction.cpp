@@ -257,3 +257,31 @@ TEST_CASE("the geometry holds for a scalar with no implicit conversions") {
   auto const point = contact_point(benchmark.pair, pose_of(E(1e-3), E(2e-3), E(0.46), E(1e-4), E(3e-3)), -11e-3, -5.0);
   CHECK(std::isfinite(point.gap.x));
 }
+
+TEST_CASE("the slope of F written out for the search is the automatic one") {
+  using D = Dual<1>;
+  std::mt19937 random(11);
+  std::uniform_real_distribution<double> abscissa(-44e-3, 50e-3);
+  for (double radius : {0.0, 0.5, 0.725}) {
+    BenchmarkPair const benchmark(radius);
+    WheelRollerPair const& pair = benchmark.pair;
+    int compared = 0;
+    for (int k = 0; k < 2000; ++k) {
+      auto const pose = random_pose(random);
+      double const s = abscissa(random);
+      auto const up = [](Vec3<double> const& v) { return lift<D>(v); };
+      RelativePose<D> const lifted{up(pose.o), {up(pose.R.ex), up(pose.R.ey), up(pose.R.ez)}};
+      auto const expected = reduce(pair, lifted, D::variable(s, 0));
+      auto const found = reduce_with_slope(pair, pose, s);
+      REQUIRE(found.found == expected.foot.found);
+      if (!found.found) continue;
+      ++compared;
+      // Round-off of the foot, some 1e-16 m, times a second derivative of the generatrix of up to 1e4 1/m.
+      CHECK(found.residual == doctest::Approx(expected.residual.value).epsilon(1e-9).scale(1.0));
+      CHECK(found.gap == doctest::Approx(expected.gap.value).epsilon(1e-12).scale(1e-2));
+      // F'' jumps at the profiles' knots: relative to the slope's own size.
+      CHECK(found.gradient == doctest::Approx(expected.residual.d[0]).epsilon(1e-6).scale(1.0));
+    }
+    CHECK(compared > 1000);
+  }
+}

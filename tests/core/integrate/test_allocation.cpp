@@ -7,6 +7,8 @@
 #include <cstdlib>
 
 #include "integrate/problems.hpp"
+#include "rig/record/recorder.hpp"
+#include "system/models.hpp"
 
 namespace {
 thread_local long allocations = 0;
@@ -99,5 +101,31 @@ TEST_CASE("starting, stepping, breakpoints and outputs allocate nothing") {
         CHECK(during == 0);
       }
     }
+  }
+}
+
+TEST_CASE("a wheelset that runs on rollers, its contact search and its recorder allocate nothing") {
+  auto const model = wheelset_model({});
+  Dynamics dynamics(*model), observed(*model);
+  Recorder const recorder(*model);
+  std::vector<double> row(static_cast<std::size_t>(recorder.width()));
+  auto const start = solve_equilibrium(dynamics, 20.0, 0.0, {{0, coord_y, 2e-3}});  // released 2 mm aside
+  REQUIRE(start.converged);
+  for (Method method : all_methods) {
+    Options o = fixed(method, method == Method::rk4 ? 1e-4 : 0.0, 0.2);
+    o.output_step = 7e-4;
+    Integrator integrator(dynamics, o);
+    auto const observe = [&](double t, double const* x, double const* z) {
+      recorder.record(observed, t, x, z, row.data());
+    };
+
+    long const before = allocations;
+    Status const status_at_start = integrator.start(0, start.x.data());
+    Status const status = integrator.advance(0.2, observe);
+    long const during = allocations - before;
+
+    REQUIRE(status_at_start == Status::ok);
+    REQUIRE(status == Status::ok);
+    CHECK(during == 0);
   }
 }

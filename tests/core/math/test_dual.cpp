@@ -41,7 +41,7 @@ void check_all() {
   check<N>("sqrt", [](D x) { return sqrt(x); }, [](Complex x) { return std::sqrt(x); });
   check<N>(
       "sin cos", [](D x) { return sin(x) * cos(2.0 * x); }, [](Complex x) { return std::sin(x) * std::cos(2.0 * x); });
-  check<N>("log exp", [](D x) { return log(x) * exp(-x); }, [](Complex x) { return std::log(x) * std::exp(-x); });
+  check<N>("log", [](D x) { return log(x) * x; }, [](Complex x) { return std::log(x) * x; });
   check<N>("asin", [](D x) { return asin(x); }, [](Complex x) { return std::asin(x); });
   check<N>(
       "compound",
@@ -49,8 +49,7 @@ void check_all() {
         D y = x;
         y += D(2.0);
         y -= x * x;
-        y *= x;
-        return y;
+        return y * x;
       },
       [](Complex x) { return (x + 2.0 - x * x) * x; });
 }

@@ -203,3 +203,37 @@ def test_a_run_whose_energy_does_not_close_says_so() -> None:
 
 def test_a_quiet_run_carries_no_warning(run: xr.Dataset) -> None:
     assert run.attrs["warnings"] == ""
+
+
+def test_a_wheelset_that_runs_off_a_narrow_tread_is_stopped_there() -> None:
+    """A cone without a flange, 20 mm to each side, set askew: it rolls sideways until its tread ends."""
+    case = rr.load_case("contact_benchmark_track").with_changes(
+        {
+            "vehicle.wheel.profile": {"kind": "cone", "conicity": 0.05, "half_width": "20 mm"},
+            "disturbance": [{"body": "wheelset_1", "lateral": "2 mm", "yaw": 0.03}],
+            "motion.speed": "20 m/s",
+            "time.duration": "1 s",
+        }
+    )
+    run = rr.simulate(case)
+    assert run.attrs["status"] == "off_profile"
+    assert run.attrs["status_message"].startswith("t = 0.09")
+    assert run.attrs["stopped_wheel"] == "wheelset_1_left"
+    assert run.sizes["time"] > 50
+
+
+def test_a_wheelset_that_climbs_its_flange_is_stopped_there() -> None:
+    case = rr.load_case("contact_benchmark_track").with_changes(
+        {
+            "disturbance": [{"body": "wheelset_1", "lateral": "5 mm", "yaw": 0.15}],
+            "contact.friction": 0.6,
+            "motion.speed": "30 m/s",
+            "time.duration": "1 s",
+        }
+    )
+    run = rr.simulate(case)
+    assert run.attrs["status"] == "derailed"
+    assert run.attrs["stopped_wheel"] == "wheelset_1_left"
+    assert 0.1 < run.attrs["stopped_at_s"] < 0.4
+    # the centre rises by half of what the climbing wheel does, which is nearly the flange's 28 mm
+    assert 0.010 < float(run["vertical"].sel(body="wheelset_1").max()) < 0.016

@@ -41,7 +41,7 @@ struct HertzContact {
 
 /// @param d1  (k_1r + k_1b)/2 [1/m], eq. (14): along the rolling direction, always positive
 /// @param d2  (k_2r + k_2b)/2 [1/m]: across it; not positive where the surfaces conform. Rule: a d2 below d1/200 is
-///            raised to it (a patch about 40 times as wide as long); the caller counts how often.
+///            raised to it (a patch about 27 times as wide as long); the caller counts how often.
 template <Scalar T>
 HertzContact<T> hertz_contact(HertzTable const& table, Material const& material, T const& d1, T const& d2) {
   using std::log;

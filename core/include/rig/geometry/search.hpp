@@ -69,6 +69,14 @@ class ContactSearch {
     CellState state{CellState::unknown};
   };
 
+  /// Places t in 0..1 that cut a cell into `count` stretches in which F rises or falls, and F there.
+  struct Stretches {
+    std::array<double, 4> cut, value;
+    int count;
+  };
+
+  Stretches monotone_stretches(RelativePose<double> const& pose, double first, double h, Node const& a,
+                               Node const& b) const;
   bool still_holds(Cell const& cell) const;
   void move_to(RelativePose<double> const& pose);
   double left(int cell) const { return first_ + cell_width * cell; }

@@ -4,31 +4,14 @@
 // The derivative part is an Eigen array of fixed size, so it lives in registers and vectorises.
 #pragma once
 #include <Eigen/Core>
-#include <type_traits>
 
 #include "rig/scalar.hpp"
 
 namespace rig {
 
-/// Derivative part for one seed: a plain number, which compilers keep in a register (three times faster than an array).
-struct SingleGradient {
-  double only{0.0};
-
-  static SingleGradient Zero() { return {}; }
-  double& operator[](int) { return only; }
-  double operator[](int) const { return only; }
-  SingleGradient& operator+=(SingleGradient b) { return only += b.only, *this; }
-  SingleGradient& operator-=(SingleGradient b) { return only -= b.only, *this; }
-  friend SingleGradient operator-(SingleGradient a) { return {-a.only}; }
-  friend SingleGradient operator+(SingleGradient a, SingleGradient b) { return {a.only + b.only}; }
-  friend SingleGradient operator-(SingleGradient a, SingleGradient b) { return {a.only - b.only}; }
-  friend SingleGradient operator*(SingleGradient a, double b) { return {a.only * b}; }
-  friend SingleGradient operator/(SingleGradient a, double b) { return {a.only / b}; }
-};
-
 template <int N>
 struct Dual {
-  using Gradient = std::conditional_t<N == 1, SingleGradient, Eigen::Array<double, N, 1>>;
+  using Gradient = Eigen::Array<double, N, 1>;
   double value{0.0};
   Gradient d{Gradient::Zero()};
 
@@ -53,7 +36,6 @@ struct Dual {
     d -= b.d;
     return *this;
   }
-  Dual& operator*=(Dual const& b) { return *this = *this * b; }
 
   friend Dual operator-(Dual const& a) { return {-a.value, -a.d}; }
   friend Dual operator+(Dual const& a, Dual const& b) { return {a.value + b.value, a.d + b.d}; }
@@ -89,10 +71,6 @@ struct Dual {
   friend Dual sin(Dual const& a) { return {std::sin(a.value), a.d * std::cos(a.value)}; }
   friend Dual cos(Dual const& a) { return {std::cos(a.value), a.d * -std::sin(a.value)}; }
   friend Dual log(Dual const& a) { return {std::log(a.value), a.d / a.value}; }
-  friend Dual exp(Dual const& a) {
-    double const e = std::exp(a.value);
-    return {e, a.d * e};
-  }
   friend Dual asin(Dual const& a) { return {std::asin(a.value), a.d / std::sqrt(1.0 - a.value * a.value)}; }
   friend Dual atan2(Dual const& y, Dual const& x) {
     double const r2 = x.value * x.value + y.value * y.value;
