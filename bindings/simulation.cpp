@@ -1,12 +1,14 @@
 // bindings/simulation.cpp - one simulation: dynamics, integrator and recorder behind one object.
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/array.h>
+#include <nanobind/stl/optional.h>
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
 #include <memory>
+#include <optional>
 
 #include "convert.hpp"
 #include "rig/integrate/integrator.hpp"
@@ -90,11 +92,15 @@ class Simulation {
     return nb::make_tuple(matrix(j.a), matrix(j.g), matrix(j.f_t), matrix(j.g_t));
   }
 
-  nb::dict equilibrium(double speed, double t, std::vector<std::tuple<int, int, double>> const& held) {
+  nb::dict equilibrium(double speed, double t, std::vector<std::tuple<int, int, double>> const& held,
+                       std::optional<Column> const& near) {
     std::vector<HeldCoordinate> coordinates;
     for (auto const& [body, coordinate, value] : held) coordinates.push_back({body, coordinate, value});
+    if (near) check_state(*near);
     dynamics_.forget();
-    auto r = solve_equilibrium(dynamics_, speed, t, coordinates);
+    auto r = solve_equilibrium(
+        dynamics_, speed, t, coordinates,
+        near ? std::vector<double>(near->data(), near->data() + near->shape(0)) : std::vector<double>());
     nb::dict d;
     d["converged"] = r.converged;
     d["iterations"] = r.iterations;
@@ -207,7 +213,7 @@ void bind_simulation(nb::module_& m) {
       .def("advance", &Simulation::advance, "t_stop"_a, "times"_a, "rows"_a, "filled"_a)
       .def("derivative", &Simulation::derivative, "t"_a, "x"_a)
       .def("jacobian", &Simulation::jacobian, "t"_a, "x"_a)
-      .def("equilibrium", &Simulation::equilibrium, "speed"_a, "t"_a, "held"_a)
+      .def("equilibrium", &Simulation::equilibrium, "speed"_a, "t"_a, "held"_a, "near"_a = nb::none())
       .def("record", &Simulation::record, "t"_a, "x"_a, "z"_a)
       .def("derivatives", &Simulation::derivatives, "t"_a, "states"_a)
       .def("search_along", &Simulation::search_along, "t"_a, "states"_a)

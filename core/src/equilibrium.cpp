@@ -90,11 +90,11 @@ void level(Dynamics& dynamics, double t, std::vector<double>& x, int body) {
   }
 }
 
-/// First guess: wheels roll at the running speed, held coordinates are where they belong, wheelsets stand on their wheels.
-std::vector<double> first_guess(Dynamics& dynamics, double speed, double t, std::vector<HeldCoordinate> const& held) {
+/// Held coordinates at their values, wheels and rollers at the rates of pure rolling.
+void hold_and_roll(Dynamics const& dynamics, double speed, std::vector<HeldCoordinate> const& held,
+                   std::vector<double>& x) {
   Model const& model = dynamics.model();
   StateMap const& map = dynamics.map();
-  std::vector<double> x(at(map.states()), 0.0);
   for (auto const& h : held)
     if (int const i = map.coordinate[at(h.body)][at(h.coordinate)]; i >= 0) x[at(i)] = h.value;
   for (auto const& contact : model.contacts) {
@@ -103,6 +103,14 @@ std::vector<double> first_guess(Dynamics& dynamics, double speed, double t, std:
     if (int const i = map.rate[at(contact.roller)][coord_pitch]; i >= 0)
       x[at(i)] = -speed * contact.pair.inverse_radius;
   }
+}
+
+/// First guess: wheels roll at the running speed, held coordinates are where they belong, wheelsets stand on their wheels.
+std::vector<double> first_guess(Dynamics& dynamics, double speed, double t, std::vector<HeldCoordinate> const& held) {
+  Model const& model = dynamics.model();
+  StateMap const& map = dynamics.map();
+  std::vector<double> x(at(map.states()), 0.0);
+  hold_and_roll(dynamics, speed, held, x);
   auto const is_held = [&](int b, int c) {
     return std::ranges::any_of(held, [b, c](auto const& h) { return h.body == b && h.coordinate == c; });
   };
@@ -150,20 +158,20 @@ Eigen::VectorXd newton_step(Dynamics& dynamics, Problem const& problem, double t
   return step;
 }
 
-}  // namespace
-
-Equilibrium solve_equilibrium(Dynamics& dynamics, double speed, double t, std::vector<HeldCoordinate> const& held) {
+/// Newton's method from a state.
+Equilibrium newton(Dynamics& dynamics, double t, std::vector<HeldCoordinate> const& held, std::vector<double> start) {
   Problem const problem = set_up(dynamics, held);
   Equilibrium result;
+  result.x = std::move(start);
   std::vector<double>& x = result.x;
-  x = first_guess(dynamics, speed, t, held);
 
   JacobianData j(dynamics.sizes());
   Eigen::VectorXd residual(static_cast<Eigen::Index>(problem.rows.size()));
   Eigen::VectorXd trial_residual = residual;
   unbalanced(dynamics, problem, t, x, residual);
   double out_of_reach = 0.0;
-  double const enough = 1e-7;  // unbalanced [N, N m], far below anything a result shows; rounding leaves 1e-8
+  double const enough = 1e-7;    // unbalanced [N, N m], far below anything a result shows; rounding leaves 1e-8
+  double const accepted = 1e-3;  // [N, N m]
   for (result.iterations = 1; result.iterations <= 60; ++result.iterations) {
     Eigen::VectorXd const step = newton_step(dynamics, problem, t, x, residual, j, out_of_reach);
     double fraction = 1.0;
@@ -174,16 +182,30 @@ Equilibrium solve_equilibrium(Dynamics& dynamics, double speed, double t, std::v
       if (unbalanced(dynamics, problem, t, trial, trial_residual) && trial_residual.norm() < residual.norm()) break;
     }
     if (!(trial_residual.norm() < residual.norm())) break;  // rounding level, or stuck
+    // Newton's method squares the error: less than half of it gained this near to the end is rounding.
+    bool const rounding = residual.norm() < accepted && trial_residual.norm() > 0.5 * residual.norm();
     x = trial;
     residual = trial_residual;
-    if (residual.norm() < enough) break;
+    if (rounding || residual.norm() < enough) break;
   }
   unbalanced(dynamics, problem, t, x, residual);
   result.residual = residual.cwiseAbs().maxCoeff();
   // A vehicle that is free along its track keeps its rolling resistance, newtons: steady but for a slow coasting.
   bool const coasting = out_of_reach > 0.0 && out_of_reach < 10.0 && result.residual < 1.001 * out_of_reach + 1e-3;
-  result.converged = result.residual < 1e-3 || coasting;
+  result.converged = result.residual < accepted || coasting;
   return result;
+}
+
+}  // namespace
+
+Equilibrium solve_equilibrium(Dynamics& dynamics, double speed, double t, std::vector<HeldCoordinate> const& held,
+                              std::vector<double> const& near) {
+  if (!near.empty()) {
+    std::vector<double> x = near;
+    hold_and_roll(dynamics, speed, held, x);
+    if (auto result = newton(dynamics, t, held, std::move(x)); result.converged) return result;
+  }
+  return newton(dynamics, t, held, first_guess(dynamics, speed, t, held));
 }
 
 std::vector<double> static_preloads(std::vector<Body> const& bodies, std::vector<ForceElement> const& elements,

@@ -71,6 +71,23 @@ TEST_CASE("a held coordinate stays where it is put") {
   }
 }
 
+TEST_CASE("an equilibrium near a known one is the same as from scratch, and is found from a bad start too") {
+  auto const model = wheelset_model({.roller_radius = 0.725});
+  Dynamics dynamics(*model);
+  auto const slow = solve_equilibrium(dynamics, 20.0, 0.0);
+  auto const from_scratch = solve_equilibrium(dynamics, 25.0, 0.0);
+  auto lifted = slow.x;
+  lifted[static_cast<std::size_t>(dynamics.map().coordinate[0][coord_z])] += 1.0;  // no contact there
+  for (auto const& start : {slow.x, lifted, std::vector<double>(slow.x.size(), std::nan(""))}) {
+    auto const found = solve_equilibrium(dynamics, 25.0, 0.0, {}, start);
+    REQUIRE(found.converged);
+    // both leave at most 1e-7 N unbalanced; the softest stiffness is far above 1e3 N/m
+    for (std::size_t i = 0; i < found.x.size(); ++i)
+      CHECK(found.x[i] == doctest::Approx(from_scratch.x[i]).epsilon(1e-9).scale(1.0));
+    CHECK(found.iterations < 12);  // not until the limit, where only rounding is left
+  }
+}
+
 TEST_CASE("the exact Jacobian is that of differences") {
   for (double radius : {0.725, 0.0}) {
     auto const model = wheelset_model({.roller_radius = radius, .driven = false});

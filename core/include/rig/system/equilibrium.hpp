@@ -27,7 +27,11 @@ struct Equilibrium {
 
 /// @param speed  running speed [m/s]; may be zero
 /// @param t      time at which tables are read [s]
-Equilibrium solve_equilibrium(Dynamics& dynamics, double speed, double t, std::vector<HeldCoordinate> const& held = {});
+/// @param held   coordinates that keep their value
+/// @param near   state close to the one looked for, such as that of a neighbouring speed: Newton's method starts there,
+///               with the spins of rolling; empty, or where it leads nowhere: from a first guess
+Equilibrium solve_equilibrium(Dynamics& dynamics, double speed, double t, std::vector<HeldCoordinate> const& held = {},
+                              std::vector<double> const& near = {});
 
 /// Vertical preloads that hold the design position: smallest forces (least squares) in the elements that carry load for
 /// which every body but the wheelsets (which stand on their wheels) is in balance, locks ignored.
