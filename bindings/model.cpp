@@ -59,7 +59,8 @@ int add_contact(Model& m, int wheelset, int roller, bool right, int wheel_profil
                 double wheel_radius, double tape_circle_y, double rail_origin_y, double inverse_radius,
                 Triple const& wheelset_from_crown, Triple const& crown_in_roller, double shear_modulus,
                 double poisson_ratio, double friction, std::string const& creep, bool saturate_spin_moment,
-                double normal_damping, double standstill_speed, double merge_barrier) {
+                double normal_damping, double standstill_speed, double merge_barrier,
+                std::array<bool, 4> const& roller_effects) {
   if (!m.hertz) m.hertz = std::make_shared<HertzTable const>();
   m.kalker_tables.emplace_back(poisson_ratio);
   WheelContact c;
@@ -70,7 +71,9 @@ int add_contact(Model& m, int wheelset, int roller, bool right, int wheel_profil
             wheel_radius,
             tape_circle_y,
             rail_origin_y,
-            inverse_radius};
+            inverse_radius,
+            {roller_effects[0], roller_effects[1], roller_effects[2], roller_effects[3]}};
+  c.laws.roller = c.pair.effects;
   c.laws.material = {shear_modulus, poisson_ratio};
   c.laws.hertz = m.hertz.get();
   c.laws.kalker = &m.kalker_tables.back();
@@ -109,7 +112,7 @@ void bind_model(nb::module_& m) {
       .def("add_contact", &add_contact, "wheelset"_a, "roller"_a, "right"_a, "wheel_profile"_a, "rail_profile"_a,
            "wheel_radius"_a, "tape_circle_y"_a, "rail_origin_y"_a, "inverse_radius"_a, "wheelset_from_crown"_a,
            "crown_in_roller"_a, "shear_modulus"_a, "poisson_ratio"_a, "friction"_a, "creep"_a, "saturate_spin_moment"_a,
-           "normal_damping"_a, "standstill_speed"_a, "merge_barrier"_a)
+           "normal_damping"_a, "standstill_speed"_a, "merge_barrier"_a, "roller_effects"_a)
       .def(
           "add_axle_torque",
           [](Model& model, int wheelset, int reaction, Rows2 const& table) {

@@ -205,7 +205,7 @@ void Dynamics::apply_contact(Workspace<T>& w, T const& t, int index) {
     patch.scale(share[at(k)]);
     force += patch.force;
     on_wheelset += cross(patch.point.p - pose.o, patch.force) + patch.moment;
-    on_roller += cross(patch.point.p, patch.force) + patch.moment;
+    on_roller += moment_about_crown(contact.laws.roller, patch);
     w.power[stored_contacts] -= patch.normal.elastic * patch.gap_rate;
     w.power[dissipated_normal] -= patch.normal.damping * patch.gap_rate;
     w.power[dissipated_creep] += patch.creep_dissipation();

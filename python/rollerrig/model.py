@@ -216,6 +216,7 @@ class _Assembly:
         rail_origin = self._rail_origin()
         radius = self.support.roller_radius if isinstance(self.support, Rig) else None
         contact = self.case.contact
+        effects = contact.roller_effects
         for body in wheelsets:
             for side in ("left", "right"):
                 roller = self.roller_of.get((body.name, side), GROUND)
@@ -240,6 +241,7 @@ class _Assembly:
                     normal_damping=contact.normal_damping,
                     standstill_speed=contact.standstill_speed,
                     merge_barrier=contact.merge_barrier,
+                    roller_effects=(effects.curvature, effects.conicity, effects.spin, effects.yaw),
                 )
                 self.wheels.append(WheelInfo(f"{body.name}_{side}", body.name, side, index))
         return wheel, rail, rail_origin

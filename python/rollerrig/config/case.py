@@ -51,6 +51,22 @@ class SupportChoice(Table):
     )
 
 
+class RollerEffects(Table):
+    """What makes a roller differ from a rail, each to be switched off to see what it costs; track knows none of them."""
+
+    curvature: StrictBool = Field(
+        default=True, description="the roller's curvature along x makes the patch shorter (Hertz and Kalker)"
+    )
+    conicity: StrictBool = Field(
+        default=True, description="the roller's surface speed follows its local radius; off: crown speed everywhere"
+    )
+    spin: StrictBool = Field(default=True, description="the roller's turning counts in the spin creepage")
+    yaw: StrictBool = Field(
+        default=True,
+        description="a yawed or shifted wheel leaves the crown and its contact normal tilts; off: the geometry of a rail",
+    )
+
+
 class Contact(Table):
     """Laws and parameters of the contact between wheel and rail or roller."""
 
@@ -72,6 +88,10 @@ class Contact(Table):
     )
     saturate_spin_moment: StrictBool = Field(
         default=False, description="scale the spin moment like the force; the paper does not"
+    )
+    roller_effects: RollerEffects = Field(
+        default=RollerEffects(),
+        description="which of a roller's differences from a rail count; all, unless for a study",
     )
 
 

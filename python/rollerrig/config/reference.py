@@ -185,7 +185,7 @@ def _default(field: FieldInfo) -> str:
     if field.is_required():
         return "required"
     default = field.default
-    if default is None or default in ((), {}, ""):
+    if default is None or default in ((), {}, "") or isinstance(default, BaseModel):
         return ""
     if isinstance(default, bool):
         return "true" if default else "false"

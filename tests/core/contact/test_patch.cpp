@@ -230,3 +230,41 @@ TEST_CASE("shares stay between zero and one, one patch always counts in full, an
   }
   CHECK(faded < 0.05);  // at the fold itself the share is zero
 }
+
+TEST_CASE(
+    "each of a roller's peculiarities can be left out, and the power on the roller stays what the velocities say") {
+  double const delta = 0.05;
+  auto point = on_the_crown(1 / R, delta);
+  point.p = {2e-3, 0.75, -1e-3};  // off the crown, where all of them show
+  auto motion = rolling(V);
+  motion.v_wheel.y = 0.01;
+  auto const patch_with = [&](RollerEffects const& effects) {
+    auto l = laws();
+    l.roller = effects;
+    return patch_force(l, point, above, motion, 0.0);
+  };
+  auto const all = patch_with({});
+  Vec3<double> const n = point.n;
+  double const omega = motion.omega_roller.y;
+
+  auto const no_spin = patch_with({.spin = false});
+  CHECK(no_spin.spin_rate - all.spin_rate == doctest::Approx(omega * n.y));  // (1/R) V sin(delta)
+  CHECK(no_spin.slip_longitudinal == all.slip_longitudinal);
+  auto const no_conicity = patch_with({.conicity = false});
+  CHECK(no_conicity.slip_longitudinal - all.slip_longitudinal == doctest::Approx(omega * point.p.z));  // i = x here
+  CHECK(no_conicity.spin_rate == all.spin_rate);
+  auto const no_yaw = patch_with({.yaw = false});
+  CHECK(no_yaw.gap_rate - all.gap_rate == doctest::Approx(-omega * point.p.x * n.z));
+  CHECK(no_yaw.slip_longitudinal == doctest::Approx(all.slip_longitudinal));
+
+  for (RollerEffects const& effects :
+       {RollerEffects{}, RollerEffects{.conicity = false}, RollerEffects{.spin = false}, RollerEffects{.yaw = false},
+        RollerEffects{.curvature = false, .conicity = false, .spin = false, .yaw = false}}) {
+    auto const p = patch_with(effects);
+    Vec3<double> const arm = point.p - above.o;
+    double const on_wheel = dot(p.force, motion.v_wheel) + dot(cross(arm, p.force) + p.moment, motion.omega_wheel);
+    double const on_roller = dot(p.force, motion.v_roller) + dot(moment_about_crown(effects, p), motion.omega_roller);
+    double const lost = p.creep_dissipation() - p.normal.total() * p.gap_rate;
+    CHECK(on_roller - on_wheel == doctest::Approx(lost).epsilon(1e-9));  // round-off of terms 1e4 times as large
+  }
+}

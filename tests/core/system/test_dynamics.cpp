@@ -287,3 +287,37 @@ TEST_CASE("a random pose never gives a force that is not finite or pulls") {
   }
   CHECK(patches > 1000);
 }
+
+TEST_CASE("a rig with every peculiarity of its rollers left out is the track") {
+  auto const rig = wheelset_model({}), rails = wheelset_model({.roller_radius = 0.0});
+  for (auto& contact : rig->contacts) {
+    contact.pair.effects = {.curvature = false, .conicity = false, .spin = false, .yaw = false};
+    contact.laws.roller = contact.pair.effects;
+  }
+  Dynamics on_rig(*rig), on_rails(*rails);
+  auto const start = solve_equilibrium(on_rails, 20.0, 0.0).x;
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> any(-1.0, 1.0);
+  for (int sample = 0; sample < 50; ++sample) {
+    auto x = start;
+    for (std::size_t i = 0; i < x.size(); ++i) x[i] += (i < 5 ? 1e-4 : 1e-2) * any(random);
+    // The same wheelset in the rig's states, which hold the roller's rate besides.
+    std::vector<double> on_roller(static_cast<std::size_t>(on_rig.map().states()), 0.0);
+    std::vector<std::pair<int, int>> same;
+    for (std::size_t c = 0; c < 6; ++c) {
+      same.emplace_back(on_rails.map().coordinate[0][c], on_rig.map().coordinate[0][c]);
+      same.emplace_back(on_rails.map().rate[0][c], on_rig.map().rate[0][c]);
+    }
+    for (int k = 0; k < on_rails.map().nodes; ++k)
+      same.emplace_back(on_rails.map().states() - 1 - k, on_rig.map().states() - 1 - k);
+    for (auto const& [from, to] : same)
+      if (from >= 0) on_roller[static_cast<std::size_t>(to)] = x[static_cast<std::size_t>(from)];
+    on_roller[static_cast<std::size_t>(on_rig.map().rate[1][coord_pitch])] = -20.0 / 0.725;
+    auto const a = derivative(on_rails, x), b = derivative(on_rig, on_roller);
+    for (auto const& [from, to] : same)
+      if (from >= 0)
+        CHECK(b[static_cast<std::size_t>(to)] == doctest::Approx(a[static_cast<std::size_t>(from)])
+                                                     .epsilon(1e-10)
+                                                     .scale(100.0));  // round-off of V / R times R
+  }
+}

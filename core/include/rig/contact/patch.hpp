@@ -23,6 +23,7 @@ struct ContactLaws {
   Friction friction{};
   double standstill_speed{0.1};  ///< V_s [m/s]: rolling speed below which creepage turns into viscous friction
   double merge_barrier{0.01};    ///< see contact/patch_share.hpp [-]; 0: patches appear and vanish at full force
+  RollerEffects roller{};        ///< which of the roller's peculiarities count
 };
 
 /// Motion of wheel and roller, all in b components.
@@ -65,6 +66,35 @@ struct Patch {
   }
 };
 
+/// Velocity of the roller's surface at p: of the turning, without the parts that are switched off.
+template <Scalar T>
+Vec3<T> roller_surface_velocity(RollerEffects const& effects, ContactMotion<T> const& motion, Vec3<T> const& p) {
+  Vec3<T> v = motion.v_roller + cross(motion.omega_roller, p);
+  if (!effects.conicity) v.x = v.x - motion.omega_roller.y * p.z;
+  if (!effects.yaw) v.z = v.z + motion.omega_roller.y * p.x;
+  return v;
+}
+
+/// Angular velocity of wheel against roller that spins the patch.
+template <Scalar T>
+Vec3<T> relative_turning(RollerEffects const& effects, ContactMotion<T> const& motion) {
+  Vec3<T> omega = motion.omega_wheel - motion.omega_roller;
+  if (!effects.spin) omega.y = motion.omega_wheel.y;
+  return omega;
+}
+
+/// Moment of the force on the wheel about the origin of b: the roller takes its opposite. Dual to the two velocities above,
+/// so that the power on the roller is what they say it is.
+template <Scalar T>
+Vec3<T> moment_about_crown(RollerEffects const& effects, Patch<T> const& patch) {
+  Vec3<T> const& p = patch.point.p;
+  Vec3<T> moment = cross(p, patch.force) + patch.moment;
+  if (!effects.conicity) moment.y = moment.y - p.z * patch.force.x;
+  if (!effects.yaw) moment.y = moment.y + p.x * patch.force.z;
+  if (!effects.spin) moment.y = moment.y - patch.moment.y;
+  return moment;
+}
+
 /// @param time  [s], handed to the friction law
 template <Scalar T>
 Patch<T> patch_force(ContactLaws const& laws, ContactPoint<T> const& point, RelativePose<T> const& pose,
@@ -78,12 +108,12 @@ Patch<T> patch_force(ContactLaws const& laws, ContactPoint<T> const& point, Rela
   Vec3<T> const i = cross(t, n);
 
   Vec3<T> const v_on_wheel = motion.v_wheel + cross(motion.omega_wheel, point.p - pose.o);
-  Vec3<T> const v_on_roller = motion.v_roller + cross(motion.omega_roller, point.p);
+  Vec3<T> const v_on_roller = roller_surface_velocity(laws.roller, motion, point.p);
   Vec3<T> const v = v_on_wheel - v_on_roller;  // errata to (12), (21): relative to the roller's point
   patch.gap_rate = dot(v, n);
   patch.slip_longitudinal = dot(v, i);
   patch.slip_lateral = dot(v, t);
-  patch.spin_rate = dot(motion.omega_wheel - motion.omega_roller, n);
+  patch.spin_rate = dot(relative_turning(laws.roller, motion), n);
 
   // Hertz: curvatures to ellipse, stiffness and normal force.
   T const d1 = 0.5 * (point.wheel_curvature_along + point.rail_curvature_along);    // (14)

@@ -36,7 +36,7 @@ WheelNormalLine<T> wheel_normal_line(WheelRollerPair const& pair, RelativePose<T
   T const r = pair.wheel_radius + line.profile.value;
   T const slope = line.profile.slope;  // r'(y_r)
   T const y_r = pair.tape_circle_y + s;
-  double const kappa = pair.inverse_radius;
+  double const kappa = pair.geometry_curvature();
 
   // Apex of the cone of normals, and the unit vector u from the roller axis to it (in the x-z plane of b).
   Vec3<T> const apex = pose.o + (y_r + r * slope) * pose.R.ey;
@@ -146,7 +146,7 @@ struct ReducedSlope {
 
 inline ReducedSlope reduce_with_slope(WheelRollerPair const& pair, RelativePose<double> const& pose, double s) {
   auto const& R = pose.R;
-  double const kappa = pair.inverse_radius;
+  double const kappa = pair.geometry_curvature();
   auto const [z, slope, second] = pair.wheel->at(s);
   double const r = pair.wheel_radius + z;
   double const y_r = pair.tape_circle_y + s;
