@@ -2,6 +2,7 @@
 
     load_case -> Case -> simulate  -> xarray.Dataset -> save_run, figures, report
                       -> stability -> xarray.Dataset
+    run -> readings -> wheel forces, Y/Q, wear number
 
 Names are loaded when first used, so that `import rollerrig` costs nothing.
 """
@@ -10,6 +11,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from rollerrig.analysis.readings import readings
     from rollerrig.analysis.stability import stability
     from rollerrig.catalog import catalog_entries, catalog_text
     from rollerrig.config import Case, ConfigError, load_case
@@ -32,6 +34,7 @@ _HOME = {
     "contact_table": "contact_table",
     "load_case": "config",
     "load_run": "results",
+    "readings": "analysis",
     "save_run": "results",
     "simulate": "run",
     "stability": "analysis",
@@ -50,6 +53,7 @@ __all__ = [
     "contact_table",
     "load_case",
     "load_run",
+    "readings",
     "save_run",
     "simulate",
     "stability",

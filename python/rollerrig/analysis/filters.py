@@ -1,0 +1,141 @@
+"""Filters of a running test: low pass, band pass, sliding mean over distance; no phase is shifted.
+
+    signal over time -> [Butterworth, forward and backward] -> signal within a band
+                     -> [mean over the 2 m around it]       -> what the rail feels
+
+A second-order Butterworth filter run forward and backward is in all of fourth order: 24 dB per octave, as EN 14363 asks.
+Its corner is moved so that the two runs together have -3 dB where the cut-off is said to be:
+
+    |H|^2 of one run = 1 / (1 + x^4),  x = tan(π f / f_s) / tan(π f_1 / f_s)
+    both runs at the cut-off f_c: 1 / (1 + x_c^4) = 1 / sqrt(2)   =>   tan(π f_1 / f_s) = tan(π f_c / f_s) / (sqrt(2) - 1)^(1/4)
+
+A high pass has x upside down.
+
+Source: EN 14363:2016, table of assessed quantities and their filters; K. Steiglitz et al. on filtering twice.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Literal
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+from scipy.signal import butter, sosfiltfilt
+
+Series = NDArray[np.float64]
+
+SAMPLES_PER_PERIOD = 10
+"""Least samples in a period of the cut-off: what the output step folds down from above must be small there."""
+
+SLIDING_LENGTH = 2.0
+"""Of the sliding mean over distance [m]: EN 14363, for the sum of guiding forces and Y/Q."""
+
+_EVEN = 1e-6
+"""Steps of time may differ by this part: output times are multiples of the output step, to round-off."""
+
+_RUNS_SHIFT = (math.sqrt(2.0) - 1.0) ** 0.25
+"""By how much the corner of one run moves so that two runs have -3 dB at the cut-off."""
+
+
+def low_pass(signal: xr.DataArray, cutoff: float) -> xr.DataArray:
+    """The signal without what is faster than the cut-off.
+
+    Args:
+        signal: values with the dimension `time`, even steps [s]; other dimensions are filtered each on its own.
+        cutoff: frequency at which -3 dB are left [Hz].
+
+    Returns:
+        The same dimensions, coordinates and attributes.
+
+    Raises:
+        ValueError: the steps are uneven, too coarse for the cut-off, or too few.
+    """
+    return _filtered(signal, cutoff, "lowpass")
+
+
+def band_pass(signal: xr.DataArray, low: float, high: float) -> xr.DataArray:
+    """The signal between two frequencies, each at -3 dB [Hz]; the rest as in `low_pass`."""
+    return _filtered(_filtered(signal, high, "lowpass"), low, "highpass")
+
+
+def _filtered(signal: xr.DataArray, cutoff: float, kind: Literal["lowpass", "highpass"]) -> xr.DataArray:
+    rate = sampling_rate(signal["time"].to_numpy(), cutoff)
+    warped = math.tan(math.pi * cutoff / rate)
+    corner = math.atan(warped / _RUNS_SHIFT if kind == "lowpass" else warped * _RUNS_SHIFT) * rate / math.pi
+    sections = butter(2, corner, kind, fs=rate, output="sos")
+    axis = signal.get_axis_num("time")
+    beyond = min(signal.sizes["time"] - 1, math.ceil(3 * rate / cutoff))  # mirrored beyond both ends
+    return signal.copy(data=sosfiltfilt(sections, signal.to_numpy(), axis=axis, padlen=beyond))
+
+
+def sampling_rate(time: Series, cutoff: float) -> float:
+    """Samples per second, if they can carry a filter of this cut-off.
+
+    Args:
+        time: output times [s].
+        cutoff: [Hz].
+
+    Raises:
+        ValueError: the steps are uneven, too coarse, or the whole is shorter than a period of the cut-off.
+    """
+    duration = float(time[-1] - time[0]) if len(time) else 0.0
+    if duration * cutoff < 1.0:
+        raise ValueError(
+            f"a filter at {cutoff:g} Hz needs a run of at least {1 / cutoff:g} s; this has {duration:.3g} s"
+        )
+    step = duration / (len(time) - 1)
+    if np.abs(np.diff(time) - step).max() > _EVEN * step:
+        raise ValueError("the output times are not evenly spaced; a filter needs one output_step")
+    if step * cutoff * SAMPLES_PER_PERIOD > 1.0 + _EVEN:
+        finest = 1e3 / (SAMPLES_PER_PERIOD * cutoff)
+        raise ValueError(
+            f"a filter at {cutoff:g} Hz needs an output_step of at most {finest:g} ms; this run has {1e3 * step:g} ms"
+        )
+    return 1.0 / step
+
+
+def sliding_mean(signal: xr.DataArray, distance: xr.DataArray, length: float = SLIDING_LENGTH) -> xr.DataArray:
+    """Mean of a signal over a length of way centred at each sample.
+
+        mean(s) = 1/L ∫ f ds  from s - L/2 to s + L/2,  f straight between samples
+
+    Args:
+        signal: values with the dimension `time`.
+        distance: way run at each time [m], never falling.
+        length: L [m].
+
+    Returns:
+        The same shape; NaN where the window reaches beyond the run or over a NaN.
+
+    Raises:
+        ValueError: the run went backwards.
+    """
+    s = distance.to_numpy()
+    if np.any(np.diff(s) < 0.0):
+        raise ValueError("a mean over distance needs a run that never goes backwards")
+    values = np.moveaxis(signal.to_numpy(), signal.get_axis_num("time"), 0)
+    missing = np.isnan(values)
+    inside = (s - 0.5 * length >= s[:1] - 1e-9) & (s + 0.5 * length <= s[-1:] + 1e-9)
+    mean = np.full(values.shape, np.nan)
+    for column in np.ndindex(*values.shape[1:]):
+        at = (slice(None), *column)
+        mean[at] = _over_window(np.where(missing[at], 0.0, values[at]), s, length)
+        mean[at][_over_window(missing[at].astype(float), s, length) > 1e-12] = np.nan
+    mean[~inside] = np.nan
+    return signal.copy(data=np.moveaxis(mean, 0, signal.get_axis_num("time")))
+
+
+def _over_window(f: Series, s: Series, length: float) -> Series:
+    """Mean of f over s - length/2 to s + length/2, exact for straight lines between samples."""
+    way = np.diff(s)
+    total = np.concatenate(([0.0], np.cumsum(0.5 * (f[1:] + f[:-1]) * way)))
+
+    def integral(at: Series) -> Series:
+        k = np.clip(np.searchsorted(s, at, side="right") - 1, 0, len(s) - 2)
+        part = np.clip(at - s[k], 0.0, way[k])
+        slope = np.divide(f[k + 1] - f[k], way[k], out=np.zeros_like(part), where=way[k] > 0.0)
+        return np.asarray(total[k] + part * (f[k] + 0.5 * slope * part))
+
+    return (integral(s + 0.5 * length) - integral(s - 0.5 * length)) / length

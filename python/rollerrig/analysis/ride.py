@@ -1,0 +1,203 @@
+"""Accelerations that passengers and bogies feel, at points of the bodies, and their weights.
+
+    run -> [accelerations] -> at the centre of each body and over what carries it -> [ride] -> filtered, weighted
+
+A point ρ of a rigid body with the centre's acceleration a_C, angular velocity ω and acceleration α is accelerated by
+
+    a = a_C + α × ρ + ω × (ω × ρ)                                                  (R4)
+
+with ω, α from the rates of yaw, roll and pitch, R = R_z(ψ) R_x(φ) R_y(θ) of docs/conventions.md:
+
+    ω = ψ' e_z + φ' e_1 + θ' e_2,   e_1 = R_z e_x,   e_2 = R_z R_x e_y
+    α = ψ'' e_z + φ'' e_1 + θ'' e_2 + ψ' e_z × φ' e_1 + (ψ' e_z + φ' e_1) × θ' e_2
+
+In curves a_C is the felt one that the run records; the turning of the track's own frame under the body, slower by far than
+the body's, is left out of ω.
+
+Source: EN 14363:2016 for the points and bands; EN 12299:2009, annex C, and ISO 2631 for the weights.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from rollerrig.analysis.filters import band_pass, low_pass, sampling_rate
+from rollerrig.analysis.readings import recorded_case
+from rollerrig.config import Case
+from rollerrig.model import AssembledModel, assemble
+
+Rows = NDArray[np.float64]
+
+DIRECTIONS = ("lateral", "vertical")
+
+RIDE_BAND = (0.4, 10.0)
+"""Band pass of accelerations in the car body [Hz]."""
+
+FRAME_CUTOFF = 10.0
+"""Low pass of accelerations of a bogie frame [Hz]."""
+
+
+def accelerations(run: xr.Dataset, *, floor_height: float | None = None) -> xr.Dataset:
+    """Accelerations at the centre of every free body above the wheelsets, and over each body that carries it.
+
+    A car body is carried by frames, a frame by wheelsets: joined by elements that carry load, and higher.
+
+    Args:
+        run: results of `simulate` or `load_run`.
+        floor_height: height above the rails of the points over what carries the car body [m]; None: where its springs
+            act on it. On a frame the points lie as high as its centre.
+
+    Returns:
+        acceleration [m/s^2] over time, point and direction (lateral, vertical), unfiltered, in the axes of the track;
+        body of each point as the coordinate `of_body`, and whether wheelsets carry it as `on_wheelsets`. No points if all
+        bodies above the wheelsets are held.
+    """
+    case = recorded_case(run)
+    model = assemble(case)
+    names, bodies, framed, rows = [], [], [], []
+    for body in model.lateral_bodies:
+        if body in model.wheelsets:
+            continue
+        carriers = _carriers(case, model, body)
+        on_wheelsets = any(carrier in model.wheelsets for carrier, _ in carriers)
+        motion = run.sel(body=body)
+        points = {f"{body}, centre": (0.0, 0.0, 0.0)}
+        for carrier, height in carriers:
+            over = model.positions[carrier][0] - model.positions[body][0]
+            level = height if floor_height is None else floor_height
+            up = 0.0 if on_wheelsets else level - model.positions[body][2]
+            points[f"{body} over {carrier}"] = (over, 0.0, up)
+        for name, arm in points.items():
+            names.append(name)
+            bodies.append(body)
+            framed.append(on_wheelsets)
+            rows.append(_at_point(motion, np.array(arm)))
+    values = np.stack(rows, axis=1) if rows else np.zeros((run.sizes["time"], 0, len(DIRECTIONS)))
+    coordinates = {
+        "time": run["time"],
+        "point": np.array(names, dtype=str),
+        "direction": list(DIRECTIONS),
+        "of_body": ("point", np.array(bodies, dtype=str)),
+        "on_wheelsets": ("point", np.array(framed, dtype=bool)),
+    }
+    attributes = {"units": "m/s^2", "long_name": "acceleration"}
+    return xr.Dataset(
+        {"acceleration": (("time", "point", "direction"), values, attributes)},
+        coordinates,
+        {"title": run.attrs["title"], "case": run.attrs["case"]},
+    )
+
+
+def _carriers(case: Case, model: AssembledModel, body: str) -> list[tuple[str, float]]:
+    """Bodies that carry a body, front first, and the height [m] at which their springs act on it."""
+    found: dict[str, float] = {}
+    for element in case.vehicle.data.elements_in(case.vehicle.part):
+        if not element.carries_load or body not in element.between:
+            continue
+        other = element.between[1 - element.between.index(body)]
+        if other in model.positions and model.positions[other][2] < model.positions[body][2]:
+            found[other] = element.end_b[2]
+    return sorted(found.items(), key=lambda item: -model.positions[item[0]][0])
+
+
+def _at_point(motion: xr.Dataset, arm: Rows) -> Rows:
+    """Lateral and vertical acceleration at a point fixed to a body (R4), shape (time, 2) [m/s^2]."""
+    roll, pitch, yaw = (motion[name].to_numpy() for name in ("roll", "pitch", "yaw"))
+    zero, one = np.zeros_like(roll), np.ones_like(roll)
+    e_z = np.stack([zero, zero, one], axis=1)
+    e_1 = np.stack([np.cos(yaw), np.sin(yaw), zero], axis=1)
+    e_2 = np.stack([-np.sin(yaw) * np.cos(roll), np.cos(yaw) * np.cos(roll), np.sin(roll)], axis=1)
+    e_3 = np.cross(e_1, e_2)  # up in the rolled body, before pitch
+    along = np.cos(pitch)[:, None] * e_1 - np.sin(pitch)[:, None] * e_3
+    rho = arm[0] * along + arm[1] * e_2 + arm[2] * np.cross(along, e_2)
+
+    def about(name: str, axis: Rows) -> Rows:
+        return np.asarray(motion[name].to_numpy()[:, None] * axis)
+
+    yawing, rolling = about("yaw_rate", e_z), about("roll_rate", e_1)
+    pitching = about("pitch_rate", e_2)
+    turn = yawing + rolling + pitching
+    spin_up = about("yaw_acceleration", e_z) + about("roll_acceleration", e_1) + about("pitch_acceleration", e_2)
+    spin_up += np.cross(yawing, rolling) + np.cross(yawing + rolling, pitching)
+    relative = np.cross(spin_up, rho) + np.cross(turn, np.cross(turn, rho))
+    centre = np.stack([_of_centre(motion, direction) for direction in DIRECTIONS], axis=1)
+    return np.asarray(centre + relative[:, 1:])
+
+
+def _of_centre(motion: xr.Dataset, direction: str) -> Rows:
+    """Acceleration of the centre: the felt one where the run has it."""
+    felt = f"felt_{direction}_acceleration"
+    return motion[felt if felt in motion else f"{direction}_acceleration"].to_numpy()
+
+
+def ride(points: xr.Dataset) -> xr.Dataset:
+    """The accelerations in the bands of EN 14363: frames below 10 Hz, the car body from 0.4 to 10 Hz.
+
+    Args:
+        points: what `accelerations` returns.
+
+    Returns:
+        The same, with what was done to each point as the coordinate `filter`.
+
+    Raises:
+        ValueError: the run's output_step is too coarse, or the run too short.
+    """
+    values = points["acceleration"]
+    framed = points["on_wheelsets"].to_numpy()
+    out = values.copy(deep=True)
+    if framed.any():
+        out[:, framed] = low_pass(values[:, framed], FRAME_CUTOFF)
+    if (~framed).any():
+        out[:, ~framed] = band_pass(values[:, ~framed], *RIDE_BAND)
+    bands = np.where(framed, f"{FRAME_CUTOFF:g} Hz", "{:g} to {:g} Hz".format(*RIDE_BAND))
+    return points.assign(acceleration=out).assign_coords(filter=("point", bands))
+
+
+def weight(frequency: Rows, direction: str) -> Rows:
+    """How strongly people feel an acceleration of a frequency: |W_d| of lateral, |W_b| of vertical ones, EN 12299.
+
+    Args:
+        frequency: [Hz], any shape.
+        direction: "lateral" or "vertical".
+    """
+    s = 2j * np.pi * np.asarray(frequency, dtype=np.float64)
+
+    def second_order(corner: float, quality: float) -> NDArray[np.complex128]:
+        w = 2 * np.pi * corner
+        return np.asarray(s * s + s * w / quality + w * w)
+
+    def transition(zero: float, pole: float) -> NDArray[np.complex128]:
+        return np.asarray((1 + s / (2 * np.pi * zero)) * (2 * np.pi * pole) ** 2 / second_order(pole, 0.63))
+
+    band = s * s / second_order(0.4, 0.5**0.5) * (200 * np.pi) ** 2 / second_order(100.0, 0.5**0.5)
+    if direction == "lateral":
+        return np.abs(band * transition(2.0, 2.0))
+    step = 0.4 * (4.0 / 2.5) ** 2 * second_order(2.5, 0.8) / second_order(4.0, 0.8)
+    return np.abs(band * transition(16.0, 16.0) * step)
+
+
+def weighted_rms(points: xr.Dataset) -> xr.DataArray:
+    """Root mean square of the weighted accelerations (W_d lateral, W_b vertical), the run taken as periodic.
+
+    Args:
+        points: what `accelerations` returns, unfiltered.
+
+    Returns:
+        Over point and direction [m/s^2].
+
+    Raises:
+        ValueError: the run's output_step is too coarse, or the run too short.
+    """
+    values = points["acceleration"].transpose("time", "point", "direction")
+    count, time = values.sizes["time"], points["time"].to_numpy()
+    rate = min(sampling_rate(time, cutoff) for cutoff in RIDE_BAND)
+    frequency: Rows = np.asarray(np.fft.rfftfreq(count, 1.0 / rate), dtype=np.float64)
+    spectrum = np.abs(np.fft.rfft(values.to_numpy(), axis=0)) / count
+    spectrum *= np.stack([weight(frequency, d) for d in DIRECTIONS], axis=1)[:, None, :]
+    folded = np.where((frequency == 0) | (2 * np.arange(len(frequency)) == count), 1.0, 2.0)  # Parseval, half the lines
+    power = np.einsum("f,fpd->pd", folded, spectrum**2)
+    attributes = {"units": "m/s^2", "long_name": "weighted r.m.s. acceleration, EN 12299"}
+    coordinates = {"point": points["point"], "direction": points["direction"]}
+    return xr.DataArray(np.sqrt(power), coordinates, ["point", "direction"], attrs=attributes)
