@@ -1,11 +1,18 @@
 """Stability of rolling: modes over speed, critical speeds, limit cycles; and what engineers read off a run.
 
-Case -> [linearise -> modes -> stability]   small motions, exact derivatives
+Case -> [linearise -> modes -> speed map -> critical, stability]   small motions, exact derivatives
      -> [hunting, ramp -> signals]          runs from a disturbance
 run  -> [readings, ride -> filters]         wheel forces, Y/Q, wear number, accelerations, as EN 14363 assesses them
 """
 
 from rollerrig.analysis.assessment import Assessment, Row, assess, table
+from rollerrig.analysis.critical import (
+    CriticalScan,
+    CriticalSpeed,
+    critical_speeds,
+    linear_critical_speed,
+    linear_critical_speeds,
+)
 from rollerrig.analysis.hunting import (
     HuntingRun,
     HuntingSettings,
@@ -20,10 +27,11 @@ from rollerrig.analysis.ramp import RampSettings, end_of_hunting, ramp_run
 from rollerrig.analysis.readings import filtered, nadal_limit, prudhomme_limit, readings, statistics
 from rollerrig.analysis.ride import accelerations, ride, weighted_rms
 from rollerrig.analysis.signals import ending, growth_rate, half_waves
-from rollerrig.analysis.stability import CriticalSpeed, linear_critical_speed, stability
+from rollerrig.analysis.stability import stability
 
 __all__ = [
     "Assessment",
+    "CriticalScan",
     "CriticalSpeed",
     "HuntingRun",
     "HuntingSettings",
@@ -34,6 +42,7 @@ __all__ = [
     "Row",
     "accelerations",
     "assess",
+    "critical_speeds",
     "end_of_hunting",
     "ending",
     "filtered",
@@ -43,6 +52,7 @@ __all__ = [
     "hunting_runs",
     "hunting_table",
     "linear_critical_speed",
+    "linear_critical_speeds",
     "linearise",
     "nadal_limit",
     "nonlinear_critical_speed",

@@ -12,7 +12,8 @@ import numpy as np
 
 from rollerrig import _core
 from rollerrig.analysis.linearise import Lineariser
-from rollerrig.analysis.modes import HUNTING_SHARE, LEAST_FREQUENCY, eigensystem, energy_shares, wheelset_lateral_share
+from rollerrig.analysis.mode_names import HUNTING_SHARE, wheelset_lateral_share
+from rollerrig.analysis.modes import eigensystem, energy_shares, oscillates
 from rollerrig.config import Case
 from rollerrig.results import Outcome, run_dataset
 
@@ -76,11 +77,9 @@ def slow_wavelength(lineariser: Lineariser, speed: float = SLOW) -> float:
     """
     linear = lineariser.at(speed)
     system = eigensystem(linear.matrix)
-    weaving = [
-        value
-        for value, vector in zip(system.values, system.vectors.T, strict=True)
-        if value.imag > LEAST_FREQUENCY and wheelset_lateral_share(energy_shares(linear, vector)) >= HUNTING_SHARE
-    ]
-    if not weaving:
+    columns = np.flatnonzero(oscillates(system.values)).tolist()
+    weave = wheelset_lateral_share(list(linear.rate_rows), energy_shares(linear, system, columns)) >= HUNTING_SHARE
+    weaving = system.values[columns][weave]
+    if not weaving.size:
         return math.nan
-    return 2 * math.pi * speed / float(max(weaving, key=lambda value: value.real).imag)
+    return 2 * math.pi * speed / float(weaving[np.argmax(weaving.real)].imag)

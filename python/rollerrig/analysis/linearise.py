@@ -44,13 +44,26 @@ class Linearisation:
 
 
 class Lineariser:
-    """One assembled model, linearised at any number of speeds."""
+    """One assembled model, linearised at any number of speeds.
+
+    Each speed starts from the equilibrium of the one before: neighbouring speeds in order are fastest.
+    """
 
     def __init__(self, case: Case) -> None:
         self.case = at_constant_speed(case)
         self.model = assemble(self.case)
         self._simulation = _core.Simulation(self.model.core)
         self._inertia = _inertias(self.model)
+        self._near: Matrix | None = None
+        driven = {self._simulation.rate_index[self.model.body_index(name)][4] for name in self.model.rollers}
+        self._kept = np.array([i for i in range(self._simulation.state_count) if i not in driven])
+        row_of = {int(state_index): row for row, state_index in enumerate(self._kept)}
+        self._rows = {
+            (body, direction): row_of[self._simulation.rate_index[b][d]]
+            for b, body in enumerate(self.model.bodies)
+            for d, direction in enumerate(DIRECTIONS)
+            if self._simulation.rate_index[b][d] in row_of
+        }
 
     def at(self, speed: float) -> Linearisation:
         """Linearise at a running speed.
@@ -62,7 +75,7 @@ class Lineariser:
             StartError: no rolling equilibrium was found at this speed.
         """
         self.model.core.set_speed([(0.0, speed)])  # a moving rail; rollers take theirs from the state
-        found = self._simulation.equilibrium(speed, 0.0, [])
+        found = self._simulation.equilibrium(speed, 0.0, [], self._near)
         if not found["converged"]:
             raise StartError(
                 f"{self.case.name}: no rolling equilibrium at {3.6 * speed:g} km/h: {found['residual']:.3g} N or N m remain "
@@ -70,19 +83,10 @@ class Lineariser:
                 "something that holds it in x, e.g. locked = ['x'] for its car body"
             )
         state = np.ascontiguousarray(found["x"], dtype=np.float64)
+        self._near = state
         full = self._simulation.jacobian(0.0, state)[0]
-        rates = self._simulation.rate_index
-        driven = {rates[self.model.body_index(name)][4] for name in self.model.rollers}
-        kept = [i for i in range(len(state)) if i not in driven]
-        row_of = {state_index: row for row, state_index in enumerate(kept)}
-        rows = {
-            (body, direction): row_of[rates[b][d]]
-            for b, body in enumerate(self.model.bodies)
-            for d, direction in enumerate(DIRECTIONS)
-            if rates[b][d] in row_of
-        }
-        inertia = {key: self._inertia[key] for key in rows}
-        return Linearisation(speed, np.array(full[np.ix_(kept, kept)]), state, rows, inertia)
+        inertia = {key: self._inertia[key] for key in self._rows}
+        return Linearisation(speed, np.array(full[np.ix_(self._kept, self._kept)]), state, self._rows, inertia)
 
 
 def linearise(case: Case, speed: float) -> Linearisation:

@@ -25,7 +25,7 @@ def shown_modes(modes: xr.Dataset) -> list[str]:
 
 
 def _look(name: str, number: int) -> dict[str, object]:
-    if name == "hunting":
+    if name.startswith("hunting"):
         return {"color": COLOURS[1], "linewidth": 2.2, "linestyle": "-", "zorder": 5}
     colours = [c for c in COLOURS if c != COLOURS[1]]
     return {"color": colours[number % len(colours)], "linestyle": STYLES[(number // len(colours)) % len(STYLES)]}
@@ -125,7 +125,7 @@ def hunting_frequencies(linear: dict[str, xr.Dataset], runs: dict[str, xr.Datase
     """Frequency of hunting over speed: linear modes as lines, limit cycles of runs as markers.
 
     Args:
-        linear: label -> Dataset of `stability`; only its mode 'hunting' is drawn.
+        linear: label -> Dataset of `stability`; only its least damped hunting mode is drawn.
         runs: label -> Dataset of `hunting_table`.
         title: of the figure.
     """
@@ -133,7 +133,10 @@ def hunting_frequencies(linear: dict[str, xr.Dataset], runs: dict[str, xr.Datase
         figure, (axes,) = new_figure(height=3.6)
         for number, (label, modes) in enumerate(linear.items()):
             colour, style = COLOURS[number % len(COLOURS)], STYLES[number % len(STYLES)]
-            frequency = modes["frequency"].sel(mode="hunting").where(modes["frequency"].sel(mode="hunting") > 0)
+            if not modes.attrs["hunting_mode"]:
+                continue
+            frequency = modes["frequency"].sel(mode=modes.attrs["hunting_mode"])
+            frequency = frequency.where(frequency > 0)
             axes.plot(modes["speed"], frequency, color=colour, linestyle=style, label=label)
             critical = float(modes.attrs["linear_critical_speed_kmh"])
             if math.isfinite(critical):

@@ -359,7 +359,7 @@ def shape_tables(modes: xr.Dataset) -> list[Table]:
     speed = modes["speed"].to_numpy()
     k = int(np.argmin(np.abs(speed - critical))) if math.isfinite(critical) else len(speed) - 1
     at = modes.isel(speed=k)
-    names = [n for n in shown_modes(modes) if n == "hunting"] + [n for n in shown_modes(modes) if n != "hunting"]
+    names = sorted(shown_modes(modes), key=lambda name: not name.startswith("hunting"))
     tables = []
     for name in names:
         amplitude, phase = at["shape_amplitude"].sel(mode=name), at["shape_phase"].sel(mode=name)

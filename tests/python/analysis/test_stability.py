@@ -10,15 +10,18 @@ import pytest
 from rollerrig.analysis import (
     HuntingSettings,
     Lineariser,
+    critical_speeds,
     growth_rate,
     hunting_run,
     linear_critical_speed,
+    linear_critical_speeds,
     linearise,
     nonlinear_critical_speed,
     stability,
 )
 from rollerrig.analysis.contact_state import slow_wavelength
-from rollerrig.analysis.stability import largest_growth_rate
+from rollerrig.analysis.critical import diverging, largest_growth_rate
+from rollerrig.analysis.speed_map import modes_over_speed
 from rollerrig.config import Case, load_case
 
 
@@ -90,6 +93,62 @@ def test_track_is_stable_to_a_higher_speed_than_rollers(bogie) -> None:
     assert rig is not None
     assert track is not None
     assert track.speed > rig.speed
+
+
+def test_critical_speeds_of_many_cases_are_those_of_each(bogie) -> None:
+    cases = {
+        "0.46 m": bogie.with_changes({"support.roller_radius": 0.46}),
+        "0.725 m": bogie,
+        "10 m": bogie.with_changes({"support.roller_radius": 10.0}),
+        "never": load_case("wheelset_rollers"),
+    }
+    found = linear_critical_speeds(cases, [60.0, 350.0], processes=2)
+    assert list(found) == list(cases)
+    speeds = [scan.speed_kmh for scan in found.values()]
+    assert speeds[0] < speeds[1] < speeds[2]
+    assert found["never"].critical is None
+    assert math.isnan(speeds[3])
+    alone = linear_critical_speed(bogie, [60 / 3.6, 350 / 3.6])
+    assert alone is not None
+    assert 3.6 * alone.speed == speeds[1]  # the same to the last bit, on another process
+
+
+def test_a_case_without_equilibrium_is_told_by_the_scan(bogie) -> None:
+    torque = {"wheelset": "wheelset_1", "reacts_on": "none", "constant": 60_000.0}  # friction holds 0.46 m * 33 kN
+    found = linear_critical_speeds({"spinning": bogie.with_changes({"axle_torque": [torque]})}, [60.0, 100.0])
+    assert "no rolling equilibrium" in found["spinning"].problem
+    assert math.isnan(found["spinning"].speed_kmh)
+
+
+def test_all_crossings_are_told_with_their_modes() -> None:
+    """The two bogies of a vehicle hunt in two ways, which begin to grow one after the other."""
+    vehicle = load_case("bogie_rollers_constant").with_changes(
+        {"vehicle.cut": "vehicle", "vehicle.body.car_body.locked": ["x"]}
+    )
+    modes = modes_over_speed(vehicle, [200 / 3.6, 300 / 3.6])
+    found = critical_speeds(modes)
+    assert [one.name for one in found] == ["hunting, bogies in phase", "hunting, bogies out of phase"]
+    assert all(one.grows_above for one in found)
+    for one in found:  # brentq's tolerance 1e-4 km/h times a slope of the growth rate well below 1 1/s per km/h
+        values = np.linalg.eigvals(modes.lineariser.at(one.speed).matrix)
+        assert np.min(np.abs(values - 2j * np.pi * one.frequency)) < 1e-4
+
+
+def test_an_unheld_vehicle_rolls_off_its_rollers() -> None:
+    """Nothing holds it on their tops: a motion along the track that grows without oscillating is told, and only then."""
+    vehicle = load_case("bogie_rollers_constant").with_changes({"vehicle.cut": "vehicle"})
+    (found,) = diverging(modes_over_speed(vehicle, [20.0]))
+    assert "longitudinal" in str(found["name"])
+    held = vehicle.with_changes({"vehicle.body.car_body.locked": ["x"]})
+    assert diverging(modes_over_speed(held, [20.0])) == []
+
+
+def test_a_warm_start_changes_no_mode(bogie) -> None:
+    lineariser = Lineariser(bogie)
+    lineariser.at(20.0)
+    warm, cold = lineariser.at(60.0).matrix, linearise(bogie, 60.0).matrix
+    # equilibria agree to 1e-7 N, of stiffnesses around 1e9 N/m
+    assert warm == pytest.approx(cold, rel=1e-7, abs=1e-6 * np.abs(cold).max())
 
 
 def test_bad_speeds_are_refused(bogie) -> None:

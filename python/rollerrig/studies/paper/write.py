@@ -93,7 +93,7 @@ def _frequency_rows(results: PaperResults) -> list[list[object]]:
     rows: list[list[object]] = [["material", "variant", "speed_kmh", "hunting_frequency_hz", "hunting_damping"]]
     for material, variants in results.modes.items():
         for variant, modes in variants.items():
-            hunting = modes.sel(mode="hunting")
+            hunting = modes.sel(mode=modes.attrs["hunting_mode"])
             for k, speed in enumerate(modes["speed"].to_numpy().tolist()):
                 rows.append([material, variant, speed, float(hunting["frequency"][k]), float(hunting["damping"][k])])
     return rows

@@ -1,0 +1,240 @@
+"""What a railway engineer calls a mode, read off its shape.
+
+    energies and shapes over speed, who carries whom -> [mode names] -> 'car body lower sway', 'bogie pitch, in phase', 'hunting'
+
+The words: bounce, pitch, roll, yaw of car body and bogies; the **lower sway** swings about an axis below the car body's centre
+of mass, the **upper sway** about one above it; **hunting** is a wave-like motion of the wheelsets. Of the car body, of bogies
+and of wheelsets, that part names a mode which has the most of its kinetic energy.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rollerrig.config import Case
+
+Complex = NDArray[np.complex128]
+Matrix = NDArray[np.float64]
+
+HUNTING_SHARE = 0.2
+"""Least share of the kinetic energy that a hunting mode has in the lateral motion of wheelsets."""
+
+ONE_BOGIE_SHARE = 0.8
+"""A bogie with more than this part of all bogies' energy names the mode alone: 'front bogie'."""
+
+WORDS = {"vertical": "bounce", "longitudinal": "longitudinal"}
+"""Direction -> word, where the two differ."""
+
+
+@dataclass(frozen=True)
+class Roles:
+    """Which body is what, by who carries whom; front to rear.
+
+    Attributes:
+        car_bodies: bodies that no wheelset's suspension touches, and frames with nothing above them.
+        frames: bodies that wheelsets carry and that carry something themselves.
+        wheelsets: all wheelsets.
+    """
+
+    car_bodies: tuple[str, ...]
+    frames: tuple[str, ...]
+    wheelsets: tuple[str, ...]
+    wheelsets_of: dict[str, tuple[str, ...]]
+
+    def kind(self, body: str) -> str:
+        """'car body', 'bogie', 'wheelsets', or the body's own name with spaces."""
+        if body in self.wheelsets:
+            return "wheelsets"
+        if body in self.frames:
+            return "bogie"
+        if body in self.car_bodies and len(self.car_bodies) == 1:
+            return "car body"
+        return body.replace("_", " ")
+
+
+def roles(case: Case) -> Roles:
+    """Roles of the moving bodies of a case."""
+    vehicle = case.vehicle.data
+    kinds = {body.name: body.kind for body in vehicle.body}
+    neighbours: dict[str, set[str]] = {name: set() for name in kinds}
+    for element in vehicle.element:
+        a, b = element.between
+        neighbours[a].add(b)
+        neighbours[b].add(a)
+    moving = sorted(vehicle.bodies_in(case.vehicle.part), key=lambda body: -body.position[0])
+    wheelsets = tuple(body.name for body in moving if body.kind == "wheelset")
+
+    def is_frame(name: str) -> bool:
+        others = [kinds.get(n) for n in neighbours[name]]
+        return "wheelset" in others and any(kind != "wheelset" for kind in others)
+
+    frames = tuple(body.name for body in moving if body.kind != "wheelset" and is_frame(body.name))
+    car_bodies = tuple(body.name for body in moving if body.kind != "wheelset" and body.name not in frames)
+    carried = {frame: tuple(w for w in wheelsets if w in neighbours[frame]) for frame in frames}
+    return Roles(car_bodies, frames, wheelsets, carried)
+
+
+@dataclass(frozen=True)
+class Shapes:
+    """Modes over speed, as names need them.
+
+    Attributes:
+        keys: (body, direction) of each coordinate.
+        rates: growth rates [1/s], shape (speeds, modes).
+        shares: of the kinetic energy, shape (speeds, coordinates, modes).
+        parts: displacements, shape (speeds, coordinates, modes).
+    """
+
+    keys: Sequence[tuple[str, str]]
+    rates: Matrix
+    shares: Matrix
+    parts: Complex
+
+
+def mode_names(shapes: Shapes, who: Roles) -> list[str]:
+    """A name for each mode, all different, from its shape on average over speed."""
+    mean = shapes.shares.mean(axis=0)
+    names = [_name(shapes, mean, who, m) for m in range(mean.shape[1])]
+    for mode, name in _hunting(shapes, mean, who).items():
+        names[mode] = name
+    return unique_names(names)
+
+
+def shape_name(keys: Sequence[tuple[str, str]], share: Matrix, parts: Complex, who: Roles) -> str:
+    """Name of one mode at one speed.
+
+    Args:
+        keys: (body, direction) of each coordinate.
+        share: of the kinetic energy, shape (coordinates,).
+        parts: displacements, shape (coordinates,).
+        who: roles of the bodies.
+    """
+    one = Shapes(keys, np.zeros((1, 1)), share[None, :, None], parts[None, :, None])
+    return mode_names(one, who)[0]
+
+
+def wheelset_lateral_share(keys: Sequence[tuple[str, str]], shares: Matrix) -> Matrix:
+    """How much of the modes' kinetic energy is lateral motion of wheelsets: large only where they run in waves.
+
+    Args:
+        keys: (body, direction) of each coordinate.
+        shares: shape (..., coordinates, modes).
+    """
+    rows = [i for i, (body, way) in enumerate(keys) if body.startswith("wheelset") and way == "lateral"]
+    return np.asarray(shares[..., rows, :].sum(axis=-2))
+
+
+def unique_names(names: list[str]) -> list[str]:
+    """Names made different: 'frame yaw', 'frame yaw 2'."""
+    seen: dict[str, int] = {}
+    result = []
+    for name in names:
+        seen[name] = seen.get(name, 0) + 1
+        result.append(name if seen[name] == 1 else f"{name} {seen[name]}")
+    return result
+
+
+def _name(shapes: Shapes, mean: Matrix, who: Roles, mode: int) -> str:
+    kinds: dict[str, float] = {}
+    for (body, _), share in zip(shapes.keys, mean[:, mode], strict=True):
+        kinds[who.kind(body)] = kinds.get(who.kind(body), 0.0) + share
+    kind = max(kinds, key=lambda name: kinds[name])
+    if kind == "wheelsets" and _as_one(shapes, mean, who, mode):
+        kind = "bogie"
+    ways: dict[str, float] = {}
+    for (body, way), share in zip(shapes.keys, mean[:, mode], strict=True):
+        if who.kind(body) == kind:
+            ways[way] = ways.get(way, 0.0) + share
+    way = max(ways, key=lambda name: ways[name])
+    if kind == "car body" and way in ("lateral", "roll"):
+        return f"car body {_sway(shapes, who.car_bodies[0], mode)}"
+    word = WORDS.get(way, way)
+    if kind == "bogie":
+        return _of_bogies(shapes, mean, who, mode, way, word)
+    return f"{kind} {word}"
+
+
+def _as_one(shapes: Shapes, mean: Matrix, who: Roles, mode: int) -> bool:
+    """Whether the frames go with their wheelsets along the track: the bogie moves as a whole, though wheelsets are heavier."""
+    rows = [i for i, (body, way) in enumerate(shapes.keys) if way == "longitudinal" and who.kind(body) != "car body"]
+    frames = [i for i in rows if shapes.keys[i][0] in who.frames]
+    if mean[rows, mode].sum() < 0.5 or not frames:
+        return False
+    pairs = [
+        (_row(shapes, frame, "longitudinal"), _row(shapes, wheelset, "longitudinal"))
+        for frame in who.frames
+        for wheelset in who.wheelsets_of[frame]
+    ]
+    return all(
+        f is not None and w is not None and _phase(shapes.parts[:, f, mode], shapes.parts[:, w, mode]) == "in phase"
+        for f, w in pairs
+    )
+
+
+def _sway(shapes: Shapes, body: str, mode: int) -> str:
+    """Lower or upper: whether the axis about which the body swings is below or above its centre of mass."""
+    y, roll = (_row(shapes, body, way) for way in ("lateral", "roll"))
+    if y is None or roll is None:
+        return "sway" if y is not None else "roll"
+    # a point at height h above the centre moves y - h roll: it stands still where h = y / roll
+    height = np.sum((shapes.parts[:, y, mode] * shapes.parts[:, roll, mode].conj()).real)
+    return "lower sway" if height < 0 else "upper sway"
+
+
+def _row(shapes: Shapes, body: str, way: str) -> int | None:
+    return next((i for i, key in enumerate(shapes.keys) if key == (body, way)), None)
+
+
+def _of_bogies(shapes: Shapes, mean: Matrix, who: Roles, mode: int, way: str, word: str) -> str:
+    if len(who.frames) < 2:
+        return f"bogie {word}"
+    rows = [_row(shapes, frame, way) for frame in who.frames]
+    shares = [0.0 if row is None else float(mean[row, mode]) for row in rows]
+    alone = _alone(shares)
+    if alone:
+        return f"{alone} bogie {word}"
+    if len(rows) > 2 or rows[0] is None or rows[1] is None:
+        return f"bogies {word}"
+    return f"bogie {word}, {_phase(shapes.parts[:, rows[0], mode], shapes.parts[:, rows[1], mode])}"
+
+
+def _alone(shares: Sequence[float]) -> str:
+    """'front' or 'rear' where one of several bogies has nearly all the energy, else ''."""
+    first, last = shares[0], shares[-1]
+    total = sum(shares)
+    if total > 0 and first > ONE_BOGIE_SHARE * total:
+        return "front"
+    return "rear" if total > 0 and last > ONE_BOGIE_SHARE * total else ""
+
+
+def _phase(front: Complex, rear: Complex) -> str:
+    return "in phase" if np.sum((front * rear.conj()).real) >= 0 else "out of phase"
+
+
+def _hunting(shapes: Shapes, mean: Matrix, who: Roles) -> dict[int, str]:
+    """Mode -> name for the least damped modes in which wheelsets weave, one for each bogie (or one at all)."""
+    weave = np.flatnonzero(wheelset_lateral_share(shapes.keys, mean) >= HUNTING_SHARE)
+    order = sorted(weave, key=lambda m: -float(shapes.rates[:, m].mean()))
+    if len(who.frames) != 2:
+        return {int(m): "hunting" for m in order[:1]}
+    return {int(m): f"hunting, {_which_bogie(shapes, mean, who, int(m))}" for m in order[:2]}
+
+
+def _which_bogie(shapes: Shapes, mean: Matrix, who: Roles, mode: int) -> str:
+    rows = [
+        [
+            i
+            for i, (body, way) in enumerate(shapes.keys)
+            if body in (frame, *who.wheelsets_of[frame]) and way == "lateral"
+        ]
+        for frame in who.frames
+    ]
+    alone = _alone([float(mean[r, mode].sum()) for r in rows])
+    if alone:
+        return f"{alone} bogie"
+    front, rear = (shapes.parts[:, r, mode].sum(axis=1) for r in rows)
+    return f"bogies {_phase(front, rear)}"
