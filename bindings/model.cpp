@@ -6,6 +6,10 @@
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
 #include "convert.hpp"
 #include "rig/system/equilibrium.hpp"
 #include "rig/system/model.hpp"
@@ -16,6 +20,7 @@ using namespace rig;
 namespace {
 
 using PieceRows = nb::ndarray<double const, nb::shape<-1, 4>, nb::c_contig, nb::device::cpu>;
+using BreakRows = nb::ndarray<double const, nb::shape<-1, 5>, nb::c_contig, nb::device::cpu>;
 
 template <class Sequence>
 auto& element_at(Sequence& sequence, int i) {
@@ -23,17 +28,44 @@ auto& element_at(Sequence& sequence, int i) {
   return sequence[static_cast<std::size_t>(i)];
 }
 
-int add_profile(Model& m, double start, double step, PieceRows const& pieces) {
+UniformSpline uniform_spline(double start, double step, PieceRows const& pieces) {
   UniformSpline spline{start, step, {}};
   for (std::size_t i = 0; i < pieces.shape(0); ++i)
     spline.pieces.push_back({pieces(i, 0), pieces(i, 1), pieces(i, 2), pieces(i, 3)});
-  m.profiles.push_back(std::move(spline));
+  return spline;
+}
+
+int add_profile(Model& m, double start, double step, PieceRows const& pieces) {
+  m.profiles.push_back(uniform_spline(start, step, pieces));
   return static_cast<int>(m.profiles.size()) - 1;
 }
 
+PiecewiseCubic piecewise_cubic(BreakRows const& rows) {
+  PiecewiseCubic curve;
+  for (std::size_t i = 0; i < rows.shape(0); ++i) {
+    curve.start.push_back(rows(i, 0));
+    curve.coefficient.push_back({rows(i, 1), rows(i, 2), rows(i, 3), rows(i, 4)});
+  }
+  if (!std::ranges::is_sorted(curve.start, std::less_equal<>{})) throw nb::value_error("breaks must increase");
+  return curve;
+}
+
+void set_line(Model& m, BreakRows const& curvature, BreakRows const& cant, double cant_base) {
+  m.line = {piecewise_cubic(curvature), piecewise_cubic(cant), cant_base};
+}
+
+void set_irregularity(Model& m, double period, double step, PieceRows const& left_y, PieceRows const& left_z,
+                      PieceRows const& right_y, PieceRows const& right_z, double fade_in, bool steered) {
+  for (auto const* rows : {&left_y, &left_z, &right_y, &right_z})
+    if (std::abs(step * static_cast<double>(rows->shape(0)) - period) > 1e-9 * period)
+      throw nb::value_error("each curve must have period / step pieces");
+  auto const spline = [step](PieceRows const& rows) { return uniform_spline(0.0, step, rows); };
+  m.irregularity = {period, spline(left_y), spline(left_z), spline(right_y), spline(right_z), fade_in, steered};
+}
+
 int add_body(Model& m, double mass, Triple const& inertia, Triple const& position, bool axisymmetric,
-             std::array<bool, 6> const& locked, double driven_inverse_radius) {
-  m.bodies.push_back({mass, vec3(inertia), vec3(position), axisymmetric, locked, driven_inverse_radius > 0.0});
+             std::array<bool, 6> const& locked, double driven_inverse_radius, bool carried) {
+  m.bodies.push_back({mass, vec3(inertia), vec3(position), axisymmetric, locked, driven_inverse_radius > 0.0, carried});
   m.driven_inverse_radius.push_back(driven_inverse_radius);
   return static_cast<int>(m.bodies.size()) - 1;
 }
@@ -55,16 +87,17 @@ void set_law(Model& m, int element, int direction, double preload, double stiffn
     for (std::size_t c = 0; c < 6; ++c) each.node[c] = each.law[c].has_state() ? node++ : -1;
 }
 
-int add_contact(Model& m, int wheelset, int roller, bool right, int wheel_profile, int rail_profile,
-                double wheel_radius, double tape_circle_y, double rail_origin_y, double inverse_radius,
-                Triple const& wheelset_from_crown, Triple const& crown_in_roller, double shear_modulus,
-                double poisson_ratio, double friction, std::string const& creep, bool saturate_spin_moment,
-                double normal_damping, double standstill_speed, double merge_barrier,
+int add_contact(Model& m, int wheelset, int roller, bool rail, double along, bool right, int wheel_profile,
+                int rail_profile, double wheel_radius, double tape_circle_y, double rail_origin_y,
+                double inverse_radius, Triple const& wheelset_from_crown, Triple const& crown_in_roller,
+                double shear_modulus, double poisson_ratio, double friction, std::string const& creep,
+                bool saturate_spin_moment, double normal_damping, double standstill_speed, double merge_barrier,
                 std::array<bool, 4> const& roller_effects) {
+  if (roller == ground && !rail) throw nb::value_error("a contact without a roller is on a rail");
   if (!m.hertz) m.hertz = std::make_shared<HertzTable const>();
   m.kalker_tables.emplace_back(poisson_ratio);
   WheelContact c;
-  c.wheelset = wheelset, c.roller = roller, c.right = right;
+  c.wheelset = wheelset, c.roller = roller, c.rail = rail, c.along = along, c.right = right;
   c.wheelset_from_crown = vec3(wheelset_from_crown), c.crown_in_roller = vec3(crown_in_roller);
   c.pair = {&element_at(m.profiles, wheel_profile),
             &element_at(m.profiles, rail_profile),
@@ -105,14 +138,17 @@ void bind_model(nb::module_& m) {
       .def(nb::init<>())
       .def("add_profile", &add_profile, "start"_a, "step"_a, "pieces"_a)
       .def("add_body", &add_body, "mass"_a, "inertia"_a, "position"_a, "axisymmetric"_a, "locked"_a,
-           "driven_inverse_radius"_a)
+           "driven_inverse_radius"_a, "carried"_a)
+      .def("set_line", &set_line, "curvature"_a, "cant"_a, "cant_base"_a)
+      .def("set_irregularity", &set_irregularity, "period"_a, "step"_a, "left_y"_a, "left_z"_a, "right_y"_a,
+           "right_z"_a, "fade_in"_a, "steered"_a)
       .def("add_element", &add_element, "body_a"_a, "body_b"_a, "point_on_b"_a, "carries_load"_a)
       .def("set_law", &set_law, "element"_a, "direction"_a, "preload"_a, "stiffness"_a, "table"_a, "damping"_a,
            "damping_table"_a, "series_damping"_a, "series_stiffness"_a)
-      .def("add_contact", &add_contact, "wheelset"_a, "roller"_a, "right"_a, "wheel_profile"_a, "rail_profile"_a,
-           "wheel_radius"_a, "tape_circle_y"_a, "rail_origin_y"_a, "inverse_radius"_a, "wheelset_from_crown"_a,
-           "crown_in_roller"_a, "shear_modulus"_a, "poisson_ratio"_a, "friction"_a, "creep"_a, "saturate_spin_moment"_a,
-           "normal_damping"_a, "standstill_speed"_a, "merge_barrier"_a, "roller_effects"_a)
+      .def("add_contact", &add_contact, "wheelset"_a, "roller"_a, "rail"_a, "along"_a, "right"_a, "wheel_profile"_a,
+           "rail_profile"_a, "wheel_radius"_a, "tape_circle_y"_a, "rail_origin_y"_a, "inverse_radius"_a,
+           "wheelset_from_crown"_a, "crown_in_roller"_a, "shear_modulus"_a, "poisson_ratio"_a, "friction"_a, "creep"_a,
+           "saturate_spin_moment"_a, "normal_damping"_a, "standstill_speed"_a, "merge_barrier"_a, "roller_effects"_a)
       .def(
           "add_axle_torque",
           [](Model& model, int wheelset, int reaction, Rows2 const& table) {

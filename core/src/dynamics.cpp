@@ -10,15 +10,6 @@ namespace {
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
-template <Scalar T>
-Vec3<T> mirrored(Vec3<T> const& polar) {
-  return {polar.x, -polar.y, polar.z};
-}
-template <Scalar T>
-Vec3<T> mirrored_axial(Vec3<T> const& axial) {
-  return {-axial.x, axial.y, -axial.z};
-}
-
 bool rotates(ForceElement const& e) {
   return e.law[coord_roll].active() || e.law[coord_pitch].active() || e.law[coord_yaw].active();
 }
@@ -56,7 +47,7 @@ StateMap::StateMap(Model const& model) {
     for (int node : e.node) nodes = std::max(nodes, node + 1);
 }
 
-Dynamics::Dynamics(Model const& model) : model_(&model), map_(model) {
+Dynamics::Dynamics(Model const& model) : model_(&model), map_(model), line_(&model.line) {
   resize(work_);
   resize(dual_);
   patches_.resize(model.contacts.size() * max_patches);
@@ -73,6 +64,12 @@ Dynamics::Dynamics(Model const& model) : model_(&model), map_(model) {
     for (double s = wheel.start; s < 0.0; s += wheel.step)
       if (wheel.at(s).value > wheel.at(tip).value) tip = s;
     flange_tip_.push_back(wheel.at(tip).value > 0.015 ? tip : wheel.start - 1.0);
+    on_rails_ = on_rails_ || c.rail;
+    foremost_wheel_ = std::max(foremost_wheel_, c.along);
+  }
+  for (auto const& b : model.bodies) {
+    rear_ = std::min(rear_, b.position.x);
+    front_ = std::max(front_, b.position.x);
   }
   evaluated_.assign(at(map_.states()), 0.0);
   plan_sweeps();
@@ -87,7 +84,22 @@ void Dynamics::resize(Workspace<T>& w) const {
   w.constraint_moment.assign(n, T(0.0));
   w.node.assign(at(map_.nodes), T(0.0));
   w.node_rate.assign(at(map_.nodes), T(0.0));
+  w.offset.resize(model_->contacts.size());
+  w.frame.resize(n);
+  w.common.resize(n);
+  w.common_wrench.resize(n);
   update_motion(Body{}, w.ground_motion);
+}
+
+void Dynamics::set_line_share(double share) {
+  line_ = &model_->line;
+  forget();
+  if (share == 1.0) return;
+  shared_line_ = model_->line;
+  for (PiecewiseCubic* curve : {&shared_line_.curvature, &shared_line_.cant})
+    for (auto& piece : curve->coefficient)
+      for (double& c : piece) c *= share;
+  line_ = &shared_line_;
 }
 
 void Dynamics::reset_run() {
@@ -111,11 +123,43 @@ void Dynamics::unpack(double const* x) {
   std::copy_n(node, map_.nodes, work_.node.begin());
 }
 
+/// Where the track has brought everything at this time; knows nothing of the state.
+template <Scalar T>
+void Dynamics::place(Workspace<T>& w, T const& t) const {
+  Model const& model = *model_;
+  bool const has_line = on_rails_ && !line_->empty();
+  if (!has_line && model.irregularity.empty()) {
+    w.travel = {T(0.0), model.speed.at(t), T(model.speed.rate(value_of(t)))};
+    return;
+  }
+  w.travel = travel_at(model.speed, model.start, t);
+  double const s = value_of(w.travel.s);
+  w.curved = has_line && !line_->straight(s + rear_, s + front_);
+  if (w.curved)
+    for (std::size_t b = 0; b < model.bodies.size(); ++b)
+      w.frame[b] = track_frame(*line_, w.travel, model.bodies[b].position.x);
+  if (model.irregularity.empty()) return;
+  for (std::size_t i = 0; i < model.contacts.size(); ++i) {
+    WheelContact const& contact = model.contacts[i];
+    w.offset[i] = model.irregularity.at(contact.right, w.travel.s + contact.along, model.start + foremost_wheel_);
+  }
+}
+
+template <Scalar T>
+void Dynamics::see_from_common(Workspace<T>& w, int body) const {
+  auto const b = at(body);
+  see_from_common_frame(model_->bodies[b], w.frame[b], w.travel.speed, w.motion[b], w.common[b]);
+}
+
 template <Scalar T>
 void Dynamics::apply_element(Workspace<T>& w, int index) {
   ForceElement const& e = model_->elements[at(index)];
-  auto const& a = e.body_a >= 0 ? w.motion[at(e.body_a)] : w.ground_motion;
-  auto const& b = e.body_b >= 0 ? w.motion[at(e.body_b)] : w.ground_motion;
+  // The ground of an element is the track under the body it holds: its own frame. Two bodies meet in the common one.
+  bool const common = w.curved && e.body_a >= 0 && e.body_b >= 0;
+  auto const& motion = common ? w.common : w.motion;
+  auto& wrench = common ? w.common_wrench : w.wrench;
+  auto const& a = e.body_a >= 0 ? motion[at(e.body_a)] : w.ground_motion;
+  auto const& b = e.body_b >= 0 ? motion[at(e.body_b)] : w.ground_motion;
   Vec3<double> const origin_a = e.body_a >= 0 ? model_->bodies[at(e.body_a)].position : Vec3<double>{};
   Vec3<double> const origin_b = e.body_b >= 0 ? model_->bodies[at(e.body_b)].position : Vec3<double>{};
   bool const rotational = element_rotates_[at(index)];
@@ -140,57 +184,42 @@ void Dynamics::apply_element(Workspace<T>& w, int index) {
   if (rotational)
     torque = a.R * (f[coord_roll] * m.roll_axis + f[coord_pitch] * m.pitch_axis + f[coord_yaw] * m.yaw_axis);
   if (e.body_b >= 0) {
-    w.wrench[at(e.body_b)].force += force;
-    w.wrench[at(e.body_b)].moment += cross(m.arm_b, force) + torque;
+    wrench[at(e.body_b)].force += force;
+    wrench[at(e.body_b)].moment += cross(m.arm_b, force) + torque;
   }
   if (e.body_a >= 0) {
-    w.wrench[at(e.body_a)].force -= force;
-    w.wrench[at(e.body_a)].moment -= cross(m.arm_a, force) + torque;
+    wrench[at(e.body_a)].force -= force;
+    wrench[at(e.body_a)].moment -= cross(m.arm_a, force) + torque;
   }
 }
 
 template <Scalar T>
-void Dynamics::relative_motion(WheelContact const& contact, Workspace<T> const& w, T const& t, RelativePose<T>& pose,
-                               ContactMotion<T>& motion) const {
+ContactPlacement<T> Dynamics::placement(int index, Workspace<T> const& w) const {
+  WheelContact const& contact = model_->contacts[at(index)];
   auto const& wheelset = w.motion[at(contact.wheelset)];
-  Vec3<T> const from_crown = lift<T>(contact.wheelset_from_crown) + wheelset.p;
-  if (contact.roller == ground) {
-    pose = {from_crown, wheelset.R};
-    motion = {wheelset.v, wheelset.omega, {-model_->speed.at(t), T(0.0), T(0.0)}, {}};
+  bool const irregular = !model_->irregularity.empty();
+  BodyMotion<T> const* under = contact.roller >= 0 ? &w.motion[at(contact.roller)] : nullptr;
+  ContactPlacement<T> p;
+  if (contact.rail) {
+    TrackFrame<T> const* frame = w.curved ? &w.frame[at(contact.wheelset)] : nullptr;
+    p = under || frame || irregular ? on_rail(contact, wheelset, under, frame, w.offset[at(index)], w.travel.speed)
+                                    : on_straight_rail(contact, wheelset, w.travel.speed);
+  } else if (!irregular && has_fixed_axis(model_->bodies[at(contact.roller)])) {
+    p = on_fixed_roller(contact, wheelset, *under);
   } else {
-    auto const& roller = w.motion[at(contact.roller)];
-    Vec3<T> const c = lift<T>(contact.crown_in_roller);
-    if (has_fixed_axis(model_->bodies[at(contact.roller)])) {
-      pose = {from_crown, wheelset.R};
-      motion = {wheelset.v,
-                wheelset.omega,
-                {roller.rate[coord_pitch] * c.z, T(0.0), T(0.0)},
-                {T(0.0), roller.rate[coord_pitch], T(0.0)}};
-    } else {
-      // The crown point moves by (R - 1) c with the roller's turning; written so that a large radius cancels exactly.
-      Vec3<T> const turned = c.x * (roller.R.ex - Vec3<T>{T(1.0), T(0.0), T(0.0)}) +
-                             c.y * (roller.R.ey - Vec3<T>{T(0.0), T(1.0), T(0.0)}) +
-                             c.z * (roller.R.ez - Vec3<T>{T(0.0), T(0.0), T(1.0)});
-      auto const to_roller = [&](Vec3<T> const& v) { return roller.R.transposed_times(v); };
-      pose = {to_roller(from_crown - roller.p - turned), relative(roller.R, wheelset.R)};
-      motion = {to_roller(wheelset.v), to_roller(wheelset.omega), to_roller(roller.v) + cross(roller.omega_body, c),
-                roller.omega_body};
-    }
+    p = on_roller(contact, wheelset, *under, irregular ? &w.offset[at(index)] : nullptr, model_->irregularity.steered,
+                  w.travel.speed);
   }
-  if (contact.right) {
-    pose.o = mirrored(pose.o);
-    pose.R = {mirrored(pose.R.ex), mirrored_axial(pose.R.ey), mirrored(pose.R.ez)};
-    motion = {mirrored(motion.v_wheel), mirrored_axial(motion.omega_wheel), mirrored(motion.v_roller),
-              mirrored_axial(motion.omega_roller)};
-  }
+  if (contact.right) mirror(p);
+  return p;
 }
 
 template <Scalar T>
 void Dynamics::apply_contact(Workspace<T>& w, T const& t, int index) {
   WheelContact const& contact = model_->contacts[at(index)];
-  RelativePose<T> pose;
-  ContactMotion<T> motion;
-  relative_motion(contact, w, t, pose, motion);
+  auto const placed = placement(index, w);
+  RelativePose<T> const& pose = placed.pose;
+  ContactMotion<T> const& motion = placed.motion;
   ContactSearch& search = search_[at(index)];
   if constexpr (std::same_as<T, double>)
     patch_count_[at(index)] = exhaustive_search ? search.find_all(pose, 0.0) : search.find_indented(pose);
@@ -211,57 +240,81 @@ void Dynamics::apply_contact(Workspace<T>& w, T const& t, int index) {
     w.power[dissipated_creep] += patch.creep_dissipation();
     if constexpr (std::same_as<T, double>) patches_[at(index * max_patches + k)] = patch;
   }
+  // Work of what moves the rail or steers the roller, beside what a state does.
+  if (placed.prescribed)
+    w.power[work_of_drive] += dot(force, placed.prescribed_v) + dot(on_roller, placed.prescribed_omega);
   if (contact.right) {
     force = mirrored(force);
     on_wheelset = mirrored_axial(on_wheelset);
     on_roller = mirrored_axial(on_roller);
   }
-  auto& wheelset = w.wrench[at(contact.wheelset)];
-  if (contact.roller == ground) {
-    wheelset.force += force;
-    wheelset.moment += on_wheelset;
-    w.power[work_of_drive] -= force.x * model_->speed.at(t);
-    return;
+  Vec3<T> const force_b = force;
+  if (placed.turned) {
+    force = placed.R * force;
+    on_wheelset = placed.R * on_wheelset;
   }
-  auto const& R = w.motion[at(contact.roller)].R;
-  auto& roller = w.wrench[at(contact.roller)];
-  Vec3<T> const crown_moment = on_roller + cross(lift<T>(contact.crown_in_roller), force);
-  wheelset.force += R * force;
-  wheelset.moment += R * on_wheelset;
-  roller.force -= R * force;
-  roller.moment -= R * crown_moment;
+  auto& wheelset = w.wrench[at(contact.wheelset)];
+  wheelset.force += force;
+  wheelset.moment += on_wheelset;
+  if (contact.roller == ground) return;
+  auto& under = w.wrench[at(contact.roller)];
+  under.force -= force;
+  if (contact.rail) return;  // it does not turn
+  Vec3<T> const moment = on_roller + cross(lift<T>(contact.crown_in_roller), force_b);
+  under.moment -= w.motion[at(contact.roller)].R * moment;
+}
+
+/// Force and moment of the elements and of the carrier on a body in a curve; returns the gyroscopic moment. (T6)-(T8)
+template <Scalar T>
+Vec3<T> Dynamics::carried_wrench(Workspace<T>& w, std::size_t b) const {
+  Body const& body = model_->bodies[b];
+  auto const& m = w.motion[b];
+  auto const& frame = w.frame[b];
+  Wrench<T> const common{frame.R.transposed_times(w.common_wrench[b].force),
+                         frame.R.transposed_times(w.common_wrench[b].moment)};
+  w.wrench[b].force += common.force;
+  w.wrench[b].moment += common.moment;
+  if (!body.carried) return gyroscopic_moment(body, m);
+  Vec3<T> const inertial = T(-body.mass) * carrier_acceleration(body, frame, m);
+  Vec3<T> const gyroscopic = gyroscopic_moment(body, frame, m);
+  w.wrench[b].force += inertial;
+  w.power[work_of_drive] +=
+      carrier_power(body, frame, w.travel.speed, model_->gravity, m, common, inertial, gyroscopic);
+  return gyroscopic;
 }
 
 /// Everything that pushes, then Newton and Euler. With a sweep, only what its seeds touch.
 template <Scalar T>
 void Dynamics::evaluate_forces(Workspace<T>& w, T const& t, Sweep const* sweep) {
   Model const& model = *model_;
-  double const now = value_of(t);
-  double const acceleration = model.speed.rate(now);
+  double const acceleration = value_of(w.travel.acceleration);
   auto const wanted_body = [&](std::size_t b) { return !sweep || sweep->affected_body[b]; };
 
   w.power.fill(T(0.0));
   for (std::size_t b = 0; b < model.bodies.size(); ++b) {
     if (!wanted_body(b)) continue;
     w.wrench[b] = {};
-    w.wrench[b].force.z = T(-model.bodies[b].mass * model.gravity);
+    double const weight = model.bodies[b].mass * model.gravity;
+    w.wrench[b].force.z = T(-weight);
+    if (!w.curved) continue;
+    w.common_wrench[b] = {};
+    if (model.bodies[b].carried) w.wrench[b].force = T(-weight) * w.frame[b].up;
   }
   for (int i = 0; i < static_cast<int>(model.elements.size()); ++i)
     if (!sweep || sweep->touched_element[at(i)]) apply_element(w, i);
-  bool on_rails = false;
-  for (int i = 0; i < static_cast<int>(model.contacts.size()); ++i) {
-    on_rails = on_rails || model.contacts[at(i)].roller == ground;
+  for (int i = 0; i < static_cast<int>(model.contacts.size()); ++i)
     if (!sweep || sweep->touched_contact[at(i)]) apply_contact(w, t, i);
-  }
+  auto const& motion = w.curved ? w.common : w.motion;
+  auto& wrench = w.curved ? w.common_wrench : w.wrench;
   for (auto const& torque : model.axle_torques) {
-    auto const& wheelset = w.motion[at(torque.wheelset)];
+    auto const& wheelset = motion[at(torque.wheelset)];
     T const c = torque.torque.at(t);
     Vec3<T> const moment = c * wheelset.R.ey;
-    w.wrench[at(torque.wheelset)].moment += moment;
+    wrench[at(torque.wheelset)].moment += moment;
     w.power[work_of_torque] += dot(moment, wheelset.omega);
     if (torque.reaction == ground) continue;
-    w.wrench[at(torque.reaction)].moment -= moment;
-    w.power[work_of_torque] -= dot(moment, w.motion[at(torque.reaction)].omega);
+    wrench[at(torque.reaction)].moment -= moment;
+    w.power[work_of_torque] -= dot(moment, motion[at(torque.reaction)].omega);
   }
   for (auto const& torque : model.roller_torques) {
     auto const& roller = w.motion[at(torque.roller)];
@@ -272,13 +325,20 @@ void Dynamics::evaluate_forces(Workspace<T>& w, T const& t, Sweep const* sweep) 
   for (std::size_t b = 0; b < model.bodies.size(); ++b) {
     if (!wanted_body(b)) continue;
     Body const& body = model.bodies[b];
-    if (on_rails && acceleration != 0.0) {  // the frame of a track accelerates with the vehicle
-      T const inertia_force = T(-body.mass * acceleration);
-      w.wrench[b].force.x += inertia_force;
-      w.power[work_of_drive] += inertia_force * w.motion[b].v.x;
+    auto const& m = w.motion[b];
+    Vec3<T> gyroscopic;
+    if (w.curved) {
+      gyroscopic = carried_wrench(w, b);
+    } else {
+      gyroscopic = gyroscopic_moment(body, m);
+      if (on_rails_ && body.carried && acceleration != 0.0) {  // the straight track's frame: (T6) is its acceleration
+        T const inertia_force = T(-body.mass * acceleration);
+        w.wrench[b].force.x += inertia_force;
+        w.power[work_of_drive] += inertia_force * m.v.x;
+      }
     }
     T const driven(body.driven ? -acceleration * model.driven_inverse_radius[b] : 0.0);
-    w.acceleration[b] = accelerations(body, w.motion[b], w.wrench[b], driven, w.constraint_moment[b]);
+    w.acceleration[b] = accelerations(body, m, w.wrench[b], gyroscopic, driven, w.constraint_moment[b]);
     if (body.driven) w.power[work_of_drive] += w.constraint_moment[b] * w.motion[b].rate[coord_pitch];
   }
 }
@@ -287,6 +347,9 @@ void Dynamics::evaluate(double t, double const* x) {
   // A step's end is looked at by accept(), the next step's first stage and the Jacobian: evaluated once.
   if (t == evaluated_time_ && std::equal(evaluated_.begin(), evaluated_.end(), x)) return;
   unpack(x);
+  place(work_, t);
+  if (work_.curved)
+    for (int b = 0; b < static_cast<int>(model_->bodies.size()); ++b) see_from_common(work_, b);
   evaluate_forces(work_, t, nullptr);
   evaluated_time_ = t;
   std::copy_n(x, evaluated_.size(), evaluated_.begin());
@@ -294,11 +357,10 @@ void Dynamics::evaluate(double t, double const* x) {
 
 void Dynamics::search_contacts(double t, double const* x) {
   unpack(x);
+  place(work_, t);
   forget();
   for (std::size_t i = 0; i < model_->contacts.size(); ++i) {
-    RelativePose<double> pose;
-    ContactMotion<double> motion;
-    relative_motion(model_->contacts[i], work_, t, pose, motion);
+    auto const pose = placement(static_cast<int>(i), work_).pose;
     if (exhaustive_search)
       search_[i].find_all(pose, 0.0);
     else
@@ -373,9 +435,29 @@ double Dynamics::kinetic_energy() const {
 
 double Dynamics::gravity_energy() const {
   double sum = 0.0;
-  for (std::size_t b = 0; b < model_->bodies.size(); ++b)
-    sum += model_->bodies[b].mass * model_->gravity * work_.motion[b].p.z;
+  for (std::size_t b = 0; b < model_->bodies.size(); ++b) {
+    Body const& body = model_->bodies[b];
+    auto const& m = work_.motion[b];
+    bool const canted = work_.curved && body.carried;
+    double const height = canted ? dot(work_.frame[b].up, place_in_frame(body, m)) - body.position.z : m.p.z;
+    sum += body.mass * model_->gravity * height;
+  }
   return sum;
+}
+
+Vec3<double> Dynamics::felt_acceleration(int body) const {
+  auto const b = at(body);
+  auto const& a = work_.acceleration[b];
+  auto const& m = work_.motion[b];
+  bool const carried = model_->bodies[b].carried && on_rails_;
+  Vec3<double> felt{a[coord_x], a[coord_y], a[coord_z]};
+  if (carried && work_.curved) {
+    felt += carrier_acceleration(model_->bodies[b], work_.frame[b], m) + model_->gravity * work_.frame[b].up;
+  } else {
+    felt.z += model_->gravity;
+    if (carried) felt.x += work_.travel.acceleration;
+  }
+  return m.R.transposed_times(felt);
 }
 
 double Dynamics::element_energy() const {
@@ -389,8 +471,8 @@ double Dynamics::element_energy() const {
   return sum;
 }
 
-template void Dynamics::relative_motion(WheelContact const&, Workspace<double> const&, double const&,
-                                        RelativePose<double>&, ContactMotion<double>&) const;
+template void Dynamics::place(Workspace<JacobianDual>&, JacobianDual const&) const;
+template void Dynamics::see_from_common(Workspace<JacobianDual>&, int) const;
 template void Dynamics::evaluate_forces(Workspace<double>&, double const&, Sweep const*);
 template void Dynamics::evaluate_forces(Workspace<JacobianDual>&, JacobianDual const&, Sweep const*);
 

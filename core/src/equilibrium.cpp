@@ -196,6 +196,27 @@ Equilibrium newton(Dynamics& dynamics, double t, std::vector<HeldCoordinate> con
   return result;
 }
 
+/// The equilibrium in a curve, by way of curves that are laid less: straight first, then a growing share of the line.
+void into_the_curve(Dynamics& dynamics, double speed, double t, std::vector<HeldCoordinate> const& held,
+                    Equilibrium& result) {
+  double const smallest = 1.0 / 64.0;
+  dynamics.set_line_share(0.0);
+  auto found = newton(dynamics, t, held, first_guess(dynamics, speed, t, held));
+  for (double share = 0.0, step = 0.25; found.converged && share < 1.0 && step >= smallest;) {
+    double const wanted = std::min(1.0, share + step);
+    dynamics.set_line_share(wanted);
+    auto further = newton(dynamics, t, held, found.x);
+    if (!further.converged) {
+      step *= 0.5;
+      continue;
+    }
+    share = wanted;
+    found = std::move(further);
+    if (share == 1.0) result = found;
+  }
+  dynamics.set_line_share(1.0);
+}
+
 }  // namespace
 
 Equilibrium solve_equilibrium(Dynamics& dynamics, double speed, double t, std::vector<HeldCoordinate> const& held,
@@ -205,7 +226,9 @@ Equilibrium solve_equilibrium(Dynamics& dynamics, double speed, double t, std::v
     hold_and_roll(dynamics, speed, held, x);
     if (auto result = newton(dynamics, t, held, std::move(x)); result.converged) return result;
   }
-  return newton(dynamics, t, held, first_guess(dynamics, speed, t, held));
+  auto result = newton(dynamics, t, held, first_guess(dynamics, speed, t, held));
+  if (!result.converged && !dynamics.model().line.empty()) into_the_curve(dynamics, speed, t, held, result);
+  return result;
 }
 
 std::vector<double> static_preloads(std::vector<Body> const& bodies, std::vector<ForceElement> const& elements,

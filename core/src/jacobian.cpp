@@ -79,18 +79,21 @@ void Dynamics::plan_sweeps() {
     auto const affect = [&](int b) {
       if (b >= 0) sweep.affected_body[at(b)] = 1;
     };
+    // What the track does over time reaches every element between two frames, every body it carries, and what rolls on it.
+    bool const line_moves = time && on_rails_ && !model.line.empty();
     for (auto const& e : model.elements) {
-      bool touched = seeded(e.body_a) || seeded(e.body_b);
+      bool touched = seeded(e.body_a) || seeded(e.body_b) || line_moves;
       for (int node : e.node)
         touched = touched || (node >= sweep.first_node && node < sweep.first_node + sweep.node_count);
       sweep.touched_element.push_back(touched);
       if (touched) affect(e.body_a), affect(e.body_b);
     }
     for (auto const& c : model.contacts) {
-      bool const touched = seeded(c.wheelset) || seeded(c.roller) || (time && c.roller == ground);
+      bool const touched = seeded(c.wheelset) || seeded(c.roller) || (time && (c.rail || !model.irregularity.empty()));
       sweep.touched_contact.push_back(touched);
       if (touched) affect(c.wheelset), affect(c.roller);
     }
+    for (int b = 0; line_moves && b < static_cast<int>(n); ++b) affect(b);
     // Torques are few: they are evaluated in every sweep, for all bodies they act on.
     for (auto const& t : model.axle_torques) affect(t.wheelset), affect(t.reaction);
     for (auto const& t : model.roller_torques) affect(t.roller);
@@ -126,8 +129,10 @@ Status Dynamics::jacobian(double t, double const* x, JacobianData& j) {
   for (int i = 0; i < map_.coordinates; ++i) j.a(i, map_.velocity_column[at(i)]) = 1.0;
   for (std::size_t b = 0; b < model_->bodies.size(); ++b) {
     dual_.motion[b] = constant(work_.motion[b]);
+    if (work_.curved) dual_.common[b] = constant(work_.common[b]);
     if (map_.angle[b] >= 0) j.g(map_.angle[b], map_.rate[b][coord_pitch]) = 1.0;
   }
+  place(dual_, JacobianDual(t));
   for (std::size_t i = 0; i < work_.node.size(); ++i) dual_.node[i] = JacobianDual(work_.node[i]);
 
   for (Sweep const& sweep : sweeps_) {
@@ -139,6 +144,7 @@ Status Dynamics::jacobian(double t, double const* x, JacobianData& j) {
       for (std::size_t c = 0; c < 6; ++c)
         if (map_.rate[at(b)][c] >= 0) m.rate[c] = JacobianDual::variable(work_.motion[at(b)].rate[c], seed++);
       update_motion(model_->bodies[at(b)], m);
+      if (work_.curved) see_from_common(dual_, b);
     }
     for (int i = 0; i < sweep.node_count; ++i) {
       auto const node = at(sweep.first_node + i);
@@ -146,7 +152,10 @@ Status Dynamics::jacobian(double t, double const* x, JacobianData& j) {
     }
     evaluate_forces(dual_, JacobianDual(t), &sweep);
     store_sweep(sweep, j);
-    for (int b : sweep.bodies) dual_.motion[at(b)] = constant(work_.motion[at(b)]);
+    for (int b : sweep.bodies) {
+      dual_.motion[at(b)] = constant(work_.motion[at(b)]);
+      if (work_.curved) dual_.common[at(b)] = constant(work_.common[at(b)]);
+    }
     for (int i = 0; i < sweep.node_count; ++i) {
       auto const node = at(sweep.first_node + i);
       dual_.node[node] = JacobianDual(work_.node[node]);
@@ -162,11 +171,19 @@ void Dynamics::time_derivative(double t, JacobianData& j) {
   auto const moves = [t](auto const& torque) { return torque.torque.rate(t) != 0.0; };
   bool const moving = model_->speed.rate(t) != 0.0 || std::ranges::any_of(model_->axle_torques, moves) ||
                       std::ranges::any_of(model_->roller_torques, moves);
-  if (!moving) return;
+  bool const track_passes = work_.curved || !model_->irregularity.empty();
+  if (!moving && !track_passes) return;
+  place(dual_, JacobianDual::variable(t, 0));
+  if (dual_.curved)
+    for (int b = 0; b < static_cast<int>(model_->bodies.size()); ++b) see_from_common(dual_, b);
   evaluate_forces(dual_, JacobianDual::variable(t, 0), &time_sweep_);
   for (std::size_t b = 0; b < model_->bodies.size(); ++b)
     for (std::size_t c = 0; c < 6; ++c)
       if (time_sweep_.affected_body[b] && map_.rate[b][c] >= 0) j.f_t[map_.rate[b][c]] = dual_.acceleration[b][c].d[0];
+  for (std::size_t i = 0; i < model_->elements.size(); ++i)
+    for (int node : model_->elements[i].node)
+      if (node >= 0 && time_sweep_.touched_element[i])
+        j.f_t[map_.coordinates + map_.rates + node] = dual_.node_rate[at(node)].d[0];
   for (int account = 0; account < account_count; ++account)
     j.g_t[map_.angles + account] = dual_.power[at(account)].d[0];
 }

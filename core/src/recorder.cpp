@@ -28,6 +28,10 @@ constexpr Field body_table[] = {
     {"pitch_acceleration", "rad/s^2", "second derivative of the pitch angle"},
     {"yaw_acceleration", "rad/s^2", "second derivative of the yaw angle"},
     {"drive_torque", "N m", "torque about +y that a speed-held roller takes from its drive"},
+    {"felt_lateral_acceleration", "m/s^2",
+     "what an accelerometer at the centre of mass feels to the left of the body; in a curve with the uncompensated "
+     "part"},
+    {"felt_vertical_acceleration", "m/s^2", "the same upwards; +g at rest"},
 };
 
 constexpr Field wheel_table[] = {
@@ -45,6 +49,8 @@ constexpr Field wheel_table[] = {
     {"creep_power", "W", "power dissipated by creep forces"},
     {"contact_abscissa", "m", "EN abscissa S of the contact on the wheel profile, weighted mean"},
     {"rolling_radius", "m", "wheel radius at the contact, weighted mean"},
+    {"rail_lateral", "m", "irregularity of the rail, or of the roller that stands for it, to the left"},
+    {"rail_vertical", "m", "the same upwards"},
 };
 
 constexpr Field patch_table[] = {
@@ -86,6 +92,9 @@ constexpr Field run_table[] = {
     {"dissipated_normal", "J", "heat in the normal damping of the contacts"},
     {"dissipated_creep", "J", "heat of creep and sliding in the contacts"},
     {"stored_contacts", "J", "work done against the contacts' elastic normal force"},
+    {"distance", "m", "arc length of the vehicle's reference point along the line; on a rig the distance simulated"},
+    {"curvature", "1/m", "plan curvature of the line there, positive to the left"},
+    {"cant", "m", "cant there, positive with the right rail raised"},
     {"speed", "m/s", "running speed: mean crown speed of the rollers, or speed of the vehicle on track"},
 };
 
@@ -100,6 +109,9 @@ void record_body(Dynamics const& d, std::size_t b, double const* z, double* out)
   }
   if (int const angle = d.map().angle[b]; angle >= 0) out[coord_pitch] = z[angle];
   out[18] = d.work().constraint_moment[b];
+  Vec3<double> const felt = d.felt_acceleration(static_cast<int>(b));
+  out[19] = felt.y;
+  out[20] = felt.z;
 }
 
 void record_patch(Patch<double> const& p, double side, double* out) {
@@ -160,7 +172,9 @@ void record_wheel(Dynamics const& d, int wheel, double* out) {
                         mean[4],
                         power,
                         mean[5],
-                        mean[6]};
+                        mean[6],
+                        d.work().offset[static_cast<std::size_t>(wheel)].y.value,
+                        d.work().offset[static_cast<std::size_t>(wheel)].z.value};
   static_assert(std::size(row) == std::size(wheel_table));
   std::copy(std::begin(row), std::end(row), out);
 }
@@ -169,7 +183,7 @@ double running_speed(Dynamics const& d, double t) {
   double sum = 0.0;
   int rollers = 0;
   for (auto const& c : d.model().contacts) {
-    if (c.roller == ground) return d.model().speed.at(t);
+    if (c.rail) return d.model().speed.at(t);
     sum -= d.work().motion[static_cast<std::size_t>(c.roller)].rate[coord_pitch] / c.pair.inverse_radius;
     ++rollers;
   }
@@ -209,7 +223,11 @@ void Recorder::record(Dynamics& d, double t, double const* x, double const* z, d
   row[1] = d.gravity_energy();
   row[2] = d.element_energy();
   std::copy_n(z + d.map().angles, account_count, row + 3);
-  row[3 + account_count] = running_speed(d, t);
+  row += 3 + account_count;
+  row[0] = d.travel(t).s;
+  row[1] = d.model().line.curvature.at(row[0]).value;
+  row[2] = d.model().line.cant.at(row[0]).value;
+  row[3] = running_speed(d, t);
 }
 
 }  // namespace rig

@@ -10,7 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from rollerrig import _core
-from rollerrig.config import Case, Rig, Vehicle
+from rollerrig.config import Case, Rig, Track, Vehicle
 from rollerrig.config.vehicle import DIRECTIONS, AngularLaw, Body, Element, LinearLaw
 from rollerrig.profiles import ProfileTable, gauge_point, profile_from_spec
 
@@ -153,7 +153,7 @@ class _Assembly:
         self.bodies.append(name)
         self.positions[name] = position
         self.masses[name] = mass
-        return self.core.add_body(mass, inertia, position, axisymmetric, locked, driven_inverse_radius)
+        return self.core.add_body(mass, inertia, position, axisymmetric, locked, driven_inverse_radius, True)
 
     def _add_element(self, element: Element, preload: float) -> None:
         a, b = (self.bodies.index(name) for name in element.between)
@@ -224,6 +224,8 @@ class _Assembly:
                 index = self.core.add_contact(
                     wheelset=self.bodies.index(body.name),
                     roller=roller,
+                    rail=isinstance(self.support, Track),
+                    along=self.positions[body.name][0],
                     right=side == "right",
                     wheel_profile=wheel_index,
                     rail_profile=rail_index,
@@ -301,7 +303,7 @@ def static_loads(vehicle: Vehicle) -> tuple[dict[str, float], dict[str, float]]:
     core = _core.Model()
     names = [body.name for body in vehicle.body]
     for body in vehicle.body:
-        core.add_body(body.mass, body.inertia, body.position, body.kind == "wheelset", [False] * 6, 0.0)
+        core.add_body(body.mass, body.inertia, body.position, body.kind == "wheelset", [False] * 6, 0.0, True)
     for element in vehicle.element:
         a, b = (names.index(name) for name in element.between)
         point = tuple(p - q for p, q in zip(element.end_b, vehicle.body[b].position, strict=True))

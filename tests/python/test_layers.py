@@ -1,6 +1,6 @@
 """The arrow of the data is a test: a folder may use only what stands to its left.
 
-core:    scalar -> math -> profile -> body -> geometry -> contact -> system -> integrate -> record
+core:    scalar -> math -> track -> profile -> body -> geometry -> contact -> system -> integrate -> record
 Python:  profiles -> config -> catalog -> model -> results -> run -> characteristics -> analysis -> plot -> report
          -> studies -> cli
 """
@@ -22,6 +22,7 @@ CORE_LAYERS = [
     {"scalar.hpp", "status.hpp"},
     {"math"},
     {"differential_equation.hpp"},
+    {"track"},
     {"profile"},
     {"body"},
     {"geometry"},
@@ -35,7 +36,7 @@ CORE_LAYERS = [
 CORE_MAY_NOT_SEE = {
     "contact": {"body"},  # a force law never sees a body
     "body": {"geometry", "contact"},  # and a body never sees a law
-    "integrate": {"profile", "body", "geometry", "contact", "system"},  # any x' = f(t, x) will do
+    "integrate": {"track", "profile", "body", "geometry", "contact", "system"},  # any x' = f(t, x) will do
 }
 """Pairs that the order alone would allow; only `system` knows both sides."""
 

@@ -69,6 +69,8 @@ def add_wheels(
         core.add_contact(
             wheelset=wheelset,
             roller=roller,
+            rail=roller < 0,
+            along=0.0,
             right=right,
             wheel_profile=wheel_index,
             rail_profile=rail_index,
@@ -86,6 +88,7 @@ def add_wheels(
             normal_damping=normal_damping,
             standstill_speed=0.1,
             merge_barrier=merge_barrier,
+            roller_effects=[True] * 4,
         )
         for roller, right in zip(rollers, (False, True), strict=True)
     )
@@ -103,7 +106,7 @@ def press_of(
 ) -> _core.WheelsetPress:
     """A wheelset of radius 460 mm and these profiles, ready to be pressed down."""
     core = _core.Model()
-    core.add_body(2000.0, (1000.0, 100.0, 1000.0), (0.0, 0.0, 0.46), True, [False] * 6, 0.0)
+    core.add_body(2000.0, (1000.0, 100.0, 1000.0), (0.0, 0.0, 0.46), True, [False] * 6, 0.0, True)
     left, right = add_wheels(core, 0, (-1, -1), wheel, rail, roller_radius, origin, merge_barrier=merge_barrier)
     return _core.WheelsetPress(core, left, right)
 

@@ -36,6 +36,7 @@ inline std::unique_ptr<Model> wheelset_model(Setup const& setup) {
     WheelContact c;
     c.roller = rig ? 1 : ground;
     c.right = right;
+    c.rail = !rig;
     c.wheelset_from_crown = {0.0, 0.0, 0.46};
     c.crown_in_roller = {0.0, 0.0, setup.roller_radius};
     c.pair = {&model->profiles[0], &model->profiles[1], 0.46, 0.75, 0.7605385, rig ? 1.0 / setup.roller_radius : 0.0};

@@ -41,11 +41,11 @@ def test_an_unknown_method_names_the_known_ones(simulation: _core.Simulation) ->
 
 def test_a_creep_law_that_does_not_exist_is_refused() -> None:
     core = _core.Model()
-    core.add_body(1.0, (1.0, 1.0, 1.0), (0.0, 0.0, 0.0), True, [False] * 6, 0.0)
+    core.add_body(1.0, (1.0, 1.0, 1.0), (0.0, 0.0, 0.0), True, [False] * 6, 0.0, True)
     flat = np.zeros((10, 4))
     profile = core.add_profile(-0.01, 0.002, flat)
     with pytest.raises(ValueError, match="kalker_linear, kalker_saturated"):
-        core.add_contact(0, -1, False, profile, profile, 0.46, 0.75, 0.75, 0.0, (0.0, 0.0, 0.46), (0.0, 0.0, 0.0),
+        core.add_contact(0, -1, True, 0.0, False, profile, profile, 0.46, 0.75, 0.75, 0.0, (0.0, 0.0, 0.46), (0.0, 0.0, 0.0),
                          8e10, 0.28, 0.3, "coulomb", False, 1e5, 0.1, 0.0, [True] * 4)  # fmt: skip
 
 

@@ -21,6 +21,7 @@ struct Body {
   bool axisymmetric{false};      ///< surface of revolution about its y axis
   std::array<bool, 6> locked{};  ///< per Coordinate
   bool driven{false};            ///< the pitch rate follows the drive (speed-held roller)
+  bool carried{true};            ///< on a track: travels with the vehicle; false: a piece of the track itself
 };
 
 /// Motion of one body.
@@ -81,16 +82,25 @@ struct Wrench {
   Vec3<T> moment{};
 };
 
+/// W x (I w): what stands beside the moment in Euler's equation, body components [N m].
+template <Scalar T>
+Vec3<T> gyroscopic_moment(Body const& body, BodyMotion<T> const& m) {
+  auto const& I = body.inertia;
+  auto const& w = m.omega_body;
+  return cross(m.frame_body, Vec3<T>{I.x * w.x, I.y * w.y, I.z * w.z});
+}
+
 /// Accelerations of the six coordinates under a wrench (gravity included by the caller).
 ///
 /// Newton: m p_dd = F. Euler in the body frame: I w_d + W x (I w) = M, where W is the angular velocity of the frame and
 /// w = E(phi, theta) (phi_d, theta_d, psi_d). Projected on the coordinates: E^T I E q_dd = E^T (M - I E_d q_d - W x I w).
 /// Locked coordinates have zero acceleration, a driven pitch rate the given one; both drop out of the system exactly.
 ///
+/// @param gyroscopic         W x (I w), and what the turning of a track frame adds, body components [N m]
 /// @param constraint_moment  torque that the drive needs on a driven body to keep its rate [N m]
 template <Scalar T>
-std::array<T, 6> accelerations(Body const& body, BodyMotion<T> const& m, Wrench<T> const& wrench, T const& driven,
-                               T& constraint_moment) {
+std::array<T, 6> accelerations(Body const& body, BodyMotion<T> const& m, Wrench<T> const& wrench,
+                               Vec3<T> const& gyroscopic, T const& driven, T& constraint_moment) {
   std::array<T, 6> a{T(0.0), T(0.0), T(0.0), T(0.0), T(0.0), T(0.0)};
   double const inverse_mass = 1.0 / body.mass;
   if (!body.locked[coord_x]) a[coord_x] = inverse_mass * wrench.force.x;
@@ -108,8 +118,6 @@ std::array<T, 6> accelerations(Body const& body, BodyMotion<T> const& m, Wrench<
       frame_pitch_rate * -(sp * roll_rate) + yaw_rate * (sp * sr * roll_rate - cp * cr * frame_pitch_rate),
       yaw_rate * cr * roll_rate,
       frame_pitch_rate * cp * roll_rate - yaw_rate * (sp * cr * frame_pitch_rate + cp * sr * roll_rate)};
-  Vec3<T> const h{I.x * m.omega_body.x, I.y * m.omega_body.y, I.z * m.omega_body.z};
-  Vec3<T> const gyroscopic = cross(m.frame_body, h);
   Vec3<T> const moment = m.R.transposed_times(wrench.moment);
   Vec3<T> const u{moment.x - I.x * bias.x - gyroscopic.x, moment.y - I.y * bias.y - gyroscopic.y,
                   moment.z - I.z * bias.z - gyroscopic.z};
@@ -145,6 +153,12 @@ std::array<T, 6> accelerations(Body const& body, BodyMotion<T> const& m, Wrench<
   a[coord_pitch] = pitch_free ? (g_pitch - a_py * yaw) / I.y : pitch_given;
   constraint_moment = body.driven ? I.y * pitch_given + a_py * yaw - g_pitch : T(0.0);
   return a;
+}
+
+template <Scalar T>
+std::array<T, 6> accelerations(Body const& body, BodyMotion<T> const& m, Wrench<T> const& wrench, T const& driven,
+                               T& constraint_moment) {
+  return accelerations(body, m, wrench, gyroscopic_moment(body, m), driven, constraint_moment);
 }
 
 }  // namespace rig

@@ -66,6 +66,20 @@ struct TimeTable {
     if (moving(value_of(t))) return points.at(t);
     return T(value_of(t) < points.x.front() ? points.y.front() : points.y.back());
   }
+
+  /// Integral from 0 to t.
+  double integral(double t) const { return points.empty() ? 0.0 : integral_to(t) - integral_to(0.0); }
+
+ private:
+  /// Integral from the first point to t.
+  double integral_to(double t) const {
+    double sum = points.y.front() * std::min(t - points.x.front(), 0.0);
+    for (std::size_t i = 0; i + 1 < points.x.size() && points.x[i] < t; ++i) {
+      double const end = std::min(t, points.x[i + 1]);
+      sum += 0.5 * (end - points.x[i]) * (points.y[i] + at(end));
+    }
+    return sum + points.y.back() * std::max(t - points.x.back(), 0.0);
+  }
 };
 
 }  // namespace rig

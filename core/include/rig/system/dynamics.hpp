@@ -12,6 +12,7 @@
 #include "rig/differential_equation.hpp"
 #include "rig/geometry/search.hpp"
 #include "rig/math/dual.hpp"
+#include "rig/system/contact_placement.hpp"
 #include "rig/system/model.hpp"
 
 namespace rig {
@@ -38,6 +39,13 @@ struct Workspace {
   std::vector<T> node_rate;
   BodyMotion<T> ground_motion;
   std::array<T, account_count> power;
+
+  Travel<T> travel;
+  std::vector<RailOffset<T>> offset;  ///< per contact, of the irregularity
+  bool curved{false};                 ///< some body is in a curve or on cant; else what follows is not used
+  std::vector<TrackFrame<T>> frame;   ///< per body
+  std::vector<BodyMotion<T>> common;  ///< per body: its motion seen from H, body/carried.hpp
+  std::vector<Wrench<T>> common_wrench;
 };
 
 class Dynamics {
@@ -94,10 +102,13 @@ class Dynamics {
   double gravity_energy() const;
   double element_energy() const;
 
-  /// Pose and motion of a wheelset over its roller, b frame, mirrored to the left where needed.
-  template <Scalar T>
-  void relative_motion(WheelContact const& contact, Workspace<T> const& w, T const& t, RelativePose<T>& pose,
-                       ContactMotion<T>& motion) const;
+  /// Where the vehicle's reference point is along the line.
+  Travel<double> travel(double t) const { return travel_at(model_->speed, model_->start, t); }
+  /// Acceleration of a body's centre of mass and 1 g against gravity, along its own axes: what an accelerometer there feels.
+  Vec3<double> felt_acceleration(int body) const;
+
+  /// Takes only a share of the line's curvature and cant, for the way to an equilibrium in a curve; 1: all of it.
+  void set_line_share(double share);
 
  private:
   struct Sweep {
@@ -112,6 +123,14 @@ class Dynamics {
   template <Scalar T>
   void resize(Workspace<T>& w) const;
   void unpack(double const* x);
+  template <Scalar T>
+  void place(Workspace<T>& w, T const& t) const;
+  template <Scalar T>
+  void see_from_common(Workspace<T>& w, int body) const;
+  template <Scalar T>
+  ContactPlacement<T> placement(int index, Workspace<T> const& w) const;
+  template <Scalar T>
+  Vec3<T> carried_wrench(Workspace<T>& w, std::size_t b) const;
   void plan_sweeps();
   template <Scalar T>
   void evaluate_forces(Workspace<T>& w, T const& t, Sweep const* sweep);
@@ -128,6 +147,11 @@ class Dynamics {
   Workspace<JacobianDual> dual_;
   std::vector<Sweep> sweeps_;
   Sweep time_sweep_;
+  Line const* line_;  ///< the model's, or a share of it
+  Line shared_line_;
+  bool on_rails_{false};           ///< some contact is with a rail: the vehicle's frames travel
+  double rear_{0.0}, front_{0.0};  ///< places of the last and the first body from the vehicle's reference point [m]
+  double foremost_wheel_{0.0};     ///< [m]
   std::vector<ContactSearch> search_;
   std::vector<Patch<double>> patches_;
   std::vector<int> patch_count_;

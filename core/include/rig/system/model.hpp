@@ -1,7 +1,7 @@
 // system/model.hpp - the assembled model: constant data that any number of simulations share.
 //
 // Nothing here knows whether it is a rig or a track, a wheelset or a vehicle: rollers are bodies, a rail is a contact
-// whose roller is the ground and whose inverse radius is zero.
+// whose surface runs backwards and whose inverse radius is zero; it lies on the ground or is a body on springs.
 #pragma once
 #include <deque>
 #include <memory>
@@ -9,6 +9,8 @@
 
 #include "rig/body/force_element.hpp"
 #include "rig/contact/patch.hpp"
+#include "rig/track/irregularity.hpp"
+#include "rig/track/line.hpp"
 
 namespace rig {
 
@@ -17,8 +19,10 @@ constexpr int ground = -1;
 /// One wheel on one roller or rail.
 struct WheelContact {
   int wheelset{0};
-  int roller{ground};                  ///< body of the roller; ground: a rail that runs backwards with the drive speed
+  int roller{ground};                  ///< body of the roller or of an elastic rail; ground: a rigid rail
   bool right{false};                   ///< right wheel: mirrored before and after
+  bool rail{false};                    ///< the surface runs backwards with the drive speed and does not turn
+  double along{0.0};                   ///< design position along the vehicle: the rail is read at s + along [m]
   Vec3<double> wheelset_from_crown{};  ///< design position of the wheelset's centre from the origin of b, world [m]
   Vec3<double> crown_in_roller{};      ///< origin of b from the roller's centre of mass, roller frame [m]
   WheelRollerPair pair{};
@@ -45,6 +49,9 @@ struct Model {
   std::vector<AxleTorque> axle_torques;
   std::vector<RollerTorque> roller_torques;
   TimeTable speed{};                          ///< running speed V(t) [m/s] of driven rollers (crown speed) and of rails
+  double start{0.0};                          ///< arc length of the vehicle's reference point at time 0 [m]
+  Line line{};                                ///< curves and cant; empty: straight and level
+  Irregularity irregularity{};                ///< of the rails, or of what rollers stand for; empty: perfect
   std::vector<double> driven_inverse_radius;  ///< per body: 1/R of a driven roller [1/m], else 0
   double gravity{9.81};                       ///< [m/s^2]
   double contact_loss_limit{0.2};             ///< a wheel may be off its roller for this long [s]
@@ -72,7 +79,7 @@ struct StateMap {
 
 /// Energies that accumulate over a run, in this order behind the angles in z [J].
 enum Account : int {
-  work_of_drive,        ///< by roller drives and moving rails
+  work_of_drive,        ///< by roller drives, moving rails and the travelling frames
   work_of_torque,       ///< by axle torques
   dissipated_elements,  ///< in suspension dampers
   dissipated_normal,    ///< in the contacts' normal damping
