@@ -279,17 +279,21 @@ def rhs(t, x, P):
     force_f = np.array((0.0, 0.0, -n.frame_mass * GRAVITY))
     moment_f = np.zeros(3)
 
-    # secondary suspension
+    # secondary suspension; the springs are clamped at both ends
     for k in range(2):
         side = 1.0 - 2.0 * k
-        local = np.array((0.0, side * n.secondary_y, n.secondary_bottom - n.frame_height))
+        middle = 0.5 * (n.secondary_top + n.secondary_bottom)
+        local = np.array((0.0, side * n.secondary_y, middle - n.frame_height))
         arm = apply(m_f, local)
+        stretch = arm - local + x[:3]
+        in_frame = apply_transposed(m_f, stretch)
         force = np.empty(3)
         for j in range(3):
-            force[j] = -n.secondary_stiffness[j] * (arm[j] - local[j] + x[j])
+            force[j] = -0.5 * n.secondary_stiffness[j] * (stretch[j] + in_frame[j])
         force[2] -= n.secondary_preload
-        force_f += force
-        moment_f += cross(arm, force)
+        turned = apply(m_f, force)
+        force_f += 0.5 * (force + turned)
+        moment_f += 0.5 * (cross(arm, force) + cross(arm - stretch, turned))
         for damper in range(2):
             state = 48 + 2 * k + damper
             if damper == 0:

@@ -298,12 +298,16 @@ def rhs(t: float, x: np.ndarray, p: Parameters) -> np.ndarray:
         return arm, arm - local + x[0:3], v_f + cross(omega_f, arm)
 
     up = p.frame_height
-    springs = np.array([[0.0, y * p.secondary_y, p.secondary_bottom - up] for y in SECONDARY_SIDE])
-    arm, d, _ = end_on_frame(springs)
-    force = -d * p.secondary_stiffness
+    # coil springs clamped at both ends: half of the force along the rig's axes at the frame's point, half along the frame's
+    # at the car body's, both at mid-height
+    middle = 0.5 * (p.secondary_top + p.secondary_bottom)
+    springs = np.array([[0.0, y * p.secondary_y, middle - up] for y in SECONDARY_SIDE])
+    arm, stretch, _ = end_on_frame(springs)
+    force = -0.5 * (stretch + stretch @ rot_f) * p.secondary_stiffness
     force[:, 2] -= p.secondary_preload
-    force_f += force.sum(axis=0)
-    moment_f += cross(arm, force).sum(axis=0)
+    turned = force @ rot_f.T
+    force_f += 0.5 * (force + turned).sum(axis=0)
+    moment_f += 0.5 * (cross(arm, force) + cross(arm - stretch, turned)).sum(axis=0)
 
     ends = np.array(
         [

@@ -70,9 +70,9 @@ int add_body(Model& m, double mass, Triple const& inertia, Triple const& positio
   return static_cast<int>(m.bodies.size()) - 1;
 }
 
-int add_element(Model& m, int a, int b, Triple const& point_on_b, bool carries_load) {
+int add_element(Model& m, int a, int b, Triple const& point_on_b, bool carries_load, bool clamped) {
   ForceElement e;
-  e.body_a = a, e.body_b = b, e.r_b = vec3(point_on_b), e.carries_load = carries_load;
+  e.body_a = a, e.body_b = b, e.r_b = vec3(point_on_b), e.carries_load = carries_load, e.clamped = clamped;
   m.elements.push_back(e);
   return static_cast<int>(m.elements.size()) - 1;
 }
@@ -142,7 +142,7 @@ void bind_model(nb::module_& m) {
       .def("set_line", &set_line, "curvature"_a, "cant"_a, "cant_base"_a)
       .def("set_irregularity", &set_irregularity, "period"_a, "step"_a, "left_y"_a, "left_z"_a, "right_y"_a,
            "right_z"_a, "fade_in"_a, "steered"_a)
-      .def("add_element", &add_element, "body_a"_a, "body_b"_a, "point_on_b"_a, "carries_load"_a)
+      .def("add_element", &add_element, "body_a"_a, "body_b"_a, "point_on_b"_a, "carries_load"_a, "clamped"_a)
       .def("set_law", &set_law, "element"_a, "direction"_a, "preload"_a, "stiffness"_a, "table"_a, "damping"_a,
            "damping_table"_a, "series_damping"_a, "series_stiffness"_a)
       .def("add_contact", &add_contact, "wheelset"_a, "roller"_a, "rail"_a, "along"_a, "right"_a, "wheel_profile"_a,

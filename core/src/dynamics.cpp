@@ -179,10 +179,15 @@ void Dynamics::apply_element(Workspace<T>& w, int index) {
       element_deflection_[at(index) * 6 + c] = m.d[c];
     }
   }
-  Vec3<T> const force = a.R * Vec3<T>{f[0], f[1], f[2]};
+  Vec3<T> force = a.R * Vec3<T>{f[0], f[1], f[2]};
   Vec3<T> torque{};
   if (rotational)
     torque = a.R * (f[coord_roll] * m.roll_axis + f[coord_pitch] * m.pitch_axis + f[coord_yaw] * m.yaw_axis);
+  if (e.clamped) {
+    Vec3<T> const half = T(0.5) * (b.R * Vec3<T>{f[0], f[1], f[2]});
+    force = T(0.5) * force + half;
+    torque -= cross(m.stretch, half);
+  }
   if (e.body_b >= 0) {
     wrench[at(e.body_b)].force += force;
     wrench[at(e.body_b)].moment += cross(m.arm_b, force) + torque;

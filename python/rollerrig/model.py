@@ -159,7 +159,9 @@ class _Assembly:
         a, b = (self.bodies.index(name) for name in element.between)
         x, y, z = element.end_b
         bx, by, bz = self.positions[element.between[1]]
-        index = self.core.add_element(a, b, (x - self.cut.origin_x - bx, y - by, z - bz), element.carries_load)
+        index = self.core.add_element(
+            a, b, (x - self.cut.origin_x - bx, y - by, z - bz), element.carries_load, element.clamped
+        )
         self.elements.append(element.name)
         for direction, law in element.laws.items():
             extra = preload if element.carries_load and direction == "z" else 0.0
@@ -193,7 +195,7 @@ class _Assembly:
                 self._mount(name, index, mounting, share * (axle_load + rig.roller_mass * self.core.gravity))
 
     def _mount(self, name: str, roller: int, mounting: object, load: float) -> None:
-        element = self.core.add_element(GROUND, roller, (0.0, 0.0, 0.0), False)
+        element = self.core.add_element(GROUND, roller, (0.0, 0.0, 0.0), False, False)
         self.elements.append(f"mounting_{name}")
         for attribute, direction in (("lateral", "y"), ("vertical", "z"), ("yaw", "yaw")):
             spring = getattr(mounting, attribute)
@@ -307,7 +309,7 @@ def static_loads(vehicle: Vehicle) -> tuple[dict[str, float], dict[str, float]]:
     for element in vehicle.element:
         a, b = (names.index(name) for name in element.between)
         point = tuple(p - q for p, q in zip(element.end_b, vehicle.body[b].position, strict=True))
-        core.add_element(a, b, point, element.carries_load)
+        core.add_element(a, b, point, element.carries_load, element.clamped)
     forces, _ = core.static_preloads()
     preloads = {e.name: f for e, f in zip(vehicle.element, forces, strict=True) if e.carries_load}
     loads = {body.name: body.mass * core.gravity for body in vehicle.body if body.kind == "wheelset"}

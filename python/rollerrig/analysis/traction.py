@@ -42,6 +42,7 @@ class Bogie:
         carried: load that the secondary springs put on the frame [N].
         restraints: height [m] and longitudinal stiffness [N/m] of each element between frame and car body.
         secondary_height: at which the carried load acts on the frame [m].
+        clamped: share of the carried load on springs clamped at both ends, which lean by half of the frame's pitch and shift.
         pitch_stiffness: of the elements between frame and car body [N m/rad].
         primary: longitudinal and vertical stiffness of one axle's suspension [N/m].
         primary_height: of its springs [m].
@@ -58,6 +59,7 @@ class Bogie:
     carried: float
     restraints: tuple[tuple[float, float], ...]
     secondary_height: float
+    clamped: float
     pitch_stiffness: float
     primary: tuple[float, float]
     primary_height: float
@@ -86,7 +88,8 @@ def bogie_of(case: Case, axle_load: float) -> Bogie:
     if not isinstance(support, Rig) or len(wheelsets) != 2 or len(frames) != 1:
         raise ValueError(f"{case.name}: the traction study needs one frame on two wheelsets, on a rig")
     frame = frames[0]
-    restraints, pitch, kx, kz, heights, primary_height = [], 0.0, 0.0, 0.0, [], wheelsets[0].position[2]
+    restraints, pitch, kx, kz, primary_height = [], 0.0, 0.0, 0.0, wheelsets[0].position[2]
+    heights, clamped = [], []
     for element in vehicle.elements_in(case.vehicle.part):
         laws = element.laws
         x_stiffness = laws["x"].stiffness or 0.0 if "x" in laws else 0.0
@@ -100,6 +103,7 @@ def bogie_of(case: Case, axle_load: float) -> Bogie:
             pitch += (laws["pitch"].stiffness or 0.0) if "pitch" in laws else 0.0
             if element.carries_load:
                 heights.append(end[2])
+                clamped.append(element.clamped)
     carried = 2 * axle_load - (2 * wheelsets[0].mass + frame.mass) * GRAVITY
     return Bogie(
         half_base=0.5 * abs(wheelsets[0].position[0] - wheelsets[1].position[0]),
@@ -113,6 +117,7 @@ def bogie_of(case: Case, axle_load: float) -> Bogie:
         carried=carried,
         restraints=tuple(restraints),
         secondary_height=float(np.mean(heights)) if heights else frame.position[2],
+        clamped=float(np.mean(clamped)) if clamped else 0.0,
         pitch_stiffness=pitch,
         primary=(kx, kz),
         primary_height=primary_height,
@@ -147,6 +152,7 @@ def balance(bogie: Bogie, torque: Series, axle_load: float) -> Balance:
     r, big_r, base = bogie.wheel_radius, bogie.roller_radius, bogie.half_base
     creep = bogie.share_to_roller * torque / r
     spin_up = 2 * (torque - creep * r)  # rate of both wheelsets' angular momentum
+    lean = 0.5 * bogie.clamped * bogie.carried
     k = np.array([stiffness for _, stiffness in bogie.restraints])
     z = np.array([height for height, _ in bogie.restraints]) - bogie.frame_height
     frame_x, pitch, transfer = (np.zeros_like(torque) for _ in range(3))
@@ -155,7 +161,7 @@ def balance(bogie: Bogie, torque: Series, axle_load: float) -> Balance:
         pull = [
             creep + load * x / (big_r + r) for load, x in ((axle_load - transfer, front), (axle_load + transfer, rear))
         ]
-        frame_x = (pull[0] + pull[1] - pitch * float(k @ z)) / k.sum()
+        frame_x = (pull[0] + pull[1] - pitch * (float(k @ z) + lean)) / k.sum()
         springs = frame_x + pitch * (bogie.primary_height - bogie.frame_height)
         front, rear = (springs + force / bogie.primary[0] for force in pull)
         shift = 0.5 * (front + rear)
@@ -164,7 +170,8 @@ def balance(bogie: Bogie, torque: Series, axle_load: float) -> Balance:
             moment = moment + (height + bogie.frame_height) * stiffness * (frame_x + pitch * height)
         carried_x = frame_x + pitch * (bogie.secondary_height - bogie.frame_height)
         moment = moment - GRAVITY * (2 * bogie.wheelset_mass * shift + bogie.frame_mass * frame_x)
-        transfer = (moment - bogie.carried * carried_x) / (2 * base)
+        carried = (bogie.carried - lean) * carried_x - lean * bogie.secondary_height * pitch
+        transfer = (moment - carried) / (2 * base)
         pitch = -transfer / (bogie.primary[1] * base)
     vertical = (axle_load - transfer, axle_load + transfer)
     return Balance(creep, (pull[0], pull[1]), vertical, (front, rear))

@@ -156,7 +156,7 @@ class AngularLaw(Table):
 
 
 class Element(Table):
-    """A massless force element between two bodies; its axes are those of body a."""
+    """A massless force element between two bodies; its axes are those of body a, if it is `clamped` those of both."""
 
     name: Name = Field(description="name, unique in the vehicle")
     between: tuple[str, str] = Field(description="the bodies a and b")
@@ -167,6 +167,11 @@ class Element(Table):
     )
     carries_load: StrictBool = Field(
         default=False, description="its vertical preload is solved from the static equilibrium"
+    )
+    clamped: StrictBool = Field(
+        default=False,
+        description="a loaded spring clamped at both ends, its `point` at mid-height: half of the force acts in the axes of "
+        "either body, and both ends take the same moment",
     )
     x: LinearLaw | None = Field(default=None, description="law along x")
     y: LinearLaw | None = Field(default=None, description="law along y")
@@ -186,6 +191,9 @@ class Element(Table):
         if self.between[0] == self.between[1]:
             allowed = "allowed: two different bodies"
             raise PydanticCustomError("at_key", "{allowed}", {"allowed": allowed, "key": "between"})
+        if self.clamped and self.points is not None:
+            allowed = "allowed: true only with `point`, the middle of the spring, not with `points`"
+            raise PydanticCustomError("at_key", "{allowed}", {"allowed": allowed, "key": "clamped"})
         if self.carries_load:
             self._can_carry()
         return self

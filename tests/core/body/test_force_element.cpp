@@ -29,10 +29,11 @@ BodyMotion<double> later(BodyMotion<double> m, double dt) {
   return m;
 }
 
-ForceElement element() {
+ForceElement element(bool clamped = false) {
   ForceElement e;
   e.body_a = 0, e.body_b = 1;
   e.r_b = {0.2, -1.0, -0.3};
+  e.clamped = clamped;
   return e;
 }
 
@@ -65,12 +66,13 @@ TEST_CASE("bodies that move together as one rigid body deflect nothing") {
 
 TEST_CASE("deflection rates are the time derivatives of the deflections, rotations included") {
   std::mt19937 random(5);
-  for (int i = 0; i < 20; ++i) {
+  for (int i = 0; i < 40; ++i) {
     auto const a = random_motion(random, 0.3), b = random_motion(random, 0.3);
-    auto const e = element_motion(element(), a, b, offset, true);
+    auto const tested = element(i % 2 == 1);
+    auto const e = element_motion(tested, a, b, offset, true);
     double const h = 1e-6;
-    auto const up = element_motion(element(), later(a, h), later(b, h), offset, true);
-    auto const down = element_motion(element(), later(a, -h), later(b, -h), offset, true);
+    auto const up = element_motion(tested, later(a, h), later(b, h), offset, true);
+    auto const down = element_motion(tested, later(a, -h), later(b, -h), offset, true);
     for (std::size_t c = 0; c < 6; ++c)
       CHECK(e.rate[c] == doctest::Approx((up.d[c] - down.d[c]) / (2 * h)).epsilon(1e-7).scale(1.0));
   }
@@ -105,6 +107,20 @@ TEST_CASE("the power of forces and moments on both bodies is minus force times d
     double by_rates = 0.0;
     for (std::size_t c = 0; c < 6; ++c) by_rates += f[c] * e.rate[c];
     CHECK(power == doctest::Approx(by_rates).epsilon(1e-12).scale(1.0));
+  }
+}
+
+TEST_CASE("a clamped element is the same seen from either end") {
+  std::mt19937 random(11);
+  auto const a = random_motion(random, 0.3), b = random_motion(random, 0.3);
+  auto const e = element(true);
+  ForceElement turned;
+  turned.clamped = true;
+  turned.r_b = offset + e.r_b;  // the same point of the first body
+  auto const forth = element_motion(e, a, b, offset, false), back = element_motion(turned, b, a, -offset, false);
+  for (std::size_t c = 0; c < 3; ++c) {
+    CHECK(back.d[c] == doctest::Approx(-forth.d[c]).epsilon(1e-12).scale(1.0));
+    CHECK(back.rate[c] == doctest::Approx(-forth.rate[c]).epsilon(1e-12).scale(1.0));
   }
 }
 

@@ -321,3 +321,66 @@ TEST_CASE("a rig with every peculiarity of its rollers left out is the track") {
                                                      .scale(100.0));  // round-off of V / R times R
   }
 }
+
+TEST_CASE("a loaded spring clamped at both ends: forces of the closed form, and power equal to force times rate") {
+  // Two free bodies, the spring's middle between them; gravity off so that only the spring acts.
+  double const k = 160e3, load = 78.48e3, inertia = 1000.0, mass = 2000.0;
+  Model model;
+  model.gravity = 0.0;
+  for (double z : {0.6, 1.8})
+    model.bodies.push_back({mass, {inertia, inertia, inertia}, {0.0, 0.0, z}, false, {}, false});
+  model.driven_inverse_radius = {0.0, 0.0};
+  ForceElement spring;
+  spring.body_a = 1, spring.body_b = 0, spring.r_b = {0.0, 0.0, 0.8275 - 0.6}, spring.clamped = true;
+  spring.law[coord_y] = {.stiffness = k};
+  spring.law[coord_z] = {.preload = -load, .stiffness = 430e3};
+  model.elements = {spring};
+  Dynamics dynamics(model);
+
+  // The upper body leans by theta about its end of the spring, the lower one stands: no deflection, and the load acts along the
+  // mean of both seats' axes, theta/2 from the upright.
+  double const theta = 1e-3, arm = 1.8 - 0.8275;
+  std::vector<double> x(static_cast<std::size_t>(dynamics.map().states()), 0.0);
+  auto const place = [&](int body, int c) -> double& {
+    return x[static_cast<std::size_t>(
+        dynamics.map().coordinate[static_cast<std::size_t>(body)][static_cast<std::size_t>(c)])];
+  };
+  auto const rate = [&](int body, int c) {
+    return static_cast<std::size_t>(dynamics.map().rate[static_cast<std::size_t>(body)][static_cast<std::size_t>(c)]);
+  };
+  place(1, coord_roll) = theta;
+  place(1, coord_y) = -arm * std::sin(theta);
+  place(1, coord_z) = -arm * (1.0 - std::cos(theta));
+  auto x_dot = derivative(dynamics, x);
+  double const lateral = load * 0.5 * theta;                                        // on the lower body, to the left
+  CHECK(mass * x_dot[rate(0, coord_y)] == doctest::Approx(lateral).epsilon(1e-5));  // theta^2
+  CHECK(mass * x_dot[rate(1, coord_y)] == doctest::Approx(-lateral).epsilon(1e-5));
+
+  // Both upright, sheared by delta: both seats take k delta times their arm and half of the load times delta.
+  std::fill(x.begin(), x.end(), 0.0);
+  double const delta = 2e-3;
+  place(1, coord_y) = delta;
+  x_dot = derivative(dynamics, x);
+  double const below = 0.8275 - 0.6;
+  CHECK(mass * x_dot[rate(1, coord_y)] == doctest::Approx(-k * delta).epsilon(1e-12));
+  CHECK(inertia * x_dot[rate(0, coord_roll)] == doctest::Approx(-(k * below + 0.5 * load) * delta).epsilon(1e-12));
+  CHECK(inertia * x_dot[rate(1, coord_roll)] == doctest::Approx(-(k * arm + 0.5 * load) * delta).epsilon(1e-12));
+
+  // Energy: kinetic and elastic change at opposite rates, wherever the bodies are.
+  std::mt19937 random(12);
+  std::uniform_real_distribution<double> any(-0.05, 0.05);
+  for (int i = 0; i < 20; ++i) {
+    for (double& value : x) value = any(random);
+    x_dot = derivative(dynamics, x);
+    double energy[2];
+    double const h = 1e-6;
+    for (int side : {0, 1}) {
+      auto moved = x;
+      for (std::size_t j = 0; j < x.size(); ++j) moved[j] += (side == 1 ? h : -h) * x_dot[j];
+      dynamics.evaluate(0.0, moved.data());
+      energy[side] = dynamics.kinetic_energy() + dynamics.element_energy();
+    }
+    CHECK((energy[1] - energy[0]) / (2 * h) ==
+          doctest::Approx(0.0).scale(1.0).epsilon(1e-3));  // round-off / h, of some kW
+  }
+}

@@ -5,6 +5,8 @@
 //          to in the axes of a. Rotations: the relative z-x-y angles of R_a^T R_b (yaw, roll, pitch).
 // Signs    positive d: end b lies further along +axis. The law gives the force that resists it.
 // Action and reaction are both applied at P_b, so that the power on the two bodies is exactly -f d_dot.
+// Clamped  a loaded spring between two seats is symmetric: it is two halves, one as above, the other with axes fixed to b and
+//          acting at P_a. docs/theory/bodies_and_elements.md, (B11)-(B12).
 #pragma once
 #include <array>
 
@@ -66,6 +68,7 @@ struct ForceElement {
   std::array<DirectionLaw, 6> law{};  ///< per Coordinate
   std::array<int, 6> node{-1, -1, -1, -1, -1, -1};  ///< index of s among the element states
   bool carries_load{false};                         ///< its vertical preload comes from the static solution
+  bool clamped{false};                              ///< half of the force acts in the axes of b, at P_a
 };
 
 /// Deflections and rates of one element in one state, and the axes its forces act along.
@@ -75,6 +78,7 @@ struct ElementMotion {
   std::array<T, 6> rate{T(0.0), T(0.0), T(0.0), T(0.0), T(0.0), T(0.0)};
   Vec3<T> arm_a;                            ///< from the centre of mass of a to P_b, world [m]
   Vec3<T> arm_b;                            ///< from the centre of mass of b to P_b, world [m]
+  Vec3<T> stretch;                          ///< P_b - P_a, world [m]; of clamped elements
   Vec3<T> roll_axis, pitch_axis, yaw_axis;  ///< dual to the angles: torque on b = sum of moment * axis (a's axes)
 };
 
@@ -90,10 +94,16 @@ ElementMotion<T> element_motion(ForceElement const& element, BodyMotion<T> const
   ElementMotion<T> m;
   m.arm_b = b.R * lift<T>(element.r_b);
   m.arm_a = lift<T>(offset) + (b.p - a.p) + m.arm_b;
-  Vec3<T> const d = a.R.transposed_times(m.arm_a) - lift<T>(offset + element.r_b);  // P_a is fixed in a's axes
+  Vec3<T> d = a.R.transposed_times(m.arm_a) - lift<T>(offset + element.r_b);  // P_a is fixed in a's axes
   Vec3<T> const v_b = b.v + cross(b.frame_omega, m.arm_b);
   Vec3<T> const v_a = a.v + cross(a.frame_omega, m.arm_a);
-  Vec3<T> const rate = a.R.transposed_times(v_b - v_a);
+  Vec3<T> rate = a.R.transposed_times(v_b - v_a);
+  if (element.clamped) {
+    m.stretch = a.R * d;
+    Vec3<T> const slip = v_b - v_a - cross(b.frame_omega - a.frame_omega, m.stretch);  // at P_a
+    d = T(0.5) * (d + b.R.transposed_times(m.stretch));
+    rate = T(0.5) * (rate + b.R.transposed_times(slip));
+  }
   m.d[coord_x] = d.x, m.d[coord_y] = d.y, m.d[coord_z] = d.z;
   m.rate[coord_x] = rate.x, m.rate[coord_y] = rate.y, m.rate[coord_z] = rate.z;
   if (!rotational) return m;
