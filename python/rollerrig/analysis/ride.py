@@ -6,13 +6,14 @@ A point ρ of a rigid body with the centre's acceleration a_C, angular velocity 
 
     a = a_C + α × ρ + ω × (ω × ρ)                                                  (R4)
 
-with ω, α from the rates of yaw, roll and pitch, R = R_z(ψ) R_x(φ) R_y(θ) of docs/conventions.md:
+and an accelerometer fixed to the body feels R^T (a + g e_z), of which the g at rest is taken off. Here ω, α come from the
+rates of yaw, roll and pitch, R = R_z(ψ) R_x(φ) R_y(θ) of docs/conventions.md:
 
     ω = ψ' e_z + φ' e_1 + θ' e_2,   e_1 = R_z e_x,   e_2 = R_z R_x e_y
     α = ψ'' e_z + φ'' e_1 + θ'' e_2 + ψ' e_z × φ' e_1 + (ψ' e_z + φ' e_1) × θ' e_2
 
-In curves a_C is the felt one that the run records; the turning of the track's own frame under the body, slower by far than
-the body's, is left out of ω.
+What the centre feels is recorded, in curves with the uncompensated part. The turning of the track's own frame under the
+body, slower by far than the body's, is left out of ω.
 
 Source: EN 14363:2016 for the points and bands; EN 12299:2009, annex C, and ISO 2631 for the weights.
 """
@@ -50,9 +51,10 @@ def accelerations(run: xr.Dataset, *, floor_height: float | None = None) -> xr.D
             act on it. On a frame the points lie as high as its centre.
 
     Returns:
-        acceleration [m/s^2] over time, point and direction (lateral, vertical), unfiltered, in the axes of the track;
-        body of each point as the coordinate `of_body`, and whether wheelsets carry it as `on_wheelsets`. No points if all
-        bodies above the wheelsets are held.
+        acceleration [m/s^2] over time, point and direction (lateral, vertical), unfiltered, as an accelerometer fixed to
+        the body feels it: lateral with gravity's part in a roll, vertical less g at rest. The body of each point is the
+        coordinate `of_body`, and `on_wheelsets` says whether wheelsets carry it. No points if all bodies above the
+        wheelsets are held.
     """
     case = recorded_case(run)
     model = assemble(case)
@@ -73,7 +75,7 @@ def accelerations(run: xr.Dataset, *, floor_height: float | None = None) -> xr.D
             names.append(name)
             bodies.append(body)
             framed.append(on_wheelsets)
-            rows.append(_at_point(motion, np.array(arm)))
+            rows.append(_at_point(motion, np.array(arm), model.core.gravity))
     values = np.stack(rows, axis=1) if rows else np.zeros((run.sizes["time"], 0, len(DIRECTIONS)))
     coordinates = {
         "time": run["time"],
@@ -102,16 +104,16 @@ def _carriers(case: Case, model: AssembledModel, body: str) -> list[tuple[str, f
     return sorted(found.items(), key=lambda item: -model.positions[item[0]][0])
 
 
-def _at_point(motion: xr.Dataset, arm: Rows) -> Rows:
-    """Lateral and vertical acceleration at a point fixed to a body (R4), shape (time, 2) [m/s^2]."""
+def _at_point(motion: xr.Dataset, arm: Rows, gravity: float) -> Rows:
+    """Felt lateral and vertical acceleration, less g, at a point fixed to a body (R4), shape (time, 2) [m/s^2]."""
     roll, pitch, yaw = (motion[name].to_numpy() for name in ("roll", "pitch", "yaw"))
     zero, one = np.zeros_like(roll), np.ones_like(roll)
     e_z = np.stack([zero, zero, one], axis=1)
     e_1 = np.stack([np.cos(yaw), np.sin(yaw), zero], axis=1)
     e_2 = np.stack([-np.sin(yaw) * np.cos(roll), np.cos(yaw) * np.cos(roll), np.sin(roll)], axis=1)
-    e_3 = np.cross(e_1, e_2)  # up in the rolled body, before pitch
-    along = np.cos(pitch)[:, None] * e_1 - np.sin(pitch)[:, None] * e_3
-    rho = arm[0] * along + arm[1] * e_2 + arm[2] * np.cross(along, e_2)
+    forward = np.cos(pitch)[:, None] * e_1 - np.sin(pitch)[:, None] * np.cross(e_1, e_2)
+    upward = np.cross(forward, e_2)  # the body's axes are forward, e_2, upward
+    rho = arm[0] * forward + arm[1] * e_2 + arm[2] * upward
 
     def about(name: str, axis: Rows) -> Rows:
         return np.asarray(motion[name].to_numpy()[:, None] * axis)
@@ -122,14 +124,9 @@ def _at_point(motion: xr.Dataset, arm: Rows) -> Rows:
     spin_up = about("yaw_acceleration", e_z) + about("roll_acceleration", e_1) + about("pitch_acceleration", e_2)
     spin_up += np.cross(yawing, rolling) + np.cross(yawing + rolling, pitching)
     relative = np.cross(spin_up, rho) + np.cross(turn, np.cross(turn, rho))
-    centre = np.stack([_of_centre(motion, direction) for direction in DIRECTIONS], axis=1)
-    return np.asarray(centre + relative[:, 1:])
-
-
-def _of_centre(motion: xr.Dataset, direction: str) -> Rows:
-    """Acceleration of the centre: the felt one where the run has it."""
-    felt = f"felt_{direction}_acceleration"
-    return motion[felt if felt in motion else f"{direction}_acceleration"].to_numpy()
+    at_centre = np.stack([motion[f"felt_{direction}_acceleration"] for direction in DIRECTIONS], axis=1)
+    body_axes = np.stack([e_2, upward], axis=1)  # (time, direction, 3)
+    return np.asarray(at_centre - [0.0, gravity] + np.einsum("tdi,ti->td", body_axes, relative))
 
 
 def ride(points: xr.Dataset) -> xr.Dataset:

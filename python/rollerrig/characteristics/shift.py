@@ -2,11 +2,12 @@
 
     Case -> [touching points of the core] -> xarray.Dataset over `lateral` and `side`
 
-Rigid profiles, no yaw, the wheelset above the crown. Left of the running direction is positive. As in EN 15302 each
-wheel is lowered on its own (roll neglected) unless the wheelset is asked to roll until both touch.
+Rigid profiles, the wheelset above the crown, straight or yawed. Left of the running direction is positive. As in EN 15302
+each wheel is lowered on its own (roll neglected) unless the wheelset is asked to roll until both touch.
 
 At zero yaw the points of touch lie in the plane through the wheelset's and the roller's axis. There a roller is its
-generatrix, so wheel and roller touch where wheel and rail do; what differs is what the contact does to the rolling.
+generatrix, so wheel and roller touch where wheel and rail do; what differs is what the contact does to the rolling. In
+yaw they do not: a wheel touches ahead of or behind its axle, and there a roller lies lower than a rail.
 """
 
 from __future__ import annotations
@@ -42,10 +43,13 @@ MOST_STEPS = 40
 _VARIABLES = {
     "wheel_abscissa": ("m", "EN abscissa S of the contact on the wheel profile, negative towards the flange"),
     "rail_abscissa": ("m", "contact on rail or roller, 0 at the highest point, negative towards the gauge side"),
-    "rail_height": ("m", "height of the contact over the highest point: what the roller's radius gains there"),
+    "rail_height": ("m", "height of the head there over its highest point: what the roller's radius gains"),
     "rolling_radius": ("m", "wheel radius at the contact"),
     "contact_angle": ("rad", "inclination of the contact plane, positive as at the flange"),
+    "longitudinal": ("m", "contact ahead of the axle; 0 without yaw"),
 }
+
+_HEIGHT = list(_VARIABLES).index("rail_height")
 
 
 @dataclass(frozen=True)
@@ -56,7 +60,22 @@ class _Touch:
     sides: tuple[tuple[float, ...], tuple[float, ...]]
 
 
-def shift_table(case: Case, largest: float = 8e-3, step: float = 0.1e-3, *, free_to_roll: bool = False) -> xr.Dataset:
+@dataclass(frozen=True)
+class _Pose:
+    """How the wheelset is held while it is shifted.
+
+    Attributes:
+        yaw: turned to the left [rad].
+        arm: about how far the contacts are apart [m]: the wheelset rolls until both wheels touch. None: roll is 0.
+    """
+
+    yaw: float
+    arm: float | None
+
+
+def shift_table(
+    case: Case, largest: float = 8e-3, step: float = 0.1e-3, *, free_to_roll: bool = False, yaw: float = 0.0
+) -> xr.Dataset:
     """Touching points and rolling radii of the leading wheelset over its lateral shift.
 
     Args:
@@ -64,9 +83,10 @@ def shift_table(case: Case, largest: float = 8e-3, step: float = 0.1e-3, *, free
         largest: lateral shift to both sides [m].
         step: distance of the rows [m]; where a contact jumps, rows are added until the jump is placed to FINEST.
         free_to_roll: roll the wheelset until both wheels touch; else each wheel is lowered on its own, as EN 15302 allows.
+        yaw: angle at which the wheelset is shifted, positive to the left [rad].
 
     Returns:
-        Over `lateral` and `side`: wheel_abscissa, rail_abscissa, rail_height, rolling_radius, contact_angle. Over
+        Over `lateral` and `side`: wheel_abscissa, rail_abscissa, rail_height, rolling_radius, contact_angle, longitudinal. Over
         `lateral`: roll [rad], rolling_radius_difference r_left - r_right [m], and effective_difference [m], which on
         rollers is less by what the rollers' own radii differ, (r0/R0) (R_left - R_right). If a wheel finds no contact
         the table ends before that shift, on both sides, and attrs["ended"] says so.
@@ -81,14 +101,16 @@ def shift_table(case: Case, largest: float = 8e-3, step: float = 0.1e-3, *, free
     press = _core.WheelsetPress(model.core, left, right)
     wheel, support = case.vehicle.data.wheel, case.support.data
     contact_distance = wheel.back_to_back + 2 * FLANGE_BACK_TO_TAPE_CIRCLE
-    arm = contact_distance if free_to_roll else None
+    pose = _Pose(yaw, contact_distance if free_to_roll else None)
 
-    touches, ended = _outward(press, _steps(largest, step), arm)
-    _refine(press, touches, arm)
-    mirrored = {-y: _Touch(-touch.roll, (touch.sides[1], touch.sides[0])) for y, touch in touches.items() if y > 0.0}
-    touches |= mirrored  # both sides have the same profiles
+    touches, ended = _outward(press, _steps(largest, step), pose)
+    _refine(press, touches, pose)
+    # Both sides have the same profiles: a mirror turns (y, yaw) into (-y, -yaw), and running backwards -yaw into yaw.
+    mirrored = {-y: _Touch(-touch.roll, _swapped(touch)) for y, touch in touches.items() if y > 0.0}
+    touches |= mirrored
     lateral = np.array(sorted(touches))
     values = np.array([touches[y].sides for y in sorted(touches)])  # (lateral, side, variable)
+    values[:, :, _HEIGHT] = model.rail_profile.evaluate(values[:, :, _HEIGHT - 1])
 
     variables: dict[str, Any] = {
         name: (("lateral", "side"), values[:, :, k], {"units": unit, "long_name": meaning})
@@ -110,6 +132,7 @@ def shift_table(case: Case, largest: float = 8e-3, step: float = 0.1e-3, *, free
             "gauge_m": support.gauge,
             "back_to_back_m": wheel.back_to_back,
             "roll": "free" if free_to_roll else "neglected",
+            "yaw_rad": yaw,
             "ended": ended,
         },
     )
@@ -126,6 +149,12 @@ def shift_table(case: Case, largest: float = 8e-3, step: float = 0.1e-3, *, free
     return table
 
 
+def _swapped(touch: _Touch) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    """The mirror image run backwards: sides change places, and what is ahead is behind."""
+    left, right = ((*side[:-1], -side[-1]) for side in touch.sides)
+    return right, left
+
+
 def _left_less_right(values: xr.DataArray) -> xr.DataArray:
     return values.sel(side="left", drop=True) - values.sel(side="right", drop=True)
 
@@ -135,21 +164,21 @@ def _steps(largest: float, step: float) -> list[float]:
     return [min(k * step, largest) for k in range(1, math.ceil(largest / step - 1e-9) + 1)]
 
 
-def _outward(press: _core.WheelsetPress, shifts: list[float], arm: float | None) -> tuple[dict[float, _Touch], str]:
+def _outward(press: _core.WheelsetPress, shifts: list[float], pose: _Pose) -> tuple[dict[float, _Touch], str]:
     """Rows from the middle to the left, as far as both wheels touch; why they end early, or nothing."""
-    middle = _touch(press, 0.0, arm, 0.0)
+    middle = _touch(press, 0.0, pose, 0.0)
     if middle is None:
         raise ValueError("the wheels do not touch in the middle; check gauge, back-to-back distance and profiles")
     touches, last = {0.0: middle}, middle
     for y in shifts:
-        touch = _touch(press, y, arm, last.roll)
+        touch = _touch(press, y, pose, last.roll)
         if touch is None:
             return touches, f"no contact from {1e3 * y:g} mm on: a wheel is off its profile or off the rail"
         touches[y] = last = touch
     return touches, ""
 
 
-def _refine(press: _core.WheelsetPress, touches: dict[float, _Touch], arm: float | None) -> None:
+def _refine(press: _core.WheelsetPress, touches: dict[float, _Touch], pose: _Pose) -> None:
     """Add rows where a contact moves fast or jumps."""
     while True:
         lateral = sorted(touches)
@@ -161,7 +190,7 @@ def _refine(press: _core.WheelsetPress, touches: dict[float, _Touch], arm: float
         if not new:
             return
         for beside, y in new:
-            touch = _touch(press, y, arm, touches[beside].roll)
+            touch = _touch(press, y, pose, touches[beside].roll)
             if touch is None:
                 return
             touches[y] = touch
@@ -172,43 +201,45 @@ def _travel(a: _Touch, b: _Touch) -> float:
     return max(abs(p[0] - q[0]) for p, q in zip(a.sides, b.sides, strict=True))
 
 
-def _touch(press: _core.WheelsetPress, y: float, arm: float | None, roll: float) -> _Touch | None:
+def _touch(press: _core.WheelsetPress, y: float, pose: _Pose, roll: float) -> _Touch | None:
     """Both wheels touching at a lateral shift [m].
 
     Args:
         press: the core's wheelset.
         y: lateral shift [m].
-        arm: about how far the contacts are apart [m]: the wheelset rolls until both wheels touch. None: roll is 0.
+        pose: yaw, and whether it rolls.
         roll: roll angle to start from [rad].
     """
-    heights = _heights(press, y, roll)
+    yaw, arm = pose.yaw, pose.arm
+    heights = _heights(press, y, yaw, roll)
     slope, surplus = -(arm or 0.0), heights[0] - heights[1]  # secant steps; a metre's arm gains a metre per radian
     for _ in range(MOST_STEPS):
         if arm is None or abs(surplus) < LEVEL:
             break
         turn = -surplus / slope
         roll += turn
-        heights, before = _heights(press, y, roll), surplus
+        heights, before = _heights(press, y, yaw, roll), surplus
         surplus = heights[0] - heights[1]
         # On a flange, roll moves the wheel sideways as well: steeper than the arm. At a jump the slope has a step.
         slope = min(max((surplus - before) / turn, -4 * arm), -0.5 * arm)
     sides = tuple(
-        _first_touch(press, y, height, roll, right) for height, right in zip(heights, (False, True), strict=True)
+        _first_touch(press, (y, height, yaw, roll), right) for height, right in zip(heights, (False, True), strict=True)
     )
     left, right_side = sides
     return None if left is None or right_side is None else _Touch(roll, (left, right_side))
 
 
-def _heights(press: _core.WheelsetPress, y: float, roll: float) -> list[float]:
+def _heights(press: _core.WheelsetPress, y: float, yaw: float, roll: float) -> list[float]:
     """Heights at which the left and the right wheel touch [m]."""
-    return [press.touch_height(0.0, y, 0.0, roll, right) for right in (False, True)]
+    return [press.touch_height(0.0, y, yaw, roll, right) for right in (False, True)]
 
 
 def _first_touch(
-    press: _core.WheelsetPress, y: float, height: float, roll: float, right: bool
+    press: _core.WheelsetPress, place: tuple[float, float, float, float], right: bool
 ) -> tuple[float, ...] | None:
-    """The point of touch of one wheel in the order of _VARIABLES, if there is one."""
-    near = press.minima(0.0, y, height, 0.0, roll, right, 1e-6)
+    """The point of touch of one wheel in the order of _VARIABLES, if there is one; place: lateral, height, yaw, roll."""
+    y, height, yaw, roll = place
+    near = press.minima(0.0, y, height, yaw, roll, right, 1e-6)
     if not near:
         return None
     patch = max(near, key=lambda found: float(found["approach"]))
@@ -216,4 +247,5 @@ def _first_touch(
         return None
     _, lean, upward = patch["direction"]
     angle = np.arctan2(lean if right else -lean, upward)
-    return patch["wheel_s"], patch["rail_y"], patch["point"][2], patch["wheel_radius"], float(angle)
+    ahead, _, level = patch["point"]
+    return patch["wheel_s"], patch["rail_y"], level, patch["wheel_radius"], float(angle), ahead

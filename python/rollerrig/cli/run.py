@@ -15,7 +15,7 @@ def command(
     case: Annotated[str, typer.Argument(help="Case: a name of the catalogue or a TOML file.")],
     out: Annotated[Path, typer.Option(help="Folder for the results; made if it does not exist.")],
 ) -> None:
-    """Simulate one case: run.nc (every signal), summary.json, motion.csv, wheels.csv, report.html."""
+    """Simulate one case: run.nc (every signal), summary.json, motion.csv, wheels.csv, readings.csv, report.html."""
     from rollerrig.config import load_case
     from rollerrig.results import output_folder
     from rollerrig.run import simulate

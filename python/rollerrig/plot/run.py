@@ -1,4 +1,4 @@
-"""Figures of one run over time: how the bodies move, what the wheels carry, how they slide, whether energy is kept."""
+"""Figures of one run over time: how the bodies move, how the wheels pull and slide, whether energy is kept."""
 
 from __future__ import annotations
 
@@ -9,51 +9,45 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from rollerrig.plot.style import COLOURS, STYLES, house_style, new_figure
+from rollerrig.plot.style import COLOURS, STYLES, house_style, legend_above, new_figure, wheel_lines
+
+STEADY = 1e-3
+"""A speed that changes by no more than this part is not worth a panel."""
 
 
 def motion_over_time(run: xr.Dataset) -> Figure:
-    """Lateral displacement and yaw of the vehicle's bodies, and the running speed."""
+    """Lateral displacement and yaw of the vehicle's bodies, and the running speed where it changes."""
     bodies = json.loads(run.attrs["vehicle_bodies"])
+    speed = run["speed"].to_numpy()
+    changes = float(np.ptp(speed)) > STEADY * float(np.abs(speed).max())
     with house_style():
-        figure, (lateral, yaw, speed) = new_figure(3, height=5.6, sharex=True)
+        figure, panels = new_figure(3 if changes else 2, height=5.6 if changes else 4.4, sharex=True)
+        lateral, yaw = panels[:2]
         for number, body in enumerate(bodies):
             _line(lateral, run["time"], 1e3 * run["lateral"].sel(body=body), number, body)
             _line(yaw, run["time"], 1e3 * run["yaw"].sel(body=body), number, body)
-        _line(speed, run["time"], 3.6 * run["speed"], 0, "running speed")
+        if changes:
+            _line(panels[2], run["time"], 3.6 * run["speed"], 0, "running speed")
+            panels[2].set_ylabel("speed [km/h]")
         lateral.set_ylabel("lateral [mm]")
         yaw.set_ylabel("yaw [mrad]")
-        speed.set_ylabel("speed [km/h]")
-        speed.set_xlabel("time [s]")
-        lateral.legend(loc="upper right", ncols=len(bodies))
-        return figure
-
-
-def forces_over_time(run: xr.Dataset) -> Figure:
-    """Vertical, lateral and longitudinal contact force of every wheel."""
-    names = {"vertical_force": "vertical Q", "lateral_force": "lateral Y", "longitudinal_force": "longitudinal"}
-    with house_style():
-        figure, panels = new_figure(3, height=5.6, sharex=True)
-        for axes, (name, label) in zip(panels, names.items(), strict=True):
-            for number, wheel in enumerate(run["wheel"].to_numpy()):
-                _line(axes, run["time"], 1e-3 * run[name].sel(wheel=wheel), number, str(wheel))
-            axes.set_ylabel(f"{label} [kN]")
         panels[-1].set_xlabel("time [s]")
-        panels[0].legend(loc="upper right", ncols=2)
+        legend_above(figure, lateral)
         return figure
 
 
 def sliding_over_time(run: xr.Dataset) -> Figure:
-    """Longitudinal sliding of the wheels, and where they touch on their profiles."""
+    """Longitudinal force and sliding of the wheels, and where they touch on their profiles."""
     with house_style():
-        figure, (sliding, place) = new_figure(2, height=4.2, sharex=True)
-        for number, wheel in enumerate(run["wheel"].to_numpy()):
-            _line(sliding, run["time"], 1e3 * run["longitudinal_sliding"].sel(wheel=wheel), number, str(wheel))
-            _line(place, run["time"], 1e3 * run["contact_abscissa"].sel(wheel=wheel), number, str(wheel))
-        sliding.set_ylabel("longitudinal sliding [mm/s]")
-        place.set_ylabel("contact on the wheel S [mm]")
+        figure, (force, sliding, place) = new_figure(3, height=5.6, sharex=True)
+        wheel_lines(force, run["time"], 1e-3 * run["longitudinal_force"])
+        wheel_lines(sliding, run["time"], 1e3 * run["longitudinal_sliding"])
+        wheel_lines(place, run["time"], 1e3 * run["contact_abscissa"])
+        force.set_ylabel("longitudinal\nforce [kN]")
+        sliding.set_ylabel("longitudinal\nsliding [mm/s]")
+        place.set_ylabel("contact on\nthe wheel S [mm]")
         place.set_xlabel("time [s]")
-        sliding.legend(loc="upper right", ncols=2)
+        legend_above(figure, force)
         return figure
 
 
@@ -86,6 +80,6 @@ def _line(axes: Axes, time: xr.DataArray, values: xr.DataArray, number: int, lab
         color=COLOURS[number % len(COLOURS)],
         linestyle=STYLES[number // 2 % len(STYLES)],
         linewidth=0.9,
-        label=label,
+        label=label.replace("_", " "),
         rasterized=True,
     )

@@ -8,6 +8,7 @@ from contextlib import contextmanager
 from typing import Any, Literal
 
 import matplotlib as mpl
+import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
@@ -55,6 +56,38 @@ def new_figure(rows: int = 1, width: float = 7.2, height: float = 3.4, **options
     FigureCanvasAgg(figure)
     axes = figure.subplots(rows, 1, squeeze=False, **options)
     return figure, list(axes[:, 0])
+
+
+def legend_above(figure: Figure, axes: Axes) -> None:
+    """One legend above all panels, in as many columns as fit."""
+    handles, labels = axes.get_legend_handles_labels()
+    widest = max((len(label) for label in labels), default=1)
+    room = int(figure.get_figwidth() * 13.5)  # letters of this size beside each other, a line's sample takes 8
+    columns = max(1, min(4, len(labels), room // (widest + 8)))
+    figure.legend(handles, labels, loc="outside upper center", ncols=columns)
+
+
+def wheel_lines(axes: Axes, along: xr.DataArray, values: xr.DataArray) -> None:
+    """A line per wheel: each wheelset its colour, left wheels full and right ones dashed.
+
+    Args:
+        axes: to draw into.
+        along: abscissa over `time`.
+        values: over `time` and `wheel`.
+    """
+    wheels = [str(wheel) for wheel in values["wheel"].to_numpy()]
+    wheelsets = list(dict.fromkeys(wheel.rpartition("_")[0] for wheel in wheels))
+    for wheel in wheels:
+        wheelset, _, side = wheel.rpartition("_")
+        axes.plot(
+            along.to_numpy(),
+            values.sel(wheel=wheel).to_numpy(),
+            linestyle="-" if side == "left" else (0, (4, 2)),
+            linewidth=0.9,
+            color=COLOURS[wheelsets.index(wheelset) % len(COLOURS)],
+            label=wheel.replace("_", " "),
+            rasterized=True,
+        )
 
 
 def critical_line(axes: Axes, speed_kmh: float, label: str) -> None:

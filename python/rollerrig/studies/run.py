@@ -1,6 +1,6 @@
 """What `rollerrig run` leaves: every signal, the numbers, tables, and a report to open.
 
-Dataset of a run -> [run] -> run.nc, summary.json, motion.csv, wheels.csv, report.html
+Dataset of a run -> [run] -> run.nc, summary.json, motion.csv, wheels.csv, readings.csv, report.html
 """
 
 from __future__ import annotations
@@ -11,10 +11,14 @@ from typing import Any
 
 import xarray as xr
 
+from rollerrig.analysis.assessment import assess, table
 from rollerrig.plot import figure_bytes
-from rollerrig.plot.run import energy_over_time, forces_over_time, motion_over_time, sliding_over_time
+from rollerrig.plot.readings import curved, irregular, line_and_response
+from rollerrig.plot.run import energy_over_time, motion_over_time, sliding_over_time
 from rollerrig.report import Figure, Page, Preformatted, Section, Table, Text, number, render
 from rollerrig.results import SUMMARY_KEYS, motion_table, save_run, summarise, wheel_table, write_csv, write_text
+from rollerrig.studies.output import write_rows
+from rollerrig.studies.readings import READINGS_KEYS, readings_rows, readings_sections, readings_summary
 
 LEFT_OUT = (
     "Rigid bodies, rails and rollers without flexibility of their own; profiles without irregularities or wear; Hertz "
@@ -48,26 +52,48 @@ def write_run(run: xr.Dataset, folder: Path) -> list[Path]:
     Raises:
         OutputError: a file could not be written; those before it are whole.
     """
-    summary = summarise(run)
+    assessment = assess(run)
+    rows = table(assessment)
+    summary = {**summarise(run), **readings_summary(assessment, rows)}
+    keys = {**SUMMARY_KEYS, **READINGS_KEYS}
+    readings = readings_sections(assessment, rows, along_run(run))
+    text = json.dumps({**summary, "keys": keys}, indent=2, ensure_ascii=False)
     return [
         save_run(run, folder / "run.nc"),
-        write_text(folder / "summary.json", json.dumps({**summary, "keys": SUMMARY_KEYS}, indent=2) + "\n"),
+        write_text(folder / "summary.json", text + "\n"),
         write_csv(folder / "motion.csv", motion_table(run)),
         write_csv(folder / "wheels.csv", wheel_table(run)),
-        write_text(folder / "report.html", run_report(run, summary)),
+        write_rows(folder / "readings.csv", readings_rows(rows)),
+        write_text(folder / "report.html", run_report(run, summary, readings)),
     ]
 
 
-def run_report(run: xr.Dataset, summary: dict[str, Any]) -> str:
-    """One self-contained HTML page about a run."""
+def along_run(run: xr.Dataset) -> xr.DataArray:
+    """What the readings are drawn over: the distance where curves, cant or irregularities lie along it, else time."""
+    if curved(run) or irregular(run):
+        return run["distance"].assign_attrs(long_name="distance")
+    return run["time"].assign_attrs(long_name="time")
+
+
+def run_report(run: xr.Dataset, summary: dict[str, Any], readings: list[Section]) -> str:
+    """One self-contained HTML page about a run.
+
+    Args:
+        run: results of `simulate`.
+        summary: what `summarise` returns.
+        readings: sections about what engineers read off it.
+    """
     drawings = {
         "Motion": (motion_over_time, "Lateral displacement and yaw of the vehicle's bodies, and the running speed."),
-        "Contact forces": (forces_over_time, "Forces of rails or rollers on the wheels; lateral positive to the left."),
-        "Sliding": (sliding_over_time, "Longitudinal sliding, wheel minus roller, and the place of contact (EN S)."),
+        "Sliding": (sliding_over_time, "Longitudinal force and sliding, wheel minus roller; place of contact (EN S)."),
         "Energy": (energy_over_time, "Work put in = change of what is stored + heat + residual."),
     }
-    sections = [Section("Numbers", [_bodies(summary), _wheels(summary)])]
+    sections = [Section("Numbers", [_bodies(summary), _wheels(summary)]), *readings]
     if run.sizes["time"] > 1:
+        if curved(run) or irregular(run):
+            caption = "What lies along the track, and how the wheelsets follow it."
+            figure = line_and_response(run, along_run(run))
+            sections.insert(1, Section("Track", [Figure(figure_bytes(figure, "png"), caption)]))
         for title, (draw, caption) in drawings.items():
             sections.append(Section(title, [Figure(figure_bytes(draw(run), "png"), caption)]))
     sections.append(Section("How it was computed", [_table("integration", summary["solver"]), _contact(summary)]))

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import doctest
+import importlib
 import math
 
 import numpy as np
@@ -149,11 +151,18 @@ def test_filters_keep_what_is_slow_and_say_what_they_did(read: xr.Dataset) -> No
     assert float(np.abs(inside).max()) <= float(np.abs(quotient).max())
 
 
-def test_distance_is_the_recorded_one_where_there_is_one(run: xr.Dataset, read: xr.Dataset) -> None:
-    speed = float(run["speed"][0])
-    assert read["distance"].to_numpy() == pytest.approx(speed * run["time"].to_numpy(), rel=1e-12)
-    known = run.assign(distance=("time", 2.0 * run["time"].to_numpy()))
-    assert float(readings(known)["distance"][-1]) == 2.0
+def test_distance_is_the_way_run_on_track_and_on_rollers(run: xr.Dataset, read: xr.Dataset) -> None:
+    assert read["distance"].to_numpy() == pytest.approx(
+        float(run["speed"][0]) * run["time"].to_numpy(), rel=1e-9, abs=1e-9
+    )
+    rig = rr.simulate(rr.load_case("wheelset_rollers").with_changes({"time.duration": "0.1 s"}))
+    assert float(readings(rig)["distance"][-1]) == pytest.approx(0.1 * float(rig["speed"][0]), rel=1e-3)
+
+
+def test_the_example_of_the_docstring_runs() -> None:
+    results = doctest.testmod(importlib.import_module("rollerrig.analysis.readings"))
+    assert results.attempted > 5
+    assert results.failed == 0
 
 
 def test_a_run_that_cannot_be_filtered_is_read_off_unfiltered_and_says_so(run: xr.Dataset) -> None:

@@ -12,6 +12,7 @@ import rollerrig as rr
 from rollerrig.analysis.ride import accelerations, ride, weight, weighted_rms
 
 CASE = rr.load_case("bogie_track").with_changes({"vehicle.cut": "vehicle", "time.duration": "0.01 s"})
+GRAVITY = 9.81
 POINTS = {
     "car_body, centre": (0.0, 0.0, 0.0),
     "car_body over front_frame": (9.5, 0.0, 1.2 - 1.8),
@@ -35,41 +36,62 @@ def rolling(step: float = 1e-3, duration: float = 4.0) -> xr.Dataset:
         data[f"{name}_acceleration"] = -size * w * w * np.sin(angle)
     attributes = {"config_toml": CASE.to_toml(), "case": "rolling", "title": "rolling"}
     attributes["vehicle_bodies"] = json.dumps(bodies)
-    return xr.Dataset({n: (("time", "body"), v) for n, v in data.items()}, {"time": time, "body": bodies}, attributes)
+    run = xr.Dataset({n: (("time", "body"), v) for n, v in data.items()}, {"time": time, "body": bodies}, attributes)
+    return with_felt(run)
 
 
-def place(run: xr.Dataset, body: str, arm: tuple[float, float, float]) -> np.ndarray:
-    """Where a point is, (time, 3), by the rotation of docs/conventions.md."""
-    one = run.sel(body=body)
+def with_felt(run: xr.Dataset) -> xr.Dataset:
+    """The run with what the core records of accelerometers at the centres: R^T (a + g e_z)."""
+    for direction, column in (("lateral", 1), ("vertical", 2)):
+        felt = [
+            np.einsum(
+                "tj,tj->t", rotations(run, body)[:, :, column], vector(run, body, "_acceleration") + [0, 0, GRAVITY]
+            )
+            for body in run["body"].to_numpy()
+        ]
+        run[f"felt_{direction}_acceleration"] = (("time", "body"), np.stack(felt, axis=1))
+    return run
+
+
+def rotations(run: xr.Dataset, body: str) -> np.ndarray:
+    """R_z R_x R_y of docs/conventions.md, (time, 3, 3)."""
     rows = []
-    for roll, pitch, yaw in zip(*(one[name].to_numpy() for name in ("roll", "pitch", "yaw")), strict=True):
+    for roll, pitch, yaw in zip(
+        *(run.sel(body=body)[name].to_numpy() for name in ("roll", "pitch", "yaw")), strict=True
+    ):
         cx, sx, cy, sy, cz, sz = (f(a) for a in (roll, pitch, yaw) for f in (np.cos, np.sin))
         about_z = np.array([[cz, -sz, 0], [sz, cz, 0], [0, 0, 1]])
         about_x = np.array([[1, 0, 0], [0, cx, -sx], [0, sx, cx]])
         about_y = np.array([[cy, 0, sy], [0, 1, 0], [-sy, 0, cy]])
-        rows.append(about_z @ about_x @ about_y @ np.array(arm))
-    centre = np.stack([one[name].to_numpy() for name in ("longitudinal", "lateral", "vertical")], axis=1)
-    return centre + np.array(rows)
+        rows.append(about_z @ about_x @ about_y)
+    return np.array(rows)
+
+
+def vector(run: xr.Dataset, body: str, kind: str = "") -> np.ndarray:
+    names = [f"{name}{kind}" for name in ("longitudinal", "lateral", "vertical")]
+    return np.stack([run.sel(body=body)[name].to_numpy() for name in names], axis=1)
 
 
 @pytest.mark.parametrize("point", POINTS)
-def test_a_point_accelerates_as_its_path_says(point: str) -> None:
-    run = rolling(duration=1.0)
+def test_an_accelerometer_feels_what_its_path_says(point: str) -> None:
+    run, body = rolling(duration=1.0), point.split(" over ")[0].split(",")[0]
     found = accelerations(run, floor_height=1.2)["acceleration"].sel(point=point).to_numpy()
-    path = place(run, point.split(" over ")[0].split(",")[0], POINTS[point])
+    turned = rotations(run, body)
+    path = vector(run, body) + turned @ np.array(POINTS[point])
     step = float(run["time"][1])
-    second = (path[2:] - 2 * path[1:-1] + path[:-2]) / step**2
+    second = (path[2:] - 2 * path[1:-1] + path[:-2]) / step**2 + [0.0, 0.0, GRAVITY]
+    felt = np.einsum("tji,tj->ti", turned[1:-1], second) - [0.0, 0.0, GRAVITY]
     # Difference quotients of waves up to w = 14 1/s are short of w^2 step^2 / 12 = 2e-5, of products of two twice w 6e-5.
-    assert found[1:-1] == pytest.approx(second[:, 1:], abs=6e-5 * np.abs(second).max())
+    assert found[1:-1] == pytest.approx(felt[:, 1:], abs=6e-5 * np.abs(felt).max())
 
 
-def test_felt_accelerations_are_used_where_the_run_has_them() -> None:
-    run = rolling(duration=1.0)
-    felt = run["lateral_acceleration"] + 0.6
-    known = run.assign(felt_lateral_acceleration=felt, felt_vertical_acceleration=run["vertical_acceleration"])
-    difference = accelerations(known)["acceleration"] - accelerations(run)["acceleration"]
-    assert difference.sel(direction="lateral").to_numpy() == pytest.approx(0.6, abs=1e-12)
-    assert difference.sel(direction="vertical").to_numpy() == pytest.approx(0.0, abs=1e-12)
+def test_a_body_that_leans_feels_gravity() -> None:
+    run = rolling(duration=1.0).map(np.zeros_like)
+    run["roll"] = run["roll"] + 0.05
+    with_felt(run)
+    found = accelerations(run)["acceleration"].isel(time=0)
+    assert found.sel(direction="lateral").to_numpy() == pytest.approx(GRAVITY * np.sin(0.05))
+    assert found.sel(direction="vertical").to_numpy() == pytest.approx(GRAVITY * (np.cos(0.05) - 1))
 
 
 def test_a_held_car_body_has_no_points() -> None:
@@ -112,7 +134,7 @@ def test_weighted_rms_of_a_sine() -> None:
     run = rolling(duration=20.0)  # whole periods of every coordinate: 0.7 Hz + k 0.3 Hz, each times 20 s
     still = run[["roll", "pitch", "yaw"]].map(np.zeros_like)
     still = still.merge(run[[f"{n}_{kind}" for n in still for kind in ("rate", "acceleration")]].map(np.zeros_like))
-    found = weighted_rms(accelerations(run.assign(still)))
+    found = weighted_rms(accelerations(with_felt(run.assign(still))))
     for direction, frequency, size in (("lateral", 1.0, 0.04), ("vertical", 1.3, 0.06)):
         exact = float(weight(np.array([frequency]), direction)[0]) * size * (2 * np.pi * frequency) ** 2 / np.sqrt(2)
         assert found.sel(direction=direction).to_numpy() == pytest.approx(exact, rel=1e-9)

@@ -48,7 +48,7 @@ def test_run_writes_its_files(case: Path, tmp_path: Path) -> None:
     done = Done("run", case, "--out", tmp_path / "out")
     assert done.code == 0, done.err
     names = {path.name for path in (tmp_path / "out").iterdir()}
-    assert names == {"run.nc", "summary.json", "motion.csv", "wheels.csv", "report.html"}
+    assert names == {"run.nc", "summary.json", "motion.csv", "wheels.csv", "readings.csv", "report.html"}
     assert done.err == ""  # no progress bar where nobody looks
     summary = json.loads((tmp_path / "out" / "summary.json").read_text())
     assert summary["status"] == "ok"

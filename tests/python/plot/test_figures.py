@@ -14,6 +14,7 @@ from rollerrig.plot import (
     frequency_over_speed,
     hunting_over_time,
     ramp_over_speed,
+    readings,
     root_locus,
     traction_forces,
     traction_sliding,
@@ -58,7 +59,44 @@ def traction() -> xr.Dataset:
     return xr.Dataset({**variables, "torque": ("time", TIME), "speed": ("time", TIME)}, {"time": TIME, "wheel": WHEELS})
 
 
+def read_off() -> xr.Dataset:
+    wave = 40e3 + 1e3 * np.sin(20 * TIME)[:, None] * np.ones(2)
+    names = ("guiding_force", "wheel_load", "wear_number", "derailment_quotient")
+    wheels = {name: (("time", "wheel"), wave, {"filter": "20 Hz"}) for name in names}
+    shifting = {
+        "guiding_force_sum": (("time", "wheelset"), wave[:, :1]),
+        "guiding_force_sum_limit": ("wheelset", [45e3]),
+    }
+    coordinates = {"time": TIME, "wheel": ["wheelset_1_left", "wheelset_1_right"], "wheelset": ["wheelset_1"]}
+    return xr.Dataset({**wheels, **shifting}, coordinates, {"prudhomme_factor": 0.85})
+
+
+def on_track() -> xr.Dataset:
+    line = {"curvature": ("time", 1e-3 * np.minimum(TIME, 1)), "cant": ("time", 0.1 * np.minimum(TIME, 1))}
+    rail = 1e-3 * np.sin(7 * TIME)[:, None] * [1.0, -1.0]
+    rails = dict.fromkeys(("rail_lateral", "rail_vertical"), (("time", "wheel"), rail))
+    coordinates = {"time": TIME, "wheel": ["wheelset_1_left", "wheelset_1_right"], "body": ["wheelset_1"]}
+    return xr.Dataset({**line, **rails, "lateral": (("time", "body"), rail[:, :1])}, coordinates)
+
+
+def felt() -> xr.Dataset:
+    values = np.sin(TIME)[:, None, None] * np.ones((2, 2))
+    coordinates = {"time": TIME, "point": ["car_body, centre", "car_body over front_frame"]}
+    coordinates |= {"direction": ["lateral", "vertical"], "filter": ("point", ["0.4 to 10 Hz"] * 2)}
+    return xr.Dataset({"acceleration": (("time", "point", "direction"), values)}, coordinates)
+
+
+def distance() -> xr.DataArray:
+    return xr.DataArray(40 * TIME, {"time": TIME}, "time", attrs={"units": "m", "long_name": "distance"})
+
+
 FIGURES = {
+    "wheel_forces": lambda: readings.wheel_forces(read_off(), distance()),
+    "quotient": lambda: readings.quotient(read_off(), distance(), {"near": 45e3, "far": 1e9, "none": np.nan}),
+    "track_shifting": lambda: readings.track_shifting(read_off(), distance()),
+    "wear": lambda: readings.wear(read_off(), distance()),
+    "accelerations": lambda: readings.accelerations_along(felt(), distance()),
+    "line": lambda: readings.line_and_response(on_track(), distance()),
     "root_locus": lambda: root_locus(modes()),
     "damping": lambda: damping_over_speed(modes()),
     "frequency": lambda: frequency_over_speed(modes(), table()),
@@ -85,6 +123,14 @@ def test_the_same_figure_gives_the_same_bytes(name: str) -> None:
         second = figure_bytes(FIGURES[name]())
     assert first == second
     assert b"<dc:date>" not in first
+
+
+def test_limits_in_sight_are_drawn_and_others_named() -> None:
+    figure = FIGURES["quotient"]()
+    (axes,) = figure.axes
+    assert [line.get_label() for line in axes.lines if str(line.get_label()).startswith("near")] == ["near: 4.5e+04"]
+    assert axes.get_title("right") == "limits beyond these axes: far: 1e+09"
+    assert axes.get_ylim()[1] < 1e5
 
 
 def test_png_is_the_same_too() -> None:
