@@ -2,6 +2,7 @@
 
 Case -> [linearise -> modes -> speed map -> critical, stability]   small motions, exact derivatives
      -> [hunting, ramp -> signals]          runs from a disturbance
+     -> [limit cycle runs -> limit cycle]   what is left at each speed, stepped up and down
 run  -> [readings, ride -> filters]         wheel forces, Y/Q, wear number, accelerations, as EN 14363 assesses them
 """
 
@@ -22,6 +23,8 @@ from rollerrig.analysis.hunting import (
     hunting_table,
     nonlinear_critical_speed,
 )
+from rollerrig.analysis.limit_cycle import CyclePoint, Diagram
+from rollerrig.analysis.limit_cycle_runs import LimitCycleSettings, limit_cycle_table, limit_cycles
 from rollerrig.analysis.linearise import Linearisation, Lineariser, linearise
 from rollerrig.analysis.ramp import RampSettings, end_of_hunting, ramp_run
 from rollerrig.analysis.readings import filtered, nadal_limit, prudhomme_limit, readings, statistics
@@ -33,8 +36,11 @@ __all__ = [
     "Assessment",
     "CriticalScan",
     "CriticalSpeed",
+    "CyclePoint",
+    "Diagram",
     "HuntingRun",
     "HuntingSettings",
+    "LimitCycleSettings",
     "Linearisation",
     "Lineariser",
     "NonlinearCriticalSpeed",
@@ -51,6 +57,8 @@ __all__ = [
     "hunting_run",
     "hunting_runs",
     "hunting_table",
+    "limit_cycle_table",
+    "limit_cycles",
     "linear_critical_speed",
     "linear_critical_speeds",
     "linearise",

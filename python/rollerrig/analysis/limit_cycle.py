@@ -1,0 +1,275 @@
+"""The limit-cycle diagram: what the vehicle ends in at each speed, as the speed is stepped up from below and down from above.
+
+    Case, speeds -> [run until settled, state carried to the next speed] -> amplitude over speed, hysteresis, critical speeds
+
+On the way **up** each speed starts from the steady state with a nudge, as small as track irregularities are, until a limit
+cycle is reached, which is then carried on. On the way **down** it starts from the limit cycle of the speed above, and where that
+has died out, from a large disturbance. Between the lowest limit cycle and the rest below it the speed is halved to a tolerance:
+this is the nonlinear critical speed. Where the two ways differ, two attractors stand side by side, and the size of a
+disturbance decides.
+
+Equations: docs/theory/equilibrium_and_linearisation.md, section Limit cycles.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from typing import Generic, Literal, Protocol, TypeVar
+
+import numpy as np
+
+State = TypeVar("State")
+Progress = Callable[[float, str], None]
+
+LEAST_AMPLITUDE = 2e-5
+"""An oscillation below 0.02 mm is rest [m]."""
+
+ALIKE = 0.1
+"""Two amplitudes that differ by less than this part of the larger one are of one branch [1]."""
+
+
+@dataclass(frozen=True)
+class CyclePoint:
+    """What a run at one speed ends in.
+
+    Attributes:
+        speed: running speed [m/s].
+        amplitude: half the range of the lateral displacement of that wheelset which moves most [m]; 0 at rest.
+        peak: largest lateral displacement of any wheelset [m]; 0 at rest.
+        frequency: of the oscillation [Hz]; NaN at rest.
+        guiding_force: largest |Y| of any wheel, unfiltered [N].
+        rate: growth rate of the amplitude at the end [1/s].
+        settled: whether the amplitude had come to stay before the longest time was over.
+        duration: simulated time [s].
+        status: 'ok', or why the run ended early: the model's validity was left.
+    """
+
+    speed: float
+    amplitude: float
+    peak: float = 0.0
+    frequency: float = math.nan
+    guiding_force: float = math.nan
+    rate: float = math.nan
+    settled: bool = True
+    duration: float = 0.0
+    status: str = "ok"
+
+    @property
+    def goes_on(self) -> bool:
+        """Whether the motion does not come to rest: a limit cycle, or one that left the model's validity by growing."""
+        return self.amplitude > 0.0 or self.status != "ok"
+
+
+class Settle(Protocol[State]):
+    """A run at one speed until it has settled."""
+
+    def __call__(self, speed: float, state: State | None) -> tuple[CyclePoint, State | None]:
+        """Run at a speed [m/s].
+
+        Args:
+            speed: the speed.
+            state: where the run before ended in a limit cycle; None: from the steady state, disturbed.
+
+        Returns:
+            What it ends in, and the state there; None at rest or where the run left the model's validity.
+        """
+
+
+@dataclass
+class Branch(Generic[State]):
+    """Points in the order in which they were computed.
+
+    Attributes:
+        way: 'up' or 'down'.
+        points: at the speeds asked for.
+        refined: further points, of the halving.
+        interrupted: whether Ctrl-C came before its end.
+    """
+
+    way: Literal["up", "down"]
+    points: list[CyclePoint] = field(default_factory=list)
+    refined: list[CyclePoint] = field(default_factory=list)
+    interrupted: bool = False
+
+
+def trace(
+    settle: Settle[State],
+    way: Literal["up", "down"],
+    speeds: Sequence[float],
+    *,
+    tolerance: float | None = None,
+    progress: Progress | None = None,
+) -> Branch[State]:
+    """Step through speeds and carry the state over.
+
+    Args:
+        settle: one run.
+        way: up or down.
+        speeds: in any order [m/s].
+        tolerance: to which the speed is found where the limit cycle dies out [m/s]; None: not looked for.
+        progress: called with the fraction done and a short text.
+    """
+    branch: Branch[State] = Branch(way)
+    ordered = sorted(speeds, reverse=way == "down")
+    report = progress or (lambda _fraction, _text: None)
+    state: State | None = None
+    lowest: tuple[float, State] | None = None  # the limit cycle at the lowest speed so far
+    try:
+        for number, speed in enumerate(ordered):
+            report(number / (len(ordered) + 1), f"{way}, {3.6 * speed:.0f} km/h")
+            point, state = settle(speed, state)
+            branch.points.append(point)
+            if state is not None and (lowest is None or speed < lowest[0]):
+                lowest = speed, state
+        if tolerance is not None and lowest is not None:
+            report(len(ordered) / (len(ordered) + 1), "nonlinear critical speed")
+            below = max((p.speed for p in branch.points if p.speed < lowest[0]), default=math.nan)
+            _halve(settle, branch, below, lowest[0], lowest[1], tolerance)
+    except KeyboardInterrupt:
+        branch.interrupted = True
+    return branch
+
+
+def _halve(
+    settle: Settle[State], branch: Branch[State], low: float, high: float, state: State, tolerance: float
+) -> None:
+    while high - low > tolerance:  # not where low is NaN: the limit cycle lives at the lowest speed
+        middle = 0.5 * (low + high)
+        point, found = settle(middle, state)
+        branch.refined.append(point)
+        if not point.goes_on:
+            low = middle
+            continue
+        high = middle
+        if found is None:
+            break
+        state = found
+
+
+Kind = Literal["none", "subcritical", "supercritical", "detached", "unstable throughout"]
+
+KIND_SENTENCES: dict[Kind, str] = {
+    "none": "No limit cycle: every disturbance dies out.",
+    "subcritical": "Subcritical: limit cycles live on below the linear critical speed, where a small disturbance still dies out.",
+    "supercritical": "Supercritical: limit cycles begin at the linear critical speed.",
+    "detached": "Limit cycles beside a steady state that is stable in the whole range: only a large disturbance leads there.",
+    "unstable throughout": "Limit cycles at all speeds of the range: their beginning lies below it.",
+}
+
+
+@dataclass(frozen=True)
+class Diagram:
+    """The limit-cycle diagram.
+
+    Attributes:
+        up: points of the way up, by speed.
+        down: points of the way down and of the halving, by speed.
+        linear: linear critical speed [m/s]; NaN if there is none in the range.
+        tolerance: of the nonlinear one [m/s].
+        interrupted: whether Ctrl-C came before the end.
+    """
+
+    up: list[CyclePoint]
+    down: list[CyclePoint]
+    linear: float
+    tolerance: float
+    interrupted: bool = False
+
+    @property
+    def critical(self) -> float:
+        """Nonlinear critical speed [m/s]: the lowest with a sustained limit cycle; NaN if there is none."""
+        return min((p.speed for p in [*self.down, *self.up] if p.goes_on), default=math.nan)
+
+    @property
+    def dies_out(self) -> float:
+        """Highest speed below it at which everything comes to rest [m/s]; NaN if there is none."""
+        return max((p.speed for p in self.down if not p.goes_on and p.speed < self.critical), default=math.nan)
+
+    @property
+    def jumps(self) -> float:
+        """Lowest speed at which the nudge of the way up grows into a limit cycle [m/s]; NaN if none does."""
+        return min((p.speed for p in self.up if p.goes_on), default=math.nan)
+
+    @property
+    def hysteresis(self) -> tuple[float, float] | None:
+        """Lowest and highest speed at which the two ways end differently [m/s]; None if they never do."""
+        down = {p.speed: p for p in self.down}
+        apart = [p.speed for p in self.up if p.speed in down and not _alike(p, down[p.speed])]
+        return (min(apart), max(apart)) if apart else None
+
+    @property
+    def kind(self) -> Kind:
+        """What the amplitudes say about the bifurcation at the linear critical speed."""
+        if not math.isfinite(self.critical):
+            return "none"
+        if math.isfinite(self.linear):
+            return "subcritical" if self.critical < self.linear - self.tolerance else "supercritical"
+        if self.hysteresis is not None:
+            return "detached"
+        return "unstable throughout" if not math.isfinite(self.dies_out) else "supercritical"
+
+
+def _alike(one: CyclePoint, other: CyclePoint) -> bool:
+    if one.goes_on != other.goes_on:
+        return False
+    return abs(one.amplitude - other.amplitude) <= ALIKE * max(one.amplitude, other.amplitude) + LEAST_AMPLITUDE
+
+
+def diagram(up: Branch[State] | None, down: Branch[State] | None, linear: float, tolerance: float) -> Diagram:
+    """Put the two ways together.
+
+    Args:
+        up: the way up; None if it was not computed.
+        down: the way down.
+        linear: linear critical speed [m/s]; NaN if there is none.
+        tolerance: of the halving [m/s].
+    """
+
+    def ordered(branch: Branch[State] | None) -> list[CyclePoint]:
+        return [] if branch is None else sorted([*branch.points, *branch.refined], key=lambda p: p.speed)
+
+    stopped = any(branch is None or branch.interrupted for branch in (up, down))
+    return Diagram(ordered(up), ordered(down), linear, tolerance, stopped)
+
+
+# ---------------------------------------------------------------------------------------------------- settling
+
+
+@dataclass(frozen=True)
+class Settling:
+    """When an oscillation counts as settled.
+
+    Attributes:
+        change: amplitudes of successive windows that differ by less than this part have come to stay [1].
+        windows: so many of them in a row.
+        irregular: a motion whose amplitudes scatter counts as settled if so many windows show no trend.
+        trend: growth rate that is none [1/s].
+    """
+
+    change: float = 0.01
+    windows: int = 3
+    irregular: int = 8
+    trend: float = 0.02
+
+
+def is_settled(amplitudes: Sequence[float], window: float, rules: Settling | None = None) -> bool:
+    """Whether the amplitudes of successive windows of time have come to stay.
+
+    Args:
+        amplitudes: one per window [m], positive.
+        window: its length [s].
+        rules: when.
+    """
+    chosen = rules or Settling()
+    last = np.asarray(amplitudes[-chosen.windows :])
+    if len(last) == chosen.windows and float(np.ptp(last)) <= chosen.change * float(last.max()):
+        return True
+    if len(amplitudes) < chosen.irregular:
+        return False
+    many = np.asarray(amplitudes[-chosen.irregular :])
+    slope = float(np.polyfit(window * np.arange(len(many)), np.log(many), 1)[0])
+    scatter = float(np.std(np.log(many)))
+    # a trend must be small, and be lost in the scatter: else a slow growth would pass for an irregular motion
+    return abs(slope) < chosen.trend and abs(slope) * window * len(many) < scatter

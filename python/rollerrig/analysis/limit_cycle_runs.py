@@ -1,0 +1,289 @@
+"""Limit cycles of a case: runs that carry their last state to the next speed.
+
+Case, speeds -> [way up, way down on two processes; runs in windows until settled] -> Diagram -> Dataset
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from rollerrig import _core
+from rollerrig.analysis.hunting import HuntingSettings, hunting_case
+from rollerrig.analysis.limit_cycle import (
+    LEAST_AMPLITUDE,
+    Branch,
+    CyclePoint,
+    Diagram,
+    diagram,
+    is_settled,
+    trace,
+)
+from rollerrig.analysis.parallel import Progress, run_jobs
+from rollerrig.analysis.signals import half_waves
+from rollerrig.config import Case
+from rollerrig.model import AssembledModel, assemble
+from rollerrig.results import Outcome, run_dataset
+from rollerrig.run import begin
+from rollerrig.start import starting_state
+
+Vector = NDArray[np.float64]
+Carried = tuple[float, Vector]
+"""Speed [m/s] and state in which a run ended."""
+
+PITCH = 4
+DECAY = 0.1
+"""What decays faster than this when the longest time is over is on its way to rest [1/s]."""
+
+SAMPLES_BY = 8
+"""Rows of results beyond those a window needs."""
+
+
+@dataclass(frozen=True)
+class LimitCycleSettings:
+    """How the runs are done.
+
+    Attributes:
+        disturbance: lateral offset of the leading wheelset at the start of the way down [m].
+        nudge: the same on the way up [m].
+        window: amplitudes are compared between pieces of a run of this length [s], or of four waves if that is longer.
+        longest: time after which a run ends, settled or not [s].
+        output_step: interval of the samples [s].
+        relative_tolerance: of the integrator.
+        absolute_tolerance: of the integrator, for displacements [m].
+        tolerance_kmh: to which the nonlinear critical speed is found [km/h].
+    """
+
+    disturbance: float = 3e-3
+    nudge: float = 1e-4
+    window: float = 0.8
+    longest: float = 16.0
+    output_step: float = 5e-3
+    relative_tolerance: float = 1e-3
+    absolute_tolerance: float = 1e-6
+    tolerance_kmh: float = 1.0
+
+
+BranchJob = tuple[Case, Literal["up", "down"], tuple[float, ...], LimitCycleSettings]
+
+
+def limit_cycles(
+    case: Case,
+    speeds_kmh: Sequence[float],
+    linear_critical_kmh: float,
+    settings: LimitCycleSettings | None = None,
+    *,
+    processes: int = 2,
+    progress: Progress | None = None,
+) -> Diagram:
+    """The limit-cycle diagram of a case.
+
+    Args:
+        case: the case; rollers or rails are held at each speed.
+        speeds_kmh: at least one speed, each positive [km/h].
+        linear_critical_kmh: linear critical speed, from `stability` or `linear_critical_speed` [km/h]; NaN if there is none.
+        settings: disturbances, tolerances, longest time.
+        processes: 2 runs the two ways at a time.
+        progress: called with the fraction done and a short text.
+
+    Returns:
+        The diagram; after Ctrl-C what was done until then.
+
+    Raises:
+        StartError: no state was found from which a run can start.
+    """
+    chosen = settings or LimitCycleSettings()
+    speeds = tuple(float(v) / 3.6 for v in speeds_kmh)
+    ways: tuple[Literal["down", "up"], ...] = ("down", "up")
+    jobs: list[BranchJob] = [(case, way, speeds, chosen) for way in ways]
+    done = run_jobs(branch_job, jobs, processes=processes, progress=progress, names=[f"way {way}" for way in ways])
+    down, up = done.results
+    return diagram(up, down, linear_critical_kmh / 3.6, chosen.tolerance_kmh / 3.6)
+
+
+def branch_job(job: BranchJob, progress: Progress) -> Branch[Carried]:
+    """One way through the speeds, on any process; after Ctrl-C what was done until then."""
+    case, way, speeds, settings = job
+    runs = SettlingRuns(case, settings, settings.nudge if way == "up" else settings.disturbance, progress)
+    tolerance = settings.tolerance_kmh / 3.6 if way == "down" else None
+    return trace(runs, way, speeds, tolerance=tolerance, progress=runs.report)
+
+
+class SettlingRuns:
+    """Runs of one case, each until it has settled; see `Settle`."""
+
+    def __init__(self, case: Case, settings: LimitCycleSettings, offset: float, progress: Progress) -> None:
+        self._case, self._settings, self._progress = case, settings, progress
+        self._offset = offset
+        self._reported = (0.0, "")
+
+    def report(self, fraction: float, text: str) -> None:
+        """Progress of the whole way."""
+        self._reported = fraction, text
+        self._progress(fraction, text)
+
+    def __call__(self, speed: float, state: Carried | None) -> tuple[CyclePoint, Carried | None]:
+        """Run at a speed [m/s] from a limit cycle, or disturbed from the steady state.
+
+        Raises:
+            KeyboardInterrupt: Ctrl-C came before the end.
+            StartError: no state was found from which the run can start.
+        """
+        model = assemble(self._at(speed))
+        simulation = _core.Simulation(model.core)
+        start = starting_state(simulation, model) if state is None else carried(simulation, model, state, speed)
+        begin(simulation, model, start)
+        run = _Windows(simulation, model, self._settings)
+        while not run.finished:
+            self._progress(*self._reported)  # Ctrl-C arrives here
+            run.advance()
+        point = run.point(speed)
+        return point, (speed, simulation.state) if point.amplitude > 0.0 and point.status == "ok" else None
+
+    def _at(self, speed: float) -> Case:
+        chosen = self._settings
+        settings = HuntingSettings(
+            self._offset, chosen.longest, chosen.output_step, chosen.relative_tolerance, chosen.absolute_tolerance
+        )
+        return hunting_case(self._case, speed, settings)
+
+
+def carried(simulation: _core.Simulation, model: AssembledModel, state: Carried, speed: float) -> Vector:
+    """A state at another speed [m/s]: wheelsets and rollers turn in proportion, all else stays as it is."""
+    before, values = state
+    changed = np.array(values)
+    for body in (*model.wheelsets, *model.rollers):
+        index = simulation.rate_index[model.body_index(body)][PITCH]
+        if index >= 0:
+            changed[index] *= speed / before
+    return changed
+
+
+class _Windows:
+    """A run in windows of time, and the amplitude in each."""
+
+    def __init__(self, simulation: _core.Simulation, model: AssembledModel, settings: LimitCycleSettings) -> None:
+        self._simulation, self._model, self._settings = simulation, model, settings
+        self._amplitudes: list[float] = []
+        self._parts: list[xr.Dataset] = []
+        self._time, self._window = 0.0, settings.window
+        self._code: int = _core.status_codes["ok"]
+
+    @property
+    def finished(self) -> bool:
+        """Whether it is at rest, has settled, has lasted long enough, or cannot go on."""
+        if self._code != _core.status_codes["ok"] or self._time >= self._settings.longest * (1 - 1e-9):
+            return True
+        if min(self._amplitudes, default=0.0) <= 0.0:
+            return len(self._amplitudes) > 1
+        return self._rests or is_settled(self._amplitudes, self._window)
+
+    @property
+    def _rests(self) -> bool:
+        """Small, and still falling after what is left of the disturbance has had time to grow."""
+        last = self._amplitudes[-3:]
+        small = bool(last) and last[-1] < LEAST_AMPLITUDE
+        return small and (last[-1] < 0.05 * LEAST_AMPLITUDE or (len(last) == 3 and last[2] < last[1] < last[0]))
+
+    def advance(self) -> None:
+        """One window more."""
+        step = self._settings.output_step
+        until = min(self._time + self._window, self._settings.longest)
+        room = math.ceil((until - self._time) / step) + SAMPLES_BY
+        times, rows = np.empty(room), np.empty((room, self._simulation.width))
+        self._code, filled = self._simulation.advance(until, times, rows, 0)
+        outcome = Outcome("ok", "", until, "", {}, {})
+        data = run_dataset(self._model, times[:filled], rows[:filled], outcome)
+        part = data[["lateral", "lateral_force"]].sel(body=list(self._model.wheelsets)).load()
+        self._parts = [*self._parts[-2:], part]
+        self._time = until
+        lateral = part["lateral"].to_numpy()
+        self._amplitudes.append(0.5 * float(np.ptp(lateral, axis=0).max()) if len(lateral) else 0.0)
+        frequency = self._frequency()
+        if frequency * self._window < 3.0 and len(self._amplitudes) == 1 and frequency > 0.0:
+            self._window = 4.0 / frequency  # slow running: fewer than three waves say little about the amplitude
+            self._amplitudes.clear()
+
+    def _frequency(self) -> float:
+        lateral = xr.concat([part["lateral"] for part in self._parts], "time")
+        most = int(np.argmax(np.ptp(lateral.to_numpy(), axis=0)))
+        signal = lateral.to_numpy()[:, most]
+        waves = half_waves(lateral["time"].to_numpy(), signal, 0.25 * 0.5 * float(np.ptp(signal)) + 1e-9)
+        if len(waves.duration) < 2:
+            return 0.0
+        return 0.5 * len(waves.duration) / float(waves.duration.sum())
+
+    def _rate(self) -> float:
+        last = self._amplitudes[-4:]
+        if len(last) < 2 or min(last) <= 0.0:
+            return math.nan
+        return float(np.polyfit(self._window * np.arange(len(last)), np.log(last), 1)[0])
+
+    def point(self, speed: float) -> CyclePoint:
+        """What the run ended in."""
+        status = next(name for name, number in _core.status_codes.items() if number == self._code)
+        rate, amplitude = self._rate(), self._amplitudes[-1] if self._amplitudes else 0.0
+        settled = min(self._amplitudes, default=0.0) > 0.0 and is_settled(self._amplitudes, self._window)
+        dying = not settled and rate < -DECAY
+        if status == "ok" and (self._rests or dying or amplitude == 0.0):
+            return CyclePoint(speed, 0.0, rate=rate, settled=not dying or self._rests, duration=self._time)
+        last = self._parts[-1]
+        return CyclePoint(
+            speed=speed,
+            amplitude=amplitude if status == "ok" else math.nan,
+            peak=float(np.abs(last["lateral"]).max()) if last.sizes["time"] else math.nan,
+            frequency=self._frequency() or math.nan,
+            guiding_force=float(np.abs(last["lateral_force"]).max()) if last.sizes["time"] else math.nan,
+            rate=rate,
+            settled=settled,
+            duration=self._time,
+            status=status,
+        )
+
+
+def limit_cycle_table(found: Diagram) -> xr.Dataset:
+    """The diagram as a Dataset over `cycle_point`, first the way up, then the way down, by speed."""
+    points = [("up", p) for p in found.up] + [("down", p) for p in found.down]
+    columns: dict[str, tuple[list[float], str, str]] = {
+        "cycle_speed": ([3.6 * p.speed for _, p in points], "km/h", "running speed"),
+        "cycle_amplitude": (
+            [p.amplitude for _, p in points],
+            "m",
+            "half the range of the lateral displacement of the wheelset that moves most; 0: rest",
+        ),
+        "cycle_peak": ([p.peak for _, p in points], "m", "largest lateral displacement of a wheelset"),
+        "cycle_frequency": ([p.frequency for _, p in points], "Hz", "frequency; NaN at rest"),
+        "cycle_guiding_force": ([p.guiding_force for _, p in points], "N", "largest |Y| of a wheel, unfiltered"),
+        "cycle_rate": ([p.rate for _, p in points], "1/s", "growth rate of the amplitude at the end"),
+        "cycle_settled": ([float(p.settled) for _, p in points], "1", "1: the amplitude had come to stay"),
+        "cycle_duration": ([p.duration for _, p in points], "s", "simulated time"),
+    }
+    variables: dict[str, object] = {
+        name: ("cycle_point", np.array(values, dtype=np.float64), {"units": unit, "long_name": meaning})
+        for name, (values, unit, meaning) in columns.items()
+    }
+    variables["cycle_way"] = (
+        "cycle_point",
+        np.array([way for way, _ in points], dtype=str),
+        {"long_name": "way through the speeds"},
+    )
+    variables["cycle_status"] = (
+        "cycle_point",
+        np.array([p.status for _, p in points], dtype=str),
+        {"long_name": "how the run ended"},
+    )
+    attributes = {
+        "nonlinear_critical_speed_kmh": 3.6 * found.critical,
+        "dies_out_kmh": 3.6 * found.dies_out,
+        "jump_up_kmh": 3.6 * found.jumps,
+        "bifurcation": found.kind,
+        "nonlinear_tolerance_kmh": 3.6 * found.tolerance,
+        "limit_cycles_interrupted": int(found.interrupted),
+    }
+    return xr.Dataset(variables, attrs=attributes)
