@@ -1,0 +1,25 @@
+"""Irregularities of the track: what the two rails deviate from their design position.
+
+published spectrum and seed, measured file -> [RailIrregularity] -> the core's contacts
+"""
+
+from rollerrig.irregularity.errors import IrregularityError
+from rollerrig.irregularity.generate import generate
+from rollerrig.irregularity.measured import MeasuredTrack, measured_irregularity, read_measured_track
+from rollerrig.irregularity.rails import COMPONENTS, Component, RailIrregularity
+from rollerrig.irregularity.spectra import LEVELS, Level, standard_deviation, track_spectrum
+
+__all__ = [
+    "COMPONENTS",
+    "LEVELS",
+    "Component",
+    "IrregularityError",
+    "Level",
+    "MeasuredTrack",
+    "RailIrregularity",
+    "generate",
+    "measured_irregularity",
+    "read_measured_track",
+    "standard_deviation",
+    "track_spectrum",
+]

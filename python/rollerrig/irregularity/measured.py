@@ -1,0 +1,189 @@
+"""Rails from a measured file.
+
+    CSV: one line of column names with units, rows of numbers -> [MeasuredTrack] -> [RailIrregularity]
+
+Columns: `distance`, and either the displacements of both rails, `left_y`, `left_z`, `right_y`, `right_z`, or any of the
+components `alignment`, `vertical`, `cross_level`, `gauge`; one that is not there is zero. A unit follows its name in
+brackets or after an underscore: `distance [m]`, `vertical (mm)`, `left_y_mm`. The gauge is the deviation from the
+nominal one, not the gauge itself.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+from rollerrig.irregularity.errors import IrregularityError
+from rollerrig.irregularity.rails import COMPONENTS, RAILS, FloatArray, RailIrregularity, periodic_spline, rails_of
+
+UNITS = {"m": 1.0, "mm": 1e-3, "km": 1e3, "cm": 1e-2}
+LARGEST = 0.2
+"""Deviation beyond which a unit or a gauge in place of its deviation is suspected [m]."""
+LARGEST_SPACING = 2.0
+"""Spacing of samples beyond which the waves that shake a vehicle are missing [m]."""
+FEWEST_ROWS = 8
+
+_HEADING = re.compile(r"\s*([a-z_]+?)\s*(?:[\[(]\s*([a-z]+)\s*[\])]|_(mm|cm|km|m))?\s*")
+
+
+@dataclass(frozen=True, eq=False)
+class MeasuredTrack:
+    """Samples of a measured track.
+
+    Attributes:
+        path: the file.
+        distance: (n,) ascending [m].
+        rails: by name of RAILS, (n,) displacements [m].
+    """
+
+    path: Path
+    distance: FloatArray
+    rails: Mapping[str, FloatArray]
+
+
+def read_measured_track(path: Path) -> MeasuredTrack:
+    """Read a file of measured rails.
+
+    Raises:
+        IrregularityError: the file is missing or malformed, or its numbers cannot be a track.
+    """
+    try:
+        lines = path.read_text(encoding="utf-8-sig", errors="replace").splitlines()
+    except (OSError, ValueError) as error:
+        reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
+        raise IrregularityError(f"{path}: cannot be read: {reason}") from None
+    numbered = [(i, line.split("#", 1)[0].strip()) for i, line in enumerate(lines, 1)]
+    numbered = [(i, line) for i, line in numbered if line]
+    if not numbered:
+        raise IrregularityError(f"{path}: the file is empty; it begins with a line of column names")
+    names, scales = _heading(path, numbered[0][1])
+    table = _numbers(path, numbered[1:], len(names)) * scales
+    columns = dict(zip(names, table.T, strict=True))
+    distance = columns.pop("distance")
+    _check_distance(path, distance)
+    _check_size(path, columns)
+    if RAILS[0] in columns:
+        rails = columns
+    else:
+        nothing = np.zeros_like(distance)
+        rails = rails_of({name: columns.get(name, nothing) for name in COMPONENTS})
+    return MeasuredTrack(path, distance, rails)
+
+
+def measured_irregularity(
+    track: MeasuredTrack, *, start: float, behind: float, ahead: float, fade_in: float, scale: float = 1.0
+) -> RailIrregularity:
+    """The rails of a measured track, from `behind` the vehicle's start to `ahead` of it.
+
+    Args:
+        track: the samples.
+        start: distance of the file at which the vehicle's frame starts [m].
+        behind: how far behind its start the frame's rails are needed [m].
+        ahead: how far ahead [m].
+        fade_in: see RailIrregularity [m].
+        scale: factor on all displacements.
+
+    Raises:
+        IrregularityError: the file does not reach that far.
+    """
+    first, last = track.distance[0], track.distance[-1]
+    if first > start - behind + 1e-6 or last < start + ahead - 1e-6:
+        raise IrregularityError(
+            f"{track.path}: shorter than the run: it reaches from {first:g} to {last:g} m, the wheels run from "
+            f"{start - behind:.6g} to {start + ahead:.6g} m of it; shorten the run, or give a longer file"
+        )
+    step = float(np.median(np.diff(track.distance)))
+    margin = 3 * step  # beyond the wheels the rails may wrap around
+    count = int(np.ceil((behind + ahead + 2 * margin) / step))
+    period = count * step
+    s = np.arange(count) * step
+    s = np.where(s > ahead + margin, s - period, s)
+    coefficients = {}
+    for rail in RAILS:
+        values = scale * CubicSpline(track.distance, track.rails[rail])(np.clip(s + start, first, last))
+        # de Boor-Fix weights: local, fourth order, so that the wrap is felt nowhere else
+        weights = (-np.roll(values, 1) + 8 * values - np.roll(values, -1)) / 6
+        coefficients[rail] = periodic_spline(weights, step)
+    return RailIrregularity(step, coefficients, fade_in)
+
+
+def _heading(path: Path, line: str) -> tuple[list[str], FloatArray]:
+    """Names of the columns, and what turns each into metres."""
+    allowed = f"distance, and {', '.join(RAILS)} or some of {', '.join(COMPONENTS)}"
+    names: list[str] = []
+    scales: list[float] = []
+    for text in _cells(line):
+        match = _HEADING.fullmatch(text.lower())
+        name, unit = (match[1], match[2] or match[3]) if match else (text, None)
+        if name not in ("distance", *RAILS, *COMPONENTS):
+            raise IrregularityError(f"{path}: unknown column {text.strip()!r}; allowed: {allowed}")
+        if unit not in UNITS:
+            raise IrregularityError(
+                f"{path}: column {text.strip()!r}: no unit; allowed: {', '.join(UNITS)}, as in '{name} [mm]'"
+            )
+        names.append(name)
+        scales.append(UNITS[unit])
+    twice = sorted({name for name in names if names.count(name) > 1})
+    if twice:
+        raise IrregularityError(f"{path}: column {twice[0]} stands there twice")
+    given = set(names) - {"distance"}
+    complete = given == set(RAILS) or (given and given <= set(COMPONENTS))
+    if "distance" not in names or not complete:
+        raise IrregularityError(f"{path}: columns {', '.join(names)}; needed: {allowed}")
+    return names, np.array(scales)
+
+
+def _cells(line: str) -> list[str]:
+    for separator in (";", ",", "\t"):
+        if separator in line:
+            return [cell.strip() for cell in line.split(separator)]
+    return line.split()
+
+
+def _numbers(path: Path, lines: list[tuple[int, str]], columns: int) -> FloatArray:
+    rows = []
+    for number, line in lines:
+        cells = _cells(line)
+        if len(cells) != columns:
+            raise IrregularityError(f"{path}: line {number}: {len(cells)} numbers; the header names {columns} columns")
+        try:
+            row = [float(cell) for cell in cells]
+        except ValueError:
+            raise IrregularityError(f"{path}: line {number}: {line!r} is not a row of numbers") from None
+        if not all(map(math.isfinite, row)):
+            raise IrregularityError(f"{path}: line {number}: {line!r} is not finite; remove or repair the row")
+        rows.append(row)
+    if len(rows) < FEWEST_ROWS:
+        raise IrregularityError(f"{path}: {len(rows)} rows; a measured track has at least {FEWEST_ROWS}")
+    return np.array(rows)
+
+
+def _check_distance(path: Path, distance: FloatArray) -> None:
+    spacing = np.diff(distance)
+    back = int(np.argmax(spacing <= 0))
+    if spacing[back] <= 0:
+        raise IrregularityError(
+            f"{path}: the distance must grow: {distance[back + 1]:g} m follows {distance[back]:g} m"
+        )
+    widest = int(np.argmax(spacing))
+    if spacing[widest] > LARGEST_SPACING:
+        raise IrregularityError(
+            f"{path}: a gap of {spacing[widest]:g} m after distance {distance[widest]:g} m; allowed {LARGEST_SPACING:g} m; "
+            "samples every 0.25 m are usual; is the unit of the distance right?"
+        )
+
+
+def _check_size(path: Path, columns: Mapping[str, FloatArray]) -> None:
+    for name, values in columns.items():
+        largest = float(np.abs(values).max())
+        if largest > LARGEST:
+            hint = "; a deviation from the nominal gauge is meant" if name == "gauge" else "; is its unit right?"
+            raise IrregularityError(
+                f"{path}: column {name}: a deviation of {1e3 * largest:g} mm; allowed {1e3 * LARGEST:g} mm{hint}"
+            )

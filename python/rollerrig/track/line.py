@@ -1,0 +1,156 @@
+"""Straights, transitions and circular curves become curvature and cant over the distance.
+
+    segments in their order, smoothing length -> [build_line] -> Line
+
+A clothoid's curvature and cant grow in proportion to the distance; on a Bloss transition they follow 3 t^2 - 2 t^3,
+t from 0 to 1. A clothoid meets its neighbours in corners, where the roll acceleration of the track would be
+infinite: each corner is rounded by a parabola over the smoothing length, half of it on either side. The corners of
+a transition are rounded by opposite amounts, so that the change of heading is that of the sharp clothoid.
+Equations: docs/theory/track.md.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from rollerrig.track.piecewise import FloatArray, PiecewiseCubic
+
+Shape = Literal["clothoid", "bloss"]
+
+
+@dataclass(frozen=True)
+class Segment:
+    """A piece of the line.
+
+    Attributes:
+        kind: "straight", "transition" or "curve".
+        start: distance at which it begins [m].
+        length: its length [m].
+        curvature: at its start and at its end, positive in a curve to the left [1/m].
+        cant: at its start and at its end, positive where the right rail is the higher one [m].
+        shape: how curvature and cant change on a transition.
+    """
+
+    kind: Literal["straight", "transition", "curve"]
+    start: float
+    length: float
+    curvature: tuple[float, float]
+    cant: tuple[float, float]
+    shape: Shape = "clothoid"
+
+    @property
+    def end(self) -> float:
+        """Distance at which it ends [m]."""
+        return self.start + self.length
+
+
+@dataclass(frozen=True)
+class Line:
+    """Curvature and cant of a track over the distance.
+
+    Attributes:
+        segments: in their order; the first goes on before its start, the last beyond its end.
+        curvature: positive in a curve to the left [1/m].
+        cant: height of the right rail over the left one [m].
+        cant_base: distance over which the cant is measured [m].
+    """
+
+    segments: tuple[Segment, ...]
+    curvature: PiecewiseCubic
+    cant: PiecewiseCubic
+    cant_base: float
+
+    @property
+    def length(self) -> float:
+        """Distance at which the last segment ends [m]."""
+        return self.segments[-1].end
+
+    def heading(self, s: ArrayLike) -> FloatArray:
+        """Angle through which the line has turned since s = 0, positive to the left [rad]."""
+        return self.curvature.integral(s)
+
+    def segment_at(self, s: float) -> int:
+        """Number of the segment at a distance [m], counted from 0."""
+        starts = [segment.start for segment in self.segments]
+        return max(int(np.searchsorted(starts, s, side="right")) - 1, 0)
+
+
+def build_line(segments: Sequence[Segment], smoothing: float, cant_base: float) -> Line:
+    """The line of some segments that join.
+
+    Args:
+        segments: in their order, each beginning where the one before ends, with the same curvature and cant.
+        smoothing: length over which a corner of curvature and cant is rounded [m].
+        cant_base: distance over which the cant is measured [m].
+    """
+    chain = tuple(segments)
+    return Line(
+        chain,
+        _smooth([(s, s.curvature) for s in chain], smoothing),
+        _smooth([(s, s.cant) for s in chain], smoothing),
+        cant_base,
+    )
+
+
+def _smooth(pieces: Sequence[tuple[Segment, tuple[float, float]]], smoothing: float) -> PiecewiseCubic:
+    """The sharp ramps of all pieces, their corners rounded; once continuously differentiable."""
+    sharp = [_ramp(segment, *ends) for segment, ends in pieces]
+    end, last = pieces[-1][0].end, pieces[-1][1][1]
+    rows = PiecewiseCubic(np.array([*sharp, [end, last, 0.0, 0.0, 0.0]]))
+    # slope at the end of one piece, and at the start of the next
+    jumps = [
+        (after[0], after[2] - _slope_at_end(before, segment.length))
+        for before, after, (segment, _) in zip(sharp[:-1], sharp[1:], pieces[:-1], strict=True)
+    ]
+    corners = [(s, jump) for s, jump in jumps if jump != 0.0]
+    half = smoothing / 2
+    knots = {*rows.rows[:, 0], *(s + side for s, _ in corners for side in (-half, half))}
+    return PiecewiseCubic(np.array([_row_at(rows, corners, half, s, after) for s, after in _intervals(sorted(knots))]))
+
+
+def _intervals(knots: list[float]) -> list[tuple[float, float]]:
+    """Start of each piece and a point inside it; beyond the last knot any will do."""
+    return [(a, (a + b) / 2) for a, b in zip(knots, [*knots[1:], knots[-1] + 2.0], strict=True)]
+
+
+def _ramp(segment: Segment, start: float, end: float) -> list[float]:
+    change, length = end - start, segment.length
+    if segment.kind == "transition" and segment.shape == "bloss":
+        return [segment.start, start, 0.0, 3 * change / length**2, -2 * change / length**3]
+    return [segment.start, start, change / length, 0.0, 0.0]
+
+
+def _slope_at_end(row: list[float], length: float) -> float:
+    _, _, c1, c2, c3 = row
+    return 0.0 if c3 else c1 + length * 2 * c2  # a Bloss transition ends level
+
+
+def _row_at(
+    sharp: PiecewiseCubic, corners: Sequence[tuple[float, float]], half: float, start: float, inside: float
+) -> list[float]:
+    """Coefficients about `start` of the sharp function and of the roundings that reach the point `inside`."""
+    s_k, *c = sharp.rows[max(int(np.searchsorted(sharp.rows[:, 0], inside, side="right")) - 1, 0)]
+    if inside < sharp.rows[0, 0]:
+        s_k, c = start, [c[0], 0.0, 0.0, 0.0]
+    t = start - s_k
+    row = [
+        c[0] + t * (c[1] + t * (c[2] + t * c[3])),
+        c[1] + t * (2 * c[2] + t * 3 * c[3]),
+        c[2] + 3 * t * c[3],
+        c[3],
+    ]
+    for corner, jump in corners:
+        if abs(inside - corner) >= half:
+            continue
+        # jump (u + half)^2 / (4 half) in place of jump max(0, u), u = s - corner
+        u = start - corner
+        past = 1.0 if inside > corner else 0.0
+        row[0] += jump * ((u + half) ** 2 / (4 * half) - past * u)
+        row[1] += jump * ((u + half) / (2 * half) - past)
+        row[2] += jump / (4 * half)
+    return [start, *row]
