@@ -17,6 +17,7 @@ from rollerrig.config.case import (
     VehicleChoice,
 )
 from rollerrig.config.errors import ConfigError, ConfigProblem
+from rollerrig.config.irregularity import MeasuredIrregularity, SpectrumIrregularity
 from rollerrig.config.load import (
     case_from_toml,
     load_any,
@@ -27,9 +28,11 @@ from rollerrig.config.load import (
     load_vehicle,
 )
 from rollerrig.config.material import Material
+from rollerrig.config.mounting import AngularSupport, Foundation, LinearSupport, Mounting
 from rollerrig.config.profile import S1002, Arc, Cone, Cylinder, ProfileFile, ProfileSpec, Uic60
 from rollerrig.config.reference import json_schema, reference_markdown
-from rollerrig.config.support import AngularSupport, LinearSupport, Mounting, Rig, Track
+from rollerrig.config.support import Rig
+from rollerrig.config.track import Curve, Straight, Track, Transition
 from rollerrig.config.vehicle import (
     AngularLaw,
     AngularSeriesDamper,
@@ -55,13 +58,16 @@ __all__ = [
     "ConfigError",
     "ConfigProblem",
     "Contact",
+    "Curve",
     "Cut",
     "Cylinder",
     "Disturbance",
     "Element",
+    "Foundation",
     "LinearLaw",
     "LinearSupport",
     "Material",
+    "MeasuredIrregularity",
     "Motion",
     "Mounting",
     "ProfileFile",
@@ -69,9 +75,12 @@ __all__ = [
     "Rig",
     "RollerEffects",
     "SeriesDamper",
+    "SpectrumIrregularity",
+    "Straight",
     "SupportChoice",
     "TimeSettings",
     "Track",
+    "Transition",
     "Uic60",
     "Vehicle",
     "VehicleChoice",

@@ -4,7 +4,8 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 from rollerrig.config.case import Case, Disturbance
-from rollerrig.config.check_profile import check_reach
+from rollerrig.config.check_profile import check_flange_clearance, check_reach
+from rollerrig.config.check_track import check_track
 from rollerrig.config.check_vehicle import labelled, unknown_names
 from rollerrig.config.errors import ConfigProblem, show_value
 from rollerrig.config.vehicle import DIRECTIONS, Vehicle
@@ -33,7 +34,8 @@ def check_case_names(raw: Mapping[str, Any], vehicle: Vehicle, file: str) -> lis
 
 def check_case(case: Case, file: str) -> list[ConfigProblem]:
     """What only a case of valid tables can be asked."""
-    problems = check_reach(case.vehicle.data.wheel, case.support.data, file)
+    wheel, support = case.vehicle.data.wheel, case.support.data
+    problems = check_reach(wheel, support, file) or check_flange_clearance(wheel, support, file)
     bodies = [disturbance.body for disturbance in case.disturbance]
     for disturbance in case.disturbance:
         if bodies.count(disturbance.body) > 1:
@@ -42,6 +44,8 @@ def check_case(case: Case, file: str) -> list[ConfigProblem]:
     if case.support.data.kind == "track" and case.motion.drive != "held":
         allowed = "allowed on a track: 'held', the vehicle's frame moves at motion.speed"
         problems.append(ConfigProblem(file, "motion.drive", show_value(case.motion.drive), allowed))
+    else:
+        problems += check_track(case, file)
     return list(dict.fromkeys(problems))
 
 

@@ -4,11 +4,14 @@ from typing import Literal
 
 from rollerrig.config.errors import ConfigProblem, show_value
 from rollerrig.config.profile import ProfileSpec
-from rollerrig.config.support import Rig, Track
+from rollerrig.config.support import Rig
+from rollerrig.config.track import Track
 from rollerrig.config.vehicle import Wheel
 from rollerrig.profiles import ProfileError, ProfileTable, gauge_point, profile_from_spec
 
 TAPE_CIRCLE = 0.070  # [m] from the flange back to the tape circle, EN 13715
+FLANGE_DEPTH = 0.010  # [m] below the tape circle, where the thickness of a flange is taken, EN 13715
+WIDEST_CLEARANCE = 0.040  # [m] between the flanges of a wheelset and the rails, both sides together
 
 
 def check_profile(
@@ -51,5 +54,25 @@ def check_reach(wheel: Wheel, support: Rig | Track, file: str) -> list[ConfigPro
         f"surface from {low * 1e3:.1f} to {high * 1e3:.1f} mm; check gauge ({support.gauge * 1e3:g} mm) and "
         f"wheel.back_to_back ({wheel.back_to_back * 1e3:g} mm); the wheel spans "
         f"{half_wheel[0] * 1e3:.0f} to {half_wheel[1] * 1e3:.0f} mm about its tape circle"
+    )
+    return [ConfigProblem(file, "support.data.gauge", show_value(support.gauge), allowed)]
+
+
+def check_flange_clearance(wheel: Wheel, support: Rig | Track, file: str) -> list[ConfigProblem]:
+    """The flanges must fit between the rails or rollers, and not stand far inside of them."""
+    table = profile_from_spec(wheel.profile.arguments(), "wheel")
+    flange, radius = table.outline[table.outline[:, 0] < 0].T
+    if radius.max(initial=0.0) < FLANGE_DEPTH:
+        return []  # a wheel without a flange
+    nearest_to_tread = float(flange[radius >= FLANGE_DEPTH].max())
+    across = wheel.back_to_back + 2 * (TAPE_CIRCLE + nearest_to_tread)
+    clearance = support.gauge - across
+    if 0.0 <= clearance <= WIDEST_CLEARANCE:
+        return []
+    what = "rollers" if support.kind == "rig" else "rails"
+    verb = "do not fit between" if clearance < 0 else "stand far inside of"
+    allowed = (
+        f"wheel and rail of different gauge: the flanges, {1e3 * across:.1f} mm across, {verb} the {what}; allowed: a gauge "
+        f"{across:.4g} to {across + WIDEST_CLEARANCE:.4g} m, or another wheel.back_to_back ({1e3 * wheel.back_to_back:g} mm)"
     )
     return [ConfigProblem(file, "support.data.gauge", show_value(support.gauge), allowed)]

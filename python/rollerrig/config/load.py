@@ -29,7 +29,8 @@ from rollerrig.config.resolve import (
     resolve_support,
     resolve_vehicle,
 )
-from rollerrig.config.support import Rig, Track
+from rollerrig.config.support import Rig
+from rollerrig.config.track import Track
 from rollerrig.config.translate import validate
 from rollerrig.config.vehicle import Vehicle
 

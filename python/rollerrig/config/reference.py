@@ -13,7 +13,8 @@ from rollerrig.config.library import CatalogKind
 from rollerrig.config.material import Material
 from rollerrig.config.profile import S1002, Arc, Cone, Cylinder, ProfileFile, Uic60
 from rollerrig.config.resolve import ProfileRoot, SupportRoot
-from rollerrig.config.support import Rig, Track
+from rollerrig.config.support import Rig
+from rollerrig.config.track import Track
 from rollerrig.config.translate import tables_in, tag_of
 from rollerrig.config.units import KEY_SUFFIXES
 from rollerrig.config.vehicle import Vehicle
@@ -164,7 +165,12 @@ def _type(field: FieldInfo, is_quantity: bool) -> str:
         elif origin is dict:
             names.append("tables by name")
         else:
-            plain = {str: "text", bool: "true or false", float: "quantity" if is_quantity else "number"}
+            plain = {
+                str: "text",
+                bool: "true or false",
+                int: "whole number",
+                float: "quantity" if is_quantity else "number",
+            }
             names.append(plain.get(part, "value"))
     return " or ".join(dict.fromkeys(names))
 

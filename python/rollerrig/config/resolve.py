@@ -10,13 +10,15 @@ from typing import Any
 from pydantic import RootModel
 
 from rollerrig.config.check_profile import check_gauge, check_profile
+from rollerrig.config.check_track import check_line, check_measured_file
 from rollerrig.config.check_vehicle import check_vehicle, check_vehicle_names
 from rollerrig.config.errors import ConfigError, ConfigProblem, nearest, show_value
 from rollerrig.config.library import CatalogKind, catalog_names
 from rollerrig.config.material import Material
 from rollerrig.config.profile import AnyProfile
 from rollerrig.config.read import Document, read_document
-from rollerrig.config.support import AnySupport, Rig, Track
+from rollerrig.config.support import AnySupport, Rig
+from rollerrig.config.track import Track
 from rollerrig.config.translate import validate
 from rollerrig.config.vehicle import Vehicle
 
@@ -53,12 +55,16 @@ def resolve_vehicle(document: Document) -> tuple[Vehicle | None, Problems]:
 def resolve_support(document: Document) -> tuple[Rig | Track | None, Problems]:
     """A rig or track from its raw tables."""
     raw, problems = _with_profile(document.raw, document, "profile")
+    if isinstance(raw.get("irregularity"), Mapping):
+        raw["irregularity"] = _absolute(raw["irregularity"], document.folder)
     found, mistakes = validate(SupportRoot, raw, document.file)
     problems += _new(mistakes, problems)
     if found is None or problems:
         return None, problems
     support: Rig | Track = found.root
     problems += check_gauge(support, document.file)
+    problems += check_line(support, document.file)
+    problems += check_measured_file(support, document.file)
     return (None if problems else support), problems
 
 

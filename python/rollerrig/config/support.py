@@ -1,47 +1,17 @@
-"""What the wheels stand on: the rollers of a rig, or a straight track."""
+"""What the wheels stand on: the rollers of a rig, or a track."""
 
 from typing import Annotated, Literal
 
-from pydantic import Discriminator, Field, model_validator
+from pydantic import Discriminator, Field, StrictBool, model_validator
 from pydantic_core import PydanticCustomError
 
 from rollerrig.config.base import Table
+from rollerrig.config.irregularity import AnyIrregularity
+from rollerrig.config.mounting import Mounting
 from rollerrig.config.profile import AnyProfile
-from rollerrig.config.units import (
-    AngularDamping,
-    Damping,
-    Inertia,
-    Mass,
-    PositiveAngularStiffness,
-    PositiveStiffness,
-    Quantity,
-)
+from rollerrig.config.track import Gauge, GaugeDepth, Track
+from rollerrig.config.units import Inertia, Mass, Quantity
 from rollerrig.config.vehicle import Name
-
-Gauge = Annotated[float, Quantity("m", gt=0.1, le=5.0)]
-GaugeDepth = Annotated[float, Quantity("m", gt=0, le=0.05)]
-
-
-class LinearSupport(Table):
-    """Elastic support of a roller axle along one axis."""
-
-    stiffness: PositiveStiffness = Field(description="stiffness")
-    damping: Damping = Field(default=0.0, description="damping")
-
-
-class AngularSupport(Table):
-    """Elastic support of a roller axle about one axis."""
-
-    stiffness: PositiveAngularStiffness = Field(description="stiffness")
-    damping: AngularDamping = Field(default=0.0, description="damping")
-
-
-class Mounting(Table):
-    """How a roller axle is carried; what is absent is rigid."""
-
-    lateral: LinearSupport | None = Field(default=None, description="elastic support along y")
-    vertical: LinearSupport | None = Field(default=None, description="elastic support along z")
-    yaw: AngularSupport | None = Field(default=None, description="elastic support about z")
 
 
 class Rig(Table):
@@ -65,6 +35,15 @@ class Rig(Table):
     mounting: Mounting | None = Field(
         default=None, description="elastic support of the roller axles; absent: they only spin"
     )
+    irregularity: AnyIrregularity | None = Field(
+        default=None,
+        description="irregularities of a track that actuators feed to the wheels by moving the rollers; absent: none",
+    )
+    steered: StrictBool = Field(
+        default=True,
+        description="with an irregularity the rollers also turn about z into the direction of the rail they stand for, as "
+        "real rails do; false: they are only moved sideways and up",
+    )
 
     @model_validator(mode="after")
     def _possible_inertia(self) -> "Rig":
@@ -73,20 +52,6 @@ class Rig(Table):
             allowed = "allowed: a body of revolution, [I, I_spin, I] with I_spin at most 2 I"
             raise PydanticCustomError("at_key", "{allowed}", {"allowed": allowed, "key": "roller_inertia"})
         return self
-
-
-class Track(Table):
-    """A straight, rigid track: the rig's limit of an infinite roller radius."""
-
-    kind: Literal["track"] = Field(description="straight rails")
-    name: Name = Field(description="name of the track")
-    description: str = Field(default="", description="one line about the track")
-    source: str = Field(default="", description="where the data come from")
-    profile: AnyProfile = Field(description="head of the left rail")
-    gauge: Gauge = Field(default=1.435, description="distance between the gauge sides of the two rails")
-    gauge_depth: GaugeDepth = Field(
-        default=0.014, description="depth below the top of rail at which the gauge is taken"
-    )
 
 
 AnySupport = Annotated[Rig | Track, Discriminator("kind")]

@@ -21,6 +21,7 @@ _NAMING_KEYS = ("name", "wheelset", "body")
 _KINDS = {
     "string_type": "allowed: a text",
     "bool_type": "allowed: true or false",
+    "int_type": "allowed: a whole number",
     "tuple_type": "allowed: a list",
     "dict_type": "allowed: a table",
     "string_pattern_mismatch": "allowed: a name of at most 60 letters, digits, _ and -",

@@ -11,7 +11,15 @@ from __future__ import annotations
 
 import numpy as np
 
-from rollerrig.irregularity.rails import COMPONENTS, RAILS, Component, FloatArray, RailIrregularity, periodic_spline, rails_of
+from rollerrig.irregularity.rails import (
+    COMPONENTS,
+    RAILS,
+    Component,
+    FloatArray,
+    RailIrregularity,
+    periodic_spline,
+    rails_of,
+)
 from rollerrig.irregularity.spectra import Level, track_spectrum
 
 KNOTS_PER_WAVE = 12

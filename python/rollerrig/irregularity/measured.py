@@ -77,15 +77,14 @@ def read_measured_track(path: Path) -> MeasuredTrack:
 
 
 def measured_irregularity(
-    track: MeasuredTrack, *, start: float, behind: float, ahead: float, fade_in: float, scale: float = 1.0
+    track: MeasuredTrack, *, start: float, needed: tuple[float, float], fade_in: float, scale: float = 1.0
 ) -> RailIrregularity:
-    """The rails of a measured track, from `behind` the vehicle's start to `ahead` of it.
+    """The rails of a measured track where a run needs them.
 
     Args:
         track: the samples.
-        start: distance of the file at which the vehicle's frame starts [m].
-        behind: how far behind its start the frame's rails are needed [m].
-        ahead: how far ahead [m].
+        start: distance of the file at which the run's distance 0 lies [m].
+        needed: first and last distance of the run at which rails are needed [m]; elsewhere they mean nothing.
         fade_in: see RailIrregularity [m].
         scale: factor on all displacements.
 
@@ -93,17 +92,17 @@ def measured_irregularity(
         IrregularityError: the file does not reach that far.
     """
     first, last = track.distance[0], track.distance[-1]
-    if first > start - behind + 1e-6 or last < start + ahead - 1e-6:
+    low, high = needed
+    if first > start + low + 1e-6 or last < start + high - 1e-6:
         raise IrregularityError(
             f"{track.path}: shorter than the run: it reaches from {first:g} to {last:g} m, the wheels run from "
-            f"{start - behind:.6g} to {start + ahead:.6g} m of it; shorten the run, or give a longer file"
+            f"{start + low:.6g} to {start + high:.6g} m of it; shorten the run, or give a longer file"
         )
     step = float(np.median(np.diff(track.distance)))
-    margin = 3 * step  # beyond the wheels the rails may wrap around
-    count = int(np.ceil((behind + ahead + 2 * margin) / step))
-    period = count * step
-    s = np.arange(count) * step
-    s = np.where(s > ahead + margin, s - period, s)
+    margin = 3 * step  # beyond these the rails wrap around
+    count = max(int(np.ceil((high - low + 2 * margin) / step)), FEWEST_ROWS)
+    lowest = low - margin
+    s = lowest + np.mod(np.arange(count) * step - lowest, count * step)
     coefficients = {}
     for rail in RAILS:
         values = scale * CubicSpline(track.distance, track.rails[rail])(np.clip(s + start, first, last))

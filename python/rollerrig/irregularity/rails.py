@@ -1,9 +1,9 @@
 """Displacements of the two rails as periodic splines, and the four components that engineers speak of.
 
-    alignment    lateral displacement, mean of the two rails, positive to the left
-    vertical     vertical displacement, mean of the two rails, positive upward
-    cross_level  height of the right rail over the left one, as the cant
-    gauge        widening: left rail to the left, right rail to the right
+alignment    lateral displacement, mean of the two rails, positive to the left
+vertical     vertical displacement, mean of the two rails, positive upward
+cross_level  height of the right rail over the left one, as the cant
+gauge        widening: left rail to the left, right rail to the right
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ class RailIrregularity:
     Attributes:
         step: distance of the knots [m].
         coefficients: by name of RAILS, (n, 4) each [m, 1, 1/m, 1/m^2], read-only.
-        fade_in: length from distance 0 on over which they grow to their full size [m].
+        fade_in: length from the foremost wheel's start on over which they grow to their full size [m].
     """
 
     step: float

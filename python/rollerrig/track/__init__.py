@@ -3,7 +3,13 @@
 segments as an engineer lists them -> [line] -> piecewise cubics over the distance -> the core's moving frame
 """
 
-from rollerrig.track.curving import GRAVITY, equilibrium_speed, highest_speed, limit_of_lateral_force, plane_acceleration
+from rollerrig.track.curving import (
+    GRAVITY,
+    equilibrium_speed,
+    highest_speed,
+    limit_of_lateral_force,
+    plane_acceleration,
+)
 from rollerrig.track.line import Line, Segment, build_line
 from rollerrig.track.piecewise import PiecewiseCubic
 

@@ -52,7 +52,9 @@ def highest_speed(curvature: float, cant: float, cant_base: float, limit: float)
     return math.sqrt(max(GRAVITY * math.tan(angle) / abs(curvature), 0.0))
 
 
-def limit_of_lateral_force(height: float, base: float, flange_angle: float, friction: float) -> tuple[float, str]:
+def limit_of_lateral_force(
+    height: float, base: float, flange_angle: float | None, friction: float
+) -> tuple[float, str]:
     """Lateral force per load of a vehicle at which statics ends: it overturns or its flange climbs.
 
     The load moves to the outer rail by the fraction eta = 2 h p / b, and the vehicle overturns at eta = 1. Until then the
@@ -63,13 +65,15 @@ def limit_of_lateral_force(height: float, base: float, flange_angle: float, fric
     Args:
         height: of the centre of mass above the rails [m].
         base: distance between the points of contact [m].
-        flange_angle: largest inclination of the flange [rad].
+        flange_angle: largest inclination of the flange [rad]; None for wheels without one.
         friction: coefficient of friction mu [-].
 
     Returns:
         The limit of p [-], and which of the two it is: "overturning" or "flange climb".
     """
     overturning = base / (2 * height)
+    if flange_angle is None:
+        return overturning, "overturning"
     nadal = (math.tan(flange_angle) - friction) / (1 + friction * math.tan(flange_angle))
     share = 2 - nadal * 2 * height / base
     climb = nadal / share if share > 0 else math.inf

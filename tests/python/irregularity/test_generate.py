@@ -61,7 +61,9 @@ def test_it_repeats_smoothly_after_the_period() -> None:
     for derivative in (0, 1):
         before, after = (road.evaluate("left_z", road.period + side, derivative) for side in (-1e-9, 1e-9))
         assert float(before) == pytest.approx(float(after), abs=1e-9)
-    np.testing.assert_allclose(road.evaluate("left_y", [3.7, -96.3]), road.evaluate("left_y", [503.7, 403.7]), atol=1e-15)
+    np.testing.assert_allclose(
+        road.evaluate("left_y", [3.7, -96.3]), road.evaluate("left_y", [503.7, 403.7]), atol=1e-15
+    )
 
 
 def test_same_seed_same_bytes_other_seed_other_rails() -> None:
