@@ -10,9 +10,13 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from rollerrig import _core
-from rollerrig.config import Case, Rig, Track, Vehicle
+from rollerrig.config import Case, Foundation, LinearSupport, Mounting, Rig, Track, Vehicle
+from rollerrig.config.check_track import distance_run, foremost_wheelset
+from rollerrig.config.irregularity import rails_of_run
 from rollerrig.config.vehicle import DIRECTIONS, AngularLaw, Body, Element, LinearLaw
+from rollerrig.irregularity import RAILS, RailIrregularity
 from rollerrig.profiles import ProfileTable, gauge_point, profile_from_spec
+from rollerrig.track import Line
 
 GROUND = -1
 FLANGE_BACK_TO_TAPE_CIRCLE = 0.070
@@ -42,8 +46,12 @@ class AssembledModel:
     wheels: tuple[WheelInfo, ...]
     wheelsets: tuple[str, ...]
     rollers: tuple[str, ...]
+    rails: tuple[str, ...]
+    """Pieces of rail on an elastic foundation; none where the rails are rigid."""
     held: tuple[str, ...]
     masses: dict[str, float]
+    inertias: dict[str, tuple[float, float, float]]
+    """Principal moments of inertia of each body [kg m^2]."""
     positions: dict[str, tuple[float, float, float]]
     axle_loads: dict[str, float]
     """Static load of each axle: its own weight and what its springs carry in the design position [N]."""
@@ -53,6 +61,10 @@ class AssembledModel:
     rail_profile: ProfileTable
     rail_origin_y: float
     """Lateral position of the highest point of the left rail or roller [m]."""
+    line: Line | None
+    """Curvature and cant of the track; None where it is straight, and on a rig."""
+    irregularity: RailIrregularity | None
+    """Displacements of the rails, or of the rollers that stand for them; None where there are none."""
     breakpoints: tuple[float, ...] = field(default=())
     """Times at which an input has a corner [s]."""
 
@@ -70,7 +82,12 @@ class AssembledModel:
     @property
     def lateral_bodies(self) -> tuple[str, ...]:
         """Vehicle bodies that can move sideways: frames, wheelsets, car body where free."""
-        return tuple(b for b in self.bodies if b not in self.held and b not in self.rollers)
+        return tuple(b for b in self.vehicle_bodies if b not in self.held)
+
+    @property
+    def vehicle_bodies(self) -> tuple[str, ...]:
+        """Bodies of the vehicle, held ones included; no rollers, no rails."""
+        return tuple(b for b in self.bodies if b not in self.rollers and b not in self.rails)
 
 
 def assemble(case: Case) -> AssembledModel:
@@ -95,9 +112,11 @@ class _Assembly:
         self.bodies: list[str] = []
         self.elements: list[str] = []
         self.rollers: list[str] = []
+        self.rails: list[str] = []
         self.wheels: list[WheelInfo] = []
         self.positions: dict[str, tuple[float, float, float]] = {}
         self.masses: dict[str, float] = {}
+        self.inertias: dict[str, tuple[float, float, float]] = {}
         self.roller_of: dict[tuple[str, str], int] = {}
 
     def build(self) -> AssembledModel:
@@ -112,6 +131,10 @@ class _Assembly:
         if isinstance(self.support, Rig):
             for body in wheelsets:
                 self._add_rollers(body, self.support, axle_loads[body.name])
+        elif self.support.foundation is not None:
+            for body in wheelsets:
+                self._add_rails(body, self.support.foundation, axle_loads[body.name])
+        line, irregularity = self._add_way()
         wheel, rail, rail_origin = self._add_contacts(wheelsets)
         breakpoints = self._add_motion()
         return AssembledModel(
@@ -122,14 +145,18 @@ class _Assembly:
             wheels=tuple(self.wheels),
             wheelsets=tuple(b.name for b in wheelsets),
             rollers=tuple(self.rollers),
+            rails=tuple(self.rails),
             held=tuple(self.cut.held),
             masses=self.masses,
+            inertias=self.inertias,
             positions=self.positions,
             axle_loads={b.name: axle_loads[b.name] for b in wheelsets},
             preloads={name: preloads[name] for name in self.elements if name in preloads},
             wheel_profile=wheel,
             rail_profile=rail,
             rail_origin_y=rail_origin,
+            line=line,
+            irregularity=irregularity,
             breakpoints=breakpoints,
         )
 
@@ -149,11 +176,13 @@ class _Assembly:
         axisymmetric: bool,
         locked: list[bool],
         driven_inverse_radius: float,
+        carried: bool = True,
     ) -> int:
         self.bodies.append(name)
         self.positions[name] = position
         self.masses[name] = mass
-        return self.core.add_body(mass, inertia, position, axisymmetric, locked, driven_inverse_radius, True)
+        self.inertias[name] = inertia
+        return self.core.add_body(mass, inertia, position, axisymmetric, locked, driven_inverse_radius, carried)
 
     def _add_element(self, element: Element, preload: float) -> None:
         a, b = (self.bodies.index(name) for name in element.between)
@@ -194,11 +223,24 @@ class _Assembly:
             if mounting is not None:
                 self._mount(name, index, mounting, share * (axle_load + rig.roller_mass * self.core.gravity))
 
-    def _mount(self, name: str, roller: int, mounting: object, load: float) -> None:
-        element = self.core.add_element(GROUND, roller, (0.0, 0.0, 0.0), False, False)
+    def _add_rails(self, wheelset: Body, foundation: Foundation, axle_load: float) -> None:
+        x, mass = wheelset.position[0] - self.cut.origin_x, foundation.rail_mass
+        free = {"y": foundation.lateral is not None, "z": foundation.vertical is not None}
+        locked = [not free.get(direction, False) for direction in DIRECTIONS]
+        number = wheelset.name.removeprefix("wheelset_")
+        for side, sign in (("left", 1.0), ("right", -1.0)):
+            name = f"rail_{number}_{side}"
+            position = (x, sign * self._rail_origin(), 0.0)
+            index = self._add_body(name, mass, (mass, mass, mass), position, False, locked, 0.0, carried=False)
+            self.rails.append(name)
+            self.roller_of[(wheelset.name, side)] = index
+            self._mount(name, index, foundation, 0.5 * axle_load + mass * self.core.gravity)
+
+    def _mount(self, name: str, body: int, mounting: Mounting | Foundation, load: float) -> None:
+        element = self.core.add_element(GROUND, body, (0.0, 0.0, 0.0), False, False)
         self.elements.append(f"mounting_{name}")
         for attribute, direction in (("lateral", "y"), ("vertical", "z"), ("yaw", "yaw")):
-            spring = getattr(mounting, attribute)
+            spring: LinearSupport | None = getattr(mounting, attribute, None)
             if spring is not None:
                 preload = load if direction == "z" else 0.0
                 self.core.set_law(
@@ -249,6 +291,21 @@ class _Assembly:
                 )
                 self.wheels.append(WheelInfo(f"{body.name}_{side}", body.name, side, index))
         return wheel, rail, rail_origin
+
+    def _add_way(self) -> tuple[Line | None, RailIrregularity | None]:
+        """Where the track leads, and where its rails lie."""
+        line = self.support.line if isinstance(self.support, Track) else None
+        if line is not None:
+            self.core.set_line(line.curvature.rows, line.cant.rows, line.cant_base)
+        chosen = self.support.irregularity
+        if chosen is None:
+            return line, None
+        distance = distance_run(self.case.motion, self.case.time.duration)
+        rails = rails_of_run(chosen, foremost_wheelset(self.case), distance)
+        left_y, left_z, right_y, right_z = (rails.coefficients[rail] for rail in RAILS)
+        steered = not isinstance(self.support, Rig) or self.support.steered
+        self.core.set_irregularity(rails.period, rails.step, left_y, left_z, right_y, right_z, rails.fade_in, steered)
+        return line, rails
 
     def _add_motion(self) -> tuple[float, ...]:
         motion = self.case.motion

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rollerrig import _core
-from rollerrig.config import Case, Rig
+from rollerrig.config import Case
 from rollerrig.model import AssembledModel, assemble
 from rollerrig.start import StartError
 
@@ -114,14 +114,8 @@ def at_constant_speed(case: Case, speed: float | None = None) -> Case:
 
 
 def _inertias(model: AssembledModel) -> dict[tuple[str, str], float]:
-    tensors = {body.name: body.inertia for body in model.case.vehicle.data.body}
-    support = model.case.support.data
-    if isinstance(support, Rig):
-        share = model.masses[model.rollers[0]] / support.roller_mass
-        ixx, iyy, izz = support.roller_inertia
-        tensors |= dict.fromkeys(model.rollers, (share * ixx, share * iyy, share * izz))
     return {
         (body, direction): value
         for body, mass in model.masses.items()
-        for direction, value in zip(DIRECTIONS, (mass, mass, mass, *tensors[body]), strict=True)
+        for direction, value in zip(DIRECTIONS, (mass, mass, mass, *model.inertias[body]), strict=True)
     }

@@ -6,12 +6,13 @@ published spectrum and seed, measured file -> [RailIrregularity] -> the core's c
 from rollerrig.irregularity.errors import IrregularityError
 from rollerrig.irregularity.generate import generate
 from rollerrig.irregularity.measured import MeasuredTrack, measured_irregularity, read_measured_track
-from rollerrig.irregularity.rails import COMPONENTS, Component, RailIrregularity
+from rollerrig.irregularity.rails import COMPONENTS, RAILS, Component, RailIrregularity
 from rollerrig.irregularity.spectra import LEVELS, Level, standard_deviation, track_spectrum
 
 __all__ = [
     "COMPONENTS",
     "LEVELS",
+    "RAILS",
     "Component",
     "IrregularityError",
     "Level",

@@ -136,7 +136,7 @@ def _attributes(model: AssembledModel, outcome: Outcome) -> dict[str, Any]:
         "stopped_wheel": outcome.wheel,
         "solver_statistics": json.dumps(_finite(outcome.statistics), sort_keys=True),
         "contact_counters": json.dumps(dict(outcome.counters), sort_keys=True),
-        "vehicle_bodies": json.dumps([b for b in model.bodies if b not in (*model.rollers, *model.held)]),
+        "vehicle_bodies": json.dumps(list(model.lateral_bodies)),
         "sources": json.dumps(sources, ensure_ascii=False, sort_keys=True),
         "config_toml": case.to_toml(),
         "rollerrig_version": __version__,
