@@ -10,7 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from rollerrig import _core
-from rollerrig.config import Case, Foundation, LinearSupport, Mounting, Rig, Track, Vehicle
+from rollerrig.config import AngularSupport, Case, Foundation, LinearSupport, Mounting, Rig, Track, Vehicle
 from rollerrig.config.check_track import distance_run, foremost_wheelset
 from rollerrig.config.irregularity import rails_of_run
 from rollerrig.config.vehicle import DIRECTIONS, AngularLaw, Body, Element, LinearLaw
@@ -240,7 +240,7 @@ class _Assembly:
         element = self.core.add_element(GROUND, body, (0.0, 0.0, 0.0), False, False)
         self.elements.append(f"mounting_{name}")
         for attribute, direction in (("lateral", "y"), ("vertical", "z"), ("yaw", "yaw")):
-            spring: LinearSupport | None = getattr(mounting, attribute, None)
+            spring: LinearSupport | AngularSupport | None = getattr(mounting, attribute, None)
             if spring is not None:
                 preload = load if direction == "z" else 0.0
                 self.core.set_law(
