@@ -66,6 +66,7 @@ def reference() -> list[str]:
     from rollerrig.results import SUMMARY_KEYS
     from rollerrig.studies.conicity import CONICITY_KEYS
     from rollerrig.studies.paper.write import PAPER_KEYS
+    from rollerrig.studies.readings import READINGS_KEYS
     from rollerrig.studies.stability import STABILITY_KEYS
 
     run = simulate(load_case("wheelset_rollers").with_changes({"time.duration": "0.01 s"}))
@@ -74,7 +75,7 @@ def reference() -> list[str]:
         *described("Attributes of a run", "attribute", run.attrs, ATTRIBUTES),
         *described("Counters of the contacts", "counter", json.loads(run.attrs["contact_counters"]), COUNTERS),
         *columns({column: _VARIABLES[variable][1] for column, (variable, _) in _COLUMNS.items()}),
-        *keys("rollerrig run", SUMMARY_KEYS),
+        *keys("rollerrig run", {**SUMMARY_KEYS, **READINGS_KEYS}),
         *keys("rollerrig stability", STABILITY_KEYS),
         *keys("rollerrig conicity", CONICITY_KEYS),
         *keys("rollerrig paper", PAPER_KEYS),

@@ -12,8 +12,8 @@ rates of yaw, roll and pitch, R = R_z(ψ) R_x(φ) R_y(θ) of docs/conventions.md
     ω = ψ' e_z + φ' e_1 + θ' e_2,   e_1 = R_z e_x,   e_2 = R_z R_x e_y
     α = ψ'' e_z + φ'' e_1 + θ'' e_2 + ψ' e_z × φ' e_1 + (ψ' e_z + φ' e_1) × θ' e_2
 
-What the centre feels is recorded, in curves with the uncompensated part. The turning of the track's own frame under the
-body, slower by far than the body's, is left out of ω.
+What the centre feels is recorded, in curves with the uncompensated part. There yaw counts from the direction of the track,
+which turns itself at the rate κ V: ψ' and ψ'' are those of both. The turning of cant is left out, a thousandth of g.
 
 Source: EN 14363:2016 for the points and bands; EN 12299:2009, annex C, and ISO 2631 for the weights.
 """
@@ -64,7 +64,7 @@ def accelerations(run: xr.Dataset, *, floor_height: float | None = None) -> xr.D
             continue
         carriers = _carriers(case, model, body)
         on_wheelsets = any(carrier in model.wheelsets for carrier, _ in carriers)
-        motion = run.sel(body=body)
+        motion = with_turning_track(run.sel(body=body), run, model.positions[body][0])
         points = {f"{body}, centre": (0.0, 0.0, 0.0)}
         for carrier, height in carriers:
             over = model.positions[carrier][0] - model.positions[body][0]
@@ -89,6 +89,24 @@ def accelerations(run: xr.Dataset, *, floor_height: float | None = None) -> xr.D
         {"acceleration": (("time", "point", "direction"), values, attributes)},
         coordinates,
         {"title": run.attrs["title"], "case": run.attrs["case"]},
+    )
+
+
+def with_turning_track(motion: xr.Dataset, run: xr.Dataset, ahead: float) -> xr.Dataset:
+    """The motion of a body with the yaw rate and acceleration of the track's direction under it added.
+
+    Args:
+        motion: the run at one body.
+        run: the run; its curvature is that at the vehicle's reference point.
+        ahead: how far the body is ahead of that point [m].
+    """
+    way, time = run["distance"].to_numpy(), run["time"].to_numpy()
+    if len(time) < 2 or not run["curvature"].any():
+        return motion
+    rate = run["speed"].to_numpy() * np.interp(way + ahead, way, run["curvature"].to_numpy())
+    turning = {"yaw_rate": rate, "yaw_acceleration": np.gradient(rate, time)}
+    return motion.assign(
+        {name: (motion[name].dims, motion[name].to_numpy() + values) for name, values in turning.items()}
     )
 
 

@@ -12,7 +12,9 @@ y = 0 to the amplitude ŷ, and since both sides have the same profiles the four 
     λ(ŷ) = 4 sqrt(e r0) ∫_0^ŷ dy / sqrt(2 [U(ŷ) - U(y)])                            (K2)
     tan γ_e = 2 e r0 (π / λ)^2                                                     (K3)
 
-On rollers Δr is the effective difference, which counts the rollers' radii as well, and x is the way of the surface.
+On rollers Δr is the effective difference, which counts the rollers' radii as well, and x is the way of the surface. With
+the wheel's radius growing by λ_w and the roller's falling by λ_r per shift that is λ_w / r0 + λ_r / R0 = λ_effective / r0. The
+part of the rollers is what they add to the conicity of the same wheels at the same amplitude.
 
 Units   SI. The conicity depends on neither e nor r0; the wavelength does.
 Source  EN 15302:2021, clause 9 and annex E (direct integration of the nonlinear differential equation); EN 15302:2008,
@@ -96,17 +98,25 @@ def conicity_table(shifts: xr.Dataset, amplitudes: Sequence[float]) -> xr.Datase
         amplitudes: [m].
 
     Returns:
-        Over `amplitude`: conicity [-] and wavelength [m], infinite where the conicity is 0. The attribute
-        nonlinearity_per_mm is the `nonlinearity_parameter`, NaN where it does not exist.
+        Over `amplitude`: conicity [-], of_wheels and of_rollers [-], its parts from the radii of the wheels and of the
+        rollers (0 on rails), and wavelength [m], infinite where the conicity is 0. The attribute nonlinearity_per_mm is the
+        `nonlinearity_parameter`, NaN where it does not exist.
     """
     lateral, difference = shifts["lateral"].to_numpy(), shifts["effective_difference"].to_numpy()
     conicity = equivalent_conicity(lateral, difference, amplitudes)
+    of_wheels = equivalent_conicity(lateral, shifts["rolling_radius_difference"].to_numpy(), amplitudes)
     product = shifts.attrs["contact_distance_m"] * shifts.attrs["wheel_radius_m"]
     with np.errstate(divide="ignore"):
         wavelength = math.pi * np.sqrt(2 * product / conicity)  # (K3)
     return xr.Dataset(
         {
             "conicity": ("amplitude", conicity, {"units": "1", "long_name": "equivalent conicity"}),
+            "of_wheels": ("amplitude", of_wheels, {"units": "1", "long_name": "conicity of the wheels' radii alone"}),
+            "of_rollers": (
+                "amplitude",
+                conicity - of_wheels,
+                {"units": "1", "long_name": "what the rollers' radii add to the conicity"},
+            ),
             "wavelength": ("amplitude", wavelength, {"units": "m", "long_name": "wavelength of the kinematic motion"}),
         },
         coords={"amplitude": ("amplitude", np.array(amplitudes), {"units": "m", "long_name": "amplitude"})},

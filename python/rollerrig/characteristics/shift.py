@@ -46,7 +46,7 @@ _VARIABLES = {
     "rail_height": ("m", "height of the head there over its highest point: what the roller's radius gains"),
     "rolling_radius": ("m", "wheel radius at the contact"),
     "contact_angle": ("rad", "inclination of the contact plane, positive as at the flange"),
-    "longitudinal": ("m", "contact ahead of the axle; 0 without yaw"),
+    "longitudinal": ("m", "contact ahead of the wheel's own axle; 0 without yaw"),
 }
 
 _HEIGHT = list(_VARIABLES).index("rail_height")
@@ -247,5 +247,6 @@ def _first_touch(
         return None
     _, lean, upward = patch["direction"]
     angle = np.arctan2(lean if right else -lean, upward)
-    ahead, _, level = patch["point"]
+    along, across, level = patch["point"]
+    ahead = along * math.cos(yaw) + (across - y) * math.sin(yaw)
     return patch["wheel_s"], patch["rail_y"], level, patch["wheel_radius"], float(angle), ahead

@@ -27,6 +27,7 @@ def command(
     ] = "0.5:7:0.1",
     shift_mm: Annotated[float, typer.Option(min=0.1, max=50.0, help="Lateral shift to both sides [mm].")] = 8.0,
     step_mm: Annotated[float, typer.Option(min=0.005, max=1.0, help="Distance of the rows [mm].")] = 0.1,
+    yaw_mrad: Annotated[float, typer.Option(min=-100.0, max=100.0, help="Yaw angle of the wheelset [mrad].")] = 0.0,
     with_roll: Annotated[
         bool, typer.Option("--with-roll", help="Roll the wheelset until both wheels touch; neglected otherwise.")
     ] = False,
@@ -56,6 +57,7 @@ def command(
             largest=1e-3 * shift_mm,
             step=1e-3 * min(step_mm, shift_mm),
             free_to_roll=with_roll,
+            yaw=1e-3 * yaw_mrad,
             **lengths,
         )
     except ValueError as error:

@@ -19,10 +19,13 @@ def characteristics_figure(shifts: Mapping[str, xr.Dataset], conicity: Mapping[s
         shifts: label -> what `shift_table` returns; the first is drawn full, further ones dashed over it.
         conicity: the same labels -> what `conicity_table` returns.
     """
+    first = next(iter(shifts.values()))
+    rolls, yawed = first.attrs["roll"] == "free", first.attrs["yaw_rad"] != 0.0
     with house_style():
-        figure = Figure(figsize=(8.4, 8.6), layout="constrained")
+        rows = 4 if rolls or yawed else 3
+        figure = Figure(figsize=(8.4, 2.9 * rows), layout="constrained")
         FigureCanvasAgg(figure)
-        radii, cone, on_wheel, on_rail, angle, wave = figure.subplots(3, 2).flat
+        radii, cone, on_wheel, on_rail, angle, wave, *further = figure.subplots(rows, 2).flat
         for number, (label, table) in enumerate(shifts.items()):
             style = STYLES[number % len(STYLES)]
             lateral = 1e3 * table["lateral"]
@@ -37,6 +40,10 @@ def characteristics_figure(shifts: Mapping[str, xr.Dataset], conicity: Mapping[s
             amplitude = 1e3 * conicity[label]["amplitude"]
             cone.plot(amplitude, conicity[label]["conicity"], style, color=colour, label=label)
             wave.plot(amplitude, conicity[label]["wavelength"], style, color=colour, label=label)
+            if table.attrs["support"] != "track":
+                cone.plot(
+                    amplitude, conicity[label]["of_rollers"], ":", color=colour, label="part of the rollers' radii"
+                )
         shift, size = "lateral shift to the left [mm]", "amplitude [mm]"
         _finish(radii, shift, "rolling radius difference [mm]", "left less right; on rollers with their own radii")
         _finish(cone, size, "equivalent conicity [-]", "EN 15302, integration of the kinematic motion")
@@ -45,10 +52,33 @@ def characteristics_figure(shifts: Mapping[str, xr.Dataset], conicity: Mapping[s
         _finish(angle, shift, "contact angle [rad]", "positive as at the flange")
         _finish(wave, size, "wavelength [m]", "free wheelset, pure rolling")
         cone.set_ylim(bottom=min(0.0, cone.get_ylim()[0]))
-        first = next(iter(shifts.values()))
+        if rolls:
+            _roll(further.pop(0), shifts)
+        if yawed:
+            _ahead(further.pop(0), shifts)
+        for empty in further:
+            empty.remove()
         gauge, back = 1e3 * first.attrs["gauge_m"], 1e3 * first.attrs["back_to_back_m"]
-        figure.suptitle(f"{first.attrs['title']}: gauge {gauge:g} mm, back-to-back {back:g} mm", fontsize=10)
+        yaw = f", yaw {1e3 * first.attrs['yaw_rad']:g} mrad" if yawed else ""
+        figure.suptitle(f"{first.attrs['title']}: gauge {gauge:g} mm, back-to-back {back:g} mm{yaw}", fontsize=10)
     return figure
+
+
+def _roll(axes: Axes, shifts: Mapping[str, xr.Dataset]) -> None:
+    """Roll angle of a wheelset that touches on both sides."""
+    for number, (label, table) in enumerate(shifts.items()):
+        axes.plot(1e3 * table["lateral"], 1e3 * table["roll"], STYLES[number % 4], color=COLOURS[number], label=label)
+    _finish(axes, "lateral shift to the left [mm]", "roll angle [mrad]", "both wheels touch")
+
+
+def _ahead(axes: Axes, shifts: Mapping[str, xr.Dataset]) -> None:
+    """Longitudinal position of the contacts of a yawed wheelset."""
+    for number, table in enumerate(shifts.values()):
+        for side, colour in zip(("left", "right"), COLOURS, strict=False):
+            ahead = 1e3 * table["longitudinal"].sel(side=side)
+            name = side if number == 0 else None
+            axes.plot(1e3 * table["lateral"], ahead, STYLES[number % 4], color=colour, label=name)
+    _finish(axes, "lateral shift to the left [mm]", "contact ahead of the axle [mm]", "a yawed wheelset")
 
 
 def _finish(axes: Axes, along: str, up: str, note: str) -> None:

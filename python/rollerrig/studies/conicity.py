@@ -30,10 +30,13 @@ CONICITY_KEYS = {
     "back_to_back_mm": "distance between the flange backs [mm]",
     "wheel_radius_mm": "radius at the tape circle [mm]",
     "roll": "'neglected': each wheel is lowered on its own; 'free': the wheelset rolls until both wheels touch",
+    "yaw_mrad": "yaw angle at which the wheelset is shifted [mrad]",
     "method": "how the conicity is computed, and after which standard",
     "supports": "per support, rail and where asked roller, the numbers below",
     "supports.*.roller_radius_mm": "radius at the crown [mm]; null: a rail",
     "supports.*.conicity_3mm": "equivalent conicity at 3 mm of amplitude [-]; null: none, or out of the range",
+    "supports.*.conicity_of_wheels_3mm": "its part from the radii of the wheels [-]; null: none",
+    "supports.*.conicity_of_rollers_3mm": "its part from the radii of the rollers [-], 0 on rails; null: none",
     "supports.*.wavelength_3mm_m": "wavelength of the kinematic motion there [m]",
     "supports.*.nonlinearity_per_mm": "change of the conicity from 2 to 4 mm, per millimetre [1/mm]",
     "supports.*.largest_shift_mm": "end of the table of lateral shifts [mm]",
@@ -79,6 +82,7 @@ def conicity_study(
     largest: float = 8e-3,
     step: float = 0.1e-3,
     free_to_roll: bool = False,
+    yaw: float = 0.0,
     **lengths: float,
 ) -> ConicityStudy:
     """Characteristics of a pair on rails, and on rollers of the same head.
@@ -91,6 +95,7 @@ def conicity_study(
         largest: lateral shift to both sides [m].
         step: distance of the rows [m].
         free_to_roll: see `shift_table`.
+        yaw: see `shift_table` [rad].
         **lengths: gauge, gauge_depth, back_to_back, radius of `pair_case` [m].
 
     Raises:
@@ -100,7 +105,9 @@ def conicity_study(
     cases = {"rail": pair_case(wheel, rail, **lengths)}
     if roller_radius is not None:
         cases[f"roller R = {1e3 * roller_radius:g} mm"] = pair_case(wheel, rail, roller_radius=roller_radius, **lengths)
-    shifts = {name: shift_table(case, largest, step, free_to_roll=free_to_roll) for name, case in cases.items()}
+    shifts = {
+        name: shift_table(case, largest, step, free_to_roll=free_to_roll, yaw=yaw) for name, case in cases.items()
+    }
     conicity = {}
     for name, table in shifts.items():
         end = float(table["lateral"][-1]) * (1 + 1e-12)
@@ -131,6 +138,7 @@ _SIDE_COLUMNS = {
     "rail_abscissa": ("mm", 1e3),
     "rail_height": ("mm", 1e3),
     "contact_angle": ("rad", 1.0),
+    "longitudinal": ("mm", 1e3),
 }
 
 
@@ -152,9 +160,11 @@ def shift_rows(study: ConicityStudy) -> list[list[object]]:
 
 def conicity_rows(study: ConicityStudy) -> list[list[object]]:
     """Table over amplitude, header first."""
-    rows: list[list[object]] = [["support", "amplitude_mm", "equivalent_conicity", "wavelength_m"]]
+    rows: list[list[object]] = [
+        ["support", "amplitude_mm", "equivalent_conicity", "conicity_of_wheels", "conicity_of_rollers", "wavelength_m"]
+    ]
     for label, table in study.conicity.items():
-        columns = (1e3 * table["amplitude"], table["conicity"], table["wavelength"])
+        columns = (1e3 * table["amplitude"], *(table[n] for n in ("conicity", "of_wheels", "of_rollers", "wavelength")))
         rows += [[label, *map(float, values)] for values in zip(*(c.to_numpy() for c in columns), strict=True)]
     return rows
 
@@ -169,6 +179,7 @@ def summary(study: ConicityStudy) -> dict[str, Any]:
         "back_to_back_mm": 1e3 * first["back_to_back_m"],
         "wheel_radius_mm": 1e3 * first["wheel_radius_m"],
         "roll": first["roll"],
+        "yaw_mrad": 1e3 * first["yaw_rad"],
         "method": METHOD,
         "supports": {label: _support(table) for label, table in study.shifts.items()},
         "rollerrig_version": __version__,
@@ -179,13 +190,16 @@ def summary(study: ConicityStudy) -> dict[str, Any]:
 def _support(table: xr.Dataset) -> dict[str, Any]:
     end = float(table["lateral"][-1])
     at = conicity_table(table, [REFERENCE_AMPLITUDE] if end >= REFERENCE_AMPLITUDE else [])
-    conicity, wavelength = (
-        float(at[name][0]) if at.sizes["amplitude"] else np.nan for name in ("conicity", "wavelength")
+    conicity, wheels, rollers, wavelength = (
+        float(at[name][0]) if at.sizes["amplitude"] else np.nan
+        for name in ("conicity", "of_wheels", "of_rollers", "wavelength")
     )
     radius = finite(table.attrs["roller_radius_m"])
     return {
         "roller_radius_mm": None if radius is None else 1e3 * radius,
         "conicity_3mm": finite(conicity),
+        "conicity_of_wheels_3mm": finite(wheels),
+        "conicity_of_rollers_3mm": finite(rollers),
         "wavelength_3mm_m": finite(wavelength),
         "nonlinearity_per_mm": finite(at.attrs["nonlinearity_per_mm"]),
         "largest_shift_mm": round(1e3 * end, 9),
@@ -212,6 +226,9 @@ def lead(study: ConicityStudy) -> str:
             text = "equivalent conicity 0 at 3 mm: the rolling radii do not differ"
         else:
             text = f"equivalent conicity {conicity:.4f} at 3 mm, wavelength {wave:.2f} m"
+            if values["roller_radius_mm"] is not None:
+                wheels, rollers = values["conicity_of_wheels_3mm"], values["conicity_of_rollers_3mm"]
+                text += f"; {wheels:.4f} from the wheels' radii, {rollers:+.4f} from the rollers'"
         lines.append(f"{label}: {text}.")
         if values["ended"]:
             lines.append(f"{label}: {values['ended']}.")
@@ -226,12 +243,13 @@ def report_page(study: ConicityStudy, figure: bytes) -> Page:
     ]
     header = ("support", *(f"{1e3 * a:g} mm" for a in _quoted(next(iter(study.conicity.values())))))
     first = next(iter(study.shifts.values())).attrs
+    yaw = f"yaw {1e3 * first['yaw_rad']:g} mrad" if first["yaw_rad"] else "no yaw"
     texts = [
-        Text(f"Conicity: {METHOD}. Roll of the wheelset: {first['roll']}. Rigid profiles, no yaw."),
+        Text(f"Conicity: {METHOD}. Roll of the wheelset: {first['roll']}. Rigid profiles, {yaw}."),
         Text(
             "A roller's generatrix is the rail's head, so without yaw the wheels touch both in the same points. On rollers "
             "the rolling radius difference counts the rollers' radii as well, Δr - (r0/R0) ΔR, and the wavelength is the "
-            "way of the rollers' surface."
+            "way of the rollers' surface. What the rollers add to the conicity stands beside the wheels' own part."
         ),
     ]
     sections = [
@@ -242,12 +260,29 @@ def report_page(study: ConicityStudy, figure: bytes) -> Page:
                     figure, "Contact characteristics over lateral shift and amplitude; all supports in one picture."
                 ),
                 Table(header, rows, "Equivalent conicity over the amplitude of the motion"),
+                *_parts(study),
                 *texts,
             ],
         ),
         Section("Pair", [Preformatted("the whole configuration", study.case.to_toml())]),
     ]
     return Page(f"Contact characteristics: {first['title']}", lead(study), sections, f"rollerrig {__version__}")
+
+
+def _parts(study: ConicityStudy) -> list[Table]:
+    """The conicity on rollers as the wheels' part and the rollers'; nothing on rails alone."""
+    names = {"of_wheels": "of the wheels", "of_rollers": "of the rollers", "conicity": "together"}
+    tables = []
+    for label, table in study.conicity.items():
+        if study.shifts[label].attrs["support"] == "track":
+            continue
+        header = ("part", *(f"{1e3 * a:g} mm" for a in _quoted(table)))
+        rows = [
+            (words, *(float(table[name].sel(amplitude=a, method="nearest")) for a in _quoted(table)))
+            for name, words in names.items()
+        ]
+        tables.append(Table(header, rows, f"Where the conicity comes from: {label}"))
+    return tables
 
 
 def _quoted(table: xr.Dataset) -> list[float]:

@@ -37,6 +37,8 @@ def rolling(step: float = 1e-3, duration: float = 4.0) -> xr.Dataset:
     attributes = {"config_toml": CASE.to_toml(), "case": "rolling", "title": "rolling"}
     attributes["vehicle_bodies"] = json.dumps(bodies)
     run = xr.Dataset({n: (("time", "body"), v) for n, v in data.items()}, {"time": time, "body": bodies}, attributes)
+    for name in ("distance", "curvature", "speed"):
+        run[name] = ("time", np.zeros_like(time))
     return with_felt(run)
 
 
@@ -92,6 +94,26 @@ def test_a_body_that_leans_feels_gravity() -> None:
     found = accelerations(run)["acceleration"].isel(time=0)
     assert found.sel(direction="lateral").to_numpy() == pytest.approx(GRAVITY * np.sin(0.05))
     assert found.sel(direction="vertical").to_numpy() == pytest.approx(GRAVITY * (np.cos(0.05) - 1))
+
+
+def test_over_its_bogies_a_body_feels_a_transition_sooner_and_later() -> None:
+    """On a clothoid a body that follows the track turns ever faster: its front is pushed inwards first."""
+    speed, growth = 40.0, 2e-5  # 1/R = growth s [1/m^2]
+    run = rolling(duration=2.0).map(np.zeros_like)
+    way = speed * run["time"]
+    run = run.assign(distance=way, curvature=growth * way)
+    centre = np.broadcast_to((speed**2 * growth * way).to_numpy()[:, None], run["roll"].shape)
+    run["felt_lateral_acceleration"] = (("time", "body"), centre)
+    run["speed"] = ("time", np.full(len(way), speed))
+    lateral = accelerations(run)["acceleration"].sel(direction="lateral").isel(time=1000)
+    at = {str(point): float(lateral.sel(point=point)) for point in lateral["point"].to_numpy()}
+    for point, ahead in (
+        ("car_body over front_frame", 9.5),
+        ("car_body, centre", 0.0),
+        ("car_body over rear_frame", -9.5),
+    ):
+        # The acceleration of a point ahead is that of the curvature there.
+        assert at[point] == pytest.approx(speed**2 * growth * (40.0 + ahead), rel=1e-9)
 
 
 def test_a_held_car_body_has_no_points() -> None:

@@ -33,7 +33,11 @@ def outputs(tmp_path_factory: pytest.TempPathFactory) -> list[Path]:
 def test_rail_and_roller_stand_side_by_side(outputs: list[Path]) -> None:
     assert {path.name for path in outputs[0].iterdir()} == FILES
     supports = json.loads((outputs[0] / "summary.json").read_text())["supports"]
-    assert supports["rail"]["conicity_3mm"] < supports["roller R = 500 mm"]["conicity_3mm"]
+    rail, roller = supports["rail"], supports["roller R = 500 mm"]
+    assert rail["conicity_3mm"] < roller["conicity_3mm"]
+    assert roller["conicity_of_wheels_3mm"] == pytest.approx(rail["conicity_3mm"], rel=1e-6)
+    parts = roller["conicity_of_wheels_3mm"] + roller["conicity_of_rollers_3mm"]
+    assert parts == pytest.approx(roller["conicity_3mm"])
     with (outputs[0] / "conicity.csv").open() as lines:
         rows = list(csv.DictReader(lines))
     assert [(row["support"], row["amplitude_mm"]) for row in rows[::4]] == [("rail", "1"), ("roller R = 500 mm", "1")]
@@ -74,3 +78,13 @@ def test_bad_input_is_named(arguments: tuple[str, ...], message: str, tmp_path: 
     done = conicity(*arguments, "--out", tmp_path)
     assert done.exit_code == 2
     assert message in " ".join(done.stderr.replace("│", " ").split())
+
+
+def test_yaw_and_roll_have_their_panels(tmp_path: Path) -> None:
+    done = conicity("s1002", "en_60e1_1_40", "--yaw-mrad", 10, "--with-roll", "--out", tmp_path, *QUICK)
+    assert done.exit_code == 0, done.output
+    assert json.loads((tmp_path / "summary.json").read_text())["yaw_mrad"] == 10.0
+    with (tmp_path / "shift.csv").open() as lines:
+        rows = list(csv.DictReader(lines))
+    assert all(float(row["longitudinal_left_mm"]) * float(row["longitudinal_right_mm"]) < 0 for row in rows)
+    assert "yaw 10 mrad" in (tmp_path / "report.html").read_text()
