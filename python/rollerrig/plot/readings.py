@@ -13,7 +13,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from rollerrig.plot.style import COLOURS, GREY, STYLES, house_style, legend_above, new_figure, wheel_lines
+from rollerrig.plot.style import COLOURS, GREY, STYLES, calm, house_style, legend_above, new_figure, wheel_lines
 
 LIMIT_IN_SIGHT = 2.5
 """A limit up to this many times the largest value is drawn; a further one is only named, and the values fill the axes."""
@@ -30,6 +30,8 @@ def wheel_forces(read: xr.Dataset, along: xr.DataArray) -> Figure:
         figure, (load, guiding) = new_figure(2, height=5.2, sharex=True)
         wheel_lines(load, along, 1e-3 * read["wheel_load"])
         wheel_lines(guiding, along, 1e-3 * read["guiding_force"])
+        calm(load, 1e-1)
+        calm(guiding, 1e-1)
         load.set_ylabel("wheel load Q [kN]")
         guiding.set_ylabel("guiding force Y,\noutwards [kN]")
         _say(load, _filter_of(read["wheel_load"]))
@@ -63,6 +65,7 @@ def track_shifting(read: xr.Dataset, along: xr.DataArray) -> Figure:
             axes.plot(_values(along), _values(force), style, color=COLOURS[number % len(COLOURS)], **_LOOK)
             axes.lines[-1].set_label(_spoken(wheelset))
         axes.set_ylabel("sum of guiding forces ΣY,\nto the left [kN]")
+        calm(axes, 1e-1)
         limit = float(read["guiding_force_sum_limit"].min())
         factor = read.attrs["prudhomme_factor"]
         name = "Prud'homme, " + (f"{factor:g} " if factor != 1.0 else "") + "(10 kN + 2 Q0/3)"
@@ -97,6 +100,7 @@ def accelerations_along(points: xr.Dataset, along: xr.DataArray) -> Figure:
                 colour, style = COLOURS[number % len(COLOURS)], STYLES[number % len(STYLES)]
                 axes.plot(_values(along), _values(values), style, color=colour, label=_spoken(point), **_LOOK)
             axes.set_ylabel(f"{direction} [m/s²]")
+            calm(axes, 1e-3)
         bands = sorted(set(map(str, points["filter"].to_numpy()))) if "filter" in points.coords else []
         _say(panels[0], " and ".join(bands) if bands else "unfiltered")
         return _finished(figure, along, *panels)

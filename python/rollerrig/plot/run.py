@@ -9,7 +9,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from rollerrig.plot.style import COLOURS, STYLES, house_style, legend_above, new_figure, wheel_lines
+from rollerrig.plot.style import COLOURS, STYLES, calm, house_style, legend_above, new_figure, wheel_lines
 
 STEADY = 1e-3
 """A speed that changes by no more than this part is not worth a panel."""
@@ -32,6 +32,8 @@ def motion_over_time(run: xr.Dataset) -> Figure:
         lateral.set_ylabel("lateral [mm]")
         yaw.set_ylabel("yaw [mrad]")
         panels[-1].set_xlabel("time [s]")
+        calm(lateral, 1e-2)
+        calm(yaw, 1e-2)
         legend_above(figure, lateral)
         return figure
 
@@ -47,6 +49,8 @@ def sliding_over_time(run: xr.Dataset) -> Figure:
         sliding.set_ylabel("longitudinal\nsliding [mm/s]")
         place.set_ylabel("contact on\nthe wheel S [mm]")
         place.set_xlabel("time [s]")
+        for axes, least in ((force, 1e-2), (sliding, 1e-2), (place, 1e-1)):
+            calm(axes, least)
         legend_above(figure, force)
         return figure
 

@@ -58,6 +58,14 @@ def new_figure(rows: int = 1, width: float = 7.2, height: float = 3.4, **options
     return figure, list(axes[:, 0])
 
 
+def calm(axes: Axes, least: float) -> None:
+    """Show at least this range: what is rounding is not drawn as motion."""
+    low, high = axes.get_ylim()
+    if high - low < least:
+        middle = 0.5 * (low + high)
+        axes.set_ylim(middle - 0.5 * least, middle + 0.5 * least)
+
+
 def legend_above(figure: Figure, axes: Axes) -> None:
     """One legend above all panels, in as many columns as fit."""
     handles, labels = axes.get_legend_handles_labels()

@@ -59,7 +59,7 @@ def test_a_cylinder_between_flanges_weaves_only_beyond_its_play() -> None:
 
 def test_wavelength_and_nonlinearity() -> None:
     shifts = xr.Dataset(
-        {name: ("lateral", 2 * 0.05 * Y) for name in ("effective_difference", "rolling_radius_difference")},
+        dict.fromkeys(("effective_difference", "rolling_radius_difference"), ("lateral", 2 * 0.05 * Y)),
         {"lateral": Y},
         {"contact_distance_m": 1.5, "wheel_radius_m": 0.46, "title": "cone", "support": "track"},
     )
