@@ -28,9 +28,8 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from rollerrig.analysis.filters import low_pass, sliding_mean
-from rollerrig.config import Case, case_from_toml
-from rollerrig.model import AssembledModel, assemble
-from rollerrig.profiles import ProfileTable
+from rollerrig.analysis.recorded import recorded_vehicle
+from rollerrig.profiles import ProfileTable, profile_from_spec
 
 FORCE_CUTOFF = 20.0
 """Low pass of Y, Q, Y/Q and ΣY [Hz]."""
@@ -81,11 +80,6 @@ def flange_angle(wheel: ProfileTable) -> float:
     return math.atan(float(np.max(-wheel.evaluate(np.minimum(abscissa, high), 1))))
 
 
-def recorded_case(run: xr.Dataset) -> Case:
-    """The case that a run came from, as it stands in the run."""
-    return case_from_toml(run.attrs["config_toml"], str(run.attrs["case"]))
-
-
 def readings(run: xr.Dataset, *, prudhomme_factor: float = PRUDHOMME_FACTOR) -> xr.Dataset:
     """Forces, quotients, unloading and wear number of every wheel of a run, unfiltered.
 
@@ -109,44 +103,40 @@ def readings(run: xr.Dataset, *, prudhomme_factor: float = PRUDHOMME_FACTOR) -> 
         >>> bool(abs(read["guiding_force_sum"]).max() < 1.0)  # centred: both wheels push outwards alike
         True
     """
-    model = assemble(recorded_case(run))
-    sides = _sides(model)
-    variables = _wheel_forces(run, model, sides) | _wear(run)
-    wheelsets = list(model.wheelsets)
-    total = variables["guiding_force"] * sides
-    sums = [total.sel(wheel=[w.name for w in model.wheels if w.wheelset == name]).sum("wheel") for name in wheelsets]
+    recorded = recorded_vehicle(run)
+    wheelsets, loads = recorded.wheelsets, recorded.wheel_loads()
+    wheels = [str(wheel) for wheel in run["wheel"].to_numpy()]
+    sides = xr.DataArray([1.0 if wheel.endswith("_left") else -1.0 for wheel in wheels], {"wheel": wheels}, "wheel")
+    static = xr.DataArray([loads[wheel.rpartition("_")[0]] for wheel in wheels], {"wheel": wheels}, "wheel")
+    variables = _wheel_forces(run, sides, static) | _wear(run)
+    to_the_left = variables["guiding_force"] * sides
+    sums = [to_the_left.sel(wheel=[f"{name}_left", f"{name}_right"]).sum("wheel") for name in wheelsets]
     variables["guiding_force_sum"] = _named(
         xr.concat(sums, xr.DataArray(wheelsets, dims="wheelset", name="wheelset")).transpose("time", "wheelset"),
         "N",
         "sum of guiding forces ΣY on the track, positive to the left",
     )
     variables["distance"] = _named(run["distance"], "m", "distance run")
-    limits = [prudhomme_limit(0.5 * model.axle_loads[name], prudhomme_factor) for name in wheelsets]
+    limits = [prudhomme_limit(loads[name], prudhomme_factor) for name in wheelsets]
     variables["guiding_force_sum_limit"] = _named(
         xr.DataArray(limits, {"wheelset": wheelsets}, "wheelset"), "N", "Prud'homme's limit of ΣY"
     )
-    angle, friction = flange_angle(model.wheel_profile), model.case.contact.friction
-    variables["nadal_limit"] = _named(xr.DataArray(nadal_limit(angle, friction)), "1", "Nadal's limit of Y/Q")
+    angle = flange_angle(profile_from_spec(recorded.vehicle.wheel.profile.arguments(), "wheel"))
+    limit = nadal_limit(angle, recorded.friction)
+    variables["nadal_limit"] = _named(xr.DataArray(limit), "1", "Nadal's limit of Y/Q")
     attributes = {
         "title": run.attrs["title"],
         "case": run.attrs["case"],
         "flange_angle_rad": angle,
-        "friction": friction,
+        "friction": recorded.friction,
         "prudhomme_factor": prudhomme_factor,
     }
     return xr.Dataset(variables, attrs=attributes)
 
 
-def _sides(model: AssembledModel) -> xr.DataArray:
-    """+1 for left wheels, -1 for right ones."""
-    signs = [1.0 if wheel.side == "left" else -1.0 for wheel in model.wheels]
-    return xr.DataArray(signs, {"wheel": [wheel.name for wheel in model.wheels]}, "wheel")
-
-
-def _wheel_forces(run: xr.Dataset, model: AssembledModel, sides: xr.DataArray) -> dict[str, xr.DataArray]:
-    guiding = -run["lateral_force"] * sides  # of the wheel on the rail, outwards
+def _wheel_forces(run: xr.Dataset, sides: xr.DataArray, static: xr.DataArray) -> dict[str, xr.DataArray]:
+    guiding = -run["lateral_force"] * sides  # of the wheel on the rail, outwards; sides: left +1, right -1
     load = run["vertical_force"]
-    static = xr.DataArray([0.5 * model.axle_loads[w.wheelset] for w in model.wheels], sides.coords)
     return {
         "guiding_force": _named(guiding, "N", "guiding force Y on the rail, positive outwards"),
         "wheel_load": _named(load, "N", "wheel load Q on the rail, positive downwards"),

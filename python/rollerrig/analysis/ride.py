@@ -25,9 +25,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from rollerrig.analysis.filters import band_pass, low_pass, sampling_rate
-from rollerrig.analysis.readings import recorded_case
-from rollerrig.config import Case
-from rollerrig.model import AssembledModel, assemble
+from rollerrig.analysis.recorded import GRAVITY, recorded_vehicle
 
 Rows = NDArray[np.float64]
 
@@ -56,26 +54,23 @@ def accelerations(run: xr.Dataset, *, floor_height: float | None = None) -> xr.D
         coordinate `of_body`, and `on_wheelsets` says whether wheelsets carry it. No points if all bodies above the
         wheelsets are held.
     """
-    case = recorded_case(run)
-    model = assemble(case)
+    recorded = recorded_vehicle(run)
     names, bodies, framed, rows = [], [], [], []
-    for body in model.lateral_bodies:
-        if body in model.wheelsets:
-            continue
-        carriers = _carriers(case, model, body)
-        on_wheelsets = any(carrier in model.wheelsets for carrier, _ in carriers)
-        motion = with_turning_track(run.sel(body=body), run, model.positions[body][0])
+    for body in recorded.sprung:
+        x, _, z = recorded.place(body)
+        carriers = recorded.carriers(body)
+        on_wheelsets = any(carrier in recorded.wheelsets for carrier, _ in carriers)
+        motion = with_turning_track(run.sel(body=body), run, x)
         points = {f"{body}, centre": (0.0, 0.0, 0.0)}
         for carrier, height in carriers:
-            over = model.positions[carrier][0] - model.positions[body][0]
             level = height if floor_height is None else floor_height
-            up = 0.0 if on_wheelsets else level - model.positions[body][2]
-            points[f"{body} over {carrier}"] = (over, 0.0, up)
+            arm = (recorded.place(carrier)[0] - x, 0.0, 0.0 if on_wheelsets else level - z)
+            points[f"{body} over {carrier}"] = arm
         for name, arm in points.items():
             names.append(name)
             bodies.append(body)
             framed.append(on_wheelsets)
-            rows.append(_at_point(motion, np.array(arm), model.core.gravity))
+            rows.append(_at_point(motion, np.array(arm)))
     values = np.stack(rows, axis=1) if rows else np.zeros((run.sizes["time"], 0, len(DIRECTIONS)))
     coordinates = {
         "time": run["time"],
@@ -110,19 +105,7 @@ def with_turning_track(motion: xr.Dataset, run: xr.Dataset, ahead: float) -> xr.
     )
 
 
-def _carriers(case: Case, model: AssembledModel, body: str) -> list[tuple[str, float]]:
-    """Bodies that carry a body, front first, and the height [m] at which their springs act on it."""
-    found: dict[str, float] = {}
-    for element in case.vehicle.data.elements_in(case.vehicle.part):
-        if not element.carries_load or body not in element.between:
-            continue
-        other = element.between[1 - element.between.index(body)]
-        if other in model.positions and model.positions[other][2] < model.positions[body][2]:
-            found[other] = element.end_b[2]
-    return sorted(found.items(), key=lambda item: -model.positions[item[0]][0])
-
-
-def _at_point(motion: xr.Dataset, arm: Rows, gravity: float) -> Rows:
+def _at_point(motion: xr.Dataset, arm: Rows) -> Rows:
     """Felt lateral and vertical acceleration, less g, at a point fixed to a body (R4), shape (time, 2) [m/s^2]."""
     roll, pitch, yaw = (motion[name].to_numpy() for name in ("roll", "pitch", "yaw"))
     zero, one = np.zeros_like(roll), np.ones_like(roll)
@@ -144,7 +127,7 @@ def _at_point(motion: xr.Dataset, arm: Rows, gravity: float) -> Rows:
     relative = np.cross(spin_up, rho) + np.cross(turn, np.cross(turn, rho))
     at_centre = np.stack([motion[f"felt_{direction}_acceleration"] for direction in DIRECTIONS], axis=1)
     body_axes = np.stack([e_2, upward], axis=1)  # (time, direction, 3)
-    return np.asarray(at_centre - [0.0, gravity] + np.einsum("tdi,ti->td", body_axes, relative))
+    return np.asarray(at_centre - [0.0, GRAVITY] + np.einsum("tdi,ti->td", body_axes, relative))
 
 
 def ride(points: xr.Dataset) -> xr.Dataset:

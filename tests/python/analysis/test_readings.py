@@ -5,6 +5,7 @@ from __future__ import annotations
 import doctest
 import importlib
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -18,10 +19,10 @@ from rollerrig.analysis.readings import (
     nadal_limit,
     prudhomme_limit,
     readings,
-    recorded_case,
     statistics,
 )
 from rollerrig.model import assemble
+from rollerrig.profiles import profile_from_spec
 
 GRAVITY = 9.81
 
@@ -113,10 +114,10 @@ def test_nadal() -> None:
     assert math.isnan(nadal_limit(math.atan(0.05), 0.3))
 
 
-def test_the_flange_of_s1002_is_as_steep_as_its_definition_says(run: xr.Dataset) -> None:
-    model = assemble(recorded_case(run))
+def test_the_flange_of_s1002_is_as_steep_as_its_definition_says() -> None:
+    wheel = profile_from_spec("s1002", "wheel")
     # EN 13715's straight flank, 1.3 mm long; the spline swings by 2e-4 where the curvature of its arcs jumps.
-    assert flange_angle(model.wheel_profile) == pytest.approx(math.atan(2.747477419), abs=2e-4)
+    assert flange_angle(wheel) == pytest.approx(math.atan(2.747477419), abs=2e-4)
 
 
 def test_prudhomme(read: xr.Dataset) -> None:
@@ -157,6 +158,16 @@ def test_distance_is_the_way_run_on_track_and_on_rollers(run: xr.Dataset, read: 
     )
     rig = rr.simulate(rr.load_case("wheelset_rollers").with_changes({"time.duration": "0.1 s"}))
     assert float(readings(rig)["distance"][-1]) == pytest.approx(0.1 * float(rig["speed"][0]), rel=1e-3)
+
+
+def test_measured_rails_need_not_be_there_any_more(tmp_path: Path) -> None:
+    rails = tmp_path / "rails.csv"
+    rows = [f"{s},{1e-4 * (s % 7)},0,0,0" for s in range(60)]
+    rails.write_text("\n".join(["distance [m],alignment [m],vertical [m],cross_level [m],gauge [m]", *rows]))
+    changes = {"support.irregularity": {"kind": "file", "path": str(rails)}, "time.duration": "0.1 s"}
+    run = rr.simulate(rr.load_case("bogie_track").with_changes(changes))
+    rails.unlink()
+    assert np.isfinite(readings(run)["guiding_force"]).all()
 
 
 def test_the_example_of_the_docstring_runs() -> None:
