@@ -47,7 +47,7 @@ StateMap::StateMap(Model const& model) {
     for (int node : e.node) nodes = std::max(nodes, node + 1);
 }
 
-Dynamics::Dynamics(Model const& model) : model_(&model), map_(model), line_(&model.line) {
+Dynamics::Dynamics(Model const& model) : model_(&model), map_(model) {
   resize(work_);
   resize(dual_);
   patches_.resize(model.contacts.size() * max_patches);
@@ -91,17 +91,6 @@ void Dynamics::resize(Workspace<T>& w) const {
   update_motion(Body{}, w.ground_motion);
 }
 
-void Dynamics::set_line_share(double share) {
-  line_ = &model_->line;
-  forget();
-  if (share == 1.0) return;
-  shared_line_ = model_->line;
-  for (PiecewiseCubic* curve : {&shared_line_.curvature, &shared_line_.cant})
-    for (auto& piece : curve->coefficient)
-      for (double& c : piece) c *= share;
-  line_ = &shared_line_;
-}
-
 void Dynamics::reset_run() {
   counters_ = {};
   failed_contact_ = -1;
@@ -127,17 +116,17 @@ void Dynamics::unpack(double const* x) {
 template <Scalar T>
 void Dynamics::place(Workspace<T>& w, T const& t) const {
   Model const& model = *model_;
-  bool const has_line = on_rails_ && !line_->empty();
+  bool const has_line = on_rails_ && !model.line.empty();
   if (!has_line && model.irregularity.empty()) {
     w.travel = {T(0.0), model.speed.at(t), T(model.speed.rate(value_of(t)))};
     return;
   }
   w.travel = travel_at(model.speed, model.start, t);
   double const s = value_of(w.travel.s);
-  w.curved = has_line && !line_->straight(s + rear_, s + front_);
+  w.curved = has_line && !model.line.straight(s + rear_, s + front_);
   if (w.curved)
     for (std::size_t b = 0; b < model.bodies.size(); ++b)
-      w.frame[b] = track_frame(*line_, w.travel, model.bodies[b].position.x);
+      w.frame[b] = track_frame(model.line, w.travel, model.bodies[b].position.x);
   if (model.irregularity.empty()) return;
   for (std::size_t i = 0; i < model.contacts.size(); ++i) {
     WheelContact const& contact = model.contacts[i];

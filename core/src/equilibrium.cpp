@@ -1,5 +1,6 @@
 #include "rig/system/equilibrium.hpp"
 
+#include <Eigen/LU>
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
@@ -196,25 +197,59 @@ Equilibrium newton(Dynamics& dynamics, double t, std::vector<HeldCoordinate> con
   return result;
 }
 
-/// The equilibrium in a curve, by way of curves that are laid less: straight first, then a growing share of the line.
-void into_the_curve(Dynamics& dynamics, double speed, double t, std::vector<HeldCoordinate> const& held,
-                    Equilibrium& result) {
-  double const smallest = 1.0 / 64.0;
-  dynamics.set_line_share(0.0);
-  auto found = newton(dynamics, t, held, first_guess(dynamics, speed, t, held));
-  for (double share = 0.0, step = 0.25; found.converged && share < 1.0 && step >= smallest;) {
-    double const wanted = std::min(1.0, share + step);
-    dynamics.set_line_share(wanted);
-    auto further = newton(dynamics, t, held, found.x);
-    if (!further.converged) {
-      step *= 0.5;
+/// Lets the system run towards its equilibrium in heavily damped motion: linearly implicit Euler steps, which grow while they
+/// move it little and shrink where they move it far (pseudo-transient continuation: Kelley, Keyes (1998), SIAM J. Numer.
+/// Anal. 35). Goes where Newton's method does not, across contacts that come and go.
+std::vector<double> relaxed(Dynamics& dynamics, double t, std::vector<HeldCoordinate> const& held,
+                            std::vector<double> x) {
+  StateMap const& map = dynamics.map();
+  std::vector<char> fixed(x.size(), 0);
+  auto const fix = [&](int i) {
+    if (i >= 0) fixed[at(i)] = 1;
+  };
+  for (auto const& h : held) {
+    fix(map.coordinate[at(h.body)][at(h.coordinate)]);
+    fix(map.rate[at(h.body)][at(h.coordinate)]);
+  }
+  for (int b = 0; b < static_cast<int>(dynamics.model().bodies.size()); ++b)
+    if (is_roller(dynamics.model(), b)) fix(map.coordinate[at(b)][coord_pitch] < 0 ? map.rate[at(b)][coord_pitch] : -1);
+  std::vector<int> free;
+  for (int i = 0; i < map.states(); ++i)
+    if (!fixed[at(i)]) free.push_back(i);
+
+  auto const n = static_cast<Eigen::Index>(free.size());
+  JacobianData j(dynamics.sizes());
+  Eigen::MatrixXd matrix(n, n);
+  Eigen::VectorXd rates(n);
+  std::vector<double> x_dot(x.size());
+  double h = 1e-3;                   // [s]
+  double const longest = 10.0;       // a step this long is one of Newton's
+  double const largest_move = 1e-3;  // of a coordinate in one step [m, rad]
+  for (int k = 0; k < 500 && h < longest; ++k) {
+    dynamics.derivative(t, x.data(), x_dot.data(), nullptr);
+    dynamics.jacobian(t, x.data(), j);
+    for (Eigen::Index r = 0; r < n; ++r) {
+      rates[r] = x_dot[at(free[static_cast<std::size_t>(r)])];
+      for (Eigen::Index c = 0; c < n; ++c)
+        matrix(r, c) = -j.a(free[static_cast<std::size_t>(r)], free[static_cast<std::size_t>(c)]);
+      matrix(r, r) += 1.0 / h;
+    }
+    Eigen::VectorXd const step = matrix.partialPivLu().solve(rates);
+    double move = 0.0;
+    for (Eigen::Index i = 0; i < n; ++i)
+      if (int const index = free[static_cast<std::size_t>(i)]; index < map.coordinates)
+        move = std::max(move, std::abs(step[i]));
+    if (!step.allFinite() || move > largest_move) {
+      h *= 0.3;
       continue;
     }
-    share = wanted;
-    found = std::move(further);
-    if (share == 1.0) result = found;
+    for (Eigen::Index i = 0; i < n; ++i) x[at(free[static_cast<std::size_t>(i)])] += step[i];
+    h *= move < 0.1 * largest_move ? 2.0 : 1.2;
   }
-  dynamics.set_line_share(1.0);
+  for (std::size_t b = 0; b < map.rate.size(); ++b)
+    for (std::size_t c = 0; c < 6; ++c)
+      if (map.coordinate[b][c] >= 0) x[at(map.rate[b][c])] = 0.0;
+  return x;
 }
 
 }  // namespace
@@ -227,8 +262,9 @@ Equilibrium solve_equilibrium(Dynamics& dynamics, double speed, double t, std::v
     if (auto result = newton(dynamics, t, held, std::move(x)); result.converged) return result;
   }
   auto result = newton(dynamics, t, held, first_guess(dynamics, speed, t, held));
-  if (!result.converged && !dynamics.model().line.empty()) into_the_curve(dynamics, speed, t, held, result);
-  return result;
+  if (result.converged) return result;
+  auto second = newton(dynamics, t, held, relaxed(dynamics, t, held, first_guess(dynamics, speed, t, held)));
+  return second.converged ? second : result;
 }
 
 std::vector<double> static_preloads(std::vector<Body> const& bodies, std::vector<ForceElement> const& elements,

@@ -107,9 +107,6 @@ class Dynamics {
   /// Acceleration of a body's centre of mass and 1 g against gravity, along its own axes: what an accelerometer there feels.
   Vec3<double> felt_acceleration(int body) const;
 
-  /// Takes only a share of the line's curvature and cant, for the way to an equilibrium in a curve; 1: all of it.
-  void set_line_share(double share);
-
  private:
   struct Sweep {
     std::vector<int> bodies;         ///< bodies whose coordinates and rates are seeded
@@ -147,8 +144,6 @@ class Dynamics {
   Workspace<JacobianDual> dual_;
   std::vector<Sweep> sweeps_;
   Sweep time_sweep_;
-  Line const* line_;  ///< the model's, or a share of it
-  Line shared_line_;
   bool on_rails_{false};           ///< some contact is with a rail: the vehicle's frames travel
   double rear_{0.0}, front_{0.0};  ///< places of the last and the first body from the vehicle's reference point [m]
   double foremost_wheel_{0.0};     ///< [m]

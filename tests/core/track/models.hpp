@@ -1,0 +1,102 @@
+// A small vehicle on track for the tests: a frame on two wheelsets, S1002 on UIC60, in a curve with transitions.
+#pragma once
+#include "system/models.hpp"
+
+namespace rig::test {
+
+struct VehicleSetup {
+  double speed = 20.0;         ///< [m/s]
+  double wheelbase = 8.0;      ///< long: the frames of its wheelsets differ
+  bool elastic_rails = false;  ///< each rail on springs under each wheelset
+  double shift = 0.0;          ///< the line, the irregularities and the start moved along by this [m]
+  double side = 1.0;           ///< -1: everything mirrored
+};
+
+/// Curvature 0 to 1/400 m and cant 0 to 120 mm over 40 m from 10 m on, without corners, and back through zero to a reverse
+/// curve without a straight between.
+inline Line curved_line(double shift = 0.0, double side = 1.0) {
+  Line line;
+  auto const add = [shift, side](PiecewiseCubic& curve, double from, double length, double a, double b) {
+    curve.start.push_back(from + shift);
+    double const c = side * (b - a) / (length * length);
+    curve.coefficient.push_back({side * a, 0.0, 3.0 * c, -2.0 * c / length});
+  };
+  for (auto [curve, size] : {std::pair{&line.curvature, 1.0 / 400.0}, std::pair{&line.cant, 0.12}}) {
+    add(*curve, 10.0, 40.0, 0.0, size);
+    add(*curve, 50.0, 30.0, size, size);
+    add(*curve, 80.0, 60.0, size, -size);
+    add(*curve, 140.0, 1.0, -size, -size);
+  }
+  return line;
+}
+
+/// A wave of each rail, no two alike, over 60 m; right and left change places in the mirror.
+inline Irregularity waves(double side = 1.0, double fade_in = 20.0) {
+  // The periodic cubic spline through a sine wave has second derivatives in proportion to it.
+  auto const wave = [](double size, double count, double phase) {
+    double const k = 2.0 * pi * count / 60.0, h = 0.25;
+    double const bend = -6.0 * (2.0 - 2.0 * std::cos(k * h)) / (h * h * (4.0 + 2.0 * std::cos(k * h)));
+    auto const at = [&](int i) { return size * std::sin(k * h * i + phase); };
+    UniformSpline s{0.0, h, {}};
+    for (int i = 0; i < 240; ++i)
+      s.pieces.push_back({at(i), (at(i + 1) - at(i)) / h - h * bend * (2.0 * at(i) + at(i + 1)) / 6.0,
+                          0.5 * bend * at(i), bend * (at(i + 1) - at(i)) / (6.0 * h)});
+    return s;
+  };
+  Irregularity i{
+      60.0, wave(side * 1.5e-3, 4, 0.3), wave(2e-3, 5, 1.1), wave(side * 1.0e-3, 6, 2.0), wave(1.5e-3, 3, 0.7), fade_in,
+      true};
+  if (side < 0.0) {
+    std::swap(i.left_y, i.right_y);
+    std::swap(i.left_z, i.right_z);
+  }
+  return i;
+}
+
+inline std::unique_ptr<Model> vehicle_model(VehicleSetup const& setup) {
+  auto model = wheelset_model({.roller_radius = 0.0, .speed = setup.speed, .lateral_spring = 0.0});
+  auto const contacts = model->contacts;
+  model->contacts.clear();
+  model->bodies[0] = {1800.0, {1000.0, 112.0, 1000.0}, {0.5 * setup.wheelbase, 0.0, 0.46}, true, {}, false};
+  model->bodies.push_back(model->bodies[0]);
+  model->bodies[1].position.x *= -1.0;
+  model->bodies.push_back({9000.0, {4000.0, 30000.0, 32000.0}, {0.0, 0.0, 0.9}, false, {}, false});
+  model->bodies[2].locked[coord_x] = true;  // hauled
+  model->driven_inverse_radius.assign(3, 0.0);
+  int node = 0;
+  for (int wheelset : {0, 1})
+    for (double side : {1.0, -1.0}) {
+      ForceElement e;
+      e.body_a = 2, e.body_b = wheelset;
+      e.r_b = {0.0, side, 0.0};
+      e.law[coord_x] = {.stiffness = 8e6, .series_damping = 15e3, .series_stiffness = 60e6};
+      e.law[coord_y] = {.stiffness = 4e6, .damping = 2e3};
+      e.law[coord_z] = {.preload = -9000.0 * 9.81 / 4.0, .stiffness = 1.2e6, .damping = 4e3};
+      e.law[coord_roll] = {.stiffness = 1e4};
+      e.law[coord_yaw] = {.stiffness = 2e4};
+      e.node[coord_x] = node++;
+      model->elements.push_back(e);
+    }
+  for (int wheelset : {0, 1})
+    for (WheelContact c : contacts) {
+      c.wheelset = wheelset;
+      c.along = model->bodies[static_cast<std::size_t>(wheelset)].position.x;
+      if (setup.elastic_rails) {
+        Body rail{150.0, {1.0, 1.0, 1.0}, {c.along, c.right ? -0.76 : 0.76, 0.0}, false, {}, false, false};
+        rail.locked = {true, false, false, true, true, true};
+        c.roller = static_cast<int>(model->bodies.size());
+        model->bodies.push_back(rail);
+        model->driven_inverse_radius.push_back(0.0);
+        ForceElement e;
+        e.body_a = ground, e.body_b = c.roller;
+        e.law[coord_y] = {.stiffness = 3e7, .damping = 5e4};
+        e.law[coord_z] = {.preload = 150.0 * 9.81, .stiffness = 6e7, .damping = 1e5};
+        model->elements.push_back(e);
+      }
+      model->contacts.push_back(c);
+    }
+  model->start = setup.shift;
+  return model;
+}
+
+}  // namespace rig::test
