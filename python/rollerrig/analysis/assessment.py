@@ -35,6 +35,7 @@ class Assessment:
         readings: what `readings` returns.
         assessed: what `filtered` makes of it, or the unfiltered readings where the run cannot be filtered.
         points: accelerations at points of the bodies, filtered where the run can be.
+        felt: the same, unfiltered.
         weighted: weighted r.m.s. accelerations; None where the run cannot be filtered.
         notes: why something is not filtered, a sentence each.
     """
@@ -42,6 +43,7 @@ class Assessment:
     readings: xr.Dataset
     assessed: xr.Dataset
     points: xr.Dataset
+    felt: xr.Dataset
     weighted: xr.DataArray | None
     notes: tuple[str, ...]
 
@@ -80,18 +82,18 @@ def assess(run: xr.Dataset) -> Assessment:
         run: results of `simulate` or `load_run`.
     """
     notes: list[str] = []
-    read, points = readings(run), accelerations(run)
-    assessed, weighted = read.drop_vars("patch_wear_number"), None
+    read, felt = readings(run), accelerations(run)
+    points, assessed, weighted = felt, read.drop_vars("patch_wear_number"), None
     try:
         assessed = filtered(read)
     except ValueError as cause:
         notes.append(f"Wheel forces are not filtered: {cause}.")
-    if points.sizes["point"]:
+    if felt.sizes["point"]:
         try:
-            points, weighted = ride(points), weighted_rms(points)
+            points, weighted = ride(felt), weighted_rms(felt)
         except ValueError as cause:
             notes.append(f"Accelerations are not filtered: {cause}.")
-    return Assessment(read, assessed, points, weighted, tuple(notes))
+    return Assessment(read, assessed, points, felt, weighted, tuple(notes))
 
 
 def table(assessment: Assessment) -> list[Row]:
@@ -104,11 +106,23 @@ def table(assessment: Assessment) -> list[Row]:
             for place, numbers, limit in _places(values, limits(assessment.assessed, name))
         ]
     for direction in assessment.points["direction"].to_numpy():
-        values = assessment.points["acceleration"].sel(direction=direction, drop=True)
-        filters = values.coords["filter"].to_numpy() if "filter" in values.coords else None
-        for k, (place, numbers, limit) in enumerate(_places(values, {})):
-            done = UNFILTERED if filters is None else str(filters[k])
-            rows.append(Row(f"{direction}_acceleration", place, str(values.attrs["units"]), done, numbers, limit))
+        rows += _acceleration_rows(assessment, str(direction))
+    return rows
+
+
+def _acceleration_rows(assessment: Assessment, direction: str) -> list[Row]:
+    """One direction at all points; a band pass takes the quasi-static value away, so that is the unfiltered signal's."""
+    values, felt = (
+        points["acceleration"].sel(direction=direction, drop=True) for points in (assessment.points, assessment.felt)
+    )
+    filters = values.coords["filter"].to_numpy() if "filter" in values.coords else None
+    rows = []
+    for k, ((place, numbers, limit), (_, before, _)) in enumerate(
+        zip(_places(values, {}), _places(felt, {}), strict=True)
+    ):
+        done = UNFILTERED if filters is None else str(filters[k])
+        numbers = numbers | {"quasi_static": before["quasi_static"]}
+        rows.append(Row(f"{direction}_acceleration", place, str(values.attrs["units"]), done, numbers, limit))
     return rows
 
 

@@ -122,7 +122,7 @@ def line_and_response(run: xr.Dataset, along: xr.DataArray) -> Figure:
             style, colour = STYLES[number % len(STYLES)], COLOURS[number % len(COLOURS)]
             lateral = 1e3 * run["lateral"].sel(body=body)
             panels[-1].plot(_values(along), _values(lateral), style, color=colour, label=_spoken(body), **_LOOK)
-        panels[-1].set_ylabel("lateral\nof the wheelsets [mm]")
+        panels[-1].set_ylabel("wheelsets,\nto the left [mm]")
         return _finished(figure, along, panels[-1], above=panels[:-1])
 
 
@@ -143,6 +143,7 @@ def _layout(axes: Axes, run: xr.Dataset, along: xr.DataArray) -> None:
     other.plot(_values(along), 1e3 * _values(run["cant"]), "--", color=COLOURS[1], **_LOOK)
     other.set_ylabel("cant,\nright rail up [mm]", color=COLOURS[1])
     other.grid(visible=False)
+    other.margins(y=0.3)  # in proportion to each other, as usual, the two would lie on one line
 
 
 def _irregularity(axes: Axes, run: xr.Dataset, along: xr.DataArray) -> None:
@@ -153,7 +154,8 @@ def _irregularity(axes: Axes, run: xr.Dataset, along: xr.DataArray) -> None:
             label = f"{word}, {'left' if wheel.endswith('left') else 'right'}"
             values = 1e3 * _values(run[name].sel(wheel=wheel))
             axes.plot(_values(along), values, style, color=COLOURS[number], label=label, **_LOOK)
-    axes.set_ylabel("irregularity under\nthe foremost\nwheelset [mm]")
+    axes.set_ylabel("irregularity\nof the rails [mm]")
+    _say(axes, f"under {_spoken(_wheelsets(run)[0])}")
     axes.legend(loc="upper right", ncols=4, fontsize=7)
 
 

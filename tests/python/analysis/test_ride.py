@@ -9,6 +9,7 @@ import pytest
 import xarray as xr
 
 import rollerrig as rr
+from rollerrig.analysis.assessment import assess, table
 from rollerrig.analysis.ride import accelerations, ride, weight, weighted_rms
 
 CASE = rr.load_case("bogie_track").with_changes({"vehicle.cut": "vehicle", "time.duration": "0.01 s"})
@@ -122,6 +123,16 @@ def test_a_held_car_body_has_no_points() -> None:
     assert points == ["front_frame, centre", "front_frame over wheelset_1", "front_frame over wheelset_2"]
     alone = rr.load_case("wheelset_rollers").with_changes({"time.duration": "10 ms"})
     assert accelerations(rr.simulate(alone)).sizes["point"] == 0
+
+
+def test_the_quasi_static_acceleration_is_that_before_the_band_pass() -> None:
+    case = CASE.with_changes({"time.duration": "3 s", "time.output_step": "5 ms", "disturbance": []})
+    run = rr.simulate(case)
+    run["felt_lateral_acceleration"] = run["felt_lateral_acceleration"] + 0.65
+    row = next(row for row in table(assess(run)) if row.place == "car_body, centre")
+    assert row.filter == "0.4 to 10 Hz"
+    assert row.statistics["quasi_static"] == pytest.approx(0.65, abs=1e-6)
+    assert row.statistics["largest"] < 1e-3
 
 
 def test_bands_belong_to_the_bodies() -> None:
