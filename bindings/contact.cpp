@@ -32,6 +32,8 @@ nb::dict as_dict(PressedPatch const& p) {
   d["normal"] = p.normal;
   d["share"] = p.share;
   d["peak_pressure"] = p.peak_pressure;
+  d["width"] = p.width;
+  d["area"] = p.area;
   d["point"] = triple(p.point);
   d["direction"] = triple(p.direction);
   d["wheel_radius"] = p.wheel_radius;
@@ -96,6 +98,12 @@ void bind_contact(nb::module_& m) {
             return self.press.touch_height({x, y, 0.0, roll, yaw}, right);
           },
           "x"_a, "y"_a, "yaw"_a, "roll"_a, "right"_a)
+      .def(
+          "patches",
+          [](Press& self, double x, double y, double z, double yaw, double roll, bool right) {
+            return as_list(self.press.patches({x, y, z, roll, yaw}, right));
+          },
+          "x"_a, "y"_a, "z"_a, "yaw"_a, "roll"_a, "right"_a)
       .def(
           "minima",
           [](Press& self, double x, double y, double z, double yaw, double roll, bool right, double reach) {

@@ -90,9 +90,9 @@ void set_law(Model& m, int element, int direction, double preload, double stiffn
 int add_contact(Model& m, int wheelset, int roller, bool rail, double along, bool right, int wheel_profile,
                 int rail_profile, double wheel_radius, double tape_circle_y, double rail_origin_y,
                 double inverse_radius, Triple const& wheelset_from_crown, Triple const& crown_in_roller,
-                double shear_modulus, double poisson_ratio, double friction, std::string const& creep,
-                bool saturate_spin_moment, double normal_damping, double standstill_speed, double merge_barrier,
-                std::array<bool, 4> const& roller_effects) {
+                double shear_modulus, double poisson_ratio, double friction, std::string const& normal,
+                std::string const& creep, bool saturate_spin_moment, double normal_damping, double standstill_speed,
+                double merge_barrier, std::array<bool, 4> const& roller_effects) {
   if (roller == ground && !rail) throw nb::value_error("a contact without a roller is on a rail");
   if (!m.hertz) m.hertz = std::make_shared<HertzTable const>();
   m.kalker_tables.emplace_back(poisson_ratio);
@@ -110,6 +110,14 @@ int add_contact(Model& m, int wheelset, int roller, bool rail, double along, boo
   c.laws.material = {shear_modulus, poisson_ratio};
   c.laws.hertz = m.hertz.get();
   c.laws.kalker = &m.kalker_tables.back();
+  if (normal == "strips") {
+    if (!m.strip_kernel) m.strip_kernel = std::make_shared<StripKernel const>();
+    c.laws.normal = NormalContactKind::strips;
+    c.laws.strip_kernel = m.strip_kernel.get();
+    c.laws.wheel_arc = &m.wheel_arcs.emplace_back(*c.pair.wheel);
+  } else if (normal != "hertz") {
+    throw nb::value_error("unknown normal contact; known: hertz, strips");
+  }
   c.laws.damping.damping = normal_damping;
   if (creep == "kalker_linear")
     c.laws.creep.kind = CreepLawKind::kalker_linear;
@@ -147,8 +155,9 @@ void bind_model(nb::module_& m) {
            "damping_table"_a, "series_damping"_a, "series_stiffness"_a)
       .def("add_contact", &add_contact, "wheelset"_a, "roller"_a, "rail"_a, "along"_a, "right"_a, "wheel_profile"_a,
            "rail_profile"_a, "wheel_radius"_a, "tape_circle_y"_a, "rail_origin_y"_a, "inverse_radius"_a,
-           "wheelset_from_crown"_a, "crown_in_roller"_a, "shear_modulus"_a, "poisson_ratio"_a, "friction"_a, "creep"_a,
-           "saturate_spin_moment"_a, "normal_damping"_a, "standstill_speed"_a, "merge_barrier"_a, "roller_effects"_a)
+           "wheelset_from_crown"_a, "crown_in_roller"_a, "shear_modulus"_a, "poisson_ratio"_a, "friction"_a, "normal"_a,
+           "creep"_a, "saturate_spin_moment"_a, "normal_damping"_a, "standstill_speed"_a, "merge_barrier"_a,
+           "roller_effects"_a)
       .def(
           "add_axle_torque",
           [](Model& model, int wheelset, int reaction, Rows2 const& table) {

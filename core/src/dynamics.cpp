@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "rig/contact/patch_share.hpp"
+#include "rig/contact/wheel_patches.hpp"
 
 namespace rig {
 namespace {
@@ -215,21 +215,23 @@ void Dynamics::apply_contact(Workspace<T>& w, T const& t, int index) {
   RelativePose<T> const& pose = placed.pose;
   ContactMotion<T> const& motion = placed.motion;
   ContactSearch& search = search_[at(index)];
-  if constexpr (std::same_as<T, double>)
-    patch_count_[at(index)] = exhaustive_search ? search.find_all(pose, 0.0) : search.find_indented(pose);
+  if constexpr (std::same_as<T, double>) {
+    if (exhaustive_search)
+      search.find_all(pose, 0.0);
+    else
+      search.find_indented(pose);
+  }
 
   Vec3<T> force{}, on_wheelset{}, on_roller{};  // on_...: moment about the wheelset's centre and about the crown point
-  std::array<ContactPoint<T>, max_patches> points;
-  for (int k = 0; k < search.count(); ++k)
-    points[at(k)] = contact_point(contact.pair, pose, search[k].s, search[k].gradient);
-  auto const share = patch_shares(contact.pair, pose, search, points.data(), contact.laws.merge_barrier);
-  for (int k = 0; k < search.count(); ++k) {
-    auto patch = patch_force(contact.laws, points[at(k)], pose, motion, t);
-    patch.scale(share[at(k)]);
+  WheelPatches<T> patches;
+  int const count = wheel_patches(contact.pair, contact.laws, search, pose, motion, t, patches);
+  if constexpr (std::same_as<T, double>) patch_count_[at(index)] = count;
+  for (int k = 0; k < count; ++k) {
+    auto const& patch = patches[at(k)];
     force += patch.force;
     on_wheelset += cross(patch.point.p - pose.o, patch.force) + patch.moment;
     on_roller += moment_about_crown(contact.laws.roller, patch);
-    w.power[stored_contacts] -= patch.normal.elastic * patch.gap_rate;
+    w.power[stored_contacts] -= patch.elastic_power;
     w.power[dissipated_normal] -= patch.normal.damping * patch.gap_rate;
     w.power[dissipated_creep] += patch.creep_dissipation();
     if constexpr (std::same_as<T, double>) patches_[at(index * max_patches + k)] = patch;
@@ -397,7 +399,7 @@ Status Dynamics::accept(double t, double const* x) {
       counters_.faded += p.share < 1.0;
       counters_.clamped_aspect += !contact.laws.kalker->covers(p.hertz.log_aspect);
       counters_.negative_dissipation += p.creep_dissipation() < -1e-6;
-      if (k > 0) {
+      if (k > 0 && contact.laws.normal == NormalContactKind::hertz) {
         Patch<double> const& left = patch(static_cast<int>(i), k - 1);
         double const distance = std::hypot(p.point.p.y - left.point.p.y, p.point.p.z - left.point.p.z);
         counters_.overlapping += distance < p.b + left.b;

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "rig/contact/patch_share.hpp"
+#include "rig/contact/wheel_patches.hpp"
 
 namespace rig {
 namespace {
@@ -30,6 +30,19 @@ double root_between(F const& f, double low, double high, double resolution) {
   return 0.5 * (low + high);
 }
 
+/// Where a patch lies; the right side is computed in its mirror image.
+void set_place(WheelContact const& contact, double wheel_s, double rail_y, Vec3<double> const& point,
+               Vec3<double> const& direction, PressedPatch& out) {
+  double const side = out.right ? -1.0 : 1.0;
+  auto const profile = contact.pair.wheel->at(wheel_s);
+  out.wheel_s = wheel_s;
+  out.rail_y = rail_y;
+  out.angle = std::atan(profile.slope);
+  out.wheel_radius = contact.pair.wheel_radius + profile.value;
+  out.point = {point.x, side * point.y, point.z};
+  out.direction = {direction.x, side * direction.y, direction.z};
+}
+
 }  // namespace
 
 WheelsetPress::WheelsetPress(WheelContact const& left, WheelContact const& right)
@@ -51,7 +64,7 @@ WheelsetPress::Load WheelsetPress::load_at(WheelsetPosition const& p) {
   Load load{0.0, 0.0};
   for (bool right : {false, true}) {
     auto const at = pose(p, right);
-    for (auto const& patch : pressed_patches(p, right)) {
+    for (auto const& patch : patches(p, right)) {
       Vec3<double> const force = patch.normal * patch.direction;
       Vec3<double> const arm = patch.point - Vec3<double>{at.o.x, p.y + contact_[0]->wheelset_from_crown.y, 0.0};
       load.vertical += force.z;
@@ -70,24 +83,20 @@ PressedPatch WheelsetPress::patch_of(WheelsetPosition const& p, bool right, GapM
   double const depth = std::max(0.0, -point.gap);
   PressedPatch out;
   out.right = right;
-  out.wheel_s = point.wheel_s;
-  out.rail_y = point.rail_y;
-  out.angle = std::atan(contact.pair.wheel->at(point.wheel_s).slope);
   out.a = hertz.a_per_root * std::sqrt(depth);
   out.b = hertz.b_per_root * std::sqrt(depth);
   out.approach = -point.gap;
   out.normal = hertz.stiffness * depth * std::sqrt(depth);
-  out.peak_pressure = depth > 0.0 ? 1.5 * out.normal / (pi * out.a * out.b) : 0.0;
-  double const side = right ? -1.0 : 1.0;
-  out.point = {point.p.x, side * point.p.y, point.p.z};
-  out.direction = {point.n.x, side * point.n.y, point.n.z};
-  out.wheel_radius = contact.pair.wheel_radius + contact.pair.wheel->at(point.wheel_s).value;
+  out.area = pi * out.a * out.b;
+  out.width = 2.0 * out.b;
+  out.peak_pressure = depth > 0.0 ? 1.5 * out.normal / out.area : 0.0;
+  set_place(contact, point.wheel_s, point.rail_y, point.p, point.n, out);
   out.limited = hertz.limited;
   return out;
 }
 
 /// The indented minima of one side, each with the share of its force that counts.
-std::vector<PressedPatch> WheelsetPress::pressed_patches(WheelsetPosition const& p, bool right) {
+std::vector<PressedPatch> WheelsetPress::hertz_patches(WheelsetPosition const& p, bool right) {
   WheelContact const& contact = *contact_[right];
   ContactSearch& search = search_[right];
   auto const at = pose(p, right);
@@ -103,6 +112,33 @@ std::vector<PressedPatch> WheelsetPress::pressed_patches(WheelsetPosition const&
     list.back().normal *= list.back().share;
   }
   return list;
+}
+
+/// What overlaps on one side, as strips.
+std::vector<PressedPatch> WheelsetPress::strip_patches(WheelsetPosition const& p, bool right) {
+  WheelContact const& contact = *contact_[right];
+  ContactSearch& search = search_[right];
+  auto const at = pose(p, right);
+  search.find_indented(at);
+  ContactLaws const& laws = contact.laws;
+  auto const found =
+      strip_contact(contact.pair, {laws.strip_kernel, laws.hertz, laws.wheel_arc}, laws.material, at, search);
+  std::vector<PressedPatch> list;
+  for (std::size_t k = 0; k < static_cast<std::size_t>(found.count); ++k) {
+    auto const& patch = found.patch[k];
+    PressedPatch out;
+    out.right = right;
+    out.a = patch.a, out.b = patch.b, out.area = pi * patch.a * patch.b;
+    out.approach = patch.approach, out.width = patch.width, out.peak_pressure = patch.peak_pressure;
+    out.share = patch.share, out.normal = patch.share * patch.normal;
+    set_place(contact, patch.wheel_s, patch.rail_y, patch.point, patch.direction, out);
+    list.push_back(out);
+  }
+  return list;
+}
+
+std::vector<PressedPatch> WheelsetPress::patches(WheelsetPosition const& p, bool right) {
+  return contact_[right]->laws.normal == NormalContactKind::strips ? strip_patches(p, right) : hertz_patches(p, right);
 }
 
 std::vector<PressedPatch> WheelsetPress::minima(WheelsetPosition const& position, bool right, double reach) {
@@ -170,7 +206,7 @@ PressedWheelset WheelsetPress::press(WheelsetPosition p, double load, bool free_
   result.converged = std::abs(reached.vertical - load) < 1e-6 * load + 1e-6 &&
                      (!free_to_roll || std::abs(reached.roll_moment) < 1e-5 * load);
   for (bool right : {false, true})
-    for (auto const& patch : pressed_patches(p, right)) result.patches.push_back(patch);
+    for (auto const& patch : patches(p, right)) result.patches.push_back(patch);
   return result;
 }
 

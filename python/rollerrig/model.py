@@ -282,6 +282,7 @@ class _Assembly:
                     shear_modulus=contact.material.shear_modulus,
                     poisson_ratio=contact.material.poisson_ratio,
                     friction=contact.friction,
+                    normal=contact.normal,
                     creep=contact.creep,
                     saturate_spin_moment=contact.saturate_spin_moment,
                     normal_damping=contact.normal_damping,

@@ -61,6 +61,7 @@ def add_wheels(
     shear_modulus: float = SHEAR_MODULUS,
     normal_damping: float = 1e5,
     merge_barrier: float = 0.0,
+    normal: str = "hertz",
 ) -> tuple[int, int]:
     """Adds the left and the right contact of one wheelset; rollers -1 are rails."""
     wheel_index = core.add_profile(wheel.start, wheel.step, wheel.coefficients)
@@ -83,6 +84,7 @@ def add_wheels(
             shear_modulus=shear_modulus,
             poisson_ratio=POISSON_RATIO,
             friction=friction,
+            normal=normal,
             creep="kalker_saturated",
             saturate_spin_moment=False,
             normal_damping=normal_damping,
@@ -95,19 +97,19 @@ def add_wheels(
     return left, right
 
 
-def benchmark_press(roller_radius: float | None, merge_barrier: float = 0.0) -> _core.WheelsetPress:
+def benchmark_press(roller_radius: float | None, normal: str = "hertz") -> _core.WheelsetPress:
     """The wheelset of the Manchester contact benchmark on its rails, or on rollers of the rails' head."""
     wheel, rail = profile_from_spec("s1002", "wheel"), profile_from_spec("uic60_benchmark_1_40", "rail")
-    return press_of(wheel, rail, roller_radius, rail_origin(rail), merge_barrier)
+    return press_of(wheel, rail, roller_radius, rail_origin(rail), normal)
 
 
 def press_of(
-    wheel: ProfileTable, rail: ProfileTable, roller_radius: float | None, origin: float, merge_barrier: float = 0.0
+    wheel: ProfileTable, rail: ProfileTable, roller_radius: float | None, origin: float, normal: str = "hertz"
 ) -> _core.WheelsetPress:
     """A wheelset of radius 460 mm and these profiles, ready to be pressed down."""
     core = _core.Model()
     core.add_body(2000.0, (1000.0, 100.0, 1000.0), (0.0, 0.0, 0.46), True, [False] * 6, 0.0, True)
-    left, right = add_wheels(core, 0, (-1, -1), wheel, rail, roller_radius, origin, merge_barrier=merge_barrier)
+    left, right = add_wheels(core, 0, (-1, -1), wheel, rail, roller_radius, origin, normal=normal)
     return _core.WheelsetPress(core, left, right)
 
 

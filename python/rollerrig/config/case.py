@@ -76,15 +76,19 @@ class Contact(Table):
         default="kalker_saturated",
         description="tangential force: Kalker's linear theory, without or with saturation by friction",
     )
-    normal: Literal["hertz"] = Field(default="hertz", description="normal force: Hertz, exact elliptic integrals")
+    normal: Literal["hertz", "strips"] = Field(
+        default="hertz",
+        description="normal force: Hertz' ellipse at each indented minimum of the gap, or elastic strips over all that "
+        "overlaps, for patches that are no ellipses",
+    )
     normal_damping: Damping = Field(default=1e5, description="damping of the normal force while the surfaces approach")
     standstill_speed: Annotated[float, Quantity("m/s", gt=0)] = Field(
         default=0.1, description="V_s in the rolling speed sqrt(V^2 + V_s^2) that creepages are divided by"
     )
     merge_barrier: Annotated[float, Quantity("1", ge=0, le=1)] = Field(
         default=0.01,
-        description="two indented dips of the gap hand over smoothly once the rise between them is below this fraction of "
-        "the approach; 0: the paper's bare rule, patches appear and vanish at full force",
+        description="for normal = 'hertz': two indented dips of the gap hand over smoothly once the rise between them is "
+        "below this fraction of the approach; 0: the paper's bare rule, patches appear and vanish at full force",
     )
     saturate_spin_moment: StrictBool = Field(
         default=False, description="scale the spin moment like the force; the paper does not"

@@ -46,7 +46,7 @@ def test_a_creep_law_that_does_not_exist_is_refused() -> None:
     profile = core.add_profile(-0.01, 0.002, flat)
     with pytest.raises(ValueError, match="kalker_linear, kalker_saturated"):
         core.add_contact(0, -1, True, 0.0, False, profile, profile, 0.46, 0.75, 0.75, 0.0, (0.0, 0.0, 0.46), (0.0, 0.0, 0.0),
-                         8e10, 0.28, 0.3, "coulomb", False, 1e5, 0.1, 0.0, [True] * 4)  # fmt: skip
+                         8e10, 0.28, 0.3, "hertz", "coulomb", False, 1e5, 0.1, 0.0, [True] * 4)  # fmt: skip
 
 
 def test_an_item_that_does_not_exist_is_refused() -> None:

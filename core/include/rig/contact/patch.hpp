@@ -13,10 +13,22 @@
 
 namespace rig {
 
+class ArcLength;
+class StripKernel;
+
+/// How the surfaces carry normal load.
+enum class NormalContactKind : int {
+  hertz,  ///< one ellipse per indented minimum of the gap: the paper's
+  strips  ///< elastic strips over everything that overlaps, contact/strip_contact.hpp
+};
+
 /// What a contact is made of.
 struct ContactLaws {
   Material material{};
+  NormalContactKind normal{NormalContactKind::hertz};
   HertzTable const* hertz{nullptr};
+  StripKernel const* strip_kernel{nullptr};  ///< both for NormalContactKind::strips
+  ArcLength const* wheel_arc{nullptr};
   KalkerTable const* kalker{nullptr};
   NormalDamping damping{};
   CreepLaw creep{};
@@ -50,7 +62,9 @@ struct Patch {
   CreepForce<T> creep;    ///< eqs (20)-(24)
   T share{1.0};           ///< of the force that counts, contact/patch_share.hpp
   Vec3<T> force;          ///< on the wheel, b components [N]
-  Vec3<T> moment;         ///< spin moment on the wheel, b components [N m]
+  Vec3<T> moment;   ///< on the wheel about the point, b components [N m]: spin moment, and of the pressures' normals
+  T elastic_power;  ///< of the elastic pressures on the relative motion [W]
+  T peak_pressure;  ///< [Pa]
 
   T creep_dissipation() const {
     return -(creep.longitudinal * slip_longitudinal + creep.lateral * slip_lateral + creep.spin_moment * spin_rate);
@@ -63,6 +77,7 @@ struct Patch {
     creep = {factor * creep.longitudinal, factor * creep.lateral, factor * creep.spin_moment, creep.saturation};
     force = factor * force;
     moment = factor * moment;
+    elastic_power = factor * elastic_power;
   }
 };
 
@@ -95,10 +110,13 @@ Vec3<T> moment_about_crown(RollerEffects const& effects, Patch<T> const& patch) 
   return moment;
 }
 
-/// @param time  [s], handed to the friction law
-template <Scalar T>
-Patch<T> patch_force(ContactLaws const& laws, ContactPoint<T> const& point, RelativePose<T> const& pose,
-                     ContactMotion<T> const& motion, T const& time) {
+/// Creepages and forces of a patch whose normal contact is filled in by `carry`.
+///
+/// @param time   [s], handed to the friction law
+/// @param carry  gets the patch with point and gap rate; sets hertz, a, b, normal, peak_pressure
+template <Scalar T, class Carry>
+Patch<T> patch_carried(ContactLaws const& laws, ContactPoint<T> const& point, RelativePose<T> const& pose,
+                       ContactMotion<T> const& motion, T const& time, Carry const& carry) {
   using std::sqrt;
   Patch<T> patch;
   patch.point = point;
@@ -115,14 +133,7 @@ Patch<T> patch_force(ContactLaws const& laws, ContactPoint<T> const& point, Rela
   patch.slip_lateral = dot(v, t);
   patch.spin_rate = dot(relative_turning(laws.roller, motion), n);
 
-  // Hertz: curvatures to ellipse, stiffness and normal force.
-  T const d1 = 0.5 * (point.wheel_curvature_along + point.rail_curvature_along);    // (14)
-  T const d2 = 0.5 * (point.wheel_curvature_across + point.rail_curvature_across);  // (14)
-  patch.hertz = hertz_contact(*laws.hertz, laws.material, d1, d2);                  // (13), (16)
-  T const root_depth = sqrt(select(point.gap < 0.0, -point.gap, T(1e-30)));
-  patch.a = patch.hertz.a_per_root * root_depth;  // (17), (18)
-  patch.b = patch.hertz.b_per_root * root_depth;
-  patch.normal = normal_force(laws.damping, patch.hertz.stiffness, point.gap, patch.gap_rate);  // (12)
+  carry(patch);
   T const load = patch.normal.total();
 
   // Rolling speed: mean of wheel and roller surface speed past the contact point, which travels with the wheelset.
@@ -139,7 +150,27 @@ Patch<T> patch_force(ContactLaws const& laws, ContactPoint<T> const& point, Rela
   patch.creep = creep_force(laws.creep, patch.creepage, stiffness, adhesion);             // (20), (23), (24)
   patch.force = load * n + patch.creep.longitudinal * i + patch.creep.lateral * t;
   patch.moment = patch.creep.spin_moment * n;
+  patch.elastic_power = patch.normal.elastic * patch.gap_rate;
   return patch;
+}
+
+/// A patch of the paper: Hertz' ellipse at one contact point.
+///
+/// @param time  [s], handed to the friction law
+template <Scalar T>
+Patch<T> patch_force(ContactLaws const& laws, ContactPoint<T> const& point, RelativePose<T> const& pose,
+                     ContactMotion<T> const& motion, T const& time) {
+  return patch_carried(laws, point, pose, motion, time, [&](Patch<T>& patch) {
+    using std::sqrt;
+    T const d1 = 0.5 * (point.wheel_curvature_along + point.rail_curvature_along);    // (14)
+    T const d2 = 0.5 * (point.wheel_curvature_across + point.rail_curvature_across);  // (14)
+    patch.hertz = hertz_contact(*laws.hertz, laws.material, d1, d2);                  // (13), (16)
+    T const root_depth = sqrt(select(point.gap < 0.0, -point.gap, T(1e-30)));
+    patch.a = patch.hertz.a_per_root * root_depth;  // (17), (18)
+    patch.b = patch.hertz.b_per_root * root_depth;
+    patch.normal = normal_force(laws.damping, patch.hertz.stiffness, point.gap, patch.gap_rate);  // (12)
+    patch.peak_pressure = 1.5 / pi * patch.normal.elastic / (patch.a * patch.b);
+  });
 }
 
 }  // namespace rig

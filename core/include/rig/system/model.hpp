@@ -9,6 +9,8 @@
 
 #include "rig/body/force_element.hpp"
 #include "rig/contact/patch.hpp"
+#include "rig/contact/strip_kernel.hpp"
+#include "rig/geometry/interpenetration.hpp"
 #include "rig/track/irregularity.hpp"
 #include "rig/track/line.hpp"
 
@@ -60,6 +62,8 @@ struct Model {
   std::deque<UniformSpline> profiles;
   std::deque<KalkerTable> kalker_tables;
   std::shared_ptr<HertzTable const> hertz;
+  std::shared_ptr<StripKernel const> strip_kernel;
+  std::deque<ArcLength> wheel_arcs;
 };
 
 /// Where each body's coordinates stand in x = [coordinates, rates, element nodes], and what z holds.

@@ -23,8 +23,10 @@ struct PressedPatch {
   double angle{0.0};                     ///< contact angle: slope of the wheel profile as an angle, EN sense [rad]
   double a{0.0}, b{0.0}, approach{0.0};  ///< [m]
   double normal{0.0};                    ///< [N]
-  double share{1.0};                     ///< of the Hertz force that counts, contact/patch_share.hpp
+  double share{1.0};                     ///< that counts: contact/patch_share.hpp, contact/strip_contact.hpp
   double peak_pressure{0.0};             ///< [Pa]
+  double width{0.0};                     ///< across the rolling direction [m]
+  double area{0.0};                      ///< [m^2]
   Vec3<double> point{}, direction{};     ///< on the roller and normal, b frame, not mirrored
   double wheel_radius{0.0};              ///< rolling radius at the contact [m]
   bool limited{false};                   ///< curvatures outside Hertz' theory
@@ -48,7 +50,10 @@ class WheelsetPress {
   /// Height z at which the wheel of one side just touches, all else as given [m].
   double touch_height(WheelsetPosition position, bool right);
 
-  /// All minima of the gap closer than `reach` in one side, as patches with negative approach where open.
+  /// The patches of one side with the normal contact the case asks for.
+  std::vector<PressedPatch> patches(WheelsetPosition const& position, bool right);
+
+  /// All minima of the gap closer than `reach` in one side, as Hertz patches with negative approach where open.
   std::vector<PressedPatch> minima(WheelsetPosition const& position, bool right, double reach);
 
  private:
@@ -57,7 +62,8 @@ class WheelsetPress {
   };
   RelativePose<double> pose(WheelsetPosition const& p, bool right) const;
   Load load_at(WheelsetPosition const& p);
-  std::vector<PressedPatch> pressed_patches(WheelsetPosition const& p, bool right);
+  std::vector<PressedPatch> hertz_patches(WheelsetPosition const& p, bool right);
+  std::vector<PressedPatch> strip_patches(WheelsetPosition const& p, bool right);
   double height_for(WheelsetPosition p, double load);
   PressedPatch patch_of(WheelsetPosition const& p, bool right, GapMinimum const& root) const;
 

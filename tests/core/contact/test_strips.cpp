@@ -1,0 +1,162 @@
+// Contact without ellipses: Hertz as a special case, derivatives, smoothness, and what overlaps is one patch.
+#include <doctest/doctest.h>
+
+#include "profiles.hpp"
+#include "rig/contact/strip_contact.hpp"
+
+using namespace rig;
+using test::BenchmarkPair;
+using test::pose_of;
+
+namespace {
+
+HertzTable const hertz;
+StripKernel const kernel;
+Material const steel{};
+
+/// Strips over the interpenetration of two bodies with half-curvatures A along and B across.
+Strips<double> parabola(double a_curvature, double b_curvature, double approach) {
+  Strips<double> s;
+  s.islands = 1;
+  double const half = std::sqrt(approach / b_curvature);
+  int const n = s.count();
+  s.width[0] = 2.0 * half / n;
+  for (int i = 0; i < n; ++i) {
+    auto const k = static_cast<std::size_t>(i);
+    s.position[k] = -half + (i + 0.5) * s.width[0];
+    s.interpenetration[k] = approach - b_curvature * s.position[k] * s.position[k];
+    s.curvature[k] = a_curvature;
+  }
+  solve_strips(kernel, hertz, steel, s);
+  return s;
+}
+
+struct Sums {
+  double force{0.0}, pressure{0.0}, length{0.0};
+};
+Sums sums(Strips<double> const& s) {
+  Sums out;
+  for (int i = 0; i < s.count(); ++i) {
+    auto const k = static_cast<std::size_t>(i);
+    if (!(s.load[k] > 0.0)) continue;
+    out.force += s.load[k] * s.width[0];
+    out.pressure = std::max(out.pressure, 2.0 * s.load[k] / (pi * s.half_length[k]));
+    out.length = std::max(out.length, s.half_length[k]);
+  }
+  return out;
+}
+
+struct Wheel {
+  BenchmarkPair profiles;
+  ArcLength arc;
+  ContactSearch search;
+  StripTables tables;
+
+  explicit Wheel(double inverse_radius)
+      : profiles(inverse_radius), arc(profiles.wheel), search(profiles.pair), tables{&kernel, &hertz, &arc} {}
+  StripContact<double> at(double y, double depth, double roll = 0.0, double yaw = 0.0, double x = 0.0) {
+    auto const pose = pose_of(x, y, 0.46 - depth, roll, yaw);
+    search.find_all(pose, 0.0);
+    return strip_contact(profiles.pair, tables, steel, pose, search);
+  }
+};
+
+Vec3<double> total(StripContact<double> const& c) {
+  Vec3<double> sum{};
+  for (int k = 0; k < c.count; ++k) {
+    auto const& p = c.patch[static_cast<std::size_t>(k)];
+    sum += p.share * p.normal * p.direction;
+  }
+  return sum;
+}
+
+}  // namespace
+
+TEST_CASE("kernel: slope of its integral is Boussinesq's strip, far away a point load, near a line contact") {
+  // Far away the whole strip acts as its load at a point: a / y.
+  double const far = 300.0, step = 1.0;
+  CHECK((kernel.deflection(far + step) - kernel.deflection(far - step)) / (2.0 * step) ==
+        doctest::Approx(1.0 / far).epsilon(1e-4));
+  // A line of strips conforms as two cylinders do: all of Chi is 2 on either side.
+  CHECK(kernel.curvature(1e4) == doctest::Approx(2.0).epsilon(1e-7));
+  // Against direct integration over the strip's length, t = sin(theta).
+  for (double k : {0.003, 0.1, 0.7, 3.0, 40.0}) {
+    double deflection = 0.0, curvature = 0.0;
+    int const n = 2000000;
+    for (int i = 0; i < n; ++i) {
+      double const theta = (i + 0.5) / n * pi / 2.0;
+      deflection += square(std::cos(theta)) * std::asinh(k / std::sin(theta));
+      curvature += k / std::sqrt(square(std::sin(theta)) + k * k);
+    }
+    CHECK(kernel.deflection(k) == doctest::Approx(2.0 * deflection / n).epsilon(1e-5));
+    CHECK(kernel.curvature(k) == doctest::Approx(2.0 * curvature / n).epsilon(1e-5));
+  }
+}
+
+TEST_CASE("a parabolic gap gives Hertz' ellipse") {
+  for (double ratio : {0.02, 0.2, 1.0, 5.0, 20.0}) {
+    double const across = 5.0, along_x = across * ratio, approach = 40e-6;
+    auto const exact = hertz_contact(hertz, steel, along_x, across);
+    double const root = std::sqrt(approach);
+    double const force = exact.stiffness * approach * root;
+    double const a = exact.a_per_root * root, b = exact.b_per_root * root;
+    auto const found = sums(parabola(along_x, across, approach));
+    CAPTURE(ratio);
+    // Twenty strips over the overlap and two passes: 1.5 % in force, 3.5 % at a/b = 12, where few strips carry load.
+    CHECK(found.force == doctest::Approx(force).epsilon(ratio < 0.1 ? 0.035 : 0.015));
+    CHECK(found.pressure == doctest::Approx(1.5 * force / (pi * a * b)).epsilon(a > 4.0 * b ? 0.07 : 0.045));
+    CHECK(found.length == doctest::Approx(a).epsilon(0.05));
+  }
+}
+
+TEST_CASE("scaling of a half-space: twice the size, four times the force at the same pressure") {
+  auto const small = sums(parabola(2.0, 3.0, 30e-6));
+  auto const large = sums(parabola(1.0, 1.5, 60e-6));
+  CHECK(large.force == doctest::Approx(4.0 * small.force).epsilon(1e-9));
+  CHECK(large.pressure == doctest::Approx(small.pressure).epsilon(1e-9));
+}
+
+TEST_CASE("derivatives of the patches are those of differences, along every direction of the pose") {
+  for (double inverse_radius : {0.0, 2.0})
+    for (auto const& [y, depth] : {std::pair{0.3e-3, 0.30e-3}, {2.5e-3, 0.06e-3}, {-3e-3, 0.3e-3}}) {
+      Wheel wheel(inverse_radius);
+      double const x0 = 0.4e-3, roll0 = 0.02e-3, yaw0 = 4e-3;
+      auto const force = [&](std::array<double, 5> const& q) {
+        auto const c = wheel.at(q[1], q[2], q[3], q[4], q[0]);
+        REQUIRE(c.count >= 1);
+        auto const& p = c.patch[0];
+        Vec3<double> const f = total(c);
+        return std::array{f.x, f.y, f.z, p.point.x, p.point.y, p.a, p.b, p.moment.x};
+      };
+      std::array<double, 5> const q0{x0, y, depth, roll0, yaw0};
+      using D = Dual<16>;
+      auto const seed = [&](int i) { return D::variable(q0[static_cast<std::size_t>(i)], i); };
+      auto const pose = pose_of(seed(0), seed(1), 0.46 - seed(2), seed(3), seed(4));
+      wheel.at(y, depth, roll0, yaw0, x0);
+      auto const c = strip_contact_of(wheel.profiles.pair, wheel.tables, steel, pose, wheel.search);
+      Vec3<D> sum{};
+      for (int k = 0; k < c.count; ++k) {
+        auto const& p = c.patch[static_cast<std::size_t>(k)];
+        sum += p.share * p.normal * p.direction;
+      }
+      auto const& p = c.patch[0];
+      std::array const exact{sum.x, sum.y, sum.z, p.point.x, p.point.y, p.a, p.b, p.moment.x};
+      std::array const scale{1.0, 1.0, 1.0, 1e-8, 1e-8, 1e-7, 1e-7, 1e-3};
+      double const largest = std::abs(sum.z.d[2]);
+      for (int i = 0; i < 5; ++i) {
+        double const h = 1e-8;
+        auto high = q0, low = q0;
+        high[static_cast<std::size_t>(i)] += h;
+        low[static_cast<std::size_t>(i)] -= h;
+        auto const up = force(high), down = force(low);
+        for (std::size_t k = 0; k < up.size(); ++k) {
+          double const difference = (up[k] - down[k]) / (2.0 * h);
+          CAPTURE(inverse_radius);
+          CAPTURE(y);
+          CAPTURE(i);
+          CAPTURE(k);
+          CHECK(exact[k].d[i] == doctest::Approx(difference).epsilon(1e-4).scale(1e-4 * largest * scale[k]));
+        }
+      }
+    }
+}
