@@ -11,7 +11,7 @@
 #include <optional>
 
 #include "convert.hpp"
-#include "rig/integrate/integrator.hpp"
+#include "rig/integrate/amplification.hpp"
 #include "rig/record/recorder.hpp"
 #include "rig/system/equilibrium.hpp"
 
@@ -26,6 +26,14 @@ namespace {
 using Table = nb::ndarray<double, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
 using Vector = nb::ndarray<double, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
 
+Method method_named(std::string const& name) {
+  if (name == "rk4") return Method::rk4;
+  if (name == "exponential_rk4") return Method::exponential_rk4;
+  if (name == "dormand_prince") return Method::dormand_prince;
+  if (name == "rodas4") return Method::rodas4;
+  throw nb::value_error("unknown method; known: rk4, exponential_rk4, dormand_prince, rodas4");
+}
+
 class Simulation {
  public:
   explicit Simulation(Model const& model) : dynamics_(model), observed_(model), recorder_(model) {}
@@ -34,14 +42,7 @@ class Simulation {
              double initial_step, double maximum_step, double final_time, double output_step,
              std::vector<double> const& breakpoints, double t0, Column const& x0) {
     Options options;
-    if (method == "rk4")
-      options.method = Method::rk4;
-    else if (method == "dormand_prince")
-      options.method = Method::dormand_prince;
-    else if (method == "rodas4")
-      options.method = Method::rodas4;
-    else
-      throw nb::value_error("unknown method; known: rk4, dormand_prince, rodas4");
+    options.method = method_named(method);
     begin_call(x0);
     options.step = step;
     options.relative_tolerance = relative;
@@ -90,6 +91,15 @@ class Simulation {
     JacobianData j(dynamics_.sizes());
     dynamics_.jacobian(t, x.data(), j);
     return nb::make_tuple(matrix(j.a), matrix(j.g), matrix(j.f_t), matrix(j.g_t));
+  }
+
+  /// What one step of a fixed-step method does to a small deviation from x, row-major.
+  auto step_amplification(std::string const& method, double step, double t, Column const& x) {
+    begin_call(x);
+    JacobianData j(dynamics_.sizes());
+    dynamics_.jacobian(t, x.data(), j);
+    integrate::LinearSystem const system{j.a, dynamics_.first_relaxing_state(), dynamics_.relaxation_rates()};
+    return matrix(integrate::amplification(system, method_named(method), step));
   }
 
   nb::dict equilibrium(double speed, double t, std::vector<std::tuple<int, int, double>> const& held,
@@ -213,6 +223,7 @@ void bind_simulation(nb::module_& m) {
       .def("advance", &Simulation::advance, "t_stop"_a, "times"_a, "rows"_a, "filled"_a)
       .def("derivative", &Simulation::derivative, "t"_a, "x"_a)
       .def("jacobian", &Simulation::jacobian, "t"_a, "x"_a)
+      .def("step_amplification", &Simulation::step_amplification, "method"_a, "step"_a, "t"_a, "x"_a)
       .def("equilibrium", &Simulation::equilibrium, "speed"_a, "t"_a, "held"_a, "near"_a = nb::none())
       .def("record", &Simulation::record, "t"_a, "x"_a, "z"_a)
       .def("derivatives", &Simulation::derivatives, "t"_a, "states"_a)

@@ -56,6 +56,10 @@ Dynamics::Dynamics(Model const& model) : model_(&model), map_(model) {
   element_force_.assign(model.elements.size() * 6, 0.0);
   element_deflection_.assign(model.elements.size() * 6, 0.0);
   for (auto const& e : model.elements) element_rotates_.push_back(rotates(e));
+  relaxation_rate_.assign(at(map_.nodes), 0.0);
+  for (auto const& e : model.elements)
+    for (std::size_t c = 0; c < 6; ++c)
+      if (e.node[c] >= 0) relaxation_rate_[at(e.node[c])] = e.law[c].series_stiffness / e.law[c].series_damping;
   for (auto const& c : model.contacts) {
     search_.emplace_back(c.pair);
     // The flange tip is the highest point of the wheel profile on the flange side.

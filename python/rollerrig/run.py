@@ -88,7 +88,7 @@ def begin(simulation: _core.Simulation, model: AssembledModel, state: Vector, *,
         ConfigError: the fixed step is beyond the stability limit of the method at the start.
     """
     settings = model.case.time
-    fixed = settings.method == "rk4"
+    fixed = settings.has_fixed_step
     if fixed:
         _check_fixed_step(simulation, model.case, state)
     simulation.start(
@@ -107,27 +107,30 @@ def begin(simulation: _core.Simulation, model: AssembledModel, state: Vector, *,
 
 
 def _check_fixed_step(simulation: _core.Simulation, case: Case, state: Vector) -> None:
-    """Refuse a step at which classical Runge-Kutta lets a decaying motion of the starting state grow.
+    """Refuse a step at which the method lets a decaying motion of the starting state grow.
 
-    A motion exp(lambda t) is multiplied by R(z) = 1 + z + z^2/2 + z^3/6 + z^4/24, z = lambda step, in each step (Hairer,
-    Wanner, Solving Ordinary Differential Equations II, IV.2). Slow running and stiff dampers make lambda large.
+    The motions that last or grow by themselves each own the eigenvalue of the step's amplification matrix nearest to
+    exp(lambda step); no other one may lie outside the unit circle (docs/theory/time_integration.md, (T5)). Slow running
+    and stiff springs and dampers make lambda large.
     """
+    method, step = case.time.method, case.time.step or 0.0
     rates = np.linalg.eigvals(simulation.jacobian(0.0, state)[0])
-    decaying = rates[rates.real < -1.0]
+    lasting = rates[rates.real >= -1.0]
 
     def stable(step: float) -> bool:
-        z = step * decaying
-        return bool(np.all(np.abs(1 + z * (1 + z / 2 * (1 + z / 3 * (1 + z / 4)))) <= 1.0 + 1e-9))
+        factors = np.linalg.eigvals(simulation.step_amplification(method, step, 0.0, state))
+        for factor in np.exp(step * lasting):
+            factors = np.delete(factors, np.argmin(np.abs(factors - factor)))
+        return bool(np.all(np.abs(factors) <= 1.0 + 1e-9))
 
-    step = case.time.step or 0.0
-    if not len(decaying) or stable(step):
+    if stable(step):
         return
     allowed_step = step
     while not stable(allowed_step):
         allowed_step *= 0.97
     allowed = (
-        f"allowed: at most {1e3 * allowed_step:.2g} ms, where rk4 is stable at {3.6 * case.motion.speed:g} km/h in this "
-        "case; or method = 'rodas4', which has no such limit"
+        f"allowed: at most {1e3 * allowed_step:.2g} ms, where {method} is stable at {3.6 * case.motion.speed:g} km/h in "
+        "this case; or method = 'rodas4', which has no such limit"
     )
     raise ConfigError([ConfigProblem(case.name, "time.step", f"{1e3 * step:g} ms", allowed)])
 

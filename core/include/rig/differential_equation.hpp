@@ -7,6 +7,7 @@
 #pragma once
 #include <Eigen/Core>
 #include <concepts>
+#include <span>
 
 #include "rig/status.hpp"
 
@@ -58,6 +59,14 @@ template <class S>
 concept HasKinematicStates = requires(S const& system, int i) {
   { system.kinematic_states() } -> std::convertible_to<int>;
   { system.velocity_column(i) } -> std::convertible_to<int>;
+};
+
+/// Optional: relaxing states, x'[i] = N_i(t, x) - rate_i x[i] with constant rates [1/s] and an N_i that does not depend on
+/// any relaxing state; they stand side by side in x.  An exponential method integrates their decay exactly.
+template <class S>
+concept HasRelaxation = requires(S const& system) {
+  { system.first_relaxing_state() } -> std::convertible_to<int>;
+  { system.relaxation_rates() } -> std::convertible_to<std::span<double const>>;
 };
 
 }  // namespace rig

@@ -188,9 +188,10 @@ class TimeSettings(Table):
     """How time is integrated and what is kept."""
 
     duration: PositiveTime = Field(description="length of the run")
-    method: Literal["rodas4", "rk4", "dormand_prince"] = Field(
+    method: Literal["rodas4", "rk4", "exponential_rk4", "dormand_prince"] = Field(
         default="rodas4",
-        description="rodas4: stiff, adaptive, exact Jacobian; dormand_prince: explicit, adaptive; rk4: fixed step",
+        description="rodas4: stiff, adaptive, exact Jacobian; dormand_prince: explicit, adaptive; rk4: fixed step; "
+        "exponential_rk4: fixed step that dampers with series stiffness do not limit, the fastest for a vehicle that hunts",
     )
     step: PositiveTime | None = Field(
         default=None, description="step of a fixed-step method, which needs it; for the others the first step tried"
@@ -207,10 +208,15 @@ class TimeSettings(Table):
     )
     output_step: PositiveTime = Field(default=0.01, description="interval between kept samples")
 
+    @property
+    def has_fixed_step(self) -> bool:
+        """Whether the method keeps to `step`."""
+        return self.method in ("rk4", "exponential_rk4")
+
     @model_validator(mode="after")
     def _consistent(self) -> "TimeSettings":
-        if self.method == "rk4" and self.step is None:
-            allowed = "needed: the step of the fixed-step method rk4, e.g. step = '0.1 ms'"
+        if self.has_fixed_step and self.step is None:
+            allowed = f"needed: the step of the fixed-step method {self.method}, e.g. step = '0.1 ms'"
             raise PydanticCustomError("at_key", "{allowed}", {"allowed": allowed, "key": "step"})
         for key, value in (("output_step", self.output_step), ("step", self.step), ("maximum_step", self.maximum_step)):
             if value is not None and value > self.duration:

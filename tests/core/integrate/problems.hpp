@@ -124,7 +124,37 @@ inline Options adaptive(Method method, double tolerance, double final_time) {
   return o;
 }
 
-inline constexpr Method all_methods[] = {Method::rk4, Method::dormand_prince, Method::rodas4};
+inline constexpr Method all_methods[] = {Method::rk4, Method::exponential_rk4, Method::dormand_prince, Method::rodas4};
+
+/// rk4 and its exponential form have no error estimate.
+inline bool needs_step(Method method) { return method == Method::rk4 || method == Method::exponential_rk4; }
+
+/// x = (cos t, sin 2t, 1 + sin 3t, cos t): the last two relax at given rates [1/s] towards functions of the others and of
+/// time, and push them back. z accumulates x0 x2.
+struct ExactRelaxation {
+  double rates[2] = {5, 20};
+  double back = 1;  ///< how strongly the relaxing states push the others [1/s]
+
+  Sizes sizes() const { return {4, 1}; }
+  int first_relaxing_state() const { return 2; }
+  std::span<double const> relaxation_rates() const { return rates; }
+
+  Status derivative(double t, double const* x, double* x_dot, double* z_dot) const {
+    double const e0 = x[0] - std::cos(t), e1 = x[1] - std::sin(2 * t);
+    double const e2 = x[2] - x2(t), e3 = x[3] - std::cos(t);
+    x_dot[0] = -std::sin(t) + x[0] * e1 - e0 * (1 + x[1] * x[1]) + back * e2;
+    x_dot[1] = 2 * std::cos(2 * t) - e0 * x[1] + back * (e3 - e2);
+    x_dot[2] = 3 * std::cos(3 * t) + rates[0] * ((1 + x[1]) * (1 + e0) - 1 - std::sin(2 * t) - e2);
+    x_dot[3] = -std::sin(t) + rates[1] * (x[0] + e1 * x[1] - x[3]);
+    if (z_dot != nullptr) z_dot[0] = x[0] * x[2];
+    return Status::ok;
+  }
+  static double x2(double t) { return 1 + std::sin(3 * t); }
+  static std::vector<double> start() { return {1, 0, 1, 1}; }
+  static std::vector<double> exact(double t) { return {std::cos(t), std::sin(2 * t), x2(t), std::cos(t)}; }
+  /// Integral of cos t (1 + sin 3t) from 0.
+  static double z(double t) { return std::sin(t) + (1 - std::cos(4 * t)) / 8 + (1 - std::cos(2 * t)) / 4; }
+};
 
 /// Order seen when the step is halved from one entry to the next.
 inline double slope(std::vector<double> const& errors) {

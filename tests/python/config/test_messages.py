@@ -102,7 +102,7 @@ PRIMARY = 'between = ["front_frame", "wheelset_1"]\npoint = [10.78, 1.0, 0.46]'
         ("case", "friction = 0.3", "friction = 1.6",
          "case.toml: contact.friction: 1.6; allowed: a number, at least 0 and at most 1.5"),
         ("case", 'method = "rk4"', 'method = "rk5"',
-         "case.toml: time.method: 'rk5'; allowed: rodas4, rk4, dormand_prince; did you mean 'rk4'?"),
+         "case.toml: time.method: 'rk5'; allowed: rodas4, rk4, exponential_rk4, dormand_prince; did you mean 'rk4'?"),
         ("case", '\nstep = "0.25 ms"', "",
          "case.toml: time.step: missing; needed: the step of the fixed-step method rk4, e.g. step = '0.1 ms'"),
         ("case", 'output_step = "2 ms"', 'output_step = "20 s"',

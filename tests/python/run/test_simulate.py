@@ -96,7 +96,14 @@ def test_a_run_can_start_on_the_flange(offset: str) -> None:
     assert abs(float(start["vertical_acceleration"])) < 1e-3
 
 
-@pytest.mark.parametrize("changes", [{"method": "rk4", "step": "0.02 ms"}, {"method": "dormand_prince"}])
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"method": "rk4", "step": "0.02 ms"},
+        {"method": "exponential_rk4", "step": "0.02 ms"},
+        {"method": "dormand_prince"},
+    ],
+)
 def test_methods_agree(changes: dict[str, str]) -> None:
     tight = {"time__duration": "20 ms", "time__relative_tolerance": 1e-9, "time__absolute_tolerance": 1e-12}
     reference = rr.simulate(short_case(**tight))
@@ -184,6 +191,19 @@ def test_an_unstable_fixed_step_is_refused_with_the_step_that_works() -> None:
     case = short_case(motion__speed="1 km/h", time__method="rk4", time__step="0.25 ms")
     with pytest.raises(rr.ConfigError, match=r"time\.step: 0\.25 ms; allowed: at most 0\.0\d+ ms.*rodas4"):
         rr.simulate(case)
+
+
+def test_the_exponential_method_goes_beyond_the_limit_that_the_dampers_set(monkeypatch: pytest.MonkeyPatch) -> None:
+    """0.7 ms is past rk4's 2.78 / (4000 1/s) for the primary dampers; what the check refuses does blow up."""
+    settings = {"motion__speed": "150 km/h", "time__step": "0.75 ms", "time__duration": "0.6 s"}
+    limit = r"time\.step: 0\.75 ms; allowed: at most 0\.6\d ms, where rk4"
+    with pytest.raises(rr.ConfigError, match=limit):
+        rr.simulate(short_case(time__method="rk4", **settings))
+    run = rr.simulate(short_case(time__method="exponential_rk4", **settings))
+    assert run.attrs["status"] == "ok"
+    assert run.attrs["energy_relative_residual"] < 1e-3
+    monkeypatch.setattr(run_module, "_check_fixed_step", lambda *_: None)
+    assert rr.simulate(short_case(time__method="rk4", **settings)).attrs["status"] != "ok"
 
 
 def test_a_run_whose_energy_does_not_close_says_so() -> None:

@@ -17,6 +17,7 @@
 #include <variant>
 
 #include "rig/integrate/dormand_prince.hpp"
+#include "rig/integrate/exponential_runge_kutta_4.hpp"
 #include "rig/integrate/rodas4.hpp"
 #include "rig/integrate/runge_kutta_4.hpp"
 #include "rig/integrate/step_control.hpp"
@@ -96,11 +97,12 @@ class Integrator {
   }
 
  private:
-  using AnyMethod = std::variant<RungeKutta4, DormandPrince, Rodas4>;
+  using AnyMethod = std::variant<RungeKutta4, ExponentialRungeKutta4, DormandPrince, Rodas4>;
   static constexpr double epsilon = std::numeric_limits<double>::epsilon();
 
   static AnyMethod make_method(Method method, Evaluator<System> const& f) {
     if (method == Method::rk4) return RungeKutta4(f);
+    if (method == Method::exponential_rk4) return ExponentialRungeKutta4(f);
     if (method == Method::dormand_prince) return DormandPrince(f);
     return Rodas4(f);
   }
@@ -117,7 +119,8 @@ class Integrator {
     auto const& o = options_;
     auto const tolerances = static_cast<int>(o.absolute_tolerance.size());
     require(o.step >= 0, "step must be positive, or 0 to let the error choose it");
-    require(o.step > 0 || o.method != Method::rk4, "method rk4 needs a step");
+    bool const fixed = o.method == Method::rk4 || o.method == Method::exponential_rk4;
+    require(o.step > 0 || !fixed, "methods rk4 and exponential_rk4 need a step");
     require(o.method != Method::rodas4 || HasJacobian<System>, "method rodas4 needs a Jacobian");
     require(o.relative_tolerance > 0, "relative_tolerance must be positive");
     require(tolerances == 1 || tolerances == n_, "absolute_tolerance must hold one value, or one per state");

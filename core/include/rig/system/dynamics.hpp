@@ -60,6 +60,10 @@ class Dynamics {
   int kinematic_states() const { return map_.coordinates; }
   int velocity_column(int i) const { return map_.velocity_column[static_cast<std::size_t>(i)]; }
 
+  int first_relaxing_state() const { return map_.coordinates + map_.rates; }
+  /// Of the elements' inner nodes: c s' = k_s (d - s) [1/s].
+  std::span<double const> relaxation_rates() const { return relaxation_rate_; }
+
   Status derivative(double t, double const* x, double* x_dot, double* z_dot);
   Status jacobian(double t, double const* x, JacobianData& j);
   Status accept(double t, double const* x);
@@ -152,6 +156,7 @@ class Dynamics {
   std::vector<int> patch_count_;
   std::vector<double> element_force_, element_deflection_;
   std::vector<char> element_rotates_;
+  std::vector<double> relaxation_rate_;  ///< k_s / c of each node [1/s]
   std::vector<double> off_since_;
   std::vector<double> flange_tip_;
   double evaluated_time_{std::numeric_limits<double>::quiet_NaN()};  ///< what work_ belongs to

@@ -1,0 +1,45 @@
+// integrate/amplification.hpp - what one step of a method does to a small deviation.
+//
+//   A = df/dx -> [one step per unit vector, by the method itself] -> G with dx_new = G dx
+//
+// Eigenvalues of G outside the unit circle that belong to no growing motion of x' = A x are the method's own: the step is
+// too long. For a Runge-Kutta method G = R(h A); an exponential method has no such function, so the method is run.
+#pragma once
+#include "rig/integrate/integrator.hpp"
+
+namespace rig::integrate {
+
+/// x' = A x; the relaxing states are those of the system that A belongs to.
+struct LinearSystem {
+  Eigen::MatrixXd const& a;
+  int first_relaxing{0};
+  std::span<double const> rates{};
+
+  Sizes sizes() const { return {static_cast<int>(a.rows()), 0}; }
+  int first_relaxing_state() const { return first_relaxing; }
+  std::span<double const> relaxation_rates() const { return rates; }
+  Status derivative(double, double const* x, double* x_dot, double*) const {
+    Eigen::Map<Eigen::VectorXd>(x_dot, a.rows()).noalias() = a * Eigen::Map<Eigen::VectorXd const>(x, a.rows());
+    return Status::ok;
+  }
+};
+
+/// G of one step [s] of an explicit method, (n, n).
+inline Eigen::MatrixXd amplification(LinearSystem system, Method method, double step) {
+  Options options;
+  options.method = method;
+  options.step = step;
+  options.final_time = step;
+  Integrator integrator(system, options);
+  auto const n = system.a.rows();
+  Eigen::MatrixXd g(n, n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    Eigen::VectorXd const unit = Eigen::VectorXd::Unit(n, i);
+    integrator.start(0.0, unit.data());
+    integrator.advance(step);
+    g.col(i) = Eigen::Map<Eigen::VectorXd const>(integrator.states(), n);
+  }
+  return g;
+}
+
+}  // namespace rig::integrate
