@@ -19,9 +19,7 @@ from rollerrig.analysis.hunting import (
     HuntingSettings,
     NonlinearCriticalSpeed,
     hunting_run,
-    hunting_runs,
     hunting_table,
-    nonlinear_critical_speed,
 )
 from rollerrig.analysis.limit_cycle import CyclePoint, Diagram
 from rollerrig.analysis.limit_cycle_runs import LimitCycleSettings, limit_cycle_table, limit_cycles
@@ -55,7 +53,6 @@ __all__ = [
     "growth_rate",
     "half_waves",
     "hunting_run",
-    "hunting_runs",
     "hunting_table",
     "limit_cycle_table",
     "limit_cycles",
@@ -63,7 +60,6 @@ __all__ = [
     "linear_critical_speeds",
     "linearise",
     "nadal_limit",
-    "nonlinear_critical_speed",
     "prudhomme_limit",
     "ramp_run",
     "readings",

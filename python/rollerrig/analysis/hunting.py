@@ -10,14 +10,14 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 import xarray as xr
 
 from rollerrig.analysis.linearise import at_constant_speed
-from rollerrig.analysis.parallel import Progress, run_jobs
+from rollerrig.analysis.parallel import Progress
 from rollerrig.analysis.signals import Ending, ending
 from rollerrig.config import Case
 from rollerrig.run import simulate
@@ -123,30 +123,6 @@ def hunting_run(job: tuple[Case, float, HuntingSettings], progress: Progress | N
     return HuntingRun(speed, body, motion, ending(motion["time"].to_numpy(), lateral))
 
 
-def hunting_runs(
-    case: Case,
-    speeds_kmh: Sequence[float],
-    settings: HuntingSettings | None = None,
-    *,
-    processes: int = 1,
-    progress: Callable[[float, str], None] | None = None,
-) -> list[HuntingRun]:
-    """Runs at several speeds, by speed; after Ctrl-C those that were done.
-
-    Args:
-        case: the case.
-        speeds_kmh: running speeds [km/h].
-        settings: disturbance, duration, tolerances.
-        processes: runs at a time.
-        progress: called with the fraction done and a short text.
-    """
-    chosen = settings or HuntingSettings()
-    jobs = [(case, speed / 3.6, chosen) for speed in speeds_kmh]
-    names = [f"run at {speed:.0f} km/h" for speed in speeds_kmh]
-    done = run_jobs(hunting_run, jobs, processes=processes, progress=progress, names=names)
-    return sorted((run for run in done.results if run is not None), key=lambda run: run.speed)
-
-
 @dataclass(frozen=True)
 class NonlinearCriticalSpeed:
     """Between which speeds a disturbance begins to end in a sustained oscillation.
@@ -181,48 +157,6 @@ def bracket(runs: Sequence[HuntingRun], disturbance: float) -> NonlinearCritical
     return NonlinearCriticalSpeed(below, ordered[onset].speed, disturbance, ordered)
 
 
-def nonlinear_critical_speed(
-    case: Case,
-    speeds_kmh: Sequence[float],
-    settings: HuntingSettings | None = None,
-    *,
-    tolerance_kmh: float = 2.0,
-    processes: int = 1,
-    progress: Callable[[float, str], None] | None = None,
-    runs: Sequence[HuntingRun] = (),
-) -> NonlinearCriticalSpeed:
-    """The lowest speed at which a disturbance ends in a sustained oscillation, by narrowing down over runs.
-
-    Args:
-        case: the case.
-        speeds_kmh: speeds to begin with [km/h]; the onset is looked for between them.
-        settings: disturbance, duration, tolerances.
-        tolerance_kmh: width of the bracket at the end [km/h].
-        processes: runs at a time; with two, each round divides the bracket by three.
-        progress: called with the fraction done and a short text.
-        runs: runs already made with the same settings.
-
-    Returns:
-        What the runs say; after Ctrl-C, those that were done until then.
-    """
-    chosen = settings or HuntingSettings()
-    known = list(runs)
-    missing = [v for v in speeds_kmh if not any(abs(3.6 * run.speed - v) < 1e-6 for run in known)]
-    report = progress or (lambda _fraction, _text: None)
-    known += hunting_runs(case, missing, chosen, processes=processes, progress=lambda f, t: report(0.7 * f, t))
-    found = bracket(known, chosen.disturbance)
-    if len(known) < len(runs) + len(missing):
-        return replace(found, interrupted=True)
-    while 3.6 * (found.goes_on - found.dies_out) > tolerance_kmh:
-        between = np.linspace(3.6 * found.dies_out, 3.6 * found.goes_on, max(1, processes) + 2)[1:-1]
-        report(0.8, f"between {3.6 * found.dies_out:.1f} and {3.6 * found.goes_on:.1f} km/h")
-        more = hunting_runs(case, [float(v) for v in between], chosen, processes=processes)
-        found = bracket([*found.runs, *more], chosen.disturbance)
-        if len(more) < len(between):
-            return replace(found, interrupted=True)
-    return found
-
-
 def hunting_table(runs: Sequence[HuntingRun], disturbance: float) -> xr.Dataset:
     """Runs as a Dataset over speed: amplitude, frequency, growth rate at the end, and whether it goes on."""
     ordered = sorted(runs, key=lambda run: run.speed)
@@ -251,8 +185,3 @@ def hunting_table(runs: Sequence[HuntingRun], disturbance: float) -> xr.Dataset:
         },
         {"disturbance_mm": 1e3 * disturbance, "body": body},
     )
-
-
-def with_disturbance(settings: HuntingSettings, disturbance: float) -> HuntingSettings:
-    """The settings with a disturbance of another size [m]."""
-    return replace(settings, disturbance=disturbance)

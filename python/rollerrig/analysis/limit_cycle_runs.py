@@ -100,10 +100,19 @@ def limit_cycles(
     """
     chosen = settings or LimitCycleSettings()
     speeds = tuple(float(v) / 3.6 for v in speeds_kmh)
-    ways: tuple[Literal["down", "up"], ...] = ("down", "up")
-    jobs: list[BranchJob] = [(case, way, speeds, chosen) for way in ways]
-    done = run_jobs(branch_job, jobs, processes=processes, progress=progress, names=[f"way {way}" for way in ways])
-    down, up = done.results
+    report = progress or (lambda _fraction, _text: None)
+    way_down: BranchJob = (case, "down", speeds, chosen)
+    way_up: BranchJob = (case, "up", speeds, chosen)
+    down: Branch[Carried] | None
+    up: Branch[Carried] | None = None
+    if processes > 1:
+        down, up = run_jobs(
+            branch_job, [way_down, way_up], processes=2, progress=progress, names=["way down", "way up"]
+        ).results
+    else:  # a branch keeps what is done when Ctrl-C comes: it must not go on with the next one
+        down = branch_job(way_down, lambda f, t: report(0.6 * f, t))
+        if not down.interrupted:
+            up = branch_job(way_up, lambda f, t: report(0.6 + 0.4 * f, t))
     return diagram(up, down, linear_critical_kmh / 3.6, chosen.tolerance_kmh / 3.6)
 
 

@@ -18,20 +18,28 @@ def command(
     speeds_kmh: Annotated[
         str, typer.Option(help="Speeds [km/h] as start:stop:step, or a list with commas.")
     ] = "60:300:20",
-    nonlinear: Annotated[
-        bool, typer.Option("--nonlinear", help="Also run from a disturbance, for limit cycles.")
-    ] = False,
+    limit_cycles: Annotated[
+        bool, typer.Option(help="Also run at up to 20 of the speeds, stepped up and down, for limit cycles.")
+    ] = True,
     disturbance_mm: Annotated[
-        float, typer.Option(min=0.01, max=20.0, help="Its size: lateral offset of the leading wheelset [mm].")
+        float,
+        typer.Option(min=0.01, max=20.0, help="Lateral offset of the leading wheelset that starts the way down [mm]."),
     ] = 3.0,
-    duration: Annotated[float, typer.Option(min=1.0, max=600.0, help="Length of each of these runs [s].")] = 6.0,
-    processes: Annotated[int, typer.Option(min=1, max=64, help="Runs at a time.")] = 2,
+    nudge_mm: Annotated[float, typer.Option(min=0.001, max=20.0, help="The same for the way up [mm].")] = 0.1,
+    longest: Annotated[
+        float, typer.Option(min=2.0, max=600.0, help="A run that has not settled by then ends [s].")
+    ] = 16.0,
+    tolerance_kmh: Annotated[
+        float, typer.Option(min=0.01, max=100.0, help="To which the nonlinear critical speed is found [km/h].")
+    ] = 1.0,
+    processes: Annotated[int, typer.Option(min=1, max=2, help="With 2, the two ways run at a time.")] = 2,
 ) -> None:
-    """Eigenvalues, damping, frequency and mode shapes over speed, and the linear critical speed."""
-    from rollerrig.analysis import HuntingSettings
+    """Eigenvalues, damping, frequency and mode shapes over speed; limit cycles; linear and nonlinear critical speed."""
+    from rollerrig.analysis import LimitCycleSettings
     from rollerrig.config import load_case
     from rollerrig.results import output_folder
-    from rollerrig.studies.stability import lead, stability_study, write_study
+    from rollerrig.studies.stability import stability_study, write_study
+    from rollerrig.studies.stability_page import lead
 
     option = "--speeds-kmh"
     speeds = read_range(speeds_kmh, option)
@@ -39,13 +47,20 @@ def command(
         raise typer.BadParameter(f"'{speeds_kmh}': speeds must be positive and rise", param_hint=option)
     chosen = load_case(case)
     folder = output_folder(out)
-    settings = HuntingSettings(disturbance=1e-3 * disturbance_mm, duration=duration)
+    settings = LimitCycleSettings(
+        disturbance=1e-3 * disturbance_mm, nudge=1e-3 * nudge_mm, longest=longest, tolerance_kmh=tolerance_kmh
+    )
     with progress_bar(chosen.name) as progress:
         study = stability_study(
-            chosen, speeds, nonlinear=nonlinear, settings=settings, processes=processes, progress=progress
+            chosen,
+            speeds,
+            with_limit_cycles=limit_cycles,
+            settings=settings,
+            processes=processes,
+            progress=progress,
         )
     for path in write_study(study, folder):
         typer.echo(path)
-    say(lead(study))
+    say(lead(study.modes, study.cycles))
     if study.interrupted:
         raise typer.Exit(INTERRUPTED)

@@ -7,7 +7,9 @@ import math
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
+from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.figure import Figure
+from matplotlib.patches import Rectangle
 
 from rollerrig.plot.style import COLOURS, GREY, MARKERS, STYLES, critical_line, house_style, new_figure
 
@@ -18,6 +20,13 @@ SHOWN_DAMPING = 0.6
 """Modes that are always damped more than this are left out of the figures [1]."""
 
 
+DAMPING_STEPS = (-100, -10, -5, 0, 5, 10, 20, 30, 50, 100)
+"""Limits of the shades of the damping map [%]."""
+
+DAMPING_COLOURS = ("#7f1d1d", "#c0392b", "#e8a09a", "#fff3b0", "#d9e8b4", "#a8d0b0", "#6fb0b4", "#3d83ad", "#1f4e86")
+"""One per shade: red grows, yellow is hardly damped, blue is well damped; they also differ in grey."""
+
+
 def shown_modes(modes: xr.Dataset) -> list[str]:
     """Modes worth a line: oscillations below HIGHEST_FREQUENCY that are not heavily damped throughout."""
     kept = (modes["frequency"].max("speed") <= HIGHEST_FREQUENCY) & (modes["damping"].min("speed") <= SHOWN_DAMPING)
@@ -26,9 +35,15 @@ def shown_modes(modes: xr.Dataset) -> list[str]:
 
 def _look(name: str, number: int) -> dict[str, object]:
     if name.startswith("hunting"):
-        return {"color": COLOURS[1], "linewidth": 2.2, "linestyle": "-", "zorder": 5}
+        style = (0, (1.5, 1)) if name.endswith(("out of phase", "rear bogie")) else "-"
+        return {"color": COLOURS[1], "linewidth": 2.2, "linestyle": style, "zorder": 5}
     colours = [c for c in COLOURS if c != COLOURS[1]]
     return {"color": colours[number % len(colours)], "linestyle": STYLES[(number // len(colours)) % len(STYLES)]}
+
+
+def _height(modes: xr.Dataset, least: float) -> float:
+    """Of a figure whose legend beside it names all modes shown [inches]."""
+    return max(least, 0.5 + 0.178 * (len(shown_modes(modes)) + 1))
 
 
 def _mark_critical(axes: Axes, modes: xr.Dataset) -> None:
@@ -49,7 +64,7 @@ def root_locus(modes: xr.Dataset) -> Figure:
         modes: Dataset of `stability`.
     """
     with house_style():
-        figure, (axes,) = new_figure(height=4.4)
+        figure, (axes,) = new_figure(height=_height(modes, 4.4))
         for number, name in enumerate(shown_modes(modes)):
             mode = modes.sel(mode=name)
             going = mode["frequency"].to_numpy() > 0.0
@@ -61,9 +76,8 @@ def root_locus(modes: xr.Dataset) -> Figure:
             axes.plot(real[-1:], imaginary[-1:], **marker)  # type: ignore[arg-type]
         axes.axvline(0.0, color=GREY, linewidth=1.0)
         low, high = (float(modes["speed"][k]) for k in (0, -1))
-        axes.set_xlabel(
-            f"growth rate Re λ [1/s], unstable to the right of 0 (open: {low:g} km/h, filled: {high:g} km/h)"
-        )
+        axes.set_title(f"open: {low:g} km/h, filled: {high:g} km/h; unstable right of 0", loc="left")
+        axes.set_xlabel("growth rate Re λ [1/s]")
         axes.set_ylabel("frequency Im λ / 2π [Hz]")
         axes.set_xlim(right=max(2.0, 1.08 * axes.get_xlim()[1]))
         axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
@@ -77,7 +91,7 @@ def damping_over_speed(modes: xr.Dataset) -> Figure:
         modes: Dataset of `stability`.
     """
     with house_style():
-        figure, (axes,) = new_figure()
+        figure, (axes,) = new_figure(height=_height(modes, 3.4))
         for number, name in enumerate(shown_modes(modes)):
             look = _look(name, number)
             axes.plot(modes["speed"], 100 * _where_it_oscillates(modes, "damping", name), label=name, **look)  # type: ignore[arg-type]
@@ -89,30 +103,58 @@ def damping_over_speed(modes: xr.Dataset) -> Figure:
         return figure
 
 
-def frequency_over_speed(
-    modes: xr.Dataset,
-    runs: xr.Dataset | None = None,
-) -> Figure:
-    """Frequency of each mode over speed, and of limit cycles where runs are given.
+def damping_map(modes: xr.Dataset) -> Figure:
+    """Damping of all oscillatory modes over speed as colours, one row per mode, by frequency.
 
     Args:
         modes: Dataset of `stability`.
-        runs: Dataset of `hunting_table`.
     """
     with house_style():
-        figure, (axes,) = new_figure()
+        names = [str(name) for name in modes["mode"].to_numpy()]
+        figure, (axes,) = new_figure(height=1.3 + 0.185 * len(names))
+        speed = modes["speed"].to_numpy()
+        values = 100 * modes["damping"].where(modes["frequency"] > 0.0).transpose("mode", "speed").to_numpy()
+        edges = np.concatenate([[speed[0]], 0.5 * (speed[1:] + speed[:-1]), [speed[-1]]])
+        if len(speed) == 1:
+            edges = np.array([speed[0] - 1.0, speed[0] + 1.0])
+        shades = ListedColormap(DAMPING_COLOURS)
+        steps = BoundaryNorm(DAMPING_STEPS, shades.N, extend="neither")
+        shown = np.clip(values, DAMPING_STEPS[0], DAMPING_STEPS[-1] - 1e-9)
+        axes.set_facecolor("#e4e4e4")
+        mesh = axes.pcolormesh(edges, np.arange(len(names) + 1), shown, cmap=shades, norm=steps, rasterized=False)
+        for row, value in enumerate(values):
+            for low, high in zip(edges[:-1][value < 0], edges[1:][value < 0], strict=True):
+                axes.add_patch(
+                    Rectangle((low, row), high - low, 1, fill=False, hatch="////", edgecolor="#333333", linewidth=0)
+                )
+        typical = modes["frequency"].isel(speed=-1).to_numpy()
+        axes.set_yticks(np.arange(len(names)) + 0.5)
+        axes.set_yticklabels([f"{name}  ({f:.3g} Hz)" for name, f in zip(names, typical, strict=True)], fontsize=7.5)
+        axes.grid(visible=False)
+        for row in range(1, len(names)):
+            axes.axhline(row, color="white", linewidth=0.8)
+        _mark_critical(axes, modes)
+        axes.set_xlabel("speed [km/h]")
+        bar = figure.colorbar(mesh, ax=axes, ticks=DAMPING_STEPS, pad=0.015, aspect=30)
+        bar.set_label("damping ratio [%]; hatched: grows; grey: no oscillation")
+        return figure
+
+
+def frequency_over_speed(modes: xr.Dataset, cycles: xr.Dataset | None = None) -> Figure:
+    """Frequency of each mode over speed, and of limit cycles where they are given.
+
+    Args:
+        modes: Dataset of `stability`.
+        cycles: Dataset of `limit_cycle_table`.
+    """
+    with house_style():
+        figure, (axes,) = new_figure(height=_height(modes, 4.0))
         for number, name in enumerate(shown_modes(modes)):
             look = _look(name, number)
             axes.plot(modes["speed"], _where_it_oscillates(modes, "frequency", name), label=name, **look)  # type: ignore[arg-type]
-        if runs is not None:
-            going = runs["sustained"].to_numpy() == 1
-            axes.plot(
-                runs["speed"].to_numpy()[going],
-                runs["oscillation_frequency"].to_numpy()[going],
-                "ks",
-                markersize=4.5,
-                label="limit cycle (runs)",
-            )
+        if cycles is not None and bool((cycles["cycle_amplitude"] > 0).any()):
+            speed, frequency = cycles["cycle_speed"].to_numpy(), cycles["cycle_frequency"].to_numpy()
+            axes.plot(speed, frequency, "ks", markersize=4, markerfacecolor="none", label="limit cycles (runs)")
         _mark_critical(axes, modes)
         axes.set_ylim(bottom=0.0)
         axes.set_xlabel("speed [km/h]")

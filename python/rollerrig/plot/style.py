@@ -112,6 +112,7 @@ def critical_line(axes: Axes, speed_kmh: float, label: str) -> None:
         va="top",
         fontsize=7.5,
         color="#444444",
+        zorder=10,
         bbox={"boxstyle": "square,pad=0.1", "facecolor": "white", "edgecolor": "none", "alpha": 0.85},
     )
 

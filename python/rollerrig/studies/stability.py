@@ -1,4 +1,4 @@
-"""The stability study of one case: modes over speed, critical speeds, and runs where asked.
+"""The stability study of one case: modes over speed, limit cycles, critical speeds.
 
 Case, speeds -> [stability study] -> report.html, stability.nc, CSV tables, summary.json
 """
@@ -6,7 +6,6 @@ Case, speeds -> [stability study] -> report.html, stability.nc, CSV tables, summ
 from __future__ import annotations
 
 import json
-import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,45 +15,58 @@ import xarray as xr
 
 from rollerrig import __version__
 from rollerrig.analysis import (
-    HuntingRun,
-    HuntingSettings,
+    Diagram,
+    LimitCycleSettings,
     NonlinearCriticalSpeed,
-    hunting_table,
-    nonlinear_critical_speed,
+    limit_cycle_table,
+    limit_cycles,
     stability,
 )
 from rollerrig.config import Case
 from rollerrig.plot import (
-    amplitude_over_speed,
+    damping_map,
     damping_over_speed,
     figure_bytes,
     frequency_over_speed,
-    hunting_over_time,
+    limit_cycle_diagram,
+    mode_shape,
+    mode_shapes,
     root_locus,
 )
-from rollerrig.plot.modes import shown_modes
-from rollerrig.report import Figure, Page, Preformatted, Section, Table, Text, render
+from rollerrig.report import render
 from rollerrig.results import output_folder, save_run, write_text
 from rollerrig.studies.output import finite, write_rows
+from rollerrig.studies.stability_page import report_page, shape_speed, suspension_modes
 
 Progress = Callable[[float, str], None]
 
 STABILITY_KEYS = {
     "case": "name of the case",
     "speeds_kmh": "speeds of the table of modes [km/h]",
-    "linear_critical_speed_kmh": "speed at which the least damped oscillation loses its damping [km/h]; null: none in the range",
+    "linear_critical_speed_kmh": "lowest speed at which an oscillation begins to grow [km/h]; null: none in the range",
     "linear_critical_frequency_hz": "its frequency [Hz]",
     "linear_critical_mode": "its name",
+    "crossings": "all speeds at which an oscillation begins or ends to grow: speed, frequency, mode, and on which side it grows",
+    "grows_at_lowest_speed": "names of the oscillations that grow already at the lowest speed",
+    "diverging": "motions that grow without oscillating: name, largest growth rate, speed where it is reached",
     "least_damping": "per speed, the smallest damping ratio of all oscillatory modes [1]",
-    "interrupted": "whether Ctrl-C ended the study early; speeds and runs that are missing were not computed",
-    "nonlinear": "only with --nonlinear: the numbers below",
-    "nonlinear.disturbance_mm": "lateral offset of the leading wheelset at the start of each run [mm]",
-    "nonlinear.dies_out_kmh": "highest speed below the onset at which the disturbance died out [km/h]",
-    "nonlinear.goes_on_kmh": "lowest speed at which it went on [km/h]",
-    "nonlinear.runs": "per run: speed, amplitude, frequency, growth rate at the end, whether it goes on",
+    "interrupted": "whether Ctrl-C ended the study early; what is missing was not computed",
+    "limit_cycles": "not with --no-limit-cycles: the numbers below",
+    "limit_cycles.bifurcation": "none, subcritical, supercritical, detached, or unstable throughout",
+    "limit_cycles.nonlinear_critical_speed_kmh": "lowest speed with a limit cycle that goes on [km/h]; null: none",
+    "limit_cycles.dies_out_kmh": "highest speed below it at which everything comes to rest [km/h]",
+    "limit_cycles.jump_up_kmh": "lowest speed run at which the nudge of the way up grows into a limit cycle [km/h]",
+    "limit_cycles.hysteresis_kmh": "lowest and highest speed run at which the two ways end differently [km/h]; null: nowhere",
+    "limit_cycles.tolerance_kmh": "to which the nonlinear critical speed was looked for [km/h]",
+    "limit_cycles.disturbance_mm": "lateral offset of the leading wheelset at the start of the way down [mm]",
+    "limit_cycles.nudge_mm": "the same on the way up [mm]",
+    "limit_cycles.points": "per run: way, speed, amplitude, peak, frequency, largest |Y|, settled, simulated time, status",
     "rollerrig_version": "version of this program",
 }
 """Key of summary.json -> meaning and unit."""
+
+MOST_CYCLE_SPEEDS = 20
+"""Runs are made at no more speeds than this, spread over the range."""
 
 
 @dataclass(frozen=True)
@@ -64,115 +76,106 @@ class StabilityStudy:
     Attributes:
         case: the case.
         modes: Dataset of `stability`.
-        nonlinear: the runs, if asked for.
+        cycles: the limit-cycle diagram, if asked for.
+        settings: of its runs.
     """
 
     case: Case
     modes: xr.Dataset
-    nonlinear: NonlinearCriticalSpeed | None
+    cycles: Diagram | None
+    settings: LimitCycleSettings
 
     @property
     def interrupted(self) -> bool:
         """Whether Ctrl-C ended it early."""
-        return bool(self.modes.attrs["interrupted"]) or (self.nonlinear is not None and self.nonlinear.interrupted)
+        return bool(self.modes.attrs["interrupted"]) or (self.cycles is not None and self.cycles.interrupted)
 
 
 def stability_study(
     case: Case,
     speeds_kmh: Sequence[float],
     *,
-    nonlinear: bool = False,
-    settings: HuntingSettings | None = None,
+    with_limit_cycles: bool = True,
+    settings: LimitCycleSettings | None = None,
     processes: int = 1,
     progress: Progress | None = None,
 ) -> StabilityStudy:
-    """Modes over speed, and with `nonlinear` the runs that bracket the nonlinear critical speed.
+    """Modes over speed, and the limit-cycle diagram.
 
     Args:
         case: the case.
-        speeds_kmh: speeds of the table [km/h]; runs are made at those of them that are at least 20 km/h apart.
-        nonlinear: whether runs are made.
+        speeds_kmh: speeds of the table [km/h]; runs are made at no more than MOST_CYCLE_SPEEDS of them.
+        with_limit_cycles: whether runs are made.
         settings: of the runs.
-        processes: runs at a time.
+        processes: with 2, the way up and the way down run at a time.
         progress: called with the fraction done and a short text.
     """
+    chosen = settings or LimitCycleSettings()
     report = progress or (lambda _fraction, _text: None)
-    share = 0.1 if nonlinear else 1.0
+    share = 0.1 if with_limit_cycles else 1.0
     modes = stability(case, speeds_kmh, progress=lambda f, t: report(share * f, t))
-    if not nonlinear or modes.attrs["interrupted"]:
-        return StabilityStudy(case, modes, None)
-    found = nonlinear_critical_speed(
+    if not with_limit_cycles or modes.attrs["interrupted"]:
+        return StabilityStudy(case, modes, None, chosen)
+    found = limit_cycles(
         case,
-        _coarse(speeds_kmh),
-        settings,
+        cycle_speeds(speeds_kmh),
+        float(modes.attrs["linear_critical_speed_kmh"]),
+        chosen,
         processes=processes,
         progress=lambda f, t: report(share + (1 - share) * f, t),
     )
-    return StabilityStudy(case, modes, found)
+    return StabilityStudy(case, modes, found, chosen)
 
 
-def _coarse(speeds_kmh: Sequence[float], least_step: float = 20.0) -> list[float]:
-    chosen = [float(speeds_kmh[0])]
-    for speed in speeds_kmh[1:]:
-        if speed - chosen[-1] >= least_step - 1e-9:
-            chosen.append(float(speed))
-    return chosen
+def cycle_speeds(speeds_kmh: Sequence[float]) -> list[float]:
+    """Speeds at which runs are made: the first, the last and at most 18 between them, as even as the list allows."""
+    picks = np.unique(
+        np.round(np.linspace(0, len(speeds_kmh) - 1, min(len(speeds_kmh), MOST_CYCLE_SPEEDS))).astype(int)
+    )
+    return [float(speeds_kmh[k]) for k in picks]
 
 
 def write_study(study: StabilityStudy, out: str | Path) -> list[Path]:
-    """Write report.html, stability.nc, modes.csv, shapes.csv, runs.csv, summary.json and the figures.
+    """Write report.html, stability.nc, modes.csv, shapes.csv, limit_cycles.csv, summary.json and the figures.
 
     Raises:
         OutputError: a file could not be written.
     """
     folder = output_folder(out)
-    figures = study_figures(study)
+    cycles = None if study.cycles is None else limit_cycle_table(study.cycles)
+    figures = study_figures(study.modes, cycles)
+    data = study.modes if cycles is None else study.modes.merge(cycles, combine_attrs="drop_conflicts")
     written = [
-        save_run(_merged(study), folder / "stability.nc"),
+        save_run(data, folder / "stability.nc"),
         write_rows(folder / "modes.csv", mode_rows(study.modes)),
         write_rows(folder / "shapes.csv", shape_rows(study.modes)),
         write_text(folder / "summary.json", json.dumps(summary(study), indent=2) + "\n"),
     ]
-    if study.nonlinear is not None:
-        written.append(write_rows(folder / "runs.csv", run_rows(study.nonlinear)))
+    if cycles is not None:
+        written.append(write_rows(folder / "limit_cycles.csv", cycle_rows(cycles)))
     for name, image in figures.items():
         written.append(write_text(folder / f"{name}.svg", image.decode()))
-    return [*written, write_text(folder / "report.html", render(report_page(study, figures)))]
+    page = report_page(study.case.name, study.modes, study.cycles, cycles, study.settings, figures)
+    return [*written, write_text(folder / "report.html", render(page))]
 
 
-def _merged(study: StabilityStudy) -> xr.Dataset:
-    if study.nonlinear is None or not study.nonlinear.runs:
-        return study.modes
-    runs = hunting_table(study.nonlinear.runs, study.nonlinear.disturbance).rename(speed="run_speed")
-    return study.modes.merge(runs, combine_attrs="drop_conflicts")
-
-
-def study_figures(study: StabilityStudy) -> dict[str, bytes]:
+def study_figures(modes: xr.Dataset, cycles: xr.Dataset | None) -> dict[str, bytes]:
     """Name -> SVG of each figure of the study."""
-    table = None
-    figures = {}
-    if study.nonlinear is not None and study.nonlinear.runs:
-        runs = study.nonlinear.runs
-        table = hunting_table(runs, study.nonlinear.disturbance)
-        label = f"from {1e3 * study.nonlinear.disturbance:g} mm"
-        critical = {"linear": float(study.modes.attrs["linear_critical_speed_kmh"])}
-        figures["amplitude"] = figure_bytes(amplitude_over_speed({label: table}, critical))
-        chosen = _around(study.nonlinear)
-        figures["runs"] = figure_bytes(hunting_over_time([(3.6 * r.speed, r.motion) for r in chosen], runs[0].body))
-    return {
-        "root_locus": figure_bytes(root_locus(study.modes)),
-        "damping": figure_bytes(damping_over_speed(study.modes)),
-        "frequency": figure_bytes(frequency_over_speed(study.modes, table)),
-        **figures,
+    speed, names = shape_speed(modes), suspension_modes(modes)
+    figures = {
+        "frequency": frequency_over_speed(modes, cycles),
+        "damping": damping_over_speed(modes),
+        "damping_map": damping_map(modes),
+        "root_locus": root_locus(modes),
     }
-
-
-def _around(found: NonlinearCriticalSpeed, count: int = 4) -> list[HuntingRun]:
-    """Runs nearest to the onset, or spread over the range if there is none."""
-    if not math.isfinite(found.speed):
-        return found.runs[:: max(1, len(found.runs) // count)][:count]
-    nearest = sorted(found.runs, key=lambda run: abs(run.speed - found.speed))[:count]
-    return sorted(nearest, key=lambda run: run.speed)
+    critical = modes.attrs["linear_critical_mode"] or modes.attrs["hunting_mode"]
+    if critical:
+        figures["critical_mode"] = mode_shape(modes, critical, speed)
+    if names:
+        figures["mode_shapes"] = mode_shapes(modes, names, speed)
+    if cycles is not None and cycles.sizes["cycle_point"]:
+        figures["limit_cycles"] = limit_cycle_diagram(cycles, modes)
+    return {name: figure_bytes(figure) for name, figure in figures.items()}
 
 
 def summary(study: StabilityStudy) -> dict[str, object]:
@@ -184,31 +187,42 @@ def summary(study: StabilityStudy) -> dict[str, object]:
         "linear_critical_speed_kmh": finite(modes.attrs["linear_critical_speed_kmh"]),
         "linear_critical_frequency_hz": finite(modes.attrs["linear_critical_frequency_hz"]),
         "linear_critical_mode": modes.attrs["linear_critical_mode"],
+        "crossings": json.loads(modes.attrs["crossings"]),
+        "grows_at_lowest_speed": json.loads(modes.attrs["grows_at_lowest_speed"]),
+        "diverging": json.loads(modes.attrs["diverging"]),
         "least_damping": modes["damping"].where(modes["frequency"] > 0.05).min("mode").to_numpy().tolist(),
         "interrupted": study.interrupted,
     }
-    if study.nonlinear is not None:
-        result["nonlinear"] = nonlinear_summary(study.nonlinear)
+    if study.cycles is not None:
+        result["limit_cycles"] = cycle_summary(study.cycles, study.settings)
     return {**result, "rollerrig_version": __version__, "keys": STABILITY_KEYS}
 
 
-def nonlinear_summary(found: NonlinearCriticalSpeed) -> dict[str, object]:
-    """The runs and the bracket they give, for summary.json."""
+def cycle_summary(found: Diagram, settings: LimitCycleSettings) -> dict[str, object]:
+    """The diagram and what follows from it, for summary.json."""
     return {
-        "disturbance_mm": 1e3 * found.disturbance,
+        "bifurcation": found.kind,
+        "nonlinear_critical_speed_kmh": finite(3.6 * found.critical),
         "dies_out_kmh": finite(3.6 * found.dies_out),
-        "goes_on_kmh": finite(3.6 * found.goes_on),
-        "runs": [
+        "jump_up_kmh": finite(3.6 * found.jumps),
+        "hysteresis_kmh": None if found.hysteresis is None else [3.6 * v for v in found.hysteresis],
+        "tolerance_kmh": settings.tolerance_kmh,
+        "disturbance_mm": 1e3 * settings.disturbance,
+        "nudge_mm": 1e3 * settings.nudge,
+        "points": [
             {
-                "speed_kmh": round(3.6 * run.speed, 6),
-                "amplitude_mm": 1e3 * run.ending.amplitude,
-                "frequency_hz": finite(run.ending.frequency),
-                "growth_rate_at_end_per_s": finite(run.ending.rate),
-                "goes_on": run.sustained,
-                "status": run.motion.attrs["status"],
-                "energy_relative_residual": run.motion.attrs["energy_relative_residual"],
+                "way": way,
+                "speed_kmh": round(3.6 * point.speed, 6),
+                "amplitude_mm": finite(1e3 * point.amplitude),
+                "peak_mm": finite(1e3 * point.peak),
+                "frequency_hz": finite(point.frequency),
+                "guiding_force_n": finite(point.guiding_force),
+                "settled": point.settled,
+                "duration_s": point.duration,
+                "status": point.status,
             }
-            for run in found.runs
+            for way, points in (("up", found.up), ("down", found.down))
+            for point in points
         ],
     }
 
@@ -237,6 +251,27 @@ def shape_rows(modes: xr.Dataset) -> list[list[object]]:
     return rows
 
 
+def nonlinear_summary(found: NonlinearCriticalSpeed) -> dict[str, object]:
+    """The runs and the bracket they give, for summary.json."""
+    return {
+        "disturbance_mm": 1e3 * found.disturbance,
+        "dies_out_kmh": finite(3.6 * found.dies_out),
+        "goes_on_kmh": finite(3.6 * found.goes_on),
+        "runs": [
+            {
+                "speed_kmh": round(3.6 * run.speed, 6),
+                "amplitude_mm": 1e3 * run.ending.amplitude,
+                "frequency_hz": finite(run.ending.frequency),
+                "growth_rate_at_end_per_s": finite(run.ending.rate),
+                "goes_on": run.sustained,
+                "status": run.motion.attrs["status"],
+                "energy_relative_residual": run.motion.attrs["energy_relative_residual"],
+            }
+            for run in found.runs
+        ],
+    }
+
+
 def run_rows(found: NonlinearCriticalSpeed) -> list[list[object]]:
     """Table of the runs, header first."""
     header: list[object] = [
@@ -263,137 +298,22 @@ def run_rows(found: NonlinearCriticalSpeed) -> list[list[object]]:
     ]
 
 
-# ---------------------------------------------------------------------------------------------------- report
+CYCLE_COLUMNS = {
+    "cycle_way": "way",
+    "cycle_speed": "speed_kmh",
+    "cycle_amplitude": "amplitude_m",
+    "cycle_peak": "peak_m",
+    "cycle_frequency": "frequency_hz",
+    "cycle_guiding_force": "guiding_force_n",
+    "cycle_rate": "growth_rate_at_end_per_s",
+    "cycle_settled": "settled",
+    "cycle_duration": "duration_s",
+    "cycle_status": "status",
+}
+"""Variable -> heading in limit_cycles.csv."""
 
 
-def report_page(study: StabilityStudy, figures: dict[str, bytes]) -> Page:
-    """The report of the study."""
-    modes = study.modes
-    sections = [
-        Section(
-            "Modes",
-            [
-                Figure(
-                    figures["root_locus"],
-                    "Eigenvalues over speed. Modes above 30 Hz and heavily damped ones are left out.",
-                ),
-                Figure(figures["damping"], "Damping ratio over speed; below zero a small disturbance grows."),
-                Figure(figures["frequency"], "Frequency over speed."),
-                mode_table(modes),
-            ],
-        ),
-        Section("Mode shapes", [shape_text(), *shape_tables(modes)]),
-    ]
-    if study.nonlinear is not None:
-        sections.append(nonlinear_section(study.nonlinear, figures))
-    sections.append(
-        Section(
-            "Case",
-            [
-                Text(
-                    "The rollers or rails are held at each speed; torques keep their value at time 0. The linear model is "
-                    "exact for small motions around steady rolling; it knows neither flange contact nor saturation beyond "
-                    "its slope."
-                ),
-                Preformatted("the whole configuration", str(modes.attrs["config_toml"])),
-            ],
-        )
-    )
-    return Page(f"Stability: {study.case.name}", lead(study), sections, f"rollerrig {__version__}")
-
-
-def lead(study: StabilityStudy) -> str:
-    """What came out, in a few sentences."""
-    attributes, speeds = study.modes.attrs, study.modes["speed"].to_numpy()
-    critical = float(attributes["linear_critical_speed_kmh"])
-    if math.isfinite(critical):
-        text = (
-            f"Linear critical speed: {critical:.1f} km/h, {attributes['linear_critical_mode']}, "
-            f"{attributes['linear_critical_frequency_hz']:.2f} Hz."
-        )
-    elif float(study.modes["growth_rate"].isel(speed=0).max()) > 0:
-        text = f"Unstable already at {speeds[0]:g} km/h, the lowest speed looked at."
-    else:
-        where = f"between {speeds[0]:g} and {speeds[-1]:g} km/h" if len(speeds) > 1 else f"at {speeds[0]:g} km/h"
-        text = f"No linear critical speed {where}: all oscillations are damped."
-    if study.interrupted:
-        text = f"Interrupted: what was computed until then.\n{text}"
-    return text if study.nonlinear is None else f"{text}\n{nonlinear_sentence(study.nonlinear)}"
-
-
-def nonlinear_sentence(found: NonlinearCriticalSpeed) -> str:
-    """The bracket of the nonlinear critical speed as a sentence."""
-    size = f"A lateral offset of {1e3 * found.disturbance:g} mm of the leading wheelset"
-    if not found.runs:
-        return f"{size}: no run was finished."
-    if math.isfinite(found.speed):
-        return f"{size} dies out at {3.6 * found.dies_out:.1f} km/h and goes on at {3.6 * found.goes_on:.1f} km/h."
-    if math.isfinite(found.goes_on):
-        return f"{size} goes on already at {3.6 * found.goes_on:.1f} km/h, the lowest speed run."
-    return f"{size} dies out at all speeds run, up to {3.6 * found.dies_out:.1f} km/h."
-
-
-def mode_table(modes: xr.Dataset) -> Table:
-    """Frequency and damping of the modes shown, at the lowest, a middle and the highest speed."""
-    picks = sorted({0, modes.sizes["speed"] // 2, modes.sizes["speed"] - 1})
-    header = ["mode"] + [f"{modes['speed'][k]:g} km/h: f [Hz], damping [%]" for k in picks]
-    rows = []
-    for name in shown_modes(modes):
-        one = modes.sel(mode=name)
-        cells = [f"{float(one['frequency'][k]):.2f},  {100 * float(one['damping'][k]):.1f}" for k in picks]
-        rows.append([name, *cells])
-    return Table(header, rows, "Frequency and damping; all modes at all speeds are in modes.csv.")
-
-
-def shape_text() -> Text:
-    """What the shapes' numbers mean."""
-    return Text(
-        "Displacement amplitudes in m and rad, scaled so that the largest is 1, and phase in degrees; at the speed nearest to "
-        "the linear critical one, or the highest. Parts below 0.02 are left out."
-    )
-
-
-def shape_tables(modes: xr.Dataset) -> list[Table]:
-    """One table per mode shown."""
-    critical = float(modes.attrs["linear_critical_speed_kmh"])
-    speed = modes["speed"].to_numpy()
-    k = int(np.argmin(np.abs(speed - critical))) if math.isfinite(critical) else len(speed) - 1
-    at = modes.isel(speed=k)
-    names = sorted(shown_modes(modes), key=lambda name: not name.startswith("hunting"))
-    tables = []
-    for name in names:
-        amplitude, phase = at["shape_amplitude"].sel(mode=name), at["shape_phase"].sel(mode=name)
-        rows = []
-        for body in at["body"].to_numpy():
-            cells = []
-            for direction in at["direction"].to_numpy():
-                a, p = (float(v.sel(body=body, direction=direction)) for v in (amplitude, phase))
-                cells.append(f"{a:.2f} ∠ {round(p):d}°" if a >= 0.02 else "")
-            rows.append([str(body), *cells])
-        caption = f"{name}, {float(at['frequency'].sel(mode=name)):.2f} Hz at {speed[k]:g} km/h"
-        tables.append(Table(["body", *map(str, at["direction"].to_numpy())], rows, caption))
-    return tables
-
-
-RUN_HEADER = (
-    "speed [km/h]",
-    "amplitude at the end [mm]",
-    "frequency [Hz]",
-    "growth rate at the end [1/s]",
-    "goes on",
-    "how the run ended",
-)
-
-
-def nonlinear_section(found: NonlinearCriticalSpeed, figures: dict[str, bytes]) -> Section:
-    """Runs from a disturbance."""
-    blocks: list[Text | Figure | Table | Preformatted] = [Text(nonlinear_sentence(found))]
-    if found.runs:
-        blocks += [
-            Figure(figures["amplitude"], "Amplitude at the end of each run; open markers: the disturbance dies out."),
-            Figure(figures["runs"], "Lateral displacement over time at the speeds nearest to the onset."),
-            Table(
-                RUN_HEADER, [[*row[:4], "yes" if row[4] else "no", row[5]] for row in run_rows(found)[1:]], "All runs."
-            ),
-        ]
-    return Section("Runs from a disturbance", blocks)
+def cycle_rows(cycles: xr.Dataset) -> list[list[object]]:
+    """Table of the limit-cycle diagram, header first."""
+    columns = [cycles[name].to_numpy().tolist() for name in CYCLE_COLUMNS]
+    return [list(CYCLE_COLUMNS.values()), *(list(row) for row in zip(*columns, strict=True))]

@@ -16,11 +16,11 @@ from rollerrig.analysis import (
     linear_critical_speed,
     linear_critical_speeds,
     linearise,
-    nonlinear_critical_speed,
     stability,
 )
 from rollerrig.analysis.contact_state import slow_wavelength
 from rollerrig.analysis.critical import diverging, largest_growth_rate
+from rollerrig.analysis.hunting import bracket
 from rollerrig.analysis.speed_map import modes_over_speed
 from rollerrig.config import Case, load_case
 
@@ -77,7 +77,7 @@ def test_a_run_grows_as_the_linear_model_says(bogie) -> None:
 
 def test_below_the_critical_speed_a_run_dies_out_and_above_it_goes_on(bogie) -> None:
     quick = HuntingSettings(duration=2.0)
-    found = nonlinear_critical_speed(bogie, [100.0, 220.0], quick, tolerance_kmh=1000.0)
+    found = bracket([hunting_run((bogie, v / 3.6, quick)) for v in (100.0, 220.0)], quick.disturbance)
     assert [run.sustained for run in found.runs] == [False, True]
     assert 3.6 * found.dies_out == pytest.approx(100.0)
     assert 3.6 * found.goes_on == pytest.approx(220.0)

@@ -9,10 +9,14 @@ import xarray as xr
 
 from rollerrig.plot import (
     amplitude_over_speed,
+    damping_map,
     damping_over_speed,
     figure_bytes,
     frequency_over_speed,
     hunting_over_time,
+    limit_cycle_diagram,
+    mode_shape,
+    mode_shapes,
     ramp_over_speed,
     readings,
     root_locus,
@@ -34,8 +38,39 @@ def modes() -> xr.Dataset:
     damping = -growth / np.hypot(growth, 2 * np.pi * frequency)
     coordinates = {"speed": SPEED, "mode": ["hunting", "frame pitch"]}
     return xr.Dataset(
-        {**variables, "damping": (("speed", "mode"), damping)}, coordinates, {"linear_critical_speed_kmh": 110.0}
+        {**variables, "damping": (("speed", "mode"), damping)},
+        coordinates,
+        {"linear_critical_speed_kmh": 110.0, "hunting_mode": "hunting"},
     )
+
+
+def shapes() -> xr.Dataset:
+    bodies, ways = ["body", "wheelset_1"], ["longitudinal", "lateral", "vertical", "roll", "pitch", "yaw"]
+    dims = ("speed", "mode", "body", "direction")
+    size = np.broadcast_to(np.array([0.0, 1.0, 0.0, 0.2, 0.0, 0.1]), (3, 2, 2, 6))
+    return (
+        modes()
+        .assign(
+            shape_amplitude=(dims, size),
+            shape_phase=(dims, 30.0 * size),
+            energy_share=(dims, size / size[0, 0].sum()),
+            position=(("body", "axis"), np.array([[0.0, 0.0, 1.8], [1.0, 0.0, 0.46]])),
+            role=("body", ["car body", "wheelsets"]),
+        )
+        .assign_coords(body=bodies, direction=ways)
+    )
+
+
+def cycles() -> xr.Dataset:
+    columns = {
+        "speed": SPEED,
+        "amplitude": [0.0, 1e-3, 2e-3],
+        "frequency": [np.nan, 4.0, 5.0],
+        "settled": [1.0, 1.0, 0.0],
+    }
+    columns |= {"guiding_force": [np.nan, 1e4, 9e5], "way": ["up", "up", "down"], "status": ["ok", "ok", "derailed"]}
+    variables = {f"cycle_{name}": ("cycle_point", values) for name, values in columns.items()}
+    return xr.Dataset(variables, attrs={"nonlinear_critical_speed_kmh": 120.0})
 
 
 def motion() -> xr.Dataset:
@@ -99,7 +134,11 @@ FIGURES = {
     "line": lambda: readings.line_and_response(on_track(), distance()),
     "root_locus": lambda: root_locus(modes()),
     "damping": lambda: damping_over_speed(modes()),
-    "frequency": lambda: frequency_over_speed(modes(), table()),
+    "damping_map": lambda: damping_map(modes()),
+    "frequency": lambda: frequency_over_speed(modes(), cycles()),
+    "limit_cycles": lambda: limit_cycle_diagram(cycles(), modes()),
+    "mode_shape": lambda: mode_shape(shapes(), "hunting", 110.0),
+    "mode_shapes": lambda: mode_shapes(shapes(), ["hunting", "frame pitch"], 110.0),
     "ramp": lambda: ramp_over_speed({"steel": motion()}, "front_frame", {"steel": {"linear": 80.0, "none": np.nan}}),
     "time": lambda: hunting_over_time([(60.0, motion()), (80.0, motion())], "front_frame"),
     "amplitude": lambda: amplitude_over_speed({"steel": table()}, {"linear": 100.0}),

@@ -13,11 +13,16 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
-from rollerrig.analysis import HuntingSettings
 from rollerrig.cli.app import build_app
 from rollerrig.config import load_case
 from rollerrig.results import load_run
-from rollerrig.studies.stability import STABILITY_KEYS, stability_study, write_study
+from rollerrig.studies.stability import (
+    MOST_CYCLE_SPEEDS,
+    STABILITY_KEYS,
+    cycle_speeds,
+    stability_study,
+    write_study,
+)
 
 runner = CliRunner()
 
@@ -29,17 +34,7 @@ def run(*arguments: str):
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory) -> Path:
     out = tmp_path_factory.mktemp("stability")
-    options = [
-        "--speeds-kmh",
-        "100:260:80",
-        "--nonlinear",
-        "--duration",
-        "1",
-        "--processes",
-        "1",
-        "--disturbance-mm",
-        "1",
-    ]
+    options = ["--speeds-kmh", "100:260:80", "--tolerance-kmh", "50", "--longest", "8", "--processes", "1"]
     result = run("bogie_rollers_constant", *options, "--out", str(out))
     assert result.exit_code == 0, result.output
     return out
@@ -47,7 +42,7 @@ def folder(tmp_path_factory) -> Path:
 
 def test_everything_is_written(folder) -> None:
     names = {path.name for path in folder.iterdir()}
-    assert {"report.html", "stability.nc", "modes.csv", "shapes.csv", "runs.csv", "summary.json"} <= names
+    assert {"report.html", "stability.nc", "modes.csv", "shapes.csv", "limit_cycles.csv", "summary.json"} <= names
 
 
 def test_summary_keys_are_documented(folder) -> None:
@@ -56,14 +51,21 @@ def test_summary_keys_are_documented(folder) -> None:
     assert set(summary) - {"keys"} == documented
     assert summary["keys"] == STABILITY_KEYS
     assert 240 < summary["linear_critical_speed_kmh"] < 260
-    assert len(summary["nonlinear"]["runs"]) >= 3
+    cycles = summary["limit_cycles"]
+    assert {f"limit_cycles.{key}" for key in cycles} == {
+        key for key in STABILITY_KEYS if key.startswith("limit_cycles.")
+    }
+    assert len(cycles["points"]) >= 6
+    assert cycles["bifurcation"] == "subcritical"
 
 
 def test_the_report_holds_every_section(folder) -> None:
     text = (folder / "report.html").read_text()
-    for heading in ("Modes", "Mode shapes", "Runs from a disturbance", "Case"):
+    for heading in ("Modes", "Limit cycles", "Mode shapes", "Case"):
         assert f"<h2>{heading}</h2>" in text
     assert "Linear critical speed: 253" in text
+    assert "Nonlinear critical speed: " in text
+    assert text.count("<img") == 7
 
 
 def test_the_data_are_those_of_the_table(folder) -> None:
@@ -90,29 +92,42 @@ def interrupt_at(fraction: float):
 
 def test_ctrl_c_keeps_the_speeds_that_were_done(tmp_path) -> None:
     case = load_case("wheelset_rollers")
-    study = stability_study(case, [20.0, 25.0, 30.0, 35.0], progress=interrupt_at(0.5))
+    study = stability_study(case, [20.0, 25.0, 30.0, 35.0], with_limit_cycles=False, progress=interrupt_at(0.5))
     assert study.interrupted
     assert study.modes["speed"].to_numpy().tolist() == [20.0, 25.0]
     write_study(study, tmp_path)
     assert json.loads((tmp_path / "summary.json").read_text())["interrupted"] is True
 
 
-@pytest.mark.parametrize(("fraction", "finished"), [(0.2, 0), (0.5, 1)])
-def test_ctrl_c_keeps_the_runs_that_were_done(tmp_path, fraction: float, finished: int) -> None:
-    case = load_case("wheelset_rollers")
-    settings = HuntingSettings(duration=1.0)
-    study = stability_study(case, [20, 40], nonlinear=True, settings=settings, progress=interrupt_at(fraction))
+def test_ctrl_c_keeps_the_runs_that_were_done(tmp_path) -> None:
+    study = stability_study(
+        load_case("wheelset_rollers"), [20, 40, 60], progress=interrupt_at(0.2)
+    )  # 0.1 the modes, then a quarter of 0.54 each
     assert study.interrupted
-    assert study.nonlinear is not None
-    assert len(study.nonlinear.runs) == finished
+    assert study.cycles is not None
+    assert len(study.cycles.down) == 1
     write_study(study, tmp_path)
     assert "Interrupted" in (tmp_path / "report.html").read_text()
+
+
+def test_without_limit_cycles_no_run_is_made(tmp_path) -> None:
+    result = run("wheelset_rollers", "--speeds-kmh", "40:80:20", "--no-limit-cycles", "--out", str(tmp_path))
+    assert result.exit_code == 0, result.output
+    assert "limit_cycles" not in json.loads((tmp_path / "summary.json").read_text())
+    assert not (tmp_path / "limit_cycles.csv").exists()
+
+
+def test_runs_are_spread_over_the_range() -> None:
+    chosen = cycle_speeds(list(range(60, 301)))
+    assert len(chosen) == MOST_CYCLE_SPEEDS
+    assert (chosen[0], chosen[-1]) == (60.0, 300.0)
+    assert cycle_speeds([80.0]) == [80.0]
 
 
 def test_ctrl_c_ends_the_command_with_130(tmp_path) -> None:
     """To the whole process group, as a terminal sends it, also while the workers are still starting."""
     command = [sys.executable, "-c", "from rollerrig.cli import main; main()", "stability", "wheelset_rollers"]
-    options = ["--speeds-kmh", "20:100:20", "--nonlinear", "--duration", "600", "--out", str(tmp_path)]
+    options = ["--speeds-kmh", "20:400:20", "--longest", "600", "--disturbance-mm", "6", "--out", str(tmp_path)]
     process = subprocess.Popen([*command, *options], stderr=subprocess.PIPE, text=True, start_new_session=True)
     time.sleep(4.0)
     os.killpg(process.pid, signal.SIGINT)
