@@ -62,14 +62,16 @@ def limit_cycle_diagram(cycles: xr.Dataset, modes: xr.Dataset | None = None) -> 
         speeds = cycles["cycle_speed"].to_numpy()
         margin = 0.03 * float(np.ptp(speeds)) + 1.0
         amplitude.set_xlim(float(speeds.min()) - margin, float(speeds.max()) + margin)
-        amplitude.set_ylim(bottom=-0.03 * max(1.0, float(np.nanmax(1e3 * cycles["cycle_amplitude"], initial=0.0))))
+        amplitude.set_ylim(
+            bottom=-0.03 * max(1.0, float(np.nan_to_num(1e3 * cycles["cycle_amplitude"].to_numpy()).max(initial=0.0)))
+        )
         amplitude.set_ylabel("lateral amplitude of wheelsets [mm]")
         amplitude.legend(loc="upper left")
         frequency.set_ylim(bottom=0.0)
         frequency.set_ylabel("frequency [Hz]")
         force.set_ylabel("largest |Y| [kN]")
         force.set_xlabel("speed [km/h]")
-        top = float(np.nanmax(1e-3 * cycles["cycle_guiding_force"], initial=0.0))
+        top = float(np.nan_to_num(1e-3 * cycles["cycle_guiding_force"].to_numpy()).max(initial=0.0))
         if top > 100.0:
             force.set_yscale("log")
         return figure
