@@ -9,6 +9,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+import xarray as xr
 
 from rollerrig import _core
 from rollerrig.analysis.linearise import Lineariser
@@ -43,6 +44,45 @@ class ContactState:
     conicity: float
 
 
+@dataclass(frozen=True)
+class RollingState:
+    """Steady rolling of a case at one speed.
+
+    Attributes:
+        speed: [m/s].
+        wheels: every recorded signal, as of a run, without time.
+        creep_stiffness: per wheel the sum of f11 over its patches, Kalker's linear theory [N].
+    """
+
+    speed: float
+    wheels: xr.Dataset
+    creep_stiffness: dict[str, float]
+
+
+def rolling_state(case: Case | Lineariser, speed: float) -> RollingState:
+    """The equilibrium at a speed [m/s], recorded.
+
+    Raises:
+        StartError: no rolling equilibrium was found.
+    """
+    lineariser = case if isinstance(case, Lineariser) else Lineariser(case)
+    linear = lineariser.at(speed)
+    simulation = _core.Simulation(lineariser.model.core)
+    row = simulation.record(0.0, linear.equilibrium, np.zeros(simulation.quadrature_count))
+    outcome = Outcome("ok", "", 0.0, "", {}, {})
+    wheels = run_dataset(lineariser.model, np.zeros(1), row[None, :], outcome).isel(time=0)
+    material = lineariser.case.contact.material
+    stiffness = {}
+    for name in map(str, wheels["wheel"].to_numpy()):
+        wheel, total = wheels.sel(wheel=name), 0.0
+        for k in range(int(wheel["patch_count"])):
+            a, b = float(wheel["patch_a"][k]), float(wheel["patch_b"][k])
+            c11 = _core.kalker_coefficients(a / b, material.poisson_ratio)[0]
+            total += material.shear_modulus * a * b * c11
+        stiffness[name] = total
+    return RollingState(speed, wheels, stiffness)
+
+
 def contact_state(case: Case) -> ContactState:
     """The contact of the leading left wheel in steady rolling, and the wavelength of slow hunting.
 
@@ -50,17 +90,9 @@ def contact_state(case: Case) -> ContactState:
         StartError: no rolling equilibrium was found.
     """
     lineariser = Lineariser(case)
-    linear = lineariser.at(REFERENCE_SPEED)
-    simulation = _core.Simulation(lineariser.model.core)
-    row = simulation.record(0.0, linear.equilibrium, np.zeros(simulation.quadrature_count))
-    outcome = Outcome("ok", "", 0.0, "", {}, {})
-    wheel = run_dataset(lineariser.model, np.zeros(1), row[None, :], outcome).isel(time=0, wheel=0)
-    count = int(wheel["patch_count"])
-    material, stiffness = case.contact.material, 0.0
-    for k in range(count):
-        a, b = float(wheel["patch_a"][k]), float(wheel["patch_b"][k])
-        c11 = _core.kalker_coefficients(a / b, material.poisson_ratio)[0]
-        stiffness += material.shear_modulus * a * b * c11
+    state = rolling_state(lineariser, REFERENCE_SPEED)
+    wheel = state.wheels.isel(wheel=0)
+    count, stiffness = int(wheel["patch_count"]), state.creep_stiffness[str(wheel["wheel"].item())]
     wavelength = slow_wavelength(lineariser)
     wheelsets = [b for b in case.vehicle.data.bodies_in(case.vehicle.part) if b.kind == "wheelset"]
     half_base = 0.5 * abs(wheelsets[0].position[0] - wheelsets[min(1, len(wheelsets) - 1)].position[0])

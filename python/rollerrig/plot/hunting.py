@@ -95,8 +95,8 @@ def amplitude_over_speed(
                 np.zeros(int((~going).sum())),
                 marker,
                 color=colour,
-                markerfacecolor="white",
-                markersize=4.5,
+                markerfacecolor="none",
+                markersize=4.5 + 2.5 * (len(tables) - 1 - number),  # those of several tables lie upon each other
                 label=f"{label}: dies out",
             )
         for name, value in (critical or {}).items():

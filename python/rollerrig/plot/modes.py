@@ -168,7 +168,7 @@ def hunting_frequencies(linear: dict[str, xr.Dataset], runs: dict[str, xr.Datase
 
     Args:
         linear: label -> Dataset of `stability`; only its least damped hunting mode is drawn.
-        runs: label -> Dataset of `hunting_table`.
+        runs: label -> Dataset of `hunting_table`; in the colour of the line with the same label, if there is one.
         title: of the figure.
     """
     with house_style():
@@ -179,7 +179,7 @@ def hunting_frequencies(linear: dict[str, xr.Dataset], runs: dict[str, xr.Datase
                 continue
             frequency = modes["frequency"].sel(mode=modes.attrs["hunting_mode"])
             frequency = frequency.where(frequency > 0)
-            axes.plot(modes["speed"], frequency, color=colour, linestyle=style, label=label)
+            axes.plot(modes["speed"], frequency, color=colour, linestyle=style, label=f"linear, {label}")
             critical = float(modes.attrs["linear_critical_speed_kmh"])
             if math.isfinite(critical):
                 at = np.interp(critical, modes["speed"].to_numpy(), frequency.to_numpy())
@@ -190,10 +190,10 @@ def hunting_frequencies(linear: dict[str, xr.Dataset], runs: dict[str, xr.Datase
                 table["speed"].to_numpy()[going],
                 table["oscillation_frequency"].to_numpy()[going],
                 MARKERS[number % len(MARKERS)],
-                color="black",
+                color=COLOURS[list(linear).index(label) % len(COLOURS)] if label in linear else "black",
                 markerfacecolor="none",
                 markersize=5,
-                label=label,
+                label=f"limit cycle, {label}",
             )
         axes.set_ylim(bottom=0.0)
         axes.set_xlabel("speed [km/h]")

@@ -62,9 +62,8 @@ def paper_figures(results: PaperResults) -> dict[str, Figure]:
         labelled = {LABELS[m]: table for m, table in tables.items()}
         figures["figure_7a_amplitude"] = amplitude_over_speed(labelled, critical_lines)
     for material, modes in results.modes.items():
-        runs = {"limit cycle, bogie on the rig": tables[material]} if material in tables else {}
-        linear = {f"linear, {variant}": dataset for variant, dataset in modes.items()}
-        figures[f"figure_7b_{material}"] = hunting_frequencies(linear, runs, LABELS[material])
+        runs = {"bogie on the rig": tables[material]} if material in tables else {}
+        figures[f"figure_7b_{material}"] = hunting_frequencies(modes, runs, LABELS[material])
     if results.traction_theory is not None:
         figures["figure_8a"] = traction_sliding(results.traction_theory, WHEELS)
         figures["figure_8b"] = traction_forces(results.traction_theory, WHEELS)

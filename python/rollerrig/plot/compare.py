@@ -1,0 +1,177 @@
+"""Figures of several supports side by side: one colour or style per support, both always in the same axes."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.ticker import FixedLocator, NullFormatter
+
+from rollerrig.plot.modes import shown_modes
+from rollerrig.plot.style import COLOURS, GREY, MARKERS, STYLES, critical_line, house_style, new_figure
+
+MOST_MODES = 7
+"""Modes in one figure; the others are in the table."""
+
+HIGHEST_FREQUENCY = 20.0
+"""Modes above are left out: supports hardly change them, and they squeeze the rest [Hz]."""
+
+LEAST_DIFFERENCE = 0.2
+"""Modes whose eigenvalues differ by less between the supports are left out [1/s]."""
+
+
+def telling_modes(modes: Mapping[str, xr.Dataset], count: int = MOST_MODES) -> list[str]:
+    """Names of the modes that differ most between the supports, hunting modes first; those that all supports have."""
+    first = next(iter(modes.values()))
+    names = [
+        name
+        for name in shown_modes(first)
+        if all(name in m["mode"] for m in modes.values())
+        and float(first["frequency"].sel(mode=name).max()) < HIGHEST_FREQUENCY
+    ]
+
+    def apart(name: str) -> float:
+        rates = [m["growth_rate"].sel(mode=name).to_numpy() for m in modes.values()]
+        waves = [m["angular_frequency"].sel(mode=name).to_numpy() for m in modes.values()]
+        return float(
+            max(np.abs(r - rates[0]).max() + np.abs(w - waves[0]).max() for r, w in zip(rates, waves, strict=True))
+        )
+
+    hunting = [name for name in names if name.startswith("hunting")]
+    others = [name for name in names if name not in hunting and (len(modes) == 1 or apart(name) > LEAST_DIFFERENCE)]
+    others.sort(key=apart, reverse=True)
+    return [*hunting, *others][:count]
+
+
+def modes_side_by_side(modes: Mapping[str, xr.Dataset]) -> Figure:
+    """Frequency and damping of the modes over speed: a colour per mode, a line style per support.
+
+    Args:
+        modes: label -> Dataset of `stability`.
+    """
+    names = telling_modes(modes)
+    with house_style():
+        figure, (frequency, damping) = new_figure(2, height=6.2, sharex=True)
+        for number, name in enumerate(names):
+            colour = COLOURS[(1, 0, 2, 3, 4, 5, 6, 7)[number % 8]]
+            for style, dataset in zip(STYLES, modes.values(), strict=False):
+                mode = dataset.sel(mode=name)
+                going = mode["frequency"] > 0.0
+                width = 2.0 if name.startswith("hunting") else 1.2
+                line: dict[str, Any] = {"color": colour, "linestyle": style, "linewidth": width}
+                frequency.plot(dataset["speed"], mode["frequency"].where(going), **line)
+                damping.plot(dataset["speed"], 100 * mode["damping"].where(going), **line)
+        damping.axhline(0.0, color=GREY, linewidth=1.0)
+        low, high = damping.get_ylim()
+        damping.set_ylim(max(low, -25.0), min(high, 65.0))
+        frequency.set_ylim(bottom=0.0)
+        frequency.set_ylabel("frequency [Hz]")
+        damping.set_ylabel("damping ratio [%], unstable below 0")
+        damping.set_xlabel("speed [km/h]")
+        by_name = [
+            Line2D([], [], color=COLOURS[(1, 0, 2, 3, 4, 5, 6, 7)[k % 8]], label=name) for k, name in enumerate(names)
+        ]
+        by_style = [
+            Line2D([], [], color="black", linestyle=s, label=label)  # type: ignore[arg-type]
+            for s, label in zip(STYLES, modes, strict=False)
+        ]
+        frequency.legend(handles=by_name, loc="center left", bbox_to_anchor=(1.0, 0.5), title="mode")
+        damping.legend(handles=by_style, loc="center left", bbox_to_anchor=(1.0, 0.5), title="on")
+        return figure
+
+
+def critical_over_radius(speeds: Mapping[str, tuple[Sequence[float], Sequence[float], float]], marked: float) -> Figure:
+    """Critical speed over the rollers' radius; the track is the line that the curves approach.
+
+    Args:
+        speeds: label -> radii [m], critical speeds [km/h], that on track [km/h].
+        marked: radius of the rig compared [m].
+    """
+    with house_style():
+        figure, (axes,) = new_figure(height=3.6)
+        ticks: set[float] = set()
+        for number, (label, (radii, values, track)) in enumerate(speeds.items()):
+            colour, marker = COLOURS[number % len(COLOURS)], MARKERS[number % len(MARKERS)]
+            axes.plot(
+                radii, values, marker=marker, color=colour, linestyle="-", markersize=5, label=f"{label}, on rollers"
+            )
+            ticks |= set(radii)
+            if math.isfinite(track):
+                axes.axhline(
+                    track, color=colour, linestyle=STYLES[1 + number % 3], linewidth=1.1, label=f"{label}, on track"
+                )
+        axes.set_xscale("log")
+        axes.xaxis.set_major_locator(FixedLocator(sorted(ticks)))
+        axes.xaxis.set_minor_formatter(NullFormatter())
+        axes.set_xticklabels([f"{tick:g}" for tick in sorted(ticks)])
+        axes.minorticks_off()
+        if math.isfinite(marked):
+            critical_line(axes, marked, f"this rig, {marked:g} m")
+        axes.set_xlabel("radius of the rollers [m]")
+        axes.set_ylabel("linear critical speed [km/h]")
+        axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
+        return figure
+
+
+def causes_bars(off: Mapping[str, float], alone: Mapping[str, float], loss: float) -> Figure:
+    """What each effect of a roller costs: left out of the rig, and alone on the track.
+
+    Args:
+        off: effect -> critical speed gained when it alone is switched off [km/h].
+        alone: effect -> critical speed lost when it alone is on [km/h].
+        loss: from track to rig [km/h].
+    """
+    with house_style():
+        figure, (axes,) = new_figure(height=0.9 + 0.55 * (len(off) + 2))
+        rows = [*off, "interaction", "all: track less rig"]
+        places = np.arange(len(rows))[::-1]
+        for values, shift, colour, hatch, label in (
+            (off, 0.19, COLOURS[0], "", "switched off alone: gain of the rig"),
+            (alone, -0.19, COLOURS[1], "///", "on alone: loss from the track"),
+        ):
+            bars = [*(values[effect] for effect in off), loss - sum(values.values()), loss]
+            axes.barh(places + shift, bars, 0.36, color=colour, alpha=0.85, label=label, hatch=hatch, edgecolor="white")
+            for place, bar in zip(places + shift, bars, strict=True):
+                if math.isfinite(bar):
+                    axes.annotate(
+                        f"{bar:+.1f}", (bar, place), (3 if bar >= 0 else -3, 0), textcoords="offset points",
+                        va="center", ha="left" if bar >= 0 else "right", fontsize=7.5,
+                    )  # fmt: skip
+        axes.axvline(0.0, color=GREY, linewidth=1.0)
+        axes.set_yticks(places, rows)
+        axes.margins(x=0.12)
+        axes.set_xlabel("linear critical speed [km/h]")
+        axes.legend(loc="lower center", bbox_to_anchor=(0.4, 1.0), ncols=2)
+        return figure
+
+
+def disturbed_over_time(runs: Mapping[str, xr.Dataset]) -> Figure:
+    """The leading wheelset after a disturbance: its motion, guiding force, sum of guiding forces, longitudinal creep force.
+
+    Args:
+        runs: label -> readings over time with `lateral` and `longitudinal_force`.
+    """
+    with house_style():
+        figure, (motion, guiding, total, creep) = new_figure(4, height=8.0, sharex=True)
+        for number, (label, run) in enumerate(runs.items()):
+            leading = str(run.attrs["leading"])
+            wheel = f"{leading}_left"
+            look = {"color": COLOURS[number % len(COLOURS)], "linestyle": STYLES[number % len(STYLES)], "label": label}
+            time = run["time"]
+            motion.plot(time, 1e3 * run["lateral"], **look)  # type: ignore[arg-type]
+            guiding.plot(time, 1e-3 * run["guiding_force"].sel(wheel=wheel), **look)  # type: ignore[arg-type]
+            total.plot(time, 1e-3 * run["guiding_force_sum"].sel(wheelset=leading), **look)  # type: ignore[arg-type]
+            creep.plot(time, 1e-3 * run["longitudinal_force"].sel(wheel=wheel), **look)  # type: ignore[arg-type]
+        motion.set_ylabel("lateral [mm]")
+        guiding.set_ylabel("Y, left wheel [kN]")
+        total.set_ylabel("ΣY, 2 m mean [kN]")
+        creep.set_ylabel("longitudinal force,\nleft wheel [kN]")
+        creep.set_xlabel("time [s]")
+        motion.set_xlim(0.0, float(next(iter(runs.values()))["time"][-1]))
+        motion.legend(loc="upper right", ncols=len(runs))
+        return figure
