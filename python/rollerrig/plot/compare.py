@@ -31,7 +31,7 @@ def telling_modes(modes: Mapping[str, xr.Dataset], count: int = MOST_MODES) -> l
     names = [
         name
         for name in shown_modes(first)
-        if all(name in m["mode"] for m in modes.values())
+        if all(name in shown_modes(m) for m in modes.values())
         and float(first["frequency"].sel(mode=name).max()) < HIGHEST_FREQUENCY
     ]
 

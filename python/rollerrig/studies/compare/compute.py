@@ -91,6 +91,7 @@ class CompareResults:
     Attributes:
         plan: what was asked for.
         modes: label -> Dataset of `stability`.
+        critical: label -> linear critical speeds from 30 to 600 km/h, whatever the range of the modes.
         states: label -> steady rolling at the lowest speed.
         shifts: label -> Dataset of `shift_table`.
         conicity: label -> Dataset of `conicity_table`.
@@ -104,6 +105,7 @@ class CompareResults:
 
     plan: ComparePlan
     modes: dict[str, xr.Dataset] = field(default_factory=dict)
+    critical: dict[str, CriticalScan] = field(default_factory=dict)
     states: dict[str, RollingState] = field(default_factory=dict)
     shifts: dict[str, xr.Dataset] = field(default_factory=dict)
     conicity: dict[str, xr.Dataset] = field(default_factory=dict)
@@ -115,9 +117,9 @@ class CompareResults:
     interrupted: bool = False
 
     def linear_kmh(self, label: str) -> float:
-        """Linear critical speed [km/h]; NaN if there is none in the range or it was not computed."""
-        modes = self.modes.get(label)
-        return math.nan if modes is None else float(modes.attrs["linear_critical_speed_kmh"])
+        """Linear critical speed [km/h]; NaN if there is none or it was not computed."""
+        scan = self.critical.get(label)
+        return math.nan if scan is None else scan.speed_kmh
 
     def nonlinear_kmh(self, label: str) -> float:
         """Nonlinear critical speed [km/h]; NaN likewise."""
@@ -210,7 +212,7 @@ def _linear_part(results: CompareResults, processes: int, progress: Progress) ->
             ("state", label, (case, plan.speeds_kmh[0] / 3.6)),
             ("shift", label, case),
         ]
-    jobs += [("scan", key, (case, speeds)) for key, case in (*on.items(), *places.items())]
+    jobs += [("scan", key, (case, speeds)) for key, case in (*plan.cases.items(), *on.items(), *places.items())]
     names = [f"{kind} {key if isinstance(key, str) else ''}".strip() for kind, key, _ in jobs]
     scans: dict[Any, CriticalScan] = {}
     for (kind, key, _), result in zip(jobs, _do(results, jobs, names, processes, progress), strict=True):
@@ -227,6 +229,7 @@ def _linear_part(results: CompareResults, processes: int, progress: Progress) ->
                 results.conicity[key] = conicity_table(result, [a for a in AMPLITUDES if a <= reached])
             case _:
                 scans[key] = result
+    results.critical = {label: scans[label] for label in plan.cases if label in scans}
     results.causes = Causes({key: scan for key, scan in scans.items() if isinstance(key, frozenset)})
     found: dict[Place, CriticalScan] = {key: scan for key, scan in scans.items() if isinstance(key, tuple)}
     results.table = critical_table(places, found)

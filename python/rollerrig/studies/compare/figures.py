@@ -39,9 +39,11 @@ def compare_figures(results: CompareResults) -> dict[str, Figure]:
     tables = {label: hunting_table(found.runs, found.disturbance) for label, found in results.runs.items()}
     if results.modes:
         figures["modes"] = modes_side_by_side(results.modes)
-        figures["hunting"] = hunting_frequencies(results.modes, tables)
+        if tables or any(modes.attrs["hunting_mode"] for modes in results.modes.values()):
+            figures["hunting"] = hunting_frequencies(results.modes, tables)
     if tables:
-        critical = {f"linear, {label}": results.linear_kmh(label) for label in results.modes}
+        top = results.plan.speeds_kmh[-1] * 1.1
+        critical = {f"linear, {n}": v for n in results.critical if (v := results.linear_kmh(n)) < top}
         figures["amplitude"] = amplitude_over_speed(tables, critical)
     rig = results.plan.rig.support.data
     if results.table is not None and results.table.found:

@@ -17,6 +17,7 @@ from rollerrig.studies.compare.compute import CompareResults
 from rollerrig.studies.compare.critical import (
     cause_rows,
     cause_sentence,
+    cell,
     order_sentences,
     radius_words,
     table_rows,
@@ -88,10 +89,10 @@ def lead(results: CompareResults) -> str:
     """What came out, in a few sentences."""
     lines = ["Interrupted: what was computed until then."] if results.interrupted else []
     for label in results.plan.cases:
-        if label not in results.modes:
+        if label not in results.critical:
             continue
-        linear, found = results.linear_kmh(label), results.runs.get(label)
-        text = f"On {label}: linear critical speed {_speed(linear, results)}"
+        found = results.runs.get(label)
+        text = f"On {label}: linear critical speed {cell(results.critical[label])}{_unit(results, label)}"
         if found is not None and found.runs:
             text += f", hunting from a disturbance {_onset(found.dies_out, found.goes_on)}"
         lines.append(text + ".")
@@ -101,9 +102,9 @@ def lead(results: CompareResults) -> str:
     return "\n".join(lines)
 
 
-def _speed(value: float, results: CompareResults) -> str:
-    low, high = results.plan.speeds_kmh[0], results.plan.speeds_kmh[-1]
-    return f"{value:.1f} km/h" if math.isfinite(value) else f"none between {low:g} and {high:g} km/h"
+def _unit(results: CompareResults, label: str) -> str:
+    scan = results.critical.get(label)
+    return "" if scan is None or scan.problem else " km/h"
 
 
 def _onset(dies_out: float, goes_on: float) -> str:
@@ -138,15 +139,15 @@ def critical_table(results: CompareResults) -> Table:
     """Linear and nonlinear critical speeds on each support."""
     rows = []
     for label in results.plan.cases:
-        modes, found = results.modes.get(label), results.runs.get(label)
-        frequency = math.nan if modes is None else float(modes.attrs["linear_critical_frequency_hz"])
+        scan, found = results.critical.get(label), results.runs.get(label)
+        critical = scan.critical if scan else None
         cycle = next((run for run in found.runs if run.sustained and run.valid), None) if found else None
         rows.append(
             (
                 label,
-                _speed(results.linear_kmh(label), results) if modes is not None else "not computed",
-                f"{frequency:.2f} Hz" if math.isfinite(frequency) else "–",
-                "" if modes is None else modes.attrs["linear_critical_mode"],
+                cell(scan) + _unit(results, label),
+                f"{critical.frequency:.2f} Hz" if critical else "–",
+                critical.name if critical else "–",
                 _onset(found.dies_out, found.goes_on) if found and found.runs else "not computed",
                 f"{1e3 * cycle.ending.amplitude:.2f} mm, {cycle.ending.frequency:.2f} Hz" if cycle else "–",
             )

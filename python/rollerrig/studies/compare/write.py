@@ -27,7 +27,8 @@ COMPARE_KEYS = {
     "supports": "per support, as named after --on, the numbers below",
     "supports.*.support": "name of the rig or track",
     "supports.*.roller_radius_m": "radius of its rollers [m]; null: a track",
-    "supports.*.linear_critical_speed_kmh": "speed at which an oscillation begins to grow [km/h]; null: none in the range",
+    "supports.*.linear_critical_speed_kmh": "speed at which an oscillation begins to grow [km/h]; null: none from 30 to "
+    "600 km/h",
     "supports.*.linear_critical_frequency_hz": "its frequency [Hz]",
     "supports.*.linear_critical_mode": "name of the mode",
     "supports.*.nonlinear": "runs from a lateral offset of the leading wheelset: its size [mm], highest speed below the onset at "
@@ -137,11 +138,11 @@ def summary(results: CompareResults) -> dict[str, object]:
 def _support(results: CompareResults, label: str) -> dict[str, Any]:
     support = results.plan.cases[label].support.data
     numbers: dict[str, Any] = {"support": support.name, "roller_radius_m": getattr(support, "roller_radius", None)}
-    if label in results.modes:
-        attributes = results.modes[label].attrs
-        numbers["linear_critical_speed_kmh"] = finite(attributes["linear_critical_speed_kmh"])
-        numbers["linear_critical_frequency_hz"] = finite(attributes["linear_critical_frequency_hz"])
-        numbers["linear_critical_mode"] = attributes["linear_critical_mode"]
+    if label in results.critical:
+        critical = results.critical[label].critical
+        numbers["linear_critical_speed_kmh"] = finite(results.linear_kmh(label))
+        numbers["linear_critical_frequency_hz"] = finite(critical.frequency) if critical else None
+        numbers["linear_critical_mode"] = critical.name if critical else ""
     if label in results.runs:
         numbers["nonlinear"] = nonlinear_summary(results.runs[label])
     if label in results.states:

@@ -1,0 +1,205 @@
+"""`rollerrig compare`: one vehicle on several supports; files, keys, messages, and the sums of its tables."""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+from rollerrig.analysis import HuntingSettings
+from rollerrig.analysis.critical import CriticalScan, CriticalSpeed
+from rollerrig.cli.app import build_app
+from rollerrig.config import ConfigError, Rig, Track, load_case, load_support
+from rollerrig.studies.compare import ComparePlan, compared_cases, compute, write_comparison
+from rollerrig.studies.compare.cases import part_of, track_below
+from rollerrig.studies.compare.critical import EFFECTS, TRACK, Causes, CriticalTable, order_sentences, table_rows
+from rollerrig.studies.compare.page import lead
+from rollerrig.studies.compare.write import COMPARE_KEYS
+
+runner = CliRunner()
+BOGIE = "leading_bogie"
+
+
+def run(*arguments: str):
+    return runner.invoke(build_app(), ["compare", *arguments])
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory) -> Path:
+    out = tmp_path_factory.mktemp("compare")
+    options = [
+        "--cut",
+        BOGIE,
+        "--speeds-kmh",
+        "140:260:60",
+        "--duration",
+        "1",
+        "--radii-m",
+        "0.725,2",
+        "--processes",
+        "1",
+    ]
+    result = run("manchester_vehicle_1", *options, "--out", str(out))
+    assert result.exit_code == 0, result.output
+    return out
+
+
+@pytest.fixture(scope="module")
+def numbers(folder) -> dict:
+    return json.loads((folder / "summary.json").read_text())
+
+
+def test_everything_is_written(folder) -> None:
+    names = {path.name for path in folder.iterdir()}
+    tables = {"modes.csv", "runs.csv", "wheels.csv", "critical_speeds.csv", "causes.csv"}
+    assert {"report.html", "summary.json", "disturbed_rig.nc", "disturbed_track.nc", "figures", *tables} <= names
+    drawn = {path.stem for path in (folder / "figures").glob("*.svg")}
+    assert drawn == {"modes", "hunting", "amplitude", "radius", "causes", "disturbed", "characteristics"}
+
+
+def test_the_report_is_one_file_with_both_supports(folder) -> None:
+    page = (folder / "report.html").read_text()
+    assert "http://" not in page.replace("http://www.w3.org", "")
+    assert "rig and track side by side" in page
+    assert page.count("<figure>") == 7
+
+
+def test_summary_keys_are_documented(numbers) -> None:
+    assert set(numbers) - {"keys"} == {key.split(".")[0] for key in COMPARE_KEYS}
+    for support in numbers["supports"].values():
+        assert {f"supports.*.{key}" for key in support} <= set(COMPARE_KEYS)
+
+
+def test_rollers_come_below_the_track_and_the_smaller_the_lower(numbers) -> None:
+    speeds = numbers["critical_speed_over_radius_kmh"]
+    for part in (BOGIE, "vehicle"):
+        assert speeds[part]["0.725"] < speeds[part]["2"] < speeds[part]["track"]
+    assert numbers["supports"]["rig"]["linear_critical_speed_kmh"] == pytest.approx(speeds[BOGIE]["0.725"], abs=1e-3)
+    # The bogie with its car body held, within a few per cent of the whole vehicle.
+    for radius in ("0.725", "2", "track"):
+        assert speeds[BOGIE][radius] == pytest.approx(speeds["vehicle"][radius], rel=0.02)
+
+
+def test_the_split_adds_up_and_its_ends_are_rig_and_track(numbers) -> None:
+    causes = numbers["causes"]
+    loss = causes["track_kmh"] - causes["rig_kmh"]
+    off, alone = (sum(causes[key].values()) for key in ("gain_switched_off_kmh", "loss_alone_kmh"))
+    assert off + causes["interaction_switched_off_kmh"] == pytest.approx(loss, abs=1e-9)
+    assert alone + causes["interaction_alone_kmh"] == pytest.approx(loss, abs=1e-9)
+    assert causes["track_kmh"] == pytest.approx(numbers["supports"]["track"]["linear_critical_speed_kmh"], abs=1e-3)
+    assert causes["rig_kmh"] == pytest.approx(numbers["supports"]["rig"]["linear_critical_speed_kmh"], abs=1e-3)
+
+
+def test_static_loads_do_not_depend_on_the_support(numbers) -> None:
+    rig, track = (list(numbers["supports"][name]["static_wheel_load_kn"].values()) for name in ("rig", "track"))
+    assert rig == pytest.approx(
+        track, rel=1e-3
+    )  # rollers press the wheels in deeper, which lowers the held bogie a little
+
+
+def test_rig_and_track_of_a_case_keep_its_head() -> None:
+    cases = compared_cases("contact_benchmark_rollers", ["rig", "track"])
+    own = load_case("contact_benchmark_rollers").support.data
+    assert cases["rig"].support.data == own
+    track = cases["track"].support.data
+    assert isinstance(track, Track)
+    assert (track.profile, track.gauge) == (own.profile, own.gauge)
+    assert cases["rig"].contact.material == load_case("contact_benchmark_rollers").contact.material
+
+
+def test_a_support_may_be_named_or_a_file(tmp_path) -> None:
+    from rollerrig.catalog import catalog_text
+
+    file = tmp_path / "small.toml"
+    file.write_text(catalog_text("full_scale_rig").replace("725 mm", "500 mm"))
+    cases = compared_cases("manchester_vehicle_1", ["en_60e1_track", str(file)], BOGIE)
+    assert list(cases) == ["en_60e1_track", "small"]
+    assert cases["en_60e1_track"].support.data == load_support("en_60e1_track")
+    rig = cases["small"].support.data
+    assert isinstance(rig, Rig)
+    assert rig.roller_radius == 0.5
+
+
+def test_parts_are_held_along_the_track_once() -> None:
+    whole = compared_cases("manchester_vehicle_1", ["track"])["track"]
+    assert [b.name for b in whole.vehicle.data.body if "x" in b.locked] == ["car_body"]
+    bogie = part_of(whole, BOGIE)
+    assert not [b.name for b in bogie.vehicle.data.body if "x" in b.locked]
+    assert track_below(bogie).vehicle.cut == BOGIE
+
+
+def scan(kmh: float) -> CriticalScan:
+    return CriticalScan(CriticalSpeed(kmh / 3.6, 5.0, "hunting"))
+
+
+def test_the_order_is_told_as_it_is() -> None:
+    found = {("bogie", 0.5): scan(200), ("bogie", 1.0): scan(190), ("bogie", TRACK): scan(300)}
+    table = CriticalTable(("bogie", "wheelset"), (0.5, 1.0, TRACK), found)
+    assert not table.falls_with_radius("bogie")
+    bogie, wheelset = order_sentences(table)
+    assert bogie.endswith("not in the order of the radii.")
+    assert wheelset.startswith("Wheelset: no critical speed")
+    _, rows = table_rows(table)
+    assert rows[0] == ["track", "300.0", "", "not computed", ""]
+    assert rows[2] == ["rollers of 0.5 m", "200.0", "-33.3 %", "not computed", ""]
+
+
+def test_a_loss_of_independent_effects_leaves_no_remainder() -> None:
+    cost = dict(zip(EFFECTS, (-5.0, 30.0, 10.0, 1.0), strict=True))
+    every = frozenset(EFFECTS)
+    sets = [every, frozenset(), *(every - {e} for e in EFFECTS), *(frozenset({e}) for e in EFFECTS)]
+    causes = Causes({on: scan(300.0 - sum(cost[e] for e in on)) for on in sets})
+    assert causes.loss == pytest.approx(36.0)
+    for effect, value in cost.items():
+        assert causes.when_switched_off(effect) == pytest.approx(value)
+        assert causes.alone(effect) == pytest.approx(value)
+    assert causes.remainder(list(cost.values())) == pytest.approx(0.0, abs=1e-9)
+    assert math.isnan(Causes({}).loss)
+
+
+def test_ctrl_c_keeps_what_is_done(tmp_path) -> None:
+    cases = compared_cases("manchester_vehicle_1", ["rig", "track"], "leading_wheelset")
+    plan = ComparePlan(cases, (60.0, 100.0), (), (0.725,), hunting=HuntingSettings(duration=1.0))
+
+    def press(fraction: float, _text: str) -> None:
+        if fraction > 0.24:
+            raise KeyboardInterrupt
+
+    results = compute(plan, processes=1, progress=press)
+    assert results.interrupted
+    assert results.modes
+    assert not results.disturbed
+    assert lead(results).startswith("Interrupted")
+    assert write_comparison(results, tmp_path)[-1].name == "report.html"
+    assert json.loads((tmp_path / "summary.json").read_text())["interrupted"] is True
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["manchester"], "manchester: no such file; needed: a vehicle or a case"),
+        (["manchester"], "did you mean 'manchester_vehicle_1'?"),
+        (["s1002"], "s1002: a profile, not a vehicle"),
+        (["manchester_vehicle_1", "--on", "rig,trak"], "trak: no such file"),
+        (["manchester_vehicle_1", "--on", "rig,rig"], "name each support once, like rig,track"),
+        (["manchester_vehicle_1", "--on", ""], "name each support once, like rig,track"),
+        (["manchester_vehicle_1", "--speeds-kmh", "300,200,100"], "speeds must be positive and rise"),
+        (["manchester_vehicle_1", "--speeds-kmh", "0:100:20"], "speeds must be positive and rise"),
+        (["manchester_vehicle_1", "--radii-m", "0,1"], "radii must lie between 0.05 and 1e6 m"),
+        (["manchester_vehicle_1", "--cut", "trailer"], "vehicle.cut: 'trailer'"),
+    ],
+)
+def test_wrong_input_is_told_before_anything_runs(arguments: list[str], message: str, tmp_path) -> None:
+    result = run(*arguments, "--out", str(tmp_path / "out"))
+    assert result.exit_code == 2
+    told = " ".join(result.output.replace("│", " ").split())
+    assert message in told
+    assert not (tmp_path / "out").exists()
+
+
+def test_an_unknown_part_is_a_config_error() -> None:
+    with pytest.raises(ConfigError, match="leading_bogie"):
+        compared_cases("manchester_vehicle_1", ["rig"], "bogie")
