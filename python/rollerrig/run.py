@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from rollerrig import _core
 from rollerrig.config import Case, ConfigError, ConfigProblem
 from rollerrig.model import AssembledModel, assemble
-from rollerrig.results import Outcome, add_energy_audit, run_dataset
+from rollerrig.results import Outcome, add_ending, add_energy_audit, run_dataset
 from rollerrig.start import StartError, starting_state
 
 __all__ = ["Progress", "StartError", "absolute_tolerances", "available_memory", "begin", "sample_count", "simulate"]
@@ -70,9 +70,8 @@ def simulate(case: Case, *, progress: Progress | None = None) -> xr.Dataset:
     except KeyboardInterrupt:
         code = _core.status_codes["interrupted"]
     filled = int(np.count_nonzero(np.isfinite(times)))  # also what the last slice wrote before it was cut off
-    return _with_warnings(
-        add_energy_audit(run_dataset(model, times[:filled], rows[:filled], _outcome(simulation, model, code)))
-    )
+    run = run_dataset(model, times[:filled], rows[:filled], _outcome(simulation, model, code))
+    return _with_warnings(add_energy_audit(add_ending(run, model)))
 
 
 def begin(simulation: _core.Simulation, model: AssembledModel, state: Vector, *, start_time: float = 0.0) -> None:

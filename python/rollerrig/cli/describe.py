@@ -6,6 +6,7 @@ from collections.abc import Iterable, Sequence
 
 import xarray as xr
 
+from rollerrig.cli.describe_track import irregularity_lines, line_rows
 from rollerrig.config import Case, Element, Material, ProfileSpec, Rig, Track, Vehicle
 from rollerrig.model import AssembledModel, assemble
 from rollerrig.start import degrees_of_freedom, equilibrium_dataset
@@ -25,6 +26,7 @@ def describe_case(case: Case) -> list[str]:
     lines += _bodies(model) + [""]
     if model.elements:
         lines += _elements(model) + [""]
+    lines += _way(model)
 
     vertical = [float(v) for v in run["vertical_force"]]
     lateral = [float(v) for v in run["lateral_force"]]
@@ -48,13 +50,28 @@ def describe_part(part: Part) -> list[str]:
                 f"cuts: {cuts}",
             ]
         case Rig():
-            return [f"{part.name}: rollers of {1e3 * part.roller_radius:g} mm radius, gauge {1e3 * part.gauge:g} mm"]
+            rollers = f"{part.name}: rollers of {1e3 * part.roller_radius:g} mm radius, gauge {1e3 * part.gauge:g} mm"
+            return [rollers, *irregularity_lines(part)]
         case Track():
-            return [f"{part.name}: track, gauge {1e3 * part.gauge:g} mm"]
+            rails = "rigid rails" if part.foundation is None else "rails on an elastic foundation"
+            lines = [f"{part.name}: track, gauge {1e3 * part.gauge:g} mm, {rails}", *irregularity_lines(part)]
+            return lines + _table_of(line_rows(part))
         case Material():
             return [f"G = {part.shear_modulus / 1e9:g} GPa, Poisson's ratio {part.poisson_ratio:g}"]
         case _:
             return [f"profile of kind {part.arguments()['kind']}"]
+
+
+def _way(model: AssembledModel) -> list[str]:
+    """The line and the irregularity, each with an empty line behind it."""
+    support = model.case.support.data
+    rows = line_rows(support, model.case) if isinstance(support, Track) else []
+    parts = (_table_of(rows), irregularity_lines(support, model.irregularity))
+    return [line for part in parts if part for line in (*part, "")]
+
+
+def _table_of(rows: Sequence[Sequence[str]]) -> list[str]:
+    return _table(rows[0], rows[1:]) if rows else []
 
 
 def _bodies(model: AssembledModel) -> list[str]:
@@ -72,7 +89,13 @@ def _elements(model: AssembledModel) -> list[str]:
     rows = []
     for name in model.elements:
         element = known.get(name)
-        between = " - ".join(element.between) if element else "ground - roller"
+        between = (
+            " - ".join(element.between)
+            if element
+            else "ground - rail"
+            if name.removeprefix("mounting_") in model.rails
+            else "ground - roller"
+        )
         directions = ", ".join(element.laws) if element else "mounting"
         preload = f"{model.preloads[name] / 1e3:.3f}" if name in model.preloads else ""
         rows.append([name, between, directions, preload])
@@ -81,7 +104,7 @@ def _elements(model: AssembledModel) -> list[str]:
 
 def _balance(model: AssembledModel, run: xr.Dataset) -> list[str]:
     """Weight, and what held bodies add to it, against the sum of the wheel loads of the solved equilibrium."""
-    own = [body for body in model.bodies if body not in model.rollers and body not in model.held]
+    own = list(model.lateral_bodies)
     mass = sum(model.masses[body] for body in own)
     weight = model.core.gravity * mass
     lines = [f"mass of {', '.join(own)}: {mass / 1e3:.3f} t, weight {weight / 1e3:.3f} kN"]

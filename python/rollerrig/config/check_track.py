@@ -139,14 +139,20 @@ def speeds_on(case: Case, segment: Segment) -> tuple[float, float] | None:
     return min(found), max(found)
 
 
+def highest_speed_on(case: Case, track: Track, curve: Segment) -> float:
+    """Speed beyond which the vehicle overturns on a curve or climbs its outer rail, by statics [m/s]."""
+    limit, _ = lateral_force_limit(case)
+    return highest_speed(curve.curvature[0], curve.cant[0], track.cant_base, limit)
+
+
 def _speed_in_curves(case: Case, track: Track, file: str) -> Iterator[ConfigProblem]:
-    limit, what = lateral_force_limit(case)
+    _, what = lateral_force_limit(case)
     for i, (segment, curve) in enumerate(zip(layout(track), track.segment, strict=True)):
         speeds = speeds_on(case, segment) if isinstance(curve, Curve) else None
         if speeds is None or not isinstance(curve, Curve):
             continue
         curvature, cant = segment.curvature[0], segment.cant[0]
-        highest = highest_speed(curvature, cant, track.cant_base, limit)
+        highest = highest_speed_on(case, track, segment)
         if speeds[1] > highest:
             left = abs(plane_acceleration(speeds[1], curvature, cant, track.cant_base))
             allowed = (

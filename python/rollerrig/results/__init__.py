@@ -4,6 +4,7 @@ rows of the core -> [results] -> xarray.Dataset -> run.nc, summary.json, CSV
 """
 
 from rollerrig.results.dataset import Outcome, run_dataset
+from rollerrig.results.ending import add_ending
 from rollerrig.results.energy import add_energy_audit
 from rollerrig.results.files import OutputError, load_run, output_file, output_folder, save_run, write_bytes, write_text
 from rollerrig.results.summary import SUMMARY_KEYS, summarise
@@ -13,6 +14,7 @@ __all__ = [
     "SUMMARY_KEYS",
     "Outcome",
     "OutputError",
+    "add_ending",
     "add_energy_audit",
     "load_run",
     "motion_table",

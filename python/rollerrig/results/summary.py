@@ -15,6 +15,10 @@ SUMMARY_KEYS = {
     "status_message": "the same as a sentence, with time, wheel and remedy",
     "stopped_at_s": "time that the integration reached [s]",
     "stopped_wheel": "wheel at which the run stopped, empty if none",
+    "stopped_at_m": "distance at the last output time [m]",
+    "stopped_segment": "segment of the track there, empty if it has none",
+    "stopped_quotient": "largest |Y| / Q of the wheelset that stopped the run in the half second before [-]; null if none did",
+    "stopped_quotient_wheel": "wheel that had it, empty if none",
     "samples": "number of output times",
     "speed_start_kmh": "running speed at the first output time [km/h]",
     "speed_end_kmh": "running speed at the last output time [km/h]",
@@ -52,6 +56,8 @@ def summarise(run: xr.Dataset) -> dict[str, Any]:
     speed = 3.6 * run["speed"].to_numpy()
     return {
         **{key: attributes[key] for key in ("case", "status", "status_message", "stopped_at_s", "stopped_wheel")},
+        **{key: attributes[key] for key in ("stopped_at_m", "stopped_segment", "stopped_quotient_wheel")},
+        "stopped_quotient": _number(np.array([attributes["stopped_quotient"]])),
         "samples": run.sizes["time"],
         "speed_start_kmh": _number(speed[:1]),
         "speed_end_kmh": _number(speed[-1:]),
