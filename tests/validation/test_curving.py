@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ import xarray as xr
 import rollerrig as rr
 from rollerrig.config import Case
 from rollerrig.model import assemble
+from rollerrig.results import summarise
 from rollerrig.start import equilibrium_dataset
 from rollerrig.track import equilibrium_speed, plane_acceleration
 
@@ -57,7 +59,8 @@ def test_what_the_cant_leaves_acts_on_the_rails(speed_kmh: float) -> None:
 def test_the_load_moves_to_the_outer_rail_by_statics(speed_kmh: float) -> None:
     """Moments about the tangent in the vehicle's middle: all bodies where they stand, all wheels where they touch.
 
-    A displacement counts from the track at the body's own place, which lies x^2 / (2 R) beside the tangent. The heights of the contacts, up to 10 mm on the flange, are left out: 10 mm times Y is 0.5 % of the moments.
+    A displacement counts from the track at the body's own place, which lies x^2 / (2 R) beside the tangent. The
+    heights of the contacts, up to 10 mm on the flange, are left out: 10 mm times Y is 0.5 % of the moments.
     """
     speed = speed_kmh / 3.6
     case = in_the_curve(speed)
@@ -118,8 +121,15 @@ def test_a_vehicle_that_lifts_its_wheels_is_told_with_place_and_quotient() -> No
         }
     )
     run = rr.simulate(case)
-    print(
-        run.attrs["status"],
-        run.attrs["status_message"],
-        {k: v for k, v in run.attrs.items() if k.startswith("stopped")},
-    )
+    assert run.attrs["status"] == "contact_lost"
+    assert run.attrs["stopped_segment"] == "segment[2], a curve of radius 150 m to the right"
+    assert 30.0 < run.attrs["stopped_at_m"] < 60.0
+    assert run.attrs["stopped_quotient"] > 1.0
+    message = run.attrs["status_message"]
+    place = r"3\d\.\d+ m \(segment\[2\], a curve of radius 150 m to the right\), wheelset_1_right: "
+    assert re.match(r"t = 1\.\d+ s, " + place, message)
+    assert re.search(r"Largest \|Y\|/Q of its wheelset in the 0\.5 s before: 1\.\d\d at wheelset_1_left\.$", message)
+    assert run.sizes["time"] > 200  # what was computed is kept
+    summary = summarise(run)
+    assert summary["stopped_quotient"] == run.attrs["stopped_quotient"]
+    assert summary["stopped_segment"] == run.attrs["stopped_segment"]
