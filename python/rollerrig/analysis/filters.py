@@ -22,7 +22,6 @@ from typing import Literal
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
-from scipy.signal import butter, sosfiltfilt
 
 Series = NDArray[np.float64]
 
@@ -61,6 +60,8 @@ def band_pass(signal: xr.DataArray, low: float, high: float) -> xr.DataArray:
 
 
 def _filtered(signal: xr.DataArray, cutoff: float, kind: Literal["lowpass", "highpass"]) -> xr.DataArray:
+    from scipy.signal import butter, sosfiltfilt  # takes a second to load, and most commands filter nothing
+
     rate = sampling_rate(signal["time"].to_numpy(), cutoff)
     warped = math.tan(math.pi * cutoff / rate)
     corner = math.atan(warped / _RUNS_SHIFT if kind == "lowpass" else warped * _RUNS_SHIFT) * rate / math.pi
