@@ -49,7 +49,7 @@ TITLES = {
 
 SIGNS = (
     "Forces are those of the wheel on the rail or roller: Y outwards, Q downwards, ΣY of a wheelset to the left. The worst "
-    "place of each quantity is shown, the largest magnitude of its outer percentiles; readings.csv has all of them."
+    "place of each quantity is shown, by its outer percentiles; readings.csv has all of them."
 )
 
 
@@ -150,9 +150,10 @@ def _worst(rows: Sequence[Row]) -> Table:
 
 
 def _outer(row: Row) -> float:
-    """Largest magnitude of the two outer percentiles; below all others if there is none."""
-    values = [abs(row.statistics[name]) for name in ("percentile_0_15", "percentile_99_85")]
-    return max((v for v in values if math.isfinite(v)), default=-1.0)
+    """Largest magnitude of the two outer percentiles, of unloading its upper one; below all others if there is none."""
+    low, high = (row.statistics[name] for name in ("percentile_0_15", "percentile_99_85"))
+    values = [high] if row.quantity == "wheel_unloading" else [abs(low), abs(high)]
+    return max((v for v in values if math.isfinite(v)), default=-math.inf)
 
 
 def _cell(value: float) -> object:
