@@ -11,6 +11,7 @@
 #include <functional>
 
 #include "convert.hpp"
+#include "creep_law.hpp"
 #include "rig/system/equilibrium.hpp"
 #include "rig/system/model.hpp"
 
@@ -90,9 +91,9 @@ void set_law(Model& m, int element, int direction, double preload, double stiffn
 int add_contact(Model& m, int wheelset, int roller, bool rail, double along, bool right, int wheel_profile,
                 int rail_profile, double wheel_radius, double tape_circle_y, double rail_origin_y,
                 double inverse_radius, Triple const& wheelset_from_crown, Triple const& crown_in_roller,
-                double shear_modulus, double poisson_ratio, double friction, std::string const& normal,
-                std::string const& creep, bool saturate_spin_moment, double normal_damping, double standstill_speed,
-                double merge_barrier, std::array<bool, 4> const& roller_effects) {
+                double shear_modulus, double poisson_ratio, Triple const& friction, std::string const& normal,
+                NamedCreepLaw const& creep, double normal_damping, double standstill_speed, double merge_barrier,
+                std::array<bool, 4> const& roller_effects) {
   if (roller == ground && !rail) throw nb::value_error("a contact without a roller is on a rail");
   if (!m.hertz) m.hertz = std::make_shared<HertzTable const>();
   m.kalker_tables.emplace_back(poisson_ratio);
@@ -119,14 +120,9 @@ int add_contact(Model& m, int wheelset, int roller, bool rail, double along, boo
     throw nb::value_error("unknown normal contact; known: hertz, strips");
   }
   c.laws.damping.damping = normal_damping;
-  if (creep == "kalker_linear")
-    c.laws.creep.kind = CreepLawKind::kalker_linear;
-  else if (creep == "kalker_saturated")
-    c.laws.creep.kind = CreepLawKind::kalker_saturated;
-  else
-    throw nb::value_error("unknown creep law; known: kalker_linear, kalker_saturated");
-  c.laws.creep.saturate_spin_moment = saturate_spin_moment;
-  c.laws.friction.coefficient = friction;
+  c.laws.creep = creep.law;
+  if (creep.table) m.creep_tables.push_back(creep.table);
+  c.laws.friction = {friction[0], friction[1], friction[2]};
   c.laws.standstill_speed = standstill_speed;
   c.laws.merge_barrier = merge_barrier;
   m.contacts.push_back(c);
@@ -156,8 +152,7 @@ void bind_model(nb::module_& m) {
       .def("add_contact", &add_contact, "wheelset"_a, "roller"_a, "rail"_a, "along"_a, "right"_a, "wheel_profile"_a,
            "rail_profile"_a, "wheel_radius"_a, "tape_circle_y"_a, "rail_origin_y"_a, "inverse_radius"_a,
            "wheelset_from_crown"_a, "crown_in_roller"_a, "shear_modulus"_a, "poisson_ratio"_a, "friction"_a, "normal"_a,
-           "creep"_a, "saturate_spin_moment"_a, "normal_damping"_a, "standstill_speed"_a, "merge_barrier"_a,
-           "roller_effects"_a)
+           "creep"_a, "normal_damping"_a, "standstill_speed"_a, "merge_barrier"_a, "roller_effects"_a)
       .def(
           "add_axle_torque",
           [](Model& model, int wheelset, int reaction, Rows2 const& table) {

@@ -14,6 +14,7 @@ from rollerrig.config import AngularSupport, Case, Foundation, LinearSupport, Mo
 from rollerrig.config.check_track import distance_run, foremost_wheelset
 from rollerrig.config.irregularity import rails_of_run
 from rollerrig.config.vehicle import DIRECTIONS, AngularLaw, Body, Element, LinearLaw
+from rollerrig.creep import creep_law_of, friction_of
 from rollerrig.irregularity import RAILS, RailIrregularity
 from rollerrig.profiles import ProfileTable, gauge_point, profile_from_spec
 from rollerrig.track import Line
@@ -281,10 +282,9 @@ class _Assembly:
                     crown_in_roller=(0.0, -roller_y, radius or 0.0),
                     shear_modulus=contact.material.shear_modulus,
                     poisson_ratio=contact.material.poisson_ratio,
-                    friction=contact.friction,
+                    friction=friction_of(contact),
                     normal=contact.normal,
-                    creep=contact.creep,
-                    saturate_spin_moment=contact.saturate_spin_moment,
+                    creep=creep_law_of(contact),
                     normal_damping=contact.normal_damping,
                     standstill_speed=contact.standstill_speed,
                     merge_barrier=contact.merge_barrier,

@@ -1,8 +1,8 @@
 """The arrow of the data is a test: a folder may use only what stands to its left.
 
 core:    scalar -> math -> track -> profile -> body -> geometry -> contact -> system -> integrate -> record
-Python:  profiles, track, irregularity -> config -> catalog -> model -> results -> run -> characteristics -> analysis -> plot
-         -> report -> studies -> cli
+Python:  profiles, track, irregularity -> config -> catalog -> creep -> model -> results -> run -> characteristics -> analysis
+         -> plot -> report -> studies -> cli
 """
 
 from __future__ import annotations
@@ -72,6 +72,7 @@ PYTHON_LAYERS = [
     {"profiles", "track", "irregularity"},
     {"config"},
     {"catalog"},
+    {"creep"},
     {"model"},
     {"results"},
     {"start"},

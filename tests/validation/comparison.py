@@ -12,6 +12,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from rollerrig import _core
+from rollerrig.creep import creep_law
 from validation.reference import POISSON_RATIO, SHEAR_MODULUS, benchmark_press, mm, rows
 
 FRICTION = 0.3
@@ -70,10 +71,10 @@ class Comparison:
         r, patch = self.reference, self.largest
         mirror = 1 if r["side"] == "right" else -1
         creepage = [-r["cksi"], mirror * r["ceta"], mirror * r["cphi"] / mm]
-        force = _core.creep_force(
-            creepage, patch["a"], patch["b"], patch["normal"], FRICTION, SHEAR_MODULUS, POISSON_RATIO,
-            "kalker_saturated", False,
-        )  # fmt: skip
+        force = _core.creep_forces(
+            np.array([creepage]), patch["a"], patch["b"], patch["normal"], FRICTION, SHEAR_MODULUS, POISSON_RATIO,
+            creep_law("kalker_saturated"),
+        )[0]  # fmt: skip
         return np.array([-force[0], mirror * force[1]])
 
     @property

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from rollerrig import _core
+from rollerrig.creep import creep_law
 from validation.comparison import FILES, Comparison, comparisons
 from validation.reference import FOLDER, mm, needs_reference, rows
 
@@ -39,13 +40,13 @@ def test_kalker_coefficients_against_the_full_solution() -> None:
 
 
 # ------------------------------------------------------------------------------------------------------------ creep law
-def creep_force(row: dict) -> np.ndarray:
+def creep_force(row: dict, law: str = "kalker_saturated") -> np.ndarray:
     """Fx, Fy [N] and Mz [N mm] in the signs of the reference."""
     creepage = [-row["cksi"], row["ceta"], row["cphi_radpermm"] / mm]
-    force = _core.creep_force(
-        creepage, row["a_mm"] * mm, row["b_mm"] * mm, row["FN_N"], row["mu"], row["G_Nmm2"] * 1e6, row["nu"],
-        "kalker_saturated", False,
-    )  # fmt: skip
+    force = _core.creep_forces(
+        np.array([creepage]), row["a_mm"] * mm, row["b_mm"] * mm, row["FN_N"], row["mu"], row["G_Nmm2"] * 1e6, row["nu"],
+        creep_law(law),
+    )[0]  # fmt: skip
     return np.array([-force[0], force[1], force[2] / mm])
 
 

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from rollerrig import _core
 from rollerrig.config import Case, Rig
+from rollerrig.creep import creep_law_of
 
 Series = NDArray[np.float64]
 
@@ -186,21 +187,17 @@ def creep_slope(run: xr.Dataset, case: Case, wheel: str) -> float:
         patch = first.isel(patch=k)
         e = [float(patch[f"patch_creepage_{d}"]) for d in ("x", "y", "spin")]
         a, b, load = (float(patch[f"patch_{name}"]) for name in ("a", "b", "normal"))
-        forces = [
-            _core.creep_force(
-                [e[0] + d, e[1], e[2]],
-                a,
-                b,
-                load,
-                contact.friction,
-                material.shear_modulus,
-                material.poisson_ratio,
-                contact.creep,
-                contact.saturate_spin_moment,
-            )[0]
-            for d in (-step, step)
-        ]
-        slope -= (forces[1] - forces[0]) / (2 * step)
+        forces = _core.creep_forces(
+            np.array([[e[0] - step, e[1], e[2]], [e[0] + step, e[1], e[2]]]),
+            a,
+            b,
+            load,
+            contact.friction,
+            material.shear_modulus,
+            material.poisson_ratio,
+            creep_law_of(contact),
+        )
+        slope -= float(forces[1, 0] - forces[0, 0]) / (2 * step)
     return slope
 
 

@@ -7,6 +7,7 @@ from pydantic import Field, StrictBool, model_validator
 from pydantic_core import PydanticCustomError
 
 from rollerrig.config.base import SpeedTable, Table, TorqueTable, instead_of
+from rollerrig.config.contact_law import CreepLawName, FrictionFall, PolachReduction, StiffnessReduction
 from rollerrig.config.material import Material
 from rollerrig.config.support import AnySupport
 from rollerrig.config.units import Angle, Damping, Length, PositiveLength, PositiveTime, Quantity, Torque
@@ -72,9 +73,17 @@ class Contact(Table):
 
     material: Material = Field(description="material of both: a catalogue name, a file or a table")
     friction: Annotated[float, Quantity("1", ge=0, le=1.5)] = Field(default=0.3, description="coefficient of friction")
-    creep: Literal["kalker_linear", "kalker_saturated"] = Field(
+    friction_fall: FrictionFall | None = Field(
+        default=None, description="friction that falls with the slip velocity; constant if absent"
+    )
+    creep: CreepLawName = Field(
         default="kalker_saturated",
-        description="tangential force: Kalker's linear theory, without or with saturation by friction",
+        description="tangential force: Kalker's linear theory, without or with saturation by friction (the paper's); "
+        "Kalker's FASTSIM, classic or modified; Polach with spin; or Kalker's exact theory read from a table",
+    )
+    polach: PolachReduction | None = Field(default=None, description="parameters that creep = 'polach' needs")
+    stiffness_reduction: StiffnessReduction | None = Field(
+        default=None, description="for creep = 'modified_fastsim': wet or contaminated surface; clean if absent"
     )
     normal: Literal["hertz", "strips"] = Field(
         default="hertz",
@@ -93,10 +102,24 @@ class Contact(Table):
     saturate_spin_moment: StrictBool = Field(
         default=False, description="scale the spin moment like the force; the paper does not"
     )
+
     roller_effects: RollerEffects = Field(
         default=RollerEffects(),
         description="which of a roller's differences from a rail count; all, unless for a study",
     )
+
+    @model_validator(mode="after")
+    def _parameters_of_the_law(self) -> "Contact":
+        for key, law, needed in (("polach", "polach", True), ("stiffness_reduction", "modified_fastsim", False)):
+            given = getattr(self, key) is not None
+            if self.creep == law and needed and not given:
+                allowed = f"needed for creep = '{law}': stick_reduction and slip_reduction, dry 1.0 and 0.4, wet 0.3 and 0.1"
+            elif self.creep != law and given:
+                allowed = f"allowed only with creep = '{law}'"
+            else:
+                continue
+            raise PydanticCustomError("at_key", "{allowed}", {"allowed": allowed, "key": key})
+        return self
 
 
 class Motion(Table):

@@ -18,6 +18,12 @@ double const a = 5e-3, b = 4e-3;
 double const adhesion = 0.3 * 5e4;
 KalkerStiffness<double> const f = kalker_stiffness(kalker.at(std::log(a / b)), G, a, b, 1.0);
 
+template <class T>
+CreepQuery<T> query(Creepage<T> const& e, KalkerStiffness<T> const& stiffness, T const& limit) {
+  return {e, stiffness, limit, T(a), T(b), T(std::log(a / b)), T(1.0)};
+}
+CreepQuery<double> query(Creepage<double> const& e) { return query(e, f, adhesion); }
+
 /// Without spin, so large that the linear force is tau times the adhesion.
 Creepage<double> at_tau(double tau, double angle = 0.4) {
   double const force = tau * adhesion;
@@ -30,7 +36,7 @@ double magnitude(CreepForce<double> const& force) { return std::hypot(force.long
 
 TEST_CASE("no creepage, no force") {
   for (CreepLawKind kind : {CreepLawKind::kalker_linear, CreepLawKind::kalker_saturated}) {
-    auto const force = creep_force({kind, false}, Creepage<double>{0.0, 0.0, 0.0}, f, adhesion);
+    auto const force = creep_force({kind, false}, query({0.0, 0.0, 0.0}));
     CHECK(force.longitudinal == 0.0);
     CHECK(force.lateral == 0.0);
     CHECK(force.spin_moment == 0.0);
@@ -51,7 +57,7 @@ TEST_CASE("stiffnesses are Kalker's coefficients times G and powers of the ellip
 
 TEST_CASE("small creepages give Kalker's linear forces, signs as in equation (20)") {
   Creepage<double> const e{1e-9, 2e-9, 3e-8};
-  auto const force = KalkerSaturated{}(e, f, adhesion);
+  auto const force = KalkerSaturated{}(query(e));
   // Saturation takes off tau / 3, here 2e-6.
   CHECK(force.longitudinal == doctest::Approx(-f.f11 * e.longitudinal).epsilon(1e-5));
   CHECK(force.lateral == doctest::Approx(-f.f22 * e.lateral - f.f23 * e.spin).epsilon(1e-5));
@@ -59,11 +65,11 @@ TEST_CASE("small creepages give Kalker's linear forces, signs as in equation (20
 }
 
 TEST_CASE("the force never exceeds the adhesion and reaches it at three times the linear limit") {
-  CHECK(magnitude(KalkerSaturated{}(at_tau(3.0), f, adhesion)) == doctest::Approx(adhesion));
-  CHECK(magnitude(KalkerSaturated{}(at_tau(300.0), f, adhesion)) == doctest::Approx(adhesion));
+  CHECK(magnitude(KalkerSaturated{}(query(at_tau(3.0)))) == doctest::Approx(adhesion));
+  CHECK(magnitude(KalkerSaturated{}(query(at_tau(300.0)))) == doctest::Approx(adhesion));
   double last = 0.0;
   for (double tau = 0.05; tau < 6.0; tau += 0.05) {
-    double const force = magnitude(KalkerSaturated{}(at_tau(tau), f, adhesion));
+    double const force = magnitude(KalkerSaturated{}(query(at_tau(tau))));
     CHECK(force <= adhesion * (1.0 + 1e-14));
     CHECK(force >= last * (1.0 - 1e-14));  // grows all the way
     last = force;
@@ -72,7 +78,7 @@ TEST_CASE("the force never exceeds the adhesion and reaches it at three times th
 
 TEST_CASE("the force has the direction of the linear force whatever the saturation") {
   for (double tau : {0.1, 1.0, 2.9, 10.0}) {
-    auto const force = KalkerSaturated{}(at_tau(tau, 0.7), f, adhesion);
+    auto const force = KalkerSaturated{}(query(at_tau(tau, 0.7)));
     CHECK(std::atan2(-force.lateral, -force.longitudinal) == doctest::Approx(0.7).epsilon(1e-12));
   }
 }
@@ -80,9 +86,9 @@ TEST_CASE("the force has the direction of the linear force whatever the saturati
 TEST_CASE("value and slope are continuous where the cubic meets gross sliding") {
   auto const along = [](double tau) {
     Creepage<double> const e = at_tau(tau, 0.0);
-    auto const force = KalkerSaturated{}(
+    auto const force = KalkerSaturated{}(query(
         Creepage<Dual<1>>{Dual<1>::variable(e.longitudinal, 0), Dual<1>(0.0), Dual<1>(0.0)},
-        KalkerStiffness<Dual<1>>{Dual<1>(f.f11), Dual<1>(f.f22), Dual<1>(f.f23), Dual<1>(f.f33)}, Dual<1>(adhesion));
+        KalkerStiffness<Dual<1>>{Dual<1>(f.f11), Dual<1>(f.f22), Dual<1>(f.f23), Dual<1>(f.f33)}, Dual<1>(adhesion)));
     return force.longitudinal;
   };
   double const h = 1e-7;
@@ -96,7 +102,7 @@ TEST_CASE("creep without spin dissipates, for any creepage and load") {
   for (int i = 0; i < 2000; ++i) {
     Creepage<double> const e{std::pow(10.0, exponent(random)) * sign(random),
                              std::pow(10.0, exponent(random)) * sign(random), 0.0};
-    auto const force = KalkerSaturated{}(e, f, adhesion);
+    auto const force = KalkerSaturated{}(query(e));
     CHECK(-(force.longitudinal * e.longitudinal + force.lateral * e.lateral) >= 0.0);
   }
 }
@@ -106,7 +112,7 @@ TEST_CASE("linear creep with spin dissipates: the antisymmetric f23 does no work
   std::uniform_real_distribution<double> any(-1.0, 1.0);
   for (int i = 0; i < 2000; ++i) {
     Creepage<double> const e{1e-3 * any(random), 1e-3 * any(random), any(random)};
-    auto const force = KalkerLinear{}(e, f, adhesion);
+    auto const force = KalkerLinear{}(query(e));
     double const power =
         -(force.longitudinal * e.longitudinal + force.lateral * e.lateral + force.spin_moment * e.spin);
     CHECK(power >= 0.0);
@@ -118,9 +124,9 @@ TEST_CASE("linear creep with spin dissipates: the antisymmetric f23 does no work
 
 TEST_CASE("the spin moment is saturated only when asked for") {
   Creepage<double> const e{5e-3, 2e-3, 0.5};
-  auto const linear = KalkerLinear{}(e, f, adhesion);
-  auto const paper = creep_force({CreepLawKind::kalker_saturated, false}, e, f, adhesion);
-  auto const scaled = creep_force({CreepLawKind::kalker_saturated, true}, e, f, adhesion);
+  auto const linear = KalkerLinear{}(query(e));
+  auto const paper = creep_force({CreepLawKind::kalker_saturated, false}, query(e));
+  auto const scaled = creep_force({CreepLawKind::kalker_saturated, true}, query(e));
   CHECK(paper.spin_moment == linear.spin_moment);
   CHECK(scaled.spin_moment == doctest::Approx(paper.saturation * linear.spin_moment));
   CHECK(scaled.saturation < 1.0);
@@ -132,14 +138,13 @@ TEST_CASE("the law carries derivatives at zero creepage and in gross sliding") {
   for (auto const& e :
        {Creepage<double>{0.0, 0.0, 0.0}, Creepage<double>{1e-4, -2e-4, 0.05}, Creepage<double>{2e-2, 1e-2, -0.3}}) {
     auto const force = KalkerSaturated{}(
-        Creepage<D>{D::variable(e.longitudinal, 0), D::variable(e.lateral, 1), D::variable(e.spin, 2)}, stiffness,
-        D(adhesion));
+        query(Creepage<D>{D::variable(e.longitudinal, 0), D::variable(e.lateral, 1), D::variable(e.spin, 2)}, stiffness,
+              D(adhesion)));
     for (int k = 0; k < 3; ++k) {
       double const h = k == 2 ? 1e-5 : 1e-8;
       auto const moved = [&](double by) {
         return KalkerSaturated{}(
-            Creepage<double>{e.longitudinal + (k == 0) * by, e.lateral + (k == 1) * by, e.spin + (k == 2) * by}, f,
-            adhesion);
+            query({e.longitudinal + (k == 0) * by, e.lateral + (k == 1) * by, e.spin + (k == 2) * by}));
       };
       auto const up = moved(h), down = moved(-h);
       double const scale = k == 2 ? f.f23 : f.f11;  // differences near zero creepage miss by the curvature: 1e-4
@@ -154,8 +159,8 @@ TEST_CASE("creep laws and friction hold for a scalar with no implicit conversion
   Creepage<E> const e{E(1e-3), E(-2e-3), E(0.2)};
   auto const stiffness = kalker_stiffness(kalker.at(E(std::log(a / b))), G, E(a), E(b), E(1.0));
   for (CreepLawKind kind : {CreepLawKind::kalker_linear, CreepLawKind::kalker_saturated}) {
-    auto const force = creep_force({kind, true}, e, stiffness, E(adhesion));
-    auto const plain = creep_force({kind, true}, Creepage<double>{1e-3, -2e-3, 0.2}, f, adhesion);
+    auto const force = creep_force({kind, true}, query(e, stiffness, E(adhesion)));
+    auto const plain = creep_force({kind, true}, query({1e-3, -2e-3, 0.2}));
     CHECK(force.longitudinal.x == plain.longitudinal);
     CHECK(force.lateral.x == plain.lateral);
     CHECK(force.spin_moment.x == plain.spin_moment);

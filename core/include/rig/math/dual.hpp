@@ -71,6 +71,10 @@ struct Dual {
   friend Dual sin(Dual const& a) { return {std::sin(a.value), a.d * std::cos(a.value)}; }
   friend Dual cos(Dual const& a) { return {std::cos(a.value), a.d * -std::sin(a.value)}; }
   friend Dual log(Dual const& a) { return {std::log(a.value), a.d / a.value}; }
+  friend Dual exp(Dual const& a) {
+    double const power = std::exp(a.value);
+    return {power, a.d * power};
+  }
   friend Dual asin(Dual const& a) { return {std::asin(a.value), a.d / std::sqrt(1.0 - a.value * a.value)}; }
   friend Dual atan2(Dual const& y, Dual const& x) {
     double const r2 = x.value * x.value + y.value * y.value;

@@ -64,6 +64,7 @@ struct Model {
   std::shared_ptr<HertzTable const> hertz;
   std::shared_ptr<StripKernel const> strip_kernel;
   std::deque<ArcLength> wheel_arcs;
+  std::vector<std::shared_ptr<CreepTable const>> creep_tables;  ///< kept for the laws that read them
 };
 
 /// Where each body's coordinates stand in x = [coordinates, rates, element nodes], and what z holds.

@@ -1,0 +1,168 @@
+"""Creep laws by name, and the table that one of them reads.
+
+    contact of a case, or a name -> [creep] -> law of the core
+                    creep_table.npz  /
+
+The table is computed by `scripts/build_creep_table`; docs/theory/creep_laws.md says how and how accurate it is.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import io
+import zipfile
+from collections.abc import Mapping
+from functools import cache
+from importlib.resources import files
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any, BinaryIO
+
+import numpy as np
+import numpy.typing as npt
+
+from rollerrig import _core
+from rollerrig.config.contact_law import CREEP_LAWS, FrictionFall, PolachReduction, StiffnessReduction
+
+TABLE_FORMAT = 1
+"""Version of the layout; a file of another one is refused."""
+
+TABLE_FILE = "tables/creep_table.npz"
+"""Below the catalogue."""
+
+
+class CreepTableError(ValueError):
+    """The table file cannot be used."""
+
+
+@cache
+def shipped_table() -> _core.CreepTable:
+    """The table of the catalogue, read once.
+
+    Raises:
+        CreepTableError: it is missing, truncated, changed or of another version.
+    """
+    source = files("rollerrig.catalog").joinpath(TABLE_FILE)
+    try:
+        data = source.read_bytes()
+    except OSError as error:
+        raise CreepTableError(f"{TABLE_FILE}: cannot be read ({error}); install rollerrig again") from None
+    return read_table(data, TABLE_FILE)
+
+
+def read_table(data: bytes, name: str) -> _core.CreepTable:
+    """A table from the bytes of its file.
+
+    Args:
+        data: the whole file.
+        name: of the file, for messages.
+
+    Raises:
+        CreepTableError: truncated, changed or of another version.
+    """
+    try:
+        with np.load(io.BytesIO(data), allow_pickle=False) as file:
+            content = {key: file[key] for key in file.files}
+    except (ValueError, OSError, EOFError, zipfile.BadZipFile, KeyError):
+        raise CreepTableError(f"{name}: not a creep table, or truncated; install rollerrig again") from None
+    version = content.get("format")
+    if version is None or version.size != 1 or int(version) != TABLE_FORMAT:
+        found = "none" if version is None else str(version)
+        raise CreepTableError(f"{name}: format {found}; this version reads format {TABLE_FORMAT}")
+    missing = {"log_aspect_end", "rho_0", "aspects", "cells", "coefficients", "sha256"} - content.keys()
+    if missing:
+        raise CreepTableError(f"{name}: {', '.join(sorted(missing))} missing; install rollerrig again")
+    coefficients = np.ascontiguousarray(content["coefficients"], dtype=np.float32)
+    if checksum(coefficients) != str(content["sha256"]):
+        raise CreepTableError(f"{name}: the checksum of its numbers does not match; install rollerrig again")
+    shape = (*coefficients.shape[:-1], 4)
+    padded = np.zeros(shape, dtype=np.float32)
+    padded[..., :3] = coefficients
+    try:
+        return _core.CreepTable.of(
+            float(content["log_aspect_end"]),
+            float(content["rho_0"]),
+            int(content["aspects"]),
+            [int(n) for n in content["cells"]],
+            padded.ravel(),
+        )
+    except ValueError as error:
+        raise CreepTableError(f"{name}: {error}") from None
+
+
+def write_table(
+    target: Path | BinaryIO, log_aspect_end: float, rho_0: float, aspects: int, cells: tuple[int, int, int],
+    coefficients: npt.NDArray[np.float32], made_with: Mapping[str, Any] = MappingProxyType({}),
+) -> None:  # fmt: skip
+    """Write what `read_table` reads.
+
+    Args:
+        target: file.
+        log_aspect_end: largest ln(a/b) of the table, [-].
+        rho_0: see core/include/rig/contact/creep_table.hpp.
+        aspects: intervals of ln(a/b).
+        cells: intervals per unit of q.
+        coefficients: shape (aspects + 3, cells[0] + 3, 2 cells[1] + 3, cells[2] + 3, 3).
+        made_with: numbers worth knowing about how it was made.
+    """
+    np.savez_compressed(
+        target,
+        format=np.array(TABLE_FORMAT),
+        log_aspect_end=np.array(log_aspect_end),
+        rho_0=np.array(rho_0),
+        aspects=np.array(aspects),
+        cells=np.array(cells),
+        coefficients=np.ascontiguousarray(coefficients, dtype=np.float32),
+        sha256=np.array(checksum(coefficients)),
+        **{f"made_with_{key}": np.array(value) for key, value in made_with.items()},
+    )
+
+
+def checksum(coefficients: npt.NDArray[np.float32]) -> str:
+    """SHA-256 of the coefficients as little-endian floats."""
+    return hashlib.sha256(np.ascontiguousarray(coefficients, dtype="<f4").tobytes()).hexdigest()
+
+
+def creep_law(
+    name: str,
+    *,
+    saturate_spin_moment: bool = False,
+    polach: PolachReduction | None = None,
+    stiffness: StiffnessReduction | None = None,
+) -> _core.CreepLaw:
+    """A law of the core by its name.
+
+    Args:
+        name: one of CREEP_LAWS.
+        saturate_spin_moment: for kalker_saturated.
+        polach: needed by polach.
+        stiffness: for modified_fastsim.
+
+    Raises:
+        ValueError: no such law, or one that lacks a parameter.
+        CreepTableError: the table of the law `table` cannot be used.
+    """
+    if name not in CREEP_LAWS:
+        raise ValueError(f"no creep law named {name!r}; there are {', '.join(CREEP_LAWS)}")
+    if name == "polach" and polach is None:
+        raise ValueError("polach needs stick_reduction and slip_reduction: 1.0 and 0.4 dry, 0.3 and 0.1 wet (Polach 2005)")
+    k = stiffness or StiffnessReduction()
+    reduction = (k.initial, k.ultimate, k.decay)
+    areas = (polach.stick_reduction, polach.slip_reduction) if polach is not None else (1.0, 1.0)
+    return _core.CreepLaw(name, saturate_spin_moment, reduction, areas, shipped_table() if name == "table" else None)
+
+
+def creep_law_of(contact: Any) -> _core.CreepLaw:
+    """The law of a case's contact."""
+    return creep_law(
+        contact.creep,
+        saturate_spin_moment=contact.saturate_spin_moment,
+        polach=contact.polach,
+        stiffness=contact.stiffness_reduction,
+    )
+
+
+def friction_of(contact: Any) -> tuple[float, float, float]:
+    """Largest friction coefficient, ratio and decay [s/m] of a case's contact."""
+    fall = contact.friction_fall or FrictionFall()
+    return (contact.friction, fall.ratio, fall.decay)
