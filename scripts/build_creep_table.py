@@ -43,7 +43,7 @@ def coefficients(log_aspect: float) -> tuple[float, float, float, float]:
 
 
 def units(log_aspect: float) -> Array:
-    """v = units * (xi, eta, chi): each unit of v demands about mu N."""
+    """V = units * (xi, eta, chi): each unit of v demands about mu N."""
     c11, c22, c23, c33 = coefficients(log_aspect)
     friction_moment = 3 * np.pi / 16 * np.sqrt(np.cosh(log_aspect))
     return np.array([c11, c22, np.hypot(c23, c33 / friction_moment)])
@@ -108,7 +108,7 @@ def solved(cache: Path, knot: int, log_aspect: float) -> tuple[Array, Array]:
 
 
 def ball(creepage: Array, log_aspect: float) -> tuple[Array, Array]:
-    """q and rho."""
+    """Q and rho."""
     v = creepage * units(log_aspect)
     rho = np.linalg.norm(v, axis=1)
     return v / (RHO_0 + rho[:, None]), rho
@@ -118,7 +118,9 @@ def faded_linear(creepage: Array, rho: Array, log_aspect: float) -> Array:
     """L rho_0 / (rho_0 + rho)."""
     c11, c22, c23, c33 = coefficients(log_aspect)
     xi, eta, chi = creepage.T
-    return -np.stack([c11 * xi, c22 * eta + c23 * chi, c33 * chi - c23 * eta], axis=1) * (RHO_0 / (RHO_0 + rho))[:, None]
+    return (
+        -np.stack([c11 * xi, c22 * eta + c23 * chi, c33 * chi - c23 * eta], axis=1) * (RHO_0 / (RHO_0 + rho))[:, None]
+    )
 
 
 # -------------------------------------------------------------------------------------------------- splines in the ball
@@ -127,10 +129,10 @@ SIZE = (CELLS[0] + 2, 2 * CELLS[1] + 3, CELLS[2] + 2)
 
 
 def folded(i: Array, j: Array, k: Array, component: int) -> tuple[Array, Array]:
-    """Position of a coefficient among the independent ones, and the sign it is taken with."""
-    sign = np.where((i < 0) & (component == 0), -1.0, 1.0)
+    """Position of a coefficient among the independent ones, and the sign it is taken with; 0: its own mirror image."""
     turned = (k < 0) | ((k == 0) & (j < 0))
-    sign = np.where(turned & (component != 0), -sign, sign)
+    odd_in_spin = np.where(turned, -1.0, np.where((j == 0) & (k == 0), 0.0, 1.0))
+    sign = np.sign(i) + 0.0 if component == 0 else odd_in_spin  # force along: odd in q_1; the others: in (q_2, q_3)
     j, k = np.where(turned, -j, j), np.abs(k)
     return (np.abs(i) * SIZE[1] + j + CELLS[1] + 1) * SIZE[2] + k, sign
 
@@ -139,7 +141,9 @@ def splines(u: Array) -> tuple[NDArray[np.int64], Array]:
     """Number of the first of the four splines that are not zero at u, less one, and their values."""
     cell = np.floor(u).astype(int)
     t = u - cell
-    return cell - 1, np.stack([(1 - t) ** 3, 3 * t**3 - 6 * t**2 + 4, -3 * t**3 + 3 * t**2 + 3 * t + 1, t**3], axis=1) / 6
+    return cell - 1, np.stack(
+        [(1 - t) ** 3, 3 * t**3 - 6 * t**2 + 4, -3 * t**3 + 3 * t**2 + 3 * t + 1, t**3], axis=1
+    ) / 6
 
 
 def design(q: Array, component: int) -> sp.csr_matrix:
@@ -176,7 +180,9 @@ def third_differences(component: int) -> sp.csr_matrix:
             columns.append(column)
             values.append(weight * sign)
         shape = (int(inside.sum()), int(np.prod(SIZE)))
-        blocks.append(sp.csr_matrix((np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))), shape=shape))
+        blocks.append(
+            sp.csr_matrix((np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))), shape=shape)
+        )
     return sp.vstack(blocks)
 
 

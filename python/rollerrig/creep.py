@@ -105,17 +105,17 @@ def write_table(
         coefficients: shape (aspects + 3, cells[0] + 3, 2 cells[1] + 3, cells[2] + 3, 3).
         made_with: numbers worth knowing about how it was made.
     """
-    np.savez_compressed(
-        target,
-        format=np.array(TABLE_FORMAT),
-        log_aspect_end=np.array(log_aspect_end),
-        rho_0=np.array(rho_0),
-        aspects=np.array(aspects),
-        cells=np.array(cells),
-        coefficients=np.ascontiguousarray(coefficients, dtype=np.float32),
-        sha256=np.array(checksum(coefficients)),
-        **{f"made_with_{key}": np.array(value) for key, value in made_with.items()},
-    )
+    content: dict[str, Any] = {
+        "format": TABLE_FORMAT,
+        "log_aspect_end": log_aspect_end,
+        "rho_0": rho_0,
+        "aspects": aspects,
+        "cells": cells,
+        "coefficients": np.ascontiguousarray(coefficients, dtype=np.float32),
+        "sha256": checksum(coefficients),
+        **{f"made_with_{key}": value for key, value in made_with.items()},
+    }
+    np.savez_compressed(target, **{key: np.asarray(value) for key, value in content.items()}, allow_pickle=False)
 
 
 def checksum(coefficients: npt.NDArray[np.float32]) -> str:
@@ -145,7 +145,9 @@ def creep_law(
     if name not in CREEP_LAWS:
         raise ValueError(f"no creep law named {name!r}; there are {', '.join(CREEP_LAWS)}")
     if name == "polach" and polach is None:
-        raise ValueError("polach needs stick_reduction and slip_reduction: 1.0 and 0.4 dry, 0.3 and 0.1 wet (Polach 2005)")
+        raise ValueError(
+            "polach needs stick_reduction and slip_reduction: 1.0 and 0.4 dry, 0.3 and 0.1 wet (Polach 2005)"
+        )
     k = stiffness or StiffnessReduction()
     reduction = (k.initial, k.ultimate, k.decay)
     areas = (polach.stick_reduction, polach.slip_reduction) if polach is not None else (1.0, 1.0)

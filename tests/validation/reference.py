@@ -15,6 +15,7 @@ import pytest
 
 from rollerrig import _core
 from rollerrig.config import load_case
+from rollerrig.creep import creep_law
 from rollerrig.model import AssembledModel, assemble
 from rollerrig.profiles import ProfileTable, gauge_point, profile_from_spec
 
@@ -83,10 +84,9 @@ def add_wheels(
             crown_in_roller=(0.0, 0.0, roller_radius or 0.0),
             shear_modulus=shear_modulus,
             poisson_ratio=POISSON_RATIO,
-            friction=friction,
+            friction=(friction, 1.0, 0.0),
             normal=normal,
-            creep="kalker_saturated",
-            saturate_spin_moment=False,
+            creep=creep_law("kalker_saturated"),
             normal_damping=normal_damping,
             standstill_speed=0.1,
             merge_barrier=merge_barrier,

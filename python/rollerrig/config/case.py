@@ -113,7 +113,9 @@ class Contact(Table):
         for key, law, needed in (("polach", "polach", True), ("stiffness_reduction", "modified_fastsim", False)):
             given = getattr(self, key) is not None
             if self.creep == law and needed and not given:
-                allowed = f"needed for creep = '{law}': stick_reduction and slip_reduction, dry 1.0 and 0.4, wet 0.3 and 0.1"
+                allowed = (
+                    f"needed for creep = '{law}': stick_reduction and slip_reduction, dry 1.0 and 0.4, wet 0.3 and 0.1"
+                )
             elif self.creep != law and given:
                 allowed = f"allowed only with creep = '{law}'"
             else:

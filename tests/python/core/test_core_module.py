@@ -40,13 +40,18 @@ def test_an_unknown_method_names_the_known_ones(simulation: _core.Simulation) ->
 
 
 def test_a_creep_law_that_does_not_exist_is_refused() -> None:
-    core = _core.Model()
-    core.add_body(1.0, (1.0, 1.0, 1.0), (0.0, 0.0, 0.0), True, [False] * 6, 0.0, True)
-    flat = np.zeros((10, 4))
-    profile = core.add_profile(-0.01, 0.002, flat)
     with pytest.raises(ValueError, match="kalker_linear, kalker_saturated"):
-        core.add_contact(0, -1, True, 0.0, False, profile, profile, 0.46, 0.75, 0.75, 0.0, (0.0, 0.0, 0.46), (0.0, 0.0, 0.0),
-                         8e10, 0.28, 0.3, "hertz", "coulomb", False, 1e5, 0.1, 0.0, [True] * 4)  # fmt: skip
+        _core.CreepLaw("coulomb", False, (1.0, 1.0, 0.0), (1.0, 1.0), None)
+
+
+def test_the_law_table_asks_for_its_table() -> None:
+    with pytest.raises(ValueError, match="needs its table"):
+        _core.CreepLaw("table", False, (1.0, 1.0, 0.0), (1.0, 1.0), None)
+
+
+def test_a_creep_table_of_the_wrong_size_is_refused() -> None:
+    with pytest.raises(ValueError, match="coefficients"):
+        _core.CreepTable.of(2.3, 1.5, 4, (2, 2, 2), np.zeros(10, dtype=np.float32))
 
 
 def test_an_item_that_does_not_exist_is_refused() -> None:
