@@ -118,11 +118,10 @@ def _balance(model: AssembledModel, run: xr.Dataset) -> list[str]:
             f"{design / 1e3:.3f} kN"
         )
     total, on_wheels = weight + carried, float(run["vertical_force"].sum())
-    lines.append(
-        f"total weight {total / 1e3:.3f} kN, sum of the wheel loads {on_wheels / 1e3:.3f} kN "
-        f"(difference {on_wheels - total:+.1e} N)"
-    )
-    return lines
+    sums = f"total weight {total / 1e3:.3f} kN, sum of the wheel loads {on_wheels / 1e3:.3f} kN"
+    if float(run["curvature"]) or float(run["cant"]):  # the plane of the track takes a part of both forces
+        return [*lines, f"{sums}, normal to the track in the curve where the run starts"]
+    return [*lines, f"{sums} (difference {on_wheels - total:+.1e} N)"]
 
 
 def _downward(run: xr.Dataset, element: Element, held: Sequence[str]) -> float:

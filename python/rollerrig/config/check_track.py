@@ -1,6 +1,6 @@
 """Checks of a track: segments that join, speeds the vehicle stays on its rails at, irregularities that reach far enough.
 
-Rules and limits: docs/theory/track.md.
+Rules and limits: docs/theory/layout.md.
 """
 
 import math

@@ -5,7 +5,7 @@ g sqrt(1 + (v^2 k / g)^2), inclined against the track's normal by
 
     atan(v^2 k / g) - phi ,
 
-whose tangent p is the lateral force per unit of load on the track. Equations: docs/theory/track.md.
+whose tangent p is the lateral force per unit of load on the track. Equations: docs/theory/layout.md.
 """
 
 from __future__ import annotations

@@ -6,7 +6,7 @@ A clothoid's curvature and cant grow in proportion to the distance; on a Bloss t
 t from 0 to 1. A clothoid meets its neighbours in corners, where the roll acceleration of the track would be
 infinite: each corner is rounded by a parabola over the smoothing length, half of it on either side. The corners of
 a transition are rounded by opposite amounts, so that the change of heading is that of the sharp clothoid.
-Equations: docs/theory/track.md.
+Equations: docs/theory/layout.md.
 """
 
 from __future__ import annotations

@@ -146,6 +146,25 @@ def test_check_prints_model_loads_and_masses() -> None:
     assert abs(difference) < 1e-3  # N; what Newton's method leaves
 
 
+def test_check_prints_the_line_and_how_the_vehicle_runs_on_it() -> None:
+    done = Done("check", "vehicle_curve")
+    assert done.code == 0
+    (row,) = [line.split() for line in done.out.splitlines() if line.startswith("2 curve")]
+    assert row[2:8] == ["130", "330", "600", "left", "110", "74.9"]
+    speed, deficiency, highest = map(float, row[8:])
+    assert speed == 100.0
+    # 11.8 V^2 / R - h; the cosine of the cant and g take half a per cent
+    assert deficiency == pytest.approx(11.8 * 100**2 / 600 - 110, abs=2)
+    assert 200 < highest < 230
+    assert "transition" in done.out
+
+
+def test_check_prints_the_size_of_irregularities() -> None:
+    done = Done("check", "vehicle_track_irregular")
+    assert "irregularity: ORE B 176, low level, seed 1, waves of 3 to 100 m, repeating after 2000 m" in done.out
+    assert "root mean square [mm]: alignment 1.72, vertical 2.37, cross level 1.79, gauge 0.32" in done.out
+
+
 @pytest.mark.parametrize("name", ["manchester_vehicle_1", "full_scale_rig", "uic60_track", "steel", "s1002"])
 def test_check_knows_every_kind(name: str) -> None:
     done = Done("check", name)
