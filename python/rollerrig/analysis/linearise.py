@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rollerrig import _core
-from rollerrig.config import Case
+from rollerrig.config import Case, Track
 from rollerrig.model import AssembledModel, assemble
 from rollerrig.start import StartError
 
@@ -103,13 +103,21 @@ def linearise(case: Case, speed: float) -> Linearisation:
 
 
 def at_constant_speed(case: Case, speed: float | None = None) -> Case:
-    """The case with rollers or rails held at one speed, by custom the starting speed [m/s]."""
+    """The case with rollers or rails held at one speed, by custom the starting speed [m/s].
+
+    Rails and rollers are smooth, and a track goes on for ever as it begins: straight, or curved.
+    """
     changes: dict[str, object] = {
         "motion.drive": "held",
         "motion.speed_table": None,
         "motion.torque_table": None,
         "motion.speed": case.motion.speed if speed is None else speed,
     }
+    support = case.support.data
+    if support.irregularity is not None:
+        changes["support.irregularity"] = None
+    if isinstance(support, Track) and len(support.segment) > 1:
+        changes["support.segment"] = [support.segment[0].model_dump()]
     return case.with_changes(changes)
 
 

@@ -12,6 +12,7 @@ from rollerrig.analysis import (
     Lineariser,
     critical_speeds,
     growth_rate,
+    half_waves,
     hunting_run,
     linear_critical_speed,
     linear_critical_speeds,
@@ -71,8 +72,13 @@ def test_a_run_grows_as_the_linear_model_says(bogie) -> None:
     lateral = run.motion["lateral"].sel(body="front_frame")
     expected = largest_growth_rate(Lineariser(bogie), 280 / 3.6)
     # other modes have died out after 0.6 s; amplitude stays below 0.1 mm, where curvature of the profiles changes little
-    measured = growth_rate(lateral.sel(time=slice(0.6, 1.5)), least_amplitude=1e-9)
+    late = lateral.sel(time=slice(0.6, 1.5))
+    measured = growth_rate(late, least_amplitude=1e-9)
     assert measured == pytest.approx(expected, rel=0.02)
+    waves = half_waves(late["time"].to_numpy(), late.to_numpy(), 1e-9)
+    modes = stability(bogie, [280.0])
+    frequency = modes["frequency"].sel(mode=modes.attrs["hunting_mode"]).item()
+    assert 0.5 / float(np.mean(waves.duration)) == pytest.approx(frequency, rel=2e-3)
 
 
 def test_below_the_critical_speed_a_run_dies_out_and_above_it_goes_on(bogie) -> None:
@@ -176,3 +182,30 @@ def test_a_conical_wheelset_weaves_with_klingels_wavelength(name: str) -> None:
     expected = 2 * math.pi * math.sqrt(0.46 * half_distance / conicity)
     # the formula is the limit of small conicity; spin creepage and, on rollers, the tilt with yaw are left out of it
     assert slow_wavelength(Lineariser(case), 2.0) == pytest.approx(expected, rel=0.01)
+
+
+def test_a_winding_bumpy_track_counts_as_it_begins() -> None:
+    """Stability is that of a smooth track that goes on for ever as it begins."""
+    plain = load_case("bogie_track")
+    winding = plain.with_changes(
+        {
+            "support.segment": [
+                {"kind": "straight", "length": 50.0},
+                {"kind": "transition", "length": 50.0},
+                {"kind": "curve", "length": 100.0, "radius": 800.0},
+            ],
+            "support.irregularity": {"kind": "ore_b176", "level": "high"},
+        }
+    )
+    assert np.array_equal(linearise(winding, 60.0).matrix, linearise(plain, 60.0).matrix)
+
+
+def test_without_dampers_the_bogie_bounces_undamped_at_its_natural_frequency(bogie) -> None:
+    primary = [f"primary_{number}_{side}" for number in (1, 2) for side in ("left", "right")]
+    secondary = [f"secondary_vertical_damper_front_{side}" for side in ("left", "right")]
+    nearly_none = {f"vehicle.element.{name}.z.damper.damping": 1e-3 for name in (*primary, *secondary)}
+    modes = stability(bogie.with_changes(nearly_none), [100.0, 200.0]).sel(mode="bogie bounce")
+    stiffness, mass = 4 * 1.22e6 + 2 * 430e3, 2615.0
+    # the wheels' Hertz springs, a thousand times as stiff, stand in series
+    assert modes["frequency"].to_numpy() == pytest.approx(math.sqrt(stiffness / mass) / (2 * math.pi), rel=3e-3)
+    assert np.all(np.abs(modes["damping"].to_numpy()) < 1e-4)

@@ -1,0 +1,53 @@
+"""How long a stability map and a limit-cycle diagram take.
+
+    python benchmarks/stability.py [--no-diagram]
+
+Map: eigenvalues, shapes, names and critical speeds of the whole vehicle at 50 speeds from 60 to 400 km/h, on rollers and on
+track, one process. Diagram: the bogie on rollers at 20 speeds up and down from 100 to 290 km/h and the halving to 1 km/h, two
+processes.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+import time
+
+os.environ.setdefault("OMP_NUM_THREADS", "1")
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
+import numpy as np
+
+from rollerrig import load_case
+from rollerrig.analysis import limit_cycles, stability
+
+SPEEDS = np.linspace(60.0, 400.0, 50)
+
+
+def main() -> None:
+    """Print the times, wall clock and processor."""
+    for name, label in (("bogie_rollers_constant", "rollers"), ("bogie_track", "track")):
+        case = load_case(name).with_changes({"vehicle.cut": "vehicle", "vehicle.body.car_body.locked": ["x"]})
+        stability(case, [100.0])  # what is loaded once is not counted
+        wall, processor = time.perf_counter(), time.process_time()
+        modes = stability(case, SPEEDS.tolist())
+        wall, processor = time.perf_counter() - wall, time.process_time() - processor
+        critical = modes.attrs["linear_critical_speed_kmh"]
+        print(
+            f"map, vehicle on {label}, 50 speeds: {wall:.2f} s ({processor:.2f} s of processor); critical {critical:.1f} km/h"
+        )
+    if "--no-diagram" in sys.argv:
+        return
+    wall = time.perf_counter()
+    found = limit_cycles(load_case("bogie_rollers_constant"), np.linspace(100.0, 290.0, 20).tolist(), 253.0)
+    wall = time.perf_counter() - wall
+    simulated = sum(p.duration for p in [*found.up, *found.down])
+    runs = len(found.up) + len(found.down)
+    print(
+        f"limit cycles, bogie on rollers: {wall:.1f} s for {runs} runs of {simulated:.0f} s together; "
+        f"{found.kind}, nonlinear critical {3.6 * found.critical:.1f} km/h"
+    )
+
+
+if __name__ == "__main__":
+    main()
