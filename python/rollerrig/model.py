@@ -166,7 +166,17 @@ class _Assembly:
         position = (x - self.cut.origin_x, y, z)
         held = body.name in self.cut.held
         locked = [held or direction in body.locked for direction in DIRECTIONS]
+        locked[0] = locked[0] or body.name == self._hauled()
         self._add_body(body.name, body.mass, body.inertia, position, body.kind == "wheelset", locked, 0.0)
+
+    def _hauled(self) -> str | None:
+        """The body that a line with curves takes along at the running speed: the heaviest, where no body is held.
+
+        Curving slows a free vehicle down; it would fall behind its own track frame, whose x axis is straight.
+        """
+        if not isinstance(self.support, Track) or not self.support.segment or self.cut.held:
+            return None
+        return max(self.vehicle.bodies_in(self.cut), key=lambda body: body.mass).name
 
     def _add_body(
         self,
