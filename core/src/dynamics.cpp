@@ -264,7 +264,7 @@ void Dynamics::apply_contact(Workspace<T>& w, T const& t, int index) {
   under.moment -= w.motion[at(contact.roller)].R * moment;
 }
 
-/// Force and moment of the elements and of the carrier on a body in a curve; returns the gyroscopic moment. (T6)-(T8)
+/// Force and moment of the elements and of the carrier on a body in a curve; returns the gyroscopic moment. (W4), (W5), (W9)
 template <Scalar T>
 Vec3<T> Dynamics::carried_wrench(Workspace<T>& w, std::size_t b) const {
   Body const& body = model_->bodies[b];
@@ -331,7 +331,7 @@ void Dynamics::evaluate_forces(Workspace<T>& w, T const& t, Sweep const* sweep) 
       gyroscopic = carried_wrench(w, b);
     } else {
       gyroscopic = gyroscopic_moment(body, m);
-      if (on_rails_ && body.carried && acceleration != 0.0) {  // the straight track's frame: (T6) is its acceleration
+      if (on_rails_ && body.carried && acceleration != 0.0) {  // the straight track's frame: (W4) is its acceleration
         T const inertia_force = T(-body.mass * acceleration);
         w.wrench[b].force.x += inertia_force;
         w.power[work_of_drive] += inertia_force * m.v.x;

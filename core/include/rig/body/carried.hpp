@@ -3,7 +3,7 @@
 //   track frame, motion in F -> [carried] -> motion in the common frame H (for elements), inertial force and moment in F
 //
 // P is the centre of mass from the origin of F, v and w its velocity and angular velocity relative to F.
-// Source: docs/theory/track.md, (T5)-(T8).
+// Source: docs/theory/track.md, (W4)-(W9).
 #pragma once
 #include "rig/body/body.hpp"
 #include "rig/track/line.hpp"
@@ -17,7 +17,7 @@ Vec3<T> place_in_frame(Body const& body, BodyMotion<T> const& m) {
 }
 
 /// The motion seen from H: what of BodyMotion the elements read. Velocities are the absolute ones less V along x of H,
-/// angular velocities are absolute. (T5)
+/// angular velocities are absolute. (W7)
 template <Scalar T>
 void see_from_common_frame(Body const& body, TrackFrame<T> const& frame, T const& speed, BodyMotion<T> const& m,
                            BodyMotion<T>& out) {
@@ -29,14 +29,14 @@ void see_from_common_frame(Body const& body, TrackFrame<T> const& frame, T const
   out.frame_omega = frame.R * (frame.omega + m.frame_omega);
 }
 
-/// Acceleration of the centre of mass but for that relative to F: of the frame, Euler, centripetal and Coriolis. (T6)
+/// Acceleration of the centre of mass but for that relative to F: of the frame, Euler, centripetal and Coriolis. (W4)
 template <Scalar T>
 Vec3<T> carrier_acceleration(Body const& body, TrackFrame<T> const& frame, BodyMotion<T> const& m) {
   Vec3<T> const place = place_in_frame(body, m);
   return frame.a + cross(frame.alpha, place) + cross(frame.omega, cross(frame.omega, place) + T(2.0) * m.v);
 }
 
-/// W x (I w) and I times the turning of F, with absolute W and w, body components [N m]. (T7)
+/// W x (I w) and I times the turning of F, with absolute W and w, body components [N m]. (W5)
 template <Scalar T>
 Vec3<T> gyroscopic_moment(Body const& body, TrackFrame<T> const& frame, BodyMotion<T> const& m) {
   auto const& I = body.inertia;
@@ -47,11 +47,11 @@ Vec3<T> gyroscopic_moment(Body const& body, TrackFrame<T> const& frame, BodyMoti
          Vec3<T>{I.x * turning.x, I.y * turning.y, I.z * turning.z};
 }
 
-/// Power by which the motion of F feeds the motion relative to it. (T8)
+/// Power by which the motion of F feeds the motion relative to it. (W9)
 ///
 /// @param common    force and moment of elements and torques, components in F
 /// @param inertial  m times minus the carrier's acceleration [N]
-/// @param gyroscopic  (T7) [N m], body components
+/// @param gyroscopic  (W5) [N m], body components
 template <Scalar T>
 T carrier_power(Body const& body, TrackFrame<T> const& frame, T const& speed, double gravity, BodyMotion<T> const& m,
                 Wrench<T> const& common, Vec3<T> const& inertial, Vec3<T> const& gyroscopic) {

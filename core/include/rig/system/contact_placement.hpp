@@ -7,7 +7,7 @@
 //          runs backwards with -V and turns with -omega, along the rail's own direction. So the rate of the gap, the lateral
 //          creepage and the work of the rail need no terms of their own.
 // Neglected: the curvature of the rail along its length, within the centimetre by which a contact leads or lags.
-// Source: docs/theory/track.md, (T9)-(T12).
+// Source: docs/theory/track.md, (W8).
 #pragma once
 #include "rig/body/carried.hpp"
 #include "rig/system/model.hpp"
@@ -74,7 +74,7 @@ ContactPlacement<T> on_straight_rail(WheelContact const& contact, BodyMotion<T> 
   return p;
 }
 
-/// Wheel on a rail anywhere: curved and canted (`frame`; null: straight), irregular, on springs (`rail`; null: rigid). (T9), (T10)
+/// Wheel on a rail anywhere: curved and canted (`frame`; null: straight), irregular, on springs (`rail`; null: rigid). (W8)
 template <Scalar T>
 ContactPlacement<T> on_rail(WheelContact const& contact, BodyMotion<T> const& wheelset, BodyMotion<T> const* rail,
                             TrackFrame<T> const* frame, RailOffset<T> const& offset, T const& speed) {
@@ -116,7 +116,7 @@ ContactPlacement<T> on_fixed_roller(WheelContact const& contact, BodyMotion<T> c
   return p;
 }
 
-/// Wheel on a roller on springs, or one that is moved like the rail it stands for (`offset`; null: it is not). (T11), (T12)
+/// Wheel on a roller on springs, or one that is moved like the rail it stands for (`offset`; null: it is not).
 template <Scalar T>
 ContactPlacement<T> on_roller(WheelContact const& contact, BodyMotion<T> const& wheelset, BodyMotion<T> const& roller,
                               RailOffset<T> const* offset, bool steered, T const& speed) {

@@ -2,7 +2,8 @@
 //
 // Unknown: coordinates, wheelset spin rates, inner nodes of dampers. Given: rollers turn (or rails move) at the running
 // speed, all other rates are zero. Equations: accelerations and node rates vanish; a vehicle that is free along its track may
-// keep up to 10 N of rolling resistance that nothing can balance (it coasts).
+// keep up to 10 N of rolling resistance that nothing can balance (it coasts). Where Newton's method leads nowhere the system
+// is let run there in heavily damped motion first.
 #pragma once
 #include <string>
 #include <vector>

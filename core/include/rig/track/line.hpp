@@ -9,7 +9,7 @@
 //          the way from one frame to another is integrated over the few metres between them, never over the line.
 // Signs    curvature > 0: a curve to the left. Cant h > 0: the right rail is raised, by h over the base; the inner rail stays
 //          at its height, so the centre line rises by |h|/2.
-// Source   docs/theory/track.md, (T1)-(T6).
+// Source   docs/theory/track.md, (W1)-(W6).
 #pragma once
 #include "rig/math/piecewise_cubic.hpp"
 #include "rig/math/vector.hpp"
@@ -61,10 +61,10 @@ struct PlanStep {
   double heading{0.0};    ///< [rad]
 };
 
-/// (T3): integrated piece by piece, so that a break of the curvature costs no accuracy.
+/// (W6): integrated piece by piece, so that a break of the curvature costs no accuracy.
 PlanStep plan_step(PiecewiseCubic const& curvature, double s, double distance);
 
-/// The frame at s + distance. (T1), (T2), (T4)
+/// The frame at s + distance. (W2), (W3), (W6)
 template <Scalar T>
 TrackFrame<T> track_frame(Line const& line, Travel<T> const& travel, double distance) {
   using std::cos;
@@ -78,7 +78,7 @@ TrackFrame<T> track_frame(Line const& line, Travel<T> const& travel, double dist
   auto const rise = centre_rise(cant);
   T const climb = rise.slope * cant_slope;  // r'
   T const climb_slope = rise.second * cant_slope * cant_slope + rise.slope * cant_second;
-  // Roll of F about x: the right rail raised is a roll to the right. (T1)
+  // Roll of F about x: the right rail raised is a roll to the right. (W2)
   T const s_roll = -(inverse_base * cant);
   T const c_roll = sqrt(1.0 - s_roll * s_roll);
   T const roll_slope = -(inverse_base * cant_slope) / c_roll;
@@ -93,11 +93,11 @@ TrackFrame<T> track_frame(Line const& line, Travel<T> const& travel, double dist
   f.v = V * f.along;
   f.omega = V * f.twist;
   f.a = Vec3<T>{travel.acceleration, T(0.0), T(0.0)} + (V * V * kappa) * level +
-        (travel.acceleration * climb + V * V * climb_slope) * f.up;  // (T2)
+        (travel.acceleration * climb + V * V * climb_slope) * f.up;  // (W3)
   Vec3<T> const twist_slope = Vec3<T>{roll_second, T(0.0), T(0.0)} + kappa_slope * f.up + (kappa * roll_slope) * level;
-  f.alpha = travel.acceleration * f.twist + (V * V) * twist_slope;  // (T2)
+  f.alpha = travel.acceleration * f.twist + (V * V) * twist_slope;  // (W3)
 
-  // (T4): the step between the frames in double; its derivative along the line is known in closed form.
+  // (W6): the step between the frames in double; its derivative along the line is known in closed form.
   double const here = value_of(travel.s);
   PlanStep const step = plan_step(line.curvature, here, distance);
   double const kappa_0 = line.curvature.at(here).value;

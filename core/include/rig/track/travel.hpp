@@ -12,7 +12,7 @@ struct Travel {
   T acceleration;  ///< dV/dt [m/s^2]
 };
 
-/// Travel with a speed given over time: s = start + integral of V from time 0 on, in closed form.
+/// Travel with a speed given over time: s = start + integral of V from time 0 on, in closed form. (W1)
 template <Scalar T>
 Travel<T> travel_at(TimeTable const& speed, double start, T const& t) {
   double const now = value_of(t);
