@@ -242,9 +242,8 @@ void Dynamics::apply_contact(Workspace<T>& w, T const& t, int index) {
   }
   // Work of what moves the rail or steers the roller, beside what a state does.
   if (placed.prescribed)
-    w.power[work_of_drive] += placed.turned
-                                  ? dot(force, placed.prescribed_v) + dot(on_roller, placed.prescribed_omega)
-                                  : force.x * placed.prescribed_v.x;
+    w.power[work_of_drive] += placed.turned ? dot(force, placed.prescribed_v) + dot(on_roller, placed.prescribed_omega)
+                                            : force.x * placed.prescribed_v.x;
   if (contact.right) {
     force = mirrored(force);
     on_wheelset = mirrored_axial(on_wheelset);
