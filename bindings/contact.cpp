@@ -6,6 +6,8 @@
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
+#include <chrono>
+
 #include "convert.hpp"
 #include "creep_law.hpp"
 #include "rig/contact/rolling_reference.hpp"
@@ -141,6 +143,14 @@ void bind_contact(nb::module_& m) {
             return as_list(self.press.patches({x, y, z, roll, yaw}, right));
           },
           "x"_a, "y"_a, "z"_a, "yaw"_a, "roll"_a, "right"_a)
+      .def(
+          "seconds_per_contact",
+          [](Press& self, double x, double y, double z, double yaw, double roll, bool right, int repeats) {
+            auto const start = std::chrono::steady_clock::now();
+            for (int i = 0; i < repeats; ++i) self.press.patches({x, y, z, roll, yaw}, right);
+            return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() / repeats;
+          },
+          "x"_a, "y"_a, "z"_a, "yaw"_a, "roll"_a, "right"_a, "repeats"_a)
       .def(
           "minima",
           [](Press& self, double x, double y, double z, double yaw, double roll, bool right, double reach) {

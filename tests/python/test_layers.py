@@ -77,6 +77,7 @@ PYTHON_LAYERS = [
     {"results"},
     {"start"},
     {"run", "contact_table"},
+    {"contact_comparison"},
     {"characteristics"},
     {"analysis"},
     {"plot"},

@@ -1,4 +1,4 @@
-"""`rollerrig contact CASE --lateral-mm=-8:8:0.5 --csv FILE`."""
+"""`rollerrig contact CASE --lateral-mm=-8:8:0.5 --csv FILE [--compare]`."""
 
 from __future__ import annotations
 
@@ -23,6 +23,9 @@ def command(
     ] = None,
     roll_mrad: Annotated[float | None, typer.Option(help="Roll angle to hold [mrad]; free to roll if absent.")] = None,
     plot: Annotated[Path | None, typer.Option(help="Picture of the table (.png or .svg).")] = None,
+    compare: Annotated[
+        bool, typer.Option("--compare", help="Every normal contact side by side, with its cost; a row per wheel.")
+    ] = False,
 ) -> None:
     """Press the leading wheelset down with its axle load and list its contact patches."""
     from rollerrig.config import load_case
@@ -46,14 +49,23 @@ def command(
         if path is not None:
             output_file(path)
     roll = None if roll_mrad is None else 1e-3 * roll_mrad
-    table = contact_table(chosen, [(1e-3 * y, 1e-3 * psi) for y, psi in positions], roll=roll)
-    typer.echo(write_text(csv, contact_csv(table)))
+    places = [(1e-3 * y, 1e-3 * psi) for y, psi in positions]
+    if compare:
+        from rollerrig.contact_comparison import compare_contacts, comparison_csv, comparison_text
+
+        table = compare_contacts(chosen, places, roll=roll)
+        typer.echo(comparison_text(table))
+        typer.echo(write_text(csv, comparison_csv(table)))
+    else:
+        table = contact_table(chosen, places, roll=roll)
+        typer.echo(write_text(csv, contact_csv(table)))
     if plot is not None:
         from rollerrig.plot import figure_bytes
-        from rollerrig.plot.contact import contact_figure
+        from rollerrig.plot.contact import comparison_figure, contact_figure
 
         kind: Literal["svg", "png"] = "svg" if plot.suffix.lower() == ".svg" else "png"
-        typer.echo(write_bytes(plot, figure_bytes(contact_figure(table), kind)))
+        figure = comparison_figure(table) if compare else contact_figure(table)
+        typer.echo(write_bytes(plot, figure_bytes(figure, kind)))
     if table.attrs["failed_positions"]:
         for line in table.attrs["failed_positions"].splitlines():
             say(f"rollerrig: {chosen.name}: {line}")

@@ -7,7 +7,7 @@ from typing import Any
 import xarray as xr
 from matplotlib.figure import Figure
 
-from rollerrig.plot.style import COLOURS, MARKERS, house_style, new_figure
+from rollerrig.plot.style import COLOURS, MARKERS, STYLES, house_style, legend_above, new_figure
 
 
 def contact_figure(table: xr.Dataset) -> Figure:
@@ -40,4 +40,44 @@ def contact_figure(table: xr.Dataset) -> Figure:
         place.set_title(title, loc="left")
         for axes in (place, size, pose):
             axes.legend(loc="best")
+        return figure
+
+
+COMPARED = {
+    "centre": ("centre on the\nwheel S [mm]", 1e3),
+    "width": ("width [mm]", 1e3),
+    "approach": ("approach [um]", 1e6),
+    "peak_pressure": ("peak pressure\n[MPa]", 1e-6),
+    "patches": ("patches", 1.0),
+}
+
+
+def comparison_figure(comparison: xr.Dataset, side: str = "left") -> Figure:
+    """Normal contacts side by side over the lateral position, one wheel.
+
+    Args:
+        comparison: what `compare_contacts` returns.
+        side: wheel to show.
+    """
+    with house_style():
+        figure, panels = new_figure(len(COMPARED), height=8.5, sharex=True)
+        shown = comparison.sel(side=side)
+        lateral = 1e3 * shown["lateral"]
+        for axes, (name, (label, factor)) in zip(panels, COMPARED.items(), strict=True):
+            for number, model in enumerate(shown["model"].to_numpy()):
+                look: dict[str, Any] = {"markersize": 3, "linewidth": 1.0}
+                axes.plot(
+                    lateral,
+                    factor * shown[name].sel(model=model),
+                    MARKERS[number] + STYLES[number],
+                    color=COLOURS[number],
+                    label=str(model),
+                    **look,
+                )
+            axes.set_ylabel(label)
+        panels[-1].set_xlabel("lateral position of the wheelset [mm], positive to the left")
+        load = 1e-3 * comparison.attrs["load_n"]
+        what = f"{comparison.attrs['case']}: {comparison.attrs['wheelset']} under {load:.4g} kN, {side} wheel"
+        panels[0].set_title(what, loc="left")
+        legend_above(figure, panels[0])
         return figure

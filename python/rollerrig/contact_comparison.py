@@ -1,0 +1,152 @@
+"""The normal contacts side by side: the same wheelset, pressed down at the same places, by every model there is.
+
+    Case, positions -> contact_table with each `contact.normal` -> per wheel: patches, centre, width, approach, pressure, cost
+
+Left of the running direction is positive. What each model is: `docs/theory/contact_forces.md`, `non_elliptic_contact.md`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, get_args
+
+import numpy as np
+import xarray as xr
+
+from rollerrig import _core
+from rollerrig.config import Case, Contact
+from rollerrig.contact_table import contact_table, leading_wheelset
+from rollerrig.model import assemble
+
+NORMAL_CONTACTS: tuple[str, ...] = get_args(Contact.model_fields["normal"].annotation)
+"""Names for `contact.normal`."""
+
+QUANTITIES = {
+    "patches": ("1", "patches under load, each counted with its share"),
+    "normal": ("N", "sum of the normal forces"),
+    "centre": ("m", "EN abscissa S of the centre of the pressures on the wheel, negative towards the flange"),
+    "width": ("m", "loaded width across the rolling direction"),
+    "area": ("m^2", "loaded area"),
+    "approach": ("m", "largest elastic approach"),
+    "peak_pressure": ("Pa", "largest pressure"),
+}
+REPEATS = 2000  # of one evaluation, to time it
+
+
+def compare_contacts(
+    case: Case, positions: Sequence[tuple[float, float]], *, roll: float | None = None, timed: bool = True
+) -> xr.Dataset:
+    """Press the leading wheelset down at each position with each normal contact.
+
+    Args:
+        case: vehicle, support and contact; `contact.normal` is what varies.
+        positions: lateral position [m] and yaw [rad] of the wheelset.
+        roll: roll angle to hold [rad]; None: free to roll.
+        timed: measure `cost` too; a figure of this machine and this moment.
+
+    Returns:
+        Dataset over `model`, `position` and `side`: the quantities of QUANTITIES, NaN where there is no contact or no
+        balance; `lateral` [m] and `yaw` [rad] over `position`; `cost` [s] over `model`: search and normal contact of one
+        wheel, mean over the positions. The attribute `failed_positions` as of `contact_table`, named by model.
+    """
+    shape = (len(NORMAL_CONTACTS), len(positions), 2)
+    data = {name: np.full(shape, np.nan) for name in QUANTITIES}
+    cost = np.full(len(NORMAL_CONTACTS), np.nan)
+    failed: list[str] = []
+    title: dict[str, Any] = {}
+    for i, model in enumerate(NORMAL_CONTACTS):
+        chosen = case.with_changes({"contact.normal": model})
+        table = contact_table(chosen, positions, roll=roll)
+        title = {key: table.attrs[key] for key in ("title", "case", "wheelset", "load_n")}
+        failed += [f"{model}: {line}" for line in table.attrs["failed_positions"].splitlines()]
+        for j, (lateral, yaw) in enumerate(positions):
+            here = (table["lateral"] == lateral) & (table["yaw"] == yaw)
+            for k, side in enumerate(("left", "right")):
+                rows = table.isel(row=(here & (table["side"] == side)).to_numpy())
+                if rows.sizes["row"]:
+                    for name, value in _of_wheel(rows).items():
+                        data[name][i, j, k] = value
+        if timed:
+            cost[i] = _cost(chosen, table, positions)
+    coordinates = {
+        "model": list(NORMAL_CONTACTS),
+        "side": ["left", "right"],
+        "lateral": ("position", [lateral for lateral, _ in positions], {"units": "m"}),
+        "yaw": ("position", [yaw for _, yaw in positions], {"units": "rad"}),
+    }
+    variables: dict[str, Any] = {
+        name: (("model", "position", "side"), data[name], {"units": unit, "long_name": meaning})
+        for name, (unit, meaning) in QUANTITIES.items()
+    }
+    variables["cost"] = ("model", cost, {"units": "s", "long_name": "search and normal contact of one wheel"})
+    return xr.Dataset(variables, coordinates, {**title, "failed_positions": "\n".join(failed)})
+
+
+def comparison_csv(comparison: xr.Dataset) -> str:
+    """The comparison as CSV text, one row per model, position and wheel, in mm, mrad, N and MPa."""
+    factors = {"patches": 1.0, "normal": 1.0, "centre": 1e3, "width": 1e3, "area": 1e6, "approach": 1e3}
+    head = "normal_contact,lateral_mm,yaw_mrad,side,patches,normal_n,centre_s_mm,width_mm,area_mm2,approach_mm"
+    lines = [head + ",peak_pressure_mpa"]
+    for model in comparison["model"].to_numpy():
+        for j in range(comparison.sizes["position"]):
+            for side in ("left", "right"):
+                here = comparison.sel(model=model, side=side).isel(position=j)
+                if not here["normal"] > 0.0:
+                    continue
+                values = [factor * float(here[name]) for name, factor in {**factors, "peak_pressure": 1e-6}.items()]
+                place = [1e3 * float(here["lateral"]), 1e3 * float(here["yaw"])]
+                numbers = [f"{v + 0.0:.9g}" for v in (*place, *values)]
+                lines.append(",".join([str(model), *numbers[:2], side, *numbers[2:]]))
+    return "\n".join(lines) + "\n"
+
+
+def comparison_text(comparison: xr.Dataset) -> str:
+    """A few lines for the terminal: per model its cost and the range of what it finds."""
+    lines = []
+    for model in comparison["model"].to_numpy():
+        here = comparison.sel(model=model)
+
+        def span(name: str, factor: float, of: xr.Dataset = here) -> str:
+            low, high = factor * float(of[name].min()), factor * float(of[name].max())
+            return f"{low:.3g} to {high:.3g}"
+
+        step = float(np.abs(here["centre"].diff("position")).max()) if comparison.sizes["position"] > 1 else 0.0
+        cost = "" if np.isnan(here["cost"]) else f", {1e6 * float(here['cost']):.2g} us per wheel and evaluation"
+        lines.append(
+            f"{model}: {span('patches', 1.0)} patches, approach {span('approach', 1e6)} um, peak pressure "
+            f"{span('peak_pressure', 1e-6)} MPa, width {span('width', 1e3)} mm; the centre moves by up to "
+            f"{1e3 * step:.3g} mm from one position to the next{cost}"
+        )
+    return "\n".join(lines)
+
+
+def _of_wheel(rows: xr.Dataset) -> dict[str, float]:
+    """All patches of one wheel as one: sums with their shares, the centre weighted with force, the largest pressure."""
+    normal, share = rows["normal"].to_numpy(), rows["share"].to_numpy()
+    return {
+        "patches": float(share.sum()),
+        "normal": float(normal.sum()),
+        "centre": float(rows["wheel_abscissa"].to_numpy() @ normal / normal.sum()),
+        "width": float(rows["width"].to_numpy() @ share),
+        "area": float(rows["area"].to_numpy() @ share),
+        "approach": float(rows["approach"].max()),
+        "peak_pressure": float(rows["peak_pressure"].max()),
+    }
+
+
+def _cost(case: Case, table: xr.Dataset, positions: Sequence[tuple[float, float]]) -> float:
+    """Seconds for search and normal contact of one wheel, at the loaded positions."""
+    model = assemble(case)
+    _, left, right = leading_wheelset(model)
+    press = _core.WheelsetPress(model.core, left, right)
+    unloaded = max(press.touch_height(0.0, 0.0, 0.0, 0.0, side) for side in (False, True))
+    times = []
+    for lateral, yaw in positions:
+        rows = table.isel(row=((table["lateral"] == lateral) & (table["yaw"] == yaw)).to_numpy())
+        if rows.sizes["row"]:
+            z, roll = float(rows["height"][0]) + unloaded, float(rows["roll"][0])
+            times += [
+                press.seconds_per_contact(0.0, lateral, z, yaw, roll, side == "right", REPEATS)
+                for side in np.unique(rows["side"])
+            ]
+    return float(np.mean(times)) if times else float("nan")
