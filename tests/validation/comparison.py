@@ -46,7 +46,12 @@ class Comparison:
 
     @property
     def area(self) -> float:
-        return sum(np.pi * patch["a"] * patch["b"] for patch in self.patches) / mm**2
+        return float(sum(patch["share"] * patch["area"] for patch in self.patches) / mm**2)
+
+    @property
+    def width(self) -> float:
+        """Loaded width of all patches."""
+        return float(sum(patch["share"] * patch["width"] for patch in self.patches) / mm)
 
     @property
     def pressure(self) -> float:
@@ -56,6 +61,16 @@ class Comparison:
     def abscissa(self) -> float:
         """Of the patches' common centre on the wheel, weighted with force."""
         return sum(patch["wheel_s"] * patch["normal"] for patch in self.patches) / self.normal / mm
+
+    @property
+    def centre(self) -> float:
+        """The same in the track's coordinates: distance from its middle."""
+        return float(sum(abs(patch["point"][1]) * patch["normal"] for patch in self.patches) / self.normal / mm)
+
+    @property
+    def pressure_centre(self) -> float:
+        """Of the reference's pressures; its contact reference point, `ycp`, is weighted with the interpenetration."""
+        return abs(self.reference["ypn_tr"])
 
     @property
     def reference_abscissa(self) -> float:
@@ -88,12 +103,14 @@ class Comparison:
         )
 
 
-def compare(press: _core.WheelsetPress, row: dict) -> Comparison:
+def compare(press: _core.WheelsetPress, row: dict, normal: str) -> Comparison:
     right = row["side"] == "right"
     y, yaw, roll = -row["y_ws"] * mm, -row["yaw"], row["roll"]
 
     def patches(z: float) -> list[dict]:
-        return press.minima(0.0, y, z, yaw, roll, right, 0.0)
+        if normal == "hertz":  # the paper's bare rule
+            return press.minima(0.0, y, z, yaw, roll, right, 0.0)
+        return press.patches(0.0, y, z, yaw, roll, right)
 
     touch = press.touch_height(0.0, y, yaw, roll, right)
     z = brentq(lambda z: sum(patch["normal"] for patch in patches(z)) - row["Fn"], touch - 0.4 * mm, touch, xtol=1e-13)
@@ -101,7 +118,7 @@ def compare(press: _core.WheelsetPress, row: dict) -> Comparison:
     return Comparison(row, found, -z / mm, sum(patch["normal"] for patch in found))
 
 
-def comparisons(file: str) -> list[Comparison]:
+def comparisons(file: str, normal: str = "hertz") -> list[Comparison]:
     """All poses of a reference file."""
-    press = benchmark_press(0.5 if "roller" in file else None)
-    return [compare(press, row) for row in rows(file)]
+    press = benchmark_press(0.5 if "roller" in file else None, normal)
+    return [compare(press, row, normal) for row in rows(file)]

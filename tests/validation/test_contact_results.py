@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 
 import numpy as np
@@ -141,3 +142,40 @@ def test_where_the_paper_keeps_two_patches_contact_finds_one_wide_one(results: d
             if c.reference["y_ws"] in (0.0, 5.0) and len(c.patches) > 1:
                 assert c.approach == pytest.approx(c.reference["approach"], rel=0.05)
                 assert abs(c.height - c.reference["z_ws"]) < 0.001  # mm
+
+
+# ------------------------------------------------------------------------------------- patches that are no ellipses: strips
+@pytest.fixture(scope="module")
+def strips() -> dict[str, list[Comparison]]:
+    return {file: comparisons(file, "strips") for file in FILES}
+
+
+@pytest.mark.parametrize("file", FILES)
+def test_strips_over_the_whole_shift_range(strips: dict, file: str) -> None:
+    """The accuracy asked for: centre 0.5 mm, approach 5 %, peak pressure and width 15 %, wide patch and flange root included."""
+    for c in strips[file]:
+        r = c.reference
+        place = (r["side"], r["y_ws"])
+        assert c.centre == pytest.approx(c.pressure_centre, abs=0.5), place
+        assert c.approach == pytest.approx(r["approach"], rel=0.05), place
+        assert c.pressure == pytest.approx(r["pmax"], rel=0.15), place
+        # It counts cells of 0.2 mm: a narrow patch is good to one.
+        assert c.width == pytest.approx(r["patch_len_s"], abs=max(0.2, 0.15 * r["patch_len_s"])), place
+        assert -0.15 < c.ratio("area", "patch_area") < 0.03, place  # it counts cells: high by half a rim
+
+
+def test_strips_are_closer_than_that_where_it_matters(strips: dict) -> None:
+    """The wide patch of the middle, which two ellipses miss: measured 1.2 % in approach, 0.05 mm in the centre."""
+    for c in strips["contact_rail_shift_10kN.csv"]:
+        if -1.0 <= c.reference["y_ws"] <= 1.0:
+            assert c.approach == pytest.approx(c.reference["approach"], rel=0.015)
+            assert c.centre == pytest.approx(c.pressure_centre, abs=0.06)
+            assert c.pressure == pytest.approx(c.reference["pmax"], rel=0.05)
+
+
+def test_strips_follow_the_centre_as_it_crosses_the_wheel(strips: dict) -> None:
+    """From S = +8 to -10 mm within 4 mm of shift, as CONTACT sees it; no jump."""
+    middle = [c for c in strips["contact_rail_shift_10kN.csv"] if abs(c.reference["y_ws"]) <= 2.0]
+    for one, other in itertools.pairwise(middle):
+        ours, theirs = (other.centre - one.centre, other.pressure_centre - one.pressure_centre)
+        assert ours == pytest.approx(theirs, abs=0.1)

@@ -160,3 +160,66 @@ TEST_CASE("derivatives of the patches are those of differences, along every dire
       }
     }
 }
+
+TEST_CASE("the force has no step in the shift, through merging and vanishing dips") {
+  // S1002 on UIC60 at a fixed height: two dips merge, one of them folds away while indented by 40 um.
+  for (double inverse_radius : {0.0, 2.0}) {
+    Wheel wheel(inverse_radius);
+    double const step = 1e-6;
+    double last = 0.0, before = 0.0, largest = 0.0;
+    Vec3<double> centre{};
+    for (int i = 0; i <= 3000; ++i) {
+      auto const c = wheel.at(-1.5e-3 + step * i, 0.25e-3);
+      double const force = total(c).z;
+      Vec3<double> now{};
+      double load = 0.0;
+      for (int k = 0; k < c.count; ++k) {
+        auto const& p = c.patch[static_cast<std::size_t>(k)];
+        now += p.share * p.normal * p.point;
+        load += p.share * p.normal;
+      }
+      now = (1.0 / load) * now;
+      // Kinks of the discrete problem where strips come and go, and a new division where islands join: below 1e-3.
+      if (i > 1) CHECK(std::abs(force - 2.0 * last + before) < 1e-3 * force);
+      if (i > 0) largest = std::max(largest, std::abs(now.y - centre.y));
+      before = last, last = force, centre = now;
+    }
+    CHECK(largest < 0.02e-3);  // m per um of shift: no jump of the centre
+  }
+}
+
+TEST_CASE("one wide patch where Hertz sees two ellipses, two patches where tread and flange touch") {
+  Wheel wheel(0.0);
+  auto const middle = wheel.at(0.0, 0.25e-3);
+  CHECK(wheel.search.count() == 2);
+  REQUIRE(middle.count == 1);
+  CHECK(middle.patch[0].width > 15e-3);
+  auto const root = wheel.at(5e-3, -0.2e-3);
+  REQUIRE(root.count == 2);
+  CHECK(std::abs(root.patch[1].wheel_s - root.patch[0].wheel_s) > 10e-3);
+}
+
+TEST_CASE("a roller that grows becomes a rail") {
+  Wheel rail(0.0), large(1e-5);
+  for (double y : {-2e-3, 0.0, 3e-3}) {
+    double const depth = y > 2e-3 ? 0.03e-3 : 0.28e-3;
+    auto const a = rail.at(y, depth, 0.0, 3e-3), b = large.at(y, depth, 0.0, 3e-3);
+    REQUIRE(a.count == b.count);
+    CHECK(total(a).z == doctest::Approx(total(b).z).epsilon(1e-5));
+    CHECK(a.patch[0].a == doctest::Approx(b.patch[0].a).epsilon(1e-5));
+  }
+}
+
+TEST_CASE("a patch comes from nothing: force and size vanish with the overlap") {
+  Wheel wheel(0.0);
+  double low = 0.0, high = 0.3e-3;  // depth of first touch
+  for (int i = 0; i < 60; ++i) {
+    double const middle = 0.5 * (low + high);
+    wheel.search.find_all(pose_of(0.0, -3e-3, 0.46 - middle, 0.0, 0.0), 0.0);
+    (wheel.search.count() == 0 ? low : high) = middle;
+  }
+  auto const force = [&](double overlap) { return total(wheel.at(-3e-3, high + overlap)).z; };
+  // Hertz' 3/2 power down to a nanometre.
+  CHECK(force(1e-9) / force(1e-7) == doctest::Approx(1e-3).epsilon(0.02));
+  CHECK(force(1e-7) / force(1e-5) == doctest::Approx(1e-3).epsilon(0.05));
+}

@@ -204,6 +204,26 @@ def test_contact_writes_a_row_per_patch(tmp_path: Path) -> None:
     assert sum(float(row["normal_n"]) for row in centred) == pytest.approx(20e3, rel=3e-3)  # over the cosine
 
 
+def test_contact_compares_the_normal_contacts(tmp_path: Path) -> None:
+    path, picture = tmp_path / "contacts.csv", tmp_path / "contacts.svg"
+    done = Done(
+        "contact", "contact_benchmark_track", "--lateral-mm=0,2", "--csv", path, "--compare", "--plot", picture
+    )
+    assert done.code == 0, done.err
+    for words in ("hertz: ", "strips: ", "us per wheel and evaluation"):
+        assert words in done.out
+    rows = [line.split(",") for line in path.read_text().splitlines()]
+    assert len(rows) == 1 + 2 * 2 * 2  # models, positions, wheels
+    found = {(row[0], row[1], row[3]): dict(zip(rows[0], row, strict=True)) for row in rows[1:]}
+    # Centred, the wide patch is one and not two ellipses; at 2 mm both see the same ellipse.
+    assert float(found["hertz", "0", "left"]["patches"]) > 1.9
+    assert float(found["strips", "0", "left"]["patches"]) == 1
+    for name in ("approach_mm", "peak_pressure_mpa", "area_mm2"):
+        one, other = (float(found[model, "2", "left"][name]) for model in ("hertz", "strips"))
+        assert one == pytest.approx(other, rel=0.06), name
+    assert picture.stat().st_size > 5000
+
+
 def test_contact_from_flange_to_flange(tmp_path: Path) -> None:
     """Every position asked for has both wheels on their rails, and the table is its own mirror image."""
     path = tmp_path / "contact.csv"
