@@ -46,7 +46,7 @@ COUNTERS = {
     "checked": "wheels looked at: wheels times accepted steps",
     "several_patches": "wheels with more than one patch",
     "overlapping": "neighbouring patches of one wheel whose ellipses overlap",
-    "faded": "patches whose share (F4) was below 1",
+    "faded": "patches whose share, (F4) or (S8), was below 1",
     "limited_curvature": "patches whose curvatures were outside Hertz' theory and were limited",
     "clamped_aspect": "patches with a/b outside Kalker's table",
     "lost": "wheels without contact",
