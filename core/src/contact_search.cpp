@@ -21,22 +21,28 @@ ContactSearch::ContactSearch(WheelRollerPair const& pair) : pair_(&pair), first_
   node_foot_.resize(n + 1, 0.0);
   UniformSpline const& rail = *pair.rail;
   auto const bins = static_cast<std::size_t>(std::ceil((rail.end() - rail.start) / 1e-3)) + 1;
-  rail_second_.assign(bins, 0.0);
+  lowest_second_.assign(bins, 0.0);
+  highest_second_.assign(bins, 0.0);
   for (std::size_t i = 0; i <= rail.pieces.size(); ++i) {
     double const y = rail.start + rail.step * static_cast<double>(i);
     auto const bin = std::min(bins - 1, static_cast<std::size_t>((y - rail.start) / 1e-3));
-    rail_second_[bin] = std::max(rail_second_[bin], std::abs(rail.at(std::min(y, rail.end())).second));
+    double const second = rail.at(std::min(y, rail.end())).second;
+    lowest_second_[bin] = std::min(lowest_second_[bin], second);
+    highest_second_[bin] = std::max(highest_second_[bin], second);
   }
 }
 
-double ContactSearch::steepest_rail(double y0, double y1) const {
+/// Range of the generatrix' second derivative from one millimetre before to one behind a stretch, zero included.
+void ContactSearch::bound_rail(double y0, double y1, double& lowest, double& highest) const {
   double const margin = 1e-3;
-  int const last = static_cast<int>(rail_second_.size()) - 1;
+  int const last = static_cast<int>(lowest_second_.size()) - 1;
   int const i0 = std::clamp(static_cast<int>((std::min(y0, y1) - margin - pair_->rail->start) / 1e-3), 0, last);
   int const i1 = std::clamp(static_cast<int>((std::max(y0, y1) + margin - pair_->rail->start) / 1e-3), 0, last);
-  double largest = 0.0;
-  for (int i = i0; i <= i1; ++i) largest = std::max(largest, rail_second_[static_cast<std::size_t>(i)]);
-  return largest;
+  lowest = highest = 0.0;
+  for (int i = i0; i <= i1; ++i) {
+    lowest = std::min(lowest, lowest_second_[static_cast<std::size_t>(i)]);
+    highest = std::max(highest, highest_second_[static_cast<std::size_t>(i)]);
+  }
 }
 
 ContactSearch::Node const& ContactSearch::node(RelativePose<double> const& pose, int i) {
@@ -59,11 +65,11 @@ ContactSearch::Node const& ContactSearch::node(RelativePose<double> const& pose,
 ///
 /// @param falling  +1: F(low) > 0 > F(high), a minimum of the gap; -1: F rises, a maximum
 bool ContactSearch::polish(RelativePose<double> const& pose, double low, double high, double guess, double falling,
-                           GapMinimum& root) const {
+                           GapMinimum& root, ReducedSlope& f) const {
   double s = guess;
   double const resolution = 1e-14;  // of the abscissa [m]
   for (int iteration = 0; iteration < 60; ++iteration) {
-    auto const f = reduce_with_slope(*pair_, pose, s);
+    f = reduce_with_slope(*pair_, pose, s);
     if (!f.found) return false;
     double const residual = f.residual;
     root = {s, f.gradient, f.gap};
@@ -83,6 +89,26 @@ bool ContactSearch::polish(RelativePose<double> const& pose, double low, double 
   return false;
 }
 
+/// A minimum of the gap in a cell: polished, with what its next place is expected from.
+bool ContactSearch::polish(RelativePose<double> const& pose, double low, double high, double guess, Cell& cell) const {
+  ReducedSlope at_root;
+  if (!polish(pose, low, high, guess, 1.0, cell.root, at_root)) return false;
+  cell.root_slope = at_root.slope;
+  cell.root_shift = at_root.shift_rate;
+  cell.root_seen = now_;
+  return true;
+}
+
+/// Where the minimum of a cell should be now, to first order in lateral and vertical shift and roll.
+double ContactSearch::expected_root(Cell const& cell, double low, double high) const {
+  double const roll = now_.roll - cell.root_seen.roll;
+  double const slope = cell.root_slope;
+  double const shift = now_.y - cell.root_seen.y + pair_->wheel_radius * roll -
+                       slope * (now_.z - cell.root_seen.z + pair_->tape_circle_y * roll);
+  double const rise = cell.root_shift * shift - (1.0 + slope * slope) * roll;
+  return std::clamp(cell.root.s - rise / cell.root.gradient, low, high);
+}
+
 /// The highest point of the gap between neighbouring minima: what tells two patches from one.
 void ContactSearch::find_barriers(RelativePose<double> const& pose) {
   for (int i = 0; i + 1 < count_; ++i) {
@@ -91,7 +117,8 @@ void ContactSearch::find_barriers(RelativePose<double> const& pose) {
     double const high = minima_[k + 1].s;
     double guess = barriers_[k].s;
     if (!(guess > low && guess < high)) guess = 0.5 * (low + high);
-    if (!polish(pose, low, high, guess, -1.0, barriers_[k])) barriers_[k] = {guess, 1.0, 1.0};
+    ReducedSlope at_top;
+    if (!polish(pose, low, high, guess, -1.0, barriers_[k], at_top)) barriers_[k] = {guess, 1.0, 1.0};
   }
 }
 
@@ -109,11 +136,8 @@ void ContactSearch::keep(GapMinimum const& root, double reach) {
 void ContactSearch::roots_between(RelativePose<double> const& pose, Cell& cell, double s0, double f0, double s1,
                                   double f1, double reach) {
   if (!(f0 > 0.0 && f1 <= 0.0)) return;
-  GapMinimum root;
   double const guess = s0 + (s1 - s0) * f0 / (f0 - f1);
-  if (!polish(pose, s0, s1, guess, 1.0, root)) return;
-  cell.root = root.s;
-  keep(root, reach);
+  if (polish(pose, s0, s1, guess, cell)) keep(cell.root, reach);
 }
 
 /// Moves the end of a cell whose normal misses the generatrix to where the first one meets it.
@@ -165,7 +189,9 @@ ContactSearch::Stretches ContactSearch::monotone_stretches(RelativePose<double> 
 }
 
 /// Looks at one cell afresh: its roots, and the motion up to which what was found stands.
-void ContactSearch::analyse(RelativePose<double> const& pose, int index, double reach) {
+///
+/// @param ahead  roots of cells that may be this much above `reach` are looked at too, for the next calls [m]
+void ContactSearch::analyse(RelativePose<double> const& pose, int index, double reach, double ahead) {
   Cell& cell = cells_[static_cast<std::size_t>(index)];
   Node a = node(pose, index);
   Node b = node(pose, index + 1);
@@ -174,49 +200,65 @@ void ContactSearch::analyse(RelativePose<double> const& pose, int index, double 
   bool const same_side = (a.y < pair_->rail->start) == (b.y < pair_->rail->start);
   if (double const distance = std::min(beside(a), beside(b)); same_side && distance > std::max(reach, 0.2e-3)) {
     cell.state = CellState::unknown;
-    cell.gap_until = motion_ + 0.5 * distance;
+    cell.asleep_until = motion_ + 0.5 * distance;
     return;
   }
   double const partial_until = motion_ + 0.1e-3;
   bool const partial = !a.valid || !b.valid;  // the wheel's normals miss the generatrix somewhere here
   if (!a.valid && !b.valid) {
     cell.state = CellState::unknown;
-    cell.gap_until = partial_until;
+    cell.asleep_until = partial_until;
     return;
   }
   double first = left(index);
   double last = left(index + 1);
-  if (partial) trim(pose, first, a, last, b);
+  if (partial) {
+    // High above the rail it does not matter where the normals stop meeting it.
+    Node const& n = a.valid ? a : b;
+    double const highest_fall = cell_width * (std::abs(n.residual) + cell_width * std::abs(n.gradient));
+    if (n.gap - highest_fall > reach + 0.1e-3) {
+      cell.state = CellState::unknown;
+      cell.asleep_until = partial_until;
+      return;
+    }
+    trim(pose, first, a, last, b);
+  }
   double const h = last - first;
   double const f_max = std::max(std::abs(a.residual), std::abs(b.residual));
   // |d gap / d s| <= |F| across the cell, with room for what the cubic does between its ends.
   double const slack = h * (f_max + 0.25 * h * std::max(std::abs(a.gradient), std::abs(b.gradient)));
   double const lowest_gap = std::min(a.gap, b.gap) - slack;
-  cell.gap_until = motion_ + 0.5 * std::max(0.0, lowest_gap);
-  if (partial) cell.gap_until = std::min(cell.gap_until, partial_until);
-  if (lowest_gap > reach) {
+  cell.asleep_until = motion_ + 0.5 * std::max(0.0, lowest_gap);
+  if (partial) cell.asleep_until = std::min(cell.asleep_until, partial_until);
+  if (lowest_gap > reach + ahead) {
     cell.state = CellState::unknown;
     return;
   }
 
   auto const [cut, value, cuts] = monotone_stretches(pose, first, h, a, b);
   int changes = 0;
-  double smallest = std::abs(value[0]);
+  double lowest_positive = 1e9;
+  double highest_negative = -1e9;
+  auto const count_in = [&](double f) {
+    if (f > 0.0)
+      lowest_positive = std::min(lowest_positive, f);
+    else
+      highest_negative = std::max(highest_negative, f);
+  };
+  count_in(value[0]);
   for (std::size_t i = 0; i < static_cast<std::size_t>(cuts); ++i) {
     changes += (value[i] > 0.0) != (value[i + 1] > 0.0);
-    smallest = std::min(smallest, std::abs(value[i + 1]));
+    count_in(value[i + 1]);
     roots_between(pose, cell, first + h * cut[i], value[i], first + h * cut[i + 1], value[i + 1], reach);
   }
 
-  double const safety = 1.25;
-  double const slope =
-      std::max(std::abs(pair_->wheel->at(left(index)).slope), std::abs(pair_->wheel->at(left(index + 1)).slope));
-  cell.slope = slope;
-  cell.turn_rate = safety * (1.0 + slope * slope);
-  cell.shift_rate = safety * steepest_rail(node_foot_[static_cast<std::size_t>(index)],
-                                           node_foot_[static_cast<std::size_t>(index) + 1]);
+  cell.first_slope = pair_->wheel->at(left(index)).slope;
+  cell.last_slope = pair_->wheel->at(left(index + 1)).slope;
+  bound_rail(node_foot_[static_cast<std::size_t>(index)], node_foot_[static_cast<std::size_t>(index) + 1],
+             cell.lowest_second, cell.highest_second);
+  cell.room_up = -highest_negative;
+  cell.room_down = lowest_positive;
   cell.seen = now_;
-  cell.margin = smallest;
   bool const minimum = value[0] > 0.0 && b.residual <= 0.0;
   cell.state = partial       ? CellState::unknown
                : changes > 1 ? CellState::many
@@ -224,18 +266,47 @@ void ContactSearch::analyse(RelativePose<double> const& pose, int index, double 
                              : CellState::empty;
 }
 
-/// Whether the roots in a cell are still those it was left with: F has not moved by more than its margin.
-bool ContactSearch::still_holds(Cell const& cell) const {
+/// Whether the roots in a cell are still those it was left with: F has not moved by more than the room it had. An empty
+/// cell is put to sleep for as long as it must stay empty.
+bool ContactSearch::still_holds(Cell& cell) const {
   if (cell.state != CellState::empty && cell.state != CellState::one_minimum) return false;
+  // On a flank F runs over its whole range within a cell: looked at each time it may be indented.
+  if (std::max(std::abs(cell.first_slope), std::abs(cell.last_slope)) > 0.7) return false;
   double const x = std::abs(now_.x - cell.seen.x);
   double const yaw = std::abs(now_.yaw - cell.seen.yaw);
-  double const roll = std::abs(now_.roll - cell.seen.roll);
+  double const roll = now_.roll - cell.seen.roll;
+  // The generatrix slides along underneath by the shift along it; steep parts of the wheel do so when it moves up too.
+  double const sideways = now_.y - cell.seen.y + pair_->wheel_radius * roll;
+  double const upwards = now_.z - cell.seen.z + pair_->tape_circle_y * roll;
+  double const at_first = sideways - cell.first_slope * upwards;
+  double const at_last = sideways - cell.last_slope * upwards;
+  double const largest = std::max(std::abs(at_first), std::abs(at_last));
+  double const unsure = 0.25 * largest + 0.05 * (std::abs(roll) + yaw) + 0.1 * x;
+  if (!(largest + unsure < 0.8e-3)) return false;  // the second derivative was bounded one millimetre around the cell
+  double const shift_low = std::min(at_first, at_last) - unsure;
+  double const shift_high = std::max(at_first, at_last) + unsure;
+  double const rise = std::max(std::max(cell.lowest_second * shift_low, cell.highest_second * shift_high),
+                               std::max(cell.lowest_second * shift_high, cell.highest_second * shift_low));
+  double const fall = std::min(std::min(cell.lowest_second * shift_low, cell.highest_second * shift_high),
+                               std::min(cell.lowest_second * shift_high, cell.highest_second * shift_low));
   // Yaw and longitudinal offset turn the slope only through the small longitudinal component of the normal.
-  double const turn = roll + 0.1 * yaw + 0.2 * x;
-  double const shift = std::abs(now_.y - cell.seen.y) + (pair_->wheel_radius + 0.05) * roll + 0.05 * yaw + 0.1 * x +
-                       cell.slope * std::abs(now_.z - cell.seen.z);
-  double const reach = 0.8e-3;  // the generatrix' second derivative was bounded one millimetre around the cell
-  return shift < reach && cell.turn_rate * turn + cell.shift_rate * shift < cell.margin;
+  double const steepest = std::max(cell.first_slope * cell.first_slope, cell.last_slope * cell.last_slope);
+  double const gentlest = std::min(cell.first_slope * cell.first_slope, cell.last_slope * cell.last_slope);
+  double const turn =
+      (1.0 + steepest) * (0.25 * std::abs(roll) + 0.1 * yaw + 0.2 * x) + (steepest - gentlest) * std::abs(roll);
+  double const turned = -(1.0 + steepest) * roll;
+  double const room = std::min(cell.room_up - (std::max(0.0, 1.25 * rise) + turned + turn),
+                               cell.room_down - (-std::min(0.0, 1.25 * fall) - turned + turn));
+  if (!(room > 0.0)) return false;
+  if (cell.state == CellState::empty) {
+    // No step of the wheel changes F faster than this: the cell sleeps until the room could be used up.
+    double const shift_per_motion = 1.25 * (1.0 + std::sqrt(steepest));
+    double const second = std::max(-cell.lowest_second, cell.highest_second);
+    double const rate = 1.25 * second * shift_per_motion + 1.5 * (1.0 + steepest);
+    double const shift_left = (0.8e-3 - largest - unsure) / shift_per_motion;
+    cell.asleep_until = motion_ + 0.9 * std::min(room / rate, shift_left);
+  }
+  return true;
 }
 
 void ContactSearch::move_to(RelativePose<double> const& pose) {
@@ -248,7 +319,7 @@ void ContactSearch::move_to(RelativePose<double> const& pose) {
 
 int ContactSearch::find_all(RelativePose<double> const& pose, double reach) {
   move_to(pose);
-  for (int i = 0; i < static_cast<int>(cells_.size()); ++i) analyse(pose, i, reach);
+  for (int i = 0; i < static_cast<int>(cells_.size()); ++i) analyse(pose, i, reach, 0.0);
   if (reach == 0.0) find_barriers(pose);
   return count_;
 }
@@ -257,18 +328,19 @@ int ContactSearch::find_indented(RelativePose<double> const& pose) {
   move_to(pose);
   for (int i = 0; i < static_cast<int>(cells_.size()); ++i) {
     Cell& cell = cells_[static_cast<std::size_t>(i)];
-    if (motion_ < cell.gap_until) continue;
+    if (motion_ < cell.asleep_until) continue;
     if (still_holds(cell)) {
       if (cell.state == CellState::empty) continue;
-      GapMinimum root;
-      if (polish(pose, left(i), left(i + 1), cell.root, 1.0, root)) {
-        cell.root = root.s;
-        if (root.gap > 0.0) cell.gap_until = motion_ + 0.5 * root.gap;  // the lowest gap of the whole cell
-        keep(root, 0.0);
+      double const low = left(i);
+      double const high = left(i + 1);
+      if (polish(pose, low, high, expected_root(cell, low, high), cell)) {
+        double const gap = cell.root.gap;
+        if (gap > 0.0) cell.asleep_until = motion_ + 0.5 * gap;  // the lowest gap of the whole cell
+        keep(cell.root, 0.0);
         continue;
       }
     }
-    analyse(pose, i, 0.0);
+    analyse(pose, i, 0.0, 0.3e-3);
   }
   find_barriers(pose);
   return count_;

@@ -90,7 +90,7 @@ GeneratrixFoot<T> generatrix_foot(WheelRollerPair const& pair, WheelNormalLine<T
   bool converged = false;
   // The step in T that follows carries exact derivatives only from the root itself: the last step here is below 1e-8 m,
   // which leaves 1e-13 m at a gauge corner.
-  double const resolution = 1e-16;  // of the squared step [m^2]
+  double const resolution = std::same_as<T, double> ? 1e-10 : 1e-16;  // of the squared step [m^2]
   for (int iteration = 0; iteration < 12 && !converged; ++iteration) {
     auto const h = rail.at(y);
     double const residual = (y - y_p) * n_u - (h.value - height_p) * n_y;
@@ -136,59 +136,76 @@ Reduced<T> reduce(WheelRollerPair const& pair, RelativePose<T> const& pose, T co
 /// F and its derivative for the search, in double: the same equations as reduce() with the chain rule written out,
 /// which is faster than a dual number. A test holds the two together.
 struct ReducedSlope {
-  double residual{0.0};  ///< F [-]
-  double gradient{0.0};  ///< dF/ds at a fixed pose [1/m]
-  double gap{0.0};       ///< [m]
-  double y{0.0};         ///< abscissa of the wheel's point along the generatrix [m]
-  double foot_y{0.0};    ///< abscissa of the foot [m]
+  double residual{0.0};    ///< F [-]
+  double gradient{0.0};    ///< dF/ds at a fixed pose [1/m]
+  double gap{0.0};         ///< [m]
+  double y{0.0};           ///< abscissa of the wheel's point along the generatrix [m]
+  double foot_y{0.0};      ///< abscissa of the foot [m]
+  double slope{0.0};       ///< of the wheel across the normal line, F minus the generatrix' slope [-]
+  double shift_rate{0.0};  ///< dF over a lateral shift of the wheel [1/m]
   bool found{false};
 };
 
-inline ReducedSlope reduce_with_slope(WheelRollerPair const& pair, RelativePose<double> const& pose, double s) {
+/// @tparam round  a roller; false: a straight rail, for which much is constant
+template <bool round>
+ReducedSlope reduce_with_slope(WheelRollerPair const& pair, RelativePose<double> const& pose, double s) {
   auto const& R = pose.R;
   double const kappa = pair.geometry_curvature();
   auto const [z, slope, second] = pair.wheel->at(s);
   double const r = pair.wheel_radius + z;
   double const y_r = pair.tape_circle_y + s;
+  double const inverse_normal = 1.0 / std::sqrt(1.0 + slope * slope);
 
   // Apex and meridian plane; u turns at the rate q as the apex moves along the axle.
-  double const apex = y_r + r * slope;
-  double const apex_rate = 1.0 + slope * slope + r * second;
-  double const ax = kappa * (pose.o.x + apex * R.ey.x);
-  double const az = kappa * (pose.o.z + apex * R.ey.z) + 1.0;
-  double const inverse_length = 1.0 / std::sqrt(ax * ax + az * az);
-  double const ux = ax * inverse_length;
-  double const uz = az * inverse_length;
-  double const q = kappa * apex_rate * (uz * R.ey.x - ux * R.ey.z) * inverse_length;
+  double ux = 0.0, uz = 1.0, q = 0.0;
+  if constexpr (round) {
+    double const apex = y_r + r * slope;
+    double const apex_rate = 1.0 + slope * slope + r * second;
+    double const ax = kappa * (pose.o.x + apex * R.ey.x);
+    double const az = kappa * (pose.o.z + apex * R.ey.z) + 1.0;
+    double const inverse_length = 1.0 / std::sqrt(ax * ax + az * az);
+    ux = ax * inverse_length;
+    uz = az * inverse_length;
+    q = kappa * apex_rate * (uz * R.ey.x - ux * R.ey.z) * inverse_length;
+  }
 
   Vec3<double> const w = R.transposed_times({uz, 0.0, -ux});
-  Vec3<double> const v = R.transposed_times({ux, 0.0, uz});  // w turns towards -v
   double const c = slope * w.y;
-  double const c_rate = second * w.y - slope * q * v.y;
   double const inverse_rho2 = 1.0 / (1.0 - w.y * w.y);
   double const root = std::sqrt(1.0 - w.y * w.y - c * c);
-  double const root_rate = (w.y * q * v.y - c * c_rate) / root;
-  double const rho2_rate = 2.0 * w.y * q * v.y;
   double const sin_alpha = (c * w.x + w.z * root) * inverse_rho2;
   double const cos_alpha = (w.x * root - c * w.z) * inverse_rho2;
-  double const sin_rate =
-      (c_rate * w.x - c * q * v.x - q * v.z * root + w.z * root_rate - sin_alpha * rho2_rate) * inverse_rho2;
-  double const cos_rate =
-      (w.x * root_rate - q * v.x * root - c_rate * w.z + c * q * v.z - cos_alpha * rho2_rate) * inverse_rho2;
+  double c_rate = second * w.y;
+  double root_rate, sin_rate, cos_rate;
+  if constexpr (round) {
+    Vec3<double> const v = R.transposed_times({ux, 0.0, uz});  // w turns towards -v
+    c_rate -= slope * q * v.y;
+    root_rate = (w.y * q * v.y - c * c_rate) / root;
+    double const rho2_rate = 2.0 * w.y * q * v.y;
+    sin_rate = (c_rate * w.x - c * q * v.x - q * v.z * root + w.z * root_rate - sin_alpha * rho2_rate) * inverse_rho2;
+    cos_rate = (w.x * root_rate - q * v.x * root - c_rate * w.z + c * q * v.z - cos_alpha * rho2_rate) * inverse_rho2;
+  } else {
+    root_rate = -c * c_rate / root;
+    sin_rate = (c_rate * w.x + w.z * root_rate) * inverse_rho2;
+    cos_rate = (w.x * root_rate - c_rate * w.z) * inverse_rho2;
+  }
 
   // Normal (not scaled to one: F and the foot do not need it) and point of the wheel.
   Vec3<double> const m = R * Vec3<double>{sin_alpha, -slope, -cos_alpha};
   Vec3<double> const m_rate = R * Vec3<double>{sin_rate, -second, -cos_rate};
-  double const m_u = m.x * ux + m.z * uz;
-  double const m_u_rate = m_rate.x * ux + m_rate.z * uz + q * (m.x * uz - m.z * ux);
   Vec3<double> const p = pose.o + R * Vec3<double>{r * sin_alpha, y_r, -r * cos_alpha};
   Vec3<double> const p_rate =
       R * Vec3<double>{slope * sin_alpha + r * sin_rate, 1.0, -slope * cos_alpha - r * cos_rate};
-  double const px = kappa * p.x;
-  double const pz = kappa * p.z + 1.0;
-  double const length = std::sqrt(px * px + pz * pz);
-  double const height = (kappa * (p.x * p.x + p.z * p.z) + 2.0 * p.z) / (length + 1.0);
-  double const height_rate = (px * p_rate.x + pz * p_rate.z) / length;
+  double m_u = m.z, m_u_rate = m_rate.z, height = p.z, height_rate = p_rate.z;
+  if constexpr (round) {
+    m_u = m.x * ux + m.z * uz;
+    m_u_rate = m_rate.x * ux + m_rate.z * uz + q * (m.x * uz - m.z * ux);
+    double const px = kappa * p.x;
+    double const pz = kappa * p.z + 1.0;
+    double const length = std::sqrt(px * px + pz * pz);
+    height = (kappa * (p.x * p.x + p.z * p.z) + 2.0 * p.z) / (length + 1.0);
+    height_rate = (px * p_rate.x + pz * p_rate.z) / length;
+  }
 
   ReducedSlope out;
   out.y = p.y - pair.rail_origin_y;
@@ -198,30 +215,38 @@ inline ReducedSlope reduce_with_slope(WheelRollerPair const& pair, RelativePose<
 
   // Foot: y - y_p = (h(y) - height) sigma, by Newton as in generatrix_foot().
   UniformSpline const& rail = *pair.rail;
-  double const normal2 = 1.0 + slope * slope;
-  double const facing = -m_u / std::sqrt(normal2);
+  double const facing = -m_u * inverse_normal;
   double y = out.y;
-  CurvePoint<double> h{};
+  double inverse_gradient = 0.0;
+  CurvePoint<double> h = rail.at(y);
   for (int iteration = 0; iteration < 12; ++iteration) {
-    h = rail.at(y);
     double const gradient = 1.0 - h.slope * sigma;
     if (!(gradient * facing > 0.1)) return out;
-    double const step = (y - out.y - (h.value - height) * sigma) / gradient;
+    inverse_gradient = 1.0 / gradient;
+    double const step = (y - out.y - (h.value - height) * sigma) * inverse_gradient;
     y -= step;
     if (!(y > rail.start - 0.05 && y < rail.end() + 0.05)) return out;
+    h = rail.at(y);
     if (step * step < 1e-16) {
-      h = rail.at(y);
       out.found = rail.contains(y);
       break;
     }
   }
   if (!out.found) return out;
-  double const y_rate = (p_rate.y - sigma * height_rate + (h.value - height) * sigma_rate) / (1.0 - h.slope * sigma);
+  inverse_gradient = 1.0 / (1.0 - h.slope * sigma);
+  double const y_rate = (p_rate.y - sigma * height_rate + (h.value - height) * sigma_rate) * inverse_gradient;
   out.foot_y = y;
+  out.slope = sigma;
+  out.shift_rate = h.second * inverse_gradient;
   out.residual = h.slope + sigma;
   out.gradient = h.second * y_rate + sigma_rate;
-  out.gap = -((out.y - y) * m.y + (height - h.value) * m_u) / std::sqrt(normal2);
+  out.gap = -((out.y - y) * m.y + (height - h.value) * m_u) * inverse_normal;
   return out;
+}
+
+inline ReducedSlope reduce_with_slope(WheelRollerPair const& pair, RelativePose<double> const& pose, double s) {
+  return pair.geometry_curvature() != 0.0 ? reduce_with_slope<true>(pair, pose, s)
+                                          : reduce_with_slope<false>(pair, pose, s);
 }
 
 }  // namespace rig

@@ -59,13 +59,16 @@ class ContactSearch {
     double x{0.0}, y{0.0}, z{0.0}, roll{0.0}, yaw{0.0};
   };
   struct Cell {
-    double gap_until{-1.0};  ///< accumulated motion up to which the cell cannot be indented [m]
-    double margin{0.0};      ///< how far F is from changing its roots in this cell [-]
-    double turn_rate{0.0};   ///< largest change of F per roll [1/rad]
-    double shift_rate{0.0};  ///< largest change of F per lateral shift [1/m]
-    double slope{0.0};       ///< largest slope of the wheel profile here [-]
-    Placement seen{};        ///< where the wheel was then
-    double root{0.0};
+    double asleep_until{-1.0};                 ///< accumulated motion up to which the cell need not be looked at [m]
+    double room_up{0.0};                       ///< how far F may rise before it changes its roots in this cell [-]
+    double room_down{0.0};                     ///< how far it may fall [-]
+    double lowest_second{0.0};                 ///< range of the generatrix' second derivative around [1/m]
+    double highest_second{0.0};                ///< its upper end [1/m]
+    double first_slope{0.0}, last_slope{0.0};  ///< of the wheel profile at both ends [-]
+    Placement seen{};                          ///< where the wheel was then
+    GapMinimum root{};                         ///< as last polished
+    double root_slope{0.0}, root_shift{0.0};   ///< wheel's slope and dF over lateral shift there [-], [1/m]
+    Placement root_seen{};                     ///< where the wheel was then
     CellState state{CellState::unknown};
   };
 
@@ -77,26 +80,28 @@ class ContactSearch {
 
   Stretches monotone_stretches(RelativePose<double> const& pose, double first, double h, Node const& a,
                                Node const& b) const;
-  bool still_holds(Cell const& cell) const;
+  bool still_holds(Cell& cell) const;
   void move_to(RelativePose<double> const& pose);
   double left(int cell) const { return first_ + cell_width * cell; }
   Node const& node(RelativePose<double> const& pose, int i);
   void trim(RelativePose<double> const& pose, double& first, Node& a, double& last, Node& b) const;
-  void analyse(RelativePose<double> const& pose, int cell, double reach);
+  void analyse(RelativePose<double> const& pose, int cell, double reach, double ahead);
   void roots_between(RelativePose<double> const& pose, Cell& cell, double s0, double f0, double s1, double f1,
                      double reach);
-  bool polish(RelativePose<double> const& pose, double low, double high, double guess, double falling,
-              GapMinimum& root) const;
+  bool polish(RelativePose<double> const& pose, double low, double high, double guess, double falling, GapMinimum& root,
+              ReducedSlope& at_root) const;
+  bool polish(RelativePose<double> const& pose, double low, double high, double guess, Cell& cell) const;
+  double expected_root(Cell const& cell, double low, double high) const;
   void find_barriers(RelativePose<double> const& pose);
   void keep(GapMinimum const& root, double reach);
-  double steepest_rail(double y0, double y1) const;
+  void bound_rail(double y0, double y1, double& lowest, double& highest) const;
 
   WheelRollerPair const* pair_;
   double first_;
   std::vector<Node> nodes_;
   std::vector<Cell> cells_;
-  std::vector<double> rail_second_;  ///< largest |h''| in each millimetre of the generatrix [1/m]
-  std::vector<double> node_foot_;    ///< abscissa on the generatrix under each node [m]
+  std::vector<double> lowest_second_, highest_second_;  ///< range of h'' in each millimetre of the generatrix [1/m]
+  std::vector<double> node_foot_;                       ///< abscissa on the generatrix under each node [m]
   std::array<GapMinimum, max_minima> minima_, barriers_;
   int count_{0};
   long call_{0};
