@@ -4,7 +4,7 @@
 
 samples of q in the unit ball, per a/b -> [RollingReference] -> forces -> [least squares] -> B-spline coefficients -> file
 
-Equations: docs/theory/creep_laws.md, (L13)-(L15). The samples are quasi-random, so none of them is a knot of the splines.
+Equations: docs/theory/creep_laws.md, (C13)-(C15). The samples are quasi-random, so none of them is a knot of the splines.
 """
 
 from __future__ import annotations

@@ -7,7 +7,7 @@
 // continuously differentiable, fitted to solutions of contact/rolling_reference.hpp for nu = 0.28. For other nu the creepages
 // are scaled by the ratio of Kalker's coefficients, which keeps the linear limit exact.
 // Outside 1/10 <= a/b <= 10 the end values of D hold; runs count it with Kalker's table (clamped_aspect). Every creepage is
-// inside. How accurate, and how the table is made: docs/theory/creep_laws.md, (L13)-(L15).
+// inside. How accurate, and how the table is made: docs/theory/creep_laws.md, (C13)-(C15).
 //
 // Source  our own.
 #pragma once

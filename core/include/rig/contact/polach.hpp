@@ -1,7 +1,7 @@
 // contact/polach.hpp - Polach's creep force with spin: a closed form, for dry and for wet or contaminated rails.
 //
 // The force follows the slip at the leading edge where spin adds to lateral creepage; a second term is the force of spin alone.
-// Polach gives no spin moment. Here it is Kalker's, saturated: docs/theory/creep_laws.md, (L16).
+// Polach gives no spin moment. Here it is Kalker's, saturated: docs/theory/creep_laws.md, (C16).
 //
 // Source  Polach, A fast wheel-rail forces calculation computer code, Vehicle System Dynamics Supplement 33 (1999);
 //         Polach, Creep forces in simulations of traction vehicles running on adhesion limit, Wear 258 (2005).

@@ -2,7 +2,7 @@
 // for verification and for building tables. Offline: it allocates, and a solution takes milliseconds.
 //
 // Kalker's variational theory, discretised with boundary elements: piecewise constant tractions, exact displacements of a
-// rectangle under uniform traction, Coulomb's law in every element. How, and how well: docs/theory/creep_laws.md, (L1)-(L6).
+// rectangle under uniform traction, Coulomb's law in every element. How, and how well: docs/theory/creep_laws.md, (C1)-(C6).
 //
 // Units   reduced: forces in mu N, lengths in c = sqrt(ab), so the result depends on a/b, nu and the reduced creepages only
 //             xi = G ab e_x / (mu N),   eta = G ab e_y / (mu N),   chi = G (ab)^1.5 e_sp / (mu N).

@@ -1,0 +1,183 @@
+"""Creep laws held against the exact theory, on one ellipse, over the size of the creepage in several directions.
+
+    a/b, laws -> [compare_laws] -> forces and moments of each law and of the exact solver, in mu N and mu N c
+
+Reduced units (docs/theory/creep_laws.md): the result depends on a/b, Poisson's ratio and reduced creepages alone.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from rollerrig import _core
+
+Array = NDArray[np.float64]
+
+DIRECTIONS: dict[str, tuple[float, float, float]] = {
+    "longitudinal": (1, 0, 0),
+    "lateral": (0, 1, 0),
+    "spin": (0, 0, 1),
+    "longitudinal and lateral": (1, 1, 0),
+    "longitudinal and spin": (1, 0, 1),
+    "lateral with spin": (0, 1, 1),
+    "lateral against spin": (0, 1, -1),
+}
+"""Name -> share of each demand; scaled to length one."""
+
+DEMANDS = (0.05, 0.1, 0.25, 0.5, 0.75, 1.0, 1.5, 2.0, 3.0, 5.0, 10.0)
+ASPECTS = (0.1, 10.0)
+"""Range of a/b in which Kalker's coefficients and the table hold."""
+COARSE = 0.7
+"""Fineness of the second solution, which tells the grid's error."""
+CALLS = 20_000
+REFERENCE = "exact"
+COMPONENTS = ("force_x", "force_y", "spin_moment")
+
+
+def creepage_units(a_over_b: float, poisson_ratio: float) -> Array:
+    """Reduced creepages (xi, eta, chi) that each demand about mu N of the linear theory.
+
+    Args:
+        a_over_b: ratio of the semi-axes, a along the rolling direction.
+        poisson_ratio: [-].
+    """
+    c11, c22, c23, c33 = _core.kalker_coefficients(a_over_b, poisson_ratio)
+    friction_moment = 3 * np.pi / 16 * np.sqrt(0.5 * (a_over_b + 1 / a_over_b))
+    return 1.0 / np.array([c11, c22, np.hypot(c23, c33 / friction_moment)])
+
+
+def compare_laws(
+    a_over_b: float,
+    laws: Mapping[str, _core.CreepLaw],
+    *,
+    poisson_ratio: float = 0.28,
+    demands: Sequence[float] = DEMANDS,
+    fineness: float = 1.0,
+) -> xr.Dataset:
+    """Forces and moment of laws and of the exact theory.
+
+    Args:
+        a_over_b: ratio of the semi-axes, 0.1 to 10.
+        laws: label -> law.
+        poisson_ratio: 0 to 0.5.
+        demands: sizes of the creepage, in units in which each component alone demands about mu N.
+        fineness: of the exact solver's grid; 1: errors below 1 % of mu N.
+
+    Returns:
+        `force_x`, `force_y` [mu N] and `spin_moment` [mu N c] over (law, direction, demand), the exact theory under the name
+        of REFERENCE; `adhesion`, the share of the patch that sticks; `creepage`, reduced; `grid_error` of the exact theory,
+        its difference to a coarser grid; `seconds` per call of each law, as measured now.
+
+    Raises:
+        ValueError: a number outside its range, or no law.
+        RuntimeError: the exact solver found no solution.
+    """
+    if not ASPECTS[0] <= a_over_b <= ASPECTS[1]:
+        raise ValueError(f"a/b = {a_over_b:g}; the exact coefficients are tabulated from 0.1 to 10")
+    if not 0 <= poisson_ratio <= 0.5:
+        raise ValueError(f"Poisson's ratio {poisson_ratio:g}; allowed are 0 to 0.5")
+    sizes = np.asarray(demands, dtype=float)
+    if not sizes.size or not np.all(np.isfinite(sizes)) or not np.all(sizes > 0):
+        raise ValueError("demands must be positive numbers")
+    if not laws:
+        raise ValueError("no law to compare")
+    units = creepage_units(a_over_b, poisson_ratio)
+    directions = np.array(list(DIRECTIONS.values()), dtype=float)
+    directions /= np.linalg.norm(directions, axis=1, keepdims=True)
+    creepage = sizes[None, :, None] * directions[:, None, :] * units
+    exact, adhesion = _exact(a_over_b, poisson_ratio, fineness, creepage)
+    coarse, _ = _exact(a_over_b, poisson_ratio, COARSE * fineness, creepage)
+    forces = [exact]
+    seconds = [np.nan]
+    for law in laws.values():
+        forces.append(_law(a_over_b, poisson_ratio, law, creepage.reshape(-1, 3)).reshape(creepage.shape))
+        seconds.append(seconds_per_call(a_over_b, poisson_ratio, law, units))
+    values = np.array(forces)
+    over = ("law", "direction", "demand")
+    units_of = {"force_x": "mu N", "force_y": "mu N", "spin_moment": "mu N c"}
+    return xr.Dataset(
+        {
+            **{name: (over, values[..., k], {"units": units_of[name]}) for k, name in enumerate(COMPONENTS)},
+            "adhesion": (over[1:], adhesion, {"units": "1", "long_name": "share of the patch that sticks"}),
+            "creepage": ((*over[1:], "component"), creepage, {"units": "1", "long_name": "reduced creepage"}),
+            "grid_error": (
+                (*over[1:], "component"),
+                np.abs(exact - coarse),
+                {"units": "mu N", "long_name": "difference of the exact theory to a coarser grid"},
+            ),
+            "seconds": ("law", np.array(seconds), {"units": "s", "long_name": "processor time per call"}),
+        },
+        coords={
+            "law": [REFERENCE, *laws],
+            "direction": list(DIRECTIONS),
+            "demand": ("demand", sizes, {"units": "1", "long_name": "creepage over that which demands mu N"}),
+            "component": ["longitudinal", "lateral", "spin"],
+        },
+        attrs={"a_over_b": a_over_b, "poisson_ratio": poisson_ratio, "fineness": fineness},
+    )
+
+
+def error_table(comparison: xr.Dataset) -> list[tuple[str, str, float, float, float, float, float, float]]:
+    """Errors of each law against the exact theory, without and with spin, in % of mu N and of mu N c.
+
+    Args:
+        comparison: what `compare_laws` returns.
+
+    Returns:
+        Rows of law, 'no spin' or 'spin', and median, 95th percentile and worst of force and of moment.
+    """
+    difference = comparison.sel(law=[str(n) for n in comparison["law"].to_numpy()[1:]]) - comparison.sel(law=REFERENCE)
+    rows = []
+    spin = np.array([DIRECTIONS[str(name)][2] != 0 for name in comparison["direction"].to_numpy()])
+    for law in difference["law"].to_numpy():
+        one = difference.sel(law=law)
+        force = 100 * np.hypot(one["force_x"].to_numpy(), one["force_y"].to_numpy())
+        moment = 100 * np.abs(one["spin_moment"].to_numpy())
+        for label, chosen in (("no spin", ~spin), ("spin", spin)):
+            spread = [f(x[chosen]) for x in (force, moment) for f in (np.median, _percentile_95, np.max)]
+            rows.append((str(law), label, *map(float, spread)))
+    return rows  # type: ignore[return-value]
+
+
+def seconds_per_call(a_over_b: float, poisson_ratio: float, law: _core.CreepLaw, units: Array) -> float:
+    """Processor time of one evaluation in plain numbers, best of three [s]; creepages from stick to full sliding."""
+    random = np.random.default_rng(1)
+    creepage = random.normal(size=(CALLS, 3)) * units * 1.5
+    best = np.inf
+    for _ in range(3):
+        start = time.process_time()
+        _law(a_over_b, poisson_ratio, law, creepage)
+        best = min(best, time.process_time() - start)
+    return best / CALLS
+
+
+def _percentile_95(values: Array) -> float:
+    return float(np.percentile(values, 95))
+
+
+def _law(a_over_b: float, poisson_ratio: float, law: _core.CreepLaw, creepage: Array) -> Array:
+    """In reduced units: c, mu N and G are one."""
+    a = float(np.sqrt(a_over_b))
+    forces: Array = _core.creep_forces(creepage, a, 1 / a, 1.0, 1.0, 1.0, poisson_ratio, law)
+    return forces[:, :3]
+
+
+def _exact(a_over_b: float, poisson_ratio: float, fineness: float, creepage: Array) -> tuple[Array, Array]:
+    """Forces and moment, and the share that sticks. From full sliding to stick: each case starts from its neighbour."""
+    solver = _core.RollingReference(a_over_b, poisson_ratio, fineness)
+    order = np.argsort(-np.linalg.norm(creepage, axis=2), axis=1)
+    force, adhesion = np.zeros_like(creepage), np.zeros(creepage.shape[:2])
+    for k, rows in enumerate(order):
+        for answer, row in zip(solver.solve(np.ascontiguousarray(creepage[k, rows])), rows, strict=True):
+            if not answer[5]:
+                solver = _core.RollingReference(a_over_b, poisson_ratio, fineness)
+                answer = solver.solve(creepage[k, row][None])[0]
+            if not answer[5]:
+                raise RuntimeError(f"no exact solution at a/b = {a_over_b:g}, reduced creepages {creepage[k, row]}")
+            force[k, row], adhesion[k, row] = answer[:3], answer[3]
+    return force, adhesion

@@ -1,0 +1,60 @@
+"""`rollerrig creep --a-over-b 1 --law fastsim --law table --out DIR`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from rollerrig.cli.ending import say, stop
+from rollerrig.cli.ranges import check_finite, read_range
+
+
+def command(
+    out: Annotated[Path, typer.Option(help="Folder for the results; made if it does not exist.")],
+    a_over_b: Annotated[
+        float, typer.Option(help="Semi-axis along the rolling direction over the one across it.")
+    ] = 1.0,
+    law: Annotated[
+        list[str] | None,
+        typer.Option(help="A law that contact.creep knows; again for more. All without parameters if absent."),
+    ] = None,
+    poisson_ratio: Annotated[float, typer.Option(help="Poisson's ratio.")] = 0.28,
+    demands: Annotated[
+        str, typer.Option(help="Sizes of the creepage, 1 asks for the friction limit: a list or start:stop:step.")
+    ] = "0.05,0.1,0.25,0.5,0.75,1,1.5,2,3,5,10",
+    stick_reduction: Annotated[float | None, typer.Option(help="polach: k_A; dry 1.0, wet 0.3.")] = None,
+    slip_reduction: Annotated[float | None, typer.Option(help="polach: k_S; dry 0.4, wet 0.1.")] = None,
+) -> None:
+    """Forces and spin moment of creep laws beside the exact theory, with their errors and cost."""
+    from pydantic import ValidationError
+
+    from rollerrig.config.contact_law import PolachReduction
+    from rollerrig.results import output_folder
+    from rollerrig.studies.creep import creep_study, lead, write_study
+
+    for value, option in ((a_over_b, "--a-over-b"), (poisson_ratio, "--poisson-ratio")):
+        check_finite(value, option)
+    if (stick_reduction is None) != (slip_reduction is None):
+        stop("--stick-reduction and --slip-reduction belong together")
+    polach = None
+    if stick_reduction is not None:
+        try:
+            polach = PolachReduction.model_validate(
+                {"stick_reduction": stick_reduction, "slip_reduction": slip_reduction}
+            )
+        except ValidationError:
+            stop("--stick-reduction and --slip-reduction must lie above 0 and up to 1")
+    laws = law or ["kalker_saturated", "fastsim", "modified_fastsim", "table"]
+    if polach is not None and "polach" not in laws:
+        stop("--stick-reduction and --slip-reduction are for --law polach")
+    sizes = read_range(demands, "--demands")
+    folder = output_folder(out)
+    try:
+        study = creep_study(a_over_b, laws, poisson_ratio=poisson_ratio, demands=sizes, polach=polach)
+    except (ValueError, RuntimeError) as error:
+        stop(error)
+    for path in write_study(study, folder):
+        typer.echo(path)
+    say(lead(study))

@@ -1,0 +1,65 @@
+"""Creep laws over the size of the creepage: forces and spin moment beside the exact theory."""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+
+from rollerrig.plot.style import COLOURS, STYLES, house_style
+
+ROWS = (
+    ("force_x", "longitudinal\n$T_x$ / μN"),
+    ("force_y", "lateral\n$T_y$ / μN"),
+    ("spin_moment", "spin moment\n$M$ / μNc"),
+)
+
+
+def creep_figure(comparison: xr.Dataset) -> Figure:
+    """A column per direction of creepage, a row per component; the exact theory as points, each law as a line.
+
+    Args:
+        comparison: what `compare_laws` returns; its first law is the exact theory.
+    """
+    names = [str(name) for name in comparison["law"].to_numpy()]
+    directions = [str(name) for name in comparison["direction"].to_numpy()]
+    demand = comparison["demand"].to_numpy()
+    with house_style():
+        figure = Figure(figsize=(2.3 * len(directions) + 0.6, 6.6), layout="constrained")
+        FigureCanvasAgg(figure)
+        grid = figure.subplots(len(ROWS), len(directions), sharex=True, sharey="row", squeeze=False)
+        for column, direction in enumerate(directions):
+            grid[0][column].set_title(direction, fontsize=9)
+            grid[-1][column].set_xlabel("demand [-]")
+            for row, (name, label) in enumerate(ROWS):
+                axes = grid[row][column]
+                values = comparison[name].sel(direction=direction)
+                error = comparison["grid_error"].sel(direction=direction).isel(component=row).to_numpy()
+                for number, law in enumerate(names[1:]):
+                    axes.plot(demand, values.sel(law=law), STYLES[number % len(STYLES)], color=COLOURS[number % len(COLOURS)],
+                              label=law)  # fmt: skip
+                axes.errorbar(demand, values.sel(law=names[0]), yerr=error, fmt="o", ms=3, color="black", capsize=2,
+                              lw=0.8, label="exact theory", zorder=5)  # fmt: skip
+                axes.set_xscale("log")
+                if column == 0:
+                    axes.set_ylabel(label)
+        _frame_rows(grid, comparison, names[0])
+        handles, labels = grid[0][0].get_legend_handles_labels()
+        figure.legend(handles, labels, loc="outside lower center", ncols=len(labels))
+        attributes = comparison.attrs
+        figure.suptitle(
+            f"Creep forces on an ellipse a/b = {attributes['a_over_b']:g}, ν = {attributes['poisson_ratio']:g}; "
+            "demand 1: the linear theory asks for about μN",
+            fontsize=10,
+        )
+    return figure
+
+
+def _frame_rows(grid: np.ndarray, comparison: xr.Dataset, exact: str) -> None:
+    """Rows are as high as what saturates: a law without saturation leaves the picture."""
+    for row, (name, _) in enumerate(ROWS):
+        values = comparison[name].sel(law=exact).to_numpy()
+        low, high = min(values.min(), -0.1), max(values.max(), 0.1)
+        margin = 0.25 * (high - low)
+        grid[row][0].set_ylim(low - margin, high + margin)
