@@ -69,6 +69,7 @@ def reference() -> list[str]:
     from rollerrig.contact_table import _COLUMNS, _VARIABLES
     from rollerrig.results import SUMMARY_KEYS
     from rollerrig.studies.conicity import CONICITY_KEYS
+    from rollerrig.studies.creep import CREEP_KEYS
     from rollerrig.studies.paper.write import PAPER_KEYS
     from rollerrig.studies.readings import READINGS_KEYS
     from rollerrig.studies.stability import STABILITY_KEYS
@@ -82,6 +83,7 @@ def reference() -> list[str]:
         *keys("rollerrig run", {**SUMMARY_KEYS, **READINGS_KEYS}),
         *keys("rollerrig stability", STABILITY_KEYS),
         *keys("rollerrig conicity", CONICITY_KEYS),
+        *keys("rollerrig creep", CREEP_KEYS),
         *keys("rollerrig paper", PAPER_KEYS),
     ]
 

@@ -206,9 +206,7 @@ def test_contact_writes_a_row_per_patch(tmp_path: Path) -> None:
 
 def test_contact_compares_the_normal_contacts(tmp_path: Path) -> None:
     path, picture = tmp_path / "contacts.csv", tmp_path / "contacts.svg"
-    done = Done(
-        "contact", "contact_benchmark_track", "--lateral-mm=0,2", "--csv", path, "--compare", "--plot", picture
-    )
+    done = Done("contact", "contact_benchmark_track", "--lateral-mm=0,2", "--csv", path, "--compare", "--plot", picture)
     assert done.code == 0, done.err
     for words in ("hertz: ", "strips: ", "us per wheel and evaluation"):
         assert words in done.out

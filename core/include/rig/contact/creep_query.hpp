@@ -82,7 +82,7 @@ T friction_moment(CreepQuery<T> const& query) {
   return query.adhesion * (3.0 * pi / 16.0) * sqrt(0.5 * (query.a * query.a + query.b * query.b));
 }
 
-/// Where approximations of force and moment together would feed energy in, the moment gives way: (C12).
+/// Where approximations of force and moment together would feed energy in, the moment gives way: (C16).
 template <Scalar T>
 CreepForce<T> never_drives(CreepQuery<T> const& query, CreepForce<T> const& force) {
   auto const& e = query.creepage;

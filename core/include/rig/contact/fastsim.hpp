@@ -6,7 +6,7 @@
 // flexibilities of their own (C23 and C33), so that the linear spin moment is right too; and the whole surface may become more
 // flexible with slip, as on wet or contaminated rails. In both, a sliding point is pulled along its slip, not along the slip
 // weighted with the flexibilities, and the weights of spin fade with slip: in full sliding the tractions are those of Coulomb.
-// Equations and what they change: docs/theory/creep_laws.md, (C7)-(C11).
+// Equations and what they change: docs/theory/creep_laws.md, (C5)-(C9).
 //
 // Source  Kalker, A fast algorithm for the simplified theory of rolling contact, Vehicle System Dynamics 11 (1982);
 //         Spiryagin, Polach, Cole, Creep force modelling for rail traction vehicles based on the Fastsim algorithm, VSD 51

@@ -1,7 +1,7 @@
 // contact/polach.hpp - Polach's creep force with spin: a closed form, for dry and for wet or contaminated rails.
 //
 // The force follows the slip at the leading edge where spin adds to lateral creepage; a second term is the force of spin alone.
-// Polach gives no spin moment. Here it is Kalker's, saturated: docs/theory/creep_laws.md, (C16).
+// Polach gives no spin moment. Here it is Kalker's, saturated: docs/theory/creep_laws.md, (C10)-(C12).
 //
 // Source  Polach, A fast wheel-rail forces calculation computer code, Vehicle System Dynamics Supplement 33 (1999);
 //         Polach, Creep forces in simulations of traction vehicles running on adhesion limit, Wear 258 (2005).
@@ -51,8 +51,9 @@ struct Polach {
     T const tx = -(along * e.longitudinal);
     T const ty = -(along * e.lateral) + spin_force * spin / slip;
     T const friction_spin = f.f33 * e.spin / friction_moment(query);
-    T const epsilon = johnson_vermeulen(sqrt(tau * tau + friction_spin * friction_spin));
-    T const moment = epsilon * (epsilon * f.f23 * e.lateral - f.f33 * e.spin);
+    T const plain = (square(f.f11 * e.longitudinal) + square(f.f22 * e.lateral)) / square(query.adhesion);
+    T const epsilon = johnson_vermeulen(sqrt(plain + friction_spin * friction_spin + 1e-30));
+    T const moment = epsilon * (epsilon * epsilon * f.f23 * e.lateral - f.f33 * e.spin);
     T const saturation = sqrt(tx * tx + ty * ty + 1e-20) / (tau * query.adhesion + 1e-10);
     return never_drives(query, CreepForce<T>{tx, ty, moment, saturation});
   }

@@ -2,13 +2,12 @@
 // for verification and for building tables. Offline: it allocates, and a solution takes milliseconds.
 //
 // Kalker's variational theory, discretised with boundary elements: piecewise constant tractions, exact displacements of a
-// rectangle under uniform traction, Coulomb's law in every element. How, and how well: docs/theory/creep_laws.md, (C1)-(C6).
+// rectangle under uniform traction, Coulomb's law in every element. How, and how well: docs/theory/creep_laws.md, (C1)-(C4).
 //
 // Units   reduced: forces in mu N, lengths in c = sqrt(ab), so the result depends on a/b, nu and the reduced creepages only
 //             xi = G ab e_x / (mu N),   eta = G ab e_y / (mu N),   chi = G (ab)^1.5 e_sp / (mu N).
 // Signs   as in contact/creep_law.hpp: forward rolling along x, forces and moment on the wheel.
-// Source  Kalker, Three-Dimensional Elastic Bodies in Rolling Contact (1990), ch. 4; Vollebregt, J. Elasticity 100 (2010)
-//         for Gauss-Seidel iteration; James, AIAA J. 10 (1972) for the places of loads and slip in an element.
+// Source  Kalker, Three-Dimensional Elastic Bodies in Rolling Contact (1990), ch. 4, with its active-set algorithm; James, Comput. Methods Appl. Mech. Eng. 1 (1972) for the places of loads and slip in an element.
 #pragma once
 #include <array>
 #include <vector>
