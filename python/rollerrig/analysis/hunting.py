@@ -18,7 +18,7 @@ import xarray as xr
 
 from rollerrig.analysis.linearise import at_constant_speed
 from rollerrig.analysis.parallel import Progress
-from rollerrig.analysis.signals import Ending, ending
+from rollerrig.analysis.signals import Ending, ending, half_waves
 from rollerrig.config import Case
 from rollerrig.run import simulate
 
@@ -147,6 +147,23 @@ class NonlinearCriticalSpeed:
         return 0.5 * (self.dies_out + self.goes_on)
 
 
+DECAY_SHARE = 0.1
+"""Half-waves of a dying oscillation count for its frequency down to this share of the largest one [1]."""
+
+
+def decay_frequency(run: HuntingRun) -> float:
+    """Frequency of an oscillation while it dies out [Hz]; NaN if it goes on, or dies within less than two half-waves."""
+    if run.sustained:
+        return math.nan
+    time, lateral = run.motion["time"].to_numpy(), run.motion["lateral"].sel(body=run.body).to_numpy()
+    waves = half_waves(time, lateral, LEAST_AMPLITUDE)
+    if len(waves.amplitude) < 2:
+        return math.nan
+    small = np.flatnonzero(waves.amplitude < DECAY_SHARE * waves.amplitude.max())
+    counted = waves.duration[: small[0] if small.size else None]
+    return 0.5 * len(counted) / float(counted.sum()) if len(counted) >= 2 else math.nan
+
+
 def bracket(runs: Sequence[HuntingRun], disturbance: float) -> NonlinearCriticalSpeed:
     """The onset of sustained oscillation among runs at rising speeds."""
     ordered = sorted(runs, key=lambda run: run.speed)
@@ -163,12 +180,14 @@ def hunting_table(runs: Sequence[HuntingRun], disturbance: float) -> xr.Dataset:
     amplitude = np.array([run.ending.amplitude if run.sustained or run.ending.amplitude else 0.0 for run in ordered])
     sustained = np.array([run.sustained for run in ordered], dtype=np.int8)
     frequency = np.array([run.ending.frequency for run in ordered])
+    decaying = np.array([decay_frequency(run) for run in ordered])
     rate = np.array([run.ending.rate for run in ordered])
     body = ordered[0].body if ordered else ""
     return xr.Dataset(
         {
             "amplitude": ("speed", amplitude, {"units": "m", "long_name": f"lateral amplitude of {body} at the end"}),
             "oscillation_frequency": ("speed", frequency, {"units": "Hz", "long_name": "frequency at the end"}),
+            "decay_frequency": ("speed", decaying, {"units": "Hz", "long_name": "frequency of what dies out"}),
             "rate_at_end": ("speed", rate, {"units": "1/s", "long_name": "growth rate at the end"}),
             "sustained": (
                 "speed",

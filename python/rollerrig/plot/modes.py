@@ -164,7 +164,7 @@ def frequency_over_speed(modes: xr.Dataset, cycles: xr.Dataset | None = None) ->
 
 
 def hunting_frequencies(linear: dict[str, xr.Dataset], runs: dict[str, xr.Dataset], title: str = "") -> Figure:
-    """Frequency of hunting over speed: linear modes as lines, limit cycles of runs as markers.
+    """Frequency of hunting over speed: linear modes as lines; runs as markers, filled where they end in a limit cycle.
 
     Args:
         linear: label -> Dataset of `stability`; only its least damped hunting mode is drawn.
@@ -186,15 +186,16 @@ def hunting_frequencies(linear: dict[str, xr.Dataset], runs: dict[str, xr.Datase
                 axes.plot([critical], [at], marker="x", color=colour, markersize=8, markeredgewidth=2)
         for number, (label, table) in enumerate(runs.items()):
             going = table["sustained"].to_numpy() == 1
-            axes.plot(
-                table["speed"].to_numpy()[going],
-                table["oscillation_frequency"].to_numpy()[going],
-                MARKERS[number % len(MARKERS)],
-                color=COLOURS[list(linear).index(label) % len(COLOURS)] if label in linear else "black",
-                markerfacecolor="none",
-                markersize=5,
-                label=f"limit cycle, {label}",
-            )
+            speed, marker = table["speed"].to_numpy(), MARKERS[number % len(MARKERS)]
+            colour = COLOURS[list(linear).index(label) % len(COLOURS)] if label in linear else "black"
+            for ends, kept, variable, face in (
+                ("limit cycle", going, "oscillation_frequency", colour),
+                ("dying out", ~going, "decay_frequency", "none"),
+            ):
+                values = table[variable].to_numpy()[kept]
+                if np.isfinite(values).any():
+                    look = {"color": colour, "markerfacecolor": face, "markersize": 5, "label": f"{ends}, {label}"}
+                    axes.plot(speed[kept], values, marker, **look)  # type: ignore[arg-type]
         axes.set_ylim(bottom=0.0)
         axes.set_xlabel("speed [km/h]")
         axes.set_ylabel("frequency of lateral oscillation [Hz]")

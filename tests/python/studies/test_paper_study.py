@@ -13,6 +13,7 @@ from rollerrig.studies.paper.write import PAPER_KEYS
 
 SECTIONS = (
     "Figure 7: stability",
+    "What the rig changes",
     "Which material fits the paper",
     "Figure 8: traction",
     "Checks",
@@ -42,7 +43,7 @@ def test_the_report_holds_every_section_and_every_figure(folder) -> None:
     text = (folder / "report.html").read_text()
     for heading in SECTIONS:
         assert f"<h2>{heading}</h2>" in text
-    assert text.count("<figure>") == 8
+    assert text.count("<figure>") == 11
     assert "Not computed" not in text
     words = re.sub(r'src="data:[^"]*"', "", text)
     assert not re.search(r"\bnan\b", words, re.IGNORECASE)

@@ -6,7 +6,7 @@ cases -> [linear critical speeds, jobs of their own] -> CriticalTable, Causes
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -125,10 +125,10 @@ def cause_cases(rig: Case) -> dict[On, Case]:
     }
 
 
-def critical_table(cases: Mapping[Place, Case], found: Mapping[Place, CriticalScan]) -> CriticalTable:
-    """The table from what was computed for `table_cases`."""
-    parts = tuple(dict.fromkeys(part for part, _ in cases))
-    radii = tuple(dict.fromkeys(radius for _, radius in cases))
+def critical_table(places: Collection[Place], found: Mapping[Place, CriticalScan]) -> CriticalTable:
+    """The table of all places, from what was computed for `table_cases`."""
+    parts = tuple(dict.fromkeys(part for part, _ in places))
+    radii = tuple(sorted({radius for _, radius in places}))
     return CriticalTable(parts, radii, dict(found))
 
 

@@ -15,7 +15,7 @@ from rollerrig.report import render
 from rollerrig.results import output_folder, save_run, write_text
 from rollerrig.results.files import write_bytes
 from rollerrig.studies.compare.compute import CompareResults
-from rollerrig.studies.compare.critical import EFFECTS, TRACK
+from rollerrig.studies.compare.critical import EFFECTS, TRACK, Causes, CriticalTable
 from rollerrig.studies.compare.figures import compare_figures
 from rollerrig.studies.compare.page import DISTURBED, WHEEL_HEADER, compare_page, disturbed_numbers, wheel_numbers
 from rollerrig.studies.output import finite, write_rows
@@ -127,8 +127,8 @@ def summary(results: CompareResults) -> dict[str, object]:
         "cut": first.vehicle.cut,
         "supports": {label: _support(results, label) for label in results.plan.cases},
         "disturbed_kmh": finite(results.disturbed_kmh),
-        "critical_speed_over_radius_kmh": critical_summary(results),
-        "causes": cause_summary(results),
+        "critical_speed_over_radius_kmh": critical_summary(results.table),
+        "causes": cause_summary(results.causes),
         "interrupted": results.interrupted,
         "rollerrig_version": __version__,
         "keys": COMPARE_KEYS,
@@ -157,9 +157,8 @@ def _support(results: CompareResults, label: str) -> dict[str, Any]:
     return numbers
 
 
-def critical_summary(results: CompareResults) -> dict[str, dict[str, float | None]]:
+def critical_summary(table: CriticalTable | None) -> dict[str, dict[str, float | None]]:
     """Part -> radius -> critical speed."""
-    table = results.table
     if table is None:
         return {}
     return {
@@ -172,9 +171,8 @@ def critical_summary(results: CompareResults) -> dict[str, dict[str, float | Non
     }
 
 
-def cause_summary(results: CompareResults) -> dict[str, object] | None:
+def cause_summary(causes: Causes | None) -> dict[str, object] | None:
     """The split in numbers."""
-    causes = results.causes
     if causes is None or not causes.found:
         return None
     off = {effect: causes.when_switched_off(effect) for effect in EFFECTS}

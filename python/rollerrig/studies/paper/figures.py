@@ -10,10 +10,12 @@ import math
 from matplotlib.figure import Figure
 
 from rollerrig.analysis import HuntingRun, hunting_table
+from rollerrig.config import Rig
 from rollerrig.plot import amplitude_over_speed, hunting_over_time, ramp_over_speed, traction_forces, traction_sliding
 from rollerrig.plot.modes import hunting_frequencies
+from rollerrig.studies.compare.figures import causes_figure, radius_figure
 from rollerrig.studies.paper.compute import PaperResults
-from rollerrig.studies.paper.plan import MATERIALS
+from rollerrig.studies.paper.plan import MATERIALS, VEHICLE, rig_case
 from rollerrig.studies.paper.text import NAMES
 
 BODY = "front_frame"
@@ -29,11 +31,13 @@ CAPTIONS = {
     "frame after a lateral offset of the leading wheelset.",
     "figure_7a_amplitude": "Amplitude that is left at the end of each run at constant speed. Filled: the "
     "oscillation goes on; open: it dies out. Dashed lines: linear critical speeds.",
-    "figure_7b_steel": "Figure 7b, steel. Frequency of the lateral oscillation: hunting mode of the linear model "
-    "(lines, cross where its damping vanishes) and limit cycles of the runs (markers).",
-    "figure_7b_paper": "Figure 7b, paper's material. Frequency of the lateral oscillation: hunting mode of the "
-    "linear model (lines, cross where its damping vanishes) and limit cycles of the runs (markers). At low speed the "
-    "vehicle's mode meets the sway of its car body near 0.5 Hz.",
+    "figure_7b_steel": "Figure 7b, steel. Frequency of the lateral oscillation of the (front) bogie frame, whole vehicle on the "
+    "rails against bogie on the rig: of the runs from a disturbance, as in the paper (markers: open where it dies out, filled "
+    "where it goes on), and of the linear model's hunting mode (lines, cross where its damping vanishes).",
+    "figure_7b_paper": "Figure 7b, paper's material, drawn likewise.",
+    "radius_steel": "Steel. Linear critical speed over the radius of the rollers; horizontal: on track.",
+    "radius_paper": "Paper's material. Linear critical speed over the radius of the rollers; horizontal: on track.",
+    "causes": "Steel. What takes the linear critical speed of the bogie from that on track to that on the rig.",
     "figure_8a": "Figure 8a. Absolute sliding of the right wheels on their rollers (longitudinal, mean of the "
     "patches weighted with normal force), torque and speed. Dotted: slope of the creep law at the start × force × "
     "speed.",
@@ -63,11 +67,25 @@ def paper_figures(results: PaperResults) -> dict[str, Figure]:
         figures["figure_7a_amplitude"] = amplitude_over_speed(labelled, critical_lines)
     for material, modes in results.modes.items():
         runs = {"bogie on the rig": tables[material]} if material in tables else {}
+        if material in results.vehicle_runs:
+            found = results.vehicle_runs[material]
+            runs[VEHICLE] = hunting_table(found.runs, found.disturbance)
         figures[f"figure_7b_{material}"] = hunting_frequencies(modes, runs, LABELS[material])
+    for material, critical_speeds in results.tables.items():
+        figures[f"radius_{material}"] = radius_figure(critical_speeds, roller_radius())
+    if MATERIALS[0] in results.causes:
+        figures["causes"] = causes_figure(results.causes[MATERIALS[0]])
     if results.traction_theory is not None:
         figures["figure_8a"] = traction_sliding(results.traction_theory, WHEELS)
         figures["figure_8b"] = traction_forces(results.traction_theory, WHEELS)
     return {name: figures[name] for name in CAPTIONS if name in figures}
+
+
+def roller_radius() -> float:
+    """Radius of the rig's rollers [m]."""
+    rig = rig_case(MATERIALS[0]).support.data
+    assert isinstance(rig, Rig)
+    return rig.roller_radius
 
 
 def around_onset(runs: list[HuntingRun], onset: float, count: int = 6) -> list[HuntingRun]:

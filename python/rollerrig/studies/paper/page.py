@@ -12,17 +12,20 @@ from rollerrig import __version__
 from rollerrig.config import Rig
 from rollerrig.report import Check, Figure, Page, Preformatted, Section, Table, Text, check_table, number
 from rollerrig.report.page import Block
+from rollerrig.studies.compare.critical import cause_rows, table_rows
 from rollerrig.studies.paper.compute import PaperResults
 from rollerrig.studies.paper.figures import CAPTIONS
-from rollerrig.studies.paper.plan import MATERIALS, VARIANTS, rig_case, traction_case
+from rollerrig.studies.paper.plan import MATERIALS, VARIANTS, VEHICLE, rig_case, traction_case
 from rollerrig.studies.paper.text import (
     LEFT_OUT,
     NAMES,
     critical_paragraphs,
     fit_paragraphs,
+    frequency_paragraphs,
     kmh,
     lead,
     ramp_text,
+    rig_paragraphs,
 )
 
 TITLE = "A bogie on a roller rig: critical speed and traction"
@@ -32,6 +35,7 @@ def paper_page(results: PaperResults, pictures: dict[str, bytes], checks: list[C
     """The whole report."""
     sections = [
         Section("Figure 7: stability", stability_blocks(results, pictures)),
+        Section("What the rig changes", rig_blocks(results, pictures)),
         Section("Which material fits the paper", fit_blocks(results)),
         Section("Figure 8: traction", traction_blocks(pictures)),
         Section("Checks", check_blocks(checks)),
@@ -65,8 +69,26 @@ def stability_blocks(results: PaperResults, pictures: dict[str, bytes]) -> list[
             "meaningful, its course is not, since the smallest change alters it."
         ),
         *_pictures(pictures, "figure_7a_time_steel", "figure_7a_time_paper", "figure_7a_amplitude"),
+        *(Text(text) for text in frequency_paragraphs(results)),
         *_pictures(pictures, "figure_7b_steel", "figure_7b_paper"),
     ]
+
+
+def rig_blocks(results: PaperResults, pictures: dict[str, bytes]) -> list[Block]:
+    """What the rig changes: critical speeds over the rollers' radius, and the loss split into its causes."""
+    blocks: list[Block] = [Text(text) for text in rig_paragraphs(results)]
+    for material, table in results.tables.items():
+        header, rows = table_rows(table)
+        blocks.append(
+            Table(header, rows, f"Linear critical speeds, {NAMES[material]}: bogie (car body held) and vehicle.")
+        )
+    blocks += _pictures(pictures, "radius_steel", "radius_paper")
+    for material, causes in results.causes.items():
+        header, rows = cause_rows(causes)
+        blocks.append(
+            Table(header, rows, f"Track less rig, {NAMES[material]}, bogie: effects of the rollers switched.")
+        )
+    return [*blocks, *_pictures(pictures, "causes")]
 
 
 def critical_table(results: PaperResults) -> Table:
@@ -79,8 +101,8 @@ def critical_table(results: PaperResults) -> Table:
                 continue
             frequency = float(modes.attrs["linear_critical_frequency_hz"])
             nonlinear = ""
-            if variant == "bogie on the rig" and material in results.runs:
-                found = results.runs[material]
+            found = {"bogie on the rig": results.runs, VEHICLE: results.vehicle_runs}.get(variant, {}).get(material)
+            if found is not None:
                 nonlinear = f"{kmh(3.6 * found.dies_out, 1)} … {kmh(3.6 * found.goes_on, 1)}"
             rows.append(
                 (

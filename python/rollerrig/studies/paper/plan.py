@@ -6,6 +6,8 @@ from dataclasses import dataclass, field
 
 from rollerrig.analysis import HuntingSettings, RampSettings
 from rollerrig.config import Case, load_case
+from rollerrig.studies.compare.cases import restrained
+from rollerrig.studies.compare.critical import RADII
 
 MATERIALS = ("steel", "paper")
 """Names in the catalogue; `paper` has the G = 10 GPa of the paper."""
@@ -20,6 +22,12 @@ VARIANTS = {
 }
 """What is linearised: label -> case, cut."""
 
+VEHICLE = "vehicle on track"
+"""The variant that figure 7b compares the bogie on the rig with."""
+
+TABLE_PARTS = ("leading_bogie", "vehicle")
+"""Parts in the table of critical speeds over the rollers' radius."""
+
 BARRIERS = (0.0, 0.005, 0.01, 0.015, 0.02, 0.05)
 """Values of contact.merge_barrier for which the sensitivity of the critical speed is shown."""
 
@@ -30,13 +38,14 @@ class PaperPlan:
 
     Attributes:
         linear_kmh: speeds at which modes are computed [km/h].
-        runs_kmh: material -> speeds of runs at constant speed [km/h].
+        runs_kmh: material -> speeds of runs at constant speed [km/h], of the bogie on the rig and of the vehicle on track.
         bracket_kmh: width to which the nonlinear critical speed is narrowed down [km/h].
         ramps: material -> ramp.
         hunting: disturbance, length and tolerances of the runs.
         traction_case: name of the case in the catalogue.
         traction_changes: changes to it.
         barriers: values of the merge barrier for the sensitivity.
+        radii: of the rollers in the table of critical speeds [m].
     """
 
     linear_kmh: tuple[float, ...]
@@ -47,6 +56,7 @@ class PaperPlan:
     traction_case: str = "bogie_rollers_traction"
     traction_changes: dict[str, object] = field(default_factory=dict)
     barriers: tuple[float, ...] = BARRIERS
+    radii: tuple[float, ...] = RADII
 
 
 def _kmh(low: float, high: float, acceleration: float, nudge_every: float) -> RampSettings:
@@ -70,17 +80,14 @@ QUICK = PaperPlan(
     ramps={"steel": _kmh(140, 180, 40, 20), "paper": _kmh(100, 140, 40, 20)},
     hunting=HuntingSettings(duration=1.0, output_step=1e-2),
     barriers=(0.0, 0.01),
+    radii=(0.725,),
 )
 
 
 def case_of(variant: str, material: str) -> Case:
     """The case of one of VARIANTS with a material of the catalogue."""
     name, cut = VARIANTS[variant]
-    changes: dict[str, object] = {"contact.material": material, "vehicle.cut": cut}
-    if cut == "vehicle":
-        # Two patches of one wheel fight each other and brake; what pulls the vehicle at constant speed holds it in x.
-        changes["vehicle.body.car_body.locked"] = ["x"]
-    return load_case(name).with_changes(changes)
+    return restrained(load_case(name).with_changes({"contact.material": material, "vehicle.cut": cut}))
 
 
 def rig_case(material: str) -> Case:

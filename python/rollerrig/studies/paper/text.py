@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 
 from rollerrig.analysis import end_of_hunting
+from rollerrig.analysis.hunting import decay_frequency
+from rollerrig.studies.compare.critical import CriticalTable, cause_sentence, order_sentences
 from rollerrig.studies.paper.compute import PaperResults
 from rollerrig.studies.paper.plan import MATERIALS, PAPER_CRITICAL_KMH, rig_case
 
@@ -68,6 +70,73 @@ def critical_paragraphs(results: PaperResults) -> list[str]:
             text += f" On the ramp down, the hunting ends at {end:.0f} km/h."
         texts.append(text)
     return texts
+
+
+def frequency_paragraphs(results: PaperResults) -> list[str]:
+    """What figure 7b says: how far the bogie on the rig and the whole vehicle on the rails are apart."""
+    texts = [
+        "Figure 7b of the paper shows the frequency of the lateral oscillation that its simulations gave at each speed, "
+        "for a whole vehicle on the rails and a bogie on the rig, and calls frequency and critical speed similar. Here both "
+        "are released from the same lateral offset, and the frequency is that of the frame's half-waves: while they die out "
+        "(down to a tenth of the largest), or at the end where they go on."
+    ]
+    for material in MATERIALS:
+        apart = frequency_differences(results, material)
+        if not apart:
+            continue
+        rig, vehicle = results.nonlinear_kmh(material), results.vehicle_nonlinear_kmh(material)
+        low, high = min(apart), max(apart)
+        text = (
+            f"{NAMES[material].capitalize()}: at the {len(apart)} speeds that both were run at and oscillate, the bogie on the "
+            f"rig has a frequency {100 * low:+.0f} to {100 * high:+.0f} % against the vehicle on the rails."
+        )
+        if math.isfinite(rig) and math.isfinite(vehicle):
+            text += (
+                f" Hunting from {1e3 * results.plan.hunting.disturbance:g} mm begins at {rig:.0f} km/h on the rig and at "
+                f"{vehicle:.0f} km/h on the rails, {100 * (1 - rig / vehicle):.0f} % apart."
+            )
+        texts.append(text)
+    return texts if len(texts) > 1 else []
+
+
+def frequency_differences(results: PaperResults, material: str) -> list[float]:
+    """Frequency of the bogie on the rig over that of the vehicle on track, less one, at each speed both were run at."""
+    runs = [brackets.get(material) for brackets in (results.runs, results.vehicle_runs)]
+    found = []
+    for bracket in runs:
+        frequency = {
+            round(3.6 * run.speed, 3): run.ending.frequency if run.sustained else decay_frequency(run)
+            for run in (bracket.runs if bracket else [])
+        }
+        found.append({speed: value for speed, value in frequency.items() if math.isfinite(value)})
+    rig, vehicle = found
+    return [rig[speed] / vehicle[speed] - 1 for speed in sorted(rig.keys() & vehicle.keys())]
+
+
+def rig_paragraphs(results: PaperResults) -> list[str]:
+    """Order of the critical speeds and the split of the loss, in words with figures."""
+    texts = []
+    for material, table in results.tables.items():
+        texts.append(
+            f"{NAMES[material].capitalize()}. {' '.join(order_sentences(table))} {_bogie_and_vehicle(table)}".strip()
+        )
+    texts += [
+        f"{NAMES[material].capitalize()}, bogie. {cause_sentence(causes)}"
+        for material, causes in results.causes.items()
+    ]
+    return texts
+
+
+def _bogie_and_vehicle(table: CriticalTable) -> str:
+    bogie, vehicle = table.parts
+    apart = [table.kmh(bogie, radius) / table.kmh(vehicle, radius) - 1 for radius in table.radii]
+    known = [value for value in apart if math.isfinite(value)]
+    if not known:
+        return ""
+    return (
+        f"The bogie with its car body held is {100 * min(known):+.1f} to {100 * max(known):+.1f} % from the whole vehicle on the "
+        "same support."
+    )
 
 
 RAMP_TEXT = (

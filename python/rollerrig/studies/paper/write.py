@@ -9,11 +9,12 @@ import json
 from pathlib import Path
 
 from rollerrig import __version__
-from rollerrig.analysis import hunting_table
+from rollerrig.analysis import NonlinearCriticalSpeed, hunting_table
 from rollerrig.plot import figure_bytes
 from rollerrig.report import Check, render
 from rollerrig.results import output_folder, save_run, write_text
 from rollerrig.results.files import write_bytes
+from rollerrig.studies.compare.write import cause_summary, critical_summary
 from rollerrig.studies.output import finite, write_rows
 from rollerrig.studies.paper.checks import hunting_checks, traction_checks
 from rollerrig.studies.paper.compute import PaperResults
@@ -36,6 +37,11 @@ PAPER_KEYS = {
     "materials.*.onset_wavelength_m": "wavelength of the limit cycle at the lowest speed at which it was found [m]",
     "materials.*.nonlinear": "runs from a lateral offset of the leading wheelset at constant speed: its size [mm], "
     "highest speed below the onset at which it dies out and lowest at which it goes on [km/h], and each run",
+    "materials.*.vehicle_on_track": "the same runs of the whole vehicle on track",
+    "materials.*.critical_speed_over_radius_kmh": "per part of the vehicle and roller radius [m] ('track': none) the "
+    "linear critical speed [km/h]; null: none in the range",
+    "materials.*.causes": "split of the bogie's linear critical speed from track to rig [km/h]: both ends, per effect the gain "
+    "when it is switched off alone and the loss when it is on alone, and what the sums leave of the whole loss",
     "traction": "figure 8 at the last output time: speed [km/h], per right wheel sliding [mm/s] and forces [N]",
     "checks": "each check: value, expected, deviation, tolerance (relative or in the unit), whether it passed, and "
     "why this tolerance",
@@ -75,11 +81,9 @@ def _write_data(results: PaperResults, folder: Path) -> list[Path]:
     for material, found in results.runs.items():
         for run in found.runs:
             written.append(save_run(run.motion, folder / f"run_{material}_{3.6 * run.speed:.2f}_kmh.nc"))
-        table = hunting_table(found.runs, found.disturbance)
-        names = ("speed", "amplitude", "oscillation_frequency", "rate_at_end", "sustained")
-        header = ["speed_kmh", "amplitude_m", "frequency_hz", "rate_at_end_per_s", "goes_on"]
-        rows = zip(*(table[name].to_numpy().tolist() for name in names), strict=True)
-        written.append(write_rows(folder / f"figure_7_runs_{material}.csv", [header, *rows]))
+        written.append(write_rows(folder / f"figure_7_runs_{material}.csv", _run_rows(found)))
+    for material, found in results.vehicle_runs.items():
+        written.append(write_rows(folder / f"figure_7b_vehicle_runs_{material}.csv", _run_rows(found)))
     if results.modes:
         written.append(write_rows(folder / "figure_7b_linear.csv", _frequency_rows(results)))
     if results.traction is not None:
@@ -87,6 +91,21 @@ def _write_data(results: PaperResults, folder: Path) -> list[Path]:
     if results.traction_theory is not None:
         written.append(write_rows(folder / "figure_8.csv", _traction_rows(results)))
     return written
+
+
+def _run_rows(found: NonlinearCriticalSpeed) -> list[list[object]]:
+    table = hunting_table(found.runs, found.disturbance)
+    names = ("speed", "amplitude", "oscillation_frequency", "decay_frequency", "rate_at_end", "sustained")
+    header: list[object] = [
+        "speed_kmh",
+        "amplitude_m",
+        "frequency_hz",
+        "decay_frequency_hz",
+        "rate_at_end_per_s",
+        "goes_on",
+    ]
+    columns = (table[name].to_numpy().tolist() for name in names)
+    return [header, *(list(row) for row in zip(*columns, strict=True))]
 
 
 def _frequency_rows(results: PaperResults) -> list[list[object]]:
@@ -159,6 +178,12 @@ def _material(results: PaperResults, material: str) -> dict[str, object]:
         }
     if material in results.runs:
         numbers["nonlinear"] = nonlinear_summary(results.runs[material])
+    if material in results.vehicle_runs:
+        numbers["vehicle_on_track"] = nonlinear_summary(results.vehicle_runs[material])
+    if material in results.tables:
+        numbers["critical_speed_over_radius_kmh"] = critical_summary(results.tables[material])
+    if material in results.causes:
+        numbers["causes"] = cause_summary(results.causes[material])
     return numbers
 
 
