@@ -14,36 +14,38 @@ std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 /// K and S of the strips: influence of strip i on the middle of strip j, from the kernel's integral.
 ///
-/// @param wanted  which strips act and are looked at
-/// @param store   (j, i, value)
+/// @param wanted  which strips act and are looked at; others between them may be looked at too
+/// @param store   (i, j, value)
 template <Scalar T, class Read, class Store>
 void influences(Strips<T> const& s, std::array<T, capacity> const& a, std::array<char, capacity> const& wanted,
                 Read const& read, Store const& store) {
-  int const n = s.count();
-  for (int i = 0; i < n; ++i) {
-    if (!wanted[at(i)]) continue;
-    int const island = i / per_island;
+  std::array<T, per_island> value;
+  for (int island = 0; island < s.islands; ++island) {
     int const first = island * per_island;
-    T const inverse = 1.0 / a[at(i)];
-    T const h = s.width[at(island)] * inverse;
-    // Strips of one island are equally wide: distances of the edges repeat.
-    int lowest = i, highest = i;
-    for (int j = first; j < first + per_island; ++j)
-      if (wanted[at(j)]) lowest = std::min(lowest, j), highest = j;
-    T inner = read(0.5 * h);
-    store(i, i, inner + inner);
-    for (int k = 1; k <= std::max(i - lowest, highest - i); ++k) {
-      T const outer = read((k + 0.5) * h);
-      T const value = outer - inner;
-      if (i - k >= lowest && wanted[at(i - k)]) store(i - k, i, value);
-      if (i + k <= highest && wanted[at(i + k)]) store(i + k, i, value);
-      inner = outer;
-    }
-    for (int j = 0; j < n; ++j) {
-      if (!wanted[at(j)] || j / per_island == island) continue;
-      T distance = (s.position[at(j)] - s.position[at(i)]) * inverse;
-      if (distance < 0.0) distance = -distance;
-      store(j, i, read(distance + 0.5 * h) - read(distance - 0.5 * h));
+    int lowest = first, highest = first + per_island - 1;
+    while (lowest < highest && !wanted[at(lowest)]) ++lowest;
+    while (highest > lowest && !wanted[at(highest)]) --highest;
+    for (int i = lowest; i <= highest; ++i) {
+      if (!wanted[at(i)]) continue;
+      T const inverse = 1.0 / a[at(i)];
+      T const h = s.width[at(island)] * inverse;
+      // Strips of one island are equally wide: distances of the edges repeat.
+      T inner = read(0.5 * h);
+      value[0] = inner + inner;
+      int const farthest = std::max(i - lowest, highest - i);
+      for (int k = 1; k <= farthest; ++k) {
+        T const outer = read((k + 0.5) * h);
+        value[at(k)] = outer - inner;
+        inner = outer;
+      }
+      for (int j = lowest; j < i; ++j) store(i, j, value[at(i - j)]);
+      for (int j = i; j <= highest; ++j) store(i, j, value[at(j - i)]);
+      for (int j = 0; j < s.count() && s.islands > 1; ++j) {
+        if (!wanted[at(j)] || j / per_island == island) continue;
+        T distance = (s.position[at(j)] - s.position[at(i)]) * inverse;
+        if (distance < 0.0) distance = -distance;
+        store(i, j, read(distance + 0.5 * h) - read(distance - 0.5 * h));
+      }
     }
   }
 }
@@ -51,6 +53,7 @@ void influences(Strips<T> const& s, std::array<T, capacity> const& a, std::array
 /// Dense system of the loaded strips, factorised without pivoting: influence falls with distance.
 class LoadedStrips {
  public:
+  /// @param k  k[i][j]: influence of strip i on strip j, the transposed system
   void factorise(std::array<Row, capacity> const& k, std::array<char, capacity> const& loaded, int n) {
     count_ = 0;
     for (int i = 0; i < n; ++i)
@@ -67,19 +70,18 @@ class LoadedStrips {
       }
     }
   }
-  /// Solves for the loaded strips; the others of x are left alone.
+  /// Solves for the loaded strips; the others of x are left alone. The factors are those of the transposed matrix.
   void solve(Row& x) const {
     Row y;
+    for (int r = 0; r < count_; ++r) y[at(r)] = x[at(index_[at(r)])];
     for (int r = 0; r < count_; ++r) {
-      double sum = x[at(index_[at(r)])];
-      for (int c = 0; c < r; ++c) sum -= lu_[at(r)][at(c)] * y[at(c)];
-      y[at(r)] = sum;
+      double const known = y[at(r)] *= inverse_pivot_[at(r)];
+      for (int c = r + 1; c < count_; ++c) y[at(c)] -= lu_[at(r)][at(c)] * known;
     }
     for (int r = count_ - 1; r >= 0; --r) {
-      double sum = y[at(r)];
-      for (int c = r + 1; c < count_; ++c) sum -= lu_[at(r)][at(c)] * y[at(c)];
-      y[at(r)] = sum * inverse_pivot_[at(r)];
-      x[at(index_[at(r)])] = y[at(r)];
+      double const known = y[at(r)];
+      for (int c = 0; c < r; ++c) y[at(c)] -= lu_[at(r)][at(c)] * known;
+      x[at(index_[at(r)])] = known;
     }
   }
 
@@ -108,7 +110,7 @@ void solve_load(StripKernel const& kernel, double compliance, Strips<T>& s, std:
   std::array<Row, capacity> matrix;
   influences(
       plain, a_value, all, [&](double k) { return kernel.deflection(k); },
-      [&](int j, int i, double value) { matrix[at(j)][at(i)] = compliance * value; });
+      [&](int i, int j, double value) { matrix[at(i)][at(j)] = compliance * value; });
 
   LoadedStrips system;
   Row w;
@@ -124,7 +126,7 @@ void solve_load(StripKernel const& kernel, double compliance, Strips<T>& s, std:
       } else if (all[at(j)]) {
         double u = 0.0;
         for (int i = 0; i < n; ++i)
-          if (loaded[at(i)]) u += matrix[at(j)][at(i)] * w[at(i)];
+          if (loaded[at(i)]) u += matrix[at(i)][at(j)] * w[at(i)];
         next[at(j)] = u < value_of(s.interpenetration[at(j)]);
       }
       changed = changed || next[at(j)] != loaded[at(j)];
@@ -139,7 +141,7 @@ void solve_load(StripKernel const& kernel, double compliance, Strips<T>& s, std:
     for (int i = 0; i < n; ++i) residual[at(i)] = s.interpenetration[at(i)];
     influences(
         s, a, loaded, [&](T const& k) { return kernel.deflection(k); },
-        [&](int j, int i, T const& value) { residual[at(j)] -= (compliance * w[at(i)]) * value; });
+        [&](int i, int j, T const& value) { residual[at(j)] -= (compliance * w[at(i)]) * value; });
     for (int seed = 0; seed < residual[0].d.size(); ++seed) {
       Row change{};
       for (int i = 0; i < n; ++i)
@@ -206,7 +208,7 @@ void update_lengths(StripKernel const& kernel, double compliance, Strips<T>& s,
   sum.fill(T(0.0));
   influences(
       s, s.half_length, loaded, [&](T const& k) { return kernel.curvature(k); },
-      [&](int j, int i, T const& value) { sum[at(j)] += 0.25 * q[at(i)] * value; });
+      [&](int i, int j, T const& value) { sum[at(j)] += 0.25 * q[at(i)] * value; });
   for (int j = 0; j < s.count(); ++j) {
     if (!loaded[at(j)]) continue;
     T const root = sqrt(s.curvature[at(j)] / sum[at(j)]);

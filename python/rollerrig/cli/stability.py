@@ -33,12 +33,20 @@ def command(
         float, typer.Option(min=0.01, max=100.0, help="To which the nonlinear critical speed is found [km/h].")
     ] = 1.0,
     processes: Annotated[int, typer.Option(min=1, max=2, help="With 2, the two ways run at a time.")] = 2,
+    contacts_kmh: Annotated[
+        float | None,
+        typer.Option(
+            min=1.0,
+            max=600.0,
+            help="Also compare the contact models, on rig and track, with a run at this speed [km/h].",
+        ),
+    ] = None,
 ) -> None:
     """Eigenvalues, damping, frequency and mode shapes over speed; limit cycles; linear and nonlinear critical speed."""
     from rollerrig.analysis import LimitCycleSettings
     from rollerrig.config import load_case
     from rollerrig.results import output_folder
-    from rollerrig.studies.stability import stability_study, write_study
+    from rollerrig.studies.stability import stability_study, with_contact_effects, write_study
     from rollerrig.studies.stability_page import lead
 
     option = "--speeds-kmh"
@@ -59,6 +67,9 @@ def command(
             processes=processes,
             progress=progress,
         )
+    if contacts_kmh is not None and not study.interrupted:
+        with progress_bar("contact models") as progress:
+            study = with_contact_effects(study, speeds, contacts_kmh, progress=progress)
     for path in write_study(study, folder):
         typer.echo(path)
     say(lead(study.modes, study.cycles))

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -35,6 +35,7 @@ from rollerrig.plot import (
 )
 from rollerrig.report import render
 from rollerrig.results import output_folder, save_run, write_text
+from rollerrig.studies.contact_effects import COUNTERPART, ContactEffect, contact_effects, effect_rows, effects_section
 from rollerrig.studies.output import finite, write_rows
 from rollerrig.studies.stability_page import report_page, shape_speed, suspension_modes
 
@@ -78,12 +79,14 @@ class StabilityStudy:
         modes: Dataset of `stability`.
         cycles: the limit-cycle diagram, if asked for.
         settings: of its runs.
+        effects: what the contact model changes, if asked for.
     """
 
     case: Case
     modes: xr.Dataset
     cycles: Diagram | None
     settings: LimitCycleSettings
+    effects: tuple[ContactEffect, ...] = ()
 
     @property
     def interrupted(self) -> bool:
@@ -127,6 +130,24 @@ def stability_study(
     return StabilityStudy(case, modes, found, chosen)
 
 
+def with_contact_effects(
+    study: StabilityStudy, speeds_kmh: Sequence[float], run_speed_kmh: float, *, progress: Progress | None = None
+) -> StabilityStudy:
+    """The study with what the contact model changes, on the case's own support and on the catalogue's of the other kind.
+
+    Args:
+        study: of the case.
+        speeds_kmh: range in which critical speeds are looked for [km/h].
+        run_speed_kmh: speed of the runs [km/h].
+        progress: called with the fraction done and a short text.
+    """
+    own = study.case.support.data.kind
+    other, support = COUNTERPART[own]
+    cases = {own: study.case, other: study.case.with_changes({"support.use": support})}
+    effects = contact_effects(cases, speeds_kmh, run_speed_kmh, progress=progress)
+    return replace(study, effects=tuple(effects))
+
+
 def cycle_speeds(speeds_kmh: Sequence[float]) -> list[float]:
     """Speeds at which runs are made: the first, the last and at most 18 between them, as even as the list allows."""
     picks = np.unique(
@@ -155,7 +176,11 @@ def write_study(study: StabilityStudy, out: str | Path) -> list[Path]:
         written.append(write_rows(folder / "limit_cycles.csv", cycle_rows(cycles)))
     for name, image in figures.items():
         written.append(write_text(folder / f"{name}.svg", image.decode()))
+    if study.effects:
+        written.append(write_rows(folder / "contact_effects.csv", effect_rows(study.effects)))
     page = report_page(study.case.name, study.modes, study.cycles, cycles, study.settings, figures)
+    if study.effects:
+        page.sections.insert(-1, effects_section(study.effects, study.settings.disturbance))
     return [*written, write_text(folder / "report.html", render(page))]
 
 
