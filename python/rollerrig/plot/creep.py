@@ -9,15 +9,15 @@ from matplotlib.figure import Figure
 
 from rollerrig.plot.style import COLOURS, STYLES, house_style
 
-ROWS = (
-    ("force_x", "longitudinal\n$T_x$ / μN"),
-    ("force_y", "lateral\n$T_y$ / μN"),
-    ("spin_moment", "spin moment\n$M$ / μNc"),
+COLUMNS = (
+    ("force_x", "longitudinal $T_x$ / μN"),
+    ("force_y", "lateral $T_y$ / μN"),
+    ("spin_moment", "spin moment $M$ / μNc"),
 )
 
 
 def creep_figure(comparison: xr.Dataset) -> Figure:
-    """A column per direction of creepage, a row per component; the exact theory as points, each law as a line.
+    """A row per direction of creepage, a column per component; the exact theory as points, each law as a line.
 
     Args:
         comparison: what `compare_laws` returns; its first law is the exact theory.
@@ -26,16 +26,16 @@ def creep_figure(comparison: xr.Dataset) -> Figure:
     directions = [str(name) for name in comparison["direction"].to_numpy()]
     demand = comparison["demand"].to_numpy()
     with house_style():
-        figure = Figure(figsize=(2.3 * len(directions) + 0.6, 6.6), layout="constrained")
+        figure = Figure(figsize=(7.4, 1.55 * len(directions) + 1.0), layout="constrained")
         FigureCanvasAgg(figure)
-        grid = figure.subplots(len(ROWS), len(directions), sharex=True, sharey="row", squeeze=False)
-        for column, direction in enumerate(directions):
-            grid[0][column].set_title(direction, fontsize=9)
+        grid = figure.subplots(len(directions), len(COLUMNS), sharex=True, sharey="col", squeeze=False)
+        for column, (name, label) in enumerate(COLUMNS):
+            grid[0][column].set_title(label, fontsize=10)
             grid[-1][column].set_xlabel("demand [-]")
-            for row, (name, label) in enumerate(ROWS):
+            for row, direction in enumerate(directions):
                 axes = grid[row][column]
                 values = comparison[name].sel(direction=direction)
-                error = comparison["grid_error"].sel(direction=direction).isel(component=row).to_numpy()
+                error = comparison["grid_error"].sel(direction=direction).isel(component=column).to_numpy()
                 for number, law in enumerate(names[1:]):
                     axes.plot(demand, values.sel(law=law), STYLES[number % len(STYLES)], color=COLOURS[number % len(COLOURS)],
                               label=law)  # fmt: skip
@@ -43,10 +43,11 @@ def creep_figure(comparison: xr.Dataset) -> Figure:
                               lw=0.8, label="exact theory", zorder=5)  # fmt: skip
                 axes.set_xscale("log")
                 if column == 0:
-                    axes.set_ylabel(label)
-        _frame_rows(grid, comparison, names[0])
+                    axes.set_ylabel(direction.replace(" and ", "\nand ").replace(" with ", "\nwith ")
+                                    .replace(" against ", "\nagainst "))  # fmt: skip
+        _frame_columns(grid, comparison, names[0])
         handles, labels = grid[0][0].get_legend_handles_labels()
-        figure.legend(handles, labels, loc="outside lower center", ncols=len(labels))
+        figure.legend(handles, labels, loc="outside lower center", ncols=min(4, len(labels)))
         attributes = comparison.attrs
         figure.suptitle(
             f"Creep forces on an ellipse a/b = {attributes['a_over_b']:g}, ν = {attributes['poisson_ratio']:g}; "
@@ -56,10 +57,10 @@ def creep_figure(comparison: xr.Dataset) -> Figure:
     return figure
 
 
-def _frame_rows(grid: np.ndarray, comparison: xr.Dataset, exact: str) -> None:
-    """Rows are as high as what saturates: a law without saturation leaves the picture."""
-    for row, (name, _) in enumerate(ROWS):
+def _frame_columns(grid: np.ndarray, comparison: xr.Dataset, exact: str) -> None:
+    """Columns are as high as what saturates: a law without saturation leaves the picture."""
+    for column, (name, _) in enumerate(COLUMNS):
         values = comparison[name].sel(law=exact).to_numpy()
         low, high = min(values.min(), -0.1), max(values.max(), 0.1)
         margin = 0.25 * (high - low)
-        grid[row][0].set_ylim(low - margin, high + margin)
+        grid[0][column].set_ylim(low - margin, high + margin)
