@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 
 import typer
 
-from rollerrig.cli.ending import LEFT_VALIDITY, say
+from rollerrig.cli.ending import LEFT_VALIDITY, say, stop
 from rollerrig.cli.ranges import check_finite, read_range
 
 
@@ -24,7 +24,7 @@ def command(
     roll_mrad: Annotated[float | None, typer.Option(help="Roll angle to hold [mrad]; free to roll if absent.")] = None,
     plot: Annotated[Path | None, typer.Option(help="Picture of the table (.png or .svg).")] = None,
     compare: Annotated[
-        bool, typer.Option("--compare", help="Every normal contact side by side, with its cost; a row per wheel.")
+        bool, typer.Option("--compare", help="Every normal contact and creep law side by side, with its cost.")
     ] = False,
 ) -> None:
     """Press the leading wheelset down with its axle load and list its contact patches."""
@@ -51,22 +51,36 @@ def command(
     roll = None if roll_mrad is None else 1e-3 * roll_mrad
     places = [(1e-3 * y, 1e-3 * psi) for y, psi in positions]
     if compare:
+        from rollerrig.analysis.contact_creep import compare_creep, creep_csv, creep_text
         from rollerrig.contact_comparison import compare_contacts, comparison_csv, comparison_text
 
+        try:
+            creep = compare_creep(chosen, places, roll=roll)
+        except ValueError as error:
+            stop(error)
         table = compare_contacts(chosen, places, roll=roll)
         typer.echo(comparison_text(table))
+        typer.echo(creep_text(creep))
         typer.echo(write_text(csv, comparison_csv(table)))
+        typer.echo(write_text(_beside(csv), creep_csv(creep)))
     else:
         table = contact_table(chosen, places, roll=roll)
         typer.echo(write_text(csv, contact_csv(table)))
     if plot is not None:
         from rollerrig.plot import figure_bytes
-        from rollerrig.plot.contact import comparison_figure, contact_figure
+        from rollerrig.plot.contact import comparison_figure, contact_figure, creep_comparison_figure
 
         kind: Literal["svg", "png"] = "svg" if plot.suffix.lower() == ".svg" else "png"
         figure = comparison_figure(table) if compare else contact_figure(table)
         typer.echo(write_bytes(plot, figure_bytes(figure, kind)))
+        if compare:
+            typer.echo(write_bytes(_beside(plot), figure_bytes(creep_comparison_figure(creep), kind)))
     if table.attrs["failed_positions"]:
         for line in table.attrs["failed_positions"].splitlines():
             say(f"rollerrig: {chosen.name}: {line}")
         raise typer.Exit(LEFT_VALIDITY)
+
+
+def _beside(path: Path) -> Path:
+    """The file of the creep laws: contact.csv -> contact_creep.csv."""
+    return path.with_name(f"{path.stem}_creep{path.suffix}")

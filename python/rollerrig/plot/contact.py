@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
 import xarray as xr
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from rollerrig.plot.style import COLOURS, MARKERS, STYLES, house_style, legend_above, new_figure
@@ -80,4 +82,43 @@ def comparison_figure(comparison: xr.Dataset, side: str = "left") -> Figure:
         what = f"{comparison.attrs['case']}: {comparison.attrs['wheelset']} under {load:.4g} kN, {side} wheel"
         panels[0].set_title(what, loc="left")
         legend_above(figure, panels[0])
+        return figure
+
+
+def creep_comparison_figure(comparison: xr.Dataset, side: str = "left") -> Figure:
+    """Creep laws side by side over the lateral position, one wheel: a column per normal contact; points: exact solver.
+
+    Args:
+        comparison: what `compare_creep` returns.
+        side: wheel to show.
+    """
+    with house_style():
+        figure = Figure(figsize=(8.4, 6.2), layout="constrained")
+        FigureCanvasAgg(figure)
+        normals = [str(name) for name in comparison["normal"].to_numpy()]
+        grid = figure.subplots(2, len(normals), sharex=True, sharey="row", squeeze=False)
+        lateral = 1e3 * comparison["lateral"].to_numpy()
+        for column, normal in enumerate(normals):
+            shown = comparison.sel(normal=normal, side=side)
+            for axes, name in zip(grid[:, column], ("x", "y"), strict=True):
+                for number, law in enumerate(shown["law"].to_numpy()):
+                    axes.plot(lateral, 100 * shown[f"force_{name}"].sel(law=law), STYLES[number % len(STYLES)],
+                              color=COLOURS[number], label=str(law))  # fmt: skip
+                axes.plot(
+                    lateral, 100 * shown[f"exact_{name}"], "o", color="black", ms=3.5, label="exact solver", zorder=5
+                )
+                axes.set_ylim(-115.0, 115.0)  # a law without saturation leaves the picture
+            grid[0][column].set_title(f"contact.normal = {normal}")
+            grid[1][column].set_xlabel("lateral position [mm], positive to the left")
+        grid[0][0].set_ylabel("longitudinal force\non the wheel [% of μN]")
+        grid[1][0].set_ylabel("lateral force\non the wheel [% of μN]")
+        yaw = 1e3 * comparison["yaw"].to_numpy()
+        turned = f"yaw {yaw[0]:g} mrad" if np.all(yaw == yaw[0]) else f"yaw {yaw.min():g} to {yaw.max():g} mrad"
+        load = 1e-3 * comparison.attrs["load_n"]
+        figure.suptitle(
+            f"{comparison.attrs['case']}: {load:.4g} kN, {turned}, friction {comparison.attrs['friction']:g}, {side} wheel",
+            fontsize=10,
+        )
+        handles, labels = grid[0][0].get_legend_handles_labels()
+        figure.legend(handles, labels, loc="outside lower center", ncols=4)
         return figure

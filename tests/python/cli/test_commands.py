@@ -220,6 +220,9 @@ def test_contact_compares_the_normal_contacts(tmp_path: Path) -> None:
         one, other = (float(found[model, "2", "left"][name]) for model in ("hertz", "strips"))
         assert one == pytest.approx(other, rel=0.06), name
     assert picture.stat().st_size > 5000
+    assert "ns per call" in done.out
+    assert "hertz,exact,0,0,left," in (tmp_path / "contacts_creep.csv").read_text()
+    assert (tmp_path / "contacts_creep.svg").stat().st_size > 5000
 
 
 def test_contact_from_flange_to_flange(tmp_path: Path) -> None:

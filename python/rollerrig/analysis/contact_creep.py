@@ -1,0 +1,228 @@
+"""The creep laws side by side: what each makes of the patches of one wheelset, rolling steadily where it was pressed down.
+
+    Case, positions -> contact_table -> [core: one recorded row per law] -> force of each wheel in mu N, beside the exact solver
+
+Creepages and forces are the core's, as in a run. The wheelset rolls as one body along the track: its speed of rotation is such
+that the longitudinal creepages of its two wheels cancel.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from rollerrig import _core
+from rollerrig.analysis.creep_laws import ASPECTS, creepage_units, seconds_per_call
+from rollerrig.config import Case
+from rollerrig.config.contact_law import CREEP_LAWS
+from rollerrig.config.vehicle import DIRECTIONS
+from rollerrig.contact_comparison import NORMAL_CONTACTS
+from rollerrig.contact_table import contact_table, leading_wheelset
+from rollerrig.creep import creep_law_of
+from rollerrig.model import assemble
+
+Array = NDArray[np.float64]
+
+EXACT_EVERY = 4  # positions; the exact solver takes some 10 ms a patch
+LEAST_SPEED = 1.0  # [m/s]; slower, the viscous friction of standstill mixes in
+SIDES = ("left", "right")
+_FIELDS = tuple(name for name, _, _ in _core.patch_fields)
+
+
+def compare_creep(
+    case: Case, positions: Sequence[tuple[float, float]], *, roll: float | None = None, timed: bool = True
+) -> xr.Dataset:
+    """Tangential forces of every creep law on the leading wheelset, pressed down and rolling at the case's speed.
+
+    Args:
+        case: vehicle, support and contact; `contact.normal` and `contact.creep` are what varies. `polach` takes the case's
+            parameters, or 1 and 1.
+        positions: lateral position [m] and yaw [rad] of the wheelset.
+        roll: roll angle to hold [rad]; None: free to roll.
+        timed: measure `cost` too; a figure of this machine and this moment.
+
+    Returns:
+        Dataset: `force_x`, `force_y` on the wheel [mu N of the wheel], the sum over its patches, over `law`, `normal`,
+        `position`, `side`; `exact_x`, `exact_y`, the exact solver on the same ellipses at every EXACT_EVERY-th position, NaN
+        elsewhere and where a/b leaves its range; `cost` [s] per call over `law`; `lateral` [m], `yaw` [rad] over `position`.
+
+    Raises:
+        ValueError: the case stands still.
+    """
+    if not case.motion.speed >= LEAST_SPEED:
+        raise ValueError(
+            f"{case.name}: motion.speed: {case.motion.speed:g} m/s; creep forces of steady rolling are compared from "
+            f"{LEAST_SPEED:g} m/s"
+        )
+    shape = (len(NORMAL_CONTACTS), len(positions), 2, 2)
+    force, exact = np.full((len(CREEP_LAWS), *shape), np.nan), np.full(shape, np.nan)
+    cost = np.full(len(CREEP_LAWS), np.nan)
+    load = 0.0
+    for n, normal in enumerate(NORMAL_CONTACTS):
+        table = contact_table(case.with_changes({"contact.normal": normal}), positions, roll=roll)
+        load = table.attrs["load_n"]
+        for i, law in enumerate(CREEP_LAWS):
+            chosen = _with_law(case, normal, law)
+            if timed and not n:
+                nu = chosen.contact.material.poisson_ratio
+                cost[i] = seconds_per_call(1.0, nu, creep_law_of(chosen.contact), creepage_units(1.0, nu))
+            rolling = _Rolling(chosen)
+            for j, (lateral, yaw) in enumerate(positions):
+                here = ((table["lateral"] == lateral) & (table["yaw"] == yaw)).to_numpy()
+                if not here.any():
+                    continue
+                rows = table.isel(row=here)
+                wheels = rolling.patches(lateral, yaw, float(rows["roll"][0]), float(rows["height"][0]))
+                for k, patches in enumerate(wheels):
+                    limit = chosen.contact.friction * patches[:, _FIELDS.index("normal")].sum()
+                    if not limit > 0.0:
+                        continue
+                    x, y = (patches[:, _FIELDS.index(f"creep_force_{d}")].sum() for d in "xy")
+                    force[i, n, j, k] = x / limit, y / limit
+                    if not i and not j % EXACT_EVERY:
+                        exact[n, j, k] = _exact(chosen, patches, rows.isel(row=(rows["side"] == SIDES[k]).to_numpy()))
+    over = ("normal", "position", "side")
+    units = {"units": "mu N"}
+    return xr.Dataset(
+        {
+            **{f"force_{d}": (("law", *over), force[..., c], units) for c, d in enumerate("xy")},
+            **{f"exact_{d}": (over, exact[..., c], units) for c, d in enumerate("xy")},
+            "cost": ("law", cost, {"units": "s", "long_name": "processor time per call"}),
+        },
+        {
+            "law": list(CREEP_LAWS),
+            "normal": list(NORMAL_CONTACTS),
+            "side": list(SIDES),
+            "lateral": ("position", [lateral for lateral, _ in positions], {"units": "m"}),
+            "yaw": ("position", [yaw for _, yaw in positions], {"units": "rad"}),
+        },
+        {"case": case.name, "load_n": load, "speed": case.motion.speed, "friction": case.contact.friction},
+    )
+
+
+def creep_errors(comparison: xr.Dataset) -> xr.DataArray:
+    """Length of the difference to the exact force [mu N], over (law, normal, position, side); NaN where it was not solved."""
+    away_x, away_y = (comparison[f"force_{d}"] - comparison[f"exact_{d}"] for d in "xy")
+    error: xr.DataArray = (away_x**2 + away_y**2) ** 0.5
+    return error
+
+
+def creep_text(comparison: xr.Dataset) -> str:
+    """A table for the terminal: per law its error against the exact solver with each normal contact, and its cost."""
+    errors = 100 * creep_errors(comparison)
+    normals = [str(name) for name in comparison["normal"].to_numpy()]
+    head = "".join(f"{f'{name}: mean':>16}{'worst':>8}" for name in normals)
+    lines = ["creep force, off the exact solver [% of mu N]", f"{'law':<18}{head}{'ns per call':>13}"]
+    for law in comparison["law"].to_numpy():
+        cells = ""
+        for name in normals:
+            one = errors.sel(law=law, normal=name)
+            cells += f"{float(one.mean()):>16.1f}{float(one.max()):>8.1f}"
+        seconds = float(comparison["cost"].sel(law=law))
+        lines.append(f"{law!s:<18}{cells}{'-' if np.isnan(seconds) else f'{1e9 * seconds:.0f}':>13}")
+    return "\n".join(lines)
+
+
+def creep_csv(comparison: xr.Dataset) -> str:
+    """One row per normal contact, law, position and wheel, in mm, mrad and % of mu N; the exact solver is the law `exact`."""
+    lines = ["normal_contact,law,lateral_mm,yaw_mrad,side,force_x_percent,force_y_percent,error_percent"]
+    errors = creep_errors(comparison)
+    for n, normal in enumerate(comparison["normal"].to_numpy()):
+        for i, law in enumerate([*comparison["law"].to_numpy(), "exact"]):
+            known = law != "exact"
+            forces = [
+                (comparison[f"force_{d}"][i, n] if known else comparison[f"exact_{d}"][n]).to_numpy() for d in "xy"
+            ]
+            error = errors[i, n].to_numpy() if known else np.zeros_like(forces[0])
+            for j, k in np.ndindex(forces[0].shape):
+                if np.isnan(forces[0][j, k]):
+                    continue
+                place = [1e3 * float(comparison[name][j]) for name in ("lateral", "yaw")]
+                values = [100 * values[j, k] for values in (*forces, error)]
+                texts = ["" if np.isnan(v) else f"{v + 0.0:.6g}" for v in values]
+                lines.append(",".join([str(normal), str(law), *(f"{v + 0.0:.9g}" for v in place), SIDES[k], *texts]))
+    return "\n".join(lines) + "\n"
+
+
+class _Rolling:
+    """A wheelset held in a pose while it rolls, as the core sees it."""
+
+    def __init__(self, case: Case) -> None:
+        self.model = assemble(case)
+        wheelset, *self.contacts = leading_wheelset(self.model)
+        press = _core.WheelsetPress(self.model.core, *self.contacts)
+        self.unloaded = max(press.touch_height(0.0, 0.0, 0.0, 0.0, side) for side in (False, True))
+        self.simulation = _core.Simulation(self.model.core)
+        body = self.model.body_index(wheelset)
+        self.places: dict[str, int] = dict(zip(DIRECTIONS, self.simulation.coordinate_index[body], strict=True))
+        self.rotation = self.simulation.rate_index[body][DIRECTIONS.index("pitch")]
+        # Speeds of wheelset and rollers; the other bodies carry nothing here.
+        self.state: Array = np.array(self.simulation.equilibrium(case.motion.speed, 0.0, [])["x"])
+        self.nothing = np.zeros(self.simulation.quadrature_count)
+
+    def patches(self, lateral: float, yaw: float, roll: float, height: float) -> list[Array]:
+        """Recorded patches of the left and the right wheel, shape (patches, fields)."""
+        pose = {"y": lateral, "z": height + self.unloaded, "roll": roll, "yaw": yaw}
+        state = self.state.copy()
+        for name, value in pose.items():
+            if self.places[name] >= 0:
+                state[self.places[name]] = value
+        found = self._record(state)
+        for _ in range(2):  # the creepage is all but linear in the speed of rotation
+            step = 1e-3 * state[self.rotation]
+            before = _mean_creepage(found)
+            state[self.rotation] += step
+            slope = (_mean_creepage(self._record(state)) - before) / step
+            state[self.rotation] -= step + (before / slope if slope else 0.0)
+            found = self._record(state)
+        return found
+
+    def _record(self, state: Array) -> list[Array]:
+        row = self.simulation.record(0.0, state, self.nothing)
+        model, fields = self.model, len(_FIELDS)
+        start = len(model.bodies) * len(_core.body_fields) + len(model.wheels) * len(_core.wheel_fields)
+        size = _core.patches_recorded * fields
+        wheels = row[start : start + len(model.wheels) * size].reshape(len(model.wheels), -1, fields)
+        return [w[~np.isnan(w[:, 0])] for w in (wheels[self._wheel(contact)] for contact in self.contacts)]
+
+    def _wheel(self, contact: int) -> int:
+        return next(number for number, wheel in enumerate(self.model.wheels) if wheel.contact == contact)
+
+
+def _mean_creepage(wheels: Sequence[Array]) -> float:
+    """Longitudinal, of the wheels that carry load; the patches of a wheel weighted with their loads."""
+    normal, creepage = _FIELDS.index("normal"), _FIELDS.index("creepage_x")
+    means = [w[:, normal] @ w[:, creepage] / w[:, normal].sum() for w in wheels if w[:, normal].sum() > 0.0]
+    return float(np.mean(means)) if means else 0.0
+
+
+def _with_law(case: Case, normal: str, law: str) -> Case:
+    changes: dict[str, Any] = {"contact.normal": normal, "contact.creep": law}
+    if law == "polach" and case.contact.polach is None:
+        changes["contact.polach"] = {"stick_reduction": 1.0, "slip_reduction": 1.0}
+    return case.with_changes(changes)
+
+
+def _exact(case: Case, patches: Array, pressed: xr.Dataset) -> tuple[float, float]:
+    """Force of a wheel by the exact solver, over mu N. A patch that fades is solved at its full load, then scaled."""
+    material, total = case.contact.material, np.zeros(2)
+    normals = patches[:, _FIELDS.index("normal")]
+    for patch, normal in zip(patches, normals, strict=True):
+        value = dict(zip(_FIELDS, patch, strict=True))
+        nearest = int(np.argmin(np.abs(pressed["wheel_abscissa"].to_numpy() - value["wheel_abscissa"])))
+        limit = case.contact.friction * normal / float(pressed["share"][nearest])
+        if not ASPECTS[0] <= value["a"] / value["b"] <= ASPECTS[1]:
+            return np.nan, np.nan
+        c = np.sqrt(value["a"] * value["b"])
+        creepage = np.array([[value["creepage_x"], value["creepage_y"], c * value["creepage_spin"]]])
+        solver = _core.RollingReference(value["a"] / value["b"], material.poisson_ratio, 1.0)
+        answer = solver.solve(creepage * material.shear_modulus * c**2 / limit)[0]
+        if not answer[5]:
+            return np.nan, np.nan
+        total += normal * answer[:2]
+    x, y = total / normals.sum()
+    return float(x), float(y)

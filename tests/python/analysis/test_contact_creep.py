@@ -1,0 +1,79 @@
+"""Creep laws on the patches of a pressed wheelset: against closed forms, symmetry and the exact solver."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from rollerrig import load_case
+from rollerrig.analysis.contact_creep import (
+    _FIELDS,
+    EXACT_EVERY,
+    _Rolling,
+    compare_creep,
+    creep_csv,
+    creep_errors,
+    creep_text,
+)
+from rollerrig.contact_table import contact_table
+from rollerrig.plot import figure_bytes
+from rollerrig.plot.contact import creep_comparison_figure
+
+PLACES = [(1e-3 * y, 2e-3) for y in (-4.0, -2.0, 0.5, 2.0, 4.0)]
+
+
+@pytest.fixture(scope="module")
+def comparison() -> xr.Dataset:
+    return compare_creep(load_case("contact_benchmark_track"), PLACES, timed=False)
+
+
+@pytest.mark.parametrize("name", ["contact_benchmark_track", "contact_benchmark_rollers"])
+def test_creepages_are_those_of_one_body_that_rolls(name: str) -> None:
+    case = load_case(name)
+    pressed = contact_table(case, [(3e-3, 2e-3)])
+    wheels = _Rolling(case).patches(3e-3, 2e-3, float(pressed["roll"][0]), float(pressed["height"][0]))
+    patch = [dict(zip(_FIELDS, wheel[0], strict=True)) for wheel in wheels]
+    assert [len(wheel) for wheel in wheels] == [1, 1]
+    assert [p["normal"] for p in patch] == pytest.approx(pressed["normal"].to_numpy(), rel=1e-9)
+    assert patch[0]["creepage_x"] == pytest.approx(-patch[1]["creepage_x"], rel=1e-6)
+    left, right = pressed["rolling_radius"].to_numpy()
+    angle = patch[0]["contact_angle"]
+    if name.endswith(
+        "track"
+    ):  # over a rail, in closed form; 2 %: yaw times slope, and speed is a mean of both surfaces
+        assert patch[0]["creepage_x"] == pytest.approx((right - left) / (left + right), rel=0.02)
+        assert patch[0]["creepage_spin"] == pytest.approx(-np.sin(angle) / left, rel=0.02)
+    assert patch[0]["creepage_y"] == pytest.approx(-2e-3, rel=0.02)
+
+
+def test_laws_against_the_exact_solver(comparison: xr.Dataset) -> None:
+    errors = creep_errors(comparison)
+    solved = errors.sel(law="table").notnull().any(["normal", "side"]).to_numpy()
+    assert list(np.flatnonzero(solved)) == list(range(0, len(PLACES), EXACT_EVERY))
+    assert float(errors.sel(law="table").max()) < 0.02  # the table law's own bound
+    assert float(errors.sel(law="fastsim").max()) < 0.10
+    assert float(errors.sel(law="kalker_linear").max()) > 0.5  # it does not saturate
+    size = np.hypot(comparison["force_x"], comparison["force_y"]).drop_sel(law="kalker_linear")
+    assert float(size.max()) < 1.0 + 1e-6
+
+
+def test_the_mirror_image_has_mirrored_forces() -> None:
+    case = load_case("contact_benchmark_track")
+    one, other = (compare_creep(case, [(sign * 3e-3, sign * 2e-3)], timed=False) for sign in (1, -1))
+    for name, sign in (("force_x", 1.0), ("force_y", -1.0)):
+        left, right = one[name].sel(side="left"), other[name].sel(side="right")
+        np.testing.assert_allclose(left, sign * right, atol=1e-5)  # of the press, in mu N
+
+
+def test_table_rows_and_picture(comparison: xr.Dataset) -> None:
+    rows = creep_csv(comparison).splitlines()
+    solved = 2  # positions
+    assert len(rows) == 1 + 2 * (6 * len(PLACES) + solved) * 2
+    assert "kalker_saturated" in creep_text(comparison)
+    assert len(figure_bytes(creep_comparison_figure(comparison))) > 5000
+
+
+def test_a_case_that_stands_still_is_refused() -> None:
+    with pytest.raises(ValueError, match=r"motion\.speed"):
+        compare_creep(load_case("contact_benchmark_track").with_changes({"motion.speed": 0.0}), PLACES)
