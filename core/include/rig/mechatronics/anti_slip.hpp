@@ -1,0 +1,64 @@
+// mechatronics/anti_slip.hpp - takes torque off a driven axle that slips, and gives it back.
+//
+//   axle speeds (sampled), train speed it believes in -> slip and acceleration -> factor on the torque demand of each axle
+#pragma once
+#include <array>
+#include <cmath>
+
+namespace rig {
+
+struct AntiSlip {
+  double wheel_radius{0.46};           ///< that the device believes in [m]
+  double reference_acceleration{1.5};  ///< the reference speed rises at most this fast [m/s^2]
+  double slip{0.04};                   ///< relative slip above which torque is taken off [-]
+  double slip_speed{0.15};             ///< and the least such slip as a speed [m/s]
+  double acceleration{3.0};            ///< an axle that gains speed faster loses torque as well [m/s^2]
+  double filter_time{0.04};            ///< of the axles' acceleration [s]
+  double reduction_rate{4.0};          ///< of the factor [1/s]
+  double restoring_rate{0.35};         ///< [1/s]
+  double least_factor{0.05};           ///< [-]
+};
+
+class AntiSlipState {
+ public:
+  static constexpr int most_axles = 8;
+
+  void reset(double speed) {
+    reference_ = speed;
+    for (Axle& axle : axle_) axle = {speed, 0.0, 1.0, false, 0};
+  }
+
+  /// One sample: factors on the torque demand, 0..1.
+  void step(AntiSlip const& p, double const* axle_speed, int axles, double period, double* factor) {
+    double slowest = p.wheel_radius * axle_speed[0];
+    for (int i = 1; i < axles; ++i) slowest = std::fmin(slowest, p.wheel_radius * axle_speed[i]);
+    reference_ = std::fmin(slowest, reference_ + p.reference_acceleration * period);
+    for (int i = 0; i < axles; ++i) {
+      Axle& axle = axle_[static_cast<std::size_t>(i)];
+      double const speed = p.wheel_radius * axle_speed[i];
+      axle.acceleration += period / (p.filter_time + period) * ((speed - axle.speed) / period - axle.acceleration);
+      axle.speed = speed;
+      double const slips_above = std::fmax(p.slip * std::fabs(reference_), p.slip_speed);
+      bool const slips = speed - reference_ > slips_above || axle.acceleration > p.acceleration;
+      axle.interventions += slips && !axle.slips;
+      axle.slips = slips;
+      axle.factor += (slips ? -p.reduction_rate : p.restoring_rate) * period;
+      axle.factor = std::fmin(1.0, std::fmax(p.least_factor, axle.factor));
+      factor[i] = axle.factor;
+    }
+  }
+
+  double reference_speed() const { return reference_; }
+  int interventions(int axle) const { return axle_[static_cast<std::size_t>(axle)].interventions; }
+
+ private:
+  struct Axle {
+    double speed, acceleration, factor;
+    bool slips;
+    int interventions;
+  };
+  std::array<Axle, most_axles> axle_{};
+  double reference_{0.0};
+};
+
+}  // namespace rig

@@ -1,0 +1,72 @@
+// mechatronics/contact_force_estimator.hpp - the tangential force in the contact, from the roller side.
+//
+//   roller speed (measured), torque of its drive -> [estimator] -> force T on the wheel, forward   -> torque C on the axle
+//
+// Signs   W is positive when the roller turns as under a wheel that rolls forward; U positive drives the wheel forward.
+//         J_r W' = U + R T        (C1)     J_w w' = C - r T        (C2)
+// Source  Malvezzi, Pugi et al., roller rig control: T_est = (J_r W' - U)/R, C_est = J_w w' + r T_est.
+#pragma once
+#include <cmath>
+
+namespace rig {
+
+enum class EstimatorKind : int { filtered_derivative, observer };
+
+struct ContactForceEstimator {
+  EstimatorKind kind{EstimatorKind::observer};
+  double bandwidth{2.0 * 3.14159265358979323846 * 20.0};  ///< [rad/s]
+  double damping_ratio{0.8};                              ///< of the observer
+  double roller_inertia{705.0};                           ///< J_r that the controller believes in [kg m^2]
+  double roller_radius{0.725};                            ///< R [m]
+  double wheelset_inertia{112.0};                         ///< J_w [kg m^2]
+  double wheel_radius{0.46};                              ///< r [m]
+};
+
+/// State of the estimator of one axle.
+class ContactForceEstimate {
+ public:
+  void reset(double roller_speed, double wheel_speed, double force) {
+    last_roller_ = roller_ = roller_speed;
+    last_wheel_ = wheel_ = wheel_speed;
+    force_ = force;
+    wheel_rate_ = 0.0;
+  }
+
+  /// One sample.
+  ///
+  /// @param roller_speed, wheel_speed  measured [rad/s]
+  /// @param roller_torque              that acted since the last sample [N m]
+  void step(ContactForceEstimator const& p, double roller_speed, double wheel_speed, double roller_torque,
+            double period) {
+    double const low_pass = 1.0 - std::exp(-p.bandwidth * period);
+    if (p.kind == EstimatorKind::filtered_derivative) {
+      double const rate = (roller_speed - last_roller_) / period;
+      force_ += low_pass * ((p.roller_inertia * rate - roller_torque) / p.roller_radius - force_);
+    } else {
+      // Luenberger observer of (W, T) with T' = 0, both poles at the bandwidth, discretised exactly in its prediction.
+      double const predicted = roller_ + period * (roller_torque + p.roller_radius * force_) / p.roller_inertia;
+      double const error = roller_speed - predicted;
+      double const w = p.bandwidth * period;
+      double const l1 = 1.0 - std::exp(-2.0 * p.damping_ratio * w);
+      double const root = std::sqrt(std::fabs(1.0 - p.damping_ratio * p.damping_ratio));
+      double const turn = p.damping_ratio < 1.0 ? std::cos(w * root) : std::cosh(w * root);
+      double const l2 = 1.0 + std::exp(-2.0 * p.damping_ratio * w) - 2.0 * std::exp(-p.damping_ratio * w) * turn;
+      roller_ = predicted + l1 * error;
+      force_ += l2 * error * p.roller_inertia / (p.roller_radius * period);
+    }
+    wheel_rate_ += low_pass * ((wheel_speed - last_wheel_) / period - wheel_rate_);
+    last_roller_ = roller_speed;
+    last_wheel_ = wheel_speed;
+  }
+
+  double force() const { return force_; }                     ///< T [N]
+  double axle_torque(ContactForceEstimator const& p) const {  ///< C [N m], (C2)
+    return p.wheelset_inertia * wheel_rate_ + p.wheel_radius * force_;
+  }
+
+ private:
+  double roller_{0.0}, wheel_{0.0}, last_roller_{0.0}, last_wheel_{0.0};
+  double force_{0.0}, wheel_rate_{0.0};
+};
+
+}  // namespace rig

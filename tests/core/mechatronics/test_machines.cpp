@@ -1,0 +1,240 @@
+// Motor, pneumatic brake, wheel slide protection, anti-slip, encoders.
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <numeric>
+#include <vector>
+
+#include "rig/contact/adhesion.hpp"
+#include "rig/contact/cleaned_rail.hpp"
+#include "rig/math/dual.hpp"
+#include "rig/mechatronics/anti_slip.hpp"
+#include "rig/mechatronics/motor.hpp"
+#include "rig/mechatronics/pneumatic_brake.hpp"
+#include "rig/mechatronics/sensor.hpp"
+#include "rig/mechatronics/wheel_slide_protection.hpp"
+
+using namespace rig;
+
+TEST_CASE("falling friction starts at mu0, ends at A mu0, and cleaning leads from one curve to the other") {
+  FallingFriction const curve{0.3, 0.4, 0.2};
+  CHECK(curve.at(0.0) == doctest::Approx(0.3).epsilon(1e-14));
+  CHECK(curve.at(1e3) == doctest::Approx(0.12).epsilon(1e-14));
+  CHECK(curve.at(5.0) == doctest::Approx(0.3 * (0.6 * std::exp(-1.0) + 0.4)).epsilon(1e-14));
+  RailAdhesion const rail{{0.06, 0.4, 0.2}, {0.28, 0.4, 0.6}, 1.9e-4};
+  CHECK(rail.friction(2.0, 0.0) == doctest::Approx(rail.degraded.at(2.0)).epsilon(1e-14));
+  CHECK(rail.friction(2.0, 1e6) == doctest::Approx(rail.recovered.at(2.0)).epsilon(1e-14));
+  double const half = std::log(2.0) / rail.cleaning;
+  CHECK(rail.friction(2.0, half) ==
+        doctest::Approx(0.5 * (rail.degraded.at(2.0) + rail.recovered.at(2.0))).epsilon(1e-14));
+}
+
+TEST_CASE("adhesion changes from piece to piece, smoothly where asked") {
+  AdhesionMap map;
+  map.piece = {{{0.3}, {0.3}}, {{0.05}, {0.05}}, {{0.2}, {0.2}}};
+  map.from = {100.0, 200.0};
+  CHECK(map.friction(99.9, 1.0, 0.0) == 0.3);
+  CHECK(map.friction(100.0, 1.0, 0.0) == 0.05);
+  CHECK(map.friction(250.0, 1.0, 0.0) == 0.2);
+  map.blend = 4.0;
+  CHECK(map.friction(100.0, 1.0, 0.0) == doctest::Approx(0.3).epsilon(1e-12));
+  CHECK(map.friction(102.0, 1.0, 0.0) == doctest::Approx(0.175).epsilon(1e-12));
+  CHECK(map.friction(104.0, 1.0, 0.0) == doctest::Approx(0.05).epsilon(1e-12));
+  auto const slope = map.friction(Dual<1>::variable(101.0, 0), Dual<1>(1.0), Dual<1>(0.0)).d[0];
+  CHECK(slope ==
+        doctest::Approx((map.friction(101.001, 1.0, 0.0) - map.friction(100.999, 1.0, 0.0)) / 0.002).epsilon(1e-6));
+}
+
+TEST_CASE("a cleaned rail remembers each wheel's energy once, however small the steps") {
+  auto const pass = [](double step) {
+    CleanedRail rail;
+    rail.reset();
+    for (int k = 0; k * step < 20.0 - 1e-9; ++k) rail.spend(k * step, (k + 1) * step, 7.0);
+    return rail;
+  };
+  for (double step : {0.5, 0.013}) {
+    auto rail = pass(step);
+    for (double s : {1.0, 7.3, 19.0}) CHECK(rail.at(s) == doctest::Approx(7.0).epsilon(1e-9));
+    CHECK(rail.at(25.0) == 0.0);
+    rail.spend(3.0, 9.0, 2.0);  // a following wheel
+    CHECK(rail.at(5.0) == doctest::Approx(9.0).epsilon(1e-9));
+    CHECK(rail.at(12.0) == doctest::Approx(7.0).epsilon(1e-9));
+    rail.spend(20.0, 200.0, 1.0);  // far ahead: what is forgotten reads as untouched
+    CHECK(rail.at(5.0) == 0.0);
+  }
+}
+
+TEST_CASE("a motor stays within its envelope and follows with its bandwidth") {
+  Motor const motor{{{0.0, 100.0, 200.0}, {8000.0, 8000.0, 4000.0}}, 50.0, 0.0};
+  CHECK(motor.within_envelope(1e5, 50.0) == 8000.0);
+  CHECK(motor.within_envelope(-1e5, -150.0) == -6000.0);
+  CHECK(motor.within_envelope(1e5, 400.0) == 0.0);  // beyond the last point the line goes on, never below nothing
+  CHECK(motor.within_envelope(10.0, 150.0) == 10.0);
+  double torque = 0.0, rate = 0.0;
+  double const h = 1e-5;
+  for (int k = 0; k < 2000; ++k) {
+    motor.rates(&torque, 5000.0, 10.0, &rate);
+    torque += h * rate;
+  }
+  CHECK(torque ==
+        doctest::Approx(5000.0 * (1 - std::exp(-1.0))).epsilon(1e-3));  // Euler: half a step of 1e-5 s in 20 ms
+}
+
+TEST_CASE("a second-order torque loop overshoots as its damping says") {
+  Motor const motor{{}, 100.0, 0.5};
+  double state[2] = {0.0, 0.0}, rate[2];
+  double largest = 0.0;
+  double const h = 1e-5;
+  for (int k = 0; k < 10000; ++k) {
+    motor.rates(state, 1000.0, 0.0, rate);
+    state[1] += h * rate[1];
+    state[0] += h * state[1];
+    largest = std::max(largest, state[0]);
+  }
+  double const overshoot = std::exp(-pi * 0.5 / std::sqrt(1 - 0.25));
+  CHECK(largest == doctest::Approx(1000.0 * (1 + overshoot)).epsilon(1e-3));
+}
+
+TEST_CASE("orifice flow is choked, falls, and ends at equal pressures with a finite slope") {
+  CHECK(orifice_flow(0.1) == doctest::Approx(1.0).epsilon(1e-12));
+  CHECK(orifice_flow(0.39) == doctest::Approx(1.0).epsilon(1e-12));
+  CHECK(orifice_flow(0.7) == doctest::Approx(std::sqrt(0.75)).epsilon(1e-2));  // the rounding of its end
+  CHECK(orifice_flow(1.0) == doctest::Approx(0.0).epsilon(1e-12));
+  auto const slope = orifice_flow(Dual<1>::variable(1.0, 0)).d[0];
+  CHECK(std::isfinite(slope));
+  CHECK(slope < 0.0);
+}
+
+TEST_CASE("a cylinder fills to the demand, holds, vents to nothing, and its torque opposes the turning") {
+  PneumaticBrake const brake;
+  double state[2] = {0.0, 0.0}, rate[2], inflow = 0.0, filled = 0.0;
+  double const h = 1e-3;
+  auto const run = [&](double seconds, DumpValve valve) {
+    for (int k = 0; k < static_cast<int>(seconds / h); ++k) {
+      brake.rates(state, 3.8e5, valve, rate, inflow);
+      state[0] += h * rate[0], state[1] += h * rate[1], filled += h * inflow;
+    }
+  };
+  run(6.0, DumpValve::fill);
+  CHECK(state[1] == doctest::Approx(3.8e5).epsilon(1e-3));
+  CHECK(filled == doctest::Approx(state[1]).epsilon(1e-9));
+  CHECK(brake.torque(state[1], 50.0) < -5000.0);
+  CHECK(brake.torque(state[1], -50.0) == doctest::Approx(-brake.torque(state[1], 50.0)).epsilon(1e-12));
+  CHECK(brake.torque(state[1], 0.0) == 0.0);
+  double const held = state[1];
+  run(1.0, DumpValve::hold);
+  CHECK(state[1] == held);
+  run(3.0, DumpValve::vent);
+  CHECK(std::abs(state[1]) < 2e3);
+  CHECK(brake.torque(0.0, 50.0) == 0.0);
+}
+
+TEST_CASE("wheel slide protection vents a sliding axle, refills it, and lets a gripping one alone") {
+  WheelSlideProtection const p;
+  WheelSlideProtectionState device;
+  device.reset(30.0);
+  double const period = 5e-3;
+  DumpValve valve[2];
+  double slow = 30.0, train = 30.0;
+  for (int k = 0; k < 100; ++k) {  // axle 1 locks up at 10 m/s^2, axle 0 follows the train
+    train -= 1.0 * period, slow -= 10.0 * period;
+    double const speeds[] = {train / p.wheel_radius, slow / p.wheel_radius};
+    device.step(p, speeds, 2, period, valve);
+    CHECK(valve[0] == DumpValve::fill);
+  }
+  CHECK(valve[1] == DumpValve::vent);
+  CHECK(device.cycles(1) == 1);
+  while (slow < train) {  // it regains speed: nothing is filled before it has
+    train -= 1.0 * period, slow += 5.0 * period;
+    double const speeds[] = {train / p.wheel_radius, slow / p.wheel_radius};
+    device.step(p, speeds, 2, period, valve);
+  }
+  int open = 0;
+  for (int k = 0; k < 200; ++k) {
+    train -= 1.0 * period;
+    double const speeds[] = {train / p.wheel_radius, train / p.wheel_radius};
+    device.step(p, speeds, 2, period, valve);
+    open += valve[1] == DumpValve::fill;
+    CHECK(valve[1] != DumpValve::vent);
+  }
+  CHECK(open > 40);  // filled in steps: 60 ms of every 200 ms
+  CHECK(open < 80);
+}
+
+TEST_CASE("the watchdog fills after the longest vent, and everything fills near standstill") {
+  WheelSlideProtection const p;
+  WheelSlideProtectionState device;
+  device.reset(40.0);
+  double const period = 1e-2;
+  DumpValve valve[2];
+  double train = 40.0;
+  bool refilled = false;
+  for (int k = 0; k < 600; ++k) {
+    train -= 1.0 * period;
+    double const speeds[] = {train / p.wheel_radius, 0.0};
+    device.step(p, speeds, 2, period, valve);
+    refilled = refilled || (k > 300 && valve[1] == DumpValve::fill);
+  }
+  CHECK(refilled);
+  double const creep[] = {1.0 / p.wheel_radius, 0.0};
+  for (int k = 0; k < 3000; ++k) device.step(p, creep, 2, period, valve);
+  CHECK(valve[1] == DumpValve::fill);
+}
+
+TEST_CASE("anti-slip takes torque off the slipping axle and gives it back") {
+  AntiSlip const p;
+  AntiSlipState device;
+  device.reset(5.0);
+  double const period = 5e-3;
+  double factor[2];
+  for (int k = 0; k < 40; ++k) {
+    double const speeds[] = {5.0 / p.wheel_radius, (5.0 + 0.05 * k) / p.wheel_radius};
+    device.step(p, speeds, 2, period, factor);
+  }
+  CHECK(factor[0] == 1.0);
+  CHECK(factor[1] < 0.5);
+  for (int k = 0; k < 2000; ++k) {
+    double const speeds[] = {5.0 / p.wheel_radius, 5.0 / p.wheel_radius};
+    device.step(p, speeds, 2, period, factor);
+  }
+  CHECK(factor[1] == 1.0);
+  CHECK(device.interventions(0) == 0);
+  CHECK(device.interventions(1) >= 1);
+}
+
+TEST_CASE("an encoder's speed is right on average, quantised in steps, and repeats with its seed") {
+  Encoder const encoder{1000.0, 0.2, 4};
+  double const period = 1e-3, speed = 37.3;
+  auto const read = [&](std::uint64_t seed) {
+    EncoderReading reading;
+    reading.reset(0.0, speed);
+    std::vector<double> out;
+    for (int k = 0; k <= 4000; ++k) out.push_back(reading.step(encoder, speed * k * period, speed, period, seed));
+    return out;
+  };
+  auto const a = read(1);
+  CHECK(a == read(1));
+  CHECK(a != read(2));
+  double const quantum = 2 * pi / (encoder.counts_per_turn * encoder.window * period);
+  double sum = 0.0;
+  for (std::size_t k = 10; k < a.size(); ++k) {
+    sum += a[k];
+    CHECK(std::abs(a[k] - speed) < 3 * quantum);
+    CHECK(std::abs(a[k] / quantum - std::round(a[k] / quantum)) < 1e-6);
+  }
+  CHECK(sum / static_cast<double>(a.size() - 10) == doctest::Approx(speed).epsilon(1e-3));
+  EncoderReading ideal;
+  ideal.reset(0.0, 0.0);
+  CHECK(ideal.step({0.0, 0.0, 1}, 1.0, 12.5, period, 0) == 12.5);
+}
+
+TEST_CASE("noise has mean 0 and deviation 1") {
+  double sum = 0.0, squares = 0.0;
+  int const n = 100000;
+  for (int k = 0; k < n; ++k) {
+    double const x = normal_number(42, static_cast<std::uint64_t>(k));
+    sum += x, squares += x * x;
+  }
+  CHECK(std::abs(sum / n) < 4 / std::sqrt(n));  // four standard errors
+  CHECK(squares / n == doctest::Approx(1.0).epsilon(4 * std::sqrt(2.0 / n)));
+}
