@@ -129,6 +129,17 @@ int add_contact(Model& m, int wheelset, int roller, bool rail, double along, boo
   return static_cast<int>(m.contacts.size()) - 1;
 }
 
+int add_adhesion_map(Model& m, std::vector<std::array<double, 7>> const& pieces, std::vector<double> const& from,
+                     double blend, bool over_time) {
+  AdhesionMap map;
+  map.piece.clear();
+  for (auto const& p : pieces) map.piece.push_back({{p[0], p[1], p[2]}, {p[3], p[4], p[5]}, p[6]});
+  map.from = from, map.blend = blend, map.over_time = over_time;
+  if (map.piece.size() != from.size() + 1) throw nb::value_error("one border less than pieces");
+  m.adhesion_maps.push_back(std::move(map));
+  return static_cast<int>(m.adhesion_maps.size()) - 1;
+}
+
 std::tuple<std::vector<double>, double> preloads(Model const& m) {
   double worst = 0.0;
   auto values = static_preloads(m.bodies, m.elements, m.gravity, worst);
@@ -168,6 +179,20 @@ void bind_model(nb::module_& m) {
       .def(
           "set_speed", [](Model& model, Rows2 const& table) { model.speed = {piecewise(table)}; }, "table"_a)
       .def("static_preloads", &preloads, "Vertical preload per element [N], and the worst remaining imbalance.")
+      .def("add_adhesion_map", &add_adhesion_map, "pieces"_a, "from_"_a, "blend"_a, "over_time"_a,
+           "Rows of pieces: mu0, A, B degraded, mu0, A, B recovered, tau.")
+      .def(
+          "set_friction_map",
+          [](Model& model, int contact, int map) {
+            element_at(model.contacts, contact).laws.friction.map = &element_at(model.adhesion_maps, map);
+          },
+          "contact"_a, "map"_a)
+      .def(
+          "set_resistance",
+          [](Model& model, int body, double constant, double linear, double quadratic, double gradient) {
+            model.resistance = {body, constant, linear, quadratic, gradient};
+          },
+          "body"_a, "constant"_a, "linear"_a, "quadratic"_a, "gradient"_a)
       .def_rw("gravity", &Model::gravity)
       .def_rw("contact_loss_limit", &Model::contact_loss_limit);
 }

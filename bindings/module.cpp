@@ -6,10 +6,12 @@ namespace nb = nanobind;
 void bind_model(nb::module_& m);
 void bind_contact(nb::module_& m);
 void bind_simulation(nb::module_& m);
+void bind_bench(nb::module_& m);
 
 NB_MODULE(_core, m) {
   m.doc() = "Compiled core of rollerrig: model, contact, simulation. SI units throughout.";
   bind_model(m);
   bind_contact(m);
   bind_simulation(m);
+  bind_bench(m);
 }

@@ -69,12 +69,14 @@ Dynamics::Dynamics(Model const& model) : model_(&model), map_(model) {
       if (wheel.at(s).value > wheel.at(tip).value) tip = s;
     flange_tip_.push_back(wheel.at(tip).value > 0.015 ? tip : wheel.start - 1.0);
     on_rails_ = on_rails_ || c.rail;
+    has_adhesion_maps_ = has_adhesion_maps_ || c.laws.friction.map != nullptr;
     foremost_wheel_ = std::max(foremost_wheel_, c.along);
   }
   for (auto const& b : model.bodies) {
     rear_ = std::min(rear_, b.position.x);
     front_ = std::max(front_, b.position.x);
   }
+  brake_torque_.assign(model.brakes.size(), 0.0);
   evaluated_.assign(at(map_.states()), 0.0);
   plan_sweeps();
 }
@@ -116,16 +118,24 @@ void Dynamics::unpack(double const* x) {
   std::copy_n(node, map_.nodes, work_.node.begin());
 }
 
+template <Scalar T>
+Travel<T> Dynamics::travel_now(T const& t) const {
+  if (!inputs.travels) return travel_at(model_->speed, model_->start, t);
+  T const since = t - inputs.speed.time;
+  T const speed = inputs.speed.at(t);
+  return {inputs.distance + 0.5 * since * (inputs.speed.value + speed), speed, T(inputs.speed.slope)};
+}
+
 /// Where the track has brought everything at this time; knows nothing of the state.
 template <Scalar T>
 void Dynamics::place(Workspace<T>& w, T const& t) const {
   Model const& model = *model_;
   bool const has_line = on_rails_ && !model.line.empty();
-  if (!has_line && model.irregularity.empty()) {
+  if (!has_line && model.irregularity.empty() && !has_adhesion_maps_ && !inputs.travels) {
     w.travel = {T(0.0), model.speed.at(t), T(model.speed.rate(value_of(t)))};
     return;
   }
-  w.travel = travel_at(model.speed, model.start, t);
+  w.travel = travel_now(t);
   double const s = value_of(w.travel.s);
   w.curved = has_line && !model.line.straight(s + rear_, s + front_);
   if (w.curved)
@@ -209,6 +219,10 @@ ContactPlacement<T> Dynamics::placement(int index, Workspace<T> const& w) const 
                   w.travel.speed);
   }
   if (contact.right) mirror(p);
+  if (contact.laws.friction.map != nullptr) {
+    p.motion.place = w.travel.s + contact.along;
+    p.motion.spent = inputs.spent.empty() ? 0.0 : inputs.spent[at(index)];
+  }
   return p;
 }
 
@@ -254,6 +268,7 @@ void Dynamics::apply_contact(Workspace<T>& w, T const& t, int index) {
     force = placed.R * force;
     on_wheelset = placed.R * on_wheelset;
   }
+  if constexpr (std::same_as<T, double>) longitudinal_force_ += force.x;
   auto& wheelset = w.wrench[at(contact.wheelset)];
   wheelset.force += force;
   wheelset.moment += on_wheelset;
@@ -284,6 +299,67 @@ Vec3<T> Dynamics::carried_wrench(Workspace<T>& w, std::size_t b) const {
   return gyroscopic;
 }
 
+/// Motors and brakes on axles, drives of rollers.
+template <Scalar T>
+void Dynamics::apply_torques(Workspace<T>& w, T const& t) {
+  Model const& model = *model_;
+  auto const& motion = w.curved ? w.common : w.motion;
+  auto& wrench = w.curved ? w.common_wrench : w.wrench;
+  for (std::size_t i = 0; i < model.axle_torques.size(); ++i) {
+    auto const& torque = model.axle_torques[i];
+    auto const& wheelset = motion[at(torque.wheelset)];
+    T c = torque.torque.at(t);
+    if (!inputs.axle_torque.empty()) c = c + inputs.axle_torque[i].at(t);
+    Vec3<T> const moment = c * wheelset.R.ey;
+    wrench[at(torque.wheelset)].moment += moment;
+    w.power[work_of_torque] += dot(moment, wheelset.omega);
+    if (torque.reaction == ground) continue;
+    wrench[at(torque.reaction)].moment -= moment;
+    w.power[work_of_torque] -= dot(moment, motion[at(torque.reaction)].omega);
+  }
+  for (std::size_t i = 0; i < model.roller_torques.size(); ++i) {
+    auto const& torque = model.roller_torques[i];
+    auto const& roller = w.motion[at(torque.roller)];
+    T c = torque.torque.at(t);
+    if (!inputs.roller_torque.empty()) c = c + inputs.roller_torque[i].at(t);
+    Vec3<T> const moment = -(c * roller.R.ey);
+    w.wrench[at(torque.roller)].moment += moment;
+    w.power[work_of_drive] += dot(moment, roller.omega);
+  }
+  for (std::size_t i = 0; i < model.brakes.size() && !inputs.cylinder.empty(); ++i) {
+    AxleBrake const& brake = model.brakes[i];
+    auto const& wheelset = motion[at(brake.wheelset)];
+    T turning = dot(wheelset.R.ey, wheelset.omega);
+    if (brake.reaction != ground) turning = turning - dot(wheelset.R.ey, motion[at(brake.reaction)].omega);
+    T const c = brake.brake.torque(inputs.cylinder[i].at(t), turning);
+    Vec3<T> const moment = c * wheelset.R.ey;
+    wrench[at(brake.wheelset)].moment += moment;
+    if (brake.reaction != ground) wrench[at(brake.reaction)].moment -= moment;
+    w.power[dissipated_brakes] -= c * turning;
+    if constexpr (std::same_as<T, double>) brake_torque_[i] = c;
+  }
+}
+
+template <Scalar T>
+void Dynamics::apply_resistance(Workspace<T>& w) {
+  auto const& r = model_->resistance;
+  if (r.body != ground) {
+    auto& wrench = w.wrench[at(r.body)];
+    auto const& m = w.motion[at(r.body)];
+    T const force = r.force(w.travel.speed + m.v.x);
+    wrench.force.x -= force;
+    w.power[work_of_drive] -= force * m.v.x;
+  }
+  if (r.gradient == 0.0) return;
+  for (std::size_t b = 0; b < model_->bodies.size(); ++b) {
+    Body const& body = model_->bodies[b];
+    if (!body.carried || !on_rails_) continue;
+    double const force = body.mass * model_->gravity * r.gradient;
+    w.wrench[b].force.x -= T(force);
+    w.power[work_of_drive] -= force * w.motion[b].v.x;
+  }
+}
+
 /// Everything that pushes, then Newton and Euler. With a sweep, only what its seeds touch.
 template <Scalar T>
 void Dynamics::evaluate_forces(Workspace<T>& w, T const& t, Sweep const* sweep) {
@@ -292,6 +368,7 @@ void Dynamics::evaluate_forces(Workspace<T>& w, T const& t, Sweep const* sweep) 
   auto const wanted_body = [&](std::size_t b) { return !sweep || sweep->affected_body[b]; };
 
   w.power.fill(T(0.0));
+  if constexpr (std::same_as<T, double>) longitudinal_force_ = 0.0;
   for (std::size_t b = 0; b < model.bodies.size(); ++b) {
     if (!wanted_body(b)) continue;
     w.wrench[b] = {};
@@ -305,24 +382,8 @@ void Dynamics::evaluate_forces(Workspace<T>& w, T const& t, Sweep const* sweep) 
     if (!sweep || sweep->touched_element[at(i)]) apply_element(w, i);
   for (int i = 0; i < static_cast<int>(model.contacts.size()); ++i)
     if (!sweep || sweep->touched_contact[at(i)]) apply_contact(w, t, i);
-  auto const& motion = w.curved ? w.common : w.motion;
-  auto& wrench = w.curved ? w.common_wrench : w.wrench;
-  for (auto const& torque : model.axle_torques) {
-    auto const& wheelset = motion[at(torque.wheelset)];
-    T const c = torque.torque.at(t);
-    Vec3<T> const moment = c * wheelset.R.ey;
-    wrench[at(torque.wheelset)].moment += moment;
-    w.power[work_of_torque] += dot(moment, wheelset.omega);
-    if (torque.reaction == ground) continue;
-    wrench[at(torque.reaction)].moment -= moment;
-    w.power[work_of_torque] -= dot(moment, motion[at(torque.reaction)].omega);
-  }
-  for (auto const& torque : model.roller_torques) {
-    auto const& roller = w.motion[at(torque.roller)];
-    Vec3<T> const moment = -(torque.torque.at(t) * roller.R.ey);
-    w.wrench[at(torque.roller)].moment += moment;
-    w.power[work_of_drive] += dot(moment, roller.omega);
-  }
+  apply_torques(w, t);
+  apply_resistance(w);
   for (std::size_t b = 0; b < model.bodies.size(); ++b) {
     if (!wanted_body(b)) continue;
     Body const& body = model.bodies[b];

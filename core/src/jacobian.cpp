@@ -97,6 +97,8 @@ void Dynamics::plan_sweeps() {
     // Torques are few: they are evaluated in every sweep, for all bodies they act on.
     for (auto const& t : model.axle_torques) affect(t.wheelset), affect(t.reaction);
     for (auto const& t : model.roller_torques) affect(t.roller);
+    for (auto const& brake : model.brakes) affect(brake.wheelset), affect(brake.reaction);
+    affect(model.resistance.body);
   };
   for (Sweep& sweep : sweeps_) mark(sweep, false);
   mark(time_sweep_, true);
@@ -170,7 +172,8 @@ void Dynamics::time_derivative(double t, JacobianData& j) {
   j.g_t.setZero();
   auto const moves = [t](auto const& torque) { return torque.torque.rate(t) != 0.0; };
   bool const moving = model_->speed.rate(t) != 0.0 || std::ranges::any_of(model_->axle_torques, moves) ||
-                      std::ranges::any_of(model_->roller_torques, moves);
+                      std::ranges::any_of(model_->roller_torques, moves) || inputs.travels ||
+                      !inputs.axle_torque.empty() || !inputs.roller_torque.empty() || !inputs.cylinder.empty();
   bool const track_passes = work_.curved || !model_->irregularity.empty();
   if (!moving && !track_passes) return;
   place(dual_, JacobianDual::variable(t, 0));

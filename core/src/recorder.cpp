@@ -91,6 +91,7 @@ constexpr Field run_table[] = {
     {"dissipated_elements", "J", "heat in the force elements' dampers"},
     {"dissipated_normal", "J", "heat in the normal damping of the contacts"},
     {"dissipated_creep", "J", "heat of creep and sliding in the contacts"},
+    {"dissipated_brakes", "J", "heat in the friction brakes"},
     {"stored_contacts", "J", "work done against the contacts' elastic normal force"},
     {"distance", "m", "arc length of the vehicle's reference point along the line; on a rig the distance simulated"},
     {"curvature", "1/m", "plan curvature of the line there, positive to the left"},

@@ -35,6 +35,7 @@ _RUN_NAMES = {
     "dissipated_elements": "energy_dissipated_elements",
     "dissipated_normal": "energy_dissipated_normal",
     "dissipated_creep": "energy_dissipated_creep",
+    "dissipated_brakes": "energy_dissipated_brakes",
     "stored_contacts": "energy_stored_contacts",
 }
 

@@ -16,7 +16,12 @@ WORK_IN = ("energy_work_of_drive", "energy_work_of_torque")
 STORED = ("energy_kinetic", "energy_gravity", "energy_elements", "energy_stored_contacts")
 """Accounts of energy held; only their change counts [J]."""
 
-DISSIPATED = ("energy_dissipated_elements", "energy_dissipated_normal", "energy_dissipated_creep")
+DISSIPATED = (
+    "energy_dissipated_elements",
+    "energy_dissipated_normal",
+    "energy_dissipated_creep",
+    "energy_dissipated_brakes",
+)
 """Accounts of heat since the start [J]."""
 
 

@@ -1,24 +1,28 @@
 // contact/friction.hpp - the friction coefficient of one contact.
 #pragma once
-#include "rig/scalar.hpp"
+#include "rig/contact/adhesion.hpp"
 
 namespace rig {
 
-/// Friction that may fall with the slip velocity w:
+/// Friction that may fall with the slip velocity w, one for the whole run:
 ///
 ///     mu(w) = mu_0 ((1 - A) exp(-B w) + A)
 ///
-/// Source: Polach, Wear 258 (2005). A = 1: Coulomb. Time and place along the rail are there for laws that depend on them.
+/// or what a map says of the place, the time, the slip and the energy spent there.
+/// Source: Polach, Wear 258 (2005). A = 1: Coulomb.
 struct Friction {
-  double coefficient{0.3};  ///< mu_0, the largest [-]
-  double ratio{1.0};        ///< A, what is left at high slip velocity over mu_0 [-]
-  double decay{0.0};        ///< B [s/m]
+  double coefficient{0.3};          ///< mu_0, the largest [-]
+  double ratio{1.0};                ///< A, what is left at high slip velocity over mu_0 [-]
+  double decay{0.0};                ///< B [s/m]
+  AdhesionMap const* map{nullptr};  ///< in place of them, contact/adhesion.hpp
 
+  /// @param place            distance along the rail [m]
+  /// @param energy_per_area  spent on this piece of rail, by the wheels ahead and by this one [J/m^2]
   template <Scalar T>
-  T operator()(T const& /*time*/, T const& /*position*/, T const& slip_speed) const {
-    using std::exp;
+  T operator()(T const& time, T const& place, T const& slip_speed, double energy_per_area) const {
+    if (map != nullptr) return map->friction(map->over_time ? time : place, slip_speed, T(energy_per_area));
     if (ratio == 1.0) return T(coefficient);
-    return coefficient * ((1.0 - ratio) * exp(-(decay * slip_speed)) + ratio);
+    return FallingFriction{coefficient, ratio, decay}.at(slip_speed);
   }
 };
 

@@ -45,6 +45,8 @@ struct ContactMotion {
   Vec3<T> omega_wheel;   ///< its angular velocity incl. spin [rad/s]
   Vec3<T> v_roller;      ///< velocity of the roller's material point at the origin of b [m/s]
   Vec3<T> omega_roller;  ///< its angular velocity incl. spin [rad/s]
+  T place{0.0};          ///< of the contact along the rail [m]
+  double spent{0.0};     ///< energy per area that wheels have spent there [J/m^2]
 };
 
 template <Scalar T>
@@ -144,7 +146,7 @@ Patch<T> patch_carried(ContactLaws const& laws, ContactPoint<T> const& point, Re
                     patch.spin_rate * inverse_speed};  // (21)
 
   T const slip = sqrt(square(patch.slip_longitudinal) + square(patch.slip_lateral) + 1e-20);
-  T const adhesion = laws.friction(time, point.p.x, slip) * load + 1e-9;
+  T const adhesion = laws.friction(time, motion.place, slip, motion.spent) * load + 1e-9;
   T const direction = patch.rolling_speed * inverse_speed;
   auto const stiffness = kalker_stiffness(laws.kalker->at(patch.hertz.log_aspect), laws.material.shear_modulus, patch.a,
                                           patch.b, direction);  // (22)

@@ -13,6 +13,7 @@
 #include "rig/geometry/search.hpp"
 #include "rig/math/dual.hpp"
 #include "rig/system/contact_placement.hpp"
+#include "rig/system/inputs.hpp"
 #include "rig/system/model.hpp"
 
 namespace rig {
@@ -100,6 +101,7 @@ class Dynamics {
     for (auto const& search : search_) sum += search.node_evaluations();
     return sum;
   }
+  Inputs inputs;                  ///< call forget() after a change
   bool exhaustive_search{false};  ///< look at every cell in every evaluation (verification)
 
   double kinetic_energy() const;
@@ -107,7 +109,11 @@ class Dynamics {
   double element_energy() const;
 
   /// Where the vehicle's reference point is along the line.
-  Travel<double> travel(double t) const { return travel_at(model_->speed, model_->start, t); }
+  Travel<double> travel(double t) const { return travel_now(t); }
+  /// Force of the contacts on the wheels along the running direction, all together, in the last evaluation [N].
+  double longitudinal_contact_force() const { return longitudinal_force_; }
+  /// Torque of a friction brake on its axle in the last evaluation [N m].
+  double brake_torque(int brake) const { return brake_torque_[static_cast<std::size_t>(brake)]; }
   /// Acceleration of a body's centre of mass and 1 g against gravity, along its own axes: what an accelerometer there feels.
   Vec3<double> felt_acceleration(int body) const;
 
@@ -125,6 +131,8 @@ class Dynamics {
   void resize(Workspace<T>& w) const;
   void unpack(double const* x);
   template <Scalar T>
+  Travel<T> travel_now(T const& t) const;
+  template <Scalar T>
   void place(Workspace<T>& w, T const& t) const;
   template <Scalar T>
   void see_from_common(Workspace<T>& w, int body) const;
@@ -137,6 +145,10 @@ class Dynamics {
   void evaluate_forces(Workspace<T>& w, T const& t, Sweep const* sweep);
   template <Scalar T>
   void apply_element(Workspace<T>& w, int index);
+  template <Scalar T>
+  void apply_torques(Workspace<T>& w, T const& t);
+  template <Scalar T>
+  void apply_resistance(Workspace<T>& w);
   template <Scalar T>
   void apply_contact(Workspace<T>& w, T const& t, int index);
   void store_sweep(Sweep const& sweep, JacobianData& j) const;
@@ -157,6 +169,9 @@ class Dynamics {
   std::vector<double> element_force_, element_deflection_;
   std::vector<char> element_rotates_;
   std::vector<double> relaxation_rate_;  ///< k_s / c of each node [1/s]
+  std::vector<double> brake_torque_;
+  double longitudinal_force_{0.0};
+  bool has_adhesion_maps_{false};
   std::vector<double> off_since_;
   std::vector<double> flange_tip_;
   double evaluated_time_{std::numeric_limits<double>::quiet_NaN()};  ///< what work_ belongs to

@@ -11,6 +11,7 @@
 #include "rig/contact/patch.hpp"
 #include "rig/contact/strip_kernel.hpp"
 #include "rig/geometry/interpenetration.hpp"
+#include "rig/mechatronics/pneumatic_brake.hpp"
 #include "rig/track/irregularity.hpp"
 #include "rig/track/line.hpp"
 
@@ -44,12 +45,35 @@ struct RollerTorque {
   TimeTable torque{};  ///< [N m]
 };
 
+/// A friction brake between an axle and the body that carries its callipers or blocks.
+struct AxleBrake {
+  int wheelset{0};
+  int reaction{ground};
+  PneumaticBrake brake{};
+};
+
+/// What resists running: Davis' formula on one body, and the gradient on all that travel.
+struct RunningResistance {
+  int body{ground};       ///< that feels it; ground: nobody
+  double constant{0.0};   ///< [N]
+  double linear{0.0};     ///< [N s/m]
+  double quadratic{0.0};  ///< [N s^2/m^2]
+  double gradient{0.0};   ///< positive uphill [-]
+
+  template <Scalar T>
+  T force(T const& speed) const {
+    return constant + speed * (linear + quadratic * speed);
+  }
+};
+
 struct Model {
   std::vector<Body> bodies;
   std::vector<ForceElement> elements;
   std::vector<WheelContact> contacts;
   std::vector<AxleTorque> axle_torques;
   std::vector<RollerTorque> roller_torques;
+  std::vector<AxleBrake> brakes;
+  RunningResistance resistance{};
   TimeTable speed{};                          ///< running speed V(t) [m/s] of driven rollers (crown speed) and of rails
   double start{0.0};                          ///< arc length of the vehicle's reference point at time 0 [m]
   Line line{};                                ///< curves and cant; empty: straight and level
@@ -61,6 +85,7 @@ struct Model {
   // Shared tables; a deque keeps their addresses.
   std::deque<UniformSpline> profiles;
   std::deque<KalkerTable> kalker_tables;
+  std::deque<AdhesionMap> adhesion_maps;
   std::shared_ptr<HertzTable const> hertz;
   std::shared_ptr<StripKernel const> strip_kernel;
   std::deque<ArcLength> wheel_arcs;
@@ -89,6 +114,7 @@ enum Account : int {
   dissipated_elements,  ///< in suspension dampers
   dissipated_normal,    ///< in the contacts' normal damping
   dissipated_creep,     ///< by creep forces
+  dissipated_brakes,    ///< in friction brakes
   stored_contacts,      ///< work done against the contacts' elastic normal force
   account_count
 };

@@ -1,0 +1,47 @@
+// mechatronics/virtual_rail.hpp - the degraded rail under one axle of the virtual train: longitudinal contact force over slip.
+//
+//   slip, speed, load, place, energy -> [friction map, the case's creep law] -> force on the axle
+//
+// The laws are those of the 3-D contact; what is left out is everything sideways: both wheels of an axle roll centred, on
+// an ellipse that grows with the load as Hertz' does.
+#pragma once
+#include <cmath>
+
+#include "rig/contact/creep_law.hpp"
+#include "rig/contact/friction.hpp"
+
+namespace rig {
+
+struct VirtualRail {
+  CreepLaw creep{};
+  Friction friction{};
+  double wheel_load{54546.0};           ///< static, of one wheel [N]; what follows belongs to it
+  double a{6e-3}, b{4e-3};              ///< semi-axes along and across the rolling direction [m]
+  double log_aspect{0.0};               ///< ln(a/b)
+  KalkerStiffness<double> stiffness{};  ///< of one wheel
+  double standstill_speed{0.1};         ///< [m/s]
+
+  double friction_coefficient(double slip, double time, double place, double spent) const {
+    return friction(time, place, std::fabs(slip), spent);
+  }
+
+  /// Force of both wheels on the axle, forward [N].
+  ///
+  /// @param slip   wheel surface speed less train speed [m/s]
+  /// @param speed  of the train [m/s]
+  /// @param load   of the axle [N]
+  double force(double slip, double speed, double load, double time, double place, double spent) const {
+    double const per_wheel = 0.5 * load;
+    double const growth = std::cbrt(per_wheel / wheel_load);  // of the semi-axes
+    double const rolling = speed + 0.5 * slip;
+    double const epsilon = -slip / std::sqrt(rolling * rolling + standstill_speed * standstill_speed);
+    double const grown = growth * growth;
+    KalkerStiffness<double> const f{grown * stiffness.f11, grown * stiffness.f22, grown * growth * stiffness.f23,
+                                    grown * grown * stiffness.f33};
+    double const adhesion = friction_coefficient(slip, time, place, spent) * per_wheel + 1e-9;
+    // Creepage is wheel over roller: a driving wheel's surface runs backwards.
+    return 2.0 * creep_force(creep, Creepage<double>{epsilon, 0.0, 0.0}, f, adhesion).longitudinal;
+  }
+};
+
+}  // namespace rig

@@ -1,0 +1,501 @@
+#include "rig/bench/test_bench.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace rig {
+namespace {
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+constexpr BenchColumn axle_table[] = {
+    {"axle_speed", "rad/s", "true speed of the axle, positive forward"},
+    {"measured_axle_speed", "rad/s", "what the encoder says at the last sample"},
+    {"roller_speed", "rad/s", "true speed of the roller, positive as under a wheel that rolls forward"},
+    {"cylinder_pressure", "Pa", "brake cylinder pressure over the ambient"},
+    {"valve", "1", "dump valve: 0 fill, 1 hold, 2 vent"},
+    {"brake_torque", "N m", "of the friction brake, or of the motor that stands in for it"},
+    {"traction_torque", "N m", "of the traction motor"},
+    {"torque_factor", "1", "that anti-slip leaves of the traction demand"},
+    {"roller_torque", "N m", "of the roller's drive, positive drives the wheel forward"},
+    {"roller_command", "N m", "asked of the roller's drive"},
+    {"estimated_force", "N", "estimated contact force on the axle, forward"},
+    {"estimated_torque", "N m", "estimated torque on the axle"},
+    {"virtual_speed", "rad/s", "speed of the virtual axle"},
+    {"virtual_force", "N", "force of the virtual rail on the virtual axle, forward"},
+    {"air", "m^3", "air taken by the cylinder since the start, at ambient pressure"},
+    {"vent_cycles", "1", "times that the dump valve has opened to vent"},
+    {"contact_force", "N", "force of rail or rollers on both wheels, along the running direction"},
+    {"real_sliding", "m/s", "wheel surface speed less that of roller or rail, at the nominal radii"},
+    {"spent_energy", "J/m^2", "energy per area on the rail under the axle"},
+};
+
+constexpr BenchColumn train_table[] = {
+    {"train_speed", "m/s", "of the train: on track the real one, on a rig the virtual one"},
+    {"train_distance", "m", "since the start"},
+    {"train_acceleration", "m/s^2", "of the train"},
+    {"reference_speed", "m/s", "that the slide protection believes in"},
+    {"brake_demand", "Pa", "cylinder pressure asked for"},
+    {"traction_demand", "N m", "torque per axle asked for"},
+};
+
+double first_order(double state, double wanted, double rate, double h) {
+  return wanted + (state - wanted) * std::exp(-rate * h);
+}
+
+/// One step of a motor's torque loop: exact for a first-order loop under a held command, else fine Runge-Kutta steps.
+void step_motor(Motor const& motor, double* state, double command, double speed, double h) {
+  double const wanted = motor.within_envelope(command, speed);
+  if (!(motor.damping_ratio > 0.0)) {
+    state[0] = first_order(state[0], wanted, motor.bandwidth, h);
+    return;
+  }
+  int const parts = std::max(1, static_cast<int>(std::ceil(motor.bandwidth * h / 0.2)));
+  double const k = h / parts;
+  for (int i = 0; i < parts; ++i) {
+    double r1[2], r2[2], middle[2];
+    motor.rates(state, wanted, 0.0, r1);  // the envelope has been applied
+    for (int j = 0; j < 2; ++j) middle[j] = state[j] + 0.5 * k * r1[j];
+    motor.rates(middle, wanted, 0.0, r2);
+    for (int j = 0; j < 2; ++j) state[j] += k * r2[j];
+  }
+}
+
+}  // namespace
+
+std::span<BenchColumn const> TestBench::axle_columns() { return axle_table; }
+std::span<BenchColumn const> TestBench::train_columns() { return train_table; }
+
+TestBench::TestBench(Dynamics& dynamics, BenchSetup const& setup)
+    : dynamics_{&dynamics}, setup_{setup}, plant_{dynamics}, method_{plant_}, axle_(setup.axles.size()) {
+  auto const size = dynamics.sizes();
+  y_.setZero(size.states + size.quadratures);
+  y_new_ = y_;
+  for (int r = 0; r < roles; ++r) {
+    auto const length = at(sampling(static_cast<Role>(r)).delay) + 2;
+    pending_[at(r)].value.resize(length);
+    pending_[at(r)].acts_at.assign(length, 0);
+  }
+  Model const& model = dynamics.model();
+  auto& in = dynamics.inputs;
+  in.axle_torque.assign(model.axle_torques.size(), {});
+  in.roller_torque.assign(model.roller_torques.size(), {});
+  in.cylinder.assign(model.brakes.size(), {});
+  in.spent.assign(model.contacts.size(), 0.0);
+}
+
+Sampling const& TestBench::sampling(Role role) const {
+  if (role == Role::slide_protection) return setup_.slide_sampling;
+  return role == Role::anti_slip ? setup_.anti_slip_sampling : setup_.rig_sampling;
+}
+
+Status TestBench::start(double const* x0) {
+  auto const& map = dynamics_->map();
+  dynamics_->reset_run();
+  y_.setZero();
+  std::copy_n(x0, dynamics_->sizes().states, y_.data());
+  plant_.statistics = {};
+  step_count_ = 0;
+  ended_ = sampled_ = protection_acted_ = false;
+  due_.fill(false);
+  speed_ = setup_.speed;
+  distance_ = acceleration_ = last_acceleration_ = 0.0;
+  slide_.reset(speed_);
+  anti_slip_.reset(speed_);
+  train_.reset(setup_.train, speed_);
+  for (auto& rail : rail_) rail.reset();
+  virtual_rail_.reset();
+  for (auto& p : pending_) p.first = p.count = 0, p.now.fill(0.0);
+  pending_[at(static_cast<int>(Role::anti_slip))].now.fill(1.0);
+  auto& in = dynamics_->inputs;
+  in.travels = setup_.travelling_mass > 0.0;
+  in.speed = {0.0, speed_, 0.0};
+  in.distance = 0.0;
+  for (std::size_t i = 0; i < axle_.size(); ++i) {
+    BenchAxle const& a = setup_.axles[i];
+    Axle& axle = axle_[i];
+    axle = {};
+    double const wheel = x0[map.rate[at(a.wheelset)][coord_pitch]];
+    double const roller = a.roller >= 0 ? -x0[map.rate[at(a.roller)][coord_pitch]] : 0.0;
+    axle.wheel_speed = wheel;
+    axle.roller_speed = roller;
+    axle.encoder.reset(0.0, wheel);
+    axle.roller_encoder.reset(0.0, roller);
+    axle.estimate.reset(roller, wheel, 0.0);
+    axle.feedback.reset();
+  }
+  dynamics_->forget();
+  method_.restart();
+  status_ = dynamics_->accept(0.0, y_.data());
+  return status_;
+}
+
+long TestBench::last_step(double t_stop) const {
+  return std::lround(std::floor(std::min(t_stop, setup_.duration) / setup_.step + 1e-6));
+}
+
+// ------------------------------------------------------------------------------------------------- sampling
+
+/// Reads the sensors and asks every controller that is due; false where the caller must answer first.
+bool TestBench::sample() {
+  auto const& map = dynamics_->map();
+  double const* z = y_.data() + dynamics_->sizes().states;
+  dynamics_->evaluate(time(), y_.data());
+  bool waiting = false;
+  bool any = false;
+  std::array<bool, roles> now{};
+  for (int r = 0; r < roles; ++r) {
+    int const every = sampling(static_cast<Role>(r)).every;
+    now[at(r)] = every > 0 && step_count_ % every == 0;
+    any = any || now[at(r)];
+  }
+  if (std::any_of(due_.begin(), due_.end(), [](bool d) { return d; })) return false;  // still not answered
+  if (any) {
+    int fastest = 0;
+    for (int r = 0; r < roles; ++r)
+      if (int const every = sampling(static_cast<Role>(r)).every; every > 0)
+        fastest = fastest == 0 ? every : std::min(fastest, every);
+    for (std::size_t i = 0; i < axle_.size(); ++i) {
+      BenchAxle const& a = setup_.axles[i];
+      Axle& axle = axle_[i];
+      double const period = setup_.step * fastest;
+      axle.wheel_speed = axle.encoder.step(setup_.axle_encoder, z[map.angle[at(a.wheelset)]],
+                                           dynamics_->work().motion[at(a.wheelset)].rate[coord_pitch], period,
+                                           setup_.seed * 64 + 2 * i);
+      if (a.roller < 0) continue;
+      axle.roller_speed = axle.roller_encoder.step(setup_.roller_encoder, -z[map.angle[at(a.roller)]],
+                                                   -dynamics_->work().motion[at(a.roller)].rate[coord_pitch], period,
+                                                   setup_.seed * 64 + 2 * i + 1);
+    }
+  }
+  for (int r = 0; r < roles; ++r) {
+    if (!now[at(r)]) continue;
+    Role const role = static_cast<Role>(r);
+    if (sampling(role).external) {
+      due_[at(r)] = waiting = true;
+    } else {
+      run_controller(role);
+    }
+  }
+  sampled_ = true;
+  return !waiting;
+}
+
+void TestBench::run_controller(Role role) {
+  std::array<double, most_axles> speed{}, command{};
+  int const axles = static_cast<int>(axle_.size());
+  for (int i = 0; i < axles; ++i) speed[at(i)] = axle_[at(i)].wheel_speed;
+  double const period = setup_.step * sampling(role).every;
+  if (role == Role::rig) return control_rig();
+  if (role == Role::slide_protection) {
+    std::array<DumpValve, most_axles> valve{};
+    slide_.step(setup_.slide, speed.data(), axles, period, valve.data());
+    for (int i = 0; i < axles; ++i) command[at(i)] = static_cast<double>(static_cast<int>(valve[at(i)]));
+  } else {
+    anti_slip_.step(setup_.anti_slip, speed.data(), axles, period, command.data());
+  }
+  post(role, command.data());
+}
+
+/// Our own rig controller: estimate, virtual train, feed-forward and feedback. (C1)-(C5)
+void TestBench::control_rig() {
+  std::array<double, most_axles> torque{}, command{};
+  int const axles = static_cast<int>(axle_.size());
+  double const period = setup_.step * setup_.rig_sampling.every;
+  ContactForceEstimator const& e = setup_.estimator;
+  for (int i = 0; i < axles; ++i) {
+    Axle& axle = axle_[at(i)];
+    axle.estimate.step(e, axle.roller_speed, axle.wheel_speed, axle.roller_torque, period);
+    torque[at(i)] = axle.estimate.axle_torque(e);
+  }
+  if (setup_.imitate) {
+    double const now = time();
+    double const from = train_.distance();
+    auto const law = [&](int i, double slip, double speed, double load) {
+      return setup_.rail.force(slip, speed, load, now, from + setup_.place[at(i)], axle_[at(i)].virtual_spent);
+    };
+    train_.step(setup_.train, torque.data(), period, law);
+    for (int i = 0; i < axles; ++i) {  // front to back: the leading axle cleans for the following ones
+      Axle& axle = axle_[at(i)];
+      double const place = setup_.place[at(i)];
+      double const slip = setup_.train.wheel_radius * train_.axle_speed(i) - train_.speed();
+      double const speed = std::max(train_.speed(), 0.1);
+      double const own = std::fabs(train_.force(i) * slip) / (2.0 * speed * 0.5 * pi * setup_.rail.b);
+      double const found = virtual_rail_.at(from + place);
+      axle.virtual_spent = found + 0.5 * own;  // half of it is spent behind the patch's middle
+      virtual_rail_.spend(from + place, train_.distance() + place, own);
+      double const feed_forward = e.roller_inertia * setup_.train.wheel_radius / e.roller_radius * train_.axle_rate(i) -
+                                  e.roller_radius * train_.force(i);  // (C5)
+      axle.feed_forward = feed_forward;
+      command[at(i)] =
+          axle.feedback.step(setup_.feedback, feed_forward, train_.axle_speed(i) - axle.wheel_speed, period);
+    }
+  }
+  post(Role::rig, command.data());
+}
+
+std::vector<double> TestBench::measurement(Role) const {
+  std::vector<double> out;
+  for (Axle const& axle : axle_) out.insert(out.end(), {axle.wheel_speed, axle.roller_speed, axle.roller_torque});
+  return out;
+}
+
+void TestBench::set_command(Role role, double const* command) {
+  std::array<double, most_axles> c{};
+  std::copy_n(command, axle_.size(), c.begin());
+  due_[at(static_cast<int>(role))] = false;
+  post(role, c.data());
+}
+
+void TestBench::post(Role role, double const* command) {
+  Pending& p = pending_[at(static_cast<int>(role))];
+  std::size_t const slot = (p.first + p.count) % p.value.size();
+  std::copy_n(command, most_axles, p.value[slot].begin());
+  p.acts_at[slot] = step_count_ + sampling(role).delay;
+  ++p.count;
+}
+
+void TestBench::take_commands() {
+  for (Pending& p : pending_)
+    while (p.count > 0 && p.acts_at[p.first] <= step_count_) {
+      p.now = p.value[p.first];
+      p.first = (p.first + 1) % p.value.size();
+      --p.count;
+    }
+}
+
+// ------------------------------------------------------------------------------------------------- the plant
+
+/// Creep makes a slow wheel stiff, d T / d w ~ 1 / V: short steps keep the explicit method stable.
+int TestBench::substeps() const {
+  auto const& contacts = dynamics_->model().contacts;
+  double rate = 0.0;
+  for (std::size_t i = 0; i < axle_.size(); ++i) {
+    BenchAxle const& a = setup_.axles[i];
+    Body const& wheelset = dynamics_->model().bodies[at(a.wheelset)];
+    for (int c : a.contact) {
+      if (c < 0 || dynamics_->patch_count(c) == 0) continue;
+      double area = 0.0;  // over pi
+      for (int k = 0; k < dynamics_->patch_count(c); ++k) area += dynamics_->patch(c, k).a * dynamics_->patch(c, k).b;
+      double const r = contacts[at(c)].pair.wheel_radius;
+      double inverse_inertia = 2.0 * r * r / wheelset.inertia.y;
+      if (a.roller >= 0) {
+        double const R = 1.0 / contacts[at(c)].pair.inverse_radius;
+        inverse_inertia += 2.0 * R * R / dynamics_->model().bodies[at(a.roller)].inertia.y;
+      }
+      inverse_inertia = std::max(inverse_inertia, 2.0 / wheelset.mass);
+      double const stiffness = contacts[at(c)].laws.material.shear_modulus * area * 5.0;  // C11, C22 < 5
+      double const v = std::hypot(dynamics_->patch(c, 0).rolling_speed, contacts[at(c)].laws.standstill_speed);
+      rate = std::max(rate, stiffness * inverse_inertia / v);
+    }
+  }
+  return std::clamp(static_cast<int>(std::ceil(rate * setup_.step / 2.0)), 1, 64);
+}
+
+void TestBench::step() {
+  take_commands();
+  auto& in = dynamics_->inputs;
+  move_train();
+  move_machines();
+  in.speed = {time(), speed_, in.travels ? acceleration_ : 0.0};
+  in.distance = distance_;
+  spend_energy();
+  dynamics_->forget();
+  method_.restart();
+
+  int const parts = substeps();
+  double const h = setup_.step / parts;
+  double const start = time();
+  for (int i = 0; i < parts; ++i) {
+    double const t = start + h * i;
+    double const end = i + 1 == parts ? setup_.step * static_cast<double>(step_count_ + 1) : start + h * (i + 1);
+    method_.prepare(plant_, t, y_);
+    status_ = method_.attempt(plant_, {t, end - t, end}, y_, y_new_);
+    if (status_ == Status::ok && !y_new_.allFinite()) status_ = Status::not_finite;
+    if (status_ != Status::ok) return;
+    y_.swap(y_new_);
+    ++plant_.statistics.steps;
+  }
+  ++step_count_;
+  sampled_ = false;
+  if (in.travels) {
+    distance_ += setup_.step * (speed_ + 0.5 * setup_.step * acceleration_);
+    speed_ += setup_.step * acceleration_;
+  }
+  status_ = dynamics_->accept(time(), y_.data());
+  protect();
+  double const train_speed = in.travels ? speed_ : setup_.imitate ? train_.speed() : setup_.speed;
+  if (train_speed < setup_.floor_speed && time() > 1.0) ended_ = true;
+}
+
+/// V' of the travelling frames for the next step: what pushes the train as a whole.
+void TestBench::move_train() {
+  if (!dynamics_->inputs.travels) return;
+  Model const& model = dynamics_->model();
+  auto const& work = dynamics_->work();
+  double const mass = setup_.travelling_mass;
+  double force = dynamics_->longitudinal_contact_force() - mass * model.gravity * model.resistance.gradient;
+  force -= model.resistance.force(speed_);
+  double momentum_rate = 0.0, momentum = 0.0, offset = 0.0, free_mass = 0.0;
+  for (std::size_t b = 0; b < model.bodies.size(); ++b) {
+    Body const& body = model.bodies[b];
+    if (!body.carried || body.locked[coord_x]) continue;
+    momentum_rate += body.mass * (work.acceleration[b][coord_x] + dynamics_->inputs.speed.slope);
+    momentum += body.mass * work.motion[b].v.x;
+    offset += body.mass * work.motion[b].p.x;
+    free_mass += body.mass;
+  }
+  double wanted = 0.0;
+  if (setup_.held_mass > 0.0) {
+    wanted = (force - momentum_rate) / setup_.held_mass;  // what is left for the mass that the frame itself stands for
+  } else {
+    wanted = force / mass + 2.0 * momentum / free_mass + 1.0 * offset / free_mass;  // keeps the bodies in their places
+  }
+  acceleration_ = step_count_ == 0 ? wanted : 1.5 * wanted - 0.5 * last_acceleration_;
+  last_acceleration_ = wanted;
+}
+
+void TestBench::move_machines() {
+  auto& in = dynamics_->inputs;
+  double const t = time();
+  double const h = setup_.step;
+  auto const& work = dynamics_->work();
+  auto const held = [&](double from, double to) { return HeldInput{t, from, (to - from) / h}; };
+  auto const& factor = pending_[at(static_cast<int>(Role::anti_slip))].now;
+  auto const& valve = pending_[at(static_cast<int>(Role::slide_protection))].now;
+  auto const& roller = pending_[at(static_cast<int>(Role::rig))].now;
+  for (std::size_t i = 0; i < axle_.size(); ++i) {
+    BenchAxle const& a = setup_.axles[i];
+    Axle& axle = axle_[i];
+    double const speed = work.motion[at(a.wheelset)].rate[coord_pitch];
+
+    double const before = axle.cylinder_state[1];
+    int const parts = 8;  // the flow near equal pressures is quick
+    for (int k = 0; k < parts; ++k) {
+      double rate[2], middle[2], inflow = 0.0;
+      double const part = h / parts;
+      DumpValve const position = static_cast<DumpValve>(static_cast<int>(valve[i]));
+      setup_.brake.rates(axle.cylinder_state, setup_.brake_demand.at(t), position, rate, inflow);
+      for (int j = 0; j < 2; ++j) middle[j] = axle.cylinder_state[j] + 0.5 * part * rate[j];
+      setup_.brake.rates(middle, setup_.brake_demand.at(t), position, rate, inflow);
+      for (int j = 0; j < 2; ++j) axle.cylinder_state[j] = std::max(0.0, axle.cylinder_state[j] + part * rate[j]);
+      axle.air += setup_.brake.air(part * inflow);
+    }
+    double demand = factor[i] * setup_.traction_demand.at(t);
+    if (a.brake >= 0) in.cylinder[at(a.brake)] = held(before, axle.cylinder_state[1]);
+    axle.stand_in = setup_.motor_brakes ? setup_.brake.torque(axle.cylinder_state[1], speed) : 0.0;
+    demand += axle.stand_in;
+    if (a.axle_torque >= 0) {
+      double const from = axle.torque_state[0];
+      step_motor(setup_.motor, axle.torque_state, demand, speed, h);
+      in.axle_torque[at(a.axle_torque)] = held(from, axle.torque_state[0]);
+    }
+    if (a.roller_torque >= 0) {
+      double const from = axle.roller_state[0];
+      double const roller_speed = -work.motion[at(a.roller)].rate[coord_pitch];
+      axle.command = roller[i];
+      step_motor(setup_.roller_motor, axle.roller_state, axle.command, roller_speed, h);
+      in.roller_torque[at(a.roller_torque)] = held(from, axle.roller_state[0]);
+      axle.roller_torque = 0.5 * (from + axle.roller_state[0]);
+    }
+  }
+}
+
+/// Energy that the wheels spend on the rail under them, and what they leave for those behind.
+void TestBench::spend_energy() {
+  auto& in = dynamics_->inputs;
+  Model const& model = dynamics_->model();
+  if (model.adhesion_maps.empty()) return;
+  double const way = setup_.step * std::max(0.0, speed_);
+  for (BenchAxle const& a : setup_.axles)
+    for (int side = 0; side < 2; ++side) {
+      int const c = a.contact[at(side)];
+      if (c < 0 || model.contacts[at(c)].laws.friction.map == nullptr) continue;
+      double const place = distance_ + model.contacts[at(c)].along;
+      double per_length = 0.0, width = 0.0;  // [J/m], [m]
+      for (int k = 0; k < dynamics_->patch_count(c); ++k) {
+        auto const& patch = dynamics_->patch(c, k);
+        per_length += std::max(0.0, patch.creep_dissipation()) / std::max(0.1, patch.rolling_speed);
+        width += 0.5 * pi * patch.b;  // area of the ellipse over its length
+      }
+      double const own = width > 0.0 ? per_length / width : 0.0;
+      double const wanted = rail_[at(side)].at(place) + 0.5 * own;
+      in.spent[at(c)] += 0.2 * (wanted - in.spent[at(c)]);  // friction and energy act on each other: five steps' memory
+      rail_[at(side)].spend(place, place + way, own);
+    }
+}
+
+/// Ends a test on rollers before real sliding damages them.
+void TestBench::protect() {
+  if (setup_.rig_sampling.every == 0) return;
+  auto const& work = dynamics_->work();
+  for (std::size_t i = 0; i < axle_.size(); ++i) {
+    BenchAxle const& a = setup_.axles[i];
+    if (a.roller < 0) continue;
+    double const wheel = setup_.estimator.wheel_radius * work.motion[at(a.wheelset)].rate[coord_pitch];
+    double const roller = -setup_.estimator.roller_radius * work.motion[at(a.roller)].rate[coord_pitch];
+    Axle& axle = axle_[i];
+    axle.slip_for = std::fabs(wheel - roller) > setup_.slip_limit ? axle.slip_for + setup_.step : 0.0;
+    if (axle.slip_for > setup_.slip_time) ended_ = protection_acted_ = true;
+  }
+}
+
+void TestBench::fill_row(double* axles, double* train) const {
+  auto const& work = dynamics_->work();
+  auto const& in = dynamics_->inputs;
+  Model const& model = dynamics_->model();
+  for (std::size_t i = 0; i < axle_.size(); ++i) {
+    BenchAxle const& a = setup_.axles[i];
+    Axle const& axle = axle_[i];
+    double const wheel = work.motion[at(a.wheelset)].rate[coord_pitch];
+    double const roller = a.roller >= 0 ? -work.motion[at(a.roller)].rate[coord_pitch] : 0.0;
+    double force = 0.0, surface = in.travels ? speed_ : setup_.speed;
+    for (int c : a.contact)
+      for (int k = 0; c >= 0 && k < dynamics_->patch_count(c); ++k) force += dynamics_->patch(c, k).force.x;
+    double const r = model.contacts[at(a.contact[0])].pair.wheel_radius;
+    if (a.roller >= 0) surface = roller / model.contacts[at(a.contact[0])].pair.inverse_radius;
+    bool const imitates = setup_.imitate;
+    double const row[] = {wheel,
+                          axle.wheel_speed,
+                          roller,
+                          axle.cylinder_state[1],
+                          pending_[at(static_cast<int>(Role::slide_protection))].now[i],
+                          setup_.motor_brakes ? axle.stand_in
+                          : a.brake >= 0      ? dynamics_->brake_torque(a.brake)
+                                              : 0.0,
+                          axle.torque_state[0],
+                          pending_[at(static_cast<int>(Role::anti_slip))].now[i],
+                          axle.roller_state[0],
+                          axle.command,
+                          axle.estimate.force(),
+                          axle.estimate.axle_torque(setup_.estimator),
+                          imitates ? train_.axle_speed(static_cast<int>(i)) : 0.0,
+                          imitates ? train_.force(static_cast<int>(i)) : 0.0,
+                          axle.air,
+                          static_cast<double>(slide_.cycles(static_cast<int>(i))),
+                          force,
+                          r * wheel - surface,
+                          imitates            ? axle.virtual_spent
+                          : a.contact[0] >= 0 ? in.spent[at(a.contact[0])]
+                                              : 0.0};
+    static_assert(std::size(row) == std::size(axle_table));
+    axles = std::copy(std::begin(row), std::end(row), axles);
+  }
+  bool const travels = in.travels;
+  double const row[] = {travels          ? speed_
+                        : setup_.imitate ? train_.speed()
+                                         : setup_.speed,
+                        travels          ? distance_
+                        : setup_.imitate ? train_.distance()
+                                         : setup_.speed * time(),
+                        travels          ? acceleration_
+                        : setup_.imitate ? train_.acceleration()
+                                         : 0.0,
+                        slide_.reference_speed(),
+                        setup_.brake_demand.at(time()),
+                        setup_.traction_demand.at(time())};
+  static_assert(std::size(row) == std::size(train_table));
+  std::copy(std::begin(row), std::end(row), train);
+}
+
+}  // namespace rig
