@@ -58,6 +58,8 @@ WheelSlideProtection slide_protection(nb::dict const& d) {
   p.recovery_acceleration = get<double>(d, "recovery_acceleration"), p.pulse_time = get<double>(d, "pulse_time");
   p.pulse_pause = get<double>(d, "pulse_pause"), p.longest_vent = get<double>(d, "longest_vent");
   p.least_speed = get<double>(d, "least_speed");
+  p.release_interval = get<double>(d, "release_interval"), p.longest_release = get<double>(d, "longest_release");
+  p.regained_after = get<double>(d, "regained_after");
   return p;
 }
 AntiSlip anti_slip(nb::dict const& d) {
@@ -214,7 +216,7 @@ void bind_bench(nb::module_& m) {
           "due", [](Bench& b, TestBench::Role role) { return b.bench().due(role); }, "role"_a)
       .def(
           "measurement", [](Bench& b, TestBench::Role role) { return b.bench().measurement(role); }, "role"_a,
-          "Per axle: axle speed, roller speed [rad/s], roller torque [N m].")
+          "Per axle the seven numbers of measurement_fields.")
       .def(
           "set_command",
           [](Bench& b, TestBench::Role role, std::vector<double> command) {
@@ -238,6 +240,9 @@ void bind_bench(nb::module_& m) {
       },
       "model"_a, "wheelset"_a, "reaction"_a, "brake"_a,
       "A friction brake between an axle and a body, or -1: the ground.");
+  m.attr("measurement_fields") =
+      std::vector<std::string>{"axle_speed",       "roller_speed",  "roller_torque", "estimated_force",
+                               "estimated_torque", "virtual_speed", "feed_forward"};
   m.attr("bench_axle_columns") = column_list(TestBench::axle_columns());
   m.attr("bench_train_columns") = column_list(TestBench::train_columns());
 }

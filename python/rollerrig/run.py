@@ -10,13 +10,15 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from typing import Any
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
 from rollerrig import _core
+from rollerrig.bench import BenchRun, users_controllers
 from rollerrig.config import Case, ConfigError, ConfigProblem
 from rollerrig.model import AssembledModel, assemble
 from rollerrig.results import Outcome, add_ending, add_energy_audit, run_dataset
@@ -39,12 +41,16 @@ _SLICE_SECONDS = 0.2
 """A slice should take this long: often enough for a progress bar and Ctrl-C."""
 
 
-def simulate(case: Case, *, progress: Progress | None = None) -> xr.Dataset:
+def simulate(
+    case: Case, *, progress: Progress | None = None, controllers: Mapping[str, Any] | None = None
+) -> xr.Dataset:
     """Run a case.
 
     Args:
         case: what to run; method, tolerances and output interval are those of `case.time`.
         progress: called several times a second with the fraction done and a short text.
+        controllers: your own objects in place of the case's controllers, by table: 'slide_protection', 'anti_slip',
+            'rig_control' (docs/how_to/controller.md).
 
     Returns:
         The results, see docs: dimensions time, body, wheel, patch, element. A run that left the model's validity or was
@@ -62,6 +68,9 @@ def simulate(case: Case, *, progress: Progress | None = None) -> xr.Dataset:
         51
     """
     model = assemble(case)
+    if case.on_bench:
+        return _simulate_on_bench(BenchRun(model, controllers), progress)
+    users_controllers(case, controllers or {})
     simulation = _core.Simulation(model.core)
     times, rows = _allocate(case, simulation.width)
     begin(simulation, model, starting_state(simulation, model))
@@ -72,6 +81,12 @@ def simulate(case: Case, *, progress: Progress | None = None) -> xr.Dataset:
     filled = int(np.count_nonzero(np.isfinite(times)))  # also what the last slice wrote before it was cut off
     run = run_dataset(model, times[:filled], rows[:filled], _outcome(simulation, model, code))
     return _with_warnings(add_energy_audit(add_ending(run, model)))
+
+
+def _simulate_on_bench(bench: BenchRun, progress: Progress | None) -> xr.Dataset:
+    _allocate(bench.case, bench.width)  # refuses what does not fit
+    run = bench.run(sample_count(bench.case), progress)
+    return _with_warnings(add_energy_audit(add_ending(run, bench.model)))
 
 
 def begin(simulation: _core.Simulation, model: AssembledModel, state: Vector, *, start_time: float = 0.0) -> None:

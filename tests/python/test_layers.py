@@ -1,8 +1,8 @@
 """The arrow of the data is a test: a folder may use only what stands to its left.
 
 core:    scalar -> math -> track -> profile -> body -> geometry -> contact -> system -> integrate -> record
-Python:  profiles, track, irregularity -> config -> catalog -> creep -> model -> results -> run -> characteristics -> analysis
-         -> plot -> report -> studies -> cli
+Python:  profiles, track, irregularity -> config -> catalog -> creep -> model -> results -> start -> bench -> run
+         -> characteristics -> analysis -> plot -> report -> studies -> cli
 """
 
 from __future__ import annotations
@@ -76,6 +76,7 @@ PYTHON_LAYERS = [
     {"model"},
     {"results"},
     {"start"},
+    {"bench"},
     {"run", "contact_table"},
     {"contact_comparison"},
     {"characteristics"},

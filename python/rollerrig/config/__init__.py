@@ -5,6 +5,7 @@
 Every mistake of a file is reported at once, one line each (`ConfigError`).
 """
 
+from rollerrig.config.adhesion import CONDITIONS, Adhesion, Condition, Piece
 from rollerrig.config.case import (
     AxleTorque,
     Case,
@@ -27,10 +28,22 @@ from rollerrig.config.load import (
     load_support,
     load_vehicle,
 )
+from rollerrig.config.machines import (
+    AntiSlip,
+    BenchSettings,
+    Brake,
+    Controller,
+    Encoder,
+    Motor,
+    Sensors,
+    SlideProtection,
+    Traction,
+)
 from rollerrig.config.material import Material
 from rollerrig.config.mounting import AngularSupport, Foundation, LinearSupport, Mounting
 from rollerrig.config.profile import S1002, Arc, Cone, Cylinder, ProfileFile, ProfileSpec, Uic60
 from rollerrig.config.reference import json_schema, reference_markdown
+from rollerrig.config.rig_control import RigControl, Train
 from rollerrig.config.support import Rig
 from rollerrig.config.track import Curve, Straight, Track, Transition
 from rollerrig.config.vehicle import (
@@ -46,40 +59,55 @@ from rollerrig.config.vehicle import (
 )
 
 __all__ = [
+    "CONDITIONS",
     "S1002",
+    "Adhesion",
     "AngularLaw",
     "AngularSeriesDamper",
     "AngularSupport",
+    "AntiSlip",
     "Arc",
     "AxleTorque",
+    "BenchSettings",
     "Body",
+    "Brake",
     "Case",
+    "Condition",
     "Cone",
     "ConfigError",
     "ConfigProblem",
     "Contact",
+    "Controller",
     "Curve",
     "Cut",
     "Cylinder",
     "Disturbance",
     "Element",
+    "Encoder",
     "Foundation",
     "LinearLaw",
     "LinearSupport",
     "Material",
     "MeasuredIrregularity",
     "Motion",
+    "Motor",
     "Mounting",
+    "Piece",
     "ProfileFile",
     "ProfileSpec",
     "Rig",
+    "RigControl",
     "RollerEffects",
+    "Sensors",
     "SeriesDamper",
+    "SlideProtection",
     "SpectrumIrregularity",
     "Straight",
     "SupportChoice",
     "TimeSettings",
     "Track",
+    "Traction",
+    "Train",
     "Transition",
     "Uic60",
     "Vehicle",

@@ -54,7 +54,7 @@ class Table(BaseModel):
         return translated
 
 
-def _in_order(rows: tuple[tuple[float, float], ...]) -> tuple[tuple[float, float], ...]:
+def in_order(rows: tuple[tuple[float, float], ...]) -> tuple[tuple[float, float], ...]:
     if len(rows) < 2:
         allowed = "allowed: at least two rows [argument, value]"
         raise PydanticCustomError("table_order", "{allowed}", {"allowed": allowed})
@@ -65,10 +65,10 @@ def _in_order(rows: tuple[tuple[float, float], ...]) -> tuple[tuple[float, float
     return rows
 
 
-SpeedTable = Annotated[tuple[tuple[Time, Speed], ...], AfterValidator(_in_order)]
-TorqueTable = Annotated[tuple[tuple[Time, Torque], ...], AfterValidator(_in_order)]
-ForceOverDeflection = Annotated[tuple[tuple[Length, Force], ...], AfterValidator(_in_order)]
-ForceOverSpeed = Annotated[tuple[tuple[Speed, Force], ...], AfterValidator(_in_order)]
-MomentOverAngle = Annotated[tuple[tuple[Angle, Torque], ...], AfterValidator(_in_order)]
-MomentOverRate = Annotated[tuple[tuple[AngularSpeed, Torque], ...], AfterValidator(_in_order)]
+SpeedTable = Annotated[tuple[tuple[Time, Speed], ...], AfterValidator(in_order)]
+TorqueTable = Annotated[tuple[tuple[Time, Torque], ...], AfterValidator(in_order)]
+ForceOverDeflection = Annotated[tuple[tuple[Length, Force], ...], AfterValidator(in_order)]
+ForceOverSpeed = Annotated[tuple[tuple[Speed, Force], ...], AfterValidator(in_order)]
+MomentOverAngle = Annotated[tuple[tuple[Angle, Torque], ...], AfterValidator(in_order)]
+MomentOverRate = Annotated[tuple[tuple[AngularSpeed, Torque], ...], AfterValidator(in_order)]
 Vector = tuple[Length, Length, Length]

@@ -6,9 +6,12 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, StrictBool, model_validator
 from pydantic_core import PydanticCustomError
 
+from rollerrig.config.adhesion import Adhesion
 from rollerrig.config.base import SpeedTable, Table, TorqueTable, instead_of
 from rollerrig.config.contact_law import CreepLawName, FrictionFall, PolachReduction, StiffnessReduction
+from rollerrig.config.machines import AntiSlip, BenchSettings, Brake, Sensors, SlideProtection, Traction
 from rollerrig.config.material import Material
+from rollerrig.config.rig_control import RigControl
 from rollerrig.config.support import AnySupport
 from rollerrig.config.units import Angle, Damping, Length, PositiveLength, PositiveTime, Quantity, Torque
 from rollerrig.config.vehicle import Cut, Name, Vehicle
@@ -265,6 +268,19 @@ class Case(Table):
     axle_torque: tuple[AxleTorque, ...] = Field(default=(), description="torques on wheelsets")
     disturbance: tuple[Disturbance, ...] = Field(default=(), description="offsets at the start")
     time: TimeSettings = Field(description="the integration")
+    adhesion: Adhesion | None = Field(default=None, description="adhesion of the rail, real or virtual; absent: friction")
+    brake: Brake | None = Field(default=None, description="friction brake of each axle")
+    traction: Traction | None = Field(default=None, description="traction drive of each axle")
+    slide_protection: SlideProtection | None = Field(default=None, description="wheel slide protection")
+    anti_slip: AntiSlip | None = Field(default=None, description="of the traction drives")
+    sensors: Sensors = Field(default=Sensors(), description="what the controllers see")
+    rig_control: RigControl | None = Field(default=None, description="controller of the roller drives")
+    bench: BenchSettings = Field(default=BenchSettings(), description="time grid of machines and controllers")
+
+    @property
+    def on_bench(self) -> bool:
+        """Whether machines or controllers act on the vehicle: then the bench steps, not a method of [time]."""
+        return any((self.adhesion, self.brake, self.traction, self.rig_control))
 
     def with_changes(self, changes: Mapping[str, object]) -> "Case":
         """A copy with some values replaced, checked like a file.

@@ -4,6 +4,7 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 from rollerrig.config.case import Case, Disturbance
+from rollerrig.config.check_bench import check_bench
 from rollerrig.config.check_profile import check_flange_clearance, check_reach
 from rollerrig.config.check_track import check_track
 from rollerrig.config.check_vehicle import labelled, unknown_names
@@ -46,6 +47,7 @@ def check_case(case: Case, file: str) -> list[ConfigProblem]:
         problems.append(ConfigProblem(file, "motion.drive", show_value(case.motion.drive), allowed))
     else:
         problems += check_track(case, file)
+    problems += check_bench(case, file)
     return list(dict.fromkeys(problems))
 
 

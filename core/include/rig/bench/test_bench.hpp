@@ -120,7 +120,8 @@ class TestBench {
   bool ended() const { return ended_; }  ///< the train stands, or the protection acted
   bool protected_rollers() const { return protection_acted_; }
   bool due(Role role) const { return due_[static_cast<std::size_t>(role)]; }
-  /// What a controller sees: per axle the axle's speed and the roller's [rad/s], the roller's torque [N m].
+  /// What a controller sees, per axle: the axle's speed and the roller's [rad/s], the roller's torque [N m], estimated
+  /// contact force [N] and axle torque [N m], speed of the virtual axle [rad/s], feed-forward (C5) [N m].
   std::vector<double> measurement(Role role) const;
   /// Valve states 0 fill, 1 hold, 2 vent; torque factors; roller torques [N m]: one per axle.
   void set_command(Role role, double const* command);
@@ -140,7 +141,8 @@ class TestBench {
     double spent_here{0.0};                      // energy per area on the piece of rail under the axle now [J/m^2]
     double virtual_spent{0.0};
     double slip_for{0.0};  // [s]
-    double feed_forward{0.0}, command{0.0};
+    double feed_forward{0.0}, wanted_torque{0.0}, command{0.0};
+    int vent_cycles{0};
     EncoderReading encoder, roller_encoder;
     ContactForceEstimate estimate;
     RigFeedbackState feedback;

@@ -13,7 +13,7 @@ namespace rig {
 
 struct WheelSlideProtection {
   double wheel_radius{0.46};           ///< that the device believes in [m]
-  double reference_deceleration{1.6};  ///< the reference speed falls at most this fast [m/s^2]
+  double reference_deceleration{1.6};  ///< the reference speed falls at most this fast: no train brakes harder [m/s^2]
   double filter_time{0.04};            ///< of the axles' deceleration [s]
   double vent_slip{0.12};              ///< relative slip above which a cylinder is vented [-]
   double vent_slip_speed{1.0};         ///< and the least such slip as a speed [m/s]
@@ -25,6 +25,9 @@ struct WheelSlideProtection {
   double pulse_pause{0.14};            ///< ... closed for this long, as long as the axle slips [s]
   double longest_vent{5.0};            ///< after this the watchdog fills, whatever the criteria say [s]
   double least_speed{5.0 / 3.6};       ///< below it all valves fill [m/s]
+  double release_interval{3.0};        ///< while all axles slide, one is released this often for the reference; 0: never [s]
+  double longest_release{1.2};         ///< [s]
+  double regained_after{2.0};          ///< without slip for this long, an axle counts as gripping again [s]
 };
 
 class WheelSlideProtectionState {
@@ -33,7 +36,12 @@ class WheelSlideProtectionState {
 
   void reset(double speed) {
     reference_ = speed;
-    for (Axle& axle : axle_) axle = {speed};
+    slope_ = 0.0;
+    seen(speed);
+    released_ = next_ = none;
+    released_for_ = 0.0;
+    axle_.fill({});
+    for (Axle& axle : axle_) axle.speed = speed;
   }
 
   /// One sample: new valve states.
@@ -41,16 +49,18 @@ class WheelSlideProtectionState {
   /// @param axle_speed  [rad/s], `axles` of them
   void step(WheelSlideProtection const& p, double const* axle_speed, int axles, double period, DumpValve* valve) {
     double fastest = 0.0;
-    for (int i = 0; i < axles; ++i) fastest = std::fmax(fastest, p.wheel_radius * axle_speed[i]);
-    reference_ = std::fmax(fastest, reference_ - p.reference_deceleration * period);
+    bool gripping = true;  // of some axle: its speed is the train's
     for (int i = 0; i < axles; ++i) {
       Axle& axle = axle_[static_cast<std::size_t>(i)];
       double const speed = p.wheel_radius * axle_speed[i];
       double const gain = period / (p.filter_time + period);
       axle.acceleration += gain * ((speed - axle.speed) / period - axle.acceleration);
       axle.speed = speed;
-      valve[i] = decide(p, axle, period);
+      fastest = std::fmax(fastest, speed);
+      gripping = (i > 0 && gripping) || !axle.slid;
     }
+    follow(p, fastest, gripping, axles, period);
+    for (int i = 0; i < axles; ++i) valve[i] = decide(p, axle_[static_cast<std::size_t>(i)], i == released_, period);
   }
 
   double reference_speed() const { return reference_; }
@@ -61,22 +71,60 @@ class WheelSlideProtectionState {
     double speed{0.0}, acceleration{0.0};
     double venting_for{0.0};  ///< [s]
     double pulse_clock{0.0};  ///< [s]
-    bool slid{false};         ///< since the cylinder was last full
+    double grips_for{0.0};    ///< [s]
+    bool slid{false};         ///< and has not gripped for long since
     DumpValve valve{DumpValve::fill};
     int cycles{0};
   };
 
-  DumpValve decide(WheelSlideProtection const& p, Axle& axle, double period) {
+  /// The reference speed: the fastest axle while one grips. Where all slide it falls as the train was last seen to, and
+  /// every so often one axle is released until it has run up to the train's speed: that puts speed and slope right.
+  void follow(WheelSlideProtection const& p, double fastest, bool gripping, int axles, double period) {
+    reference_ = std::fmax(fastest, reference_ - slope_ * period);
+    since_seen_ += period;
+    if (gripping || reference_ < p.least_speed) {
+      released_ = none;
+      slope_ = p.reference_deceleration;
+      seen(reference_);
+      return;
+    }
+    if (released_ == none) {
+      if (p.release_interval > 0.0 && since_seen_ > p.release_interval) {
+        released_ = next_ = (next_ + 1) % axles;
+        released_for_ = 0.0;
+      }
+      return;
+    }
+    released_for_ += period;
+    Axle const& axle = axle_[static_cast<std::size_t>(released_)];
+    double const least = 0.3;  // the valve needs some time to open, the cylinder to empty [s]
+    if (released_for_ < p.longest_release && (released_for_ < least || axle.acceleration > p.recovery_acceleration))
+      return;
+    double const slope = (seen_ - fastest) / since_seen_;
+    slope_ = std::fmin(p.reference_deceleration, std::fmax(slowest_slope, slope));
+    reference_ = fastest;
+    released_ = none;
+    seen(fastest);
+  }
+
+  void seen(double speed) {
+    seen_ = speed;
+    since_seen_ = 0.0;
+  }
+
+  DumpValve decide(WheelSlideProtection const& p, Axle& axle, bool released, double period) {
     double const slip = reference_ - axle.speed;
     double const vent_above = std::fmax(p.vent_slip * reference_, p.vent_slip_speed);
     double const fill_below = std::fmax(p.fill_slip * reference_, p.fill_slip_speed);
+    axle.grips_for = slip < fill_below ? axle.grips_for + period : 0.0;
+    if (axle.grips_for > p.regained_after) axle.slid = false;
     bool const locks_up = axle.acceleration < -p.vent_deceleration && slip > 0.5 * p.fill_slip_speed;
     bool const recovers = axle.acceleration > p.recovery_acceleration;
     DumpValve wanted = DumpValve::hold;
     if (reference_ < p.least_speed || axle.venting_for > p.longest_vent) {
       wanted = DumpValve::fill;
       axle.slid = false;
-    } else if ((slip > vent_above || locks_up) && !recovers) {
+    } else if (released || ((slip > vent_above || locks_up) && !recovers)) {
       wanted = DumpValve::vent;
     } else if (slip < fill_below && !axle.slid) {
       wanted = DumpValve::fill;
@@ -97,8 +145,14 @@ class WheelSlideProtectionState {
     return wanted;
   }
 
+  static constexpr int none = -1;
+  static constexpr double slowest_slope = 0.2;  ///< a braked train slows at least so [m/s^2]
+
   std::array<Axle, most_axles> axle_{};
-  double reference_{0.0};
+  double reference_{0.0}, slope_{0.0};
+  double seen_{0.0}, since_seen_{0.0};  ///< the train's speed when it was last known [m/s], and how long ago [s]
+  int released_{none}, next_{none};
+  double released_for_{0.0};  ///< [s]
 };
 
 }  // namespace rig

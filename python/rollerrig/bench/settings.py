@@ -1,0 +1,236 @@
+"""From a case to the settings of the core's bench: names become indices, absent numbers follow from the vehicle.
+
+Case, AssembledModel -> [settings] -> dict for _core.Bench, and what was added to the model (brakes, motors, maps)
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from rollerrig import _core
+from rollerrig.bench.controllers import UserController
+from rollerrig.config import AntiSlip, Brake, Case, Controller, Encoder, Motor, Rig, RigControl, SlideProtection
+from rollerrig.config.machines import BenchSettings
+from rollerrig.model import GROUND, AssembledModel
+from rollerrig.start import equilibrium_dataset
+
+NOT_THERE = -1
+_ABSENT = {"every": 0, "delay": 0, "external": False}
+
+
+@dataclass(frozen=True)
+class Fitted:
+    """A model with machines on it.
+
+    Attributes:
+        settings: what _core.Bench takes, without the start.
+        travels: whether the vehicle runs along a track.
+    """
+
+    settings: dict[str, Any]
+    travels: bool
+
+
+def fit(model: AssembledModel, controllers: Mapping[str, UserController]) -> Fitted:
+    """Put brakes, motors and adhesion on a model and say how they are driven. To be called once for a model.
+
+    Args:
+        model: the model; its core is added to.
+        controllers: the user's, by table of the case.
+    """
+    case = model.case
+    rig = case.support.data if isinstance(case.support.data, Rig) else None
+    friction_map = _add_adhesion(model, on_rails=rig is None)
+    control = case.rig_control
+    load = sum(model.axle_loads.values())
+    mass = (control.train.mass if control else None) or load / model.core.gravity
+    rollers = [name for name in model.rollers if name not in model.held]
+    free = sum(model.masses[b] for b in model.vehicle_bodies if b not in model.held)
+    settings: dict[str, Any] = {
+        "step": case.bench.step,
+        "duration": case.time.duration,
+        "speed": case.motion.speed,
+        "floor_speed": _floor_speed(case.bench, case),
+        "axles": [_axle(model, number, rollers) for number in range(len(model.wheelsets))],
+        "brake_demand": _rows(case.brake.demand if case.brake else ()),
+        "traction_demand": _rows(case.traction.demand if case.traction else ()),
+        "brake": _brake(case.brake),
+        "motor": _motor(case.traction.motor if case.traction else Motor()),
+        "motor_brakes": bool(case.brake and case.brake.motors_stand_in),
+        "slide_sampling": _sampling(case, "slide_protection", controllers),
+        "slide_protection": _slide_protection(case),
+        "anti_slip_sampling": _sampling(case, "anti_slip", controllers),
+        "anti_slip": _anti_slip(case),
+        "axle_encoder": _encoder(case.sensors.axles),
+        "roller_encoder": _encoder(case.sensors.rollers),
+        "seed": case.sensors.seed,
+        "rig_sampling": _sampling(case, "rig_control", controllers),
+        "imitate": control is not None,
+        "travelling_mass": mass if rig is None else 0.0,
+        "held_mass": max(0.0, mass - free) if rig is None and model.held else 0.0,
+        **_rig_control(model, control or RigControl(), rig, mass),
+    }
+    settings["rail"] = {"friction_map": friction_map, **(_virtual_rail(model) if control else _NO_RAIL)}
+    return Fitted(settings, rig is None)
+
+
+_NO_RAIL = {"wheel_load": 1.0, "a": 1.0, "b": 1.0}
+
+
+def _floor_speed(bench: BenchSettings, case: Case) -> float:
+    """A start has no standstill to end at."""
+    return bench.standstill if case.brake is not None and case.motion.speed > bench.standstill else 0.0
+
+
+def _add_adhesion(model: AssembledModel, on_rails: bool) -> int:
+    adhesion = model.case.adhesion
+    if adhesion is None:
+        return NOT_THERE
+    cleaned = [adhesion.cleaned.start, adhesion.cleaned.remaining, adhesion.cleaned.decay, adhesion.cleaning]
+    rails = [adhesion.rail, *(piece.rail for piece in adhesion.piece)]
+    rows = [[rail.start, rail.remaining, rail.decay, *cleaned] for rail in rails]
+    borders = [piece.time if adhesion.over_time else piece.distance for piece in adhesion.piece]
+    number = model.core.add_adhesion_map(rows, borders, adhesion.blend, adhesion.over_time)
+    for wheel in model.wheels if on_rails else ():
+        model.core.set_friction_map(wheel.contact, number)
+    return int(number)
+
+
+def _axle(model: AssembledModel, number: int, rollers: list[str]) -> dict[str, Any]:
+    case, name = model.case, model.wheelsets[number]
+    wheelset, frame = model.body_index(name), _frame(model, name)
+    axle: dict[str, Any] = {
+        "wheelset": wheelset,
+        "axle_torque": NOT_THERE,
+        "brake": NOT_THERE,
+        "roller": NOT_THERE,
+        "roller_torque": NOT_THERE,
+        "contact": [wheel.contact for wheel in model.wheels if wheel.wheelset == name],
+        "place": model.positions[name][0],
+    }
+    stand_in = case.brake is not None and case.brake.motors_stand_in
+    if case.brake is not None and not stand_in:
+        axle["brake"] = _core.add_brake(model.core, wheelset, frame, _brake(case.brake))
+    if case.traction is not None:
+        reaction = frame if case.traction.suspension == "frame" else GROUND
+        model.core.add_axle_torque(wheelset, reaction, [])
+        axle["axle_torque"] = number
+    if rollers:
+        axle["roller"] = model.body_index(rollers[number])
+        if case.motion.drive != "held":
+            model.core.add_roller_torque(axle["roller"], []) if case.motion.torque_table is None else None
+            axle["roller_torque"] = number if case.rig_control is not None else NOT_THERE
+    return axle
+
+
+def _frame(model: AssembledModel, wheelset: str) -> int:
+    """The body that carries calliper and motor: what the wheelset's springs stand under."""
+    for element in model.case.vehicle.data.element:
+        if element.carries_load and wheelset in element.between:
+            other = element.between[0] if element.between[1] == wheelset else element.between[1]
+            return model.body_index(other) if other in model.bodies else GROUND
+    return GROUND
+
+
+def _rows(table: tuple[tuple[float, float], ...]) -> list[list[float]]:
+    return [list(row) for row in table]
+
+
+def _sampling(case: Case, role: str, controllers: Mapping[str, UserController]) -> dict[str, Any]:
+    table: Controller | None = getattr(case, role)
+    if table is None:
+        return dict(_ABSENT)
+    external = role in controllers
+    time = controllers[role].sample_time if external else table.sample_time
+    step = case.bench.step
+    return {"every": round(time / step), "delay": round(table.delay / step), "external": external}
+
+
+def _motor(motor: Motor) -> dict[str, Any]:
+    bandwidth = 2.0 * math.pi * motor.bandwidth
+    return {"envelope": _rows(motor.envelope or ()), "bandwidth": bandwidth, "damping_ratio": motor.damping_ratio}
+
+
+def _brake(brake: Brake | None) -> dict[str, Any]:
+    numbers = (brake or Brake(demand=((0.0, 0.0), (1.0, 0.0)))).model_dump(exclude={"demand", "motors_stand_in"})
+    return {**numbers, "friction": _rows(numbers["friction"])}
+
+
+_TIMING = {"sample_time", "delay", "user"}
+
+
+def _slide_protection(case: Case) -> dict[str, Any]:
+    table = case.slide_protection or SlideProtection()
+    return {**table.model_dump(exclude=_TIMING), "wheel_radius": case.vehicle.data.wheel.radius}
+
+
+def _anti_slip(case: Case) -> dict[str, Any]:
+    table = case.anti_slip or AntiSlip()
+    return {**table.model_dump(exclude=_TIMING), "wheel_radius": case.vehicle.data.wheel.radius}
+
+
+def _encoder(encoder: Encoder) -> dict[str, Any]:
+    return {"counts_per_turn": encoder.counts, "jitter_counts": encoder.jitter, "window": encoder.window}
+
+
+def _rig_control(model: AssembledModel, control: RigControl, rig: Rig | None, mass: float) -> dict[str, Any]:
+    believed, train = control.believed, control.train
+    wheel_radius = model.case.vehicle.data.wheel.radius
+    wheelset_inertia = model.inertias[model.wheelsets[0]][1]
+    roller_radius, roller_inertia = (rig.roller_radius, rig.roller_inertia[1]) if rig else (1.0, 1.0)
+    estimator = {
+        "kind": control.estimator.kind,
+        "bandwidth": 2.0 * math.pi * control.estimator.bandwidth,
+        "damping_ratio": control.estimator.damping_ratio,
+        "roller_inertia": believed.roller_inertia or roller_inertia,
+        "roller_radius": believed.roller_radius or roller_radius,
+        "wheelset_inertia": believed.wheelset_inertia or wheelset_inertia,
+        "wheel_radius": believed.wheel_radius or wheel_radius,
+    }
+    loads = [model.axle_loads[name] for name in model.wheelsets]
+    return {
+        "train": {
+            **train.model_dump(exclude={"mass"}),
+            "mass": mass,
+            "wheelset_inertia": wheelset_inertia,
+            "wheel_radius": wheel_radius,
+            "static_load": loads,
+            "load_transfer": [0.0] * len(loads),
+        },
+        "estimator": estimator,
+        "feedback": _feedback(control, estimator),
+        "roller_motor": _motor(control.motor),
+        "slip_limit": control.protection.slip,
+        "slip_time": control.protection.time,
+    }
+
+
+def _feedback(control: RigControl, plant: Mapping[str, Any]) -> dict[str, Any]:
+    """Gains of the PI loop around wheel and roller as one inertia, docs/theory/rig_control.md (C6)."""
+    table = control.feedback
+    ratio = plant["wheel_radius"] / plant["roller_radius"]
+    inertia = plant["wheelset_inertia"] + plant["roller_inertia"] * ratio**2
+    frequency = 2.0 * math.pi * table.bandwidth
+    proportional = 2.0 * table.damping_ratio * frequency * inertia / ratio
+    return {
+        "kind": table.kind,
+        "proportional": proportional if table.proportional is None else table.proportional,
+        "integral": frequency**2 * inertia / ratio if table.integral is None else table.integral,
+        "switching": table.switching,
+        "boundary_layer": table.boundary_layer,
+        "largest": table.largest,
+    }
+
+
+def _virtual_rail(model: AssembledModel) -> dict[str, float]:
+    """One ellipse that stands for all patches of a wheel in steady running: their area together, their mean shape."""
+    rest = equilibrium_dataset(model).isel(time=0, wheel=0)
+    a, b = np.nan_to_num(rest["patch_a"].to_numpy()), np.nan_to_num(rest["patch_b"].to_numpy())
+    load = float(model.axle_loads[model.wheelsets[0]]) / 2.0
+    area, aspect = float(np.sum(a * b)), float(np.sum(a * a) / np.sum(a * b))
+    return {"wheel_load": load, "a": math.sqrt(area * aspect), "b": math.sqrt(area / aspect)}

@@ -1,0 +1,89 @@
+"""How much adhesion the rail has, where or when: degraded track, and what the rig imitates."""
+
+from collections.abc import Mapping
+from typing import Annotated, Any
+
+from pydantic import BeforeValidator, Field, model_validator
+from pydantic_core import PydanticCustomError
+
+from rollerrig.config.base import Table
+from rollerrig.config.errors import nearest, show_value
+from rollerrig.config.units import Quantity
+
+CONDITIONS: Mapping[str, Mapping[str, float]] = {
+    "dry": {"start": 0.55, "remaining": 0.40, "decay": 0.60},
+    "wet": {"start": 0.30, "remaining": 0.40, "decay": 0.20},
+    "low": {"start": 0.08, "remaining": 0.40, "decay": 0.20},
+    "very_low": {"start": 0.04, "remaining": 0.40, "decay": 0.20},
+}
+"""Named conditions; dry and wet after Polach (2005), low and very low engineering values with the shape of wet."""
+
+Fraction = Annotated[float, Quantity("1", ge=0, le=1)]
+
+
+class Condition(Table):
+    """Friction of a rail that falls with slip velocity w: start ((1 - remaining) exp(-decay w) + remaining)."""
+
+    start: Fraction = Field(description="friction at no slip")
+    remaining: Fraction = Field(default=1.0, description="friction at large slip over that at none; 1: Coulomb's law")
+    decay: Annotated[float, Quantity("s/m", ge=0)] = Field(default=0.0, description="how fast it falls with slip")
+
+
+def _by_name(value: Any) -> Any:
+    if not isinstance(value, str):
+        return value
+    if value in CONDITIONS:
+        return dict(CONDITIONS[value])
+    guess = nearest(value, tuple(CONDITIONS))
+    allowed = f"allowed: {', '.join(CONDITIONS)}, or a table with start, remaining, decay"
+    allowed += f"; did you mean {show_value(guess)}?" if guess else ""
+    raise PydanticCustomError("condition", "{allowed}", {"allowed": allowed})
+
+
+AnyCondition = Annotated[Condition, BeforeValidator(_by_name)]
+
+
+class Piece(Table):
+    """From where, or from when, the rail is another one."""
+
+    distance: Annotated[float, Quantity("m", ge=0)] | None = Field(
+        default=None, description="of the wheel from the vehicle's place at the start, where the piece begins"
+    )
+    time: Annotated[float, Quantity("s", gt=0)] | None = Field(default=None, description="when it begins, in its place")
+    rail: AnyCondition = Field(description="dry, wet, low, very_low, or a table")
+
+
+class Adhesion(Table):
+    """Adhesion of the rail: on track of the rail itself, on a rig of the virtual rail that the rollers imitate."""
+
+    rail: AnyCondition = Field(description="condition at the start: dry, wet, low, very_low, or a table")
+    piece: tuple[Piece, ...] = Field(default=(), description="where or when it changes, in ascending order")
+    blend: Annotated[float, Quantity("1", ge=0)] = Field(
+        default=0.0, description="length [m] or time [s] over which one condition passes into the next; 0: a jump"
+    )
+    cleaning: Annotated[float, Quantity("m^2/J", ge=0)] = Field(
+        default=0.0,
+        description="tau: how fast energy spent per area cleans the rail, lambda = 1 - exp(-tau W); 0: nothing is cleaned",
+    )
+    cleaned: AnyCondition = Field(
+        default=Condition(start=0.70, remaining=0.40, decay=0.60), description="condition of the rail once clean"
+    )
+
+    @property
+    def over_time(self) -> bool:
+        """Whether pieces begin at times."""
+        return bool(self.piece) and self.piece[0].time is not None
+
+    @model_validator(mode="after")
+    def _pieces_in_order(self) -> "Adhesion":
+        last = -1.0
+        for number, piece in enumerate(self.piece):
+            place = piece.time if self.over_time else piece.distance
+            if place is None or (piece.time is None) == (piece.distance is None):
+                allowed = "allowed: each piece with `distance`, or each with `time`"
+                raise PydanticCustomError("at_key", "{allowed}", {"allowed": allowed, "key": "piece"})
+            if not place > last:
+                allowed = f"allowed: pieces in ascending order; piece[{number}] begins at {place:g} after {last:g}"
+                raise PydanticCustomError("at_key", "{allowed}", {"allowed": allowed, "key": "piece"})
+            last = place
+        return self

@@ -1,0 +1,273 @@
+"""The same test on degraded track and on the dry rig that imitates it, and how far the two are apart.
+
+Case of a rig with [rig_control] -> [adhesion] -> both runs, fidelity numbers
+
+Numbers of tracking compare the rig's axles with the virtual train that they follow; numbers of fidelity compare the rig with
+the run on real track, which also contains what the virtual train leaves out. Equations: docs/theory/rig_control.md.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from rollerrig.analysis.parallel import run_jobs
+from rollerrig.config import Case, ConfigError, ConfigProblem, Rig, Track, load_support
+from rollerrig.run import simulate
+from rollerrig.studies.output import finite
+
+Progress = Callable[[float, str], None]
+
+TRACK = "uic60_track"
+"""Track of the counterpart; it gets the head and gauge of the rig."""
+
+IDEAL_MOTOR_HZ, IDEAL_ESTIMATOR_HZ = 400.0, 100.0
+"""Bandwidths that stand for ideal roller drives and an ideal estimator: the sample time of 1 ms allows no more."""
+
+LEAST_SPEED = 2.0
+"""Below this a train is too slow for errors relative to its speed [m/s]."""
+
+VARIANTS = ("motor", "estimator", "both")
+VARIANT_WORDS = {
+    "rig": "the rig as it is",
+    "motor": f"roller drives with {IDEAL_MOTOR_HZ:g} Hz",
+    "estimator": f"estimator with {IDEAL_ESTIMATOR_HZ:g} Hz",
+    "both": "both: what remains is real sliding between wheel and roller, and sampling",
+}
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """Results of both runs.
+
+    Attributes:
+        case: the rig's.
+        track, rig: Datasets of the runs.
+        variants: further runs of the rig, by name in VARIANTS; empty if not asked for.
+        interrupted: whether Ctrl-C was pressed.
+    """
+
+    case: Case
+    track: xr.Dataset
+    rig: xr.Dataset
+    variants: dict[str, xr.Dataset]
+    interrupted: bool = False
+
+
+def track_case(case: Case) -> Case:
+    """The same test on straight track with the rig's rail head: what the rig is to imitate.
+
+    Raises:
+        ConfigError: the case is not that of a rig with [rig_control].
+    """
+    support = case.support.data
+    if not isinstance(support, Rig) or case.rig_control is None:
+        needed = "needed: a case on rollers with [rig_control], which imitates a track"
+        raise ConfigError([ConfigProblem(case.name, "rig_control", "missing", needed)])
+    if case.brake is None and case.traction is None:
+        needed = "needed: [brake] or [traction], the test that is done on rail and rig"
+        raise ConfigError([ConfigProblem(case.name, "brake", "missing", needed)])
+    track = load_support(TRACK)
+    assert isinstance(track, Track)
+    head = {"profile": support.profile, "gauge": support.gauge, "gauge_depth": support.gauge_depth}
+    choice = case.support.model_copy(update={"data": track.model_copy(update=head), "use": None, "roller_radius": None})
+    motion = case.motion.model_copy(update={"drive": "held", "torque_table": None})
+    changes = {"name": f"{case.name}_track", "support": choice, "motion": motion, "rig_control": None}
+    return case.model_copy(update=changes)
+
+
+def variant(case: Case, name: str) -> Case:
+    """The rig with drives, estimator, or both close to ideal."""
+    control = case.rig_control
+    assert control is not None
+    changes: dict[str, Any] = {}
+    if name in ("motor", "both"):
+        changes["motor"] = control.motor.model_copy(update={"bandwidth": IDEAL_MOTOR_HZ, "damping_ratio": 0.0})
+    if name in ("estimator", "both"):
+        changes["estimator"] = control.estimator.model_copy(update={"bandwidth": IDEAL_ESTIMATOR_HZ})
+    return case.model_copy(update={"rig_control": control.model_copy(update=changes)})
+
+
+def compare_adhesion(
+    case: Case, *, causes: bool = True, processes: int = 2, progress: Progress | None = None
+) -> Comparison | None:
+    """Run the test on track and on the rig at the same time.
+
+    Args:
+        case: of the rig.
+        causes: also run the rig with nearly ideal drives and estimator, for the share of each in the tracking error.
+        processes: runs at a time.
+        progress: called with the fraction done and a text.
+
+    Returns:
+        The results; None where Ctrl-C came before either of the two runs had begun to give any.
+
+    Raises:
+        ConfigError, StartError: as `simulate`, and `track_case`.
+    """
+    names = ["track", "rig", *(VARIANTS if causes else ())]
+    cases = [track_case(case), case, *(variant(case, name) for name in names[2:])]
+    done = run_jobs(_run, cases, processes=processes, progress=progress, names=names)
+    track, rig, *others = done.results
+    if track is None or rig is None:
+        return None
+    found = {name: run for name, run in zip(names[2:], others, strict=True) if run is not None}
+    interrupted = done.interrupted or any("interrupted" in (r.attrs["status"]) for r in (track, rig))
+    return Comparison(case, track, rig, found, interrupted)
+
+
+def _run(case: Case, progress: Progress) -> xr.Dataset:
+    return simulate(case, progress=progress)
+
+
+# ------------------------------------------------------------------------------------------------------ numbers
+
+KEYS = {
+    "case": "name of the case",
+    "track.*, rig.*": "the run on degraded track and on the dry rig",
+    "*.status, *.status_message": "how the run ended",
+    "*.stopped": "whether the train came to a stop before the end of the run",
+    "*.distance_m": "run by the train [m]: on the rig the virtual one",
+    "*.duration_s": "time at the end of the test [s]",
+    "*.speed_end_kmh": "of the train at the end [km/h]",
+    "*.largest_slip": "largest |wheel speed - train speed| over train speed, above 2 m/s [-]",
+    "*.mean_slip": "mean of the same over all axles and times [-]",
+    "*.adhesion_used_mean": "mean of |contact force| over static axle load while brake or traction act [-]",
+    "*.adhesion_used_largest": "largest of the same [-]",
+    "*.vent_cycles": "times that dump valves opened to vent, all axles",
+    "*.air_litres": "air at ambient pressure taken by all cylinders [l]",
+    "*.energy_relative_residual": "energy audit [-]",
+    "rig.real_sliding_largest_mps, rig.real_sliding_rms_mps": "wheel against roller, the sliding that damages both [m/s]",
+    "rig.roller_torque_largest_nm": "of a roller drive [N m]",
+    "fidelity.tracking_rms, fidelity.tracking_largest": "wheel speed of rig less virtual train, over train speed [-]",
+    "fidelity.wheel_speed_rms, fidelity.wheel_speed_largest": "wheel speed of rig less track at the same time, over train "
+    "speed, any axle [-]",
+    "fidelity.train_speed_largest_mps": "virtual train less train on track at the same time [m/s]",
+    "fidelity.distance_relative": "stopping distance of rig over that of track, less 1; null if either did not stop [-]",
+    "fidelity.distance_at_end_relative": "the same at the end of the shorter run [-]",
+    "fidelity.slip_difference_rms": "slip of rig less slip of track at the same time [-]",
+    "fidelity.torque_difference_rms_nm": "brake and traction torque of rig less track [N m]",
+    "causes.*.tracking_rms": "tracking error with drives, estimator or both close to ideal [-]",
+    "targets.*": "the project's aims: tracking RMS below 1 % of train speed, stopping distance within 2 %; null: not known",
+}
+"""Key of summary.json -> meaning; `*` stands for a name."""
+
+
+def fidelity(results: Comparison) -> dict[str, Any]:
+    """The numbers of a comparison under the keys of KEYS."""
+    track, rig = results.track, results.rig
+    compared = _compared(results)
+    error, largest = tracking(rig)
+    causes = {name: {"tracking_rms": finite(tracking(run)[0])} for name, run in results.variants.items()}
+    distance = compared["distance_relative"]
+    return {
+        "case": results.case.name,
+        "track": _numbers(track),
+        "rig": {**_numbers(rig), **_of_rig(rig)},
+        "fidelity": {"tracking_rms": finite(error), "tracking_largest": finite(largest), **compared},
+        "causes": causes,
+        "targets": {
+            "tracking_rms_below_1_percent": bool(error < 0.01) if np.isfinite(error) else None,
+            "stopping_distance_within_2_percent": None if distance is None else abs(distance) <= 0.02,
+        },
+        "rollerrig_version": rig.attrs["rollerrig_version"],
+    }
+
+
+def wheel_radius(run: xr.Dataset) -> float:
+    """Nominal radius of the wheels [m], of the run's own case."""
+    import tomllib
+
+    return float(tomllib.loads(run.attrs["config_toml"])["vehicle"]["data"]["wheel"]["radius"])
+
+
+def slip(run: xr.Dataset) -> xr.DataArray:
+    """(wheel speed - train speed) / train speed over time and axle; NaN where the train is slow."""
+    speed = run["train_speed"]
+    wheel = wheel_radius(run) * (run["virtual_speed"] if "rig_control" in run.attrs["config_toml"] else run["axle_speed"])
+    return ((wheel - speed) / speed).where(speed > LEAST_SPEED)
+
+
+def tracking(run: xr.Dataset) -> tuple[float, float]:
+    """RMS and largest of (wheel speed - virtual wheel speed) / train speed."""
+    speed = run["train_speed"]
+    error = (wheel_radius(run) * (run["axle_speed"] - run["virtual_speed"]) / speed).where(speed > LEAST_SPEED)
+    values = error.to_numpy()
+    values = values[np.isfinite(values)]
+    return (float(np.sqrt(np.mean(values**2))), float(np.abs(values).max())) if values.size else (np.nan, np.nan)
+
+
+def _numbers(run: xr.Dataset) -> dict[str, Any]:
+    acting = (np.abs(run["brake_torque"]) + np.abs(run["traction_torque"])) > 1.0
+    load = _axle_load(run)
+    used = (np.abs(run["contact_force"]) / load).where(acting)
+    slips = np.abs(slip(run)).to_numpy()
+    slips = slips[np.isfinite(slips)]
+    last = run.isel(time=-1)
+    return {
+        "status": run.attrs["status"],
+        "status_message": run.attrs["status_message"],
+        "stopped": stopped(run),
+        "distance_m": float(last["train_distance"]),
+        "duration_s": float(run.attrs["stopped_at_s"]),
+        "speed_end_kmh": 3.6 * float(last["train_speed"]),
+        "largest_slip": float(slips.max()) if slips.size else None,
+        "mean_slip": float(slips.mean()) if slips.size else None,
+        "adhesion_used_mean": finite(float(used.mean())),
+        "adhesion_used_largest": finite(float(used.max())),
+        "vent_cycles": int(last["vent_cycles"].sum()),
+        "air_litres": 1e3 * float(last["air"].sum()),
+        "energy_relative_residual": run.attrs["energy_relative_residual"],
+    }
+
+
+def _axle_load(run: xr.Dataset) -> float:
+    """Static load of an axle, from the wheels' forces at the start [N]."""
+    return float(run["vertical_force"].isel(time=0).sum()) / run.sizes["axle"]
+
+
+def stopped(run: xr.Dataset) -> bool:
+    """Whether the train came to a stop."""
+    return bool(run.attrs["status"] == "ok" and "The train has stopped" in run.attrs["status_message"])
+
+
+def _of_rig(run: xr.Dataset) -> dict[str, float]:
+    sliding = run["real_sliding"].to_numpy()
+    return {
+        "real_sliding_largest_mps": float(np.abs(sliding).max()),
+        "real_sliding_rms_mps": float(np.sqrt(np.mean(sliding**2))),
+        "roller_torque_largest_nm": float(np.abs(run["roller_torque"]).max()),
+    }
+
+
+def _compared(results: Comparison) -> dict[str, float | None]:
+    """Rig against track at the same times, as far as both ran."""
+    count = min(results.track.sizes["time"], results.rig.sizes["time"])
+    track, rig = (run.isel(time=slice(0, count)) for run in (results.track, results.rig))
+    speed = track["train_speed"].to_numpy()
+    fast = speed > LEAST_SPEED
+    wheel = wheel_radius(rig) * (rig["axle_speed"].to_numpy() - track["axle_speed"].to_numpy())
+    relative = wheel[fast] / speed[fast, None]
+    slips = slip(rig).to_numpy() - slip(track).to_numpy()
+    slips = slips[np.isfinite(slips)]
+    torque = sum(rig[name].to_numpy() - track[name].to_numpy() for name in ("brake_torque", "traction_torque"))
+    way = track["train_distance"].to_numpy(), rig["train_distance"].to_numpy()
+    both = stopped(results.track) and stopped(results.rig)
+    ends = [float(run["train_distance"][-1]) for run in (results.track, results.rig)]
+    return {
+        "wheel_speed_rms": _rms(relative),
+        "wheel_speed_largest": finite(float(np.abs(relative).max(initial=0.0))),
+        "train_speed_largest_mps": float(np.abs(rig["train_speed"].to_numpy() - speed).max()),
+        "distance_relative": ends[1] / ends[0] - 1.0 if both else None,
+        "distance_at_end_relative": float(way[1][-1] / way[0][-1] - 1.0) if way[0][-1] > 0 else None,
+        "slip_difference_rms": _rms(slips),
+        "torque_difference_rms_nm": _rms(np.asarray(torque)),
+    }
+
+
+def _rms(values: np.ndarray[Any, np.dtype[np.float64]]) -> float | None:
+    return float(np.sqrt(np.mean(values**2))) if values.size else None
