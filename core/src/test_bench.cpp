@@ -34,7 +34,7 @@ constexpr BenchColumn train_table[] = {
     {"train_speed", "m/s", "of the train: on track the real one, on a rig the virtual one"},
     {"train_distance", "m", "since the start"},
     {"train_acceleration", "m/s^2", "of the train"},
-    {"reference_speed", "m/s", "that the slide protection believes in"},
+    {"reference_speed", "m/s", "that slide protection, or else anti-slip, believes in"},
     {"brake_demand", "Pa", "cylinder pressure asked for"},
     {"traction_demand", "N m", "torque per axle asked for"},
 };
@@ -286,8 +286,13 @@ int TestBench::substeps() const {
     Body const& wheelset = dynamics_->model().bodies[at(a.wheelset)];
     for (int c : a.contact) {
       if (c < 0 || dynamics_->patch_count(c) == 0) continue;
-      double area = 0.0;  // over pi
-      for (int k = 0; k < dynamics_->patch_count(c); ++k) area += dynamics_->patch(c, k).a * dynamics_->patch(c, k).b;
+      ContactLaws const& laws = contacts[at(c)].laws;
+      double stiffness = 0.0;  // without saturation, which only makes it softer
+      for (int k = 0; k < dynamics_->patch_count(c); ++k) {
+        auto const& patch = dynamics_->patch(c, k);
+        double const shear = laws.material.shear_modulus;
+        stiffness += kalker_stiffness(laws.kalker->at(std::log(patch.a / patch.b)), shear, patch.a, patch.b, 1.0).f11;
+      }
       double const r = contacts[at(c)].pair.wheel_radius;
       double inverse_inertia = 2.0 * r * r / wheelset.inertia.y;
       if (a.roller >= 0) {
@@ -295,7 +300,6 @@ int TestBench::substeps() const {
         inverse_inertia += 2.0 * R * R / dynamics_->model().bodies[at(a.roller)].inertia.y;
       }
       inverse_inertia = std::max(inverse_inertia, 2.0 / wheelset.mass);
-      double const stiffness = contacts[at(c)].laws.material.shear_modulus * area * 5.0;  // C11, C22 < 5
       double const v = std::hypot(dynamics_->patch(c, 0).rolling_speed, contacts[at(c)].laws.standstill_speed);
       rate = std::max(rate, stiffness * inverse_inertia / v);
     }
@@ -501,7 +505,7 @@ void TestBench::fill_row(double* axles, double* train) const {
                         travels          ? acceleration_
                         : setup_.imitate ? train_.acceleration()
                                          : 0.0,
-                        slide_.reference_speed(),
+                        setup_.slide_sampling.every > 0 ? slide_.reference_speed() : anti_slip_.reference_speed(),
                         setup_.brake_demand.at(time()),
                         setup_.traction_demand.at(time())};
   static_assert(std::size(row) == std::size(train_table));

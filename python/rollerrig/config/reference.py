@@ -195,4 +195,6 @@ def _default(field: FieldInfo) -> str:
         return ""
     if isinstance(default, bool):
         return "true" if default else "false"
+    if isinstance(default, tuple):
+        return ", ".join(f"[{', '.join(f'{value:g}' for value in row)}]" for row in default)
     return f'"{default}"' if isinstance(default, str) else f"{default:g}"

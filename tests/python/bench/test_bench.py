@@ -1,0 +1,188 @@
+"""The test bench from a case: against limits that are known, and what goes wrong in it."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from rollerrig import ConfigError, load_case, simulate
+from rollerrig.bench import CONTROLLER_FAILED
+from rollerrig.config import Case
+from rollerrig.studies.adhesion import Comparison, fidelity, track_case
+
+RADIUS = 0.46  # of the wheels of vehicle 1 [m]
+SHORT = {"time.duration": "6 s"}
+
+
+def brake_case(**changes: object) -> Case:
+    return load_case("adhesion_brake").with_changes({**SHORT, **changes})
+
+
+@pytest.fixture(scope="module")
+def rig() -> xr.Dataset:
+    return simulate(brake_case())
+
+
+@pytest.fixture(scope="module")
+def track() -> xr.Dataset:
+    return simulate(track_case(brake_case()))
+
+
+def test_the_rig_follows_the_virtual_train_and_the_track(rig: xr.Dataset, track: xr.Dataset) -> None:
+    """The project's target: below 1 % of train speed RMS, the way within 2 %."""
+    numbers = fidelity(Comparison(brake_case(), track, rig, {}))
+    assert numbers["fidelity"]["tracking_rms"] < 0.01
+    assert abs(numbers["fidelity"]["distance_at_end_relative"]) < 0.02
+    assert numbers["rig"]["largest_slip"] > 0.1  # it did slide, or the test says nothing
+    assert numbers["rig"]["real_sliding_largest_mps"] < 0.1 < RADIUS * 33 * 0.1  # and the rollers saw none of it
+
+
+def test_slide_protection_holds_the_axles(track: xr.Dataset) -> None:
+    slip = 1.0 - RADIUS * track["axle_speed"] / track["train_speed"]
+    late = slip.isel(time=track["time"].to_numpy() > 4.0)
+    assert 0.02 < float(late.mean()) < 0.25
+    assert float(slip.max()) < 0.35
+    assert int(track["vent_cycles"][-1].min()) > 2
+
+
+@pytest.mark.parametrize("name", ["rig", "track"])
+def test_energy_closes_with_brakes(name: str, request: pytest.FixtureRequest) -> None:
+    """Brakes turn about a megajoule into heat; fourth order at 1 ms leaves 1e-6 of it."""
+    run = request.getfixturevalue(name)
+    assert float(run["energy_dissipated_brakes"][-1]) > 1e5
+    assert run.attrs["energy_relative_residual"] < 1e-6
+
+
+def test_on_track_momentum_is_kept(track: xr.Dataset) -> None:
+    """What slows the train is the force of the rails: M v' = sum T, over the whole run."""
+    mass = float(track["vertical_force"].isel(time=0).sum()) / 9.81
+    impulse = float(track["contact_force"].sum("axle").integrate("time"))
+    change = mass * float(track["train_speed"][-1] - track["train_speed"][0])
+    assert impulse == pytest.approx(change, rel=2e-3)  # output every 10 ms, switching valves between
+
+
+def test_without_degradation_rig_and_track_run_the_same_way() -> None:
+    """Friction of the case on both, moderate braking: within 1 %."""
+    changes = {"brake.demand": [[0.0, 0.0], [0.1, 0.0], [0.2, 2e5]], "motion.speed": "20 km/h", "time.duration": "15 s"}
+    case = brake_case(**changes).model_copy(update={"adhesion": None})
+    rig, track = simulate(case), simulate(track_case(case))
+    for run in (rig, track):
+        assert "The train has stopped" in run.attrs["status_message"]
+        assert int(run["vent_cycles"][-1].sum()) == 0
+    assert float(rig["train_distance"][-1]) == pytest.approx(float(track["train_distance"][-1]), rel=0.01)
+
+
+def test_without_control_the_bench_is_the_plain_rig() -> None:
+    """Brakes that are never applied, drives that are not there: the same motion as an ordinary run."""
+    still = {"brake.demand": [[0.0, 0.0], [1.0, 0.0]], "time.duration": "1 s", "motion.speed": "60 km/h"}
+    bench = brake_case(**still).model_copy(update={"adhesion": None, "rig_control": None, "slide_protection": None})
+    plain = bench.model_copy(update={"brake": None}).with_changes(
+        {"time.method": "exponential_rk4", "time.step": "1 ms"}
+    )
+    nudge = {"disturbance": [{"body": "wheelset_1", "lateral": "1 mm"}]}
+    a, b = simulate(bench.with_changes(nudge)), simulate(plain.with_changes(nudge))
+    np.testing.assert_allclose(a["lateral"], b["lateral"], rtol=0, atol=1e-9)
+    np.testing.assert_allclose(a["pitch_velocity"], b["pitch_velocity"], rtol=0, atol=1e-7)
+
+
+def test_the_same_seed_gives_the_same_bytes() -> None:
+    noisy = {"sensors.axles": {"counts": 4096, "jitter": 0.2, "window": 4}, "time.duration": "1.5 s"}
+    first, second = simulate(brake_case(**noisy)), simulate(brake_case(**noisy))
+    other = simulate(brake_case(**noisy, **{"sensors.seed": 2}))
+    assert first["measured_axle_speed"].to_numpy().tobytes() == second["measured_axle_speed"].to_numpy().tobytes()
+    assert not np.array_equal(first["measured_axle_speed"], other["measured_axle_speed"])
+
+
+def test_anti_slip_holds_a_start() -> None:
+    run = simulate(track_case(load_case("adhesion_start").with_changes({"time.duration": "5 s"})))
+    slip = RADIUS * run["axle_speed"] - run["train_speed"]
+    assert float(run["torque_factor"].min()) < 0.8
+    assert float(slip.max()) < 3.0
+    assert float(run["train_speed"][-1]) > float(run["train_speed"][0]) + 1.0
+
+
+# ------------------------------------------------------------------------------------------- a user's controllers
+
+
+class Feedforward:
+    """The law of pure rolling and a proportional correction."""
+
+    sample_time = 1e-3
+
+    def step(self, measurements):  # noqa: ANN001, ANN201 - as a user writes it
+        error = measurements["virtual_speed"] - measurements["axle_speed"]
+        return {"roller_torque": measurements["feed_forward"] + 4000.0 * error}
+
+
+class Broken:
+    sample_time = 5e-3
+
+    def __init__(self, answer: object) -> None:
+        self.answer = answer
+
+    def step(self, measurements):  # noqa: ANN001, ANN201
+        if measurements["time"] < 0.1:
+            return {"valve": [0, 0]}
+        if isinstance(self.answer, Exception):
+            raise self.answer
+        return self.answer
+
+
+def test_a_users_rig_controller_does_the_work() -> None:
+    case = brake_case(**{"time.duration": "4 s"})
+    run = simulate(case, controllers={"rig_control": Feedforward()})
+    assert run.attrs["status"] == "ok"
+    error = RADIUS * (run["axle_speed"] - run["virtual_speed"])
+    assert float(np.abs(error).max()) < 0.5
+    assert float(np.abs(run["roller_torque"]).max()) > 1000
+
+
+@pytest.mark.parametrize(
+    ("answer", "message"),
+    [
+        ({"valve": [np.nan, 0]}, "allowed: 0 fill, 1 hold, 2 vent"),
+        ({"valve": [0, 0, 0]}, "has shape (3,); needed: (2,)"),
+        ({"valves": [0, 0]}, "needed: a dict with the one key 'valve'"),
+        ({"valve": ["open", "shut"]}, "no number"),
+        (7, "returned int"),
+        (ValueError("lost the plot"), "raised ValueError: lost the plot"),
+    ],
+)
+def test_a_broken_controller_ends_the_run_by_name(answer: object, message: str) -> None:
+    run = simulate(brake_case(), controllers={"slide_protection": Broken(answer)})
+    assert run.attrs["status"] == CONTROLLER_FAILED
+    text = run.attrs["status_message"]
+    assert message in text
+    assert "t = 0.1 s, slide_protection, controller Broken" in text
+    assert '"axle_speed": [72.' in text
+    assert run.sizes["time"] == 10 or run.sizes["time"] == 11  # results until then are kept
+
+
+def test_a_controller_that_cannot_be_used_is_refused() -> None:
+    with pytest.raises(ConfigError, match="adhesion_brake: controllers: 'anti_slip'; allowed: a table of the case"):
+        simulate(brake_case(), controllers={"anti_slip": Feedforward()})
+    with pytest.raises(ConfigError, match="needed: an attribute sample_time"):
+        simulate(brake_case(), controllers={"rig_control": object()})
+    controller = Feedforward()
+    controller.sample_time = 0.0015
+    with pytest.raises(ConfigError, match=r"sample_time: 0\.0015; allowed: a multiple of bench\.step"):
+        simulate(brake_case(), controllers={"rig_control": controller})
+    with pytest.raises(ConfigError, match=r"rig_control\.user.*'module:Class' or 'file\.py:Class'"):
+        simulate(brake_case(**{"rig_control.user": "nowhere"}))
+    with pytest.raises(ConfigError, match=r"rig_control\.user.*No module named"):
+        simulate(brake_case(**{"rig_control.user": "no_such_module:Mine"}))
+
+
+def test_the_rollers_are_protected() -> None:
+    """A controller that brakes the rollers with all it has ends the test, not the rollers."""
+
+    class Mad:
+        sample_time = 1e-3
+
+        def step(self, measurements):  # noqa: ANN001, ANN202
+            return {"roller_torque": [-1e5, -1e5]}
+
+    run = simulate(brake_case(), controllers={"rig_control": Mad()})
+    assert run.attrs["status"] == "rollers_protected"
+    assert "rig_control.protection.slip" in run.attrs["status_message"]

@@ -1,0 +1,57 @@
+"""Tables of the test bench: what they refuse, and with which words."""
+
+from __future__ import annotations
+
+import pytest
+
+from rollerrig import ConfigError, load_case
+from rollerrig.bench import COMMANDS
+from rollerrig.config import case_from_toml
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"adhesion.rail": {"start": 1.2}}, "adhesion.rail.start: 1.2; allowed: a number, at least 0 and at most 1"),
+        ({"adhesion.rail": "soapy"}, "allowed: dry, wet, low, very_low, or a table"),
+        (
+            {"adhesion.piece": [{"distance": "50 m", "rail": "dry"}, {"distance": "20 m", "rail": "low"}]},
+            "pieces in ascending order",
+        ),
+        (
+            {"adhesion.piece": [{"distance": "50 m", "time": "1 s", "rail": "dry"}]},
+            "each piece with `distance`, or each with `time`",
+        ),
+        (
+            {"rig_control.motor.envelope": [[0, 1e4], [50, 1e4], [50, 5e3]]},
+            "rig_control.motor.envelope: [[0, 10000.0], [50, 10000.0], [50, 5000.0]]; allowed: rows in ascending order",
+        ),
+        (
+            {"slide_protection.sample_time": "2.5 ms"},
+            "slide_protection.sample_time: 2.5 ms; allowed: a multiple of bench.step, 1 ms; the nearest is 2 ms",
+        ),
+        ({"rig_control.delay": "0.4 ms"}, "rig_control.delay: 0.4 ms; allowed: a multiple of bench.step, 1 ms"),
+        ({"time.output_step": "0.5 ms"}, "time.output_step: 0.5 ms; allowed: a multiple of bench.step"),
+        ({"bench.step": "5 ms"}, "bench.step: 5 ms; allowed: at most 2 ms"),
+        ({"motion.drive": "held"}, "motion.drive: 'held'; allowed with [rig_control]: 'free'"),
+        ({"brake.motors_stand_in": True}, "brake.motors_stand_in: true; needed: [traction]"),
+        ({"anti_slip": {}}, "anti_slip: a table; allowed only with [traction]"),
+        ({"rig_control": None}, "adhesion: a table; allowed on rollers with [rig_control]"),
+        ({"brake.demand": [[0, 0], [1, -1e5]]}, "brake.demand"),
+    ],
+)
+def test_what_does_not_fit_is_refused_with_key_and_reason(changes: dict[str, object], message: str) -> None:
+    with pytest.raises(ConfigError) as caught:
+        load_case("adhesion_brake").with_changes(changes)
+    assert message in str(caught.value)
+
+
+@pytest.mark.parametrize("name", ["adhesion_brake", "adhesion_start", "adhesion_step", "adhesion_recovery"])
+def test_a_bench_case_survives_its_own_toml(name: str) -> None:
+    case = load_case(name)
+    assert case.on_bench
+    assert case_from_toml(case.to_toml()) == case
+
+
+def test_every_role_has_a_table() -> None:
+    assert set(COMMANDS) <= set(type(load_case("adhesion_brake")).model_fields)
