@@ -111,7 +111,7 @@ VirtualRail virtual_rail(nb::dict const& d, Model const& model, int contact) {
   ContactLaws const& laws = model.contacts.at(static_cast<std::size_t>(contact)).laws;
   rail.creep = laws.creep;
   rail.standstill_speed = laws.standstill_speed;
-  rail.friction.coefficient = laws.friction.coefficient;
+  rail.friction = laws.friction;
   if (int const map = get<int>(d, "friction_map"); map >= 0)
     rail.friction.map = &model.adhesion_maps.at(static_cast<std::size_t>(map));
   rail.wheel_load = get<double>(d, "wheel_load"), rail.a = get<double>(d, "a"), rail.b = get<double>(d, "b");

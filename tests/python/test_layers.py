@@ -1,6 +1,7 @@
 """The arrow of the data is a test: a folder may use only what stands to its left.
 
-core:    scalar -> math -> track -> profile -> body -> geometry -> contact -> system -> integrate -> record
+core:    scalar -> math -> track -> profile -> body -> geometry -> contact -> mechatronics -> system -> integrate
+         -> record -> bench
 Python:  profiles, track, irregularity -> config -> catalog -> creep -> model -> results -> start -> bench -> run
          -> characteristics -> analysis -> plot -> report -> studies -> cli
 """
@@ -27,9 +28,11 @@ CORE_LAYERS = [
     {"body"},
     {"geometry"},
     {"contact"},
+    {"mechatronics"},
     {"system"},
     {"integrate"},
     {"record"},
+    {"bench"},
 ]
 """From left to right."""
 

@@ -40,7 +40,9 @@ struct VirtualRail {
                                     grown * grown * stiffness.f33};
     double const adhesion = friction_coefficient(slip, time, place, spent) * per_wheel + 1e-9;
     // Creepage is wheel over roller: a driving wheel's surface runs backwards.
-    return 2.0 * creep_force(creep, Creepage<double>{epsilon, 0.0, 0.0}, f, adhesion).longitudinal;
+    Creepage<double> const creepage{epsilon, 0.0, 0.0};
+    return 2.0 * creep_force(creep, CreepQuery<double>{creepage, f, adhesion, growth * a, growth * b, log_aspect, 1.0})
+                     .longitudinal;
   }
 };
 
