@@ -268,7 +268,8 @@ void TestBench::take_commands() {
   for (Pending& p : pending_)
     while (p.count > 0 && p.acts_at[p.first] <= step_count_) {
       if (&p == &pending_[at(static_cast<int>(Role::slide_protection))])
-        for (std::size_t i = 0; i < axle_.size(); ++i) axle_[i].vent_cycles += p.value[p.first][i] > 1.5 && p.now[i] < 1.5;
+        for (std::size_t i = 0; i < axle_.size(); ++i)
+          axle_[i].vent_cycles += p.value[p.first][i] > 1.5 && p.now[i] < 1.5;
       p.now = p.value[p.first];
       p.first = (p.first + 1) % p.value.size();
       --p.count;

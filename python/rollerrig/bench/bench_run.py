@@ -40,7 +40,7 @@ _ROLES = {
     "anti_slip": _core.Role.anti_slip,
     "rig_control": _core.Role.rig,
 }
-_STATUS_NAMES = {code: name for name, code in _core.status_codes.items()}
+_STATUS_NAMES: dict[int, str] = {code: name for name, code in _core.status_codes.items()}
 CONTROLLER_FAILED = "controller_failed"
 ROLLERS_PROTECTED = "rollers_protected"
 
@@ -151,7 +151,9 @@ class BenchRun:
             stands = " The train has stopped." if core.ended else ""
             message = f"{_core.status_sentence(0)}{stands}"
         else:
-            message = f"t = {at:.4g} s{', ' + wheel if wheel else ''}: {_core.status_sentence(_core.status_codes[status])}"
+            message = (
+                f"t = {at:.4g} s{', ' + wheel if wheel else ''}: {_core.status_sentence(_core.status_codes[status])}"
+            )
         counts = {"steps": core.steps, "derivative_calls": core.derivative_calls}
         return Outcome(status, message, at, wheel, counts, {})
 

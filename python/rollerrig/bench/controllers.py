@@ -46,7 +46,7 @@ class UserController(Protocol):
 
     sample_time: float
 
-    def step(self, measurements: Measurements) -> Mapping[str, Any]:
+    def step(self, measurements: Measurements) -> object:
         """Commands for the time until the next sample."""
         ...
 
@@ -73,7 +73,7 @@ def load_controller(place: str, key: str, file: str) -> UserController:
         if module_name.endswith(".py"):
             spec = importlib.util.spec_from_file_location(Path(module_name).stem, module_name)
             if spec is None or spec.loader is None:
-                raise ImportError(f"{module_name} is no Python file")  # noqa: TRY301
+                raise ImportError(f"{module_name} is no Python file")
             module = importlib.util.module_from_spec(spec)
             spec.loader.exec_module(module)
         else:

@@ -94,7 +94,7 @@ def _add_adhesion(model: AssembledModel, on_rails: bool) -> int:
     cleaned = [adhesion.cleaned.start, adhesion.cleaned.remaining, adhesion.cleaned.decay, adhesion.cleaning]
     rails = [adhesion.rail, *(piece.rail for piece in adhesion.piece)]
     rows = [[rail.start, rail.remaining, rail.decay, *cleaned] for rail in rails]
-    borders = [piece.time if adhesion.over_time else piece.distance for piece in adhesion.piece]
+    borders = [float((piece.time if adhesion.over_time else piece.distance) or 0.0) for piece in adhesion.piece]
     number = model.core.add_adhesion_map(rows, borders, adhesion.blend, adhesion.over_time)
     for wheel in model.wheels if on_rails else ():
         model.core.set_friction_map(wheel.contact, number)

@@ -12,10 +12,15 @@ from rollerrig.cli.progress import progress_bar
 
 
 def command(
-    case: Annotated[str, typer.Argument(help="Case on rollers with [rig_control]: a name of the catalogue or a TOML file.")],
+    case: Annotated[
+        str, typer.Argument(help="Case on rollers with [rig_control]: a name of the catalogue or a TOML file.")
+    ],
     out: Annotated[Path, typer.Option(help="Folder for the results; made if it does not exist.")],
     causes: Annotated[
-        bool, typer.Option(help="Also run the rig with nearly ideal drives and estimator: what the tracking error comes from.")
+        bool,
+        typer.Option(
+            help="Also run the rig with nearly ideal drives and estimator: what the tracking error comes from."
+        ),
     ] = True,
     processes: Annotated[int, typer.Option(min=1, max=64, help="Runs at a time.")] = 2,
 ) -> None:

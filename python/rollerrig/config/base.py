@@ -55,6 +55,7 @@ class Table(BaseModel):
 
 
 def in_order(rows: tuple[tuple[float, float], ...]) -> tuple[tuple[float, float], ...]:
+    """Rows of a function of their first column: at least two, in ascending order."""
     if len(rows) < 2:
         allowed = "allowed: at least two rows [argument, value]"
         raise PydanticCustomError("table_order", "{allowed}", {"allowed": allowed})

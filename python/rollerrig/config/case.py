@@ -268,7 +268,9 @@ class Case(Table):
     axle_torque: tuple[AxleTorque, ...] = Field(default=(), description="torques on wheelsets")
     disturbance: tuple[Disturbance, ...] = Field(default=(), description="offsets at the start")
     time: TimeSettings = Field(description="the integration")
-    adhesion: Adhesion | None = Field(default=None, description="adhesion of the rail, real or virtual; absent: friction")
+    adhesion: Adhesion | None = Field(
+        default=None, description="adhesion of the rail, real or virtual; absent: friction"
+    )
     brake: Brake | None = Field(default=None, description="friction brake of each axle")
     traction: Traction | None = Field(default=None, description="traction drive of each axle")
     slide_protection: SlideProtection | None = Field(default=None, description="wheel slide protection")

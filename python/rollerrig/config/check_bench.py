@@ -36,12 +36,16 @@ def _tables(case: Case, file: str) -> Iterator[ConfigProblem]:
     if len(wheelsets) > MOST_AXLES:
         yield ConfigProblem(file, "vehicle.cut", show_value(case.vehicle.cut), f"allowed: at most {MOST_AXLES} axles")
     if case.axle_torque:
-        yield ConfigProblem(file, "axle_torque", "given", "allowed beside machines: [traction], which drives every axle")
+        yield ConfigProblem(
+            file, "axle_torque", "given", "allowed beside machines: [traction], which drives every axle"
+        )
     if isinstance(support, Track):
         if control is not None:
             yield ConfigProblem(file, "rig_control", "a table", "allowed on rollers; a track imitates nothing")
         if case.motion.speed_table is not None:
-            yield ConfigProblem(file, "motion.speed_table", "given", "allowed: motion.speed, from which the train runs on")
+            yield ConfigProblem(
+                file, "motion.speed_table", "given", "allowed: motion.speed, from which the train runs on"
+            )
         return
     yield from _on_rollers(case, support, file)
 

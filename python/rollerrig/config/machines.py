@@ -49,16 +49,21 @@ class Brake(Table):
     follow_rate: Rate = Field(default=20.0, description="how fast the control valve closes in on the demand")
     fill_rate: Rate = Field(default=6.0, description="choked filling of the cylinder, p'/p_supply, absolute")
     vent_rate: Rate = Field(default=5.0, description="choked venting of the cylinder, -p'/p, absolute")
-    volume: Annotated[float, Quantity("m^3", gt=0)] = Field(default=5e-3, description="of one axle's cylinders and pipes")
+    volume: Annotated[float, Quantity("m^3", gt=0)] = Field(
+        default=5e-3, description="of one axle's cylinders and pipes"
+    )
     piston_area: Annotated[float, Quantity("m^2", gt=0)] = Field(
         default=0.085, description="times ratio and efficiency of the rigging, one axle"
     )
-    spring_force: Annotated[float, Quantity("N", ge=0)] = Field(default=500.0, description="of the retracting spring, at the pads")
+    spring_force: Annotated[float, Quantity("N", ge=0)] = Field(default=500.0, description="of the retracting spring")
     friction: FrictionOverSpeed = Field(
-        default=((0.0, 0.38), (50.0, 0.30)), description="rows [sliding speed at the friction radius, friction of the pads]"
+        default=((0.0, 0.38), (50.0, 0.30)),
+        description="rows [sliding speed at the friction radius, friction of the pads]",
     )
     friction_radius: PositiveLength = Field(default=0.247, description="of the disc; of a tread brake the wheel radius")
-    faces: Annotated[float, Quantity("1", gt=0)] = Field(default=2.0, description="friction faces that the force presses on")
+    faces: Annotated[float, Quantity("1", gt=0)] = Field(
+        default=2.0, description="friction faces that the force presses on"
+    )
     standstill_speed: PositiveSpeed = Field(default=0.05, description="below it friction turns into viscous drag")
     motors_stand_in: StrictBool = Field(
         default=False,
@@ -106,8 +111,12 @@ class SlideProtection(Controller):
     vent_deceleration: Deceleration = Field(default=4.0, description="a slipping axle that slows faster is vented")
     fill_slip: Ratio = Field(default=0.06, description="relative slip below which a cylinder is filled")
     fill_slip_speed: PositiveSpeed = Field(default=0.5, description="and the least such slip as a speed")
-    recovery_acceleration: Deceleration = Field(default=0.5, description="an axle that gains speed faster is left alone")
-    pulse_time: PositiveTime = Field(default=0.06, description="after a slide filling is stepwise: open for so long ...")
+    recovery_acceleration: Deceleration = Field(
+        default=0.5, description="an axle that gains speed faster is left alone"
+    )
+    pulse_time: PositiveTime = Field(
+        default=0.06, description="after a slide filling is stepwise: open for so long ..."
+    )
     pulse_pause: PositiveTime = Field(default=0.14, description="... closed for so long")
     longest_vent: PositiveTime = Field(default=5.0, description="after this the watchdog fills")
     least_speed: PositiveSpeed = Field(default=5.0 / 3.6, description="below it all valves fill")
@@ -130,7 +139,9 @@ class Encoder(Table):
     """Incremental encoder: speed from counts."""
 
     counts: Annotated[float, Quantity("1", ge=0, le=1e7)] = Field(default=0.0, description="per turn; 0: exact speeds")
-    jitter: Annotated[float, Quantity("1", ge=0, le=100)] = Field(default=0.0, description="deviation of edges, in counts")
+    jitter: Annotated[float, Quantity("1", ge=0, le=100)] = Field(
+        default=0.0, description="deviation of edges, in counts"
+    )
     window: Annotated[int, Field(strict=True, ge=1, le=16)] = Field(
         default=1, description="samples over which counts are differenced, 1 to 16"
     )
@@ -149,5 +160,3 @@ class BenchSettings(Table):
 
     step: PositiveTime = Field(default=1e-3, description="all samples, delays and changes of commands stand on it")
     standstill: PositiveSpeed = Field(default=1.0, description="a train slower than this has stopped: the run ends")
-
-

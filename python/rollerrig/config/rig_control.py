@@ -15,7 +15,9 @@ class Train(Table):
     """The train of which the axles under test brake or pull their part."""
 
     mass: Mass | None = Field(default=None, description="per bogie under test; absent: what its axles carry")
-    resistance_constant: Annotated[float, Quantity("N", ge=0)] = Field(default=0.0, description="A in R = A + B v + C v^2")
+    resistance_constant: Annotated[float, Quantity("N", ge=0)] = Field(
+        default=0.0, description="A in R = A + B v + C v^2"
+    )
     resistance_linear: Annotated[float, Quantity("N s/m", ge=0)] = Field(default=0.0, description="B")
     resistance_quadratic: Annotated[float, Quantity("N s^2/m^2", ge=0)] = Field(default=0.0, description="C")
     gradient: Annotated[float, Quantity("1", ge=-0.1, le=0.1)] = Field(default=0.0, description="positive uphill")
@@ -28,12 +30,13 @@ class Estimator(Table):
         default="observer", description="of disturbance (Luenberger), or a filtered derivative of the roller's speed"
     )
     bandwidth: Frequency = Field(default=20.0, description="of the estimate")
-    damping_ratio: Annotated[float, Quantity("1", gt=0, le=2)] = Field(default=0.8, description="of the observer's poles")
+    damping_ratio: Annotated[float, Quantity("1", gt=0, le=2)] = Field(
+        default=0.8, description="of the observer's poles"
+    )
 
 
 class Feedback(Table):
-    """What corrects the wheels' speeds; gains that are absent follow from bandwidth and damping for wheel and roller as one
-    inertia."""
+    """What corrects the wheels' speeds; gains that are absent follow from bandwidth, damping and inertias."""
 
     kind: Literal["proportional_integral", "sliding_mode", "none"] = Field(
         default="proportional_integral", description="on virtual minus measured axle speed"
@@ -48,13 +51,17 @@ class Feedback(Table):
     boundary_layer: Annotated[float, Quantity("rad/s", gt=0)] = Field(
         default=0.5, description="of the sliding mode: it acts in proportion within"
     )
-    largest: Annotated[float, Quantity("N m", gt=0)] = Field(default=2e4, description="torque asked of a roller's drive")
+    largest: Annotated[float, Quantity("N m", gt=0)] = Field(
+        default=2e4, description="torque asked of a roller's drive"
+    )
 
 
 class Protection(Table):
     """Ends a test before rollers and wheels are damaged."""
 
-    slip: Annotated[float, Quantity("m/s", gt=0)] = Field(default=1.0, description="real sliding of wheel on roller ...")
+    slip: Annotated[float, Quantity("m/s", gt=0)] = Field(
+        default=1.0, description="real sliding of wheel on roller ..."
+    )
     time: PositiveTime = Field(default=0.2, description="... for longer than this")
 
 
@@ -71,12 +78,12 @@ class RigControl(Controller):
     """Controller of the roller drives: the wheels turn as those of a train on the rail of [adhesion]."""
 
     sample_time: PositiveTime = Field(default=1e-3, description="a multiple of bench.step")
-    delay: Annotated[float, Quantity("s", ge=0)] = Field(default=0.0, description="of the command, a multiple of bench.step")
+    delay: Annotated[float, Quantity("s", ge=0)] = Field(
+        default=0.0, description="of the command, a multiple of bench.step"
+    )
     train: Train = Field(default=Train(), description="the virtual train")
     estimator: Estimator = Field(default=Estimator(), description="of the contact force")
     feedback: Feedback = Field(default=Feedback(), description="on the axles' speeds")
     motor: Motor = Field(default=Motor(), description="drive of each roller axle")
     protection: Protection = Field(default=Protection(), description="of the rollers")
     believed: Believed = Field(default=Believed(), description="what the controller believes in")
-
-

@@ -23,7 +23,13 @@ def _line(axes: Axes, time: xr.DataArray, values: xr.DataArray, colour: int, sty
     text = label.replace("_", " ")
     colour_name = COLOURS[colour % len(COLOURS)]
     axes.plot(
-        time.to_numpy(), values.to_numpy(), color=colour_name, linestyle=style, linewidth=0.9, label=text, rasterized=True
+        time.to_numpy(),
+        values.to_numpy(),
+        color=colour_name,
+        linestyle=style,
+        linewidth=0.9,
+        label=text,
+        rasterized=True,
     )
 
 

@@ -113,6 +113,9 @@ class TestBench {
         observer(time(), y_.data(), y_.data() + dynamics_->sizes().states);
       step();
     }
+    bool const over = ended_ || step_count_ == last_step(setup_.duration);
+    if (status_ == Status::ok && over && output_every > 0 && step_count_ % output_every == 0)
+      observer(time(), y_.data(), y_.data() + dynamics_->sizes().states);
     return status_;
   }
 

@@ -25,9 +25,9 @@ struct WheelSlideProtection {
   double pulse_pause{0.14};            ///< ... closed for this long, as long as the axle slips [s]
   double longest_vent{5.0};            ///< after this the watchdog fills, whatever the criteria say [s]
   double least_speed{5.0 / 3.6};       ///< below it all valves fill [m/s]
-  double release_interval{3.0};        ///< while all axles slide, one is released this often for the reference; 0: never [s]
-  double longest_release{1.2};         ///< [s]
-  double regained_after{2.0};          ///< without slip for this long, an axle counts as gripping again [s]
+  double release_interval{3.0};  ///< while all axles slide, one is released this often for the reference; 0: never [s]
+  double longest_release{1.2};   ///< [s]
+  double regained_after{2.0};    ///< without slip for this long, an axle counts as gripping again [s]
 };
 
 class WheelSlideProtectionState {

@@ -188,8 +188,7 @@ def wheel_radius(run: xr.Dataset) -> float:
 def slip(run: xr.Dataset) -> xr.DataArray:
     """(wheel speed - train speed) / train speed over time and axle; NaN where the train is slow."""
     speed = run["train_speed"]
-    wheel = wheel_radius(run) * (run["virtual_speed"] if "rig_control" in run.attrs["config_toml"] else run["axle_speed"])
-    return ((wheel - speed) / speed).where(speed > LEAST_SPEED)
+    return ((wheel_radius(run) * run["axle_speed"] - speed) / speed).where(speed > LEAST_SPEED)
 
 
 def tracking(run: xr.Dataset) -> tuple[float, float]:
@@ -202,10 +201,10 @@ def tracking(run: xr.Dataset) -> tuple[float, float]:
 
 
 def _numbers(run: xr.Dataset) -> dict[str, Any]:
-    acting = (np.abs(run["brake_torque"]) + np.abs(run["traction_torque"])) > 1.0
+    acting = abs(run["brake_torque"]) + abs(run["traction_torque"]) > 1.0
     load = _axle_load(run)
-    used = (np.abs(run["contact_force"]) / load).where(acting)
-    slips = np.abs(slip(run)).to_numpy()
+    used = (abs(run["contact_force"]) / load).where(acting)
+    slips = abs(slip(run)).to_numpy()
     slips = slips[np.isfinite(slips)]
     last = run.isel(time=-1)
     return {

@@ -79,7 +79,9 @@ def lead(results: Comparison) -> str:
             f"({_percent(f['distance_relative'], True)})."
         )
     else:
-        lines.append(f"At the end of the shorter run the distances differ by {_percent(f['distance_at_end_relative'], True)}.")
+        lines.append(
+            f"At the end of the shorter run the distances differ by {_percent(f['distance_at_end_relative'], True)}."
+        )
     for label in ("track", "rig"):
         if numbers[label]["status"] != "ok":
             lines.append(f"{label}: {numbers[label]['status_message']}")
@@ -97,15 +99,23 @@ def report(results: Comparison, numbers: dict[str, Any]) -> str:
     """One self-contained HTML page."""
     track, rig, radius = results.track, results.rig, wheel_radius(results.rig)
     load = float(rig["vertical_force"].isel(time=0).sum()) / rig.sizes["axle"]
-    pictures = [(figures.speeds(track, rig, radius), "Speeds", "Train and wheels: the rig, the virtual train, the track.")]
+    pictures = [
+        (figures.speeds(track, rig, radius), "Speeds", "Train and wheels: the rig, the virtual train, the track.")
+    ]
     if results.case.brake is not None:
         pictures.append((figures.brakes(track, rig), "Brakes", "Cylinder pressure and state of the dump valves."))
     if results.case.traction is not None:
-        pictures.append((figures.tractions(track, rig), "Traction", "Torque of the motors and part of the demand left."))
+        pictures.append(
+            (figures.tractions(track, rig), "Traction", "Torque of the motors and part of the demand left.")
+        )
     pictures += [
         (figures.forces(track, rig, load), "Contact", "Force of rail or rollers on each axle, and the adhesion used."),
         (figures.rollers(rig, radius), "Rollers", "What the rig's drives do, and how truly."),
-        (figures.errors(track, rig, radius), "Rig less track", "At the same time; valve switchings that fall apart show."),
+        (
+            figures.errors(track, rig, radius),
+            "Rig less track",
+            "At the same time; valve switchings that fall apart show.",
+        ),
     ]
     sections = [Section("Numbers", [_runs(numbers), _fidelity(numbers)])]
     sections += [Section(title, [Figure(figure_bytes(figure, "png"), caption)]) for figure, title, caption in pictures]
