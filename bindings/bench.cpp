@@ -69,6 +69,7 @@ AntiSlip anti_slip(nb::dict const& d) {
   p.acceleration = get<double>(d, "acceleration"), p.filter_time = get<double>(d, "filter_time");
   p.reduction_rate = get<double>(d, "reduction_rate"), p.restoring_rate = get<double>(d, "restoring_rate");
   p.least_factor = get<double>(d, "least_factor");
+  p.release_interval = get<double>(d, "release_interval"), p.longest_release = get<double>(d, "longest_release");
   return p;
 }
 ContactForceEstimator estimator(nb::dict const& d) {

@@ -300,7 +300,7 @@ int TestBench::substeps() const {
         double const R = 1.0 / contacts[at(c)].pair.inverse_radius;
         inverse_inertia += 2.0 * R * R / dynamics_->model().bodies[at(a.roller)].inertia.y;
       }
-      inverse_inertia = std::max(inverse_inertia, 2.0 / wheelset.mass);
+      inverse_inertia += 2.0 / wheelset.mass;
       double const v = std::hypot(dynamics_->patch(c, 0).rolling_speed, contacts[at(c)].laws.standstill_speed);
       rate = std::max(rate, stiffness * inverse_inertia / v);
     }

@@ -133,6 +133,10 @@ class AntiSlip(Controller):
     reduction_rate: Rate = Field(default=4.0, description="of the factor on the torque")
     restoring_rate: Rate = Field(default=0.35, description="of the factor on the torque")
     least_factor: Ratio = Field(default=0.05, description="what is always left of the torque")
+    release_interval: Delay = Field(
+        default=3.0, description="while axles slip one is released this often for the reference speed; 0: never"
+    )
+    longest_release: PositiveTime = Field(default=1.2, description="of such a release")
 
 
 class Encoder(Table):

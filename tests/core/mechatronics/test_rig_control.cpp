@@ -131,3 +131,23 @@ TEST_CASE("feedback does not wind up at the limit of the command") {
   for (int k = 0; k < 60; ++k) after = state.step(p, 0.0, -1.0, 1e-2);
   CHECK(after < 0.0);
 }
+
+TEST_CASE(
+    "a virtual axle that grips firmly at low speed rolls with the train: no ringing, no jump to the other branch") {
+  VirtualTrain train;
+  train.axles = 1;
+  train.static_load[0] = 109e3;
+  train.mass = 11e3;
+  VirtualTrainState state;
+  state.reset(train, 5.0);
+  double const torque = -5900.0;
+  // Steep at small slip, flat beyond: 22 MN over the creepage, 33 kN at most.
+  auto const law = [](int, double slip, double speed, double) {
+    return -33e3 * std::tanh(22e6 / 33e3 * slip / std::hypot(speed, 1.0));
+  };
+  while (state.speed() > 0.5) {
+    state.step(train, &torque, 1e-3, law);
+    REQUIRE(std::fabs(train.wheel_radius * state.axle_speed(0) - state.speed()) < 0.02);
+    REQUIRE(state.force(0) < 0.0);
+  }
+}

@@ -9,7 +9,7 @@ namespace rig {
 
 struct AntiSlip {
   double wheel_radius{0.46};           ///< that the device believes in [m]
-  double reference_acceleration{1.5};  ///< the reference speed rises at most this fast [m/s^2]
+  double reference_acceleration{1.5};  ///< the reference speed rises at most this fast: no train starts faster [m/s^2]
   double slip{0.04};                   ///< relative slip above which torque is taken off [-]
   double slip_speed{0.15};             ///< and the least such slip as a speed [m/s]
   double acceleration{3.0};            ///< an axle that gains speed faster loses torque as well [m/s^2]
@@ -17,6 +17,8 @@ struct AntiSlip {
   double reduction_rate{4.0};          ///< of the factor [1/s]
   double restoring_rate{0.35};         ///< [1/s]
   double least_factor{0.05};           ///< [-]
+  double release_interval{3.0};        ///< while axles slip, one is released this often for the reference; 0: never [s]
+  double longest_release{1.2};         ///< [s]
 };
 
 class AntiSlipState {
@@ -24,7 +26,10 @@ class AntiSlipState {
   static constexpr int most_axles = 8;
 
   void reset(double speed) {
-    reference_ = speed;
+    reference_ = seen_ = speed;
+    slope_ = since_seen_ = released_for_ = 0.0;
+    quiet_for_ = quiet;
+    released_ = next_ = none;
     for (Axle& axle : axle_) axle = {speed, 0.0, 1.0, false, 0};
   }
 
@@ -32,7 +37,7 @@ class AntiSlipState {
   void step(AntiSlip const& p, double const* axle_speed, int axles, double period, double* factor) {
     double slowest = p.wheel_radius * axle_speed[0];
     for (int i = 1; i < axles; ++i) slowest = std::fmin(slowest, p.wheel_radius * axle_speed[i]);
-    reference_ = std::fmin(slowest, reference_ + p.reference_acceleration * period);
+    follow(p, slowest, axles, period);
     for (int i = 0; i < axles; ++i) {
       Axle& axle = axle_[static_cast<std::size_t>(i)];
       double const speed = p.wheel_radius * axle_speed[i];
@@ -42,7 +47,8 @@ class AntiSlipState {
       bool const slips = speed - reference_ > slips_above || axle.acceleration > p.acceleration;
       axle.interventions += slips && !axle.slips;
       axle.slips = slips;
-      axle.factor += (slips ? -p.reduction_rate : p.restoring_rate) * period;
+      quiet_for_ = slips ? 0.0 : quiet_for_;
+      axle.factor += (slips || i == released_ ? -p.reduction_rate : p.restoring_rate) * period;
       axle.factor = std::fmin(1.0, std::fmax(p.least_factor, axle.factor));
       factor[i] = axle.factor;
     }
@@ -57,8 +63,49 @@ class AntiSlipState {
     bool slips;
     int interventions;
   };
+  static constexpr int none = -1;
+  static constexpr double quiet = 3.0;  ///< without slip for this long, the axles show the train's speed [s]
+
+  /// The reference speed: the slowest axle, rising no faster than the train was last seen to. While axles slip, every so
+  /// often one is released until it has run down to the train's speed: that puts speed and slope right.
+  void follow(AntiSlip const& p, double slowest, int axles, double period) {
+    reference_ = std::fmin(slowest, reference_ + slope_ * period);
+    since_seen_ += period;
+    quiet_for_ += period;
+    if (quiet_for_ > quiet) {
+      slope_ = p.reference_acceleration;
+      released_ = none;
+      seen(reference_);
+      return;
+    }
+    if (released_ == none) {
+      if (p.release_interval > 0.0 && since_seen_ > p.release_interval) {
+        released_ = next_ = (next_ + 1) % axles;
+        released_for_ = 0.0;
+      }
+      return;
+    }
+    released_for_ += period;
+    double const least = 0.4;  // the torque needs some time to go [s]
+    double const fall = axle_[static_cast<std::size_t>(released_)].acceleration;
+    if (released_for_ < p.longest_release && (released_for_ < least || fall < -0.5)) return;
+    slope_ = std::fmin(p.reference_acceleration, std::fmax(0.05, (slowest - seen_) / since_seen_));
+    reference_ = slowest;
+    released_ = none;
+    seen(slowest);
+  }
+
+  void seen(double speed) {
+    seen_ = speed;
+    since_seen_ = 0.0;
+  }
+
   std::array<Axle, most_axles> axle_{};
-  double reference_{0.0};
+  double reference_{0.0}, slope_{0.0};
+  double seen_{0.0}, since_seen_{0.0};  ///< the train's speed when it was last known [m/s], and how long ago [s]
+  double quiet_for_{0.0};               ///< since the last slip [s]
+  int released_{none}, next_{none};
+  double released_for_{0.0};  ///< [s]
 };
 
 }  // namespace rig
