@@ -143,7 +143,7 @@ TEST_CASE(
   double const torque = -5900.0;
   // Steep at small slip, flat beyond: 22 MN over the creepage, 33 kN at most.
   auto const law = [](int, double slip, double speed, double) {
-    return -33e3 * std::tanh(22e6 / 33e3 * slip / std::hypot(speed, 1.0));
+    return 33e3 * std::tanh(22e6 / 33e3 * slip / std::hypot(speed, 1.0));
   };
   while (state.speed() > 0.5) {
     state.step(train, &torque, 1e-3, law);
