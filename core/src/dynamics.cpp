@@ -533,6 +533,7 @@ double Dynamics::element_energy() const {
   return sum;
 }
 
+template Travel<double> Dynamics::travel_now(double const&) const;
 template void Dynamics::place(Workspace<JacobianDual>&, JacobianDual const&) const;
 template void Dynamics::see_from_common(Workspace<JacobianDual>&, int) const;
 template void Dynamics::evaluate_forces(Workspace<double>&, double const&, Sweep const*);
