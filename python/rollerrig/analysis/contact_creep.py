@@ -24,6 +24,7 @@ from rollerrig.contact_comparison import NORMAL_CONTACTS
 from rollerrig.contact_table import contact_table, leading_wheelset
 from rollerrig.creep import creep_law_of
 from rollerrig.model import assemble
+from rollerrig.start import equilibrium
 
 Array = NDArray[np.float64]
 
@@ -52,6 +53,7 @@ def compare_creep(
 
     Raises:
         ValueError: the case stands still.
+        StartError: no rolling equilibrium was found to start from.
     """
     if not case.motion.speed >= LEAST_SPEED:
         raise ValueError(
@@ -161,7 +163,7 @@ class _Rolling:
         self.places: dict[str, int] = dict(zip(DIRECTIONS, self.simulation.coordinate_index[body], strict=True))
         self.rotation = self.simulation.rate_index[body][DIRECTIONS.index("pitch")]
         # Speeds of wheelset and rollers; the other bodies carry nothing here.
-        self.state: Array = np.array(self.simulation.equilibrium(case.motion.speed, 0.0, [])["x"])
+        self.state: Array = equilibrium(self.simulation, self.model)
         self.nothing = np.zeros(self.simulation.quadrature_count)
 
     def patches(self, lateral: float, yaw: float, roll: float, height: float) -> list[Array]:
