@@ -241,6 +241,13 @@ void bind_bench(nb::module_& m) {
       },
       "model"_a, "wheelset"_a, "reaction"_a, "brake"_a,
       "A friction brake between an axle and a body, or -1: the ground.");
+  m.def(
+      "brake_torque",
+      [](nb::dict const& brake, double cylinder_pressure, double axle_speed) {
+        return pneumatic(brake).torque(cylinder_pressure, axle_speed);
+      },
+      "brake"_a, "cylinder_pressure"_a, "axle_speed"_a,
+      "Torque of a friction brake on its axle [N m], against its turning.");
   m.attr("measurement_fields") =
       std::vector<std::string>{"axle_speed",       "roller_speed",  "roller_torque", "estimated_force",
                                "estimated_torque", "virtual_speed", "feed_forward"};

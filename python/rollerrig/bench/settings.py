@@ -161,6 +161,14 @@ def _brake(brake: Brake | None) -> dict[str, Any]:
     return {**numbers, "friction": _rows(numbers["friction"])}
 
 
+def full_brake_torque(case: Case) -> float:
+    """Against the turning of each axle, at the largest pressure asked for and the speed of the start [N m]."""
+    if case.brake is None or case.motion.speed <= 0.0:
+        return 0.0
+    pressure = max(row[1] for row in case.brake.demand)
+    return -float(_core.brake_torque(_brake(case.brake), pressure, case.motion.speed / case.vehicle.data.wheel.radius))
+
+
 _TIMING = {"sample_time", "delay", "user"}
 
 

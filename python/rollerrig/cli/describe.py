@@ -6,6 +6,7 @@ from collections.abc import Iterable, Sequence
 
 import xarray as xr
 
+from rollerrig.cli.describe_bench import machine_lines
 from rollerrig.cli.describe_track import irregularity_lines, line_rows
 from rollerrig.config import Case, Element, Material, ProfileSpec, Rig, Track, Vehicle
 from rollerrig.model import AssembledModel, assemble
@@ -36,7 +37,9 @@ def describe_case(case: Case) -> list[str]:
         for wheel, q, y, count in zip(model.wheels, vertical, lateral, run["patch_count"].to_numpy(), strict=True)
     ]
     lines += _table([f"wheels at {speed:.4g} km/h", "vertical kN", "lateral kN", "patches"], rows)
-    return lines + [""] + _balance(model, run)
+    lines += [""] + _balance(model, run)
+    machines = machine_lines(model)  # last: it puts them on the model
+    return [*lines, "", *machines] if machines else lines
 
 
 def describe_part(part: Part) -> list[str]:

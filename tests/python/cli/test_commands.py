@@ -9,6 +9,7 @@ import signal
 import subprocess
 import sys
 import time
+from importlib.resources import files
 from pathlib import Path
 
 import pytest
@@ -144,6 +145,29 @@ def test_check_prints_model_loads_and_masses() -> None:
     assert "mass of front_frame, wheelset_1, wheelset_2: 6.241 t, weight 61.224 kN" in done.out
     difference = float(done.out.split("(difference")[1].split()[0])
     assert abs(difference) < 1e-3  # N; what Newton's method leaves
+
+
+def test_check_prints_machines_and_controllers() -> None:
+    done = Done("check", "adhesion_brake")
+    assert done.code == 0
+    # 2 faces * 0.247 m * (0.085 m^2 * 3.8 bar - 500 N) * friction of the pads at 17.9 m/s, 0.3514
+    assert (
+        "brake: 3.8 bar at most, 5.52 kN m per axle by friction brakes, which asks for an adhesion of 0.110" in done.out
+    )
+    assert "adhesion of the rail: 0.08 falling to 0.032 with slip" in done.out
+    assert "slide_protection: every 5 ms, acting 1 ms later" in done.out
+    assert "observer 20 Hz, proportional-integral feedback" in done.out
+
+
+def test_check_loads_the_users_controllers(tmp_path: Path) -> None:
+    (tmp_path / "case.toml").write_text(
+        (files("rollerrig") / "catalog/cases/adhesion_brake.toml")
+        .read_text()
+        .replace("[rig_control]", '[rig_control]\nuser = "nowhere.py:Mine"')
+    )
+    done = Done("check", str(tmp_path / "case.toml"))
+    assert done.code == 2
+    assert "rig_control.user: 'nowhere.py:Mine'" in done.err
 
 
 def test_check_prints_the_line_and_how_the_vehicle_runs_on_it() -> None:
