@@ -152,6 +152,7 @@ def build_case(document: Document) -> Case:
     support, mistakes = _part(raw, "support", resolve_support, document)
     problems += mistakes
     problems += _material(raw, document)
+    _place_controllers(raw, document.folder)
     case, mistakes = validate(Case, raw, file)
     unresolved = {f"{key}.data" for key, part in (("vehicle", vehicle), ("support", support)) if part is None}
     known = {problem.key for problem in problems if problem.file == file}
@@ -161,6 +162,15 @@ def build_case(document: Document) -> Case:
     if case is not None and not problems:
         problems += check_case(case, file)
     return _whole(case, problems)
+
+
+def _place_controllers(raw: dict[str, Any], folder: Path) -> None:
+    """A controller's file stands relative to the file that names it."""
+    for table in raw.values():
+        user = table.get("user") if isinstance(table, dict) else None
+        if isinstance(user, str) and ".py:" in user and "\0" not in user:
+            file, _, name = user.rpartition(":")
+            table["user"] = f"{(folder / file).absolute()}:{name}"
 
 
 def _part(

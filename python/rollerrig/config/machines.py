@@ -90,7 +90,8 @@ class Controller(Table):
     delay: Delay = Field(default=1e-3, description="from the sample to the command's acting, a multiple of bench.step")
     user: str | None = Field(
         default=None,
-        description="your own class in its place: 'module:Class' or 'file.py:Class'; its sample_time counts, this delay too",
+        description="your own class in its place: 'module:Class' or 'file.py:Class', the file relative to the one that names "
+        "it; its sample_time counts, this delay too",
     )
 
 

@@ -167,7 +167,13 @@ def test_check_loads_the_users_controllers(tmp_path: Path) -> None:
     )
     done = Done("check", str(tmp_path / "case.toml"))
     assert done.code == 2
-    assert "rig_control.user: 'nowhere.py:Mine'" in done.err
+    assert f"rig_control.user: '{tmp_path / 'nowhere.py'}:Mine'" in done.err
+    (tmp_path / "nowhere.py").write_text(
+        "class Mine:\n    sample_time = 1e-3\n    def step(self, measurements):\n        return {}\n"
+    )
+    done = Done("check", str(tmp_path / "case.toml"))
+    assert done.code == 0, done.err
+    assert "rig_control: every 1 ms, acting 0 ms later, Mine of your own" in done.out
 
 
 def test_check_prints_the_line_and_how_the_vehicle_runs_on_it() -> None:
