@@ -25,7 +25,7 @@ from rollerrig.bench.controllers import (
     check_controller,
     load_controller,
 )
-from rollerrig.bench.settings import fit
+from rollerrig.bench.settings import fit, resist
 from rollerrig.config import Case, ConfigError, ConfigProblem
 from rollerrig.model import AssembledModel
 from rollerrig.results import Outcome, run_dataset
@@ -70,6 +70,7 @@ class BenchRun:
         fitted = fit(self.model, self.controllers)
         simulation = _core.Simulation(self.model.core)
         self._start = np.asarray(starting_state(simulation, self.model))
+        resist(self.model)
         self._core = _core.Bench(self.model.core, fitted.settings)
         return fitted.travels
 

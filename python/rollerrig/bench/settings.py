@@ -14,6 +14,7 @@ import numpy as np
 
 from rollerrig import _core
 from rollerrig.bench.controllers import UserController
+from rollerrig.bench.load_transfer import frame_of, load_transfer, train_mass
 from rollerrig.config import AntiSlip, Brake, Case, Controller, Encoder, Motor, Rig, RigControl, SlideProtection
 from rollerrig.config.machines import BenchSettings
 from rollerrig.model import GROUND, AssembledModel
@@ -47,8 +48,7 @@ def fit(model: AssembledModel, controllers: Mapping[str, UserController]) -> Fit
     rig = case.support.data if isinstance(case.support.data, Rig) else None
     friction_map = _add_adhesion(model, on_rails=rig is None)
     control = case.rig_control
-    load = sum(model.axle_loads.values())
-    mass = (control.train.mass if control else None) or load / model.core.gravity
+    mass = train_mass(model)
     rollers = [name for name in model.rollers if name not in model.held]
     free = sum(model.masses[b] for b in model.vehicle_bodies if b not in model.held)
     settings: dict[str, Any] = {
@@ -73,10 +73,18 @@ def fit(model: AssembledModel, controllers: Mapping[str, UserController]) -> Fit
         "imitate": control is not None,
         "travelling_mass": mass if rig is None else 0.0,
         "held_mass": max(0.0, mass - free) if rig is None and model.held else 0.0,
-        **_rig_control(model, control or RigControl(), rig, mass),
+        **_rig_control(model, control or RigControl(), rig),
     }
     settings["rail"] = {"friction_map": friction_map, **(_virtual_rail(model) if control else _NO_RAIL)}
     return Fitted(settings, rig is None)
+
+
+def resist(model: AssembledModel) -> None:
+    """Let running resistance and gradient act on a train on track: after its start, which is level and at ease."""
+    train = model.case.train
+    body = model.held[0] if model.held else max(model.vehicle_bodies, key=lambda name: model.masses[name])
+    resistance = (train.resistance_constant, train.resistance_linear, train.resistance_quadratic)
+    model.core.set_resistance(model.body_index(body), *resistance, train.gradient)
 
 
 _NO_RAIL = {"wheel_load": 1.0, "a": 1.0, "b": 1.0}
@@ -103,7 +111,7 @@ def _add_adhesion(model: AssembledModel, on_rails: bool) -> int:
 
 def _axle(model: AssembledModel, number: int, rollers: list[str]) -> dict[str, Any]:
     case, name = model.case, model.wheelsets[number]
-    wheelset, frame = model.body_index(name), _frame(model, name)
+    wheelset, frame = model.body_index(name), frame_of(model, name)
     axle: dict[str, Any] = {
         "wheelset": wheelset,
         "axle_torque": NOT_THERE,
@@ -126,15 +134,6 @@ def _axle(model: AssembledModel, number: int, rollers: list[str]) -> dict[str, A
             model.core.add_roller_torque(axle["roller"], []) if case.motion.torque_table is None else None
             axle["roller_torque"] = number if case.rig_control is not None else NOT_THERE
     return axle
-
-
-def _frame(model: AssembledModel, wheelset: str) -> int:
-    """The body that carries calliper and motor: what the wheelset's springs stand under."""
-    for element in model.case.vehicle.data.element:
-        if element.carries_load and wheelset in element.between:
-            other = element.between[0] if element.between[1] == wheelset else element.between[1]
-            return model.body_index(other) if other in model.bodies else GROUND
-    return GROUND
 
 
 def _rows(table: tuple[tuple[float, float], ...]) -> list[list[float]]:
@@ -186,8 +185,8 @@ def _encoder(encoder: Encoder) -> dict[str, Any]:
     return {"counts_per_turn": encoder.counts, "jitter_counts": encoder.jitter, "window": encoder.window}
 
 
-def _rig_control(model: AssembledModel, control: RigControl, rig: Rig | None, mass: float) -> dict[str, Any]:
-    believed, train = control.believed, control.train
+def _rig_control(model: AssembledModel, control: RigControl, rig: Rig | None) -> dict[str, Any]:
+    believed, train = control.believed, model.case.train
     wheel_radius = model.case.vehicle.data.wheel.radius
     wheelset_inertia = model.inertias[model.wheelsets[0]][1]
     roller_radius, roller_inertia = (rig.roller_radius, rig.roller_inertia[1]) if rig else (1.0, 1.0)
@@ -200,15 +199,15 @@ def _rig_control(model: AssembledModel, control: RigControl, rig: Rig | None, ma
         "wheelset_inertia": believed.wheelset_inertia or wheelset_inertia,
         "wheel_radius": believed.wheel_radius or wheel_radius,
     }
-    loads = [model.axle_loads[name] for name in model.wheelsets]
+    transfer = load_transfer(model) if rig else [0.0] * len(model.wheelsets)
     return {
         "train": {
             **train.model_dump(exclude={"mass"}),
-            "mass": mass,
+            "mass": train_mass(model),
             "wheelset_inertia": wheelset_inertia,
             "wheel_radius": wheel_radius,
-            "static_load": loads,
-            "load_transfer": [0.0] * len(loads),
+            "static_load": [model.axle_loads[name] for name in model.wheelsets],
+            "load_transfer": transfer,
         },
         "estimator": estimator,
         "feedback": _feedback(control, estimator),

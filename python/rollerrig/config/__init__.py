@@ -43,9 +43,10 @@ from rollerrig.config.material import Material
 from rollerrig.config.mounting import AngularSupport, Foundation, LinearSupport, Mounting
 from rollerrig.config.profile import S1002, Arc, Cone, Cylinder, ProfileFile, ProfileSpec, Uic60
 from rollerrig.config.reference import json_schema, reference_markdown
-from rollerrig.config.rig_control import RigControl, Train
+from rollerrig.config.rig_control import RigControl
 from rollerrig.config.support import Rig
 from rollerrig.config.track import Curve, Straight, Track, Transition
+from rollerrig.config.train import Train
 from rollerrig.config.vehicle import (
     AngularLaw,
     AngularSeriesDamper,

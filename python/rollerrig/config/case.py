@@ -13,6 +13,7 @@ from rollerrig.config.machines import AntiSlip, BenchSettings, Brake, Sensors, S
 from rollerrig.config.material import Material
 from rollerrig.config.rig_control import RigControl
 from rollerrig.config.support import AnySupport
+from rollerrig.config.train import Train
 from rollerrig.config.units import Angle, Damping, Length, PositiveLength, PositiveTime, Quantity, Torque
 from rollerrig.config.vehicle import Cut, Name, Vehicle
 
@@ -268,6 +269,7 @@ class Case(Table):
     axle_torque: tuple[AxleTorque, ...] = Field(default=(), description="torques on wheelsets")
     disturbance: tuple[Disturbance, ...] = Field(default=(), description="offsets at the start")
     time: TimeSettings = Field(description="the integration")
+    train: Train = Field(default=Train(), description="of which the axles under test brake or pull their part")
     adhesion: Adhesion | None = Field(
         default=None, description="adhesion of the rail, real or virtual; absent: friction"
     )

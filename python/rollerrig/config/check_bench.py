@@ -35,6 +35,7 @@ def _tables(case: Case, file: str) -> Iterator[ConfigProblem]:
     wheelsets = [body for body in vehicle.data.bodies_in(vehicle.part) if body.kind == "wheelset"]
     if len(wheelsets) > MOST_AXLES:
         yield ConfigProblem(file, "vehicle.cut", show_value(case.vehicle.cut), f"allowed: at most {MOST_AXLES} axles")
+    yield from _train(case, len(wheelsets), file)
     if case.axle_torque:
         yield ConfigProblem(
             file, "axle_torque", "given", "allowed beside machines: [traction], which drives every axle"
@@ -48,6 +49,20 @@ def _tables(case: Case, file: str) -> Iterator[ConfigProblem]:
             )
         return
     yield from _on_rollers(case, support, file)
+
+
+def _train(case: Case, axles: int, file: str) -> Iterator[ConfigProblem]:
+    part, mass = case.vehicle.part, case.train.mass
+    if mass is not None and not part.held:
+        allowed = f"allowed where a body of the vehicle is held; '{case.vehicle.cut}' is the train itself"
+        yield ConfigProblem(file, "train.mass", f"{mass:g} kg", allowed)
+    moving = sum(body.mass for body in case.vehicle.data.bodies_in(part))
+    if mass is not None and part.held and mass < moving:
+        yield ConfigProblem(file, "train.mass", f"{mass:g} kg", f"allowed: at least what is under test, {moving:g} kg")
+    transfer = case.rig_control.load_transfer if case.rig_control else "none"
+    if not isinstance(transfer, str) and len(transfer) != axles:
+        allowed = f"allowed: 'quasi_static', 'none', or {axles} numbers, one for each axle"
+        yield ConfigProblem(file, "rig_control.load_transfer", show_value(list(transfer)), allowed)
 
 
 def _on_rollers(case: Case, support: Rig, file: str) -> Iterator[ConfigProblem]:

@@ -1,26 +1,31 @@
-"""The rig's controller: the train it imitates, how it estimates, how it corrects, and when it gives up."""
+"""The rig's controller: how it imitates the train, how it estimates, how it corrects, and when it gives up."""
 
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
-from pydantic import Field
+from pydantic import BeforeValidator, Field
+from pydantic_core import PydanticCustomError
 
 from rollerrig.config.base import Table
 from rollerrig.config.machines import Controller, Frequency, Motor
-from rollerrig.config.units import Mass, PositiveLength, PositiveTime, Quantity
+from rollerrig.config.units import PositiveLength, PositiveTime, Quantity
 
 Inertia = Annotated[float, Quantity("kg m^2", gt=0)]
 
 
-class Train(Table):
-    """The train of which the axles under test brake or pull their part."""
+def _load_transfer(value: Any) -> Any:
+    """'none', 'quasi_static' or a number for each axle."""
+    if value in ("none", "quasi_static"):
+        return value
+    allowed = "allowed: 'quasi_static', 'none', or a list with a number in kg for each axle"
+    if not isinstance(value, list | tuple):
+        raise PydanticCustomError("load_transfer", "{allowed}", {"allowed": allowed})
+    try:
+        return tuple(Quantity("kg").parse(number) for number in value)
+    except ValueError:
+        raise PydanticCustomError("load_transfer", "{allowed}", {"allowed": allowed}) from None
 
-    mass: Mass | None = Field(default=None, description="per bogie under test; absent: what its axles carry")
-    resistance_constant: Annotated[float, Quantity("N", ge=0)] = Field(
-        default=0.0, description="A in R = A + B v + C v^2"
-    )
-    resistance_linear: Annotated[float, Quantity("N s/m", ge=0)] = Field(default=0.0, description="B")
-    resistance_quadratic: Annotated[float, Quantity("N s^2/m^2", ge=0)] = Field(default=0.0, description="C")
-    gradient: Annotated[float, Quantity("1", ge=-0.1, le=0.1)] = Field(default=0.0, description="positive uphill")
+
+LoadTransfer = Annotated[Literal["none", "quasi_static"] | tuple[float, ...], BeforeValidator(_load_transfer)]
 
 
 class Estimator(Table):
@@ -81,7 +86,11 @@ class RigControl(Controller):
     delay: Annotated[float, Quantity("s", ge=0)] = Field(
         default=0.0, description="of the command, a multiple of bench.step"
     )
-    train: Train = Field(default=Train(), description="the virtual train")
+    load_transfer: LoadTransfer = Field(
+        default="quasi_static",
+        description="how the virtual train's axle loads change with its acceleration: as geometry and masses of the vehicle "
+        "say, not at all, or by [kg] for each axle, N per m/s^2 forward",
+    )
     estimator: Estimator = Field(default=Estimator(), description="of the contact force")
     feedback: Feedback = Field(default=Feedback(), description="on the axles' speeds")
     motor: Motor = Field(default=Motor(), description="drive of each roller axle")

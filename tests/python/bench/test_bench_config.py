@@ -38,6 +38,19 @@ from rollerrig.config import case_from_toml
         ({"anti_slip": {}}, "anti_slip: a table; allowed only with [traction]"),
         ({"rig_control": None}, "adhesion: a table; allowed on rollers with [rig_control]"),
         ({"brake.demand": [[0, 0], [1, -1e5]]}, "brake.demand"),
+        ({"train.mass": "6 t"}, "train.mass: 6000 kg; allowed: at least what is under test, 6241 kg"),
+        (
+            {"train.mass": "100 t", "vehicle.cut": "vehicle"},
+            "train.mass: 100000 kg; allowed where a body of the vehicle is held; 'vehicle' is the train itself",
+        ),
+        (
+            {"rig_control.load_transfer": "dynamic"},
+            "rig_control.load_transfer: 'dynamic'; allowed: 'quasi_static', 'none', or a list with a number in kg for each axle",
+        ),
+        (
+            {"rig_control.load_transfer": [1.0]},
+            "rig_control.load_transfer: [1.0]; allowed: 'quasi_static', 'none', or 2 n",
+        ),
     ],
 )
 def test_what_does_not_fit_is_refused_with_key_and_reason(changes: dict[str, object], message: str) -> None:

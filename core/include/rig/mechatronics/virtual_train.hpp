@@ -28,7 +28,7 @@ struct VirtualTrain {
   double gradient{0.0};                            ///< i, positive uphill [-]
   double gravity{9.81};                            ///< [m/s^2]
   std::array<double, most_axles> static_load{};    ///< of each axle [N]
-  std::array<double, most_axles> load_transfer{};  ///< change of it per train acceleration [N s^2/m]
+  std::array<double, most_axles> load_transfer{};  ///< change of it per (v' + g i) [kg]
 
   double resistance(double v) const {
     return resistance_constant + resistance_linear * v + resistance_quadratic * v * v;
@@ -55,10 +55,11 @@ class VirtualTrainState {
   void step(VirtualTrain const& train, double const* axle_torque, double period, Law&& law) {
     double const half = 0.5 * period;
     double const speed_middle = std::fmax(0.0, speed_ + half * acceleration_);
+    double const pull = acceleration_ + train.gravity * train.gradient;  // on a slope gravity shifts the loads as well
     double sum = 0.0;
     for (int i = 0; i < train.axles; ++i) {
       auto const k = index(i);
-      double const load = train.static_load[k] + train.load_transfer[k] * acceleration_;
+      double const load = train.static_load[k] + train.load_transfer[k] * pull;
       auto const force = [&](double w) { return law(i, train.wheel_radius * w - speed_middle, speed_middle, load); };
       double const reach = later(train, axle_speed_[k], period, force);
       double const rate = axle_rate(train, axle_torque[i], axle_speed_[k], reach, force);

@@ -1,0 +1,82 @@
+"""How the loads of a train's axles change when it speeds up or slows down: what the virtual train is told of them.
+
+AssembledModel of a vehicle on a rig -> [two equilibria of the same vehicle on track] -> change of load per acceleration
+
+A train that gains speed on the level stands, in its own frame, as one that runs steadily uphill: gravity has a part a against
+the running direction. There the core finds its equilibrium, with everything that carries load. What is missing in it, the
+wheelsets' gain of spin, is a moment on what carries their brakes.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rollerrig.config import Case, Rig, RigControl, Track
+from rollerrig.model import GROUND, AssembledModel, assemble
+from rollerrig.start import equilibrium_dataset
+
+_ACCELERATION = 0.1
+"""Small enough for the linear part, large against the solver's tolerance [m/s^2]."""
+
+
+def load_transfer(model: AssembledModel) -> list[float]:
+    """Change of each axle's load per acceleration of the train, forward [kg].
+
+    Args:
+        model: of a case with [rig_control], whose key `load_transfer` decides.
+
+    Raises:
+        StartError: the vehicle has no equilibrium on track.
+    """
+    chosen = (model.case.rig_control or RigControl(load_transfer="none")).load_transfer
+    if chosen == "none":
+        return [0.0] * len(model.wheelsets)
+    if chosen != "quasi_static":
+        return list(chosen)
+    faster, slower = (_axle_loads(model.case, sign * _ACCELERATION) for sign in (1.0, -1.0))
+    change: list[float] = ((faster - slower) / (2.0 * _ACCELERATION)).tolist()
+    return change
+
+
+def _axle_loads(case: Case, acceleration: float) -> NDArray[np.float64]:
+    """Load of each axle on straight track, all axles sharing the force [N]."""
+    model = assemble(_on_track(case))
+    free = sum(model.masses[name] for name in model.vehicle_bodies if name not in model.held)
+    force = (train_mass(model) if model.held else free) * acceleration / len(model.wheelsets)
+    radius = case.vehicle.data.wheel.radius
+    on_ground = case.brake is None and case.traction is not None and case.traction.suspension == "ground"
+    for name in model.wheelsets:
+        wheelset, frame = model.body_index(name), GROUND if on_ground else frame_of(model, name)
+        model.core.add_axle_torque(wheelset, frame, [(0.0, force * radius)])
+        if frame != GROUND:
+            spin = model.inertias[name][1] * acceleration / radius
+            model.core.add_axle_torque(frame, GROUND, [(0.0, -spin)])
+    model.core.set_resistance(GROUND, 0.0, 0.0, 0.0, acceleration / model.core.gravity)
+    forces = equilibrium_dataset(model)["vertical_force"].isel(time=0).to_numpy()
+    return np.array([sum(forces[i] for i, w in enumerate(model.wheels) if w.wheelset == n) for n in model.wheelsets])
+
+
+def _on_track(case: Case) -> Case:
+    """The bare vehicle on rigid straight rails with the rig's rail head."""
+    rig = case.support.data
+    assert isinstance(rig, Rig)
+    rails = Track(kind="track", name="rails", profile=rig.profile, gauge=rig.gauge, gauge_depth=rig.gauge_depth)
+    support = case.support.model_copy(update={"data": rails, "use": None, "roller_radius": None})
+    motion = case.motion.model_copy(update={"drive": "held", "torque_table": None})
+    bare = dict.fromkeys(("adhesion", "brake", "traction", "slide_protection", "anti_slip", "rig_control"))
+    return case.model_copy(update={**bare, "support": support, "motion": motion, "disturbance": ()})
+
+
+def train_mass(model: AssembledModel) -> float:
+    """What the axles brake or pull [kg]."""
+    return model.case.train.mass or sum(model.axle_loads.values()) / model.core.gravity
+
+
+def frame_of(model: AssembledModel, wheelset: str) -> int:
+    """The body that carries calliper and motor of a wheelset: what its springs stand under."""
+    for element in model.case.vehicle.data.element:
+        if element.carries_load and wheelset in element.between:
+            other = element.between[0] if element.between[1] == wheelset else element.between[1]
+            return model.body_index(other) if other in model.bodies else GROUND
+    return GROUND
