@@ -43,6 +43,7 @@ PneumaticBrake pneumatic(nb::dict const& d) {
   b.application_rate = get<double>(d, "application_rate"), b.release_rate = get<double>(d, "release_rate");
   b.follow_rate = get<double>(d, "follow_rate");
   b.fill_rate = get<double>(d, "fill_rate"), b.vent_rate = get<double>(d, "vent_rate");
+  b.ambient = get<double>(d, "ambient_pressure");
   b.volume = get<double>(d, "volume"), b.piston_area = get<double>(d, "piston_area");
   b.spring_force = get<double>(d, "spring_force"), b.friction = points(d, "friction");
   b.friction_radius = get<double>(d, "friction_radius"), b.faces = get<double>(d, "faces");
@@ -59,7 +60,8 @@ WheelSlideProtection slide_protection(nb::dict const& d) {
   p.pulse_pause = get<double>(d, "pulse_pause"), p.longest_vent = get<double>(d, "longest_vent");
   p.least_speed = get<double>(d, "least_speed");
   p.release_interval = get<double>(d, "release_interval"), p.longest_release = get<double>(d, "longest_release");
-  p.regained_after = get<double>(d, "regained_after");
+  p.regained_after = get<double>(d, "regained_after"), p.shortest_release = get<double>(d, "shortest_release");
+  p.least_deceleration = get<double>(d, "least_deceleration");
   return p;
 }
 AntiSlip anti_slip(nb::dict const& d) {
@@ -68,7 +70,10 @@ AntiSlip anti_slip(nb::dict const& d) {
   p.slip = get<double>(d, "slip"), p.slip_speed = get<double>(d, "slip_speed");
   p.acceleration = get<double>(d, "acceleration"), p.filter_time = get<double>(d, "filter_time");
   p.reduction_rate = get<double>(d, "reduction_rate"), p.restoring_rate = get<double>(d, "restoring_rate");
-  p.least_factor = get<double>(d, "least_factor");
+  p.least_factor = get<double>(d, "least_factor"), p.regained_after = get<double>(d, "regained_after");
+  p.shortest_release = get<double>(d, "shortest_release");
+  p.release_deceleration = get<double>(d, "release_deceleration");
+  p.least_acceleration = get<double>(d, "least_acceleration");
   p.release_interval = get<double>(d, "release_interval"), p.longest_release = get<double>(d, "longest_release");
   return p;
 }
@@ -95,7 +100,7 @@ VirtualTrain virtual_train(nb::dict const& d, std::size_t axles) {
   VirtualTrain t;
   t.axles = static_cast<int>(axles);
   t.mass = get<double>(d, "mass"), t.wheelset_inertia = get<double>(d, "wheelset_inertia");
-  t.wheel_radius = get<double>(d, "wheel_radius");
+  t.wheel_radius = get<double>(d, "wheel_radius"), t.gravity = get<double>(d, "gravity");
   t.resistance_constant = get<double>(d, "resistance_constant"),
   t.resistance_linear = get<double>(d, "resistance_linear");
   t.resistance_quadratic = get<double>(d, "resistance_quadratic"), t.gradient = get<double>(d, "gradient");
@@ -148,6 +153,7 @@ BenchSetup setup_from(nb::dict const& d, Model const& model) {
   s.roller_motor = motor(table(d, "roller_motor"));
   s.slip_limit = get<double>(d, "slip_limit"), s.slip_time = get<double>(d, "slip_time");
   s.travelling_mass = get<double>(d, "travelling_mass"), s.held_mass = get<double>(d, "held_mass");
+  s.rail_cell = get<double>(d, "rail_cell");
   return s;
 }
 

@@ -93,7 +93,7 @@ int add_contact(Model& m, int wheelset, int roller, bool rail, double along, boo
                 double inverse_radius, Triple const& wheelset_from_crown, Triple const& crown_in_roller,
                 double shear_modulus, double poisson_ratio, Triple const& friction, std::string const& normal,
                 NamedCreepLaw const& creep, double normal_damping, double standstill_speed, double merge_barrier,
-                std::array<bool, 4> const& roller_effects) {
+                std::array<bool, 4> const& roller_effects, double damping_onset, double size) {
   if (roller == ground && !rail) throw nb::value_error("a contact without a roller is on a rail");
   if (!m.hertz) m.hertz = std::make_shared<HertzTable const>();
   m.kalker_tables.emplace_back(poisson_ratio);
@@ -106,7 +106,8 @@ int add_contact(Model& m, int wheelset, int roller, bool rail, double along, boo
             tape_circle_y,
             rail_origin_y,
             inverse_radius,
-            {roller_effects[0], roller_effects[1], roller_effects[2], roller_effects[3]}};
+            {roller_effects[0], roller_effects[1], roller_effects[2], roller_effects[3]},
+            size};
   c.laws.roller = c.pair.effects;
   c.laws.material = {shear_modulus, poisson_ratio};
   c.laws.hertz = m.hertz.get();
@@ -119,7 +120,7 @@ int add_contact(Model& m, int wheelset, int roller, bool rail, double along, boo
   } else if (normal != "hertz") {
     throw nb::value_error("unknown normal contact; known: hertz, strips");
   }
-  c.laws.damping.damping = normal_damping;
+  c.laws.damping = {normal_damping, damping_onset};
   c.laws.creep = creep.law;
   if (creep.table) m.creep_tables.push_back(creep.table);
   c.laws.friction = {friction[0], friction[1], friction[2]};
@@ -163,7 +164,8 @@ void bind_model(nb::module_& m) {
       .def("add_contact", &add_contact, "wheelset"_a, "roller"_a, "rail"_a, "along"_a, "right"_a, "wheel_profile"_a,
            "rail_profile"_a, "wheel_radius"_a, "tape_circle_y"_a, "rail_origin_y"_a, "inverse_radius"_a,
            "wheelset_from_crown"_a, "crown_in_roller"_a, "shear_modulus"_a, "poisson_ratio"_a, "friction"_a, "normal"_a,
-           "creep"_a, "normal_damping"_a, "standstill_speed"_a, "merge_barrier"_a, "roller_effects"_a)
+           "creep"_a, "normal_damping"_a, "standstill_speed"_a, "merge_barrier"_a, "roller_effects"_a,
+           "damping_onset"_a, "size"_a)
       .def(
           "add_axle_torque",
           [](Model& model, int wheelset, int reaction, Rows2 const& table) {

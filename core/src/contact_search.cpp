@@ -6,26 +6,27 @@
 namespace rig {
 namespace {
 
-/// How far a point of the wheel can have moved between two poses [m] (lever arm of a rotation: 1 m).
-double motion_between(RelativePose<double> const& a, RelativePose<double> const& b) {
+/// How far a point of the wheel can have moved between two poses [m] (lever arm of a rotation: 1 m at full scale).
+double motion_between(RelativePose<double> const& a, RelativePose<double> const& b, double lever) {
   auto const largest = [](Vec3<double> const& v) { return std::abs(v.x) + std::abs(v.y) + std::abs(v.z); };
-  return largest(a.o - b.o) + largest(a.R.ey - b.R.ey) + largest(a.R.ex - b.R.ex);
+  return largest(a.o - b.o) + lever * (largest(a.R.ey - b.R.ey) + largest(a.R.ex - b.R.ex));
 }
 
 }  // namespace
 
-ContactSearch::ContactSearch(WheelRollerPair const& pair) : pair_(&pair), first_(pair.wheel->start) {
-  auto const n = static_cast<std::size_t>(std::floor((pair.wheel->end() - first_) / cell_width + 1e-9));
+ContactSearch::ContactSearch(WheelRollerPair const& pair)
+    : pair_(&pair), size_(pair.size), cell_(cell_width * pair.size), first_(pair.wheel->start) {
+  auto const n = static_cast<std::size_t>(std::floor((pair.wheel->end() - first_) / cell_ + 1e-9));
   cells_.resize(n);
   nodes_.resize(n + 1);
   node_foot_.resize(n + 1, 0.0);
   UniformSpline const& rail = *pair.rail;
-  auto const bins = static_cast<std::size_t>(std::ceil((rail.end() - rail.start) / 1e-3)) + 1;
+  auto const bins = static_cast<std::size_t>(std::ceil((rail.end() - rail.start) / cell_)) + 1;
   lowest_second_.assign(bins, 0.0);
   highest_second_.assign(bins, 0.0);
   for (std::size_t i = 0; i <= rail.pieces.size(); ++i) {
     double const y = rail.start + rail.step * static_cast<double>(i);
-    auto const bin = std::min(bins - 1, static_cast<std::size_t>((y - rail.start) / 1e-3));
+    auto const bin = std::min(bins - 1, static_cast<std::size_t>((y - rail.start) / cell_));
     double const second = rail.at(std::min(y, rail.end())).second;
     lowest_second_[bin] = std::min(lowest_second_[bin], second);
     highest_second_[bin] = std::max(highest_second_[bin], second);
@@ -34,10 +35,10 @@ ContactSearch::ContactSearch(WheelRollerPair const& pair) : pair_(&pair), first_
 
 /// Range of the generatrix' second derivative from one millimetre before to one behind a stretch, zero included.
 void ContactSearch::bound_rail(double y0, double y1, double& lowest, double& highest) const {
-  double const margin = 1e-3;
+  double const margin = cell_;
   int const last = static_cast<int>(lowest_second_.size()) - 1;
-  int const i0 = std::clamp(static_cast<int>((std::min(y0, y1) - margin - pair_->rail->start) / 1e-3), 0, last);
-  int const i1 = std::clamp(static_cast<int>((std::max(y0, y1) + margin - pair_->rail->start) / 1e-3), 0, last);
+  int const i0 = std::clamp(static_cast<int>((std::min(y0, y1) - margin - pair_->rail->start) / cell_), 0, last);
+  int const i1 = std::clamp(static_cast<int>((std::max(y0, y1) + margin - pair_->rail->start) / cell_), 0, last);
   lowest = highest = 0.0;
   for (int i = i0; i <= i1; ++i) {
     lowest = std::min(lowest, lowest_second_[static_cast<std::size_t>(i)]);
@@ -148,7 +149,7 @@ void ContactSearch::trim(RelativePose<double> const& pose, double& first, Node& 
   double valid = good;
   double invalid = bad;
   end = a.valid ? a : b;
-  while (std::abs(invalid - valid) > 1e-6) {
+  while (std::abs(invalid - valid) > 1e-6 * size_) {
     double const middle = 0.5 * (valid + invalid);
     auto const f = reduce_with_slope(*pair_, pose, middle);
     if (!f.found) {
@@ -198,12 +199,12 @@ void ContactSearch::analyse(RelativePose<double> const& pose, int index, double 
   // Wheel points beside the generatrix are at least that far from it, wherever their normals go.
   auto const beside = [this](Node const& n) { return std::max(pair_->rail->start - n.y, n.y - pair_->rail->end()); };
   bool const same_side = (a.y < pair_->rail->start) == (b.y < pair_->rail->start);
-  if (double const distance = std::min(beside(a), beside(b)); same_side && distance > std::max(reach, 0.2e-3)) {
+  if (double const distance = std::min(beside(a), beside(b)); same_side && distance > std::max(reach, 0.2e-3 * size_)) {
     cell.state = CellState::unknown;
     cell.asleep_until = motion_ + 0.5 * distance;
     return;
   }
-  double const partial_until = motion_ + 0.1e-3;
+  double const partial_until = motion_ + 0.1e-3 * size_;
   bool const partial = !a.valid || !b.valid;  // the wheel's normals miss the generatrix somewhere here
   if (!a.valid && !b.valid) {
     cell.state = CellState::unknown;
@@ -215,8 +216,8 @@ void ContactSearch::analyse(RelativePose<double> const& pose, int index, double 
   if (partial) {
     // High above the rail it does not matter where the normals stop meeting it.
     Node const& n = a.valid ? a : b;
-    double const highest_fall = cell_width * (std::abs(n.residual) + cell_width * std::abs(n.gradient));
-    if (n.gap - highest_fall > reach + 0.1e-3) {
+    double const highest_fall = cell_ * (std::abs(n.residual) + cell_ * std::abs(n.gradient));
+    if (n.gap - highest_fall > reach + 0.1e-3 * size_) {
       cell.state = CellState::unknown;
       cell.asleep_until = partial_until;
       return;
@@ -281,8 +282,9 @@ bool ContactSearch::still_holds(Cell& cell) const {
   double const at_first = sideways - cell.first_slope * upwards;
   double const at_last = sideways - cell.last_slope * upwards;
   double const largest = std::max(std::abs(at_first), std::abs(at_last));
-  double const unsure = 0.25 * largest + 0.05 * (std::abs(roll) + yaw) + 0.1 * x;
-  if (!(largest + unsure < 0.8e-3)) return false;  // the second derivative was bounded one millimetre around the cell
+  double const unsure = 0.25 * largest + 0.05 * size_ * (std::abs(roll) + yaw) + 0.1 * x;
+  if (!(largest + unsure < 0.8 * cell_))
+    return false;  // the second derivative was bounded one millimetre around the cell
   double const shift_low = std::min(at_first, at_last) - unsure;
   double const shift_high = std::max(at_first, at_last) + unsure;
   double const rise = std::max(std::max(cell.lowest_second * shift_low, cell.highest_second * shift_high),
@@ -293,7 +295,7 @@ bool ContactSearch::still_holds(Cell& cell) const {
   double const steepest = std::max(cell.first_slope * cell.first_slope, cell.last_slope * cell.last_slope);
   double const gentlest = std::min(cell.first_slope * cell.first_slope, cell.last_slope * cell.last_slope);
   double const turn =
-      (1.0 + steepest) * (0.25 * std::abs(roll) + 0.1 * yaw + 0.2 * x) + (steepest - gentlest) * std::abs(roll);
+      (1.0 + steepest) * (0.25 * std::abs(roll) + 0.1 * yaw + 0.2 / size_ * x) + (steepest - gentlest) * std::abs(roll);
   double const turned = -(1.0 + steepest) * roll;
   double const room = std::min(cell.room_up - (std::max(0.0, 1.25 * rise) + turned + turn),
                                cell.room_down - (-std::min(0.0, 1.25 * fall) - turned + turn));
@@ -303,7 +305,7 @@ bool ContactSearch::still_holds(Cell& cell) const {
     double const shift_per_motion = 1.25 * (1.0 + std::sqrt(steepest));
     double const second = std::max(-cell.lowest_second, cell.highest_second);
     double const rate = 1.25 * second * shift_per_motion + 1.5 * (1.0 + steepest);
-    double const shift_left = (0.8e-3 - largest - unsure) / shift_per_motion;
+    double const shift_left = (0.8 * cell_ - largest - unsure) / shift_per_motion;
     cell.asleep_until = motion_ + 0.9 * std::min(room / rate, shift_left);
   }
   return true;
@@ -312,7 +314,7 @@ bool ContactSearch::still_holds(Cell& cell) const {
 void ContactSearch::move_to(RelativePose<double> const& pose) {
   ++call_;
   count_ = 0;
-  motion_ += motion_between(pose, last_pose_);
+  motion_ += motion_between(pose, last_pose_, size_);
   last_pose_ = pose;
   now_ = {pose.o.x, pose.o.y, pose.o.z, pose.R.ey.z, pose.R.ex.y};
 }
@@ -340,7 +342,7 @@ int ContactSearch::find_indented(RelativePose<double> const& pose) {
         continue;
       }
     }
-    analyse(pose, i, 0.0, 0.3e-3);
+    analyse(pose, i, 0.0, 0.3e-3 * size_);
   }
   find_barriers(pose);
   return count_;

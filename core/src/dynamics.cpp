@@ -67,7 +67,7 @@ Dynamics::Dynamics(Model const& model) : model_(&model), map_(model) {
     double tip = wheel.start;
     for (double s = wheel.start; s < 0.0; s += wheel.step)
       if (wheel.at(s).value > wheel.at(tip).value) tip = s;
-    flange_tip_.push_back(wheel.at(tip).value > 0.015 ? tip : wheel.start - 1.0);
+    flange_tip_.push_back(wheel.at(tip).value > 0.015 * c.pair.size ? tip : wheel.start - 1.0);
     on_rails_ = on_rails_ || c.rail;
     has_adhesion_maps_ = has_adhesion_maps_ || c.laws.friction.map != nullptr;
     foremost_wheel_ = std::max(foremost_wheel_, c.along);

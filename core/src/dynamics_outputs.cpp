@@ -36,8 +36,8 @@ Status Dynamics::accept(double t, double const* x) {
         double const distance = std::hypot(p.point.p.y - left.point.p.y, p.point.p.z - left.point.p.z);
         counters_.overlapping += distance < p.b + left.b;
       }
-      if (p.point.wheel_s < flange_tip_[i] + 1e-3) return Status::derailed;
-      double const edge = 0.5e-3;  // closer than this to the end of a profile counts as off it [m]
+      if (p.point.wheel_s < flange_tip_[i] + 1e-3 * contact.pair.size) return Status::derailed;
+      double const edge = 0.5e-3 * contact.pair.size;  // closer than this to the end of a profile counts as off it [m]
       auto const near_edge = [edge](UniformSpline const& c, double y) {
         return y < c.start + edge || y > c.end() - edge;
       };

@@ -66,8 +66,8 @@ double vertical_force_on(Dynamics& dynamics, double t, std::vector<double> const
 void set_down(Dynamics& dynamics, double t, std::vector<double>& x, int body) {
   int const z = dynamics.map().coordinate[at(body)][coord_z];
   if (z < 0) return;
-  double low = -20e-3;  // in the roller: pushed up
-  double high = 20e-3;  // in the air: pulled down
+  double high = 20e-3 * dynamics.model().contacts.front().pair.size;  // in the air: pulled down
+  double low = -high;                                                 // in the roller: pushed up
   for (int i = 0; i < 50; ++i) {
     x[at(z)] = 0.5 * (low + high);
     (vertical_force_on(dynamics, t, x, body) > 0.0 ? low : high) = x[at(z)];

@@ -103,8 +103,8 @@ Status TestBench::start(double const* x0) {
   slide_.reset(speed_);
   anti_slip_.reset(speed_);
   train_.reset(setup_.train, speed_);
-  for (auto& rail : rail_) rail.reset();
-  virtual_rail_.reset();
+  for (auto& rail : rail_) rail.reset(setup_.rail_cell);
+  virtual_rail_.reset(setup_.rail_cell);
   for (auto& p : pending_) p.first = p.count = 0, p.now.fill(0.0);
   pending_[at(static_cast<int>(Role::anti_slip))].now.fill(1.0);
   auto& in = dynamics_->inputs;

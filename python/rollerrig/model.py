@@ -20,9 +20,6 @@ from rollerrig.profiles import ProfileTable, gauge_point, profile_from_spec
 from rollerrig.track import Line
 
 GROUND = -1
-FLANGE_BACK_TO_TAPE_CIRCLE = 0.070
-"""Distance from the flange back to the tape circle [m], EN 13715."""
-
 Row = tuple[float, float]
 
 
@@ -110,6 +107,7 @@ class _Assembly:
         self.cut = case.vehicle.part
         self.support = case.support.data
         self.core = _core.Model()
+        self.core.gravity = case.gravity
         self.bodies: list[str] = []
         self.elements: list[str] = []
         self.rollers: list[str] = []
@@ -121,7 +119,7 @@ class _Assembly:
         self.roller_of: dict[tuple[str, str], int] = {}
 
     def build(self) -> AssembledModel:
-        preloads, axle_loads = static_loads(self.vehicle)
+        preloads, axle_loads = static_loads(self.vehicle, self.case.gravity)
         kept = {*self.cut.bodies, *self.cut.held}
         for body in self.vehicle.body:
             if body.name in kept:
@@ -285,7 +283,7 @@ class _Assembly:
                     wheel_profile=wheel_index,
                     rail_profile=rail_index,
                     wheel_radius=self.vehicle.wheel.radius,
-                    tape_circle_y=self.vehicle.wheel.back_to_back / 2 + FLANGE_BACK_TO_TAPE_CIRCLE,
+                    tape_circle_y=self.vehicle.wheel.back_to_back / 2 + self.vehicle.wheel.tape_circle,
                     rail_origin_y=rail_origin,
                     inverse_radius=1.0 / radius if radius else 0.0,
                     wheelset_from_crown=(0.0, body.position[1], body.position[2]),
@@ -299,6 +297,8 @@ class _Assembly:
                     standstill_speed=contact.standstill_speed,
                     merge_barrier=contact.merge_barrier,
                     roller_effects=(effects.curvature, effects.conicity, effects.spin, effects.yaw),
+                    damping_onset=contact.damping_onset,
+                    size=self.vehicle.wheel.profile.length_scale,
                 )
                 self.wheels.append(WheelInfo(f"{body.name}_{side}", body.name, side, index))
         return wheel, rail, rail_origin
@@ -361,16 +361,18 @@ def set_law(core: _core.Model, element: int, direction: int, law: LinearLaw | An
     )
 
 
-def static_loads(vehicle: Vehicle) -> tuple[dict[str, float], dict[str, float]]:
+def static_loads(vehicle: Vehicle, gravity: float = 9.81) -> tuple[dict[str, float], dict[str, float]]:
     """Vertical preloads and axle loads of the whole vehicle in its design position, solved by the core.
 
     Args:
         vehicle: all bodies and elements.
+        gravity: its acceleration [m/s^2].
 
     Returns:
         Preload per element that carries load (force on its second body [N]), and load per wheelset [N].
     """
     core = _core.Model()
+    core.gravity = gravity
     names = [body.name for body in vehicle.body]
     for body in vehicle.body:
         core.add_body(body.mass, body.inertia, body.position, body.kind == "wheelset", [False] * 6, 0.0, True)

@@ -91,6 +91,8 @@ def add_wheels(
             standstill_speed=0.1,
             merge_barrier=merge_barrier,
             roller_effects=[True] * 4,
+            damping_onset=1e-4,
+            size=1.0,
         )
         for roller, right in zip(rollers, (False, True), strict=True)
     )

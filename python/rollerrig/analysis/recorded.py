@@ -12,12 +12,8 @@ from dataclasses import dataclass
 
 import xarray as xr
 
-from rollerrig import _core
 from rollerrig.config import Cut, Vehicle, VehicleChoice
 from rollerrig.model import static_loads
-
-GRAVITY: float = _core.Model().gravity
-"""[m/s^2]"""
 
 
 @dataclass(frozen=True)
@@ -28,11 +24,13 @@ class RecordedVehicle:
         vehicle: the whole vehicle.
         cut: the part that was run.
         friction: coefficient of friction of the contacts [-].
+        gravity: its acceleration [m/s^2].
     """
 
     vehicle: Vehicle
     cut: Cut
     friction: float
+    gravity: float
 
     @property
     def wheelsets(self) -> list[str]:
@@ -51,7 +49,7 @@ class RecordedVehicle:
 
     def wheel_loads(self) -> dict[str, float]:
         """Wheelset -> static load of each of its wheels, half of the axle load [N]."""
-        _, loads = static_loads(self.vehicle)
+        _, loads = static_loads(self.vehicle, self.gravity)
         return {name: 0.5 * loads[name] for name in self.wheelsets}
 
     def carriers(self, body: str) -> list[tuple[str, float]]:
@@ -73,4 +71,6 @@ def recorded_vehicle(run: xr.Dataset) -> RecordedVehicle:
     """The vehicle in the configuration of a run."""
     case = tomllib.loads(run.attrs["config_toml"])
     choice = VehicleChoice.model_validate(case["vehicle"])
-    return RecordedVehicle(choice.data, choice.part, float(case["contact"]["friction"]))
+    return RecordedVehicle(
+        choice.data, choice.part, float(case["contact"]["friction"]), float(case.get("gravity", 9.81))
+    )

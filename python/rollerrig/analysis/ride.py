@@ -25,7 +25,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from rollerrig.analysis.filters import band_pass, low_pass, sampling_rate
-from rollerrig.analysis.recorded import GRAVITY, recorded_vehicle
+from rollerrig.analysis.recorded import recorded_vehicle
 
 Rows = NDArray[np.float64]
 
@@ -70,7 +70,7 @@ def accelerations(run: xr.Dataset, *, floor_height: float | None = None) -> xr.D
             names.append(name)
             bodies.append(body)
             framed.append(on_wheelsets)
-            rows.append(_at_point(motion, np.array(arm)))
+            rows.append(_at_point(motion, np.array(arm), recorded.gravity))
     values = np.stack(rows, axis=1) if rows else np.zeros((run.sizes["time"], 0, len(DIRECTIONS)))
     coordinates = {
         "time": run["time"],
@@ -105,7 +105,7 @@ def with_turning_track(motion: xr.Dataset, run: xr.Dataset, ahead: float) -> xr.
     )
 
 
-def _at_point(motion: xr.Dataset, arm: Rows) -> Rows:
+def _at_point(motion: xr.Dataset, arm: Rows, gravity: float) -> Rows:
     """Felt lateral and vertical acceleration, less g, at a point fixed to a body (R4), shape (time, 2) [m/s^2]."""
     roll, pitch, yaw = (motion[name].to_numpy() for name in ("roll", "pitch", "yaw"))
     zero, one = np.zeros_like(roll), np.ones_like(roll)
@@ -127,7 +127,7 @@ def _at_point(motion: xr.Dataset, arm: Rows) -> Rows:
     relative = np.cross(spin_up, rho) + np.cross(turn, np.cross(turn, rho))
     at_centre = np.stack([motion[f"felt_{direction}_acceleration"] for direction in DIRECTIONS], axis=1)
     body_axes = np.stack([e_2, upward], axis=1)  # (time, direction, 3)
-    return np.asarray(at_centre - [0.0, GRAVITY] + np.einsum("tdi,ti->td", body_axes, relative))
+    return np.asarray(at_centre - [0.0, gravity] + np.einsum("tdi,ti->td", body_axes, relative))
 
 
 def ride(points: xr.Dataset) -> xr.Dataset:

@@ -71,6 +71,7 @@ def fit(model: AssembledModel, controllers: Mapping[str, UserController]) -> Fit
         "seed": case.sensors.seed,
         "rig_sampling": _sampling(case, "rig_control", controllers),
         "imitate": control is not None,
+        "rail_cell": case.adhesion.cell_length if case.adhesion else 0.05,
         "travelling_mass": mass if rig is None else 0.0,
         "held_mass": max(0.0, mass - free) if rig is None and model.held else 0.0,
         **_rig_control(model, control or RigControl(), rig),
@@ -204,6 +205,7 @@ def _rig_control(model: AssembledModel, control: RigControl, rig: Rig | None) ->
         "train": {
             **train.model_dump(exclude={"mass"}),
             "mass": train_mass(model),
+            "gravity": model.case.gravity,
             "wheelset_inertia": wheelset_inertia,
             "wheel_radius": wheel_radius,
             "static_load": [model.axle_loads[name] for name in model.wheelsets],

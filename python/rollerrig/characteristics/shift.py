@@ -22,7 +22,7 @@ import xarray as xr
 from rollerrig import _core
 from rollerrig.config import Case, Rig
 from rollerrig.contact_table import leading_wheelset
-from rollerrig.model import FLANGE_BACK_TO_TAPE_CIRCLE, assemble
+from rollerrig.model import assemble
 
 SIDES = ("left", "right")
 
@@ -100,7 +100,7 @@ def shift_table(
     _, left, right = leading_wheelset(model)
     press = _core.WheelsetPress(model.core, left, right)
     wheel, support = case.vehicle.data.wheel, case.support.data
-    contact_distance = wheel.back_to_back + 2 * FLANGE_BACK_TO_TAPE_CIRCLE
+    contact_distance = wheel.back_to_back + 2 * wheel.tape_circle
     pose = _Pose(yaw, contact_distance if free_to_roll else None)
 
     touches, ended = _outward(press, _steps(largest, step), pose)

@@ -65,6 +65,9 @@ class Adhesion(Table):
         default=0.0,
         description="tau: how fast energy spent per area cleans the rail, lambda = 1 - exp(-tau W); 0: nothing is cleaned",
     )
+    cell_length: Annotated[float, Quantity("m", gt=0)] = Field(
+        default=0.05, description="energy spent is kept along the rail in cells of this length"
+    )
     cleaned: AnyCondition = Field(
         default=Condition(start=0.70, remaining=0.40, decay=0.60), description="condition of the rail once clean"
     )

@@ -95,6 +95,9 @@ class Contact(Table):
         "overlaps, for patches that are no ellipses",
     )
     normal_damping: Damping = Field(default=1e5, description="damping of the normal force while the surfaces approach")
+    damping_onset: Annotated[float, Quantity("m/s", gt=0)] = Field(
+        default=1e-4, description="speed of approach from which on the damping acts in full; rounds its corner at rest"
+    )
     standstill_speed: Annotated[float, Quantity("m/s", gt=0)] = Field(
         default=0.1, description="V_s in the rolling speed sqrt(V^2 + V_s^2) that creepages are divided by"
     )
@@ -262,6 +265,9 @@ class Case(Table):
 
     name: Name = Field(description="name of the case")
     description: str = Field(default="", description="one line about the case")
+    gravity: Annotated[float, Quantity("m/s^2", gt=0, le=1e3)] = Field(
+        default=9.81, description="acceleration of gravity; another one only in ideal similitude"
+    )
     vehicle: VehicleChoice = Field(description="the vehicle")
     support: SupportChoice = Field(description="the rig or the track")
     contact: Contact = Field(description="the contact")

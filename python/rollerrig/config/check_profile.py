@@ -9,7 +9,6 @@ from rollerrig.config.track import Track
 from rollerrig.config.vehicle import Wheel
 from rollerrig.profiles import ProfileError, ProfileTable, gauge_point, profile_from_spec
 
-TAPE_CIRCLE = 0.070  # [m] from the flange back to the tape circle, EN 13715
 FLANGE_DEPTH = 0.010  # [m] below the tape circle, where the thickness of a flange is taken, EN 13715
 WIDEST_CLEARANCE = 0.040  # [m] between the flanges of a wheelset and the rails, both sides together
 
@@ -42,7 +41,7 @@ def check_reach(wheel: Wheel, support: Rig | Track, file: str) -> list[ConfigPro
     """The tape circle of the centred wheel must lie over the rail or roller, and the flange beside it."""
     wheel_table = profile_from_spec(wheel.profile.arguments(), "wheel")
     rail_table = profile_from_spec(support.profile.arguments(), "rail")
-    tape_circle = wheel.back_to_back / 2 + TAPE_CIRCLE
+    tape_circle = wheel.back_to_back / 2 + wheel.tape_circle
     rail_origin = support.gauge / 2 - gauge_point(rail_table, support.gauge_depth)
     low, high = (rail_origin + end for end in rail_table.domain)
     if low < tape_circle < high:
@@ -62,17 +61,18 @@ def check_flange_clearance(wheel: Wheel, support: Rig | Track, file: str) -> lis
     """The flanges must fit between the rails or rollers, and not stand far inside of them."""
     table = profile_from_spec(wheel.profile.arguments(), "wheel")
     flange, radius = table.outline[table.outline[:, 0] < 0].T
-    if radius.max(initial=0.0) < FLANGE_DEPTH:
+    depth, widest = (wheel.profile.length_scale * full for full in (FLANGE_DEPTH, WIDEST_CLEARANCE))
+    if radius.max(initial=0.0) < depth:
         return []  # a wheel without a flange
-    nearest_to_tread = float(flange[radius >= FLANGE_DEPTH].max())
-    across = wheel.back_to_back + 2 * (TAPE_CIRCLE + nearest_to_tread)
+    nearest_to_tread = float(flange[radius >= depth].max())
+    across = wheel.back_to_back + 2 * (wheel.tape_circle + nearest_to_tread)
     clearance = support.gauge - across
-    if 0.0 <= clearance <= WIDEST_CLEARANCE:
+    if 0.0 <= clearance <= widest:
         return []
     what = "rollers" if support.kind == "rig" else "rails"
     verb = "do not fit between" if clearance < 0 else "stand far inside of"
     allowed = (
         f"wheel and rail of different gauge: the flanges, {1e3 * across:.1f} mm across, {verb} the {what}; allowed: a gauge "
-        f"{across:.4g} to {across + WIDEST_CLEARANCE:.4g} m, or another wheel.back_to_back ({1e3 * wheel.back_to_back:g} mm)"
+        f"{across:.4g} to {across + widest:.4g} m, or another wheel.back_to_back ({1e3 * wheel.back_to_back:g} mm)"
     )
     return [ConfigProblem(file, "support.data.gauge", show_value(support.gauge), allowed)]

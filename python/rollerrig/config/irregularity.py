@@ -14,6 +14,12 @@ from rollerrig.irregularity import RailIrregularity, generate, measured_irregula
 class Deviation(Table):
     """What every irregularity may say about itself."""
 
+    length_scale: Annotated[float, Quantity("1", gt=0, le=10)] = Field(
+        default=1.0,
+        description="factor on all lengths, along the track and of the displacements: 0.2 are the rails of a 1:5 model; every "
+        "other key is that of the full-scale track",
+    )
+
     fade_in: Annotated[float, Quantity("m", ge=0)] = Field(
         default=20.0,
         description="length from where the foremost wheelset starts, over which it grows from nothing to its full size",
@@ -78,6 +84,14 @@ def rails_of_run(
     Raises:
         IrregularityError: a measured file cannot be used, or is shorter than the run.
     """
+    scale = irregularity.length_scale
+    rails = _full_scale_rails(irregularity, foremost / scale, distance / scale)
+    return rails if scale == 1.0 else rails.scaled(scale)
+
+
+def _full_scale_rails(
+    irregularity: SpectrumIrregularity | MeasuredIrregularity, foremost: float, distance: float
+) -> RailIrregularity:
     if isinstance(irregularity, SpectrumIrregularity):
         return generate(
             irregularity.level,

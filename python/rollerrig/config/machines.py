@@ -49,6 +49,9 @@ class Brake(Table):
     follow_rate: Rate = Field(default=20.0, description="how fast the control valve closes in on the demand")
     fill_rate: Rate = Field(default=6.0, description="choked filling of the cylinder, p'/p_supply, absolute")
     vent_rate: Rate = Field(default=5.0, description="choked venting of the cylinder, -p'/p, absolute")
+    ambient_pressure: Annotated[float, Quantity("Pa", gt=0)] = Field(
+        default=101325.0, description="of the air around: valves choke by ratios of absolute pressures"
+    )
     volume: Annotated[float, Quantity("m^3", gt=0)] = Field(
         default=5e-3, description="of one axle's cylinders and pipes"
     )
@@ -104,7 +107,11 @@ class SlideProtection(Controller):
     release_interval: Delay = Field(
         default=3.0, description="while all axles slide one is released this often for the reference speed; 0: never"
     )
+    shortest_release: Delay = Field(default=0.3, description="of such a release: valve and cylinder need some time")
     longest_release: PositiveTime = Field(default=1.2, description="of such a release")
+    least_deceleration: Deceleration = Field(
+        default=0.2, description="of the reference speed between releases: a braked train slows at least so"
+    )
     regained_after: PositiveTime = Field(default=2.0, description="an axle without slip for so long counts as gripping")
     filter_time: PositiveTime = Field(default=0.04, description="of the axles' deceleration")
     vent_slip: Ratio = Field(default=0.12, description="relative slip above which a cylinder is vented")
@@ -137,7 +144,15 @@ class AntiSlip(Controller):
     release_interval: Delay = Field(
         default=3.0, description="while axles slip one is released this often for the reference speed; 0: never"
     )
+    shortest_release: Delay = Field(default=0.4, description="of such a release: the torque needs some time to go")
     longest_release: PositiveTime = Field(default=1.2, description="of such a release")
+    release_deceleration: Deceleration = Field(
+        default=0.5, description="a released axle that slows less has run down to the train's speed"
+    )
+    least_acceleration: Deceleration = Field(default=0.05, description="of the reference speed between releases")
+    regained_after: PositiveTime = Field(
+        default=3.0, description="without slip for so long the axles count as gripping"
+    )
 
 
 class Encoder(Table):

@@ -19,6 +19,9 @@ class ProfileSpec(Table):
     name: str = Field(default="", description="name of the profile in tables and plots")
     description: str = Field(default="", description="one line about the profile")
     source: str = Field(default="", description="where the definition comes from")
+    length_scale: Annotated[float, Quantity("1", gt=0, le=10)] = Field(
+        default=1.0, description="factor on all lengths of the finished curve: 0.2 is the profile of a 1:5 model"
+    )
 
     def arguments(self) -> dict[str, Any]:
         """The part that defines the curve: `kind` and its parameters, without texts and unset keys."""

@@ -29,6 +29,7 @@ from rollerrig.config.units import (
     PositiveAngularDamping,
     PositiveAngularStiffness,
     PositiveDamping,
+    PositiveLength,
     PositiveStiffness,
     Quantity,
     Stiffness,
@@ -46,7 +47,10 @@ class Wheel(Table):
     profile: AnyProfile = Field(description="profile of the left wheel: a catalogue name, a file or a table")
     radius: Annotated[float, Quantity("m", gt=0.01, le=2.0)] = Field(description="radius at the tape circle")
     back_to_back: Annotated[float, Quantity("m", gt=0.05, le=5.0)] = Field(
-        description="distance between the flange backs; the tape circle lies 70 mm further out"
+        description="distance between the flange backs"
+    )
+    tape_circle: PositiveLength = Field(
+        default=0.070, description="distance of the tape circle from the flange back, EN 13715"
     )
 
 

@@ -61,6 +61,14 @@ class RailIrregularity:
         """Distance after which they repeat [m]."""
         return len(self.coefficients["left_y"]) * self.step
 
+    def scaled(self, factor: float) -> RailIrregularity:
+        """The same rails with all lengths times a factor."""
+        powers = factor ** np.array([1.0, 0.0, -1.0, -2.0])
+        coefficients = {rail: table * powers for rail, table in self.coefficients.items()}
+        for table in coefficients.values():
+            table.flags.writeable = False
+        return RailIrregularity(factor * self.step, coefficients, factor * self.fade_in)
+
     def evaluate(self, rail: str, s: ArrayLike, derivative: int = 0) -> FloatArray:
         """Displacement of a rail, or its slope (1), at distances s [m] of any shape, without the fading in."""
         table = self.coefficients[rail]

@@ -51,7 +51,7 @@ def profile_from_spec(
 
     Args:
         spec: a name of CATALOGUE, or a mapping with the key `kind` (a name of SHAPES) and the arguments of that
-            shape, SI units.
+            shape, SI units, and perhaps `length_scale`, a factor on all lengths of the finished curve.
         kind: what the profile is for, "wheel" or "rail".
         base_dir: folder that relative paths start from; the current one by default.
 
@@ -66,6 +66,8 @@ def profile_from_spec(
             raise ProfileError(f"profile: {_unknown(spec, CATALOGUE)}")
         spec = CATALOGUE[spec]
     arguments = dict(spec)
+    length_scale = arguments.pop("length_scale", 1.0)
+    _check_type("profile: length_scale", length_scale, "float")
     shape = arguments.pop("kind", None)
     if not isinstance(shape, str) or shape not in SHAPES:
         raise ProfileError(f"profile: kind: {_unknown(shape, SHAPES)}")
@@ -86,7 +88,8 @@ def profile_from_spec(
         arguments["kind"] = kind
     if "base_dir" in reserved:
         arguments["base_dir"] = base_dir
-    return build(**arguments)
+    table = build(**arguments)
+    return table if length_scale == 1.0 else table.scaled(length_scale)
 
 
 def _check_type(where: str, value: object, annotation: str) -> None:

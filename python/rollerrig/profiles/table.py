@@ -76,6 +76,20 @@ class ProfileTable:
             values.flags.writeable = False
             object.__setattr__(self, attribute, values)
 
+    def scaled(self, factor: float) -> ProfileTable:
+        """The same curve with all lengths times a factor: the profile of a model of a wheel or rail.
+
+        Raises:
+            ProfileError: the factor is not positive.
+        """
+        if not (np.isfinite(factor) and factor > 0):
+            raise ProfileError(f"{self.name}: length_scale: {factor}; it must be positive")
+        coefficients = self.coefficients * factor ** np.array([1.0, 0.0, -1.0, -2.0])
+        start, step, outline = factor * self.start, factor * self.step, factor * self.outline
+        return ProfileTable(
+            f"{self.name}, scaled by {factor:g}", self.kind, start, step, coefficients, self.source, outline
+        )
+
     @property
     def domain(self) -> tuple[float, float]:
         """First and last abscissa [m]."""

@@ -137,7 +137,7 @@ def test_paths_start_at_the_file_that_names_them(tmp_path: Path, monkeypatch: py
 
 def test_profile_arguments_are_what_the_profiles_take() -> None:
     assert load_profile("uic60_benchmark_1_40", "rail").arguments() == {
-        "kind": "uic60", "variant": "benchmark", "inclination": 0.025, "step": 5e-5
+        "kind": "uic60", "variant": "benchmark", "inclination": 0.025, "step": 5e-5, "length_scale": 1.0
     }  # fmt: skip
     with pytest.raises(ConfigError, match="did you mean 's1002'"):
         load_profile("s102")

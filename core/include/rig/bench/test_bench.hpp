@@ -87,6 +87,7 @@ struct BenchSetup {
 
   double travelling_mass{0.0};  ///< on track: of the train that these axles brake [kg]; 0: on a rig
   double held_mass{0.0};        ///< of it, what is held in the frame [kg]
+  double rail_cell{0.05};       ///< energy spent is kept along the rail in cells of this length [m]
 };
 
 class TestBench {

@@ -14,9 +14,9 @@ namespace rig {
 class CleanedRail {
  public:
   static constexpr int cells = 1024;
-  static constexpr double cell_length = 0.05;  ///< [m]; 51 m of rail are remembered
-
-  void reset() {
+  /// @param cell  length of a cell [m]; 51 m of rail are remembered with 50 mm
+  void reset(double cell = 0.05) {
+    cell_length_ = cell;
     energy_.fill(0.0);
     head_ = none;
   }
@@ -36,18 +36,19 @@ class CleanedRail {
     head_ = head_ == none ? last : std::max(head_, last);
     // Each cell gets its part of the way: a wheel that passes in many short steps spends the energy once.
     for (long cell = std::max(first, head_ - cells + 1); cell <= last; ++cell) {
-      double const low = std::max(from, cell_length * static_cast<double>(cell));
-      double const high = std::min(to, cell_length * static_cast<double>(cell + 1));
-      energy_[slot(cell)] += energy_per_area * std::max(0.0, high - low) / cell_length;
+      double const low = std::max(from, cell_length_ * static_cast<double>(cell));
+      double const high = std::min(to, cell_length_ * static_cast<double>(cell + 1));
+      energy_[slot(cell)] += energy_per_area * std::max(0.0, high - low) / cell_length_;
     }
   }
 
  private:
   static constexpr long none = -(1L << 60);
-  static long cell_of(double distance) { return static_cast<long>(std::floor(distance / cell_length)); }
+  long cell_of(double distance) const { return static_cast<long>(std::floor(distance / cell_length_)); }
   static std::size_t slot(long cell) { return static_cast<std::size_t>(((cell % cells) + cells) % cells); }
 
   std::array<double, cells> energy_{};
+  double cell_length_{0.05};  ///< [m]
   long head_{none};
 };
 

@@ -29,7 +29,7 @@ struct GapMinimum {
 class ContactSearch {
  public:
   static constexpr int max_minima = 8;
-  static constexpr double cell_width = 1e-3;  ///< [m]
+  static constexpr double cell_width = 1e-3;  ///< of a full-scale pair, others in proportion to its size [m]
 
   explicit ContactSearch(WheelRollerPair const& pair);
 
@@ -82,7 +82,7 @@ class ContactSearch {
                                Node const& b) const;
   bool still_holds(Cell& cell) const;
   void move_to(RelativePose<double> const& pose);
-  double left(int cell) const { return first_ + cell_width * cell; }
+  double left(int cell) const { return first_ + cell_ * cell; }
   Node const& node(RelativePose<double> const& pose, int i);
   void trim(RelativePose<double> const& pose, double& first, Node& a, double& last, Node& b) const;
   void analyse(RelativePose<double> const& pose, int cell, double reach, double ahead);
@@ -97,6 +97,8 @@ class ContactSearch {
   void bound_rail(double y0, double y1, double& lowest, double& highest) const;
 
   WheelRollerPair const* pair_;
+  double size_;  ///< of the pair [-]
+  double cell_;  ///< width of a cell [m]
   double first_;
   std::vector<Node> nodes_;
   std::vector<Cell> cells_;

@@ -18,7 +18,11 @@ struct AntiSlip {
   double restoring_rate{0.35};         ///< [1/s]
   double least_factor{0.05};           ///< [-]
   double release_interval{3.0};        ///< while axles slip, one is released this often for the reference; 0: never [s]
+  double shortest_release{0.4};        ///< the torque needs some time to go [s]
   double longest_release{1.2};         ///< [s]
+  double release_deceleration{0.5};    ///< a released axle that slows less has run down to the train's speed [m/s^2]
+  double least_acceleration{0.05};     ///< of the reference between releases [m/s^2]
+  double regained_after{3.0};          ///< without slip for this long, the axles show the train's speed [s]
 };
 
 class AntiSlipState {
@@ -28,7 +32,7 @@ class AntiSlipState {
   void reset(double speed) {
     reference_ = seen_ = speed;
     slope_ = since_seen_ = released_for_ = 0.0;
-    quiet_for_ = quiet;
+    quiet_for_ = 1e9;  // nothing has slipped yet
     released_ = next_ = none;
     for (Axle& axle : axle_) axle = {speed, 0.0, 1.0, false, 0};
   }
@@ -64,7 +68,6 @@ class AntiSlipState {
     int interventions;
   };
   static constexpr int none = -1;
-  static constexpr double quiet = 3.0;  ///< without slip for this long, the axles show the train's speed [s]
 
   /// The reference speed: the slowest axle, rising no faster than the train was last seen to. While axles slip, every so
   /// often one is released until it has run down to the train's speed: that puts speed and slope right.
@@ -72,7 +75,7 @@ class AntiSlipState {
     reference_ = std::fmin(slowest, reference_ + slope_ * period);
     since_seen_ += period;
     quiet_for_ += period;
-    if (quiet_for_ > quiet) {
+    if (quiet_for_ > p.regained_after) {
       slope_ = p.reference_acceleration;
       released_ = none;
       seen(reference_);
@@ -86,10 +89,9 @@ class AntiSlipState {
       return;
     }
     released_for_ += period;
-    double const least = 0.4;  // the torque needs some time to go [s]
-    double const fall = axle_[static_cast<std::size_t>(released_)].acceleration;
-    if (released_for_ < p.longest_release && (released_for_ < least || fall < -0.5)) return;
-    slope_ = std::fmin(p.reference_acceleration, std::fmax(0.05, (slowest - seen_) / since_seen_));
+    bool const falls = axle_[static_cast<std::size_t>(released_)].acceleration < -p.release_deceleration;
+    if (released_for_ < p.longest_release && (released_for_ < p.shortest_release || falls)) return;
+    slope_ = std::fmin(p.reference_acceleration, std::fmax(p.least_acceleration, (slowest - seen_) / since_seen_));
     reference_ = slowest;
     released_ = none;
     seen(slowest);

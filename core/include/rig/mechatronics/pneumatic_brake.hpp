@@ -30,8 +30,7 @@ T orifice_flow(T const& ratio) {
 }
 
 struct PneumaticBrake {
-  static constexpr double ambient = 101325.0;  ///< [Pa]
-  static constexpr int states = 2;             ///< control valve pressure, cylinder pressure
+  static constexpr int states = 2;  ///< control valve pressure, cylinder pressure
 
   double application_rate{1.2e5};  ///< rise of the control valve's pressure [Pa/s]
   double release_rate{1.2e5};      ///< its fall [Pa/s]
@@ -39,6 +38,7 @@ struct PneumaticBrake {
   double fill_rate{6.0};           ///< of the cylinder through the open dump valve, choked: p'/p_supply [1/s]
   double vent_rate{5.0};           ///< of the cylinder to the ambient, choked: -p'/p_cylinder [1/s]
   double volume{5e-3};             ///< of the cylinder and its pipe [m^3]
+  double ambient{101325.0};        ///< pressure of the air around [Pa]
 
   double piston_area{0.085};      ///< times rigging ratio and efficiency [m^2]
   double spring_force{500.0};     ///< of the retracting spring, at the pads [N]

@@ -26,8 +26,10 @@ struct WheelSlideProtection {
   double longest_vent{5.0};            ///< after this the watchdog fills, whatever the criteria say [s]
   double least_speed{5.0 / 3.6};       ///< below it all valves fill [m/s]
   double release_interval{3.0};  ///< while all axles slide, one is released this often for the reference; 0: never [s]
+  double shortest_release{0.3};  ///< the valve needs some time to open, the cylinder to empty [s]
   double longest_release{1.2};   ///< [s]
-  double regained_after{2.0};    ///< without slip for this long, an axle counts as gripping again [s]
+  double least_deceleration{0.2};  ///< of the reference between releases: a braked train slows at least so [m/s^2]
+  double regained_after{2.0};      ///< without slip for this long, an axle counts as gripping again [s]
 };
 
 class WheelSlideProtectionState {
@@ -97,11 +99,10 @@ class WheelSlideProtectionState {
     }
     released_for_ += period;
     Axle const& axle = axle_[static_cast<std::size_t>(released_)];
-    double const least = 0.3;  // the valve needs some time to open, the cylinder to empty [s]
-    if (released_for_ < p.longest_release && (released_for_ < least || axle.acceleration > p.recovery_acceleration))
-      return;
+    bool const gains = axle.acceleration > p.recovery_acceleration;
+    if (released_for_ < p.longest_release && (released_for_ < p.shortest_release || gains)) return;
     double const slope = (seen_ - fastest) / since_seen_;
-    slope_ = std::fmin(p.reference_deceleration, std::fmax(slowest_slope, slope));
+    slope_ = std::fmin(p.reference_deceleration, std::fmax(p.least_deceleration, slope));
     reference_ = fastest;
     released_ = none;
     seen(fastest);
@@ -146,7 +147,6 @@ class WheelSlideProtectionState {
   }
 
   static constexpr int none = -1;
-  static constexpr double slowest_slope = 0.2;  ///< a braked train slows at least so [m/s^2]
 
   std::array<Axle, most_axles> axle_{};
   double reference_{0.0}, slope_{0.0};
