@@ -130,11 +130,12 @@ int add_contact(Model& m, int wheelset, int roller, bool rail, double along, boo
   return static_cast<int>(m.contacts.size()) - 1;
 }
 
-int add_adhesion_map(Model& m, std::vector<std::array<double, 7>> const& pieces, std::vector<double> const& from,
+int add_adhesion_map(Model& m, std::vector<std::array<double, 11>> const& pieces, std::vector<double> const& from,
                      double blend, bool over_time) {
   AdhesionMap map;
   map.piece.clear();
-  for (auto const& p : pieces) map.piece.push_back({{p[0], p[1], p[2]}, {p[3], p[4], p[5]}, p[6]});
+  for (auto const& p : pieces)
+    map.piece.push_back({{{p[0], p[1], p[2]}, p[3], p[4]}, {{p[5], p[6], p[7]}, p[8], p[9]}, p[10]});
   map.from = from, map.blend = blend, map.over_time = over_time;
   if (map.piece.size() != from.size() + 1) throw nb::value_error("one border less than pieces");
   m.adhesion_maps.push_back(std::move(map));
@@ -182,7 +183,7 @@ void bind_model(nb::module_& m) {
           "set_speed", [](Model& model, Rows2 const& table) { model.speed = {piecewise(table)}; }, "table"_a)
       .def("static_preloads", &preloads, "Vertical preload per element [N], and the worst remaining imbalance.")
       .def("add_adhesion_map", &add_adhesion_map, "pieces"_a, "from_"_a, "blend"_a, "over_time"_a,
-           "Rows of pieces: mu0, A, B degraded, mu0, A, B recovered, tau.")
+           "Rows of pieces: mu0, A, B, k_A, k_S degraded, the same recovered, tau.")
       .def(
           "set_friction_map",
           [](Model& model, int contact, int map) {

@@ -15,7 +15,18 @@ import numpy as np
 from rollerrig import _core
 from rollerrig.bench.controllers import UserController
 from rollerrig.bench.load_transfer import frame_of, load_transfer, train_mass
-from rollerrig.config import AntiSlip, Brake, Case, Controller, Encoder, Motor, Rig, RigControl, SlideProtection
+from rollerrig.config import (
+    AntiSlip,
+    Brake,
+    Case,
+    Condition,
+    Controller,
+    Encoder,
+    Motor,
+    Rig,
+    RigControl,
+    SlideProtection,
+)
 from rollerrig.config.machines import BenchSettings
 from rollerrig.model import GROUND, AssembledModel
 from rollerrig.start import equilibrium_dataset
@@ -100,14 +111,17 @@ def _add_adhesion(model: AssembledModel, on_rails: bool) -> int:
     adhesion = model.case.adhesion
     if adhesion is None:
         return NOT_THERE
-    cleaned = [adhesion.cleaned.start, adhesion.cleaned.remaining, adhesion.cleaned.decay, adhesion.cleaning]
     rails = [adhesion.rail, *(piece.rail for piece in adhesion.piece)]
-    rows = [[rail.start, rail.remaining, rail.decay, *cleaned] for rail in rails]
+    rows = [[*_condition(rail), *_condition(adhesion.cleaned), adhesion.cleaning] for rail in rails]
     borders = [float((piece.time if adhesion.over_time else piece.distance) or 0.0) for piece in adhesion.piece]
     number = model.core.add_adhesion_map(rows, borders, adhesion.blend, adhesion.over_time)
     for wheel in model.wheels if on_rails else ():
         model.core.set_friction_map(wheel.contact, number)
     return int(number)
+
+
+def _condition(rail: Condition) -> list[float]:
+    return [rail.start, rail.remaining, rail.decay, rail.stick_reduction, rail.slip_reduction]
 
 
 def _axle(model: AssembledModel, number: int, rollers: list[str]) -> dict[str, Any]:

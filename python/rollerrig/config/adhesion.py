@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from typing import Annotated, Any
 
-from pydantic import BeforeValidator, Field, model_validator
+from pydantic import BeforeValidator, Field, ValidationInfo, field_validator, model_validator
 from pydantic_core import PydanticCustomError
 
 from rollerrig.config.base import Table
@@ -11,14 +11,15 @@ from rollerrig.config.errors import nearest, show_value
 from rollerrig.config.units import Quantity
 
 CONDITIONS: Mapping[str, Mapping[str, float]] = {
-    "dry": {"start": 0.55, "remaining": 0.40, "decay": 0.60},
-    "wet": {"start": 0.30, "remaining": 0.40, "decay": 0.20},
-    "low": {"start": 0.08, "remaining": 0.40, "decay": 0.20},
-    "very_low": {"start": 0.04, "remaining": 0.40, "decay": 0.20},
+    "dry": {"start": 0.55, "remaining": 0.40, "decay": 0.60, "stick_reduction": 1.0, "slip_reduction": 0.4},
+    "wet": {"start": 0.30, "remaining": 0.40, "decay": 0.20, "stick_reduction": 0.3, "slip_reduction": 0.1},
+    "low": {"start": 0.08, "remaining": 0.40, "decay": 0.20, "stick_reduction": 0.3, "slip_reduction": 0.1},
+    "very_low": {"start": 0.04, "remaining": 0.40, "decay": 0.20, "stick_reduction": 0.3, "slip_reduction": 0.1},
 }
 """Named conditions; dry and wet after Polach (2005), low and very low engineering values with the shape of wet."""
 
 Fraction = Annotated[float, Quantity("1", ge=0, le=1)]
+Share = Annotated[float, Quantity("1", gt=0, le=1)]
 
 
 class Condition(Table):
@@ -27,6 +28,20 @@ class Condition(Table):
     start: Fraction = Field(description="friction at no slip")
     remaining: Fraction = Field(default=1.0, description="friction at large slip over that at none; 1: Coulomb's law")
     decay: Annotated[float, Quantity("s/m", ge=0)] = Field(default=0.0, description="how fast it falls with slip")
+    stick_reduction: Share = Field(
+        default=1.0,
+        description="k_A: of the creep curve's stiffness where the patch sticks, in place of [contact]'s own",
+    )
+    slip_reduction: Share = Field(
+        default=1.0, description="k_S: where it slides, at most k_A; laws without k_A and k_S take their mean"
+    )
+
+    @model_validator(mode="after")
+    def _no_stiffer_in_slip(self) -> "Condition":
+        if self.slip_reduction > self.stick_reduction:
+            allowed = f"allowed: at most stick_reduction, {self.stick_reduction:g}"
+            raise PydanticCustomError("at_key", "{allowed}", {"allowed": allowed, "key": "slip_reduction"})
+        return self
 
 
 def _by_name(value: Any) -> Any:
@@ -35,7 +50,9 @@ def _by_name(value: Any) -> Any:
     if value in CONDITIONS:
         return dict(CONDITIONS[value])
     guess = nearest(value, tuple(CONDITIONS))
-    allowed = f"allowed: {', '.join(CONDITIONS)}, or a table with start, remaining, decay"
+    allowed = (
+        f"allowed: {', '.join(CONDITIONS)}, or a table with start, remaining, decay, stick_reduction, slip_reduction"
+    )
     allowed += f"; did you mean {show_value(guess)}?" if guess else ""
     raise PydanticCustomError("condition", "{allowed}", {"allowed": allowed})
 
@@ -58,8 +75,10 @@ class Adhesion(Table):
 
     rail: AnyCondition = Field(description="condition at the start: dry, wet, low, very_low, or a table")
     piece: tuple[Piece, ...] = Field(default=(), description="where or when it changes, in ascending order")
-    blend: Annotated[float, Quantity("1", ge=0)] = Field(
-        default=0.0, description="length [m] or time [s] over which one condition passes into the next; 0: a jump"
+    blend: Annotated[float, Quantity("m", ge=0)] = Field(
+        default=0.0,
+        description="length over which one condition passes into the next, like '10 m'; where pieces begin at a time the "
+        "time, like '0.1 s'; 0: a jump",
     )
     cleaning: Annotated[float, Quantity("m^2/J", ge=0)] = Field(
         default=0.0,
@@ -76,6 +95,18 @@ class Adhesion(Table):
     def over_time(self) -> bool:
         """Whether pieces begin at times."""
         return bool(self.piece) and self.piece[0].time is not None
+
+    @field_validator("blend", mode="before")
+    @classmethod
+    def _as_the_pieces(cls, value: Any, info: ValidationInfo) -> Any:
+        """A length, or a time, whichever the pieces have."""
+        over_time = any(piece.time is not None for piece in info.data.get("piece", ()))
+        quantity = Quantity("s" if over_time else "m", ge=0)
+        try:
+            return quantity.parse(value)
+        except ValueError:
+            allowed = f"{quantity.allowed}, as the pieces begin at a {'time' if over_time else 'distance'}"
+            raise PydanticCustomError("blend", "{allowed}", {"allowed": allowed}) from None
 
     @model_validator(mode="after")
     def _pieces_in_order(self) -> "Adhesion":

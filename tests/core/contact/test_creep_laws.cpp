@@ -88,6 +88,39 @@ TEST_CASE("no creepage, no force, for every law") {
   }
 }
 
+TEST_CASE("on a weak rail the creep curve is the law's closed form with the rail's reductions") {
+  RailSurface<double> const wet{0.3, 0.3, 0.1};
+  for (double e : {1e-5, 3e-4, 2e-3, 1e-2, 5e-2}) {
+    auto const q = query(e, 0.0, 0.0);
+    CreepLaw dry{CreepLawKind::polach};
+    dry.stick_reduction = 1.0, dry.slip_reduction = 0.4;  // the rail's are in place of them
+    double const g = 0.25 * pi * q.stiffness.f11 * e / adhesion;
+    double const polach = 2.0 / pi * adhesion * (0.3 * g / (1.0 + 0.09 * g * g) + std::atan(0.1 * g));
+    CHECK(creep_force(dry, q, wet).longitudinal == doctest::Approx(-polach).epsilon(1e-9));
+    double const tau = 0.2 * q.stiffness.f11 * e / adhesion;  // (k_A + k_S)/2 of Kalker's slope
+    double const cubic = tau < 3.0 ? tau * (1.0 - tau / 3.0 + tau * tau / 27.0) : 1.0;
+    CHECK(creep_force({CreepLawKind::kalker_saturated}, q, wet).longitudinal ==
+          doctest::Approx(-adhesion * cubic).epsilon(1e-9));
+    CHECK(creep_force({CreepLawKind::kalker_linear}, q, wet).longitudinal ==
+          doctest::Approx(-0.2 * q.stiffness.f11 * e).epsilon(1e-12));
+  }
+}
+
+TEST_CASE("a weak rail takes the same part of the slope from every law, and none of the friction") {
+  RailSurface<double> const wet{0.3, 0.3, 0.1};
+  for (auto const& [name, law] : laws()) {
+    CAPTURE(name);
+    auto slope = law;
+    slope.stick_reduction = slope.slip_reduction = 1.0, slope.reduction = {};
+    auto const q = query(2e-7, 0.0, 0.0);
+    double const clean = creep_force(slope, q).longitudinal;
+    // The random table is no law of contact: its correction is not flat at the origin to more than 1 %.
+    CHECK(creep_force(law, q, wet).longitudinal == doctest::Approx(0.2 * clean).epsilon(1e-2));
+    if (law.kind == CreepLawKind::kalker_linear || law.kind == CreepLawKind::table) continue;
+    CHECK(creep_force(law, query(5.0, 0.0, 0.0), wet).longitudinal == doctest::Approx(-adhesion).epsilon(5e-3));
+  }
+}
+
 TEST_CASE("small creepages give Kalker's forces") {
   // The strips of FASTSIM, ten of ten elements, miss the integrals by up to 1.3 %; the moment that lateral creepage makes
   // is no parameter of FASTSIM, so the moment is tested with spin alone, where the modified law has C33.
@@ -265,8 +298,8 @@ TEST_CASE("the table is symmetric as the patch is: mirrored slip, mirrored force
 
 TEST_CASE("friction falls with slip velocity as Polach's formula says") {
   Friction const wet{0.3, 0.4, 0.2};
-  CHECK(wet(0.0, 0.0, 0.0, 0.0) == doctest::Approx(0.3));
-  CHECK(wet(0.0, 0.0, 5.0, 0.0) == doctest::Approx(0.3 * (0.6 * std::exp(-1.0) + 0.4)));
-  CHECK(wet(0.0, 0.0, 1e6, 0.0) == doctest::Approx(0.12));
-  CHECK(Friction{0.3}(0.0, 0.0, 7.0, 0.0) == 0.3);
+  CHECK(wet(0.0, 0.0, 0.0, 0.0).friction == doctest::Approx(0.3));
+  CHECK(wet(0.0, 0.0, 5.0, 0.0).friction == doctest::Approx(0.3 * (0.6 * std::exp(-1.0) + 0.4)));
+  CHECK(wet(0.0, 0.0, 1e6, 0.0).friction == doctest::Approx(0.12));
+  CHECK(Friction{0.3}(0.0, 0.0, 7.0, 0.0).friction == 0.3);
 }

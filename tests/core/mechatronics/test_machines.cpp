@@ -22,27 +22,54 @@ TEST_CASE("falling friction starts at mu0, ends at A mu0, and cleaning leads fro
   CHECK(curve.at(1e3) == doctest::Approx(0.12).epsilon(1e-14));
   CHECK(curve.at(5.0) == doctest::Approx(0.3 * (0.6 * std::exp(-1.0) + 0.4)).epsilon(1e-14));
   RailAdhesion const rail{{0.06, 0.4, 0.2}, {0.28, 0.4, 0.6}, 1.9e-4};
-  CHECK(rail.friction(2.0, 0.0) == doctest::Approx(rail.degraded.at(2.0)).epsilon(1e-14));
-  CHECK(rail.friction(2.0, 1e6) == doctest::Approx(rail.recovered.at(2.0)).epsilon(1e-14));
+  CHECK(rail.at(2.0, 0.0).friction == doctest::Approx(rail.degraded.at(2.0).friction).epsilon(1e-14));
+  CHECK(rail.at(2.0, 1e6).friction == doctest::Approx(rail.recovered.at(2.0).friction).epsilon(1e-14));
   double const half = std::log(2.0) / rail.cleaning;
-  CHECK(rail.friction(2.0, half) ==
-        doctest::Approx(0.5 * (rail.degraded.at(2.0) + rail.recovered.at(2.0))).epsilon(1e-14));
+  CHECK(rail.at(2.0, half).friction ==
+        doctest::Approx(0.5 * (rail.degraded.at(2.0).friction + rail.recovered.at(2.0).friction)).epsilon(1e-14));
+}
+
+TEST_CASE("the recovery is the integral of its rate: each joule cleans the same part of what is still contaminated") {
+  RailAdhesion const rail{{0.06, 0.4, 0.2}, {0.28, 0.4, 0.6}, 1.9e-4};
+  double contaminated = 1.0, energy = 0.0;  // d(1 - lambda) = -tau (1 - lambda) dW
+  int const steps = 200000;
+  for (int k = 0; k < steps; ++k) {
+    double const spent = 3e4 * (1.0 + std::sin(1e-4 * k)) / steps;
+    contaminated -= rail.cleaning * (contaminated - 0.5 * rail.cleaning * contaminated * spent) * spent;  // midpoint
+    energy += spent;
+  }
+  double const clean = rail.recovered.at(3.0).friction, dirty = rail.degraded.at(3.0).friction;
+  CHECK(contaminated < 0.02);  // it has come to something
+  CHECK(rail.at(3.0, energy).friction == doctest::Approx(clean + contaminated * (dirty - clean)).epsilon(1e-8));
+}
+
+TEST_CASE("a half cleaned rail is half as weak: reductions of the creep curve mix like the friction") {
+  AdhesionMap map;
+  map.piece = {{{{0.3}, 0.3, 0.1}, {{0.5}, 1.0, 0.4}, 1e-4}, {{{0.1}, 0.2, 0.2}, {{0.5}, 1.0, 0.4}, 1e-4}};
+  map.from = {100.0}, map.blend = 4.0;
+  double const half = std::log(2.0) / 1e-4;
+  CHECK(map.at(0.0, 0.0, half).stick_reduction == doctest::Approx(0.65).epsilon(1e-12));
+  CHECK(map.at(0.0, 0.0, half).slip_reduction == doctest::Approx(0.25).epsilon(1e-12));
+  CHECK(map.at(102.0, 0.0, 0.0).stick_reduction == doctest::Approx(0.25).epsilon(1e-12));
+  CHECK(map.at(102.0, 0.0, 0.0).slip_reduction == doctest::Approx(0.15).epsilon(1e-12));
+  CHECK(map.at(102.0, 0.0, 0.0).friction == doctest::Approx(0.2).epsilon(1e-12));
 }
 
 TEST_CASE("adhesion changes from piece to piece, smoothly where asked") {
   AdhesionMap map;
   map.piece = {{{0.3}, {0.3}}, {{0.05}, {0.05}}, {{0.2}, {0.2}}};
   map.from = {100.0, 200.0};
-  CHECK(map.friction(99.9, 1.0, 0.0) == 0.3);
-  CHECK(map.friction(100.0, 1.0, 0.0) == 0.05);
-  CHECK(map.friction(250.0, 1.0, 0.0) == 0.2);
+  CHECK(map.at(99.9, 1.0, 0.0).friction == 0.3);
+  CHECK(map.at(100.0, 1.0, 0.0).friction == 0.05);
+  CHECK(map.at(250.0, 1.0, 0.0).friction == 0.2);
   map.blend = 4.0;
-  CHECK(map.friction(100.0, 1.0, 0.0) == doctest::Approx(0.3).epsilon(1e-12));
-  CHECK(map.friction(102.0, 1.0, 0.0) == doctest::Approx(0.175).epsilon(1e-12));
-  CHECK(map.friction(104.0, 1.0, 0.0) == doctest::Approx(0.05).epsilon(1e-12));
-  auto const slope = map.friction(Dual<1>::variable(101.0, 0), Dual<1>(1.0), Dual<1>(0.0)).d[0];
-  CHECK(slope ==
-        doctest::Approx((map.friction(101.001, 1.0, 0.0) - map.friction(100.999, 1.0, 0.0)) / 0.002).epsilon(1e-6));
+  CHECK(map.at(100.0, 1.0, 0.0).friction == doctest::Approx(0.3).epsilon(1e-12));
+  CHECK(map.at(102.0, 1.0, 0.0).friction == doctest::Approx(0.175).epsilon(1e-12));
+  CHECK(map.at(104.0, 1.0, 0.0).friction == doctest::Approx(0.05).epsilon(1e-12));
+  auto const slope = map.at(Dual<1>::variable(101.0, 0), Dual<1>(1.0), Dual<1>(0.0)).friction.d[0];
+  CHECK(
+      slope ==
+      doctest::Approx((map.at(101.001, 1.0, 0.0).friction - map.at(100.999, 1.0, 0.0).friction) / 0.002).epsilon(1e-6));
 }
 
 TEST_CASE("a cleaned rail remembers each wheel's energy once, however small the steps") {

@@ -19,6 +19,20 @@ from rollerrig.config import case_from_toml
             "pieces in ascending order",
         ),
         (
+            {"adhesion.blend": "0.1 s"},
+            "adhesion.blend: '0.1 s'; allowed: a number in m or a text with a unit like '460 mm', at least 0 m, as the pieces "
+            "begin at a distance",
+        ),
+        (
+            {"adhesion.piece": [{"time": "1 s", "rail": "dry"}], "adhesion.blend": "2 m"},
+            "adhesion.blend: '2 m'; allowed: a number in s or a text with a unit like '10 ms', at least 0 s, as the pieces "
+            "begin at a time",
+        ),
+        (
+            {"adhesion.rail": {"start": 0.1, "stick_reduction": 0.3, "slip_reduction": 0.4}},
+            "adhesion.rail.slip_reduction: 0.4; allowed: at most stick_reduction, 0.3",
+        ),
+        (
             {"adhesion.piece": [{"distance": "50 m", "time": "1 s", "rail": "dry"}]},
             "each piece with `distance`, or each with `time`",
         ),
@@ -57,6 +71,17 @@ def test_what_does_not_fit_is_refused_with_key_and_reason(changes: dict[str, obj
     with pytest.raises(ConfigError) as caught:
         load_case("adhesion_brake").with_changes(changes)
     assert message in str(caught.value)
+
+
+def test_a_blend_is_a_length_or_a_time_as_the_pieces() -> None:
+    case = load_case("adhesion_brake")
+    by_time = {"adhesion.piece": [{"time": "1 s", "rail": "dry"}], "adhesion.blend": "100 ms"}
+    by_place = {"adhesion.piece": [{"distance": "1 m", "rail": "dry"}], "adhesion.blend": "5 mm"}
+    for changes, value in ((by_time, 0.1), (by_place, 5e-3)):
+        changed = case.with_changes(changes)
+        assert changed.adhesion is not None
+        assert changed.adhesion.blend == value
+        assert case_from_toml(changed.to_toml()) == changed
 
 
 @pytest.mark.parametrize("name", ["adhesion_brake", "adhesion_start", "adhesion_step", "adhesion_recovery"])

@@ -5,6 +5,7 @@
 // To add a law: write a struct with `CreepForce<T> operator()(CreepQuery<T> const&) const` in a header of its own, give it a
 // name in CreepLawKind and a line in creep_force(); how a configuration then asks for it is in docs/how_to/contact_law.md.
 #pragma once
+#include "rig/contact/adhesion.hpp"
 #include "rig/contact/creep_table.hpp"
 #include "rig/contact/fastsim.hpp"
 #include "rig/contact/kalker_laws.hpp"
@@ -35,6 +36,19 @@ CreepForce<T> creep_force(CreepLaw const& law, CreepQuery<T> const& query) {
     case CreepLawKind::kalker_saturated: break;
   }
   return KalkerSaturated{law.saturate_spin_moment}(query);
+}
+
+/// The law on a rail whose condition weakens it, in place of the law's own reductions. k_A and k_S are Polach's; any other
+/// law gets the same slope at the origin, (k_A + k_S)/2 of Kalker's: its surfaces give way by so much more everywhere.
+template <Scalar T>
+CreepForce<T> creep_force(CreepLaw const& law, CreepQuery<T> const& query, RailSurface<T> const& rail) {
+  if (law.kind == CreepLawKind::polach) return Polach<T>{rail.stick_reduction, rail.slip_reduction}(query);
+  T const left = 0.5 * (rail.stick_reduction + rail.slip_reduction);
+  auto weak = query;
+  weak.stiffness = {left * query.stiffness.f11, left * query.stiffness.f22, left * query.stiffness.f23,
+                    left * query.stiffness.f33};
+  if (law.kind == CreepLawKind::modified_fastsim) return Fastsim{true, {}}(weak);
+  return creep_force(law, weak);
 }
 
 }  // namespace rig

@@ -1,4 +1,4 @@
-// contact/friction.hpp - the friction coefficient of one contact.
+// contact/friction.hpp - the friction of one contact, and what its surface leaves of the creep curve's stiffness.
 #pragma once
 #include "rig/contact/adhesion.hpp"
 
@@ -19,10 +19,10 @@ struct Friction {
   /// @param place            distance along the rail [m]
   /// @param energy_per_area  spent on this piece of rail, by the wheels ahead and by this one [J/m^2]
   template <Scalar T>
-  T operator()(T const& time, T const& place, T const& slip_speed, double energy_per_area) const {
-    if (map != nullptr) return map->friction(map->over_time ? time : place, slip_speed, T(energy_per_area));
-    if (ratio == 1.0) return T(coefficient);
-    return FallingFriction{coefficient, ratio, decay}.at(slip_speed);
+  RailSurface<T> operator()(T const& time, T const& place, T const& slip_speed, double energy_per_area) const {
+    if (map != nullptr) return map->at(map->over_time ? time : place, slip_speed, T(energy_per_area));
+    T const mu = ratio == 1.0 ? T(coefficient) : FallingFriction{coefficient, ratio, decay}.at(slip_speed);
+    return {mu, T(1.0), T(1.0)};
   }
 };
 

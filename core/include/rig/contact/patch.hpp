@@ -146,12 +146,14 @@ Patch<T> patch_carried(ContactLaws const& laws, ContactPoint<T> const& point, Re
                     patch.spin_rate * inverse_speed};  // (21)
 
   T const slip = sqrt(square(patch.slip_longitudinal) + square(patch.slip_lateral) + 1e-20);
-  T const adhesion = laws.friction(time, motion.place, slip, motion.spent) * load + 1e-9;
+  auto const surface = laws.friction(time, motion.place, slip, motion.spent);
+  T const adhesion = surface.friction * load + 1e-9;
   T const direction = patch.rolling_speed * inverse_speed;
   auto const stiffness = kalker_stiffness(laws.kalker->at(patch.hertz.log_aspect), laws.material.shear_modulus, patch.a,
                                           patch.b, direction);  // (22)
-  patch.creep = creep_force(laws.creep, CreepQuery<T>{patch.creepage, stiffness, adhesion, patch.a, patch.b,
-                                                      patch.hertz.log_aspect, direction});  // (20), (23), (24)
+  CreepQuery<T> const query{patch.creepage, stiffness, adhesion, patch.a, patch.b, patch.hertz.log_aspect, direction};
+  patch.creep = laws.friction.map != nullptr ? creep_force(laws.creep, query, surface)
+                                             : creep_force(laws.creep, query);  // (20), (23), (24)
   patch.force = load * n + patch.creep.longitudinal * i + patch.creep.lateral * t;
   patch.moment = patch.creep.spin_moment * n;
   patch.elastic_power = patch.normal.elastic * patch.gap_rate;

@@ -10,9 +10,10 @@
 
 namespace rig {
 
+template <class Factor = double>
 struct Polach {
-  double stick_reduction{1.0};  ///< k_A of the area of adhesion [-]; k_A = k_S = 1: clean
-  double slip_reduction{1.0};   ///< k_S of the area of slip, at most k_A [-]
+  Factor stick_reduction{1.0};  ///< k_A of the area of adhesion [-]; k_A = k_S = 1: clean
+  Factor slip_reduction{1.0};   ///< k_S of the area of slip, at most k_A [-]
 
   template <Scalar T>
   CreepForce<T> operator()(CreepQuery<T> const& query) const {

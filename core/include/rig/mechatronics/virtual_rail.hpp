@@ -21,10 +21,6 @@ struct VirtualRail {
   KalkerStiffness<double> stiffness{};  ///< of one wheel
   double standstill_speed{0.1};         ///< [m/s]
 
-  double friction_coefficient(double slip, double time, double place, double spent) const {
-    return friction(time, place, std::fabs(slip), spent);
-  }
-
   /// Force of both wheels on the axle, forward [N].
   ///
   /// @param slip   wheel surface speed less train speed [m/s]
@@ -38,11 +34,13 @@ struct VirtualRail {
     double const grown = growth * growth;
     KalkerStiffness<double> const f{grown * stiffness.f11, grown * stiffness.f22, grown * growth * stiffness.f23,
                                     grown * grown * stiffness.f33};
-    double const adhesion = friction_coefficient(slip, time, place, spent) * per_wheel + 1e-9;
+    auto const surface = friction(time, place, std::fabs(slip), spent);
+    double const adhesion = surface.friction * per_wheel + 1e-9;
     // Creepage is wheel over roller: a driving wheel's surface runs backwards.
     Creepage<double> const creepage{epsilon, 0.0, 0.0};
-    return 2.0 * creep_force(creep, CreepQuery<double>{creepage, f, adhesion, growth * a, growth * b, log_aspect, 1.0})
-                     .longitudinal;
+    CreepQuery<double> const query{creepage, f, adhesion, growth * a, growth * b, log_aspect, 1.0};
+    auto const force = friction.map != nullptr ? creep_force(creep, query, surface) : creep_force(creep, query);
+    return 2.0 * force.longitudinal;
   }
 };
 
