@@ -79,7 +79,10 @@ AntiSlip anti_slip(nb::dict const& d) {
 }
 ContactForceEstimator estimator(nb::dict const& d) {
   ContactForceEstimator e;
-  e.kind = get<std::string>(d, "kind") == "observer" ? EstimatorKind::observer : EstimatorKind::filtered_derivative;
+  auto const kind = get<std::string>(d, "kind");
+  e.kind = kind == "observer" ? EstimatorKind::observer
+           : kind == "exact"  ? EstimatorKind::exact
+                              : EstimatorKind::filtered_derivative;
   e.bandwidth = get<double>(d, "bandwidth"), e.damping_ratio = get<double>(d, "damping_ratio");
   e.roller_inertia = get<double>(d, "roller_inertia"), e.roller_radius = get<double>(d, "roller_radius");
   e.wheelset_inertia = get<double>(d, "wheelset_inertia"), e.wheel_radius = get<double>(d, "wheel_radius");
@@ -154,6 +157,7 @@ BenchSetup setup_from(nb::dict const& d, Model const& model) {
   s.slip_limit = get<double>(d, "slip_limit"), s.slip_time = get<double>(d, "slip_time");
   s.travelling_mass = get<double>(d, "travelling_mass"), s.held_mass = get<double>(d, "held_mass");
   s.rail_cell = get<double>(d, "rail_cell");
+  s.ideal_rolling = get<bool>(d, "ideal_rolling");
   return s;
 }
 

@@ -77,6 +77,7 @@ Dynamics::Dynamics(Model const& model) : model_(&model), map_(model) {
     front_ = std::max(front_, b.position.x);
   }
   brake_torque_.assign(model.brakes.size(), 0.0);
+  tie_of_contact_.assign(model.contacts.size(), -1);
   evaluated_.assign(at(map_.states()), 0.0);
   plan_sweeps();
 }
@@ -95,6 +96,19 @@ void Dynamics::resize(Workspace<T>& w) const {
   w.common.resize(n);
   w.common_wrench.resize(n);
   update_motion(Body{}, w.ground_motion);
+}
+
+void Dynamics::roll_ideally(std::vector<IdealRolling> ties) {
+  ties_ = std::move(ties);
+  rolling_force_.assign(ties_.size(), 0.0);
+  work_.axle_creep.resize(ties_.size());
+  dual_.axle_creep.resize(ties_.size());
+  tie_of_contact_.assign(model_->contacts.size(), -1);
+  for (std::size_t i = 0; i < ties_.size(); ++i)
+    for (int c : ties_[i].contact)
+      if (c >= 0) tie_of_contact_[at(c)] = static_cast<int>(i);
+  plan_sweeps();
+  forget();
 }
 
 void Dynamics::reset_run() {
@@ -241,6 +255,7 @@ void Dynamics::apply_contact(Workspace<T>& w, T const& t, int index) {
   }
 
   Vec3<T> force{}, on_wheelset{}, on_roller{};  // on_...: moment about the wheelset's centre and about the crown point
+  AxleCreep<T>* tied = tie_of_contact_[at(index)] < 0 ? nullptr : &w.axle_creep[at(tie_of_contact_[at(index)])];
   WheelPatches<T> patches;
   int const count = wheel_patches(contact.pair, contact.laws, search, pose, motion, t, patches);
   if constexpr (std::same_as<T, double>) patch_count_[at(index)] = count;
@@ -252,6 +267,7 @@ void Dynamics::apply_contact(Workspace<T>& w, T const& t, int index) {
     w.power[stored_contacts] -= patch.elastic_power;
     w.power[dissipated_normal] -= patch.normal.damping * patch.gap_rate;
     w.power[dissipated_creep] += patch.creep_dissipation();
+    if (tied) *tied += axle_creep(contact, placed, w.motion[at(contact.wheelset)].R.ey, patch);
     if constexpr (std::same_as<T, double>) patches_[at(index * max_patches + k)] = patch;
   }
   // Work of what moves the rail or steers the roller, beside what a state does.
@@ -360,6 +376,21 @@ void Dynamics::apply_resistance(Workspace<T>& w) {
   }
 }
 
+template <Scalar T>
+void Dynamics::apply_ties(Workspace<T>& w, Sweep const* sweep) {
+  double const acceleration = value_of(w.travel.acceleration);
+  for (std::size_t i = 0; i < ties_.size(); ++i) {
+    auto const b = at(ties_[i].wheelset), r = at(ties_[i].roller);
+    if (sweep && !sweep->affected_body[b]) continue;
+    T const driven(-acceleration * model_->driven_inverse_radius[r]);
+    T power(0.0);
+    T const force = tie_axle(ties_[i], model_->bodies[b], model_->bodies[r], w.motion[b], w.motion[r], w.axle_creep[i],
+                             driven, w.wrench[b], w.wrench[r], power);
+    w.power[dissipated_creep] += power;
+    if constexpr (std::same_as<T, double>) rolling_force_[i] = force - w.axle_creep[i].force;
+  }
+}
+
 /// Everything that pushes, then Newton and Euler. With a sweep, only what its seeds touch.
 template <Scalar T>
 void Dynamics::evaluate_forces(Workspace<T>& w, T const& t, Sweep const* sweep) {
@@ -369,6 +400,7 @@ void Dynamics::evaluate_forces(Workspace<T>& w, T const& t, Sweep const* sweep) 
 
   w.power.fill(T(0.0));
   if constexpr (std::same_as<T, double>) longitudinal_force_ = 0.0;
+  for (auto& creep : w.axle_creep) creep = {};
   for (std::size_t b = 0; b < model.bodies.size(); ++b) {
     if (!wanted_body(b)) continue;
     w.wrench[b] = {};
@@ -384,6 +416,7 @@ void Dynamics::evaluate_forces(Workspace<T>& w, T const& t, Sweep const* sweep) 
     if (!sweep || sweep->touched_contact[at(i)]) apply_contact(w, t, i);
   apply_torques(w, t);
   apply_resistance(w);
+  apply_ties(w, sweep);
   for (std::size_t b = 0; b < model.bodies.size(); ++b) {
     if (!wanted_body(b)) continue;
     Body const& body = model.bodies[b];

@@ -88,6 +88,11 @@ Vec3<double> Dynamics::felt_acceleration(int body) const {
   return m.R.transposed_times(felt);
 }
 
+double Dynamics::rolling_slip(int tie) const {
+  IdealRolling const& t = ties_[at(tie)];
+  return mean_slip(t, work_.motion[at(t.wheelset)], work_.motion[at(t.roller)]);
+}
+
 double Dynamics::element_energy() const {
   double sum = 0.0;
   for (std::size_t i = 0; i < model_->elements.size(); ++i)

@@ -46,6 +46,8 @@ void Dynamics::plan_sweeps() {
   };
 
   // A wheelset and its rollers share a sweep where they fit: they touch the same contacts.
+  sweeps_.clear();
+  time_sweep_ = {};
   std::vector<char> done(n, 0);
   for (int b = 0; b < static_cast<int>(n); ++b) {
     if (done[at(b)]) continue;
@@ -99,6 +101,9 @@ void Dynamics::plan_sweeps() {
     for (auto const& t : model.roller_torques) affect(t.roller);
     for (auto const& brake : model.brakes) affect(brake.wheelset), affect(brake.reaction);
     affect(model.resistance.body);
+    for (IdealRolling const& tie : ties_)
+      if (sweep.affected_body[at(tie.wheelset)] || sweep.affected_body[at(tie.roller)])
+        affect(tie.wheelset), affect(tie.roller);
   };
   for (Sweep& sweep : sweeps_) mark(sweep, false);
   mark(time_sweep_, true);

@@ -82,6 +82,16 @@ TestBench::TestBench(Dynamics& dynamics, BenchSetup const& setup)
   in.roller_torque.assign(model.roller_torques.size(), {});
   in.cylinder.assign(model.brakes.size(), {});
   in.spent.assign(model.contacts.size(), 0.0);
+  if (setup.ideal_rolling) tie_axles();
+}
+
+void TestBench::tie_axles() {
+  std::vector<IdealRolling> ties;
+  for (BenchAxle const& a : setup_.axles) {
+    auto const& pair = dynamics_->model().contacts[at(a.contact[0])].pair;
+    ties.push_back({a.wheelset, a.roller, pair.wheel_radius, 1.0 / pair.inverse_radius, a.contact});
+  }
+  dynamics_->roll_ideally(std::move(ties));
 }
 
 Sampling const& TestBench::sampling(Role role) const {
@@ -94,6 +104,12 @@ Status TestBench::start(double const* x0) {
   dynamics_->reset_run();
   y_.setZero();
   std::copy_n(x0, dynamics_->sizes().states, y_.data());
+  dynamics_->forget();
+  dynamics_->evaluate(0.0, y_.data());
+  for (std::size_t i = 0; i < axle_.size() && setup_.ideal_rolling; ++i)  // from no slip at all
+    y_[map.rate[at(setup_.axles[i].wheelset)][coord_pitch]] +=
+        dynamics_->rolling_slip(static_cast<int>(i)) /
+        dynamics_->model().contacts[at(setup_.axles[i].contact[0])].pair.wheel_radius;
   plant_.statistics = {};
   step_count_ = 0;
   ended_ = sampled_ = protection_acted_ = false;
@@ -115,8 +131,8 @@ Status TestBench::start(double const* x0) {
     BenchAxle const& a = setup_.axles[i];
     Axle& axle = axle_[i];
     axle = {};
-    double const wheel = x0[map.rate[at(a.wheelset)][coord_pitch]];
-    double const roller = a.roller >= 0 ? -x0[map.rate[at(a.roller)][coord_pitch]] : 0.0;
+    double const wheel = y_[map.rate[at(a.wheelset)][coord_pitch]];
+    double const roller = a.roller >= 0 ? -y_[map.rate[at(a.roller)][coord_pitch]] : 0.0;
     axle.wheel_speed = wheel;
     axle.roller_speed = roller;
     axle.encoder.reset(0.0, wheel);
@@ -325,6 +341,7 @@ void TestBench::fill_row(double* axles, double* train) const {
     double force = 0.0, surface = in.travels ? speed_ : setup_.speed;
     for (int c : a.contact)
       for (int k = 0; c >= 0 && k < dynamics_->patch_count(c); ++k) force += dynamics_->patch(c, k).force.x;
+    if (setup_.ideal_rolling) force += dynamics_->rolling_force(static_cast<int>(i));
     double const r = model.contacts[at(a.contact[0])].pair.wheel_radius;
     if (a.roller >= 0) surface = roller / model.contacts[at(a.contact[0])].pair.inverse_radius;
     bool const imitates = setup_.imitate;

@@ -77,6 +77,21 @@ void TestBench::run_controller(Role role) {
   post(role, command.data());
 }
 
+/// Torque of motor and brake on an axle now [N m].
+double TestBench::acting_torque(int axle) const {
+  BenchAxle const& a = setup_.axles[at(axle)];
+  return axle_[at(axle)].torque_state[0] + (a.brake >= 0 ? dynamics_->brake_torque(a.brake) : 0.0);
+}
+
+/// T of (C1) now [N].
+double TestBench::acting_force(int axle) const {
+  BenchAxle const& a = setup_.axles[at(axle)];
+  double const inertia = dynamics_->model().bodies[at(a.roller)].inertia.y;
+  double const rate = -dynamics_->work().acceleration[at(a.roller)][coord_pitch];
+  double const radius = 1.0 / dynamics_->model().contacts[at(a.contact[0])].pair.inverse_radius;
+  return (inertia * rate - axle_[at(axle)].roller_state[0]) / radius;
+}
+
 /// Our own rig controller: estimate, virtual train, feed-forward and feedback. (C1)-(C5)
 void TestBench::control_rig() {
   std::array<double, most_axles> torque{};
@@ -85,7 +100,11 @@ void TestBench::control_rig() {
   ContactForceEstimator const& e = setup_.estimator;
   for (int i = 0; i < axles; ++i) {
     Axle& axle = axle_[at(i)];
-    axle.estimate.step(e, axle.roller_speed, axle.wheel_speed, axle.roller_torque, period);
+    if (e.kind == EstimatorKind::exact) {
+      axle.estimate.set(e, acting_force(i), acting_torque(i));
+    } else {
+      axle.estimate.step(e, axle.roller_speed, axle.wheel_speed, axle.roller_torque, period);
+    }
     torque[at(i)] = axle.estimate.axle_torque(e);
   }
   if (setup_.imitate) {

@@ -84,6 +84,7 @@ def fit(model: AssembledModel, controllers: Mapping[str, UserController]) -> Fit
         "imitate": control is not None,
         "rail_cell": case.adhesion.cell_length if case.adhesion else 0.05,
         "travelling_mass": mass if rig is None else 0.0,
+        "ideal_rolling": case.bench.ideal_rolling,
         "held_mass": max(0.0, mass - free) if rig is None and model.held else 0.0,
         **_rig_control(model, control or RigControl(), rig),
     }

@@ -22,6 +22,9 @@ def _without_bench(case: Case, file: str) -> Iterator[ConfigProblem]:
     for key, of in (("slide_protection", "[brake]"), ("anti_slip", "[traction]")):
         if getattr(case, key) is not None:
             yield ConfigProblem(file, key, "a table", f"allowed only with {of}, on which it acts")
+    if case.bench.ideal_rolling:
+        allowed = "allowed with machines: [brake], [traction] or [rig_control]"
+        yield ConfigProblem(file, "bench.ideal_rolling", "true", allowed)
 
 
 def _tables(case: Case, file: str) -> Iterator[ConfigProblem]:
@@ -43,6 +46,8 @@ def _tables(case: Case, file: str) -> Iterator[ConfigProblem]:
     if isinstance(support, Track):
         if control is not None:
             yield ConfigProblem(file, "rig_control", "a table", "allowed on rollers; a track imitates nothing")
+        if case.bench.ideal_rolling:
+            yield ConfigProblem(file, "bench.ideal_rolling", "true", "allowed on rollers, of which it is a hypothesis")
         if case.motion.speed_table is not None:
             yield ConfigProblem(
                 file, "motion.speed_table", "given", "allowed: motion.speed, from which the train runs on"

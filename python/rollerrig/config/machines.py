@@ -176,7 +176,13 @@ class Sensors(Table):
 
 
 class BenchSettings(Table):
-    """Time grid of the test bench and end of a test."""
+    """Time grid of the test bench, end of a test, and the hypothesis of rolling."""
 
     step: PositiveTime = Field(default=1e-3, description="all samples, delays and changes of commands stand on it")
     standstill: PositiveSpeed = Field(default=1.0, description="a train slower than this has stopped: the run ends")
+    ideal_rolling: StrictBool = Field(
+        default=False,
+        description="on rollers: each axle and its rollers roll without sliding along the track, r w = R W, as the rig's "
+        "control law assumes; one force per axle takes the place of the longitudinal creep forces' mean, without a limit; "
+        "normal forces, lateral and yaw creep stay. For studies of what real sliding does to the control",
+    )

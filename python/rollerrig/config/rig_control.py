@@ -31,8 +31,10 @@ LoadTransfer = Annotated[Literal["none", "quasi_static"] | tuple[float, ...], Be
 class Estimator(Table):
     """Contact force and axle torque from the rollers' side."""
 
-    kind: Literal["observer", "filtered_derivative"] = Field(
-        default="observer", description="of disturbance (Luenberger), or a filtered derivative of the roller's speed"
+    kind: Literal["observer", "filtered_derivative", "exact"] = Field(
+        default="observer",
+        description="of disturbance (Luenberger); a filtered derivative of the roller's speed; or exact: force and torque "
+        "that really act, for studies of what estimating costs",
     )
     bandwidth: Frequency = Field(default=20.0, description="of the estimate")
     damping_ratio: Annotated[float, Quantity("1", gt=0, le=2)] = Field(

@@ -88,6 +88,7 @@ struct BenchSetup {
   double travelling_mass{0.0};  ///< on track: of the train that these axles brake [kg]; 0: on a rig
   double held_mass{0.0};        ///< of it, what is held in the frame [kg]
   double rail_cell{0.05};       ///< energy spent is kept along the rail in cells of this length [m]
+  bool ideal_rolling{false};    ///< on rollers: system/ideal_rolling.hpp
 };
 
 class TestBench {
@@ -163,11 +164,14 @@ class TestBench {
   bool sample();
   void run_controller(Role role);
   void control_rig();
+  double acting_torque(int axle) const;
+  double acting_force(int axle) const;
   void post(Role role, double const* command);
   void take_commands();
   void step();
   int substeps() const;
   void move_machines();
+  void tie_axles();
   void move_train();
   void spend_energy();
   void protect();

@@ -10,7 +10,7 @@
 
 namespace rig {
 
-enum class EstimatorKind : int { filtered_derivative, observer };
+enum class EstimatorKind : int { filtered_derivative, observer, exact };
 
 struct ContactForceEstimator {
   EstimatorKind kind{EstimatorKind::observer};
@@ -57,6 +57,12 @@ class ContactForceEstimate {
     wheel_rate_ += low_pass * ((wheel_speed - last_wheel_) / period - wheel_rate_);
     last_roller_ = roller_speed;
     last_wheel_ = wheel_speed;
+  }
+
+  /// In place of a sample: what really acts, for studies of what estimating costs.
+  void set(ContactForceEstimator const& p, double force, double axle_torque) {
+    force_ = force;
+    wheel_rate_ = (axle_torque - p.wheel_radius * force) / p.wheelset_inertia;
   }
 
   double force() const { return force_; }                     ///< T [N]

@@ -13,6 +13,7 @@
 #include "rig/geometry/search.hpp"
 #include "rig/math/dual.hpp"
 #include "rig/system/contact_placement.hpp"
+#include "rig/system/ideal_rolling.hpp"
 #include "rig/system/inputs.hpp"
 #include "rig/system/model.hpp"
 
@@ -40,6 +41,7 @@ struct Workspace {
   std::vector<T> node_rate;
   BodyMotion<T> ground_motion;
   std::array<T, account_count> power;
+  std::vector<AxleCreep<T>> axle_creep;  ///< per tied axle
 
   Travel<T> travel;
   std::vector<RailOffset<T>> offset;  ///< per contact, of the irregularity
@@ -74,6 +76,13 @@ class Dynamics {
 
   /// Evaluate anew next time: to be called after a change of the model.
   void forget() { evaluated_time_ = std::numeric_limits<double>::quiet_NaN(); }
+
+  /// Ties axles to their rollers, in place of their mean longitudinal creep: a study of what the creep does.
+  void roll_ideally(std::vector<IdealRolling> ties);
+  /// Longitudinal slip of a tied axle at its nominal radii, in the last evaluation [m/s].
+  double rolling_slip(int tie) const;
+  /// Force of the tie less the creep forces it replaces, on the wheelset, forward, in the last evaluation [N].
+  double rolling_force(int tie) const { return rolling_force_[static_cast<std::size_t>(tie)]; }
 
   /// The contact search of every wheel alone, for benchmarks.
   void search_contacts(double t, double const* x);
@@ -150,6 +159,8 @@ class Dynamics {
   template <Scalar T>
   void apply_resistance(Workspace<T>& w);
   template <Scalar T>
+  void apply_ties(Workspace<T>& w, Sweep const* sweep);
+  template <Scalar T>
   void apply_contact(Workspace<T>& w, T const& t, int index);
   void store_sweep(Sweep const& sweep, JacobianData& j) const;
   void time_derivative(double t, JacobianData& j);
@@ -170,6 +181,9 @@ class Dynamics {
   std::vector<char> element_rotates_;
   std::vector<double> relaxation_rate_;  ///< k_s / c of each node [1/s]
   std::vector<double> brake_torque_;
+  std::vector<IdealRolling> ties_;
+  std::vector<int> tie_of_contact_;  ///< -1: not tied
+  std::vector<double> rolling_force_;
   double longitudinal_force_{0.0};
   bool has_adhesion_maps_{false};
   std::vector<double> off_since_;

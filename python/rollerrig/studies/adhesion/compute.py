@@ -76,7 +76,8 @@ def track_case(case: Case) -> Case:
     head = {"profile": support.profile, "gauge": support.gauge, "gauge_depth": support.gauge_depth}
     choice = case.support.model_copy(update={"data": track.model_copy(update=head), "use": None, "roller_radius": None})
     motion = case.motion.model_copy(update={"drive": "held", "torque_table": None})
-    changes = {"name": f"{case.name}_track", "support": choice, "motion": motion, "rig_control": None}
+    bench = case.bench.model_copy(update={"ideal_rolling": False})
+    changes = {"name": f"{case.name}_track", "support": choice, "motion": motion, "rig_control": None, "bench": bench}
     return case.model_copy(update=changes)
 
 
