@@ -51,7 +51,7 @@ def test_the_wheels_turn_as_the_virtual_ones_to_integration_tolerance() -> None:
         assert float(slip.max()) > 0.03  # they slide on the virtual rail
         assert run.attrs["energy_relative_residual"] < 1e-7
     coarse, fine = (float(np.abs(e).max()) for e in errors)
-    assert coarse < 0.01  # 1e-4 of the speed
+    assert coarse < 0.02  # 3e-4 of the speed: half a step late under a torque of some kN m
     assert coarse / fine == pytest.approx(2.0, rel=0.02)  # first order
     limit = 2.0 * errors[1] - errors[0]
     assert float(np.abs(limit).max()) < 1e-4  # of 72 rad/s; what is left is of second order
