@@ -3,7 +3,7 @@
 core:    scalar -> math -> track -> profile -> body -> geometry -> contact -> mechatronics -> system -> integrate
          -> record -> bench
 Python:  profiles, track, irregularity -> config -> catalog -> creep -> model -> results -> start -> bench -> run
-         -> characteristics -> analysis -> plot -> report -> studies -> cli
+         -> similitude -> characteristics -> analysis -> plot -> report -> studies -> cli
 """
 
 from __future__ import annotations
@@ -82,6 +82,7 @@ PYTHON_LAYERS = [
     {"bench"},
     {"run", "contact_table"},
     {"contact_comparison"},
+    {"similitude"},
     {"characteristics"},
     {"analysis"},
     {"plot"},

@@ -16,8 +16,8 @@ from rollerrig.config import Case, Rig, RigControl, Track
 from rollerrig.model import GROUND, AssembledModel, assemble
 from rollerrig.start import equilibrium_dataset
 
-_ACCELERATION = 0.1
-"""Small enough for the linear part, large against the solver's tolerance [m/s^2]."""
+_GRADIENT = 0.01
+"""Small enough for the linear part, large against the solver's tolerance [-]."""
 
 
 def load_transfer(model: AssembledModel) -> list[float]:
@@ -34,8 +34,9 @@ def load_transfer(model: AssembledModel) -> list[float]:
         return [0.0] * len(model.wheelsets)
     if chosen != "quasi_static":
         return list(chosen)
-    faster, slower = (_axle_loads(model.case, sign * _ACCELERATION) for sign in (1.0, -1.0))
-    change: list[float] = ((faster - slower) / (2.0 * _ACCELERATION)).tolist()
+    small = _GRADIENT * model.core.gravity
+    faster, slower = (_axle_loads(model.case, sign * small) for sign in (1.0, -1.0))
+    change: list[float] = ((faster - slower) / (2.0 * small)).tolist()
     return change
 
 

@@ -11,7 +11,19 @@ import typer
 from rollerrig import __version__
 from rollerrig.cli.ending import INTERRUPTED, readable_errors
 
-COMMANDS = ("paper", "run", "stability", "compare", "adhesion", "contact", "creep", "conicity", "check", "catalog")
+COMMANDS = (
+    "paper",
+    "run",
+    "stability",
+    "compare",
+    "adhesion",
+    "scale",
+    "contact",
+    "creep",
+    "conicity",
+    "check",
+    "catalog",
+)
 """Modules of this folder, each with a function `command`, or with an `app` of its own where there are subcommands."""
 
 HELP = """A roller rig for railway bogies, in software.

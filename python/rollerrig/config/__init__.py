@@ -44,6 +44,7 @@ from rollerrig.config.mounting import AngularSupport, Foundation, LinearSupport,
 from rollerrig.config.profile import S1002, Arc, Cone, Cylinder, ProfileFile, ProfileSpec, Uic60
 from rollerrig.config.reference import json_schema, reference_markdown
 from rollerrig.config.rig_control import RigControl
+from rollerrig.config.similitude import ScaledFrom
 from rollerrig.config.support import Rig
 from rollerrig.config.track import Curve, Straight, Track, Transition
 from rollerrig.config.train import Train
@@ -99,6 +100,7 @@ __all__ = [
     "Rig",
     "RigControl",
     "RollerEffects",
+    "ScaledFrom",
     "Sensors",
     "SeriesDamper",
     "SlideProtection",

@@ -12,6 +12,7 @@ from rollerrig.config.contact_law import CreepLawName, FrictionFall, PolachReduc
 from rollerrig.config.machines import AntiSlip, BenchSettings, Brake, Sensors, SlideProtection, Traction
 from rollerrig.config.material import Material
 from rollerrig.config.rig_control import RigControl
+from rollerrig.config.similitude import ScaledFrom
 from rollerrig.config.support import AnySupport
 from rollerrig.config.train import Train
 from rollerrig.config.units import Angle, Damping, Length, PositiveLength, PositiveTime, Quantity, Torque
@@ -286,6 +287,10 @@ class Case(Table):
     sensors: Sensors = Field(default=Sensors(), description="what the controllers see")
     rig_control: RigControl | None = Field(default=None, description="controller of the roller drives")
     bench: BenchSettings = Field(default=BenchSettings(), description="time grid of machines and controllers")
+
+    similitude: ScaledFrom | None = Field(
+        default=None, description="the full-scale case of which this one is a model; absent: at full scale"
+    )
 
     @property
     def on_bench(self) -> bool:

@@ -5,6 +5,7 @@ from typing import Any
 
 from rollerrig.config.case import Case, Disturbance
 from rollerrig.config.check_bench import check_bench
+from rollerrig.config.check_patch import check_patch
 from rollerrig.config.check_profile import check_flange_clearance, check_reach
 from rollerrig.config.check_track import check_track
 from rollerrig.config.check_vehicle import labelled, unknown_names
@@ -48,6 +49,7 @@ def check_case(case: Case, file: str) -> list[ConfigProblem]:
     else:
         problems += check_track(case, file)
     problems += check_bench(case, file)
+    problems += check_patch(case, file)
     return list(dict.fromkeys(problems))
 
 

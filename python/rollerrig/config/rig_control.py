@@ -25,7 +25,9 @@ def _load_transfer(value: Any) -> Any:
         raise PydanticCustomError("load_transfer", "{allowed}", {"allowed": allowed}) from None
 
 
-LoadTransfer = Annotated[Literal["none", "quasi_static"] | tuple[float, ...], BeforeValidator(_load_transfer)]
+LoadTransfer = Annotated[
+    Literal["none", "quasi_static"] | tuple[Annotated[float, Quantity("kg")], ...], BeforeValidator(_load_transfer)
+]
 
 
 class Estimator(Table):

@@ -24,7 +24,7 @@ class Rig(Table):
     profile: AnyProfile = Field(description="generatrix of the left roller: a rail head")
     gauge: Gauge = Field(default=1.435, description="distance between the gauge sides of the two rollers")
     gauge_depth: GaugeDepth = Field(default=0.014, description="depth below the crown at which the gauge is taken")
-    roller_radius: Annotated[float, Quantity("m", ge=0.05, le=1e6)] = Field(description="radius at the crown")
+    roller_radius: Annotated[float, Quantity("m", gt=0, le=1e6)] = Field(description="radius at the crown")
     roller_mass: Mass = Field(description="mass of a pair of rollers with their axle")
     roller_inertia: tuple[Inertia, Inertia, Inertia] = Field(
         description="moments of inertia of a pair about x, y (spin) and z through its centre"

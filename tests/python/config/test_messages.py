@@ -50,10 +50,10 @@ PRIMARY = 'between = ["front_frame", "wheelset_1"]\npoint = [10.78, 1.0, 0.46]'
         # zero roller radius
         ("support", 'roller_radius = "725 mm"', "roller_radius = 0",
          "support.toml: roller_radius: 0; allowed: a number in m or a text with a unit like '460 mm', "
-         "at least 0.05 m and at most 1e+06 m"),
+         "greater than 0 m and at most 1e+06 m"),
         ("case", 'use = "full_scale_rig"', 'use = "full_scale_rig"\nroller_radius = "0 mm"',
          "case.toml: support.roller_radius: '0 mm'; allowed: a number in m or a text with a unit like '460 mm', "
-         "at least 0.05 m and at most 1e+06 m"),
+         "greater than 0 m and at most 1e+06 m"),
         # speed table out of order, NaN
         ("case", 'speed = "150 km/h"', "speed_table = [[0, 10], [5, 20], [3, 30]]",
          "case.toml: motion.speed_table: [[0, 10], [5, 20], [3, 30]]; allowed: rows in ascending order of their first "

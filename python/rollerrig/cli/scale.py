@@ -1,0 +1,63 @@
+"""`rollerrig scale CASE --strategy dlr --out DIR`."""
+
+from __future__ import annotations
+
+import tomllib
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from rollerrig.cli.ending import say
+
+
+def command(
+    case: Annotated[str, typer.Argument(help="Full-scale case on rollers: a name of the catalogue or a TOML file.")],
+    out: Annotated[Path, typer.Option(help="Folder for the results; made if it does not exist.")],
+    strategy: Annotated[str, typer.Option(help="mmu keeps time, dlr gravity, inrets speed and elastic contact.")],
+    length: Annotated[
+        float | None, typer.Option(help="Length at full scale over that of the model; 5, 5, 4 by default.")
+    ] = None,
+    time: Annotated[float | None, typer.Option(help="Time at full scale over that of the model.")] = None,
+    density: Annotated[float | None, typer.Option(help="Density at full scale over that of the model.")] = None,
+    keep: Annotated[
+        str,
+        typer.Option(
+            help="What the model does not scale: gravity, material, clock, drives, with commas; 'none': ideal similitude."
+        ),
+    ] = "gravity,material",
+    change: Annotated[
+        list[str] | None,
+        typer.Option("--set", help="What the model has of its own, at its own scale: KEY=VALUE, as in a TOML file."),
+    ] = None,
+) -> None:
+    """A scaled rig by similitude: case.toml, to be run like any other, and what it violates."""
+    from rollerrig.config import load_case
+    from rollerrig.results import output_folder, write_text
+    from rollerrig.similitude import requirements, scale_case, similitude
+    from rollerrig.studies.scaled import lead
+
+    full = load_case(case)
+    kept = [name.strip() for name in keep.split(",") if name.strip() and keep != "none"]
+    factors = similitude(strategy, length, time, density)
+    model = scale_case(full, factors, strategy=strategy, keep=kept, changes=_changes(change or []))
+    folder = output_folder(out)
+    typer.echo(write_text(folder / "case.toml", model.to_toml()))
+    say(lead(model, requirements(full, model)))
+
+
+def _changes(texts: list[str]) -> dict[str, Any]:
+    changes: dict[str, Any] = {}
+    for text in texts:
+        key, equals, value = text.partition("=")
+        try:
+            changes[key.strip()] = tomllib.loads(f"value = {value}")["value"]
+        except (tomllib.TOMLDecodeError, ValueError):
+            equals = ""
+        if not equals or not key.strip():
+            raise typer.BadParameter(
+                f"'{text}': allowed: KEY=VALUE with a value of TOML, e.g. brake.motors_stand_in=true or "
+                """traction.motor.bandwidth='"100 Hz"'""",
+                param_hint="--set",
+            )
+    return changes

@@ -1,0 +1,231 @@
+"""What a real model of a rig violates: what should be how large, how large it is, and what that does to results.
+
+    full-scale case, its model -> [requirements] -> Requirement, met or not
+
+The numbers follow from the factors alone, docs/theory/similitude.md (M4)-(M9); the contact at rest is computed on both rigs.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from rollerrig.config import Case, Rig
+from rollerrig.model import assemble
+from rollerrig.similitude.factors import Similitude
+from rollerrig.similitude.scale_case import factors_of
+from rollerrig.start import equilibrium_dataset
+
+_MET = 1e-9
+"""A deviation below this is round-off [-]."""
+
+
+@dataclass(frozen=True)
+class Requirement:
+    """One requirement of similitude.
+
+    Attributes:
+        name: what must be alike.
+        quantity: of the model, that decides.
+        unit: of `required` and `actual`.
+        required: value that reproduces full scale.
+        actual: value of the model.
+        effect: what the deviation does to results mapped back, "" if there is none.
+    """
+
+    name: str
+    quantity: str
+    unit: str
+    required: float
+    actual: float
+    effect: str = ""
+
+    @property
+    def deviation(self) -> float:
+        """Actual over required, less 1 [-]."""
+        return self.actual / self.required - 1.0 if self.required else math.inf
+
+    @property
+    def met(self) -> bool:
+        """Whether results do not feel it."""
+        return abs(self.deviation) < _MET
+
+
+@dataclass(frozen=True)
+class Distortion:
+    """By how much weight, stiffness of the material and what follows from them are wrong, 1 if right.
+
+    Attributes:
+        weight: of the model over what it should be [-].
+        modulus: of its material over what it should be [-].
+    """
+
+    weight: float
+    modulus: float
+
+    @property
+    def creep_stiffness(self) -> float:
+        """(M6): Kalker's coefficients times G a b."""
+        return float(self.modulus ** (1.0 / 3.0) * self.weight ** (2.0 / 3.0))
+
+    @property
+    def creep_at_saturation(self) -> float:
+        """(M7): creepage at which friction is used up."""
+        return float((self.weight / self.modulus) ** (1.0 / 3.0))
+
+    @property
+    def patch_size(self) -> float:
+        """(M5): semi-axes over the wheel's radius."""
+        return float((self.weight / self.modulus) ** (1.0 / 3.0))
+
+
+def distortion(full: Case, model: Case) -> Distortion:
+    """What the model's gravity and material make of the contact."""
+    factors = factors_of(model)
+    modulus = model.contact.material.young_modulus * factors.pressure / full.contact.material.young_modulus
+    return Distortion(model.gravity * factors.acceleration / full.gravity, modulus)
+
+
+def requirements(full: Case, model: Case) -> list[Requirement]:
+    """All requirements of similitude between a full-scale case and its model, met or not.
+
+    Args:
+        full: the case that was scaled.
+        model: made of it by `scale_case`.
+
+    Raises:
+        ConfigError: the model has no table [similitude].
+    """
+    factors, wrong = factors_of(model), distortion(full, model)
+    return [*_of_contact(full, model, factors, wrong), *_of_machines(full, model, factors)]
+
+
+def _of_contact(full: Case, model: Case, factors: Similitude, wrong: Distortion) -> Iterator[Requirement]:
+    g, material = full.gravity / factors.acceleration, full.contact.material
+    heavier = "heavy" if wrong.weight > 1 else "light"
+    yield Requirement(
+        "weight against inertia (Froude)",
+        "acceleration of gravity",
+        "m/s^2",
+        g,
+        model.gravity,
+        f"wheel loads and friction limits are {wrong.weight:.3g} times what they should be: the model is too {heavier}",
+    )
+    softer = "soft" if wrong.modulus < 1 else "hard"
+    yield Requirement(
+        "elasticity of the contact (Hertz)",
+        "Young's modulus",
+        "Pa",
+        material.young_modulus / factors.pressure,
+        model.contact.material.young_modulus,
+        f"the material is too {softer}: patches are {wrong.patch_size:.3g} times their size, contact springs and pressures "
+        "are wrong with them",
+    )
+    yield Requirement(
+        "creep stiffness (Kalker)",
+        "creep coefficients mapped back over those at full scale",
+        "1",
+        1.0,
+        wrong.creep_stiffness,
+        f"stability and small sliding are those of wheels that creep {1.0 / wrong.creep_stiffness:.3g} times as much",
+    )
+    yield Requirement(
+        "creepage at which friction is used up",
+        "of the model over full scale",
+        "1",
+        1.0,
+        wrong.creep_at_saturation,
+        "the knee of the creep curve lies elsewhere",
+    )
+    yield Requirement(
+        "friction", "coefficient of friction of wheel on roller", "1", full.contact.friction, model.contact.friction
+    )
+    fall, own = full.contact.friction_fall, model.contact.friction_fall
+    if fall is not None and own is not None and fall.decay:
+        yield Requirement(
+            "friction over slip velocity",
+            "decay",
+            "s/m",
+            fall.decay * factors.speed,
+            own.decay,
+            "friction falls at another slip velocity",
+        )
+
+
+def _of_machines(full: Case, model: Case, factors: Similitude) -> Iterator[Requirement]:
+    for key, name in (
+        ("slide_protection", "slide protection"),
+        ("anti_slip", "anti-slip"),
+        ("rig_control", "controller of the rollers"),
+    ):
+        own, there = getattr(model, key), getattr(full, key)
+        if own is not None and there is not None:
+            effect = (
+                f"the {name} is asked {there.sample_time / factors.time / own.sample_time:.3g} times as often as needed"
+            )
+            yield Requirement(
+                f"clock of the {name}", "sample time", "s", there.sample_time / factors.time, own.sample_time, effect
+            )
+    drives = []
+    if full.traction is not None and model.traction is not None:
+        drives.append(("traction motors", full.traction.motor, model.traction.motor))
+    if full.rig_control is not None and model.rig_control is not None:
+        drives.append(("drives of the rollers", full.rig_control.motor, model.rig_control.motor))
+    for name, there, own in drives:
+        share = own.bandwidth / (there.bandwidth * factors.time)
+        effect = f"the {name} are {share:.3g} times as quick as they should be"
+        yield Requirement(
+            f"lag of the {name}", "bandwidth", "Hz", there.bandwidth * factors.time, own.bandwidth, effect
+        )
+    if full.brake is not None and model.brake is not None and model.brake.motors_stand_in and full.traction is None:
+        motor = model.traction.motor if model.traction else None
+        if motor is not None:
+            yield Requirement(
+                "brake torque without a lag",
+                "time constant of the motors that stand in for the brakes",
+                "s",
+                0.0,
+                1.0 / (2.0 * math.pi * motor.bandwidth),
+                f"the brake acts {1e3 * factors.time / (2.0 * math.pi * motor.bandwidth):.3g} ms late at full scale, and "
+                "within the motors' envelope",
+            )
+
+
+@dataclass(frozen=True)
+class ContactAtRest:
+    """The contact of one wheel in steady running.
+
+    Attributes:
+        wheel_load: [N].
+        semi_axis: sqrt(a b) of the largest patch [m].
+        pressure: largest of all patches [Pa].
+        roller_share: semi-axis over the roller's radius [-].
+    """
+
+    wheel_load: float
+    semi_axis: float
+    pressure: float
+    roller_share: float
+
+
+def contact_at_rest(case: Case) -> ContactAtRest:
+    """Load and patch of the first wheel at the speed of the case.
+
+    Raises:
+        StartError: there is no equilibrium.
+    """
+    rest = equilibrium_dataset(assemble(case)).isel(time=0, wheel=0)
+    load, a, b = (np.nan_to_num(rest[name].to_numpy()) for name in ("patch_normal", "patch_a", "patch_b"))
+    there = load > 0.0
+    support = case.support.data
+    assert isinstance(support, Rig)
+    axis = float(np.sqrt(a[there] * b[there]).max())
+    return ContactAtRest(
+        wheel_load=float(load.sum()),
+        semi_axis=axis,
+        pressure=float((1.5 * load[there] / (math.pi * a[there] * b[there])).max()),
+        roller_share=axis / support.roller_radius,
+    )

@@ -1,0 +1,73 @@
+"""What a real model violates, against the closed forms and against the contact computed on both rigs."""
+
+from __future__ import annotations
+
+import pytest
+
+import rollerrig as rr
+from rollerrig.similitude import (
+    STRATEGIES,
+    Requirement,
+    contact_at_rest,
+    distortion,
+    requirements,
+    scale_case,
+    similitude,
+)
+
+CASE = rr.load_case("adhesion_brake")
+
+
+def found(strategy: str, keep: tuple[str, ...]) -> dict[str, Requirement]:
+    model = scale_case(CASE, similitude(strategy), strategy=strategy, keep=keep)
+    return {one.name: one for one in requirements(CASE, model)}
+
+
+@pytest.mark.parametrize("strategy", STRATEGIES)
+def test_an_ideal_model_violates_nothing(strategy: str) -> None:
+    assert all(one.met for one in found(strategy, ()).values())
+
+
+@pytest.mark.parametrize(
+    ("strategy", "gravity", "modulus"), [("mmu", 4.0, 24.0), ("dlr", 0.0, 1.5), ("inrets", -0.75, 0.0)]
+)
+def test_gravity_and_steel_as_published(strategy: str, gravity: float, modulus: float) -> None:
+    """phi_a - 1, and phi_F/phi_l^2 - 1: the strategies keep what they are chosen for."""
+    rows = found(strategy, ("gravity", "material"))
+    assert rows["weight against inertia (Froude)"].deviation == pytest.approx(gravity, abs=1e-12)
+    assert rows["elasticity of the contact (Hertz)"].deviation == pytest.approx(modulus, abs=1e-12)
+    assert rows["friction"].met
+
+
+@pytest.mark.parametrize("strategy", STRATEGIES)
+def test_the_contact_at_rest_is_distorted_as_the_closed_form_says(strategy: str) -> None:
+    """On cones, where each wheel has one patch that keeps its place: (w/e)^(1/3) for its size, w for its load.
+
+    The load of a leaning patch depends on its share of lateral creep force, 0.3 %; Hertz' ellipse on the place it takes, 1 %.
+    """
+    changes = {"vehicle.wheel.profile": "cone_1_40"}
+    full = rr.load_case("bogie_rollers_constant").with_changes(changes)
+    model = scale_case(full, similitude(strategy), strategy=strategy)
+    wrong, factors = distortion(full, model), similitude(strategy)
+    there, own = contact_at_rest(full), contact_at_rest(model)
+    assert own.wheel_load * factors.force / there.wheel_load == pytest.approx(wrong.weight, rel=3e-3)
+    assert own.semi_axis * factors.length / there.semi_axis == pytest.approx(wrong.patch_size, rel=1e-2)
+    pressure = own.pressure * factors.pressure / there.pressure
+    assert pressure == pytest.approx(wrong.weight / wrong.patch_size**2, rel=2e-2)
+
+
+def test_a_kept_clock_and_kept_drives_are_told() -> None:
+    rows = found("inrets", ("clock", "drives"))
+    clock = rows["clock of the slide protection"]
+    assert (clock.required, clock.actual) == pytest.approx((1.25e-3, 5e-3))
+    assert clock.effect == "the slide protection is asked 0.25 times as often as needed"
+    assert rows["lag of the drives of the rollers"].deviation == pytest.approx(-0.75)
+    assert found("mmu", ("clock", "drives"))["clock of the slide protection"].met
+
+
+def test_motors_that_stand_in_for_the_brakes_are_a_lag_of_their_own() -> None:
+    changes = {"brake.motors_stand_in": True, "traction.motor.bandwidth": "100 Hz"}
+    model = scale_case(CASE, similitude("inrets"), strategy="inrets", keep=("material",), changes=changes)
+    violated = [one for one in requirements(CASE, model) if not one.met]
+    assert [one.name for one in violated] == ["brake torque without a lag"]
+    assert violated[0].actual == pytest.approx(1.59e-3, rel=1e-2)
