@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from rollerrig.results import OutputError, load_run, save_run
     from rollerrig.run import simulate
     from rollerrig.start import StartError
+    from rollerrig.studies.envelope import envelope
 
 __version__ = "0.1.0"
 
@@ -32,6 +33,7 @@ _HOME = {
     "catalog_entries": "catalog",
     "catalog_text": "catalog",
     "contact_table": "contact_table",
+    "envelope": "studies.envelope",
     "load_case": "config",
     "load_run": "results",
     "readings": "analysis",
@@ -51,6 +53,7 @@ __all__ = [
     "catalog_entries",
     "catalog_text",
     "contact_table",
+    "envelope",
     "load_case",
     "load_run",
     "readings",

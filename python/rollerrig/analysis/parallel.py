@@ -44,6 +44,7 @@ def run_jobs(
     processes: int = 1,
     progress: Progress | None = None,
     names: Sequence[str] | None = None,
+    keep: Callable[[int, R], None] | None = None,
 ) -> Finished[R]:
     """Run a function over arguments.
 
@@ -54,15 +55,19 @@ def run_jobs(
             them needs `if __name__ == "__main__":`.
         progress: called with the fraction of all jobs done and the name of the job that finished last.
         names: one per job, for the progress.
+        keep: called in this process with number and result of each job as soon as it is done.
     """
+    store: Callable[[int, R], None] = keep or (lambda _number, _result: None)
     labels = list(names) if names is not None else [""] * len(arguments)
     report: Progress = progress or (lambda _fraction, _text: None)
     if processes <= 1 or len(arguments) <= 1:
-        return _in_turn(function, arguments, report, labels)
-    return _at_once(function, arguments, min(processes, len(arguments)), report, labels)
+        return _in_turn(function, arguments, report, labels, store)
+    return _at_once(function, arguments, min(processes, len(arguments)), report, labels, store)
 
 
-def _in_turn(function: Job[A, R], arguments: Sequence[A], report: Progress, names: list[str]) -> Finished[R]:
+def _in_turn(
+    function: Job[A, R], arguments: Sequence[A], report: Progress, names: list[str], keep: Callable[[int, R], None]
+) -> Finished[R]:
     results: list[R | None] = [None] * len(arguments)
     try:
         for number, argument in enumerate(arguments):
@@ -70,14 +75,21 @@ def _in_turn(function: Job[A, R], arguments: Sequence[A], report: Progress, name
             def inner(fraction: float, _text: str, number: int = number) -> None:
                 report((number + fraction) / len(arguments), names[number])
 
-            results[number] = function(argument, inner)
+            result = function(argument, inner)
+            results[number] = result
+            keep(number, result)
     except KeyboardInterrupt:
         return Finished(results, True)
     return Finished(results, False)
 
 
 def _at_once(
-    function: Job[A, R], arguments: Sequence[A], processes: int, report: Progress, names: list[str]
+    function: Job[A, R],
+    arguments: Sequence[A],
+    processes: int,
+    report: Progress,
+    names: list[str],
+    keep: Callable[[int, R], None],
 ) -> Finished[R]:
     context = multiprocessing.get_context("spawn")
     stop = context.Event()
@@ -104,14 +116,20 @@ def _at_once(
             try:
                 done, _ = wait(running, _POLL_SECONDS, FIRST_COMPLETED)
                 for future in done:
-                    number = running.pop(future)
+                    number = running[future]
                     if not future.cancelled():
-                        results[number], last = future.result(), names[number]
-                        fractions[number] = 1.0
+                        result, last = future.result(), names[number]
+                        results[number], fractions[number] = result, 1.0
+                        if result is not None:  # None: Ctrl-C reached it
+                            keep(number, result)
+                    del running[future]  # last: where Ctrl-C comes before, the result is met again
                 report(sum(fractions[:]) / len(arguments), last)
             except KeyboardInterrupt:
                 interrupted = True
                 halt()
+            except BaseException:
+                halt()  # the others shall not run on before the error is told
+                raise
     return Finished(results, interrupted)
 
 

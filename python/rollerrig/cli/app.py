@@ -18,6 +18,7 @@ COMMANDS = (
     "compare",
     "adhesion",
     "scale",
+    "envelope",
     "contact",
     "creep",
     "conicity",

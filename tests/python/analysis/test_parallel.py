@@ -40,3 +40,9 @@ def test_several_processes_give_the_same() -> None:
     jobs = [("traction", "", short)] * 2
     one, two = run_jobs(paper_job, jobs[:1]), run_jobs(paper_job, jobs, processes=2)
     assert all(result is not None and result.identical(one.results[0]) for result in two.results)
+
+
+def test_each_result_is_handed_over_as_soon_as_it_is_there() -> None:
+    kept: dict[int, int] = {}
+    run_jobs(interrupted_at_three, [1, 2, 3, 4], keep=kept.__setitem__)
+    assert kept == {0: 1, 1: 2}

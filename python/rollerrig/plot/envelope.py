@@ -1,0 +1,239 @@
+"""Figures of an envelope map: regions over torque and adhesion with the closed forms on them, and runs of each over time."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from textwrap import wrap
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch, Rectangle
+from matplotlib.tri import Triangulation
+from numpy.typing import NDArray
+
+from rollerrig.plot.style import COLOURS, house_style
+
+FILLS: Mapping[str, tuple[str, str]] = {
+    "grip": ("#e3f1e3", ""),
+    "slide": ("#b9dcba", "..."),
+    "drive_grip": ("#f6c8a0", "///"),
+    "drive_slide": ("#ef9a64", "\\\\\\"),
+    "drive_recovery": ("#f4dd8f", "|||"),
+    "drive_power": ("#c9b3dc", "---"),
+    "contact": ("#c9504a", "xxx"),
+    "slow": ("#a9c4e4", "++"),
+    "failed": ("#555555", ""),
+}
+"""Region -> colour and hatching: told apart without colour too."""
+
+LINES: Mapping[str, tuple[str, Any, str]] = {
+    "line_grip": ("#1b5e20", "-", "rail: wheel begins to slide (M2)"),
+    "line_contact": ("#7f0000", "-", "roller: wheel begins to slide (M3)"),
+    "line_drive_grip": ("#8a4500", "-.", "drive carries the rail's force (M4)"),
+    "line_drive_slide": ("#8a4500", "--", "drive follows into the slide (M5)"),
+    "line_drive_recovery": ("#6b5b00", ":", "torque to be left for recovery (M6)"),
+    "line_vehicle": ("#000000", (0, (1, 1)), "vehicle's own brake or motor"),
+}
+"""Closed form -> colour, style, name."""
+
+ERRORS = (0.003, 0.01, 0.03)
+"""Contours of the tracking error."""
+
+_PANELS = (
+    "speed [km/h]",
+    "torque [kN m]",
+    "contact force over\nfriction limit [-]",
+    "tracking error\n[% of train speed]",
+)
+
+Array = NDArray[np.float64]
+
+
+def region_map(found: xr.Dataset, load: float, names: Mapping[str, str]) -> Figure:
+    """Regions of one load over torque and adhesion, runs as dots, tracking error as contours, closed forms as lines.
+
+    Args:
+        found: of `envelope`.
+        load: one of its loads.
+        names: region -> meaning.
+    """
+    here = found.sel(load=load)
+    with house_style():
+        figure = Figure(figsize=(7.2, 5.0), layout="constrained")
+        axes: Axes = figure.subplots()
+        shown = _regions(axes, here)
+        _errors(axes, here)
+        lines = _closed_forms(axes, here)
+        _run_dots(axes, here)
+        handles: list[Any] = [
+            Patch(facecolor=FILLS[name][0], hatch=FILLS[name][1], edgecolor="#444444", linewidth=0.4, label=names[name])
+            for name in FILLS
+            if name in shown
+        ]
+        handles += [
+            Line2D([], [], color=LINES[name][0], linestyle=LINES[name][1], linewidth=1.6, label=LINES[name][2])
+            for name in lines
+        ]
+        handles += [Line2D([], [], color="#0b3d91", linewidth=0.9, label="tracking error, RMS of train speed")]
+        handles += [Line2D([], [], color="#333333", marker=".", markersize=3, linestyle="", label="a run")]
+        figure.legend(handles=handles, loc="outside lower center", ncols=2)
+        axes.set_title(f"axle load {1e-3 * float(here['axle_load']):.4g} kN ({load:g} of the case's own)", loc="left")
+        axes.set_xlabel("torque on each axle [kN m]" + (", negative brakes" if float(found["torque"][0]) < 0 else ""))
+        axes.set_ylabel("adhesion of the imitated rail [-]")
+        axes.grid(False)
+        return figure
+
+
+def _cells(values: Array) -> Array:
+    """Edges of the cells around values: half-way between them."""
+    middle = 0.5 * (values[1:] + values[:-1])
+    return np.concatenate(([values[0] - (middle[0] - values[0])], middle, [values[-1] + (values[-1] - middle[-1])]))
+
+
+def _nearest(regions: NDArray[np.str_]) -> NDArray[np.str_]:
+    """The region of the nearest run where refining saw no need for one."""
+    from scipy.ndimage import distance_transform_edt
+
+    missing = regions == ""
+    if missing.all() or not missing.any():
+        return regions
+    places = distance_transform_edt(missing, return_distances=False, return_indices=True)
+    return np.asarray(regions[tuple(places)])
+
+
+def _regions(axes: Axes, here: xr.Dataset) -> set[str]:
+    x, y = 1e-3 * _cells(here["torque"].to_numpy()), _cells(here["adhesion"].to_numpy())
+    regions = _nearest(here["region"].to_numpy())
+    for j, row in enumerate(regions):
+        ends = [0, *(np.flatnonzero(row[1:] != row[:-1]) + 1), len(row)]
+        for a, b in zip(ends, ends[1:], strict=False):
+            if str(row[a]) in FILLS:
+                colour, hatch = FILLS[str(row[a])]
+                corner, size = (x[a], y[j]), (x[b] - x[a], y[j + 1] - y[j])
+                axes.add_patch(Rectangle(corner, *size, facecolor=colour, edgecolor="none", linewidth=0))
+                if hatch:
+                    axes.add_patch(
+                        Rectangle(corner, *size, fill=False, hatch=hatch, edgecolor="#00000055", linewidth=0)
+                    )
+    axes.set_xlim(x[0], x[-1])
+    axes.set_ylim(max(0.0, y[0]), y[-1])
+    if here["torque"][-1] <= 0:
+        axes.invert_xaxis()  # more torque to the right
+    return {str(name) for name in np.unique(regions)}
+
+
+def _errors(axes: Axes, here: xr.Dataset) -> None:
+    """Contours over the runs there are, joined to triangles on their lattice, whose axes may be uneven."""
+    error = here["tracking_rms"].to_numpy()
+    rows, columns = np.nonzero(np.isfinite(error))
+    if len(rows) < 4 or np.ptp(rows) == 0 or np.ptp(columns) == 0:
+        return
+    triangles = Triangulation(columns, rows).triangles
+    x, y = 1e-3 * here["torque"].to_numpy()[columns], here["adhesion"].to_numpy()[rows]
+    values = np.log10(np.maximum(error[rows, columns], 1e-6))
+    levels = [level for level in np.log10(ERRORS) if values.min() < level < values.max()]
+    if not levels:
+        return
+    drawn = axes.tricontour(
+        Triangulation(x, y, triangles), values, levels=levels, colors="#0b3d91", linewidths=0.9, linestyles="solid"
+    )
+    axes.clabel(drawn, fmt={level: f"{100 * 10**level:.2g} %" for level in levels}, fontsize=7.5)
+
+
+def _closed_forms(axes: Axes, here: xr.Dataset) -> list[str]:
+    shown = []
+    low, high = sorted(axes.get_xlim())
+    adhesion = here["line_adhesion"].to_numpy()
+    for name, (colour, style, _) in LINES.items():
+        for side in here["side"].to_numpy():
+            torque = 1e-3 * here[name].sel(side=side).to_numpy() * (-1.0 if side == "brake" else 1.0)
+            if np.any(np.isfinite(torque) & (torque > low) & (torque < high)):
+                axes.plot(torque, adhesion, color="white", linewidth=3.0, alpha=0.8)
+                axes.plot(torque, adhesion, color=colour, linestyle=style, linewidth=1.6)
+                shown.append(name)
+    _contact_on_the_right(axes, here)
+    return list(dict.fromkeys(shown))
+
+
+def _contact_on_the_right(axes: Axes, here: xr.Dataset) -> None:
+    """The border of sliding on the roller where the wheel slides on the rail: a level of adhesion."""
+    colour, style, _ = LINES["line_contact"]
+    for side in here["side"].to_numpy():
+        torques = 1e-3 * here["line_contact"].sel(side=side).to_numpy()
+        if np.isfinite(torques).any():
+            begin, level = float(np.nanmin(torques)), float(here["contact_adhesion"].sel(side=side))
+            end = max(abs(limit) for limit in axes.get_xlim())
+            if end > begin:
+                sign = -1.0 if side == "brake" else 1.0
+                axes.plot([sign * begin, sign * end], [level, level], color="white", linewidth=3.0, alpha=0.8)
+                axes.plot([sign * begin, sign * end], [level, level], color=colour, linestyle=style, linewidth=1.6)
+
+
+def _run_dots(axes: Axes, here: xr.Dataset) -> None:
+    rows, columns = np.nonzero(here["region"].to_numpy() != "")
+    x, y = 1e-3 * here["torque"].to_numpy()[columns], here["adhesion"].to_numpy()[rows]
+    axes.plot(x, y, linestyle="", marker=".", markersize=2.0, color="#333333", zorder=4)
+
+
+def runs_over_time(runs: Sequence[tuple[str, xr.Dataset]], radius: float, friction: float) -> Figure:
+    """Up to three runs beside each other: speeds, torques, friction used and tracking error of the axle that uses most of it.
+
+    Args:
+        runs: title and run.
+        radius: of the wheels [m].
+        friction: between wheel and roller [-].
+    """
+    with house_style():
+        figure = Figure(figsize=(7.2, 7.0), layout="constrained")
+        panels = figure.subplots(4, len(runs), squeeze=False, sharex="col", sharey="row")
+        for column, (title, run) in zip(panels.T, runs, strict=True):
+            _one_run(column, _one_axle(run), radius, friction)
+            column[0].set_title("\n".join(wrap(title, 34)), fontsize=8.0, loc="left")
+            column[-1].set_xlabel("time [s]")
+        for axes, label in zip(panels[:, 0], _PANELS, strict=True):
+            axes.set_ylabel(label)
+        handles, labels = zip(*(panel.get_legend_handles_labels() for panel in panels[:2, 0]), strict=True)
+        figure.legend([*handles[0], *handles[1]], [*labels[0], *labels[1]], loc="outside upper center", ncols=3)
+        return figure
+
+
+def _one_axle(run: xr.Dataset) -> xr.Dataset:
+    """The axle that uses most friction, with its wheels."""
+    wheels = run.sizes["wheel"] // run.sizes["axle"]
+    force, normal = (run[name].sum("patch").to_numpy() for name in ("patch_creep_force_x", "patch_normal"))
+    used = (np.abs(force) / np.maximum(normal, 1.0)).max(axis=0)
+    axle = int(np.argmax(used)) // wheels
+    return run.isel(axle=axle, wheel=slice(axle * wheels, (axle + 1) * wheels))
+
+
+def _one_run(column: Any, run: xr.Dataset, radius: float, friction: float) -> None:
+    time = run["time"].to_numpy()
+
+    def line(axes: Axes, values: Any, number: int, style: str, label: str) -> None:
+        axes.plot(
+            time,
+            np.asarray(values),
+            color=COLOURS[number],
+            linestyle=style,
+            linewidth=1.0,
+            label=label,
+            rasterized=True,
+        )
+
+    speed, torque, used, error = column
+    line(speed, 3.6 * run["train_speed"], 5, "-", "train, virtual")
+    line(speed, 3.6 * radius * run["virtual_speed"], 1, "--", "wheel, virtual")
+    line(speed, 3.6 * radius * run["axle_speed"], 0, "-", "wheel, rig")
+    line(torque, 1e-3 * (run["brake_torque"] + run["traction_torque"]), 4, "-", "torque on the axle")
+    line(torque, 1e-3 * run["roller_torque"], 3, "-", "of the roller's drive")
+    line(torque, 1e-3 * run["roller_command"], 2, ":", "asked of it")
+    normal, force = (run[name].sum(("wheel", "patch")) for name in ("patch_normal", "patch_creep_force_x"))
+    line(used, force / np.maximum(friction * normal, 1.0), 0, "-", "")
+    for limit in (-1.0, 1.0):
+        used.axhline(limit, color="#777777", linewidth=0.8, linestyle="--")
+    fast = np.where(run["train_speed"] > 2.0, run["train_speed"], np.nan)
+    line(error, 100 * radius * (run["axle_speed"] - run["virtual_speed"]) / fast, 0, "-", "")

@@ -1,0 +1,431 @@
+"""The envelope map: limits told apart, borders where closed forms put them, runs that survive whatever ends the program."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+from typer.testing import CliRunner
+
+from rollerrig import ConfigError, StartError, envelope, load_case, simulate
+from rollerrig.bench import ROLLERS_PROTECTED
+from rollerrig.cli.app import build_app
+from rollerrig.config import Case
+from rollerrig.model import assemble
+from rollerrig.studies.envelope import compute, make_plan
+from rollerrig.studies.envelope.borders import borders, slides
+from rollerrig.studies.envelope.compute import closed_forms
+from rollerrig.studies.envelope.judge import held_since, judge
+from rollerrig.studies.envelope.lines import rig_numbers
+from rollerrig.studies.envelope.plan import BEGIN, RISE, Point, point_case
+
+COULOMB = {"adhesion": {"rail": {"start": 0.1, "remaining": 1.0, "decay": 0.0}}}
+SMALL = {"torques": [-4e3, -2e3], "adhesions": [0.05, 0.3], "loads": [1.0], "duration": 0.8, "refine": 0}
+
+
+@pytest.fixture(scope="module")
+def case() -> Case:
+    return load_case("adhesion_brake")
+
+
+@pytest.fixture(scope="module")
+def coulomb(case: Case) -> Case:
+    """On a rail whose friction does not fall with slip the closed forms hold at any slip."""
+    return case.with_changes(COULOMB)
+
+
+# ------------------------------------------------------------------------------------------ what limited a run
+
+SPEED, RADIUS = 30.0, 0.46
+
+
+def made_up_run(status: str = "ok", **values: object) -> xr.Dataset:
+    """A run of 1 s that does nothing but what is given: a number, or a function of time, for the leading axle."""
+    t = np.arange(0.0, 1.0001, 0.005)
+
+    def over_time(name: str, otherwise: float) -> np.ndarray:
+        value = values.get(name, otherwise)
+        return np.stack([value(t) if callable(value) else np.full_like(t, value), np.full_like(t, otherwise)], axis=1)
+
+    slip, error = over_time("slip", 0.0), over_time("error", 0.0)
+    axle = {
+        "virtual_speed": SPEED / RADIUS * (1.0 + slip),
+        "axle_speed": SPEED / RADIUS * (1.0 + slip + error),
+        "roller_command": over_time("command", 0.0),
+        "roller_torque": over_time("command", 0.0),
+        "roller_speed": np.full((len(t), 2), SPEED / 0.725),
+        "real_sliding": np.zeros((len(t), 2)),
+        "contact_force": np.full((len(t), 2), -1e4),
+    }
+    normal = np.full((len(t), 4, 1), 5e4)
+    used = np.repeat(over_time("used", 0.1), 2, axis=1)[..., None]
+    wheel = ("time", "wheel", "patch")
+    variables = {name: (("time", "axle"), value) for name, value in axle.items()}
+    variables |= {
+        "train_speed": ("time", np.full_like(t, SPEED)),
+        "vertical_force": (("time", "wheel"), normal[..., 0]),
+    }
+    variables |= {
+        "patch_normal": (wheel, normal),
+        "patch_creep_force_x": (wheel, 0.3 * used * normal),
+        "patch_creep_force_y": (wheel, 0.0 * normal),
+    }
+    attributes = {"status": status, "status_message": "", "stopped_at_s": 1.0}
+    return xr.Dataset(variables, {"time": t}, attributes)
+
+
+def between(begin: float, end: float, value: float, otherwise: float = 0.0):
+    return lambda t: np.where((t > begin - 1e-9) & (t < end - 1e-9), value, otherwise)
+
+
+@pytest.mark.parametrize(
+    ("values", "region"),
+    [
+        ({}, "grip"),
+        ({"slip": -0.1}, "slide"),
+        ({"error": 0.02}, "slow"),
+        ({"used": between(0.5, 0.6, 0.99)}, "contact"),
+        ({"command": between(0.5, 0.6, -2e4), "slip": -0.1}, "drive_slide"),
+        ({"command": between(0.5, 0.6, 2e4), "slip": -0.1}, "drive_recovery"),
+        ({"command": between(0.5, 0.6, 2e4)}, "drive_grip"),
+        ({"command": between(0.5, 0.52, 2e4), "used": between(0.5, 0.52, 1.0)}, "grip"),  # for less than HELD
+        ({"command": between(0.5, 0.9, 2e4), "used": between(0.4, 0.9, 1.0)}, "contact"),  # the first counts
+        ({"command": between(0.3, 0.9, 2e4), "used": between(0.4, 0.9, 1.0)}, "drive_grip"),
+        ({"status": ROLLERS_PROTECTED}, "contact"),
+        ({"status": "derailed"}, "failed"),
+    ],
+)
+def test_limits_are_told_apart(case: Case, values: dict, region: str) -> None:
+    """A brake test: the wheel's torque is negative, and so is a drive's that helps it into its slide."""
+    assert judge(made_up_run(**values), case, -5e3)["region"] == region
+
+
+def test_all_limits_are_recorded_with_their_times(case: Case) -> None:
+    run = made_up_run(command=between(0.3, 0.9, 2e4), used=between(0.4, 0.9, 1.0))
+    record = judge(run, case, -5e3)
+    assert record["limits"] == pytest.approx({"drive_grip": 0.3, "contact": 0.4})
+    assert record["friction_used"] == pytest.approx(1.0)
+    assert record["roller_torque_nm"] == pytest.approx(2e4)
+
+
+def test_a_drive_that_is_weaker_at_speed_is_limited_by_its_power(case: Case) -> None:
+    """Rollers turn at 41 rad/s: between the rows of the envelope, at 8.6 kN m."""
+    envelope_rows = [[0.0, 15e3], [20.0, 15e3], [50.0, 6e3]]
+    weak = case.with_changes({"rig_control.motor": {"envelope": envelope_rows}})
+    assert judge(made_up_run(command=between(0.5, 0.6, 9e3)), weak, -5e3)["region"] == "drive_power"
+    assert judge(made_up_run(command=between(0.5, 0.6, 8e3)), weak, -5e3)["region"] == "grip"
+
+
+def test_a_limit_counts_where_it_is_held() -> None:
+    t = np.arange(0.0, 1.0, 0.01)
+    met = np.zeros((len(t), 2), dtype=bool)
+    met[10:13, 0] = True  # 20 ms
+    assert held_since(t, met) is None
+    met[50:54, 1] = True  # 30 ms
+    assert held_since(t, met) == pytest.approx(0.5)
+    met[20:40, 0] = True
+    assert held_since(t, met) == pytest.approx(0.2)
+
+
+# ---------------------------------------------------------------------------------------------------- the points
+
+
+def test_axle_loads_torques_and_adhesion_are_those_asked_for(case: Case) -> None:
+    own = assemble(case).axle_loads
+    for load in (0.6, 1.4):
+        changed = point_case(make_plan(case), Point(load, -3e3, 0.2))
+        loads = assemble(changed).axle_loads
+        assert loads == pytest.approx({name: load * force for name, force in own.items()}, rel=1e-9)
+    run = simulate(point_case(make_plan(case, duration=1.0), Point(1.0, -3e3, 0.2)))
+    full = run.sel(time=slice(BEGIN + RISE + 0.05, None))
+    # Friction of the pads is constant here; the cylinder ends a little below what the valve asks for.
+    np.testing.assert_allclose(full["brake_torque"], -3e3, rtol=2e-3)
+    pull = simulate(point_case(make_plan(case, duration=1.0), Point(1.0, 3e3, 0.2)))
+    np.testing.assert_allclose(pull["traction_torque"].sel(time=slice(BEGIN + RISE + 0.05, None)), 3e3, rtol=1e-6)
+    assert run.attrs["status"] == pull.attrs["status"] == "ok"
+
+
+def test_the_default_map_reaches_beyond_dry_friction_and_brakes_where_there_is_a_brake(case: Case) -> None:
+    plan = make_plan(case)
+    most = 0.46 * 0.3 * 109e3
+    assert plan.torques[0] < -most
+    assert plan.torques[-1] < 0
+    assert make_plan(load_case("adhesion_start")).torques[-1] > most
+    assert len(plan.torques) * len(plan.adhesions) * len(plan.loads) >= 300  # before refining
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"torques": [2e3, 1e3]}, r"adhesion_brake: envelope: torques: 2000, 1000; allowed: at least 2 finite numbers"),
+        ({"torques": [1e3]}, "at least 2 finite numbers in ascending order"),
+        ({"torques": [1e3, float("nan")]}, "at least 2 finite numbers in ascending order"),
+        ({"adhesions": [0.1, 1.2]}, r"envelope: adhesions: 0\.1, 1\.2; allowed: above 0 and up to 1"),
+        ({"adhesions": [0.0, 0.2]}, "allowed: above 0 and up to 1"),
+        (
+            {"loads": [0.1, 1.0]},
+            r"envelope: loads: 0\.1; allowed: above 0\.28, where nothing is left of the heaviest body",
+        ),
+        ({"duration": 0.2}, r"envelope: duration: 0\.2 s; allowed: 0\.6 s to 60 s"),
+        ({"refine": 9}, "envelope: refine: 9; allowed: 0 to 4"),
+        ({"torques": np.arange(1.0, 2e4).tolist()}, "at most 100000"),
+    ],
+)
+def test_ranges_that_cannot_be_run_are_refused(case: Case, options: dict, message: str) -> None:
+    with pytest.raises(ConfigError, match=message):
+        make_plan(case, **options)
+
+
+def test_a_case_that_imitates_nothing_is_refused() -> None:
+    with pytest.raises(ConfigError, match=r"bogie_track: rig_control: missing; needed: a case on rollers"):
+        make_plan(load_case("bogie_track"))
+
+
+# ------------------------------------------------------------------------------------------- against closed forms
+
+
+def test_load_transfer_is_that_of_a_bogie_on_its_rod_and_of_the_runs(case: Case) -> None:
+    """Two forces at the crowns, held 0.6 m higher, axles 2.56 m apart: 0.469; the frame's and wheelsets' own inertia add 3 %."""
+    rig = rig_numbers(point_case(make_plan(case), Point(1.0, -1.0, 0.3)))
+    assert rig.load_transfer == rig.imitated_transfer == pytest.approx(2 * 0.6 / 2.56, rel=0.04)
+    run = simulate(point_case(make_plan(case), Point(1.0, -5e3, 0.3))).sel(time=slice(2.0, None)).mean("time")
+    loads = run["vertical_force"].to_numpy().reshape(2, 2).sum(axis=1)
+    # On the rig the bogie also gives way behind the crowns, which shifts some of its weight: 2 % here.
+    assert 0.5 * (loads[0] - loads[1]) / abs(run["contact_force"].mean().item()) == pytest.approx(
+        rig.load_transfer, rel=0.04
+    )
+
+
+@pytest.mark.parametrize(
+    ("line", "region", "load", "adhesion"),
+    [
+        ("line_grip", "slide", 1.0, 0.05),
+        ("line_grip", "slide", 0.6, 0.20),
+        ("line_drive_slide", "drive_slide", 1.0, 0.05),
+        ("line_drive_slide", "drive_slide", 0.6, 0.10),
+        ("line_drive_grip", "drive_grip", 1.4, 0.36),
+        ("line_contact", "contact", 0.6, 0.36),
+    ],
+)
+def test_limits_begin_where_closed_forms_put_them(
+    coulomb: Case, line: str, region: str, load: float, adhesion: float
+) -> None:
+    """12 % below the line there is no such limit, 12 % above it there is.
+
+    Of the 12 %, lags of estimator and drive and the feedback's part of the torque take 5 %, and the bogie's pitching as the
+    torque rises another 4 % of the load on an axle.
+    """
+    plan = make_plan(coulomb, duration=1.5)
+    model = point_case(plan, Point(load, -1.0, adhesion))
+    border = float(closed_forms(model, rig_numbers(model), np.array([adhesion]))[line][0])
+    found = {
+        factor: judge(simulate(point), point, -factor * border)
+        for factor in (0.88, 1.12)
+        for point in [point_case(plan, Point(load, -factor * border, adhesion))]
+    }
+    met = {factor: {record["region"], *record["limits"]} for factor, record in found.items()}
+    assert region not in met[0.88]
+    assert region in met[1.12]
+
+
+def test_out_of_a_slide_the_drive_follows_where_enough_torque_is_left(case: Case) -> None:
+    """(M6) at each instant of a run: where wheels regain speed with less torque left, the command is at its limit."""
+    plan = make_plan(case)
+    point = point_case(plan, Point(1.0, -14.25e3, 0.2))
+    run, rig = simulate(point), rig_numbers(point)
+    left = rig.recovery_at(np.abs(run["virtual_force"].to_numpy())) - np.abs(run["estimated_torque"].to_numpy())
+    slip = RADIUS * run["virtual_speed"] / run["train_speed"] - 1.0
+    recovers = ((slip < -0.03) & (run["virtual_speed"].differentiate("time") > 0.0)).to_numpy()
+    at_limit = run["roller_command"].to_numpy() >= 0.999 * 2e4
+    spare = 1e3  # for the feedback's part of the command: 4 kN m of the roller's torque
+    assert (recovers & (left > spare)).sum() > 20
+    assert at_limit[recovers & (left > spare)].mean() > 0.95
+    assert (recovers & (left < -spare)).sum() > 20
+    assert at_limit[recovers & (left < -spare)].mean() < 0.05
+
+
+def test_a_map_agrees_with_its_closed_forms(coulomb: Case) -> None:
+    """One load, coarse: every border that the closed forms speak of lies within a cell."""
+    found = envelope(
+        coulomb,
+        torques=[-1e3 * t for t in (16, 13, 10, 7, 4, 1.5)],
+        adhesions=[0.04, 0.1, 0.2, 0.34],
+        loads=[1.0],
+        duration=1.2,
+        refine=0,
+    )
+    compared = [border for border in borders(found) if border.agrees is not None]
+    assert len(compared) >= 2
+    assert all(border.agrees for border in [*compared, *slides(found)])
+    assert found["line_contact"].attrs["units"] == "N m"
+
+
+# ------------------------------------------------------------------------------------------- refining and keeping
+
+
+def circle(job: tuple, progress: object) -> dict:
+    """In place of a run: limited beyond a circle."""
+    point = job[1]
+    inside = (point.torque / 1e4) ** 2 + (point.adhesion / 0.4) ** 2 < 0.5
+    numbers = dict.fromkeys(compute.NUMBERS, 0.001)
+    return {"region": "grip" if inside else "contact", "limits": {}, "status": "ok", "message": "", **numbers}
+
+
+def test_cells_are_halved_where_regions_meet_and_nowhere_else(case: Case, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(compute, "_run_point", circle)
+    grid = {"torques": [1e3 * t for t in range(1, 11)], "adhesions": [0.04 * m for m in range(1, 11)], "loads": [1.0]}
+    coarse, fine = (envelope(case, **grid, refine=refine) for refine in (0, 2))
+    assert coarse.attrs["runs"] == 100
+    assert 100 < fine.attrs["runs"] < 37 * 37 / 3
+    regions = fine["region"].sel(load=1.0).to_numpy()
+    row = regions[:, 0]  # at the least torque the border is crossed once, within a quarter of a cell
+    last = max(k for k, region in enumerate(row) if region == "grip")
+    assert row[last + 1] == "contact"
+    assert regions[1, 1] == ""  # far from the border nothing was run
+
+
+def test_stopped_and_taken_up_again_gives_the_same_map(case: Case, tmp_path: Path) -> None:
+    whole = envelope(case, **SMALL)
+    runs = tmp_path / "runs.jsonl"
+
+    def stop_soon(_fraction: float, _text: str) -> None:
+        if runs.read_bytes().count(b"\n") > 2:
+            raise KeyboardInterrupt
+
+    part = envelope(case, **SMALL, folder=tmp_path, progress=stop_soon)
+    assert part.attrs["interrupted"] == 1
+    assert part.attrs["runs"] == 2
+    kept = runs.read_bytes()
+    rest = envelope(case, **SMALL, folder=tmp_path)
+    assert runs.read_bytes().startswith(kept)
+    assert rest.attrs["runs_from_before"] == 2
+    assert rest.attrs["interrupted"] == 0
+    assert rest.drop_attrs().identical(whole.drop_attrs())
+
+
+def test_a_line_that_was_cut_off_is_run_again(case: Case, tmp_path: Path) -> None:
+    whole = envelope(case, **SMALL, folder=tmp_path)
+    runs = tmp_path / "runs.jsonl"
+    content = runs.read_bytes()
+    lines = content.splitlines(keepends=True)
+    # Killed in the middle of the last line; and another line, which a full disk spoilt.
+    runs.write_bytes(b"".join([lines[0], lines[1], b'{"load": 1.0, "torq\n', lines[3], lines[4][:40]]))
+    again = envelope(case, **SMALL, folder=tmp_path)
+    assert again.attrs["runs_from_before"] == 2
+    assert again.drop_attrs().identical(whole.drop_attrs())
+    assert b"torq\n" in runs.read_bytes()  # what is no run of ours is passed over, not thrown away
+    assert runs.read_bytes().endswith(b"\n")
+    runs.write_bytes(lines[0][:50])  # killed before the first line was whole: nothing is lost
+    assert envelope(case, **SMALL, folder=tmp_path).attrs["runs_from_before"] == 0
+
+
+def test_runs_of_another_case_are_refused_by_the_key(case: Case, tmp_path: Path) -> None:
+    envelope(case, **SMALL, folder=tmp_path)
+    before = (tmp_path / "runs.jsonl").read_bytes()
+    with pytest.raises(ConfigError) as error:
+        envelope(case.with_changes({"rig_control.feedback.largest": 1e4}), **SMALL, folder=tmp_path)
+    message = str(error.value)
+    assert f"{tmp_path / 'runs.jsonl'}: rig_control.feedback.largest: 20000.0 there, 10000.0 now; allowed:" in message
+    assert "choose another --out" in message
+    with pytest.raises(ConfigError, match=r"test\.duration_s: 0\.8 there, 1\.0 now"):
+        envelope(case, **{**SMALL, "duration": 1.0}, folder=tmp_path)
+    with pytest.raises(ConfigError, match=r"motion\.speed"):
+        envelope(case.with_changes({"motion.speed": 20.0}), **SMALL, folder=tmp_path)
+    assert (tmp_path / "runs.jsonl").read_bytes() == before
+    (tmp_path / "runs.jsonl").write_text('{"something": "else"}\n')
+    with pytest.raises(ConfigError, match="its first line is not ours"):
+        envelope(case, **SMALL, folder=tmp_path)
+
+
+def test_another_grid_takes_over_the_runs_it_shares(case: Case, tmp_path: Path) -> None:
+    envelope(case, **SMALL, folder=tmp_path)
+    more = envelope(case, **{**SMALL, "torques": [-4e3, -3e3, -2e3]}, folder=tmp_path)
+    assert (more.attrs["runs"], more.attrs["runs_from_before"]) == (6, 4)
+
+
+def test_a_run_that_cannot_begin_is_a_region_of_its_own(case: Case, monkeypatch: pytest.MonkeyPatch) -> None:
+    def none(*_arguments: object, **_options: object) -> None:
+        raise StartError("no equilibrium")
+
+    monkeypatch.setattr(compute, "simulate", none)
+    found = envelope(case, **SMALL)
+    assert set(found["region"].to_numpy().ravel()) == {"failed"}
+    assert set(found["status"].to_numpy().ravel()) == {"no_start"}
+
+
+# ----------------------------------------------------------------------------------------------------- the command
+
+GRID = ["--torques-knm=-8,-4,-2", "--adhesions=0.05,0.3", "--loads=1", "--duration=0.8", "--processes=1"]
+
+
+def invoke(*arguments: object) -> tuple[int, str, str]:
+    done = CliRunner().invoke(build_app(), ["envelope", *map(str, arguments)])
+    if done.exception is not None and not isinstance(done.exception, SystemExit):
+        raise done.exception
+    return done.exit_code, done.stdout, done.stderr
+
+
+def test_the_command_writes_its_files(tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    code, printed, told = invoke("adhesion_brake", "--out", out, *GRID, "--refine=0")
+    assert code == 0, told
+    assert printed.strip() == str(out / "report.html")
+    names = {path.name for path in out.iterdir()}
+    assert names == {"runs.jsonl", "envelope.nc", "envelope.csv", "summary.json", "report.html"}
+    summary = json.loads((out / "summary.json").read_text())
+    assert summary["runs"] == sum(summary["regions"].values()) == 6
+    assert summary["vehicle_torque_nm"]["brake"] == pytest.approx(5.5e3, rel=0.02)  # (A5) by hand: 3.8 bar, 17.9 m/s
+    assert {key.split(".")[0] for key in summary["keys"]} >= summary.keys() - {"keys", "rollerrig_version"}
+    assert len((out / "envelope.csv").read_text().splitlines()) == 7
+    page = (out / "report.html").read_text()
+    assert "imitated, wheels slide" in page
+    assert page.count("<img") >= 2
+    stamps = {path: path.read_bytes() for path in out.iterdir()}
+    code, _, told = invoke("adhesion_brake", "--out", out, *GRID, "--refine=0")
+    assert code == 0
+    assert "6 runs, 6 of them from before" in told
+    assert {path: path.read_bytes() for path in out.iterdir()} == stamps
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (["--torques-knm=1:2"], "has 2 parts"),
+        (["--adhesions=0.1,2"], "envelope: adhesions: 0.1, 2; allowed: above 0 and up to 1"),
+        (["--loads=0"], "envelope: loads: 0; allowed: above 0.28"),
+        (["--speed-kmh=nan"], "not a finite number"),
+        (["--speed-kmh=-5"], "motion.speed"),
+        (["--torques-knm=1,1"], "ascending order"),
+    ],
+)
+def test_bad_options_end_with_code_2(options: list[str], message: str, tmp_path: Path) -> None:
+    code, _, told = invoke("adhesion_brake", "--out", tmp_path / "out", *options)
+    assert code == 2
+    assert message in " ".join(told.replace("│", " ").split())
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="no SIGINT to a child")
+def test_ctrl_c_keeps_finished_runs_with_several_processes(tmp_path: Path) -> None:
+    entry = [sys.executable, "-c", "from rollerrig.cli import main; main()"]
+    command = [*entry, "envelope", "adhesion_brake", "--out", tmp_path, "--loads=1", "--duration=1", "--processes=2"]
+    process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True, env=os.environ, start_new_session=True)
+    runs = tmp_path / "runs.jsonl"
+    deadline = time.monotonic() + 60
+    while time.monotonic() < deadline and (not runs.exists() or runs.read_bytes().count(b"\n") < 4):
+        time.sleep(0.05)
+    os.killpg(process.pid, signal.SIGINT)  # as a terminal does: to all of them
+    _, told = process.communicate(timeout=60)
+    assert process.returncode == 130, told
+    lines = runs.read_text().splitlines()
+    assert all(json.loads(line) for line in lines)
+    assert f"{len(lines) - 1} finished runs are kept" in told
+    assert "Traceback" not in told
