@@ -172,10 +172,9 @@ def point_case(plan: Plan, point: Point) -> Case:
     return case.with_changes(changes)
 
 
-def _rail(case: Case, adhesion: float) -> dict[str, float]:
-    """The case's condition of the rail, which falls with slip as it did, with another friction at no slip."""
-    rail = rail_shape(case)
-    return {"start": adhesion, "remaining": rail.remaining, "decay": rail.decay}
+def _rail(case: Case, adhesion: float) -> dict[str, Any]:
+    """The case's condition of the rail with another friction at no slip."""
+    return {**_plain(rail_shape(case)), "start": adhesion}
 
 
 def rail_shape(case: Case) -> Condition:
