@@ -124,6 +124,7 @@ VirtualRail virtual_rail(nb::dict const& d, Model const& model, int contact) {
   if (int const map = get<int>(d, "friction_map"); map >= 0)
     rail.friction.map = &model.adhesion_maps.at(static_cast<std::size_t>(map));
   rail.wheel_load = get<double>(d, "wheel_load"), rail.a = get<double>(d, "a"), rail.b = get<double>(d, "b");
+  rail.width = get<double>(d, "width");
   rail.log_aspect = std::log(rail.a / rail.b);
   rail.stiffness = kalker_stiffness(laws.kalker->at(rail.log_aspect), laws.material.shear_modulus, rail.a, rail.b, 1.0);
   return rail;

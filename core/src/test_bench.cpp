@@ -296,6 +296,8 @@ void TestBench::spend_energy() {
   Model const& model = dynamics_->model();
   if (model.adhesion_maps.empty()) return;
   double const way = setup_.step * std::max(0.0, speed_);
+  double const per_length_of_rail =
+      1.0 / std::max(0.1, speed_);  // rail passes at the train's speed, however wheels slide
   for (BenchAxle const& a : setup_.axles)
     for (int side = 0; side < 2; ++side) {
       int const c = a.contact[at(side)];
@@ -304,11 +306,11 @@ void TestBench::spend_energy() {
       double per_length = 0.0, width = 0.0;  // [J/m], [m]
       for (int k = 0; k < dynamics_->patch_count(c); ++k) {
         auto const& patch = dynamics_->patch(c, k);
-        per_length += std::max(0.0, patch.creep_dissipation()) / std::max(0.1, patch.rolling_speed);
+        per_length += std::max(0.0, patch.creep_dissipation()) * per_length_of_rail;
         width += 0.5 * pi * patch.b;  // area of the ellipse over its length
       }
       double const own = width > 0.0 ? per_length / width : 0.0;
-      double const wanted = rail_[at(side)].at(place) + 0.5 * own;
+      double const wanted = rail_[at(side)].before(place) + 0.5 * own;
       in.spent[at(c)] += 0.2 * (wanted - in.spent[at(c)]);  // friction and energy act on each other: five steps' memory
       rail_[at(side)].spend(place, place + way, own);
     }

@@ -119,8 +119,8 @@ void TestBench::control_rig() {
       double const place = setup_.place[at(i)];
       double const slip = setup_.train.wheel_radius * train_.axle_speed(i) - train_.speed();
       double const speed = std::max(train_.speed(), 0.1);
-      double const own = std::fabs(train_.force(i) * slip) / (2.0 * speed * 0.5 * pi * setup_.rail.b);
-      double const found = virtual_rail_.at(from + place);
+      double const own = std::fabs(train_.force(i) * slip) / (2.0 * speed * setup_.rail.width);
+      double const found = virtual_rail_.before(from + place);
       axle.virtual_spent = found + 0.5 * own;  // half of it is spent behind the patch's middle
       virtual_rail_.spend(from + place, train_.distance() + place, own);
       double const feed_forward = e.roller_inertia * setup_.train.wheel_radius / e.roller_radius * train_.axle_rate(i) -

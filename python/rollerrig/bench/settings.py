@@ -10,11 +10,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-
 from rollerrig import _core
 from rollerrig.bench.controllers import UserController
-from rollerrig.bench.load_transfer import frame_of, load_transfer, train_mass
+from rollerrig.bench.virtual_train import frame_of, load_transfer, rail_contact, train_mass
 from rollerrig.config import (
     AntiSlip,
     Brake,
@@ -29,7 +27,6 @@ from rollerrig.config import (
 )
 from rollerrig.config.machines import BenchSettings
 from rollerrig.model import GROUND, AssembledModel
-from rollerrig.start import equilibrium_dataset
 
 NOT_THERE = -1
 _ABSENT = {"every": 0, "delay": 0, "external": False}
@@ -88,7 +85,7 @@ def fit(model: AssembledModel, controllers: Mapping[str, UserController]) -> Fit
         "held_mass": max(0.0, mass - free) if rig is None and model.held else 0.0,
         **_rig_control(model, control or RigControl(), rig),
     }
-    settings["rail"] = {"friction_map": friction_map, **(_virtual_rail(model) if control else _NO_RAIL)}
+    settings["rail"] = {"friction_map": friction_map, **(rail_contact(model) if control else _NO_RAIL)}
     return Fitted(settings, rig is None)
 
 
@@ -100,7 +97,7 @@ def resist(model: AssembledModel) -> None:
     model.core.set_resistance(model.body_index(body), *resistance, train.gradient)
 
 
-_NO_RAIL = {"wheel_load": 1.0, "a": 1.0, "b": 1.0}
+_NO_RAIL = {"wheel_load": 1.0, "a": 1.0, "b": 1.0, "width": 1.0}
 
 
 def _floor_speed(bench: BenchSettings, case: Case) -> float:
@@ -249,12 +246,3 @@ def _feedback(control: RigControl, plant: Mapping[str, Any]) -> dict[str, Any]:
         "boundary_layer": table.boundary_layer,
         "largest": table.largest,
     }
-
-
-def _virtual_rail(model: AssembledModel) -> dict[str, float]:
-    """One ellipse that stands for all patches of a wheel in steady running: their area together, their mean shape."""
-    rest = equilibrium_dataset(model).isel(time=0, wheel=0)
-    a, b = np.nan_to_num(rest["patch_a"].to_numpy()), np.nan_to_num(rest["patch_b"].to_numpy())
-    load = float(model.axle_loads[model.wheelsets[0]]) / 2.0
-    area, aspect = float(np.sum(a * b)), float(np.sum(a * a) / np.sum(a * b))
-    return {"wheel_load": load, "a": math.sqrt(area * aspect), "b": math.sqrt(area / aspect)}

@@ -72,6 +72,22 @@ TEST_CASE("adhesion changes from piece to piece, smoothly where asked") {
       doctest::Approx((map.at(101.001, 1.0, 0.0).friction - map.at(100.999, 1.0, 0.0).friction) / 0.002).epsilon(1e-6));
 }
 
+TEST_CASE("a wheel finds what the wheels ahead have spent, and nothing of its own") {
+  for (double step : {0.031, 0.004}) {
+    CleanedRail rail;
+    rail.reset();
+    double const behind = 2.56;  // the next axle
+    for (int k = 0; k * step < 20.0; ++k) {
+      double const x = k * step;
+      CHECK(rail.before(x) == 0.0);
+      CHECK(rail.before(x - behind) ==
+            doctest::Approx(x < behind + 0.05 ? rail.before(x - behind) : 7.0).epsilon(1e-9));
+      rail.spend(x, x + step, 7.0);
+      rail.spend(x - behind, x - behind + step, 3.0);
+    }
+  }
+}
+
 TEST_CASE("a cleaned rail remembers each wheel's energy once, however small the steps") {
   auto const pass = [](double step) {
     CleanedRail rail;

@@ -7,7 +7,7 @@ import pytest
 import xarray as xr
 
 from rollerrig import load_case, simulate
-from rollerrig.bench.load_transfer import load_transfer
+from rollerrig.bench.virtual_train import load_transfer
 from rollerrig.model import assemble
 from rollerrig.studies.adhesion import track_case
 

@@ -28,6 +28,9 @@ class CleanedRail {
     return energy_[slot(cell)];
   }
 
+  /// What a wheel finds at its place: read in the cell before it, in which nothing is its own yet.
+  double before(double distance) const { return at(distance + cell_length_); }
+
   /// A wheel has run from one place to another (forward) and found and spent this energy per area.
   void spend(double from, double to, double energy_per_area) {
     long const first = cell_of(from);

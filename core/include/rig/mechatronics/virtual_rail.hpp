@@ -17,6 +17,7 @@ struct VirtualRail {
   Friction friction{};
   double wheel_load{54546.0};           ///< static, of one wheel [N]; what follows belongs to it
   double a{6e-3}, b{4e-3};              ///< semi-axes along and across the rolling direction [m]
+  double width{6e-3};                   ///< that the patches of a wheel sweep together [m]
   double log_aspect{0.0};               ///< ln(a/b)
   KalkerStiffness<double> stiffness{};  ///< of one wheel
   double standstill_speed{0.1};         ///< [m/s]

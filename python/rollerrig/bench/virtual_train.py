@@ -1,6 +1,6 @@
-"""How the loads of a train's axles change when it speeds up or slows down: what the virtual train is told of them.
+"""What the rig's controller must know of the vehicle on track, which it imitates: load transfer, and the wheels' contact.
 
-AssembledModel of a vehicle on a rig -> [two equilibria of the same vehicle on track] -> change of load per acceleration
+AssembledModel of a vehicle on a rig -> [equilibria of the same vehicle on track] -> change of load per acceleration, ellipse
 
 A train that gains speed on the level stands, in its own frame, as one that runs steadily uphill: gravity has a part a against
 the running direction. There the core finds its equilibrium, with everything that carries load. What is missing in it, the
@@ -8,6 +8,8 @@ wheelsets' gain of spin, is a moment on what carries their brakes.
 """
 
 from __future__ import annotations
+
+import math
 
 import numpy as np
 from numpy.typing import NDArray
@@ -38,6 +40,22 @@ def load_transfer(model: AssembledModel) -> list[float]:
     faster, slower = (_axle_loads(model.case, sign * small) for sign in (1.0, -1.0))
     change: list[float] = ((faster - slower) / (2.0 * small)).tolist()
     return change
+
+
+def rail_contact(model: AssembledModel) -> dict[str, float]:
+    """One ellipse that stands for all patches of a wheel in steady running on track, and the width that they sweep.
+
+    Returns:
+        `wheel_load` [N] to which it belongs; semi-axes `a`, `b` [m]: the patches' area together, their mean shape; `width`
+        [m]: of all patches, their area over their length.
+    """
+    on_track = assemble(_on_track(model.case))
+    rest = equilibrium_dataset(on_track).isel(time=0, wheel=0)
+    a, b = np.nan_to_num(rest["patch_a"].to_numpy()), np.nan_to_num(rest["patch_b"].to_numpy())
+    area, aspect = float(np.sum(a * b)), float(np.sum(a * a) / np.sum(a * b))
+    load = float(on_track.axle_loads[on_track.wheelsets[0]]) / 2.0
+    width = 0.5 * math.pi * float(b.sum())
+    return {"wheel_load": load, "a": math.sqrt(area * aspect), "b": math.sqrt(area / aspect), "width": width}
 
 
 def _axle_loads(case: Case, acceleration: float) -> NDArray[np.float64]:
