@@ -7,6 +7,7 @@
 
 #include "convert.hpp"
 #include "rig/bench/test_bench.hpp"
+#include "rig/mechatronics/estimator_response.hpp"
 #include "rig/record/recorder.hpp"
 
 using namespace nb::literals;
@@ -37,6 +38,9 @@ Motor motor(nb::dict const& d) {
 Sampling sampling(nb::dict const& d) { return {get<int>(d, "every"), get<int>(d, "delay"), get<bool>(d, "external")}; }
 Encoder encoder(nb::dict const& d) {
   return {get<double>(d, "counts_per_turn"), get<double>(d, "jitter_counts"), get<int>(d, "window")};
+}
+ForceSensor force_sensor(nb::dict const& d) {
+  return {get<double>(d, "bandwidth"), get<double>(d, "noise"), get<double>(d, "resolution"), get<double>(d, "range")};
 }
 PneumaticBrake pneumatic(nb::dict const& d) {
   PneumaticBrake b;
@@ -81,9 +85,12 @@ ContactForceEstimator estimator(nb::dict const& d) {
   ContactForceEstimator e;
   auto const kind = get<std::string>(d, "kind");
   e.kind = kind == "observer" ? EstimatorKind::observer
+           : kind == "kalman" ? EstimatorKind::kalman
            : kind == "exact"  ? EstimatorKind::exact
                               : EstimatorKind::filtered_derivative;
   e.bandwidth = get<double>(d, "bandwidth"), e.damping_ratio = get<double>(d, "damping_ratio");
+  e.speed_noise = get<double>(d, "speed_noise"), e.force_change = get<double>(d, "force_change");
+  e.torque_change = get<double>(d, "torque_change");
   e.roller_inertia = get<double>(d, "roller_inertia"), e.roller_radius = get<double>(d, "roller_radius");
   e.wheelset_inertia = get<double>(d, "wheelset_inertia"), e.wheel_radius = get<double>(d, "wheel_radius");
   return e;
@@ -149,6 +156,9 @@ BenchSetup setup_from(nb::dict const& d, Model const& model) {
   s.slide_sampling = sampling(table(d, "slide_sampling")), s.slide = slide_protection(table(d, "slide_protection"));
   s.anti_slip_sampling = sampling(table(d, "anti_slip_sampling")), s.anti_slip = anti_slip(table(d, "anti_slip"));
   s.axle_encoder = encoder(table(d, "axle_encoder")), s.roller_encoder = encoder(table(d, "roller_encoder"));
+  s.has_torque_sensor = get<bool>(d, "has_torque_sensor");
+  s.torque_sensor = force_sensor(table(d, "torque_sensor")), s.load_sensor = force_sensor(table(d, "load_sensor"));
+  s.commanded_torque = get<bool>(d, "commanded_torque"), s.measured_loads = get<bool>(d, "measured_loads");
   s.seed = get<std::uint64_t>(d, "seed");
   s.rig_sampling = sampling(table(d, "rig_sampling")), s.imitate = get<bool>(d, "imitate");
   s.train = virtual_train(table(d, "train"), s.axles.size());
@@ -228,7 +238,7 @@ void bind_bench(nb::module_& m) {
           "due", [](Bench& b, TestBench::Role role) { return b.bench().due(role); }, "role"_a)
       .def(
           "measurement", [](Bench& b, TestBench::Role role) { return b.bench().measurement(role); }, "role"_a,
-          "Per axle the seven numbers of measurement_fields.")
+          "Per axle the numbers of measurement_fields.")
       .def(
           "set_command",
           [](Bench& b, TestBench::Role role, std::vector<double> command) {
@@ -259,9 +269,22 @@ void bind_bench(nb::module_& m) {
       },
       "brake"_a, "cylinder_pressure"_a, "axle_speed"_a,
       "Torque of a friction brake on its axle [N m], against its turning.");
+  m.def(
+      "estimator_response",
+      [](nb::dict const& settings, double period) {
+        ContactForceEstimator e = estimator(settings);
+        if (e.kind == EstimatorKind::kalman) solve_kalman_gain(e, period);
+        nb::dict out;
+        for (auto [name, what] : {std::pair{"force", Estimated::force}, std::pair{"torque", Estimated::torque}}) {
+          auto const found = measure_response(e, what, period);
+          out[name] = nb::make_tuple(found.bandwidth, found.delay);
+        }
+        return out;
+      },
+      "settings"_a, "period"_a, "Bandwidth [rad/s] and delay [s] of the estimates of force and torque, measured.");
   m.attr("measurement_fields") =
       std::vector<std::string>{"axle_speed",       "roller_speed",  "roller_torque", "estimated_force",
-                               "estimated_torque", "virtual_speed", "feed_forward"};
+                               "estimated_torque", "virtual_speed", "feed_forward",  "axle_load"};
   m.attr("bench_axle_columns") = column_list(TestBench::axle_columns());
   m.attr("bench_train_columns") = column_list(TestBench::train_columns());
 }

@@ -27,6 +27,8 @@ constexpr BenchColumn axle_table[] = {
     {"vent_cycles", "1", "times that the dump valve has opened to vent"},
     {"contact_force", "N", "force of rail or rollers on both wheels, along the running direction"},
     {"real_sliding", "m/s", "wheel surface speed less that of roller or rail, at the nominal radii"},
+    {"measured_roller_torque", "N m", "what the torque sensor of the roller's drive says at the last sample"},
+    {"measured_load", "N", "vertical force on the axle's rollers as measured at the last sample"},
     {"spent_energy", "J/m^2", "energy per area on the rail under the axle"},
 };
 
@@ -83,6 +85,8 @@ TestBench::TestBench(Dynamics& dynamics, BenchSetup const& setup)
   in.cylinder.assign(model.brakes.size(), {});
   in.spent.assign(model.contacts.size(), 0.0);
   if (setup.ideal_rolling) tie_axles();
+  if (setup.estimator.kind == EstimatorKind::kalman)
+    solve_kalman_gain(setup_.estimator, setup.step * std::max(1, setup.rig_sampling.every));
 }
 
 void TestBench::tie_axles() {
@@ -143,6 +147,7 @@ Status TestBench::start(double const* x0) {
   dynamics_->forget();
   method_.restart();
   status_ = dynamics_->accept(0.0, y_.data());
+  reset_sensors();
   return status_;
 }
 
@@ -285,7 +290,6 @@ void TestBench::move_machines() {
       axle.command = roller[i];
       step_motor(setup_.roller_motor, axle.roller_state, axle.command, roller_speed, h);
       in.roller_torque[at(a.roller_torque)] = held(from, axle.roller_state[0]);
-      axle.roller_torque = 0.5 * (from + axle.roller_state[0]);
     }
   }
 }
@@ -367,6 +371,8 @@ void TestBench::fill_row(double* axles, double* train) const {
                           static_cast<double>(axle.vent_cycles),
                           force,
                           r * wheel - surface,
+                          axle.measured_torque,
+                          axle.measured_load,
                           imitates            ? axle.virtual_spent
                           : a.contact[0] >= 0 ? in.spent[at(a.contact[0])]
                                               : 0.0};

@@ -11,11 +11,63 @@ std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 }  // namespace
 
-/// Reads the sensors and asks every controller that is due; false where the caller must answer first.
-bool TestBench::sample() {
+/// Vertical force of rail or rollers on both wheels of an axle, in the last evaluation [N].
+double TestBench::load(int axle) const {
+  double sum = 0.0;
+  for (int c : setup_.axles[at(axle)].contact)
+    for (int k = 0; c >= 0 && k < dynamics_->patch_count(c); ++k) sum += dynamics_->patch(c, k).force.z;
+  return sum;
+}
+
+void TestBench::reset_sensors() {
+  for (std::size_t i = 0; i < axle_.size(); ++i) {
+    axle_[i].torque_reading.reset(0.0);
+    axle_[i].load_reading.reset(load(static_cast<int>(i)));
+  }
+}
+
+void TestBench::read_sensors(double period) {
   auto const& map = dynamics_->map();
   double const* z = y_.data() + dynamics_->sizes().states;
+  for (std::size_t i = 0; i < axle_.size(); ++i) {
+    BenchAxle const& a = setup_.axles[i];
+    Axle& axle = axle_[i];
+    std::uint64_t const stream = setup_.seed * 64 + 2 * i;
+    axle.wheel_speed = axle.encoder.step(setup_.axle_encoder, z[map.angle[at(a.wheelset)]],
+                                         dynamics_->work().motion[at(a.wheelset)].rate[coord_pitch], period, stream);
+    axle.measured_load = axle.load_reading.read(setup_.load_sensor, stream + 16);
+    if (a.roller < 0) continue;
+    axle.roller_speed =
+        axle.roller_encoder.step(setup_.roller_encoder, -z[map.angle[at(a.roller)]],
+                                 -dynamics_->work().motion[at(a.roller)].rate[coord_pitch], period, stream + 1);
+    axle.measured_torque = axle.torque_reading.read(setup_.torque_sensor, stream + 17);
+  }
+}
+
+/// Torque of a roller's drive since the last sample, as far as the controller knows it [N m].
+double TestBench::drive_torque(Axle& axle) const {
+  double const before = axle.sampled_torque;
+  axle.sampled_torque = axle.measured_torque;
+  double const acted = axle.torque_steps > 0 ? axle.torque_sum / axle.torque_steps : 0.0;
+  axle.torque_sum = 0.0;
+  axle.torque_steps = 0;
+  if (setup_.commanded_torque) return axle.command;
+  return setup_.has_torque_sensor ? 0.5 * (before + axle.measured_torque) : acted;
+}
+
+/// Reads the sensors and asks every controller that is due; false where the caller must answer first.
+bool TestBench::sample() {
   dynamics_->evaluate(time(), y_.data());
+  for (std::size_t i = 0; i < axle_.size(); ++i) {
+    Axle& axle = axle_[i];
+    if (step_count_ > 0) {
+      axle.torque_sum += 0.5 * (axle.torque_now + axle.roller_state[0]);
+      ++axle.torque_steps;
+    }
+    axle.torque_now = axle.roller_state[0];
+    axle.torque_reading.follow(setup_.torque_sensor, axle.torque_now, setup_.step);
+    axle.load_reading.follow(setup_.load_sensor, load(static_cast<int>(i)), setup_.step);
+  }
   bool waiting = false;
   bool any = false;
   std::array<bool, roles> now{};
@@ -30,18 +82,7 @@ bool TestBench::sample() {
     for (int r = 0; r < roles; ++r)
       if (int const every = sampling(static_cast<Role>(r)).every; every > 0)
         fastest = fastest == 0 ? every : std::min(fastest, every);
-    for (std::size_t i = 0; i < axle_.size(); ++i) {
-      BenchAxle const& a = setup_.axles[i];
-      Axle& axle = axle_[i];
-      double const period = setup_.step * fastest;
-      axle.wheel_speed = axle.encoder.step(setup_.axle_encoder, z[map.angle[at(a.wheelset)]],
-                                           dynamics_->work().motion[at(a.wheelset)].rate[coord_pitch], period,
-                                           setup_.seed * 64 + 2 * i);
-      if (a.roller < 0) continue;
-      axle.roller_speed = axle.roller_encoder.step(setup_.roller_encoder, -z[map.angle[at(a.roller)]],
-                                                   -dynamics_->work().motion[at(a.roller)].rate[coord_pitch], period,
-                                                   setup_.seed * 64 + 2 * i + 1);
-    }
+    read_sensors(setup_.step * fastest);
   }
   for (int r = 0; r < roles; ++r) {
     if (!now[at(r)]) continue;
@@ -100,6 +141,7 @@ void TestBench::control_rig() {
   ContactForceEstimator const& e = setup_.estimator;
   for (int i = 0; i < axles; ++i) {
     Axle& axle = axle_[at(i)];
+    axle.roller_torque = drive_torque(axle);
     if (e.kind == EstimatorKind::exact) {
       axle.estimate.set(e, acting_force(i), acting_torque(i));
     } else {
@@ -113,7 +155,12 @@ void TestBench::control_rig() {
     auto const law = [&](int i, double slip, double speed, double load) {
       return setup_.rail.force(slip, speed, load, now, from + setup_.place[at(i)], axle_[at(i)].virtual_spent);
     };
-    train_.step(setup_.train, torque.data(), period, law);
+    VirtualTrain train = setup_.train;
+    for (int i = 0; i < axles && setup_.measured_loads; ++i) {
+      train.static_load[at(i)] = axle_[at(i)].measured_load;
+      train.load_transfer[at(i)] = 0.0;
+    }
+    train_.step(train, torque.data(), period, law);
     for (int i = 0; i < axles; ++i) {  // front to back: the leading axle cleans for the following ones
       Axle& axle = axle_[at(i)];
       double const place = setup_.place[at(i)];
@@ -138,7 +185,7 @@ std::vector<double> TestBench::measurement(Role) const {
     Axle const& a = axle_[i];
     double const virtual_speed = setup_.imitate ? train_.axle_speed(static_cast<int>(i)) : 0.0;
     out.insert(out.end(), {a.wheel_speed, a.roller_speed, a.roller_torque, a.estimate.force(),
-                           a.estimate.axle_torque(setup_.estimator), virtual_speed, a.feed_forward});
+                           a.estimate.axle_torque(setup_.estimator), virtual_speed, a.feed_forward, a.measured_load});
   }
   return out;
 }

@@ -32,11 +32,12 @@ COMMANDS = {
 MEASUREMENTS = {
     "axle_speed": "measured speed of each axle [rad/s]",
     "roller_speed": "measured speed of each roller axle, positive as under a wheel that rolls forward [rad/s]",
-    "roller_torque": "of each roller drive in the last step, positive drives the wheel forward [N m]",
+    "roller_torque": "of each roller drive since the last sample, as measured; positive drives the wheel forward [N m]",
     "estimated_force": "our estimate of the contact force on each axle, forward [N]",
     "estimated_torque": "our estimate of the torque on each axle [N m]",
     "virtual_speed": "speed of each axle of the virtual train [rad/s]",
     "feed_forward": "our feed-forward torque of each roller drive [N m]",
+    "axle_load": "measured vertical force under each axle [N]",
 }
 """What a controller is given beside `time`; on track only `axle_speed` means anything."""
 

@@ -20,6 +20,7 @@ from rollerrig.config import (
     Condition,
     Controller,
     Encoder,
+    ForceSensor,
     Motor,
     Rig,
     RigControl,
@@ -76,6 +77,11 @@ def fit(model: AssembledModel, controllers: Mapping[str, UserController]) -> Fit
         "anti_slip": _anti_slip(case),
         "axle_encoder": _encoder(case.sensors.axles),
         "roller_encoder": _encoder(case.sensors.rollers),
+        "has_torque_sensor": case.sensors.roller_torque is not None,
+        "torque_sensor": _force_sensor(case.sensors.roller_torque or ForceSensor()),
+        "load_sensor": _force_sensor(case.sensors.axle_load),
+        "commanded_torque": control is not None and control.estimator.torque == "commanded",
+        "measured_loads": control is not None and control.loads == "measured",
         "seed": case.sensors.seed,
         "rig_sampling": _sampling(case, "rig_control", controllers),
         "imitate": control is not None,
@@ -198,6 +204,22 @@ def _encoder(encoder: Encoder) -> dict[str, Any]:
     return {"counts_per_turn": encoder.counts, "jitter_counts": encoder.jitter, "window": encoder.window}
 
 
+def _force_sensor(sensor: ForceSensor) -> dict[str, float]:
+    bandwidth = 2.0 * math.pi * (sensor.bandwidth or 0.0)
+    return {**sensor.model_dump(), "bandwidth": bandwidth, "range": sensor.range or 0.0}
+
+
+def estimator_response(settings: Mapping[str, Any]) -> dict[str, tuple[float, float]]:
+    """Measured bandwidth [Hz] and delay of slow changes [s] of the estimates 'force' and 'torque', with exact sensors.
+
+    Args:
+        settings: of a Fitted model whose rig is controlled, by an estimator that is not exact.
+    """
+    period = settings["step"] * settings["rig_sampling"]["every"]
+    found = _core.estimator_response(settings["estimator"], period)
+    return {name: (bandwidth / (2.0 * math.pi), delay) for name, (bandwidth, delay) in found.items()}
+
+
 def _rig_control(model: AssembledModel, control: RigControl, rig: Rig | None) -> dict[str, Any]:
     believed, train = control.believed, model.case.train
     wheel_radius = model.case.vehicle.data.wheel.radius
@@ -207,6 +229,9 @@ def _rig_control(model: AssembledModel, control: RigControl, rig: Rig | None) ->
         "kind": control.estimator.kind,
         "bandwidth": 2.0 * math.pi * control.estimator.bandwidth,
         "damping_ratio": control.estimator.damping_ratio,
+        "speed_noise": control.estimator.speed_noise,
+        "force_change": control.estimator.force_change or 0.0,
+        "torque_change": control.estimator.torque_change or 0.0,
         "roller_inertia": believed.roller_inertia or roller_inertia,
         "roller_radius": believed.roller_radius or roller_radius,
         "wheelset_inertia": believed.wheelset_inertia or wheelset_inertia,

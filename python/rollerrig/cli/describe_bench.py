@@ -9,7 +9,7 @@ from typing import Any
 
 from rollerrig.bench.bench_run import users_controllers
 from rollerrig.bench.controllers import COMMANDS
-from rollerrig.bench.settings import fit, full_brake_torque
+from rollerrig.bench.settings import estimator_response, fit, full_brake_torque
 from rollerrig.config import Case
 from rollerrig.model import AssembledModel
 
@@ -102,4 +102,9 @@ def _controller(case: Case, role: str, settings: dict[str, Any], user: str) -> s
             gains = settings["feedback"]
             text += f" {gains['proportional'] / 1e3:.3g} kN m s/rad and {gains['integral'] / 1e3:.3g} kN m/rad"
         text += f", roller drives {motor.bandwidth:g} Hz"
+        if estimator.kind != "exact":
+            text += "; measured on the estimates:"
+            for name, (bandwidth, delay) in estimator_response(settings).items():
+                text += f" {name} {bandwidth:.1f} Hz and {1e3 * delay:.1f} ms,"
+            text = text.removesuffix(",")
     return text

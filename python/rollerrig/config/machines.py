@@ -167,12 +167,33 @@ class Encoder(Table):
     )
 
 
+class ForceSensor(Table):
+    """Transducer of a force [N] or a torque [N m]: lag, then noise, resolution and range of each reading."""
+
+    bandwidth: Frequency | None = Field(default=None, description="of first order; absent: no lag")
+    noise: Annotated[float, Quantity("1", ge=0)] = Field(
+        default=0.0, description="standard deviation of a reading, in N or N m"
+    )
+    resolution: Annotated[float, Quantity("1", ge=0)] = Field(
+        default=0.0, description="of a reading, in N or N m; 0: none"
+    )
+    range: Annotated[float, Quantity("1", gt=0)] | None = Field(
+        default=None, description="largest reading, in N or N m; absent: no limit"
+    )
+
+
 class Sensors(Table):
-    """What controllers see of the speeds."""
+    """What controllers see of speeds, torques and loads."""
 
     axles: Encoder = Field(default=Encoder(), description="on each axle of the vehicle")
     rollers: Encoder = Field(default=Encoder(), description="on each roller axle")
-    seed: Annotated[int, Field(strict=True, ge=0, le=2**31)] = Field(default=1, description="of the jitter")
+    roller_torque: ForceSensor | None = Field(
+        default=None, description="torque flange in the drive shaft of each roller axle; absent: its torque is known"
+    )
+    axle_load: ForceSensor = Field(
+        default=ForceSensor(), description="vertical force on the rollers (or rails) under each axle"
+    )
+    seed: Annotated[int, Field(strict=True, ge=0, le=2**31)] = Field(default=1, description="of all noise")
 
 
 class BenchSettings(Table):

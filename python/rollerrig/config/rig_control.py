@@ -33,12 +33,30 @@ LoadTransfer = Annotated[
 class Estimator(Table):
     """Contact force and axle torque from the rollers' side."""
 
-    kind: Literal["observer", "filtered_derivative", "exact"] = Field(
+    kind: Literal["observer", "filtered_derivative", "kalman", "exact"] = Field(
         default="observer",
-        description="of disturbance (Luenberger); a filtered derivative of the roller's speed; or exact: force and torque "
-        "that really act, for studies of what estimating costs",
+        description="of disturbance (Luenberger); a filtered derivative of the roller's speed; a Kalman filter of both speeds, "
+        "force and torque; or exact: force and torque that really act, for studies of what estimating costs",
     )
-    bandwidth: Frequency = Field(default=20.0, description="of the estimate")
+    bandwidth: Frequency = Field(
+        default=20.0,
+        description="pole of the filter, natural frequency of the observer; `rollerrig check` prints bandwidth and delay that "
+        "are measured on the estimate",
+    )
+    torque: Literal["measured", "commanded"] = Field(
+        default="measured",
+        description="of a roller's drive: as [sensors.roller_torque] says, exact if absent; or what the drive was asked for",
+    )
+    speed_noise: Annotated[float, Quantity("rad/s", gt=0)] = Field(
+        default=1e-3, description="for kind = 'kalman': standard deviation of a measured speed"
+    )
+    force_change: Annotated[float, Quantity("N", gt=0)] | None = Field(
+        default=None,
+        description="for kind = 'kalman': standard deviation of the contact force's change over 1 s; absent: from `bandwidth`",
+    )
+    torque_change: Annotated[float, Quantity("N m", gt=0)] | None = Field(
+        default=None, description="the same of the axle's torque"
+    )
     damping_ratio: Annotated[float, Quantity("1", gt=0, le=2)] = Field(
         default=0.8, description="of the observer's poles"
     )
@@ -94,6 +112,10 @@ class RigControl(Controller):
         default="quasi_static",
         description="how the virtual train's axle loads change with its acceleration: as geometry and masses of the vehicle "
         "say, not at all, or by [kg] for each axle, N per m/s^2 forward",
+    )
+    loads: Literal["computed", "measured"] = Field(
+        default="computed",
+        description="of the virtual train's axles: static loads and their transfer, or what [sensors.axle_load] says",
     )
     estimator: Estimator = Field(default=Estimator(), description="of the contact force")
     feedback: Feedback = Field(default=Feedback(), description="on the axles' speeds")

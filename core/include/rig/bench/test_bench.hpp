@@ -72,6 +72,9 @@ struct BenchSetup {
   Sampling anti_slip_sampling{0, 0, false};
   AntiSlip anti_slip{};
   Encoder axle_encoder{}, roller_encoder{};
+  bool has_torque_sensor{false};  ///< on the rollers' drive shafts; without it the torque is known
+  ForceSensor torque_sensor{};
+  ForceSensor load_sensor{};  ///< vertical force of both wheels of an axle
   std::uint64_t seed{0};
 
   Sampling rig_sampling{0, 0, false};  ///< the controller of the rollers; every = 0: none
@@ -80,6 +83,8 @@ struct BenchSetup {
   VirtualRail rail{};
   std::array<double, most_axles> place{};  ///< of the axles along the train [m]
   ContactForceEstimator estimator{};
+  bool commanded_torque{false};  ///< the estimator takes the command for the torque that acts
+  bool measured_loads{false};    ///< the virtual train's axles carry what is measured
   RigFeedback feedback{};
   Motor roller_motor{};
   double slip_limit{1.0};  ///< protection: real sliding between wheel and roller [m/s] ...
@@ -126,7 +131,7 @@ class TestBench {
   bool protected_rollers() const { return protection_acted_; }
   bool due(Role role) const { return due_[static_cast<std::size_t>(role)]; }
   /// What a controller sees, per axle: the axle's speed and the roller's [rad/s], the roller's torque [N m], estimated
-  /// contact force [N] and axle torque [N m], speed of the virtual axle [rad/s], feed-forward (C5) [N m].
+  /// contact force [N] and axle torque [N m], speed of the virtual axle [rad/s], feed-forward (C5) [N m], load [N].
   std::vector<double> measurement(Role role) const;
   /// Valve states 0 fill, 1 hold, 2 vent; torque factors; roller torques [N m]: one per axle.
   void set_command(Role role, double const* command);
@@ -141,9 +146,14 @@ class TestBench {
     double roller_state[2]{};                    // roller motor
     double air{0.0};                             // taken by the cylinder [m^3]
     double wheel_speed{0.0}, roller_speed{0.0};  // measured [rad/s]
-    double roller_torque{0.0};                   // that acted in the last step, mean [N m]
-    double stand_in{0.0};                        // brake torque that the motor stands in for [N m]
-    double spent_here{0.0};                      // energy per area on the piece of rail under the axle now [J/m^2]
+    double roller_torque{0.0};                   // mean since the last sample, as the estimator sees it [N m]
+    double torque_now{0.0}, torque_sum{0.0};     // of the drive, at this step; its means over the steps since
+    int torque_steps{0};
+    double measured_torque{0.0}, measured_load{0.0};  // as the sensors say
+    double sampled_torque{0.0};                       // measured at the last sample of the rig's controller
+    ForceReading torque_reading, load_reading;
+    double stand_in{0.0};    // brake torque that the motor stands in for [N m]
+    double spent_here{0.0};  // energy per area on the piece of rail under the axle now [J/m^2]
     double virtual_spent{0.0};
     double slip_for{0.0};  // [s]
     double feed_forward{0.0}, wanted_torque{0.0}, command{0.0};
@@ -164,6 +174,10 @@ class TestBench {
   bool sample();
   void run_controller(Role role);
   void control_rig();
+  void reset_sensors();
+  void read_sensors(double period);
+  double drive_torque(Axle& axle) const;
+  double load(int axle) const;
   double acting_torque(int axle) const;
   double acting_force(int axle) const;
   void post(Role role, double const* command);

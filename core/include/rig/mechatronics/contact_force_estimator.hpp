@@ -6,11 +6,12 @@
 //         J_r W' = U + R T        (C1)     J_w w' = C - r T        (C2)
 // Source  Malvezzi, Pugi et al., roller rig control: T_est = (J_r W' - U)/R, C_est = J_w w' + r T_est.
 #pragma once
+#include <array>
 #include <cmath>
 
 namespace rig {
 
-enum class EstimatorKind : int { filtered_derivative, observer, exact };
+enum class EstimatorKind : int { filtered_derivative, observer, kalman, exact };
 
 struct ContactForceEstimator {
   EstimatorKind kind{EstimatorKind::observer};
@@ -20,7 +21,17 @@ struct ContactForceEstimator {
   double roller_radius{0.725};                            ///< R [m]
   double wheelset_inertia{112.0};                         ///< J_w [kg m^2]
   double wheel_radius{0.46};                              ///< r [m]
+
+  // Of the Kalman filter: T and C are random walks, speeds are measured with noise.
+  double speed_noise{1e-3};   ///< standard deviation of a measured speed [rad/s]
+  double force_change{0.0};   ///< standard deviation of T's change over 1 s [N]; 0: from the bandwidth
+  double torque_change{0.0};  ///< of C's [N m]; 0: from the bandwidth
+  /// Rows W, w, T, C over the innovations of W and w; of solve_kalman_gain().
+  std::array<std::array<double, 2>, 4> gain{};
 };
+
+/// Fills in the stationary gain of the Kalman filter for its sample time, docs/theory/rig_control.md (C12), (C13).
+void solve_kalman_gain(ContactForceEstimator& p, double period);
 
 /// State of the estimator of one axle.
 class ContactForceEstimate {
@@ -30,6 +41,7 @@ class ContactForceEstimate {
     last_wheel_ = wheel_ = wheel_speed;
     force_ = force;
     wheel_rate_ = 0.0;
+    torque_ = 0.0;
   }
 
   /// One sample.
@@ -38,6 +50,7 @@ class ContactForceEstimate {
   /// @param roller_torque              that acted since the last sample [N m]
   void step(ContactForceEstimator const& p, double roller_speed, double wheel_speed, double roller_torque,
             double period) {
+    if (p.kind == EstimatorKind::kalman) return correct(p, roller_speed, wheel_speed, roller_torque, period);
     double const low_pass = 1.0 - std::exp(-p.bandwidth * period);
     if (p.kind == EstimatorKind::filtered_derivative) {
       double const rate = (roller_speed - last_roller_) / period;
@@ -62,17 +75,32 @@ class ContactForceEstimate {
   /// In place of a sample: what really acts, for studies of what estimating costs.
   void set(ContactForceEstimator const& p, double force, double axle_torque) {
     force_ = force;
+    torque_ = axle_torque;
     wheel_rate_ = (axle_torque - p.wheel_radius * force) / p.wheelset_inertia;
   }
 
   double force() const { return force_; }                     ///< T [N]
   double axle_torque(ContactForceEstimator const& p) const {  ///< C [N m], (C2)
+    if (p.kind == EstimatorKind::kalman) return torque_;
     return p.wheelset_inertia * wheel_rate_ + p.wheel_radius * force_;
   }
 
  private:
+  /// Kalman filter: predict with (C1), (C2) over the sample, exactly for constant T and C; then correct.
+  void correct(ContactForceEstimator const& p, double roller_speed, double wheel_speed, double roller_torque,
+               double period) {
+    roller_ += period * (roller_torque + p.roller_radius * force_) / p.roller_inertia;
+    wheel_ += period * (torque_ - p.wheel_radius * force_) / p.wheelset_inertia;
+    double const of_roller = roller_speed - roller_, of_wheel = wheel_speed - wheel_;
+    auto const by = [&](std::size_t row) { return p.gain[row][0] * of_roller + p.gain[row][1] * of_wheel; };
+    roller_ += by(0);
+    wheel_ += by(1);
+    force_ += by(2);
+    torque_ += by(3);
+  }
+
   double roller_{0.0}, wheel_{0.0}, last_roller_{0.0}, last_wheel_{0.0};
-  double force_{0.0}, wheel_rate_{0.0};
+  double force_{0.0}, wheel_rate_{0.0}, torque_{0.0};
 };
 
 }  // namespace rig

@@ -26,6 +26,47 @@ inline double normal_number(std::uint64_t stream, std::uint64_t n) {
   return std::sqrt(-2.0 * std::log(uniform(2 * n))) * std::cos(2.0 * pi * uniform(2 * n + 1));
 }
 
+/// A force or torque transducer: first-order lag, then noise, resolution and range of its reading.
+struct ForceSensor {
+  double bandwidth{0.0};   ///< [rad/s]; 0: no lag
+  double noise{0.0};       ///< standard deviation of a reading [N or N m]
+  double resolution{0.0};  ///< of a reading; 0: none
+  double range{0.0};       ///< largest |reading|; 0: no limit
+};
+
+/// State of one transducer.
+class ForceReading {
+ public:
+  void reset(double value) {
+    filtered_ = last_ = value;
+    samples_ = 0;
+  }
+
+  /// The lag over one step, exact for a value on a straight line.
+  void follow(ForceSensor const& sensor, double value, double step) {
+    if (sensor.bandwidth > 0.0) {
+      double const slope = (value - last_) / step;
+      double const behind = slope / sensor.bandwidth;  // of the settled ramp
+      filtered_ = value - behind + (filtered_ - last_ + behind) * std::exp(-sensor.bandwidth * step);
+    } else {
+      filtered_ = value;
+    }
+    last_ = value;
+  }
+
+  double read(ForceSensor const& sensor, std::uint64_t stream) {
+    double reading = filtered_;
+    if (sensor.noise > 0.0) reading += sensor.noise * normal_number(stream, samples_++);
+    if (sensor.resolution > 0.0) reading = sensor.resolution * std::round(reading / sensor.resolution);
+    if (sensor.range > 0.0) reading = std::fmin(sensor.range, std::fmax(-sensor.range, reading));
+    return reading;
+  }
+
+ private:
+  double filtered_{0.0}, last_{0.0};
+  std::uint64_t samples_{0};
+};
+
 /// Incremental encoder on an axle: counts per turn, speed from the counts of the last few samples.
 struct Encoder {
   double counts_per_turn{1024.0};  ///< 0: an ideal sensor
