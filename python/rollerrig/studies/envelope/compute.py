@@ -17,7 +17,7 @@ import xarray as xr
 
 from rollerrig import __version__
 from rollerrig.analysis.parallel import run_jobs
-from rollerrig.bench.load_transfer import load_transfer
+from rollerrig.bench.virtual_train import load_transfer
 from rollerrig.config import Case
 from rollerrig.model import assemble
 from rollerrig.results import output_folder

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from rollerrig.bench.load_transfer import load_transfer, train_mass
+from rollerrig.bench.virtual_train import load_transfer, train_mass
 from rollerrig.config import AntiSlip, Case, Rig, SlideProtection
 from rollerrig.model import assemble
 from rollerrig.studies.envelope.plan import rail_shape
