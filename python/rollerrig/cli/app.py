@@ -17,6 +17,7 @@ COMMANDS = (
     "stability",
     "compare",
     "adhesion",
+    "control",
     "scale",
     "envelope",
     "contact",

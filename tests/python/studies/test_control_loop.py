@@ -1,0 +1,140 @@
+"""The linear loop of the roller drives: against closed forms, against continuous time, and against runs of the core."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from rollerrig import load_case
+from rollerrig.studies.control.loop import (
+    Loop,
+    Wheel,
+    creep_slope,
+    default_gains,
+    gain_limit,
+    growth,
+    ideal_margin,
+    loop_of,
+    margins,
+    rolling_plant,
+    sampled_matrix,
+    vehicle_plant,
+)
+from rollerrig.studies.control.ring import RING_ABOVE, ring_jobs, ring_run, ringing
+
+WHEEL = Wheel(wheelset_inertia=112.0, roller_inertia=705.0, wheel_radius=0.46, roller_radius=0.725)
+ROLLING = 1e9  # creep so stiff that wheel and roller are one [N s/m]
+HZ = 2.0 * math.pi
+
+
+def loop(**changes: object) -> Loop:
+    """A PI loop of 0.7 Hz whose estimator filters force and acceleration alike, so that feed-forward sees no drive."""
+    gains = default_gains(WHEEL, 0.7 * HZ, 0.7)
+    made = Loop(
+        real=WHEEL,
+        believed=WHEEL,
+        creep=ROLLING,
+        virtual_creep=0.0,
+        drive_bandwidth=50.0 * HZ,
+        drive_damping=0.0,
+        step=1e-3,
+        sample=1e-3,
+        delay=0.0,
+        proportional=gains[0],
+        integral=gains[1],
+        estimator="filtered_derivative",
+        bandwidth=20.0 * HZ,
+        damping=0.8,
+    )
+    return replace(made, **changes)  # type: ignore[arg-type]
+
+
+def test_margins_are_those_of_the_closed_form() -> None:
+    found, made = margins(loop()), loop()
+    lag = 1.0 / made.drive_bandwidth + 0.5 * made.sample
+    crossover, phase = ideal_margin(0.7 * HZ, 0.7, lag)
+    # A lag of first order is a delay but for (w/w_d)^3/3, here 3e-6; the table of frequencies is 0.4 % fine.
+    assert found.crossover == pytest.approx(crossover, rel=1e-3)
+    assert found.phase == pytest.approx(phase, abs=1e-3)
+
+
+def test_slow_drives_ring_where_routh_says() -> None:
+    """s^2 (1 + s/w_d) + 2 zeta w s + w^2 is stable where w_d > w / (2 zeta): 0.5 Hz here."""
+    limit = 0.7 / (2.0 * 0.7) * HZ
+    fine = {"step": 1e-4, "sample": 1e-4}  # sampling adds half a sample of delay: 0.03 % of the margin
+    for factor, rings in ((0.95, True), (1.05, False)):
+        slow = loop(drive_bandwidth=factor * limit, **fine)
+        assert (growth(slow, rolling_plant(WHEEL, 1e7))[0] > 0.0) == rings, factor
+
+
+@pytest.mark.parametrize("delay", [0.0, 4e-3])
+def test_the_sampled_loop_rings_at_the_gain_margin(delay: float) -> None:
+    """Sampling as a delay of half a sample holds while the ring, 60 to 130 Hz, is slow against 1 kHz: within 3 %."""
+    creep = 657600.0
+    made = loop(delay=delay, creep=creep)
+    assert gain_limit(made, rolling_plant(WHEEL, creep)) == pytest.approx(margins(made).gain, rel=0.03)
+
+
+def test_poles_of_the_sampled_loop_are_those_that_the_gains_were_made_for() -> None:
+    fast = loop(drive_bandwidth=2000.0 * HZ, step=1e-4, sample=1e-4)
+    values = np.log(np.linalg.eigvals(sampled_matrix(fast, rolling_plant(WHEEL, 1e7))).astype(complex) + 1e-300) / 1e-4
+    wanted = 0.7 * HZ * complex(-0.7, math.sqrt(1.0 - 0.49))
+    nearest = values[np.argmin(abs(values - wanted))]
+    assert abs(nearest - wanted) < 2e-3 * abs(wanted)  # lag of 0.13 ms at 4.4 rad/s
+
+
+def test_an_inertia_believed_too_large_rings_by_feed_forward() -> None:
+    """Feed-forward over believed less real inertia is a loop of its own, of gain (J^/J - 1) J_r rho^2 / J_w: 1 at 39 %."""
+    limit = WHEEL.wheelset_inertia / (WHEEL.roller_inertia * WHEEL.ratio**2) * WHEEL.inertia
+    for factor, rings in ((0.8, False), (1.2, True)):
+        # Given to the wheelset alone, so that force and roller torque stay right.
+        heavy = replace(WHEEL, wheelset_inertia=WHEEL.wheelset_inertia + factor * limit)
+        made = loop(believed=heavy, proportional=0.0, integral=0.0)
+        assert (growth(made, rolling_plant(WHEEL, 1e7))[0] > 1e-3) == rings, factor
+
+
+
+
+def test_computed_growth_is_that_of_quiet_runs() -> None:
+    """The bogie's longitudinal spring-mass mode near 27 Hz rings from 13.9 times the gains on; wheel and roller alone do not."""
+    jobs = {round(job.factor, 1): job for job in ring_jobs(load_case("adhesion_brake"))}
+    for factor in (25.4, 40.3, 64.0):
+        point = ring_run(jobs[factor])
+        # The two axles' loads, and so their creep, differ once the brake pitches the frame; speed falls by 0.1 %.
+        assert point.measured[0] == pytest.approx(point.vehicle[0], abs=0.4), factor
+        assert point.measured[1] == pytest.approx(point.vehicle[1], rel=0.01), factor
+        assert point.rolling[0] < -50.0
+    calm = ring_run(jobs[8.0])
+    assert calm.vehicle[0] < 0.0
+    assert not calm.rang
+
+
+def test_the_limit_lies_between_calm_and_ringing_runs() -> None:
+    case = load_case("adhesion_brake")
+    creep = creep_slope(case)
+    made = loop_of(case, creep, sliding=False)
+    assert made is not None
+    limit = gain_limit(made, vehicle_plant(case))
+    points = [ring_run(job) for job in ring_jobs(case) if 0.7 * limit < job.factor < 1.6 * limit]
+    assert len(points) >= 3
+    assert {p.rang for p in points} == {True, False}
+    assert all(p.rang == (p.factor > limit) for p in points)
+
+
+def test_a_users_controller_has_no_equations_here() -> None:
+    case = load_case("adhesion_brake").with_changes({"rig_control.user": "mine:Mine"})
+    assert loop_of(case, 1e6, sliding=True) is None
+
+
+@pytest.mark.parametrize("rate", [3.0, 8.0])
+def test_rate_and_frequency_of_a_ring(rate: float) -> None:
+    time = np.arange(0.0, 4.0, 1e-3)
+    ring = 1e-9 * np.exp(rate * time) * np.sin(HZ * 27.0 * time)
+    slow = 1e-4 * np.exp(-time) * np.sin(HZ * 1.0 * time)
+    found, _ = ringing(time, (ring + slow)[:, None] * [1.0, 0.5])
+    assert found[0] == pytest.approx(rate, abs=0.1)  # tenths of a second hold no whole number of periods
+    assert found[1] == pytest.approx(27.0, abs=0.1)
+    assert found[1] > RING_ABOVE
