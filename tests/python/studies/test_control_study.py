@@ -14,7 +14,15 @@ import pytest
 from rollerrig import ConfigError, load_case
 from rollerrig.config import Case
 from rollerrig.config.rig_control import Estimator, Feedback
-from rollerrig.studies.control import FAMILIES, Study, chosen_families, compare_controllers, lead, study_case, write_control
+from rollerrig.studies.control import (
+    FAMILIES,
+    Study,
+    chosen_families,
+    compare_controllers,
+    lead,
+    study_case,
+    write_control,
+)
 from rollerrig.studies.control.compute import (
     LOST,
     LOST_RIPPLE,
@@ -50,7 +58,10 @@ def family(name: str, values: tuple[float, ...], *curves: str) -> Family:
 def study(tmp_path_factory: pytest.TempPathFactory) -> Study:
     file = tmp_path_factory.mktemp("mine") / "mine.py"
     file.write_text(MINE)
-    families = [family("drive_bandwidth", (0.2, 5.0, 50.0), "PI", "no feedback"), family("wrong_belief", (-5.0, 0.0, 5.0), "wheel radius", "roller inertia")]
+    families = [
+        family("drive_bandwidth", (0.2, 5.0, 50.0), "PI", "no feedback"),
+        family("wrong_belief", (-5.0, 0.0, 5.0), "wheel radius", "roller inertia"),
+    ]
     found = compare_controllers(brake(5.0), families=families, user=f"{file}:FeedForward", limits=False, processes=1)
     assert found is not None
     return found
@@ -87,7 +98,8 @@ def test_a_users_feed_forward_is_ours_without_feedback(study: Study) -> None:
 
 
 def test_feedback_and_fast_drives_help(study: Study) -> None:
-    errors = {curve: [r.numbers["tracking_rms"] for r in study.curve("drive_bandwidth", curve)] for curve in ("PI", "no feedback")}
+    curves = {name: study.curve("drive_bandwidth", name) for name in ("PI", "no feedback")}
+    errors = {name: [r.numbers["tracking_rms"] for r in points] for name, points in curves.items()}
     assert errors["PI"] == sorted(errors["PI"], reverse=True)
     assert all(a <= b for a, b in zip(errors["PI"][1:], errors["no feedback"][1:], strict=True))
     assert errors["PI"][0] > LOST > errors["PI"][1]

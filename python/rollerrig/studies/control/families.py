@@ -153,6 +153,12 @@ REFERENCES: dict[str, Changes] = {
         "rig_control.estimator.bandwidth": 100.0,
         **_sample_time_changes(2e-4),
     },
+    "as shipped, rolling without sliding": {"bench.ideal_rolling": True},
+    "both, rolling without sliding": {
+        "rig_control.motor.bandwidth": 400.0,
+        "rig_control.estimator.bandwidth": 100.0,
+        "bench.ideal_rolling": True,
+    },
 }
 """Runs that say where the tracking error of the case itself comes from."""
 

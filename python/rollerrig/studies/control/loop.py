@@ -4,7 +4,7 @@ Case -> loop_of -> Loop -> [open_loop, margins] of one axle in continuous time
 Case -> rolling_plant or vehicle_plant -> Plant, with the Loop -> [sampled_matrix, growth, gain_limit] sample by sample
 
 An independent check on the core's controller, written down from the equations in docs/theory/rig_control.md, (C1) to (C6) and
-(C9) to (C12), not from its code. Small motion about steady running: no limits, friction that does not change.
+(S1) to (S4), not from its code. Small motion about steady running: no limits, friction that does not change.
 """
 
 from __future__ import annotations
@@ -121,7 +121,8 @@ def loop_of(case: Case, creep: float, *, sliding: bool) -> Loop | None:
     Args:
         case: of a rig.
         creep: see `creep_slope`.
-        sliding: whether the virtual wheel slides; else it rolls, on the creep slope of the real one.
+        sliding: whether the virtual wheel slides; else it rolls, on the creep slope of the real one as far as the condition
+            of the virtual rail leaves it.
 
     Returns:
         The loop; None where this file has no equations for it: a user's controller or another estimator.
@@ -144,7 +145,7 @@ def loop_of(case: Case, creep: float, *, sliding: bool) -> Loop | None:
         real=real,
         believed=believed,
         creep=creep,
-        virtual_creep=0.0 if sliding else creep,
+        virtual_creep=0.0 if sliding else creep * _weakened(case),
         drive_bandwidth=2.0 * math.pi * control.motor.bandwidth,
         drive_damping=control.motor.damping_ratio,
         step=case.bench.step,
@@ -158,7 +159,13 @@ def loop_of(case: Case, creep: float, *, sliding: bool) -> Loop | None:
     )
 
 
-# ------------------------------------------------------------------------------------------- continuous, (C9) to (C11)
+def _weakened(case: Case) -> float:
+    """What the condition of the virtual rail leaves of the creep curve's slope, (A8)."""
+    rail = case.adhesion.rail if case.adhesion is not None else None
+    return 0.5 * (rail.stick_reduction + rail.slip_reduction) if rail is not None else 1.0
+
+
+# ------------------------------------------------------------------------------------------- continuous, (S1) to (S4)
 
 
 @dataclass(frozen=True)
@@ -179,7 +186,7 @@ class Margins:
 
 
 def open_loop(loop: Loop, frequency: Array) -> NDArray[np.complex128]:
-    """Frequency response of the feedback's open loop, (C9), over angular frequency [rad/s]."""
+    """Frequency response of the feedback's open loop, (S1), over angular frequency [rad/s]."""
     s = 1j * np.asarray(frequency)
     wheel, w = loop.real, loop.drive_bandwidth
     turning = wheel.roller_radius**2 * wheel.wheelset_inertia + wheel.wheel_radius**2 * wheel.roller_inertia
@@ -220,13 +227,13 @@ def _first_fall(frequency: Array, values: Array) -> float | None:
 def ideal_margin(bandwidth: float, damping: float, lag: float) -> tuple[float, float]:
     """Crossover [rad/s] and phase margin [rad] of (C6) with pure rolling and a total lag [s] of drive, delay and sampling.
 
-    (C10), with the drive's lag taken as a delay, as it is far below its bandwidth.
+    (S2), with the drive's lag taken as a delay, as it is far below its bandwidth.
     """
     crossover = bandwidth * math.sqrt(2.0 * damping**2 + math.sqrt(4.0 * damping**4 + 1.0))
     return crossover, math.atan(2.0 * damping * crossover / bandwidth) - crossover * lag
 
 
-# --------------------------------------------------------------------------------------------------- sampled, (C12)
+# --------------------------------------------------------------------------------------------------- sampled
 
 
 def _observer(loop: Loop, z: dict[str, Array]) -> None:
@@ -339,7 +346,7 @@ def _controller(loop: Loop, z: dict[str, Array]) -> Array:
 
 
 def sampled_matrix(loop: Loop, plant: Plant) -> Array:
-    """From the state at one sample to that at the next, (C12), shape (state, state).
+    """From the state at one sample to that at the next, shape (state, state).
 
     The state is the plant's, then per axle the drive's, the controller's (_STATES), the mean torque over the last bench step,
     and the commands still on their way.

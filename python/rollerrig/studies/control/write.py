@@ -20,6 +20,7 @@ from rollerrig.results import write_text
 from rollerrig.studies.control.compute import LOST, LOST_RIPPLE, RESULT_KEYS, Break, Rank, Result, Study, ranking
 from rollerrig.studies.control.families import Family
 from rollerrig.studies.control.loop import creep_slope, gain_limit, loop_of, margins, rolling_plant, vehicle_plant
+from rollerrig.studies.control.ring import quiet_case
 from rollerrig.studies.output import finite, write_rows
 
 LEFT_OUT = (
@@ -118,13 +119,12 @@ def _plain(numbers: dict[str, Any]) -> dict[str, Any]:
 
 
 def _loop(study: Study) -> dict[str, Any] | None:
-    creep = creep_slope(study.case)
-    loop = loop_of(study.case, creep, sliding=False)
-    if loop is None:
+    case = quiet_case(study.case)
+    creep = creep_slope(case)
+    loop, sliding = (loop_of(case, creep, sliding=slides) for slides in (False, True))
+    if loop is None or sliding is None:
         return None
-    found, sliding = margins(loop), loop_of(study.case, creep, sliding=True)
-    assert sliding is not None
-    vehicle = vehicle_plant(study.case)
+    found, vehicle = margins(loop), vehicle_plant(case)
     points = _loop_points(study)
     rows = [dict(zip(points, map(finite, row), strict=True)) for row in zip(*points.values(), strict=True)]
     return {
@@ -297,9 +297,10 @@ def _loop_blocks(study: Study, loop: dict[str, Any]) -> list[Any]:
         f"The PI loop crosses over at {said['crossover_hz']} Hz with a phase margin of {said['phase_margin_deg']}° and a gain "
         f"margin of {said['gain_margin']}, closed form for one axle. As it is sampled, wheel and roller alone ring from "
         f"{said['rings_from_factor_alone']} times its gains on; with the vehicle on its springs the loop rings from "
-        f"{said['rings_from_factor']} times on while the virtual wheel rolls, and from "
-        f"{said['rings_from_factor_sliding']} times while it slides. Computed is the least damped motion above 10 Hz, from the core's exact linearisation of the vehicle and a "
-        "controller written down from the equations; measured are quiet runs on a dry virtual rail after a light push."
+        f"{said['rings_from_factor']} times on while the virtual wheel rolls on a dry rail, and from "
+        f"{said['rings_from_factor_sliding']} times while it slides. Computed is the least damped motion above "
+        "10 Hz, from the core's exact linearisation of the vehicle and a controller written down from the equations; "
+        "measured are quiet runs on a dry virtual rail after a light push."
     )
     picture = figures.ring_limit(_loop_points(study))
     return [Text(text), Figure(figure_bytes(picture, "png"), "Growth rate and frequency of the loop over its gains.")]
