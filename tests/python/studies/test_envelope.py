@@ -15,7 +15,7 @@ import pytest
 import xarray as xr
 from typer.testing import CliRunner
 
-from rollerrig import ConfigError, StartError, envelope, load_case, simulate
+from rollerrig import ConfigError, StartError, _core, envelope, load_case, simulate
 from rollerrig.bench import ROLLERS_PROTECTED
 from rollerrig.cli.app import build_app
 from rollerrig.config import Case
@@ -26,6 +26,7 @@ from rollerrig.studies.envelope.compute import closed_forms
 from rollerrig.studies.envelope.judge import held_since, judge
 from rollerrig.studies.envelope.lines import rig_numbers
 from rollerrig.studies.envelope.plan import BEGIN, RISE, Point, point_case
+from rollerrig.studies.envelope.virtual_rail import Patch, adhesion_at, creep_peak
 
 COULOMB = {"adhesion": {"rail": {"start": 0.1, "remaining": 1.0, "decay": 0.0}}}
 SMALL = {"torques": [-4e3, -2e3], "adhesions": [0.05, 0.3], "loads": [1.0], "duration": 0.8, "refine": 0}
@@ -75,6 +76,8 @@ def made_up_run(status: str = "ok", **values: object) -> xr.Dataset:
     }
     variables |= {
         "patch_normal": (wheel, normal),
+        "patch_a": (wheel, np.full_like(normal, 6e-3)),
+        "patch_b": (wheel, np.full_like(normal, 5e-3)),
         "patch_creep_force_x": (wheel, 0.3 * used * normal),
         "patch_creep_force_y": (wheel, 0.0 * normal),
     }
@@ -133,6 +136,25 @@ def test_a_limit_counts_where_it_is_held() -> None:
     assert held_since(t, met) == pytest.approx(0.5)
     met[20:40, 0] = True
     assert held_since(t, met) == pytest.approx(0.2)
+
+
+def test_a_wheel_slides_beyond_the_peak_of_the_creep_curve(case: Case) -> None:
+    """Slippery and weak: creep uses all adhesion at 3 mu N / (k G a b c_11); friction has fallen a little until there."""
+    patch = Patch(6e-3, 5e-3, 5e4)
+    stiffness = 79e9 * 30e-6 * _core.kalker_coefficients(6 / 5, 0.28)[0]
+    for adhesion in (0.05, 0.3):
+        hard = case.with_changes({"adhesion.rail": {"start": adhesion}, "contact.material": "steel"})
+        slip, share = creep_peak(hard, patch, adhesion)
+        shear = hard.contact.material.shear_modulus
+        assert slip == pytest.approx(3 * adhesion * 5e4 / (stiffness * shear / 79e9), rel=0.06)  # steps of 5.5 %
+        assert share == pytest.approx(adhesion, rel=1e-6)
+        weak = hard.with_changes({"adhesion.rail": {"start": adhesion, "stick_reduction": 0.3, "slip_reduction": 0.1}})
+        assert creep_peak(weak, patch, adhesion)[0] == pytest.approx(5 * slip, rel=0.06)
+        falls = {"start": adhesion, "remaining": 0.4, "decay": 0.2, "stick_reduction": 0.3, "slip_reduction": 0.1}
+        falling = hard.with_changes({"adhesion.rail": falls})
+        at, share = creep_peak(falling, patch, adhesion)
+        assert at < 5 * slip
+        assert 0.8 * adhesion < share < float(adhesion_at(falling, adhesion, 0.9 * at)) < adhesion
 
 
 # ---------------------------------------------------------------------------------------------------- the points
@@ -225,7 +247,7 @@ def test_limits_begin_where_closed_forms_put_them(
     """
     plan = make_plan(coulomb, duration=1.5)
     model = point_case(plan, Point(load, -1.0, adhesion))
-    border = float(closed_forms(model, rig_numbers(model), np.array([adhesion]))[line][0])
+    border = float(closed_forms(model, np.array([adhesion]))[line][0])
     found = {
         factor: judge(simulate(point), point, -factor * border)
         for factor in (0.88, 1.12)

@@ -22,11 +22,12 @@ from rollerrig.config import Case
 from rollerrig.model import assemble
 from rollerrig.results import output_folder
 from rollerrig.run import simulate
-from rollerrig.start import StartError
+from rollerrig.start import StartError, equilibrium_dataset
 from rollerrig.studies.envelope.judge import REGIONS, Record, failed, judge
-from rollerrig.studies.envelope.lines import RigNumbers, rig_numbers, sliding_adhesion
+from rollerrig.studies.envelope.lines import held_slip, rig_numbers
 from rollerrig.studies.envelope.plan import Plan, Point, make_plan, point_case, vehicle_torque
 from rollerrig.studies.envelope.store import Store
+from rollerrig.studies.envelope.virtual_rail import adhesion_at, creep_peak, patch_of
 
 Progress = Callable[[float, str], None]
 
@@ -246,17 +247,17 @@ def _dataset(plan: Plan, done: dict[Point, Record], interrupted: bool, kept: int
 def _with_lines(found: xr.Dataset, plan: Plan) -> xr.Dataset:
     """The map with its closed forms over `side` (brake, traction), load and adhesion."""
     adhesions = found["adhesion"].to_numpy()
-    fine = np.linspace(adhesions[0], adhesions[-1], 181)
+    fine = np.linspace(adhesions[0], adhesions[-1], 91)
     sides = [side for side, there in (("brake", plan.torques[0] < 0), ("traction", plan.torques[-1] > 0)) if there]
     lines = {name: np.full((len(sides), len(plan.loads), len(fine)), np.nan) for name in LINES}
     loads_n, slippery = np.zeros(len(plan.loads)), np.zeros((len(sides), len(plan.loads)))
     for k, load in enumerate(plan.loads):
         for s, side in enumerate(sides):
             case = point_case(plan, Point(load, -1.0 if side == "brake" else 1.0, float(adhesions[0])))
-            rig = rig_numbers(case)
-            loads_n[k], slippery[s, k] = rig.axle_load, rig.contact_adhesion()
-            for name, values in closed_forms(case, rig, fine).items():
-                lines[name][s, k] = values
+            forms = closed_forms(case, fine)
+            loads_n[k], slippery[s, k] = forms["axle_load"], forms["contact_adhesion"]
+            for name in forms.keys() & lines.keys():
+                lines[name][s, k] = forms[name]
             own = vehicle_torque(plan.case, side == "brake")
             lines["line_vehicle"][s, k] = np.nan if own is None else own
     variables: dict[str, Any] = {
@@ -273,18 +274,21 @@ def _with_lines(found: xr.Dataset, plan: Plan) -> xr.Dataset:
     return found.assign(variables).assign_coords(side=("side", sides), line_adhesion=along)
 
 
-def closed_forms(case: Case, rig: RigNumbers, adhesion: np.ndarray[Any, np.dtype[np.float64]]) -> dict[str, Any]:
-    """Closed forms by name where each of them applies, NaN elsewhere [N m].
+def closed_forms(case: Case, adhesion: np.ndarray[Any, np.dtype[np.float64]]) -> dict[str, Any]:
+    """Closed forms of LINES by name where each of them applies, NaN elsewhere [N m], and `contact_adhesion` [-].
 
     Args:
-        case: brakes if it has [brake], otherwise pulls: sets the slip of a slide.
-        rig: its numbers.
-        adhesion: of the rail at no slip.
+        case: of a point with the load; brakes if it has [brake], otherwise pulls: sets the slip of a slide.
+        adhesion: of the rail at no slip, ascending.
     """
-    grip, slide = rig.grip(adhesion), rig.drive_slide(sliding_adhesion(case, adhesion))
-    recovery = rig.drive_recovery(adhesion)  # at the end of it, where adhesion is back
+    rig, patch = rig_numbers(case), patch_of(equilibrium_dataset(assemble(case)))
+    peak = np.array([creep_peak(case, patch, float(mu))[1] for mu in adhesion])
+    grip, slide = rig.grip(peak), rig.drive_slide(adhesion_at(case, adhesion, held_slip(case)))
+    recovery = rig.drive_recovery(peak)  # at the end of it, where adhesion is back
     contact, drive = rig.contact(), rig.drive_grip()
     return {
+        "axle_load": rig.axle_load,
+        "contact_adhesion": float(np.interp(rig.contact_adhesion(), peak, adhesion, right=np.nan)),
         "line_grip": grip,
         "line_contact": np.where(contact <= grip, contact, np.nan),
         "line_drive_grip": np.where(drive <= grip, drive, np.nan),

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from rollerrig.bench import ROLLERS_PROTECTED
 from rollerrig.config import Case
+from rollerrig.studies.envelope.virtual_rail import creep_peak, patch_of, rail_shape
 from rollerrig.studies.output import finite
 
 Mask = NDArray[np.bool_]
@@ -25,8 +26,8 @@ LEAST_SPEED = 2.0
 FINE = 0.01
 """Tracking error, RMS of train speed, up to which a rig imitates."""
 
-SLIDES = 0.03
-"""Slip of the virtual wheel that creep alone does not reach [-]."""
+SLIDES = (1.2, 0.005)
+"""A wheel slides on the imitated rail beyond so many times the slip of the creep curve's peak, and so much more [-]."""
 
 FULL = 0.98
 """Part of the friction between wheel and roller from which the wheel as good as slides."""
@@ -63,14 +64,15 @@ def judge(run: xr.Dataset, case: Case, torque: float) -> Record:
         their times [s]; numbers without a unit in their names are ratios. None: not known.
     """
     slip, error = _slip_and_error(run, case)
+    grips = grip_slip(run, case)
     used = friction_used(run, case.contact.friction)
-    limits = {**_contact_limit(run, used), **_drive_limits(run, case, torque, slip)}
+    limits = {**_contact_limit(run, used), **_drive_limits(run, case, torque, np.abs(slip) > grips)}
     rms = float(np.sqrt(np.nanmean(error**2))) if np.isfinite(error).any() else np.nan
     slid = float(np.nanmax(np.abs(slip))) if np.isfinite(slip).any() else 0.0
     status = str(run.attrs["status"])
     roller = np.abs(run["roller_torque"].to_numpy())
     return {
-        "region": region(status, limits, rms, slid),
+        "region": region(status, limits, rms, slid > grips),
         "limits": dict(sorted(limits.items(), key=lambda item: item[1])),
         "tracking_rms": finite(rms),
         "tracking_largest": finite(float(np.nanmax(np.abs(error)))) if np.isfinite(error).any() else None,
@@ -91,14 +93,21 @@ def failed(status: str, message: str) -> Record:
     return {"region": "failed", "limits": {}, **absent, "status": status, "message": message}
 
 
-def region(status: str, limits: Mapping[str, float], tracking_rms: float, slip_largest: float) -> str:
+def grip_slip(run: xr.Dataset, case: Case) -> float:
+    """Slip of the virtual wheel up to which it grips [-]."""
+    rail = rail_shape(case)
+    slip, _ = creep_peak(case, patch_of(run), rail.start if case.adhesion is not None else case.contact.friction)
+    return SLIDES[0] * slip + SLIDES[1]
+
+
+def region(status: str, limits: Mapping[str, float], tracking_rms: float, slides: bool) -> str:
     """The region of a run: a key of REGIONS.
 
     Args:
         status: of the run.
         limits: those met, and when [s].
         tracking_rms: error over train speed; NaN: not known.
-        slip_largest: of a virtual wheel [-].
+        slides: whether a virtual wheel does.
     """
     if status not in ("ok", ROLLERS_PROTECTED):
         return "failed"
@@ -106,7 +115,7 @@ def region(status: str, limits: Mapping[str, float], tracking_rms: float, slip_l
         return min(limits, key=lambda name: limits[name])
     if not tracking_rms < FINE:
         return "slow"
-    return "slide" if slip_largest > SLIDES else "grip"
+    return "slide" if slides else "grip"
 
 
 def held_since(times: NDArray[np.float64], met: Mask) -> float | None:
@@ -152,7 +161,7 @@ def _contact_limit(run: xr.Dataset, used: NDArray[np.float64]) -> dict[str, floa
     return {} if since is None else {"contact": since}
 
 
-def _drive_limits(run: xr.Dataset, case: Case, torque: float, slip: NDArray[np.float64]) -> dict[str, float]:
+def _drive_limits(run: xr.Dataset, case: Case, torque: float, sliding: Mask) -> dict[str, float]:
     """Where the command is all that a roller's drive gives: what it was needed for."""
     control = case.rig_control
     assert control is not None
@@ -167,7 +176,6 @@ def _drive_limits(run: xr.Dataset, case: Case, torque: float, slip: NDArray[np.f
         can = np.minimum(can, at_speed)
     at_limit = np.abs(command) >= 0.999 * can
     into = command * np.sign(torque) > 0.0  # the wheel is helped the way that its torque pushes it
-    sliding = np.abs(np.nan_to_num(slip)) > SLIDES
     masks = {
         "drive_power": at_limit & weaker,
         "drive_slide": at_limit & ~weaker & into,

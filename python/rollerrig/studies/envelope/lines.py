@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 from rollerrig.bench.virtual_train import load_transfer, train_mass
 from rollerrig.config import AntiSlip, Case, Rig, SlideProtection
 from rollerrig.model import assemble
-from rollerrig.studies.envelope.plan import rail_shape
 
 Array = NDArray[np.float64]
 
@@ -66,10 +65,15 @@ class RigNumbers:
 
     def contact(self) -> float:
         """Beyond it a wheel that grips on the rail slides on its roller, (M3)."""
-        return float(self.torque_of_force(self.contact_adhesion() * self.axle_load))
+        return float(self.torque_of_force(self._contact_share * self.axle_load))
 
     def contact_adhesion(self) -> float:
-        """On a rail with more than that a wheel that slides on the rail slides on its roller as well, (M3)."""
+        """On a rail that gives more than that a wheel that slides on it slides on its roller as well: (M2) with (M3)."""
+        return self._contact_share / (1.0 - self._contact_share * self.imitated_transfer)
+
+    @property
+    def _contact_share(self) -> float:
+        """Largest mean force of the axles over their load."""
         return self.friction / (1.0 + self.friction * self.load_transfer)
 
     def drive_grip(self) -> float:
@@ -126,10 +130,8 @@ def _per_force(per_acceleration: Sequence[float], mass: float) -> float:
     return len(per_acceleration) * max(map(abs, per_acceleration)) / mass
 
 
-def sliding_adhesion(case: Case, adhesion: Array) -> Array:
-    """Adhesion at the slip that slide protection or anti-slip lets a wheel reach before it acts, (A1)."""
-    brakes = case.brake is not None
-    protection = case.slide_protection or SlideProtection()
-    allowed = protection.vent_slip if brakes else (case.anti_slip or AntiSlip()).slip
-    rail, slip = rail_shape(case), allowed * case.motion.speed
-    return np.asarray(adhesion * ((1.0 - rail.remaining) * np.exp(-rail.decay * slip) + rail.remaining))
+def held_slip(case: Case) -> float:
+    """Slip that slide protection, of a case with [brake], or anti-slip lets a wheel reach before it acts [-]."""
+    if case.brake is not None:
+        return (case.slide_protection or SlideProtection()).vent_slip
+    return (case.anti_slip or AntiSlip()).slip

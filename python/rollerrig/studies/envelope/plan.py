@@ -18,7 +18,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from rollerrig.config import Brake, Case, Condition, ConfigError, ConfigProblem, Motor, Rig, Traction
+from rollerrig.config import Brake, Case, ConfigError, ConfigProblem, Motor, Rig, Traction
+from rollerrig.studies.envelope.virtual_rail import rail_shape
 
 BEGIN, RISE = 0.1, 0.2
 """The torque begins to act, and takes so long to its full value [s]."""
@@ -175,11 +176,6 @@ def point_case(plan: Plan, point: Point) -> Case:
 def _rail(case: Case, adhesion: float) -> dict[str, Any]:
     """The case's condition of the rail with another friction at no slip."""
     return {**_plain(rail_shape(case)), "start": adhesion}
-
-
-def rail_shape(case: Case) -> Condition:
-    """How the virtual rail's adhesion falls with slip, (A1); without [adhesion] it does not."""
-    return Condition(start=1.0) if case.adhesion is None else case.adhesion.rail
 
 
 def _load_changes(case: Case, load: float) -> dict[str, object]:

@@ -48,13 +48,13 @@ METHOD = (
     f"speed. A region is named after the limit that is met first for at least {1e3 * HELD:g} ms: creep force of "
     f"{FULL:g} of the friction between wheel and roller, or the whole torque of a roller's drive. Where no limit is "
     f"met the tracking error decides: {100 * FINE:g} % of train speed, RMS. Wheels slide where the virtual slip "
-    f"exceeds {100 * SLIDES:g} %. Cells between different regions are halved; colours between runs are those of the "
-    "nearest one."
+    f"exceeds {SLIDES[0]:g} times that of the creep curve's peak by {100 * SLIDES[1]:g} %. Cells between different "
+    "regions are halved; colours between runs are those of the nearest one."
 )
 CLOSED_FORMS = (
     "Lines are closed forms, not fits: rolling without sliding, steady forces, no lag of drives and estimator. Load "
-    "transfer is that of the vehicle at rest under a steady force; (M5) takes the adhesion at the slip where "
-    "the protection acts, (M6) that at no slip, at the end of the slide. The torque in (M6) is that which the "
+    "transfer is that of the vehicle at rest under a steady force; (M2) and (M6) take the peak of the creep "
+    "curve of the rail, (M5) the adhesion at the slip where the protection acts. The torque in (M6) is that which the "
     "protection leaves on the axle, not the one asked for: a run to the right of (M2) is limited on the way out of its "
     "slide if the protection takes off more than that. A border agrees if its line passes within a cell of the map."
 )

@@ -1,0 +1,87 @@
+"""What the imitated rail gives at most, and from which slip on a wheel slides on it.
+
+case of a point, patch of a wheel -> [virtual rail] -> peak of the creep curve
+
+Adhesion falls with slip, (A1), while creep needs slip to build up, (A8): the peak lies below the adhesion at no slip.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from rollerrig import _core
+from rollerrig.config import Case, Condition
+from rollerrig.config.contact_law import PolachReduction
+from rollerrig.creep import creep_law, creep_law_of
+
+Array = NDArray[np.float64]
+
+_SLIPS = np.geomspace(1e-4, 0.5, 160)
+
+
+@dataclass(frozen=True)
+class Patch:
+    """One ellipse that stands for all patches of a wheel: semi-axes [m] and load [N]."""
+
+    a: float
+    b: float
+    load: float
+
+
+def patch_of(run: xr.Dataset) -> Patch:
+    """The patch of the first wheel at the start of a run."""
+    first = run.isel(time=0, wheel=0)
+    a, b = np.nan_to_num(first["patch_a"].to_numpy()), np.nan_to_num(first["patch_b"].to_numpy())
+    area, aspect = float(np.sum(a * b)), float(np.sum(a * a) / np.sum(a * b))
+    return Patch(float(np.sqrt(area * aspect)), float(np.sqrt(area / aspect)), float(first["vertical_force"]))
+
+
+def rail_shape(case: Case) -> Condition:
+    """How the virtual rail's adhesion falls with slip, (A1); without [adhesion] it does not."""
+    return Condition(start=1.0) if case.adhesion is None else case.adhesion.rail
+
+
+def adhesion_at(case: Case, adhesion: Array | float, slip: Array | float) -> Array:
+    """Adhesion at a slip, (A1).
+
+    Args:
+        case: whose rail and speed it is.
+        adhesion: at no slip [-].
+        slip: over the train's speed [-].
+    """
+    rail = rail_shape(case)
+    falls = (1.0 - rail.remaining) * np.exp(-rail.decay * np.asarray(slip) * case.motion.speed) + rail.remaining
+    return np.asarray(adhesion * falls)
+
+
+def creep_peak(case: Case, patch: Patch, adhesion: float) -> tuple[float, float]:
+    """Slip and force over load at the peak of the creep curve of the imitated rail.
+
+    Args:
+        case: whose rail, creep law and speed it is.
+        patch: of a wheel.
+        adhesion: at no slip [-].
+
+    Returns:
+        The slip from which on adhesion is all used, and the largest force over the load [-].
+    """
+    rail, contact = rail_shape(case), case.contact
+    if contact.creep == "polach":
+        reduction = PolachReduction(stick_reduction=rail.stick_reduction, slip_reduction=rail.slip_reduction)
+        law, left = creep_law("polach", polach=reduction), 1.0
+    else:  # as stiff as a creepage smaller by (A8)
+        law, left = creep_law_of(contact), 0.5 * (rail.stick_reduction + rail.slip_reduction)
+    shear, poisson = contact.material.shear_modulus, contact.material.poisson_ratio
+
+    def force(slip: float, friction: float) -> float:
+        creepage = np.array([[-left * slip, 0.0, 0.0]])
+        row = _core.creep_forces(creepage, patch.a, patch.b, patch.load, max(friction, 1e-6), shear, poisson, law)
+        return float(row[0, 0]) / patch.load
+
+    forces = np.array([force(s, m) for s, m in zip(_SLIPS, adhesion_at(case, adhesion, _SLIPS), strict=True)])
+    largest = float(forces.max())
+    return float(_SLIPS[np.flatnonzero(forces >= (1.0 - 1e-6) * largest)[0]]), largest
