@@ -45,7 +45,7 @@ ERRORS = (0.003, 0.01, 0.03)
 
 _PANELS = (
     "speed [km/h]",
-    "torque [kN m]",
+    "torque [{unit}]",
     "contact force over\nfriction limit [-]",
     "tracking error\n[% of train speed]",
 )
@@ -82,10 +82,22 @@ def region_map(found: xr.Dataset, load: float, names: Mapping[str, str]) -> Figu
         handles += [Line2D([], [], color="#333333", marker=".", markersize=3, linestyle="", label="a run")]
         figure.legend(handles=handles, loc="outside lower center", ncols=2)
         axes.set_title(f"axle load {1e-3 * float(here['axle_load']):.4g} kN ({load:g} of the case's own)", loc="left")
-        axes.set_xlabel("torque on each axle [kN m]" + (", negative brakes" if float(found["torque"][0]) < 0 else ""))
+        axes.set_xlabel(
+            f"torque on each axle [{_map_unit(here)[0]}]"
+            + (", negative brakes" if float(found["torque"][0]) < 0 else "")
+        )
         axes.set_ylabel("adhesion of the imitated rail [-]")
         axes.grid(False)
         return figure
+
+
+def _unit(largest: float) -> tuple[str, float]:
+    """Unit that suits torques up to the largest [N m], and what multiplies them."""
+    return ("kN m", 1e-3) if largest >= 500.0 else ("N m", 1.0)
+
+
+def _map_unit(found: xr.Dataset) -> tuple[str, float]:
+    return _unit(float(np.abs(found["torque"]).max()))
 
 
 def _cells(values: Array) -> Array:
@@ -106,7 +118,8 @@ def _nearest(regions: NDArray[np.str_]) -> NDArray[np.str_]:
 
 
 def _regions(axes: Axes, here: xr.Dataset) -> set[str]:
-    x, y = 1e-3 * _cells(here["torque"].to_numpy()), _cells(here["adhesion"].to_numpy())
+    scale = _map_unit(here)[1]
+    x, y = scale * _cells(here["torque"].to_numpy()), _cells(here["adhesion"].to_numpy())
     regions = _nearest(here["region"].to_numpy())
     for j, row in enumerate(regions):
         ends = [0, *(np.flatnonzero(row[1:] != row[:-1]) + 1), len(row)]
@@ -133,7 +146,7 @@ def _errors(axes: Axes, here: xr.Dataset) -> None:
     if len(rows) < 4 or np.ptp(rows) == 0 or np.ptp(columns) == 0:
         return
     triangles = Triangulation(columns, rows).triangles
-    x, y = 1e-3 * here["torque"].to_numpy()[columns], here["adhesion"].to_numpy()[rows]
+    x, y = _map_unit(here)[1] * here["torque"].to_numpy()[columns], here["adhesion"].to_numpy()[rows]
     values = np.log10(np.maximum(error[rows, columns], 1e-6))
     levels = [level for level in np.log10(ERRORS) if values.min() < level < values.max()]
     if not levels:
@@ -150,7 +163,7 @@ def _closed_forms(axes: Axes, here: xr.Dataset) -> list[str]:
     adhesion = here["line_adhesion"].to_numpy()
     for name, (colour, style, _) in LINES.items():
         for side in here["side"].to_numpy():
-            torque = 1e-3 * here[name].sel(side=side).to_numpy() * (-1.0 if side == "brake" else 1.0)
+            torque = _map_unit(here)[1] * here[name].sel(side=side).to_numpy() * (-1.0 if side == "brake" else 1.0)
             if np.any(np.isfinite(torque) & (torque > low) & (torque < high)):
                 axes.plot(torque, adhesion, color="white", linewidth=3.0, alpha=0.8)
                 axes.plot(torque, adhesion, color=colour, linestyle=style, linewidth=1.6)
@@ -163,7 +176,7 @@ def _contact_on_the_right(axes: Axes, here: xr.Dataset) -> None:
     """The border of sliding on the roller where the wheel slides on the rail: a level of adhesion."""
     colour, style, _ = LINES["line_contact"]
     for side in here["side"].to_numpy():
-        torques = 1e-3 * here["line_contact"].sel(side=side).to_numpy()
+        torques = _map_unit(here)[1] * here["line_contact"].sel(side=side).to_numpy()
         if np.isfinite(torques).any():
             begin, level = float(np.nanmin(torques)), float(here["contact_adhesion"].sel(side=side))
             end = max(abs(limit) for limit in axes.get_xlim())
@@ -175,7 +188,7 @@ def _contact_on_the_right(axes: Axes, here: xr.Dataset) -> None:
 
 def _run_dots(axes: Axes, here: xr.Dataset) -> None:
     rows, columns = np.nonzero(here["region"].to_numpy() != "")
-    x, y = 1e-3 * here["torque"].to_numpy()[columns], here["adhesion"].to_numpy()[rows]
+    x, y = _map_unit(here)[1] * here["torque"].to_numpy()[columns], here["adhesion"].to_numpy()[rows]
     axes.plot(x, y, linestyle="", marker=".", markersize=2.0, color="#333333", zorder=4)
 
 
@@ -187,15 +200,17 @@ def runs_over_time(runs: Sequence[tuple[str, xr.Dataset]], radius: float, fricti
         radius: of the wheels [m].
         friction: between wheel and roller [-].
     """
+    largest = max(float(np.abs(run["roller_torque"]).max()) for _, run in runs)
+    unit, scale = _unit(largest)
     with house_style():
         figure = Figure(figsize=(7.2, 7.0), layout="constrained")
         panels = figure.subplots(4, len(runs), squeeze=False, sharex="col", sharey="row")
         for column, (title, run) in zip(panels.T, runs, strict=True):
-            _one_run(column, _one_axle(run), radius, friction)
+            _one_run(column, _one_axle(run), radius, friction, scale)
             column[0].set_title("\n".join(wrap(title, 34)), fontsize=8.0, loc="left")
             column[-1].set_xlabel("time [s]")
         for axes, label in zip(panels[:, 0], _PANELS, strict=True):
-            axes.set_ylabel(label)
+            axes.set_ylabel(label.format(unit=unit))
         handles, labels = zip(*(panel.get_legend_handles_labels() for panel in panels[:2, 0]), strict=True)
         figure.legend([*handles[0], *handles[1]], [*labels[0], *labels[1]], loc="outside upper center", ncols=3)
         return figure
@@ -210,7 +225,7 @@ def _one_axle(run: xr.Dataset) -> xr.Dataset:
     return run.isel(axle=axle, wheel=slice(axle * wheels, (axle + 1) * wheels))
 
 
-def _one_run(column: Any, run: xr.Dataset, radius: float, friction: float) -> None:
+def _one_run(column: Any, run: xr.Dataset, radius: float, friction: float, scale: float) -> None:
     time = run["time"].to_numpy()
 
     def line(axes: Axes, values: Any, number: int, style: str, label: str) -> None:
@@ -228,9 +243,9 @@ def _one_run(column: Any, run: xr.Dataset, radius: float, friction: float) -> No
     line(speed, 3.6 * run["train_speed"], 5, "-", "train, virtual")
     line(speed, 3.6 * radius * run["virtual_speed"], 1, "--", "wheel, virtual")
     line(speed, 3.6 * radius * run["axle_speed"], 0, "-", "wheel, rig")
-    line(torque, 1e-3 * (run["brake_torque"] + run["traction_torque"]), 4, "-", "torque on the axle")
-    line(torque, 1e-3 * run["roller_torque"], 3, "-", "of the roller's drive")
-    line(torque, 1e-3 * run["roller_command"], 2, ":", "asked of it")
+    line(torque, scale * (run["brake_torque"] + run["traction_torque"]), 4, "-", "torque on the axle")
+    line(torque, scale * run["roller_torque"], 3, "-", "of the roller's drive")
+    line(torque, scale * run["roller_command"], 2, ":", "asked of it")
     normal, force = (run[name].sum(("wheel", "patch")) for name in ("patch_normal", "patch_creep_force_x"))
     line(used, force / np.maximum(friction * normal, 1.0), 0, "-", "")
     for limit in (-1.0, 1.0):

@@ -115,8 +115,9 @@ def run_plan(
             before = len(done)
 
             def keep(number: int, record: Record, wanted: list[Point] = wanted) -> None:
-                done[wanted[number]] = record
-                if store is not None:
+                if store is None:
+                    done[wanted[number]] = record
+                else:
                     store.add(wanted[number], record)
 
             def shown(

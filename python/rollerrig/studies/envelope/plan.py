@@ -19,6 +19,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from rollerrig.config import Brake, Case, ConfigError, ConfigProblem, Motor, Rig, Traction
+from rollerrig.studies.envelope.lines import rig_numbers
 from rollerrig.studies.envelope.virtual_rail import rail_shape
 
 BEGIN, RISE = 0.1, 0.2
@@ -36,6 +37,12 @@ MOST_RUNS = 100_000
 MOST_REFINED = 4
 
 
+def torque_text(torque: float) -> str:
+    """A torque [N m] for people; the blanks do not break."""
+    scaled, unit = (1e-3 * torque, "kN\u00a0m") if abs(torque) >= 500.0 else (torque, "N\u00a0m")
+    return f"{scaled:.4g}\u00a0{unit}"
+
+
 class Point(NamedTuple):
     """A place on the map: axle load over the case's own [-], torque on each axle, positive forward [N m], adhesion [-]."""
 
@@ -46,7 +53,7 @@ class Point(NamedTuple):
     @property
     def label(self) -> str:
         """For people."""
-        return f"{1e-3 * self.torque:.4g}\u00a0kN\u00a0m, adhesion\u00a0{self.adhesion:.3g}, load\u00a0{self.load:.3g}"
+        return f"{torque_text(self.torque)}, adhesion\u00a0{self.adhesion:.3g}, load\u00a0{self.load:.3g}"
 
 
 @dataclass(frozen=True)
@@ -129,14 +136,12 @@ def check_case(case: Case) -> None:
 
 
 def default_torques(case: Case) -> list[float]:
-    """Beyond what dry rollers carry, in round steps; brakes for a case with [brake], otherwise traction."""
-    weight = sum(body.mass for body in case.vehicle.data.body) * case.gravity
-    axles = sum(body.kind == "wheelset" for body in case.vehicle.data.body)
-    most = 1.25 * case.vehicle.data.wheel.radius * case.contact.friction * weight / axles
-    raw = max(most, 1e-6) / TORQUES
+    """Beyond what rollers or their drives carry, in round steps; brakes for a case with [brake], otherwise traction."""
+    rig = rig_numbers(case)
+    raw = 1.3 * max(min(rig.contact(), rig.drive_grip()), 1e-6) / TORQUES
     power = 10.0 ** math.floor(math.log10(raw))
     step = min((1.0, 1.2, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0), key=lambda s: abs(s * power - raw)) * power
-    rising = [round(step * k, 9) for k in range(1, TORQUES + 1)]
+    rising = [float(f"{step * k:.9g}") for k in range(1, TORQUES + 1)]
     return [-torque for torque in reversed(rising)] if case.brake is not None else rising
 
 

@@ -77,12 +77,14 @@ class Store:
             self._file.close()
 
     def add(self, point: Point, record: Record) -> None:
-        """Keep a run.
+        """Keep a run; one that Ctrl-C brings here again is kept already.
 
         Raises:
             OutputError: it could not be written.
         """
         assert self._file is not None
+        if point in self.done:
+            return
         whole = {"load": point.load, "torque_nm": point.torque, "adhesion": point.adhesion, **record}
         try:
             self._file.write(_line(whole))

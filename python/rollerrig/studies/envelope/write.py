@@ -23,7 +23,7 @@ from rollerrig.run import simulate
 from rollerrig.studies.envelope.borders import Border, borders, slides
 from rollerrig.studies.envelope.compute import LINES, NUMBERS
 from rollerrig.studies.envelope.judge import FINE, FULL, HELD, IMITATED, REGIONS, SLIDES
-from rollerrig.studies.envelope.plan import BEGIN, RISE, Plan, Point, point_case
+from rollerrig.studies.envelope.plan import BEGIN, RISE, Plan, Point, point_case, torque_text
 from rollerrig.studies.output import finite, write_rows
 
 KEYS = {
@@ -198,7 +198,7 @@ def lead(found: xr.Dataset) -> str:
     ]
     if limits:
         lines.append(
-            "What limits the others first: " + "; ".join(f"{REGIONS[n]} ({counts[n]} runs)" for n in limits) + "."
+            "What limits the others first: " + "; ".join(f"{REGIONS[n]} ({_runs(counts[n])})" for n in limits) + "."
         )
     for side, torque in numbers["vehicle_torque_nm"].items():
         if torque is not None:
@@ -206,7 +206,7 @@ def lead(found: xr.Dataset) -> str:
             imitated = numbers["vehicle_imitated"][side]
             verdict = {True: "is imitated on every rail and load", None: "lies below the map"}.get(imitated)
             lines.append(
-                f"What the vehicle's own {machine} exerts, up to {1e-3 * torque:.3g} kN m per axle, "
+                f"What the vehicle's own {machine} exerts, up to {torque_text(float(f'{torque:.3g}'))} per axle, "
                 f"{verdict or 'is not imitated everywhere: see the table'}."
             )
     agreement = numbers["agreement"]
@@ -218,6 +218,10 @@ def lead(found: xr.Dataset) -> str:
     if told:
         lines.append(f"Closed forms and runs agree within a cell of the map on {' and '.join(told)}.")
     return "\n".join(lines)
+
+
+def _runs(count: int) -> str:
+    return "1 run" if count == 1 else f"{count} runs"
 
 
 _AGREEMENTS = (("borders", "borders of the limits"), ("slides", "borders of sliding"))
@@ -269,7 +273,7 @@ def _reach(found: xr.Dataset) -> Table:
 
 
 def _reach_cell(row: Border) -> str:
-    reached = f"{1e-3 * row.reached:.3g} kN m"
+    reached = torque_text(row.reached)
     return f"{reached}; {REGIONS[row.limit]}" if row.limit else f"{reached}, the whole map"
 
 
@@ -279,17 +283,17 @@ def _deviations(found: xr.Dataset) -> Table:
     for what, found_rows in (("limit", borders(found)), ("slide, (M2)", slides(found))):
         for row in found_rows:
             if row.agrees is not None:
-                between = f"{1e-3 * row.reached:.4g} … {1e-3 * row.beyond:.4g}"
+                between = f"{torque_text(row.reached)} … {torque_text(row.beyond)}"
                 name = REGIONS[row.limit] if what == "limit" else what
                 verdict = "✔" if row.agrees else "✘"
-                rows.append([row.side, row.load, row.adhesion, name, between, f"{1e-3 * row.predicted:.4g}", verdict])
+                rows.append([row.side, row.load, row.adhesion, name, between, torque_text(row.predicted), verdict])
     header = (
         "side",
         "load",
         "adhesion",
         "border of",
-        "runs on either side [kN m]",
-        "closed form [kN m]",
+        "runs on either side",
+        "closed form",
         "within a cell",
     )
     return Table(header, rows)
