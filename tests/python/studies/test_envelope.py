@@ -26,7 +26,7 @@ from rollerrig.studies.envelope.compute import closed_forms
 from rollerrig.studies.envelope.judge import held_since, judge
 from rollerrig.studies.envelope.lines import rig_numbers
 from rollerrig.studies.envelope.plan import BEGIN, RISE, Point, point_case
-from rollerrig.studies.envelope.virtual_rail import Patch, adhesion_at, creep_peak
+from rollerrig.studies.envelope.virtual_rail import Patch, adhesion_at, creep_peak, grip_slip, patch_of
 
 COULOMB = {"adhesion": {"rail": {"start": 0.1, "remaining": 1.0, "decay": 0.0}}}
 SMALL = {"torques": [-4e3, -2e3], "adhesions": [0.05, 0.3], "loads": [1.0], "duration": 0.8, "refine": 0}
@@ -45,7 +45,7 @@ def coulomb(case: Case) -> Case:
 
 # ------------------------------------------------------------------------------------------ what limited a run
 
-SPEED, RADIUS = 30.0, 0.46
+SPEED, RADIUS, GRIPS = 30.0, 0.46, 0.03
 
 
 def made_up_run(status: str = "ok", **values: object) -> xr.Dataset:
@@ -76,8 +76,6 @@ def made_up_run(status: str = "ok", **values: object) -> xr.Dataset:
     }
     variables |= {
         "patch_normal": (wheel, normal),
-        "patch_a": (wheel, np.full_like(normal, 6e-3)),
-        "patch_b": (wheel, np.full_like(normal, 5e-3)),
         "patch_creep_force_x": (wheel, 0.3 * used * normal),
         "patch_creep_force_y": (wheel, 0.0 * normal),
     }
@@ -108,12 +106,12 @@ def between(begin: float, end: float, value: float, otherwise: float = 0.0):
 )
 def test_limits_are_told_apart(case: Case, values: dict, region: str) -> None:
     """A brake test: the wheel's torque is negative, and so is a drive's that helps it into its slide."""
-    assert judge(made_up_run(**values), case, -5e3)["region"] == region
+    assert judge(made_up_run(**values), case, -5e3, GRIPS)["region"] == region
 
 
 def test_all_limits_are_recorded_with_their_times(case: Case) -> None:
     run = made_up_run(command=between(0.3, 0.9, 2e4), used=between(0.4, 0.9, 1.0))
-    record = judge(run, case, -5e3)
+    record = judge(run, case, -5e3, GRIPS)
     assert record["limits"] == pytest.approx({"drive_grip": 0.3, "contact": 0.4})
     assert record["friction_used"] == pytest.approx(1.0)
     assert record["roller_torque_nm"] == pytest.approx(2e4)
@@ -123,8 +121,8 @@ def test_a_drive_that_is_weaker_at_speed_is_limited_by_its_power(case: Case) -> 
     """Rollers turn at 41 rad/s: between the rows of the envelope, at 8.6 kN m."""
     envelope_rows = [[0.0, 15e3], [20.0, 15e3], [50.0, 6e3]]
     weak = case.with_changes({"rig_control.motor": {"envelope": envelope_rows}})
-    assert judge(made_up_run(command=between(0.5, 0.6, 9e3)), weak, -5e3)["region"] == "drive_power"
-    assert judge(made_up_run(command=between(0.5, 0.6, 8e3)), weak, -5e3)["region"] == "grip"
+    assert judge(made_up_run(command=between(0.5, 0.6, 9e3)), weak, -5e3, GRIPS)["region"] == "drive_power"
+    assert judge(made_up_run(command=between(0.5, 0.6, 8e3)), weak, -5e3, GRIPS)["region"] == "grip"
 
 
 def test_a_limit_counts_where_it_is_held() -> None:
@@ -247,9 +245,10 @@ def test_limits_begin_where_closed_forms_put_them(
     """
     plan = make_plan(coulomb, duration=1.5)
     model = point_case(plan, Point(load, -1.0, adhesion))
+    patch = patch_of(assemble(model))
     border = float(closed_forms(model, np.array([adhesion]))[line][0])
     found = {
-        factor: judge(simulate(point), point, -factor * border)
+        factor: judge(simulate(point), point, -factor * border, grip_slip(point, patch, adhesion))
         for factor in (0.88, 1.12)
         for point in [point_case(plan, Point(load, -factor * border, adhesion))]
     }

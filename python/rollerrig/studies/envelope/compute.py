@@ -9,6 +9,7 @@ import itertools
 import time
 from collections.abc import Callable, Iterable, Sequence
 from contextlib import nullcontext
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -22,12 +23,12 @@ from rollerrig.config import Case
 from rollerrig.model import assemble
 from rollerrig.results import output_folder
 from rollerrig.run import simulate
-from rollerrig.start import StartError, equilibrium_dataset
+from rollerrig.start import StartError
 from rollerrig.studies.envelope.judge import REGIONS, Record, failed, judge
 from rollerrig.studies.envelope.lines import held_slip, rig_numbers
 from rollerrig.studies.envelope.plan import Plan, Point, make_plan, point_case, vehicle_torque
 from rollerrig.studies.envelope.store import Store
-from rollerrig.studies.envelope.virtual_rail import adhesion_at, creep_peak, patch_of
+from rollerrig.studies.envelope.virtual_rail import Patch, adhesion_at, creep_peak, grip_slip, patch_of
 
 Progress = Callable[[float, str], None]
 
@@ -105,7 +106,7 @@ def run_plan(
     done: dict[Point, Record] = {} if store is None else store.done
     kept = len(done)
     interrupted = False
-    transfers = _Transfers(plan)
+    on_track = _OnTracks(plan)
     with store or nullcontext():
         for stride in (2**level for level in range(plan.refine, -1, -1)):
             wanted = [point for point in _points_at(plan, done, stride) if point not in done]
@@ -125,7 +126,7 @@ def run_plan(
             ) -> None:
                 report(span[0] + (span[1] - span[0]) * fraction, f"{len(done) - first} of {count} runs")
 
-            jobs = [(plan, point, transfers[point.load, point.torque < 0.0]) for point in wanted]
+            jobs = [(plan, point, on_track[point.load, point.torque < 0.0]) for point in wanted]
             finished = run_jobs(_run_point, jobs, processes=processes, progress=shown, keep=keep)
             if finished.interrupted:
                 interrupted = True
@@ -140,29 +141,37 @@ def _share(refine: int, stride: int) -> tuple[float, float]:
     return 1.0 - 0.5**level, end
 
 
-class _Transfers(dict[tuple[float, bool], tuple[float, ...] | None]):
-    """Load transfer of the virtual train by load and whether it brakes: found once, it takes a third of a run's time."""
+@dataclass(frozen=True)
+class _OnTrack:
+    """What the virtual train takes from the vehicle on track: the same for all runs of a load; None: not to be had."""
+
+    load_transfer: tuple[float, ...] | None = None
+    patch: Patch | None = None
+
+
+class _OnTracks(dict[tuple[float, bool], _OnTrack]):
+    """By load and whether the train brakes; found when first asked for."""
 
     def __init__(self, plan: Plan) -> None:
         super().__init__()
         self._plan = plan
 
-    def __missing__(self, key: tuple[float, bool]) -> tuple[float, ...] | None:
+    def __missing__(self, key: tuple[float, bool]) -> _OnTrack:
         load, brakes = key
-        case = point_case(self._plan, Point(load, -1.0 if brakes else 1.0, self._plan.adhesions[0]))
+        model = assemble(point_case(self._plan, Point(load, -1.0 if brakes else 1.0, self._plan.adhesions[0])))
         try:
-            self[key] = tuple(load_transfer(assemble(case)))
+            self[key] = _OnTrack(tuple(load_transfer(model)), patch_of(model))
         except StartError:  # the runs themselves will say so
-            self[key] = None
+            self[key] = _OnTrack()
         return self[key]
 
 
-def _run_point(job: tuple[Plan, Point, tuple[float, ...] | None], progress: Progress) -> Record:
-    plan, point, transfer = job
+def _run_point(job: tuple[Plan, Point, _OnTrack], progress: Progress) -> Record:
+    plan, point, known = job
     begun = time.process_time()
     case = point_case(plan, point)
-    if transfer is not None and case.rig_control is not None:
-        control = case.rig_control.model_copy(update={"load_transfer": transfer})
+    if known.load_transfer is not None and case.rig_control is not None:
+        control = case.rig_control.model_copy(update={"load_transfer": known.load_transfer})
         case = case.model_copy(update={"rig_control": control})
     try:
         run = simulate(case, progress=progress)
@@ -170,7 +179,8 @@ def _run_point(job: tuple[Plan, Point, tuple[float, ...] | None], progress: Prog
         return failed("no_start", str(error))
     if run.attrs["status"] == "interrupted":
         raise KeyboardInterrupt
-    record = judge(run, case, point.torque)
+    assert known.patch is not None  # or the run would not have started
+    record = judge(run, case, point.torque, grip_slip(case, known.patch, point.adhesion))
     record["processor_seconds"] = round(time.process_time() - begun, 4)
     return record
 
@@ -282,7 +292,7 @@ def closed_forms(case: Case, adhesion: np.ndarray[Any, np.dtype[np.float64]]) ->
         case: of a point with the load; brakes if it has [brake], otherwise pulls: sets the slip of a slide.
         adhesion: of the rail at no slip, ascending.
     """
-    rig, patch = rig_numbers(case), patch_of(equilibrium_dataset(assemble(case)))
+    rig, patch = rig_numbers(case), patch_of(assemble(case))
     peak = np.array([creep_peak(case, patch, float(mu))[1] for mu in adhesion])
     grip, slide = rig.grip(peak), rig.drive_slide(adhesion_at(case, adhesion, held_slip(case)))
     recovery = rig.drive_recovery(peak)  # at the end of it, where adhesion is back

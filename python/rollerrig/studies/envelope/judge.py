@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 
 from rollerrig.bench import ROLLERS_PROTECTED
 from rollerrig.config import Case
-from rollerrig.studies.envelope.virtual_rail import creep_peak, patch_of, rail_shape
 from rollerrig.studies.output import finite
 
 Mask = NDArray[np.bool_]
@@ -25,9 +24,6 @@ LEAST_SPEED = 2.0
 
 FINE = 0.01
 """Tracking error, RMS of train speed, up to which a rig imitates."""
-
-SLIDES = (1.2, 0.005)
-"""A wheel slides on the imitated rail beyond so many times the slip of the creep curve's peak, and so much more [-]."""
 
 FULL = 0.98
 """Part of the friction between wheel and roller from which the wheel as good as slides."""
@@ -51,20 +47,20 @@ REGIONS: Mapping[str, str] = {
 IMITATED = ("grip", "slide")
 
 
-def judge(run: xr.Dataset, case: Case, torque: float) -> Record:
+def judge(run: xr.Dataset, case: Case, torque: float, grips: float) -> Record:
     """Numbers and limits of a run of a point.
 
     Args:
         run: of `simulate`.
         case: of the point.
         torque: on each axle, positive forward [N m].
+        grips: slip of a virtual wheel up to which it grips [-].
 
     Returns:
         `region` of REGIONS: the limit first met, or what is left where there was none; `limits`, all that were met with
         their times [s]; numbers without a unit in their names are ratios. None: not known.
     """
     slip, error = _slip_and_error(run, case)
-    grips = grip_slip(run, case)
     used = friction_used(run, case.contact.friction)
     limits = {**_contact_limit(run, used), **_drive_limits(run, case, torque, np.abs(slip) > grips)}
     rms = float(np.sqrt(np.nanmean(error**2))) if np.isfinite(error).any() else np.nan
@@ -91,13 +87,6 @@ def failed(status: str, message: str) -> Record:
     numbers = ("tracking_rms", "tracking_largest", "slip_largest", "friction_used", "real_sliding_mps")
     absent = dict.fromkeys((*numbers, "roller_torque_nm", "roller_power_w"))
     return {"region": "failed", "limits": {}, **absent, "status": status, "message": message}
-
-
-def grip_slip(run: xr.Dataset, case: Case) -> float:
-    """Slip of the virtual wheel up to which it grips [-]."""
-    rail = rail_shape(case)
-    slip, _ = creep_peak(case, patch_of(run), rail.start if case.adhesion is not None else case.contact.friction)
-    return SLIDES[0] * slip + SLIDES[1]
 
 
 def region(status: str, limits: Mapping[str, float], tracking_rms: float, slides: bool) -> str:

@@ -10,34 +10,40 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import xarray as xr
 from numpy.typing import NDArray
 
 from rollerrig import _core
+from rollerrig.bench.virtual_train import rail_contact
 from rollerrig.config import Case, Condition
 from rollerrig.config.contact_law import PolachReduction
 from rollerrig.creep import creep_law, creep_law_of
+from rollerrig.model import AssembledModel
 
 Array = NDArray[np.float64]
+
+SLIDES = (1.2, 0.005)
+"""A wheel slides on the imitated rail beyond so many times the slip of the creep curve's peak, and so much more [-]."""
 
 _SLIPS = np.geomspace(1e-4, 0.5, 160)
 
 
 @dataclass(frozen=True)
 class Patch:
-    """One ellipse that stands for all patches of a wheel: semi-axes [m] and load [N]."""
+    """One ellipse that stands for all patches of a wheel on the rail: semi-axes [m] and load [N]."""
 
     a: float
     b: float
     load: float
 
 
-def patch_of(run: xr.Dataset) -> Patch:
-    """The patch of the first wheel at the start of a run."""
-    first = run.isel(time=0, wheel=0)
-    a, b = np.nan_to_num(first["patch_a"].to_numpy()), np.nan_to_num(first["patch_b"].to_numpy())
-    area, aspect = float(np.sum(a * b)), float(np.sum(a * a) / np.sum(a * b))
-    return Patch(float(np.sqrt(area * aspect)), float(np.sqrt(area / aspect)), float(first["vertical_force"]))
+def patch_of(model: AssembledModel) -> Patch:
+    """The patch of the virtual train's wheels.
+
+    Raises:
+        StartError: the vehicle has no equilibrium on track.
+    """
+    found = rail_contact(model)
+    return Patch(found["a"], found["b"], found["wheel_load"])
 
 
 def rail_shape(case: Case) -> Condition:
@@ -85,3 +91,8 @@ def creep_peak(case: Case, patch: Patch, adhesion: float) -> tuple[float, float]
     forces = np.array([force(s, m) for s, m in zip(_SLIPS, adhesion_at(case, adhesion, _SLIPS), strict=True)])
     largest = float(forces.max())
     return float(_SLIPS[np.flatnonzero(forces >= (1.0 - 1e-6) * largest)[0]]), largest
+
+
+def grip_slip(case: Case, patch: Patch, adhesion: float) -> float:
+    """Slip of a virtual wheel up to which it grips [-]: somewhat beyond that of the peak, where a wheel cannot stay."""
+    return SLIDES[0] * creep_peak(case, patch, adhesion)[0] + SLIDES[1]

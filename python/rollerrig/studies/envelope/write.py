@@ -22,8 +22,9 @@ from rollerrig.results import save_run, write_text
 from rollerrig.run import simulate
 from rollerrig.studies.envelope.borders import Border, borders, slides
 from rollerrig.studies.envelope.compute import LINES, NUMBERS
-from rollerrig.studies.envelope.judge import FINE, FULL, HELD, IMITATED, REGIONS, SLIDES
+from rollerrig.studies.envelope.judge import FINE, FULL, HELD, IMITATED, REGIONS
 from rollerrig.studies.envelope.plan import BEGIN, RISE, Plan, Point, point_case, torque_text
+from rollerrig.studies.envelope.virtual_rail import SLIDES
 from rollerrig.studies.output import finite, write_rows
 
 KEYS = {
@@ -56,7 +57,8 @@ CLOSED_FORMS = (
     "transfer is that of the vehicle at rest under a steady force; (M2) and (M6) take the peak of the creep "
     "curve of the rail, (M5) the adhesion at the slip where the protection acts. The torque in (M6) is that which the "
     "protection leaves on the axle, not the one asked for: a run to the right of (M2) is limited on the way out of its "
-    "slide if the protection takes off more than that. A border agrees if its line passes within a cell of the map."
+    "slide if the protection takes off more than that. Where the protection takes torque off before all of it acts, as "
+    "anti-slip does, the rig reaches beyond (M5). A border agrees if its line passes within a cell of the map."
 )
 LEFT_OUT = (
     "The torque comes at once, from ideal cylinders or motors: the vehicle's own would be slower and slide more "
