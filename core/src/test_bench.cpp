@@ -26,7 +26,8 @@ constexpr BenchColumn axle_table[] = {
     {"air", "m^3", "air taken by the cylinder since the start, at ambient pressure"},
     {"vent_cycles", "1", "times that the dump valve has opened to vent"},
     {"contact_force", "N", "force of rail or rollers on both wheels, along the running direction"},
-    {"real_sliding", "m/s", "wheel surface speed less that of roller or rail, at the nominal radii"},
+    {"real_sliding", "m/s",
+     "of the wheel on roller or rail, at the nominal radii: r w less the surface's speed and the wheelset's own"},
     {"measured_roller_torque", "N m", "what the torque sensor of the roller's drive says at the last sample"},
     {"measured_load", "N", "vertical force on the axle's rollers as measured at the last sample"},
     {"spent_energy", "J/m^2", "energy per area on the rail under the axle"},
@@ -370,7 +371,7 @@ void TestBench::fill_row(double* axles, double* train) const {
                           axle.air,
                           static_cast<double>(axle.vent_cycles),
                           force,
-                          r * wheel - surface,
+                          r * wheel - surface - work.motion[at(a.wheelset)].v.x,
                           axle.measured_torque,
                           axle.measured_load,
                           imitates            ? axle.virtual_spent

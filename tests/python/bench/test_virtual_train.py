@@ -7,7 +7,7 @@ import pytest
 import xarray as xr
 
 from rollerrig import load_case, simulate
-from rollerrig.bench.virtual_train import load_transfer
+from rollerrig.bench.virtual_train import load_transfer, rail_contact
 from rollerrig.model import assemble
 from rollerrig.studies.adhesion import track_case
 
@@ -88,3 +88,21 @@ def test_load_transfer_by_hand_and_not_at_all() -> None:
 
     assert of("none") == [0.0, 0.0]
     assert of([-5000.0, "5 t"]) == [-5000.0, 5000.0]
+
+
+def test_the_leading_axle_cleans_by_half_of_what_it_spends() -> None:
+    """W = P / (2 v b), b the width of all patches: of the contact on track, of the virtual one on the rig."""
+    case = load_case("adhesion_recovery").with_changes({"time.duration": "6 s"})
+    width = rail_contact(assemble(case))["width"]
+    rig, track = (simulate(c).sel(time=slice(4.5, 6.0)) for c in (case, track_case(case)))
+    spent = 0.5 * track["creep_power"].sel(wheel="wheelset_1_left") / (track["train_speed"] * width)
+    first = {"axle": "wheelset_1"}
+    assert float(track["spent_energy"].sel(first).mean()) == pytest.approx(float(spent.mean()), rel=0.05)  # widths vary
+    slip = RADIUS * rig["virtual_speed"].sel(first) - rig["train_speed"]
+    spent = 0.25 * abs(rig["virtual_force"].sel(first) * slip) / (rig["train_speed"] * width)
+    assert float(rig["spent_energy"].sel(first).mean()) == pytest.approx(float(spent.mean()), rel=0.01)
+    assert float(spent.mean()) > 1e4  # it does slide
+    # What it leaves, twice of that, is there for the axle behind.
+    assert float(track["spent_energy"].sel(axle="wheelset_2").min()) > 1.5 * float(
+        track["spent_energy"].sel(first).min()
+    )

@@ -20,7 +20,7 @@ from rollerrig.config import Case
 
 STEPS = ("rolling", "drives", "estimator")
 STATIC_LOADS = "static_loads"
-LATER = (0.01, 0.02)
+LATER = (0.01, 0.02, 0.03, 0.04)
 """How much later the repeated tests begin [s]."""
 
 VARIANT_WORDS = {

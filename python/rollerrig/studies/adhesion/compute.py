@@ -18,6 +18,17 @@ import xarray as xr
 from rollerrig.analysis.parallel import run_jobs
 from rollerrig.config import Case, ConfigError, ConfigProblem, Rig, Track, load_support
 from rollerrig.run import simulate
+from rollerrig.studies.adhesion.causes import (
+    LATER,
+    VARIANT_WORDS,
+    begun_later,
+    distances,
+    shares,
+    spread,
+    stopped,
+    variant,
+    variants_of,
+)
 from rollerrig.studies.output import finite
 
 Progress = Callable[[float, str], None]
@@ -25,19 +36,8 @@ Progress = Callable[[float, str], None]
 TRACK = "uic60_track"
 """Track of the counterpart; it gets the head and gauge of the rig."""
 
-IDEAL_MOTOR_HZ, IDEAL_ESTIMATOR_HZ = 400.0, 100.0
-"""Bandwidths that stand for ideal roller drives and an ideal estimator: the sample time of 1 ms allows no more."""
-
 LEAST_SPEED = 2.0
 """Below this a train is too slow for errors relative to its speed [m/s]."""
-
-VARIANTS = ("motor", "estimator", "both")
-VARIANT_WORDS = {
-    "rig": "the rig as it is",
-    "motor": f"roller drives with {IDEAL_MOTOR_HZ:g} Hz",
-    "estimator": f"estimator with {IDEAL_ESTIMATOR_HZ:g} Hz",
-    "both": "both: what remains is real sliding between wheel and roller, and sampling",
-}
 
 
 @dataclass(frozen=True)
@@ -47,7 +47,8 @@ class Comparison:
     Attributes:
         case: the rig's.
         track, rig: Datasets of the runs.
-        variants: further runs of the rig, by name in VARIANTS; empty if not asked for.
+        variants: further runs of the rig, by name in VARIANT_WORDS; empty if not asked for.
+        track_again, rig_again: the same two tests begun a little later; empty if not asked for.
         interrupted: whether Ctrl-C was pressed.
     """
 
@@ -55,6 +56,8 @@ class Comparison:
     track: xr.Dataset
     rig: xr.Dataset
     variants: dict[str, xr.Dataset]
+    track_again: tuple[xr.Dataset, ...] = ()
+    rig_again: tuple[xr.Dataset, ...] = ()
     interrupted: bool = False
 
 
@@ -81,18 +84,6 @@ def track_case(case: Case) -> Case:
     return case.model_copy(update=changes)
 
 
-def variant(case: Case, name: str) -> Case:
-    """The rig with drives, estimator, or both close to ideal."""
-    control = case.rig_control
-    assert control is not None
-    changes: dict[str, Any] = {}
-    if name in ("motor", "both"):
-        changes["motor"] = control.motor.model_copy(update={"bandwidth": IDEAL_MOTOR_HZ, "damping_ratio": 0.0})
-    if name in ("estimator", "both"):
-        changes["estimator"] = control.estimator.model_copy(update={"bandwidth": IDEAL_ESTIMATOR_HZ})
-    return case.model_copy(update={"rig_control": control.model_copy(update=changes)})
-
-
 def compare_adhesion(
     case: Case, *, causes: bool = True, processes: int = 2, progress: Progress | None = None
 ) -> Comparison | None:
@@ -100,7 +91,7 @@ def compare_adhesion(
 
     Args:
         case: of the rig.
-        causes: also run the rig with nearly ideal drives and estimator, for the share of each in the tracking error.
+        causes: also run the variants that say what a difference comes from, and both tests begun a little later.
         processes: runs at a time.
         progress: called with the fraction done and a text.
 
@@ -110,15 +101,23 @@ def compare_adhesion(
     Raises:
         ConfigError, StartError: as `simulate`, and `track_case`.
     """
-    names = ["track", "rig", *(VARIANTS if causes else ())]
-    cases = [track_case(case), case, *(variant(case, name) for name in names[2:])]
-    done = run_jobs(_run, cases, processes=processes, progress=progress, names=names)
-    track, rig, *others = done.results
-    if track is None or rig is None:
+    on_track = track_case(case)
+    jobs = {"track": on_track, "rig": case}
+    if causes:
+        jobs.update({name: variant(case, name) for name in variants_of(case)})
+        for seconds in LATER:
+            jobs[f"track {seconds:g} s later"] = begun_later(on_track, seconds)
+            jobs[f"rig {seconds:g} s later"] = begun_later(case, seconds)
+    done = run_jobs(_run, list(jobs.values()), processes=processes, progress=progress, names=list(jobs))
+    found = {name: run for name, run in zip(jobs, done.results, strict=True) if run is not None}
+    if "track" not in found or "rig" not in found:
         return None
-    found = {name: run for name, run in zip(names[2:], others, strict=True) if run is not None}
-    interrupted = done.interrupted or any("interrupted" in (r.attrs["status"]) for r in (track, rig))
-    return Comparison(case, track, rig, found, interrupted)
+    interrupted = done.interrupted or any("interrupted" in found[name].attrs["status"] for name in ("track", "rig"))
+    again = {
+        label: tuple(run for name, run in found.items() if name.startswith(f"{label} ")) for label in ("track", "rig")
+    }
+    variants = {name: run for name, run in found.items() if name in VARIANT_WORDS and name != "rig"}
+    return Comparison(case, found["track"], found["rig"], variants, again["track"], again["rig"], interrupted)
 
 
 def _run(case: Case, progress: Progress) -> xr.Dataset:
@@ -145,6 +144,7 @@ KEYS = {
     "rig.real_sliding_largest_mps, rig.real_sliding_rms_mps": "wheel against roller, the sliding that damages both [m/s]",
     "rig.roller_torque_largest_nm": "of a roller drive [N m]",
     "fidelity.tracking_rms, fidelity.tracking_largest": "wheel speed of rig less virtual train, over train speed [-]",
+    "fidelity.tracking_by_own_motion": "part of its variance in proportion to the wheelsets' own motion along the track [-]",
     "fidelity.wheel_speed_rms, fidelity.wheel_speed_largest": "wheel speed of rig less track at the same time, over train "
     "speed, any axle [-]",
     "fidelity.train_speed_largest_mps": "virtual train less train on track at the same time [m/s]",
@@ -152,7 +152,12 @@ KEYS = {
     "fidelity.distance_at_end_relative": "the same at the end of the shorter run [-]",
     "fidelity.slip_difference_rms": "slip of rig less slip of track at the same time [-]",
     "fidelity.torque_difference_rms_nm": "brake and traction torque of rig less track [N m]",
-    "causes.*.tracking_rms": "tracking error with drives, estimator or both close to ideal [-]",
+    "rig.drive_limited_s": "time during which the command of some roller drive stands at its limit [s]",
+    "variants.*.*": "the rig without some of its imperfections, docs/studies.md: tracking error RMS [-], distance over that "
+    "of track less 1 [-], ventings, mean slip [-]",
+    "causes.*": "part of (distance of rig over that of track, less 1) that goes away with it [-]; they add up to the whole",
+    "spread.track, spread.rig": "range of the distances of the same test begun 0 to 40 ms later, over their mean [-]: "
+    "less than this is chance",
     "targets.*": "the project's aims: tracking RMS below 1 % of train speed, stopping distance within 2 %; null: not known",
 }
 """Key of summary.json -> meaning; `*` stands for a name."""
@@ -163,14 +168,20 @@ def fidelity(results: Comparison) -> dict[str, Any]:
     track, rig = results.track, results.rig
     compared = _compared(results)
     error, largest = tracking(rig)
-    causes = {name: {"tracking_rms": finite(tracking(run)[0])} for name, run in results.variants.items()}
     distance = compared["distance_relative"]
     return {
         "case": results.case.name,
         "track": _numbers(track),
-        "rig": {**_numbers(rig), **_of_rig(rig)},
-        "fidelity": {"tracking_rms": finite(error), "tracking_largest": finite(largest), **compared},
-        "causes": causes,
+        "rig": {**_numbers(rig), **_of_rig(rig, results.case)},
+        "fidelity": {
+            "tracking_rms": finite(error),
+            "tracking_largest": finite(largest),
+            "tracking_by_own_motion": by_own_motion(rig),
+            **compared,
+        },
+        "variants": {name: _of_variant(results, run) for name, run in results.variants.items()},
+        "causes": shares(track, rig, results.variants),
+        "spread": {"track": spread([track, *results.track_again]), "rig": spread([rig, *results.rig_again])},
         "targets": {
             "tracking_rms_below_1_percent": bool(error < 0.01) if np.isfinite(error) else None,
             "stopping_distance_within_2_percent": None if distance is None else abs(distance) <= 0.02,
@@ -199,6 +210,16 @@ def tracking(run: xr.Dataset) -> tuple[float, float]:
     values = error.to_numpy()
     values = values[np.isfinite(values)]
     return (float(np.sqrt(np.mean(values**2))), float(np.abs(values).max())) if values.size else (np.nan, np.nan)
+
+
+def by_own_motion(run: xr.Dataset) -> float | None:
+    """Part of the variance of the tracking error that is in proportion to the wheelsets' own motion along the track, (C10)."""
+    moving = run["train_speed"].to_numpy() > LEAST_SPEED
+    error = (run["axle_speed"] - run["virtual_speed"]).to_numpy()[moving].ravel()
+    own = run["longitudinal_velocity"].sel(body=list(run["axle"].to_numpy())).to_numpy()[moving].ravel()
+    if not (error.size and float(np.std(error)) > 0.0 and float(np.std(own)) > 0.0):
+        return None
+    return float(np.corrcoef(error, own)[0, 1] ** 2)
 
 
 def _numbers(run: xr.Dataset) -> dict[str, Any]:
@@ -230,17 +251,26 @@ def _axle_load(run: xr.Dataset) -> float:
     return float(run["vertical_force"].isel(time=0).sum()) / run.sizes["axle"]
 
 
-def stopped(run: xr.Dataset) -> bool:
-    """Whether the train came to a stop."""
-    return bool(run.attrs["status"] == "ok" and "The train has stopped" in run.attrs["status_message"])
-
-
-def _of_rig(run: xr.Dataset) -> dict[str, float]:
+def _of_rig(run: xr.Dataset, case: Case) -> dict[str, float]:
     sliding = run["real_sliding"].to_numpy()
+    assert case.rig_control is not None
+    limited = (abs(run["roller_command"].to_numpy()) >= 0.999 * case.rig_control.feedback.largest).any(axis=1)
     return {
         "real_sliding_largest_mps": float(np.abs(sliding).max()),
         "real_sliding_rms_mps": float(np.sqrt(np.mean(sliding**2))),
         "roller_torque_largest_nm": float(np.abs(run["roller_torque"]).max()),
+        "drive_limited_s": float(limited.mean()) * float(run["time"][-1]),
+    }
+
+
+def _of_variant(results: Comparison, run: xr.Dataset) -> dict[str, float | None]:
+    numbers = _numbers(run)
+    way_track, way = distances([results.track, run])
+    return {
+        "tracking_rms": finite(tracking(run)[0]),
+        "distance_relative": way / way_track - 1.0,
+        "vent_cycles": numbers["vent_cycles"],
+        "mean_slip": numbers["mean_slip"],
     }
 
 

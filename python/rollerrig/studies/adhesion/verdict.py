@@ -61,7 +61,9 @@ def _causes(numbers: dict[str, Any]) -> list[str]:
         return lines
     largest = max(known)
     both = ", ".join(f"{percent(value)} on the {label}" for label, value in chance.items() if value is not None)
-    lines.append(f"Chance: begun 10 and 20 ms later, the same test ends within {both}. Less than that means nothing.")
+    lines.append(
+        f"Chance: begun 10 to 40 ms later, the same test ends in distances that range over {both}; less means nothing."
+    )
     if abs(shares[ranked[0]]) > largest:
         lines.append(f"Responsible above all: {CAUSE_WORDS[ranked[0]]}.")
     else:
