@@ -8,7 +8,8 @@ from typing import Annotated, Any
 
 import typer
 
-from rollerrig.cli.ending import say
+from rollerrig.cli.ending import INTERRUPTED, OK, exit_code, say, stop
+from rollerrig.cli.progress import progress_bar
 
 
 def command(
@@ -30,20 +31,38 @@ def command(
         list[str] | None,
         typer.Option("--set", help="What the model has of its own, at its own scale: KEY=VALUE, as in a TOML file."),
     ] = None,
+    run: Annotated[
+        bool, typer.Option("--run", help="Also run the test at full scale and on the model, mapped back: report.html.")
+    ] = False,
+    causes: Annotated[bool, typer.Option(help="With --run: also each violation alone, for its share.")] = True,
+    processes: Annotated[int, typer.Option(min=1, max=64, help="Runs at a time.")] = 2,
 ) -> None:
     """A scaled rig by similitude: case.toml, to be run like any other, and what it violates."""
     from rollerrig.config import load_case
     from rollerrig.results import output_folder, write_text
-    from rollerrig.similitude import requirements, scale_case, similitude
-    from rollerrig.studies.scaled import lead
+    from rollerrig.similitude import requirements, similitude
+    from rollerrig.studies.scaled import compare_scaled, lead, plan_scaled, verdict, write_scaled
 
     full = load_case(case)
-    kept = [name.strip() for name in keep.split(",") if name.strip() and keep != "none"]
+    kept = tuple(name.strip() for name in keep.split(",") if name.strip() and keep != "none")
     factors = similitude(strategy, length, time, density)
-    model = scale_case(full, factors, strategy=strategy, keep=kept, changes=_changes(change or []))
+    plan = plan_scaled(
+        full, factors, strategy=strategy, keep=kept, changes=_changes(change or []), causes=run and causes
+    )
     folder = output_folder(out)
-    typer.echo(write_text(folder / "case.toml", model.to_toml()))
-    say(lead(model, requirements(full, model)))
+    typer.echo(write_text(folder / "case.toml", plan.model.to_short_toml()))
+    if not run:
+        say(lead(plan.model, requirements(full, plan.model)))
+        return
+    with progress_bar(plan.model.name) as progress:
+        results = compare_scaled(plan, processes=processes, progress=progress)
+    if results is None:
+        stop("interrupted", INTERRUPTED)
+    for path in write_scaled(results, folder):
+        typer.echo(path)
+    say(verdict(results))
+    codes = {exit_code(one.attrs["status"]) for one in (results.run, results.mapped)}
+    raise typer.Exit(INTERRUPTED if results.interrupted else max(codes, default=OK))
 
 
 def _changes(texts: list[str]) -> dict[str, Any]:

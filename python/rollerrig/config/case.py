@@ -317,3 +317,9 @@ class Case(Table):
         from rollerrig.config.write import to_toml
 
         return to_toml(self)
+
+    def to_short_toml(self) -> str:
+        """The same without what has its default value: a file to read and edit."""
+        from rollerrig.config.write import to_short_toml
+
+        return to_short_toml(self)

@@ -1,7 +1,11 @@
-"""Cases as TOML text, complete and in SI: what a result file stores."""
+"""Cases as TOML text in SI: complete, as a result file stores them, or short, for people to read and edit."""
+
+import re
 
 from rollerrig.config.base import Table
 from rollerrig.config.change import plain
+
+_INNERMOST_LIST = re.compile(r"\[\n((?: +[^\[\]\n]+,\n)+) *\]")
 
 
 def to_toml(table: Table) -> str:
@@ -9,3 +13,11 @@ def to_toml(table: Table) -> str:
     import tomli_w
 
     return tomli_w.dumps(plain(table))
+
+
+def to_short_toml(table: Table) -> str:
+    """The same without what has its default value, and with a list of numbers on one line."""
+    import tomli_w
+
+    text = tomli_w.dumps(plain(table.model_dump(exclude_none=True, exclude_defaults=True)))
+    return _INNERMOST_LIST.sub(lambda found: f"[{', '.join(item.strip(' ,') for item in found[1].splitlines())}]", text)

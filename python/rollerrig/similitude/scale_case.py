@@ -75,7 +75,7 @@ def scale_case(
         update["time"] = _on_grid(scaled.time, case.bench.step)
     model = scaled.model_copy(update=update)
     checked = case_from_toml(model.to_toml(), name)
-    return checked.with_changes(changes).model_copy(update={"name": name}) if changes else checked
+    return checked.with_changes(changes) if changes else checked
 
 
 def full_scale_case(case: Case) -> Case:

@@ -184,7 +184,7 @@ def _of_machines(full: Case, model: Case, factors: Similitude) -> Iterator[Requi
         motor = model.traction.motor if model.traction else None
         if motor is not None:
             yield Requirement(
-                "brake torque without a lag",
+                "brake torque at once",
                 "time constant of the motors that stand in for the brakes",
                 "s",
                 0.0,

@@ -22,15 +22,15 @@ def lead(model: Case, found: Sequence[Requirement]) -> str:
         f"speeds 1:{record.length / record.time:.4g}, times 1:{record.time:.4g}. Not scaled: {kept}."
     ]
     violated = [one for one in found if not one.met]
-    lines += [f"violated: {one.name}, {percent(one.deviation)}: {one.effect}" for one in violated]
+    lines += [f"violated: {one.name} ({percent(one.deviation)}): {one.effect}" for one in violated]
     if not violated:
         lines.append("All requirements of similitude are met.")
     return "\n".join(lines)
 
 
 def percent(deviation: float) -> str:
-    """A deviation with its sign; what is wanted to be nothing has none."""
-    return f"{100 * deviation:+.3g} %" if abs(deviation) < float("inf") else "there"
+    """A deviation with its sign; what full scale does not have is new."""
+    return f"{100 * deviation:+.3g} %" if abs(deviation) < float("inf") else "new"
 
 
 def rows(found: Sequence[Requirement]) -> list[list[object]]:
