@@ -2,7 +2,7 @@
 
     full-scale case, its model -> [requirements] -> Requirement, met or not
 
-The numbers follow from the factors alone, docs/theory/similitude.md (M4)-(M9); the contact at rest is computed on both rigs.
+The numbers follow from the factors alone, docs/theory/similitude.md (M2)-(M5); the contact at rest is computed on both rigs.
 """
 
 from __future__ import annotations
@@ -68,17 +68,17 @@ class Distortion:
 
     @property
     def creep_stiffness(self) -> float:
-        """(M6): Kalker's coefficients times G a b."""
+        """(M4): Kalker's coefficients times G a b."""
         return float(self.modulus ** (1.0 / 3.0) * self.weight ** (2.0 / 3.0))
 
     @property
     def creep_at_saturation(self) -> float:
-        """(M7): creepage at which friction is used up."""
+        """(M5): creepage at which friction is used up."""
         return float((self.weight / self.modulus) ** (1.0 / 3.0))
 
     @property
     def patch_size(self) -> float:
-        """(M5): semi-axes over the wheel's radius."""
+        """(M3): semi-axes over the wheel's radius."""
         return float((self.weight / self.modulus) ** (1.0 / 3.0))
 
 

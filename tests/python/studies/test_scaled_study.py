@@ -102,7 +102,7 @@ def test_the_shipped_model_is_what_its_heading_says() -> None:
         "traction.motor.envelope": [[0, 18], [150, 18], [165, 16.4], [180, 15], [200, 13.5]],
     }
     made = scale_case(rr.load_case("adhesion_brake"), similitude("dlr"), strategy="dlr", changes=changes)
-    assert made == shipped
+    assert made == shipped, "make it anew with the command in its heading"
     assert (
         to_short_toml(made)
         == "".join(line for line in text.splitlines(keepends=True) if not line.startswith("#")).lstrip()
