@@ -9,6 +9,7 @@
 #include "rig/bench/test_bench.hpp"
 #include "rig/mechatronics/estimator_response.hpp"
 #include "rig/record/recorder.hpp"
+#include "rig/system/motor_mounting.hpp"
 
 using namespace nb::literals;
 using namespace rig;
@@ -269,6 +270,19 @@ void bind_bench(nb::module_& m) {
       },
       "brake"_a, "cylinder_pressure"_a, "axle_speed"_a,
       "Torque of a friction brake on its axle [N m], against its turning.");
+  m.def(
+      "mount_motor",
+      [](Model& model, int axle_torque, bool axle_hung, double link, double gear_ratio, double rotor_inertia) {
+        mount_motor(model, axle_torque, axle_hung ? link : 0.0, gear_ratio, rotor_inertia);
+      },
+      "model"_a, "axle_torque"_a, "axle_hung"_a, "link"_a, "gear_ratio"_a, "rotor_inertia"_a,
+      "How the motor behind an axle torque is held, and its rotor.");
+  m.def(
+      "add_roller_rotor",
+      [](Model& model, int roller, double gear_ratio, double rotor_inertia) {
+        if (rotor_inertia > 0.0) model.rotors.push_back({{{{roller, 0.0, 0.0, gear_ratio}, {}}}, rotor_inertia, 0.0});
+      },
+      "model"_a, "roller"_a, "gear_ratio"_a, "rotor_inertia"_a, "The rotor of a roller's drive, held by the ground.");
   m.def(
       "estimator_response",
       [](nb::dict const& settings, double period) {

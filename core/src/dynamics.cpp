@@ -79,6 +79,7 @@ Dynamics::Dynamics(Model const& model) : model_(&model), map_(model) {
   brake_torque_.assign(model.brakes.size(), 0.0);
   tie_of_contact_.assign(model.contacts.size(), -1);
   evaluated_.assign(at(map_.states()), 0.0);
+  plan_links();
   plan_sweeps();
 }
 
@@ -95,20 +96,30 @@ void Dynamics::resize(Workspace<T>& w) const {
   w.frame.resize(n);
   w.common.resize(n);
   w.common_wrench.resize(n);
+  w.gyroscopic.resize(n);
   update_motion(Body{}, w.ground_motion);
 }
 
 void Dynamics::roll_ideally(std::vector<IdealRolling> ties) {
   ties_ = std::move(ties);
-  rolling_force_.assign(ties_.size(), 0.0);
-  work_.axle_creep.resize(ties_.size());
-  dual_.axle_creep.resize(ties_.size());
   tie_of_contact_.assign(model_->contacts.size(), -1);
   for (std::size_t i = 0; i < ties_.size(); ++i)
     for (int c : ties_[i].contact)
       if (c >= 0) tie_of_contact_[at(c)] = static_cast<int>(i);
+  plan_links();
   plan_sweeps();
   forget();
+}
+
+void Dynamics::plan_links() {
+  links_ = model_->rotors;
+  for (IdealRolling const& tie : ties_) links_.push_back(link_of(tie));
+  link_matrix_ = link_matrix(links_, model_->bodies);
+  rolling_force_.assign(ties_.size(), 0.0);
+  work_.axle_creep.resize(ties_.size());
+  dual_.axle_creep.resize(ties_.size());
+  work_.link_load.resize(links_.size());
+  dual_.link_load.resize(links_.size());
 }
 
 void Dynamics::reset_run() {
@@ -315,6 +326,29 @@ Vec3<T> Dynamics::carried_wrench(Workspace<T>& w, std::size_t b) const {
   return gyroscopic;
 }
 
+/// What holds a motor against the moment it exerts: its carrier, or for an axle-hung one a vertical force at its link there and
+/// the opposite one on the axle. (A9)
+template <Scalar T>
+void Dynamics::hold(Workspace<T>& w, std::size_t axle_torque, Vec3<T> const& moment) {
+  AxleTorque const& torque = model_->axle_torques[axle_torque];
+  auto const& motion = w.curved ? w.common : w.motion;
+  auto& wrench = w.curved ? w.common_wrench : w.wrench;
+  auto const& axle = motion[at(torque.wheelset)];
+  auto const& carrier = motion[at(torque.reaction)];
+  auto& on_carrier = wrench[at(torque.reaction)];
+  if (torque.link == 0.0) {
+    on_carrier.moment -= moment;
+    w.power[work_of_torque] -= dot(moment, carrier.omega);
+    return;
+  }
+  Vec3<T> const arm = T(torque.link_on_reaction) * carrier.R.ex;
+  Vec3<T> const force = (dot(moment, axle.R.ey) / torque.link) * carrier.R.ez;
+  on_carrier.force += force;
+  on_carrier.moment += cross(arm, force);
+  wrench[at(torque.wheelset)].force -= force;
+  w.power[work_of_torque] += dot(force, carrier.v + cross(carrier.omega, arm) - axle.v);
+}
+
 /// Motors and brakes on axles, drives of rollers.
 template <Scalar T>
 void Dynamics::apply_torques(Workspace<T>& w, T const& t) {
@@ -330,8 +364,7 @@ void Dynamics::apply_torques(Workspace<T>& w, T const& t) {
     wrench[at(torque.wheelset)].moment += moment;
     w.power[work_of_torque] += dot(moment, wheelset.omega);
     if (torque.reaction == ground) continue;
-    wrench[at(torque.reaction)].moment -= moment;
-    w.power[work_of_torque] -= dot(moment, motion[at(torque.reaction)].omega);
+    hold(w, i, moment);
   }
   for (std::size_t i = 0; i < model.roller_torques.size(); ++i) {
     auto const& torque = model.roller_torques[i];
@@ -376,18 +409,42 @@ void Dynamics::apply_resistance(Workspace<T>& w) {
   }
 }
 
+/// Geared rotors and ties: all wrenches but theirs are there. With a sweep, those of its bodies; the others do not change.
 template <Scalar T>
-void Dynamics::apply_ties(Workspace<T>& w, Sweep const* sweep) {
+void Dynamics::apply_links(Workspace<T>& w, Sweep const* sweep) {
   double const acceleration = value_of(w.travel.acceleration);
+  auto const counts = [&](Link const& link) { return !sweep || sweep->affected_body[at(link.arm[0].body)]; };
   for (std::size_t i = 0; i < ties_.size(); ++i) {
     auto const b = at(ties_[i].wheelset), r = at(ties_[i].roller);
-    if (sweep && !sweep->affected_body[b]) continue;
-    T const driven(-acceleration * model_->driven_inverse_radius[r]);
-    T power(0.0);
-    T const force = tie_axle(ties_[i], model_->bodies[b], model_->bodies[r], w.motion[b], w.motion[r], w.axle_creep[i],
-                             driven, w.wrench[b], w.wrench[r], power);
-    w.power[dissipated_creep] += power;
-    if constexpr (std::same_as<T, double>) rolling_force_[i] = force - w.axle_creep[i].force;
+    if (!sweep || sweep->affected_body[b])
+      w.power[dissipated_creep] += take_out(w.axle_creep[i], w.motion[b], w.motion[r], w.wrench[b], w.wrench[r]);
+  }
+  for (std::size_t i = 0; i < links_.size(); ++i) {
+    Link const& link = links_[i];
+    w.link_load[i] = T(0.0);
+    if (!counts(link)) continue;
+    T rate = link.rate * link_speed(link, w.motion);
+    for (LinkArm const& a : link.arm) {
+      if (a.body < 0) continue;
+      auto const b = at(a.body);
+      T const driven(-acceleration * model_->driven_inverse_radius[b]);
+      rate = rate + link_acceleration(a, model_->bodies[b], w.motion[b], w.wrench[b], w.gyroscopic[b], driven);
+    }
+    w.link_load[i] = -rate;
+  }
+  auto const rotors = model_->rotors.size();
+  for (std::size_t i = 0; i < links_.size(); ++i) {
+    Link const& link = links_[i];
+    if (!counts(link)) continue;
+    T multiplier(0.0);
+    for (std::size_t k = 0; k < links_.size(); ++k)
+      multiplier =
+          multiplier + link_matrix_(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k)) * w.link_load[k];
+    for (LinkArm const& a : link.arm)
+      if (a.body >= 0) apply_link(a, w.motion[at(a.body)], multiplier, w.wrench[at(a.body)]);
+    if (i < rotors) continue;
+    w.power[dissipated_creep] -= multiplier * link_speed(link, w.motion);
+    if constexpr (std::same_as<T, double>) rolling_force_[i - rotors] = multiplier - w.axle_creep[i - rotors].force;
   }
 }
 
@@ -416,12 +473,11 @@ void Dynamics::evaluate_forces(Workspace<T>& w, T const& t, Sweep const* sweep) 
     if (!sweep || sweep->touched_contact[at(i)]) apply_contact(w, t, i);
   apply_torques(w, t);
   apply_resistance(w);
-  apply_ties(w, sweep);
   for (std::size_t b = 0; b < model.bodies.size(); ++b) {
     if (!wanted_body(b)) continue;
     Body const& body = model.bodies[b];
     auto const& m = w.motion[b];
-    Vec3<T> gyroscopic;
+    Vec3<T>& gyroscopic = w.gyroscopic[b];
     if (w.curved) {
       gyroscopic = carried_wrench(w, b);
     } else {
@@ -432,8 +488,14 @@ void Dynamics::evaluate_forces(Workspace<T>& w, T const& t, Sweep const* sweep) 
         w.power[work_of_drive] += inertia_force * m.v.x;
       }
     }
+  }
+  if (!links_.empty()) apply_links(w, sweep);
+  for (std::size_t b = 0; b < model.bodies.size(); ++b) {
+    if (!wanted_body(b)) continue;
+    Body const& body = model.bodies[b];
+    auto const& m = w.motion[b];
     T const driven(body.driven ? -acceleration * model.driven_inverse_radius[b] : 0.0);
-    w.acceleration[b] = accelerations(body, m, w.wrench[b], gyroscopic, driven, w.constraint_moment[b]);
+    w.acceleration[b] = accelerations(body, m, w.wrench[b], w.gyroscopic[b], driven, w.constraint_moment[b]);
     if (body.driven) w.power[work_of_drive] += w.constraint_moment[b] * w.motion[b].rate[coord_pitch];
   }
 }

@@ -51,6 +51,7 @@ Status Dynamics::accept(double t, double const* x) {
 
 double Dynamics::kinetic_energy() const {
   double sum = 0.0;
+  for (Link const& rotor : model_->rotors) sum += 0.5 * rotor.inertia * square(link_speed(rotor, work_.motion));
   for (std::size_t b = 0; b < model_->bodies.size(); ++b) {
     Body const& body = model_->bodies[b];
     auto const& m = work_.motion[b];
@@ -88,10 +89,7 @@ Vec3<double> Dynamics::felt_acceleration(int body) const {
   return m.R.transposed_times(felt);
 }
 
-double Dynamics::rolling_slip(int tie) const {
-  IdealRolling const& t = ties_[at(tie)];
-  return mean_slip(t, work_.motion[at(t.wheelset)], work_.motion[at(t.roller)]);
-}
+double Dynamics::rolling_slip(int tie) const { return link_speed(link_of(ties_[at(tie)]), work_.motion); }
 
 double Dynamics::element_energy() const {
   double sum = 0.0;

@@ -101,9 +101,11 @@ void Dynamics::plan_sweeps() {
     for (auto const& t : model.roller_torques) affect(t.roller);
     for (auto const& brake : model.brakes) affect(brake.wheelset), affect(brake.reaction);
     affect(model.resistance.body);
-    for (IdealRolling const& tie : ties_)
-      if (sweep.affected_body[at(tie.wheelset)] || sweep.affected_body[at(tie.roller)])
-        affect(tie.wheelset), affect(tie.roller);
+    for (std::size_t i = 0; i < links_.size(); ++i)  // a chain of links is as long as there are links
+      for (Link const& link : links_) {
+        auto const affected = [&](LinkArm const& a) { return a.body >= 0 && sweep.affected_body[at(a.body)]; };
+        if (affected(link.arm[0]) || affected(link.arm[1])) affect(link.arm[0].body), affect(link.arm[1].body);
+      }
   };
   for (Sweep& sweep : sweeps_) mark(sweep, false);
   mark(time_sweep_, true);

@@ -25,6 +25,7 @@ from rollerrig.config import (
     Rig,
     RigControl,
     SlideProtection,
+    Traction,
 )
 from rollerrig.config.machines import BenchSettings
 from rollerrig.model import GROUND, AssembledModel
@@ -144,15 +145,29 @@ def _axle(model: AssembledModel, number: int, rollers: list[str]) -> dict[str, A
     if case.brake is not None and not stand_in:
         axle["brake"] = _core.add_brake(model.core, wheelset, frame, _brake(case.brake))
     if case.traction is not None:
-        reaction = frame if case.traction.suspension == "frame" else GROUND
-        model.core.add_axle_torque(wheelset, reaction, [])
+        _mount(model, number, wheelset, frame, case.traction)
         axle["axle_torque"] = number
     if rollers:
         axle["roller"] = model.body_index(rollers[number])
         if case.motion.drive != "held":
             model.core.add_roller_torque(axle["roller"], []) if case.motion.torque_table is None else None
             axle["roller_torque"] = number if case.rig_control is not None else NOT_THERE
+            if case.rig_control is not None:
+                motor = case.rig_control.motor
+                _core.add_roller_rotor(model.core, axle["roller"], motor.gear_ratio, motor.rotor_inertia)
     return axle
+
+
+def _mount(model: AssembledModel, number: int, wheelset: int, frame: int, traction: Traction) -> None:
+    """The motor of one axle: where its moment goes, and its rotor."""
+    hung = traction.suspension == "axle" and frame != GROUND
+    model.core.add_axle_torque(wheelset, GROUND if traction.suspension == "ground" else frame, [])
+    link = 0.0
+    if hung:
+        ahead = model.positions[model.bodies[frame]][0] - model.positions[model.wheelsets[number]][0]
+        link = math.copysign(traction.link or 0.0, ahead)
+    motor = traction.motor
+    _core.mount_motor(model.core, number, hung, link, motor.gear_ratio, motor.rotor_inertia)
 
 
 def _rows(table: tuple[tuple[float, float], ...]) -> list[list[float]]:
@@ -167,6 +182,11 @@ def _sampling(case: Case, role: str, controllers: Mapping[str, UserController]) 
     time = controllers[role].sample_time if external else table.sample_time
     step = case.bench.step
     return {"every": round(time / step), "delay": round(table.delay / step), "external": external}
+
+
+def _geared_inertia(motor: Motor) -> float:
+    """Of the rotor, on the driven axle [kg m^2]."""
+    return motor.rotor_inertia * motor.gear_ratio**2
 
 
 def _motor(motor: Motor) -> dict[str, Any]:
@@ -223,8 +243,10 @@ def estimator_response(settings: Mapping[str, Any]) -> dict[str, tuple[float, fl
 def _rig_control(model: AssembledModel, control: RigControl, rig: Rig | None) -> dict[str, Any]:
     believed, train = control.believed, model.case.train
     wheel_radius = model.case.vehicle.data.wheel.radius
-    wheelset_inertia = model.inertias[model.wheelsets[0]][1]
+    drive = model.case.traction.motor if model.case.traction else Motor()
+    wheelset_inertia = model.inertias[model.wheelsets[0]][1] + _geared_inertia(drive)
     roller_radius, roller_inertia = (rig.roller_radius, rig.roller_inertia[1]) if rig else (1.0, 1.0)
+    roller_inertia += _geared_inertia(control.motor)
     estimator = {
         "kind": control.estimator.kind,
         "bandwidth": 2.0 * math.pi * control.estimator.bandwidth,

@@ -2,7 +2,8 @@
 
 from typing import Annotated, Literal
 
-from pydantic import AfterValidator, Field, StrictBool
+from pydantic import AfterValidator, Field, StrictBool, model_validator
+from pydantic_core import PydanticCustomError
 
 from rollerrig.config.base import Table, in_order
 from rollerrig.config.units import PositiveLength, PositiveTime, Quantity, Time, Torque
@@ -37,6 +38,14 @@ class Motor(Table):
     bandwidth: Frequency = Field(default=50.0, description="of the torque loop")
     damping_ratio: Annotated[float, Quantity("1", ge=0, le=5)] = Field(
         default=0.0, description="of a torque loop of second order; 0: first order"
+    )
+    rotor_inertia: Annotated[float, Quantity("kg m^2", ge=0)] = Field(
+        default=0.0, description="of the rotor about its shaft; on the driven axle it counts times gear_ratio squared"
+    )
+    gear_ratio: Annotated[float, Quantity("1", ge=-20, le=20)] = Field(
+        default=-1.0,
+        description="speed of the rotor over that of the driven axle, for rotor_inertia alone: torques and speeds of this table are "
+        "the driven axle's; negative: the rotor turns against the axle, as with one pair of gears",
     )
 
 
@@ -81,9 +90,22 @@ class Traction(Table):
         default=((0.0, 0.0), (1.0, 0.0)), description="rows [time, torque per axle], positive forward; linear between"
     )
     motor: Motor = Field(default=Motor(), description="the motor and its gear, seen from the axle")
-    suspension: Literal["frame", "ground"] = Field(
-        default="frame", description="what feels the opposite moment: the bogie frame, or nothing of the vehicle"
+    suspension: Literal["frame", "ground", "axle"] = Field(
+        default="frame",
+        description="what holds the motor against its moment: the bogie frame; nothing of the vehicle; or, axle-hung (nose-suspended), "
+        "its bearings on the axle and a link on the frame, which exert two opposite vertical forces",
     )
+    link: PositiveLength | None = Field(
+        default=None, description="for suspension = 'axle': distance of that link from the axle, towards the frame's middle"
+    )
+
+    @model_validator(mode="after")
+    def _link_of_an_axle_hung_motor(self) -> "Traction":
+        needed = self.suspension == "axle"
+        if needed != (self.link is not None):
+            allowed = "needed for suspension = 'axle', about 1 m" if needed else "allowed only with suspension = 'axle'"
+            raise PydanticCustomError("at_key", "{allowed}", {"allowed": allowed, "key": "link"})
+        return self
 
 
 class Controller(Table):

@@ -30,15 +30,21 @@ std::complex<double> kalman_response(ContactForceEstimator const& p, Estimated w
   Eigen::Matrix<double, 4, 2> K;
   for (int i = 0; i < 4; ++i)
     for (int k = 0; k < 2; ++k) KH(i, k) = K(i, k) = p.gain[static_cast<std::size_t>(i)][static_cast<std::size_t>(k)];
-  std::complex<double> const z = std::polar(1.0, w * period), integral = 1.0 / std::complex<double>(0.0, w);
   bool const force = what == Estimated::force;
-  Eigen::Vector2cd const y{force ? p.roller_radius / p.roller_inertia * integral : 0.0,
-                           (force ? -p.wheel_radius : 1.0) / p.wheelset_inertia * integral};
+  // The integral of the sine is 1/(i w): all inputs are imaginary.
+  Eigen::Vector2d const y{force ? p.roller_radius / p.roller_inertia : 0.0,
+                          (force ? -p.wheel_radius : 1.0) / p.wheelset_inertia};
   Eigen::Matrix4d const step = (Eigen::Matrix4d::Identity() - KH) * F;
-  Eigen::Vector4cd const in = K * y;
-  Eigen::Vector4cd x = in;
-  for (int k = 0; k < 4000; ++k) x = step * x / z + in;  // the filter forgets: a geometric series
-  return x[force ? 2 : 3];
+  Eigen::Vector4d const in = K * (y / -w);
+  Eigen::Vector4d re = Eigen::Vector4d::Zero(), im = in;
+  double const c = std::cos(w * period), s = std::sin(w * period);
+  for (int k = 0; k < 4000; ++k) {  // the filter forgets: a geometric series in step / z
+    Eigen::Vector4d const a = step * re, b = step * im;
+    re = c * a + s * b;
+    im = c * b - s * a + in;
+  }
+  int const row = force ? 2 : 3;
+  return {re[row], im[row]};
 }
 
 }  // namespace

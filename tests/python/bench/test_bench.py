@@ -140,6 +140,67 @@ def test_a_users_rig_controller_does_the_work() -> None:
     assert float(np.abs(run["roller_torque"]).max()) > 1000
 
 
+def test_a_users_slide_protection_keeps_the_axles_turning() -> None:
+    """Two lines of Python against locked wheels: on track, where nothing but the valves holds them."""
+
+    class Simplest:
+        sample_time = 5e-3
+
+        def __init__(self) -> None:
+            self.train = 0.0
+
+        def step(self, measurements):
+            fastest = RADIUS * measurements["axle_speed"].max()
+            self.train = max(fastest, self.train - 0.6 * self.sample_time) if self.train else fastest
+            slip = 1.0 - RADIUS * measurements["axle_speed"] / self.train
+            return {"valve": np.where(slip > 0.1, 2, np.where(slip > 0.05, 1, 0))}
+
+    case = track_case(brake_case(**{"time.duration": "8 s"}))
+    held = simulate(case, controllers={"slide_protection": Simplest()})
+    free = simulate(case.model_copy(update={"slide_protection": None}))
+    assert held.attrs["status"] == "ok"
+    assert float(held["axle_speed"].min()) * RADIUS > 15.0
+    assert float(free["axle_speed"].min()) * RADIUS < 5.0  # without it they lock
+    assert int(held["vent_cycles"][-1].min()) > 2
+
+
+class Interrupting(Feedforward):
+    """Ctrl-C while the user's own code runs."""
+
+    def step(self, measurements):
+        if measurements["time"] >= 0.5:
+            raise KeyboardInterrupt
+        return super().step(measurements)
+
+
+def test_ctrl_c_keeps_what_was_computed() -> None:
+    def interrupting(fraction: float, text: str) -> None:
+        if fraction > 0.2:
+            raise KeyboardInterrupt
+
+    in_controller = simulate(brake_case(), controllers={"rig_control": Interrupting()})
+    between = simulate(brake_case(), progress=interrupting)
+    for run in (in_controller, between):
+        assert run.attrs["status"] == "interrupted"
+        assert 10 < run.sizes["time"] < 600
+        assert np.isfinite(run["axle_speed"]).all()
+    assert in_controller.sizes["time"] == 50 or in_controller.sizes["time"] == 51
+
+
+@pytest.mark.parametrize("answer", [[np.nan, 0.0], [np.inf, 0.0], [[0.0, 0.0]], [0.0]])
+def test_a_torque_that_is_none_ends_the_run(answer: object) -> None:
+    class Bad:
+        sample_time = 1e-3
+
+        def step(self, measurements):
+            return {"roller_torque": answer if measurements["time"] > 0.2 else [0.0, 0.0]}
+
+    run = simulate(brake_case(), controllers={"rig_control": Bad()})
+    assert run.attrs["status"] == CONTROLLER_FAILED
+    assert "rig_control, controller Bad" in run.attrs["status_message"]
+    assert run.sizes["time"] == 21  # every 10 ms until then
+
+
 @pytest.mark.parametrize(
     ("answer", "message"),
     [

@@ -38,8 +38,21 @@ from rollerrig.config import case_from_toml
         ),
         (
             {"rig_control.motor.envelope": [[0, 1e4], [50, 1e4], [50, 5e3]]},
-            "rig_control.motor.envelope: [[0, 10000.0], [50, 10000.0], [50, 5000.0]]; allowed: rows in ascending order",
+            "rig_control.motor.envelope: [[0, 10000.0], [50, 10000.0], [50, 5000.0]]; allowed: rows in ascending order"
+            " of their first column, each once; 50 follows 50",
         ),
+        (
+            {"rig_control.motor.envelope": [[0, 1e4], [50, 1e4], [20, 5e3]]},
+            "allowed: rows in ascending order of their first column, each once; 20 follows 50",
+        ),
+        ({"rig_control.motor.envelope": [[0, 1e4]]}, "rig_control.motor.envelope: [[0, 10000.0]]; allowed: at least two rows"),
+        (
+            {"traction": {"suspension": "axle"}},
+            "traction.link: missing; needed for suspension = 'axle', about 1 m",
+        ),
+        ({"traction": {"link": "1 m"}}, "allowed only with suspension = 'axle'"),
+        ({"rig_control.estimator.kind": "oracle"}, "rig_control.estimator.kind: 'oracle'; allowed: "),
+        ({"sensors.roller_torque": {"noise": -1.0}}, "sensors.roller_torque.noise: -1"),
         (
             {"slide_protection.sample_time": "2.5 ms"},
             "slide_protection.sample_time: 2.5 ms; allowed: a multiple of bench.step, 1 ms; the nearest is 2 ms",

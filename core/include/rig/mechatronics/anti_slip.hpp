@@ -5,6 +5,8 @@
 #include <array>
 #include <cmath>
 
+#include "rig/mechatronics/reference_speed.hpp"
+
 namespace rig {
 
 struct AntiSlip {
@@ -30,10 +32,8 @@ class AntiSlipState {
   static constexpr int most_axles = 8;
 
   void reset(double speed) {
-    reference_ = seen_ = speed;
-    slope_ = since_seen_ = released_for_ = 0.0;
+    reference_.reset(speed);
     quiet_for_ = 1e9;  // nothing has slipped yet
-    released_ = next_ = none;
     for (Axle& axle : axle_) axle = {speed, 0.0, 1.0, false, 0};
   }
 
@@ -47,18 +47,18 @@ class AntiSlipState {
       double const speed = p.wheel_radius * axle_speed[i];
       axle.acceleration += period / (p.filter_time + period) * ((speed - axle.speed) / period - axle.acceleration);
       axle.speed = speed;
-      double const slips_above = std::fmax(p.slip * std::fabs(reference_), p.slip_speed);
-      bool const slips = speed - reference_ > slips_above || axle.acceleration > p.acceleration;
+      double const slips_above = std::fmax(p.slip * std::fabs(reference_.value()), p.slip_speed);
+      bool const slips = speed - reference_.value() > slips_above || axle.acceleration > p.acceleration;
       axle.interventions += slips && !axle.slips;
       axle.slips = slips;
       quiet_for_ = slips ? 0.0 : quiet_for_;
-      axle.factor += (slips || i == released_ ? -p.reduction_rate : p.restoring_rate) * period;
+      axle.factor += (slips || reference_.releases(i) ? -p.reduction_rate : p.restoring_rate) * period;
       axle.factor = std::fmin(1.0, std::fmax(p.least_factor, axle.factor));
       factor[i] = axle.factor;
     }
   }
 
-  double reference_speed() const { return reference_; }
+  double reference_speed() const { return reference_.value(); }
   int interventions(int axle) const { return axle_[static_cast<std::size_t>(axle)].interventions; }
 
  private:
@@ -67,47 +67,20 @@ class AntiSlipState {
     bool slips;
     int interventions;
   };
-  static constexpr int none = -1;
-
-  /// The reference speed: the slowest axle, rising no faster than the train was last seen to. While axles slip, every so
-  /// often one is released until it has run down to the train's speed: that puts speed and slope right.
   void follow(AntiSlip const& p, double slowest, int axles, double period) {
-    reference_ = std::fmin(slowest, reference_ + slope_ * period);
-    since_seen_ += period;
+    ReferenceSpeedRules const rules{p.reference_acceleration, p.least_acceleration, p.release_interval,
+                                    p.shortest_release, p.longest_release};
+    reference_.advance(slowest, period);
     quiet_for_ += period;
-    if (quiet_for_ > p.regained_after) {
-      slope_ = p.reference_acceleration;
-      released_ = none;
-      seen(reference_);
-      return;
-    }
-    if (released_ == none) {
-      if (p.release_interval > 0.0 && since_seen_ > p.release_interval) {
-        released_ = next_ = (next_ + 1) % axles;
-        released_for_ = 0.0;
-      }
-      return;
-    }
-    released_for_ += period;
-    bool const falls = axle_[static_cast<std::size_t>(released_)].acceleration < -p.release_deceleration;
-    if (released_for_ < p.longest_release && (released_for_ < p.shortest_release || falls)) return;
-    slope_ = std::fmin(p.reference_acceleration, std::fmax(p.least_acceleration, (slowest - seen_) / since_seen_));
-    reference_ = slowest;
-    released_ = none;
-    seen(slowest);
-  }
-
-  void seen(double speed) {
-    seen_ = speed;
-    since_seen_ = 0.0;
+    if (quiet_for_ > p.regained_after) return reference_.is_known(rules);
+    reference_.search(rules, slowest, axles, period, [&](int axle) {
+      return axle_[static_cast<std::size_t>(axle)].acceleration < -p.release_deceleration;
+    });
   }
 
   std::array<Axle, most_axles> axle_{};
-  double reference_{0.0}, slope_{0.0};
-  double seen_{0.0}, since_seen_{0.0};  ///< the train's speed when it was last known [m/s], and how long ago [s]
-  double quiet_for_{0.0};               ///< since the last slip [s]
-  int released_{none}, next_{none};
-  double released_for_{0.0};  ///< [s]
+  ReferenceSpeed reference_{false};
+  double quiet_for_{0.0};  ///< since the last slip [s]
 };
 
 }  // namespace rig

@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "rig/mechatronics/pneumatic_brake.hpp"
+#include "rig/mechatronics/reference_speed.hpp"
 
 namespace rig {
 
@@ -37,11 +38,7 @@ class WheelSlideProtectionState {
   static constexpr int most_axles = 8;
 
   void reset(double speed) {
-    reference_ = speed;
-    slope_ = 0.0;
-    seen(speed);
-    released_ = next_ = none;
-    released_for_ = 0.0;
+    reference_.reset(speed);
     axle_.fill({});
     for (Axle& axle : axle_) axle.speed = speed;
   }
@@ -62,10 +59,10 @@ class WheelSlideProtectionState {
       gripping = (i > 0 && gripping) || !axle.slid;
     }
     follow(p, fastest, gripping, axles, period);
-    for (int i = 0; i < axles; ++i) valve[i] = decide(p, axle_[static_cast<std::size_t>(i)], i == released_, period);
+    for (int i = 0; i < axles; ++i) valve[i] = decide(p, axle_[static_cast<std::size_t>(i)], reference_.releases(i), period);
   }
 
-  double reference_speed() const { return reference_; }
+  double reference_speed() const { return reference_.value(); }
   int cycles(int axle) const { return axle_[static_cast<std::size_t>(axle)].cycles; }
 
  private:
@@ -79,50 +76,26 @@ class WheelSlideProtectionState {
     int cycles{0};
   };
 
-  /// The reference speed: the fastest axle while one grips. Where all slide it falls as the train was last seen to, and
-  /// every so often one axle is released until it has run up to the train's speed: that puts speed and slope right.
   void follow(WheelSlideProtection const& p, double fastest, bool gripping, int axles, double period) {
-    reference_ = std::fmax(fastest, reference_ - slope_ * period);
-    since_seen_ += period;
-    if (gripping || reference_ < p.least_speed) {
-      released_ = none;
-      slope_ = p.reference_deceleration;
-      seen(reference_);
-      return;
-    }
-    if (released_ == none) {
-      if (p.release_interval > 0.0 && since_seen_ > p.release_interval) {
-        released_ = next_ = (next_ + 1) % axles;
-        released_for_ = 0.0;
-      }
-      return;
-    }
-    released_for_ += period;
-    Axle const& axle = axle_[static_cast<std::size_t>(released_)];
-    bool const gains = axle.acceleration > p.recovery_acceleration;
-    if (released_for_ < p.longest_release && (released_for_ < p.shortest_release || gains)) return;
-    double const slope = (seen_ - fastest) / since_seen_;
-    slope_ = std::fmin(p.reference_deceleration, std::fmax(p.least_deceleration, slope));
-    reference_ = fastest;
-    released_ = none;
-    seen(fastest);
-  }
-
-  void seen(double speed) {
-    seen_ = speed;
-    since_seen_ = 0.0;
+    ReferenceSpeedRules const rules{p.reference_deceleration, p.least_deceleration, p.release_interval,
+                                    p.shortest_release, p.longest_release};
+    reference_.advance(fastest, period);
+    if (gripping || reference_.value() < p.least_speed) return reference_.is_known(rules);
+    reference_.search(rules, fastest, axles, period, [&](int axle) {
+      return axle_[static_cast<std::size_t>(axle)].acceleration > p.recovery_acceleration;
+    });
   }
 
   DumpValve decide(WheelSlideProtection const& p, Axle& axle, bool released, double period) {
-    double const slip = reference_ - axle.speed;
-    double const vent_above = std::fmax(p.vent_slip * reference_, p.vent_slip_speed);
-    double const fill_below = std::fmax(p.fill_slip * reference_, p.fill_slip_speed);
+    double const slip = reference_.value() - axle.speed;
+    double const vent_above = std::fmax(p.vent_slip * reference_.value(), p.vent_slip_speed);
+    double const fill_below = std::fmax(p.fill_slip * reference_.value(), p.fill_slip_speed);
     axle.grips_for = slip < fill_below ? axle.grips_for + period : 0.0;
     if (axle.grips_for > p.regained_after) axle.slid = false;
     bool const locks_up = axle.acceleration < -p.vent_deceleration && slip > 0.5 * p.fill_slip_speed;
     bool const recovers = axle.acceleration > p.recovery_acceleration;
     DumpValve wanted = DumpValve::hold;
-    if (reference_ < p.least_speed || axle.venting_for > p.longest_vent) {
+    if (reference_.value() < p.least_speed || axle.venting_for > p.longest_vent) {
       wanted = DumpValve::fill;
       axle.slid = false;
     } else if (released || ((slip > vent_above || locks_up) && !recovers)) {
@@ -146,13 +119,8 @@ class WheelSlideProtectionState {
     return wanted;
   }
 
-  static constexpr int none = -1;
-
   std::array<Axle, most_axles> axle_{};
-  double reference_{0.0}, slope_{0.0};
-  double seen_{0.0}, since_seen_{0.0};  ///< the train's speed when it was last known [m/s], and how long ago [s]
-  int released_{none}, next_{none};
-  double released_for_{0.0};  ///< [s]
+  ReferenceSpeed reference_{true};
 };
 
 }  // namespace rig

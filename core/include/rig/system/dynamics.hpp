@@ -42,6 +42,8 @@ struct Workspace {
   BodyMotion<T> ground_motion;
   std::array<T, account_count> power;
   std::vector<AxleCreep<T>> axle_creep;  ///< per tied axle
+  std::vector<Vec3<T>> gyroscopic;       ///< per body, body components [N m]
+  std::vector<T> link_load;              ///< per link
 
   Travel<T> travel;
   std::vector<RailOffset<T>> offset;  ///< per contact, of the irregularity
@@ -159,7 +161,10 @@ class Dynamics {
   template <Scalar T>
   void apply_resistance(Workspace<T>& w);
   template <Scalar T>
-  void apply_ties(Workspace<T>& w, Sweep const* sweep);
+  void hold(Workspace<T>& w, std::size_t axle_torque, Vec3<T> const& moment);
+  template <Scalar T>
+  void apply_links(Workspace<T>& w, Sweep const* sweep);
+  void plan_links();
   template <Scalar T>
   void apply_contact(Workspace<T>& w, T const& t, int index);
   void store_sweep(Sweep const& sweep, JacobianData& j) const;
@@ -184,6 +189,8 @@ class Dynamics {
   std::vector<IdealRolling> ties_;
   std::vector<int> tie_of_contact_;  ///< -1: not tied
   std::vector<double> rolling_force_;
+  std::vector<Link> links_;  ///< the model's rotors, then the ties
+  Eigen::MatrixXd link_matrix_;
   double longitudinal_force_{0.0};
   bool has_adhesion_maps_{false};
   std::vector<double> off_since_;

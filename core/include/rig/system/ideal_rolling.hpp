@@ -7,12 +7,13 @@
 //
 //   s = v_x - V_x - r Omega - R Omega_r        s' = -s / tau        (C9)
 //
-// with Omega about the body's own axle (of a roller negative in forward running), V_x of a roller on springs. All wrenches
-// but T are known, and s' is linear in it: T = -(s'_0 + s / tau) / (1/m + r^2/I + 1/m_r + R^2/I_r).
+// with Omega about the body's own axle (of a roller negative in forward running), V_x of a roller on springs. It is a link of
+// system/links.hpp: alone, T = -(s'_0 + s / tau) / (1/m + r^2/I + 1/m_r + R^2/I_r).
 #pragma once
 #include <array>
 
 #include "rig/system/contact_placement.hpp"
+#include "rig/system/links.hpp"
 
 namespace rig {
 
@@ -60,58 +61,21 @@ AxleCreep<T> axle_creep(WheelContact const& contact, ContactPlacement<T> const& 
   return {force.x, dot(on_wheelset, axle), on_roller};
 }
 
-template <Scalar T>
-T turning(BodyMotion<T> const& m) {
-  return dot(m.R.ey, m.omega);
+/// The tie: u is the mean longitudinal slip at nominal radii.
+inline Link link_of(IdealRolling const& tie) {
+  return {{{{tie.wheelset, 1.0, 0.0, -tie.wheel_radius}, {tie.roller, -1.0, 0.0, -tie.roller_radius}}}, 0.0, tie.rate};
 }
 
-/// s [m/s]
+/// Takes the mean creep out of the wrenches; returns the power it did, which no longer dissipates [W].
 template <Scalar T>
-T mean_slip(IdealRolling const& tie, BodyMotion<T> const& wheelset, BodyMotion<T> const& roller) {
-  return wheelset.v.x - roller.v.x - tie.wheel_radius * turning(wheelset) - tie.roller_radius * turning(roller);
-}
-
-/// A force along x at the centre and a moment about the axle.
-template <Scalar T>
-void push(Wrench<T>& wrench, BodyMotion<T> const& m, T const& force, T const& moment) {
-  wrench.force.x += force;
-  wrench.moment += moment * m.R.ey;
-}
-
-/// Acceleration of a surface point at `arm` under the axle; and what a force there adds to it per newton.
-template <Scalar T>
-T surface_acceleration(Body const& body, BodyMotion<T> const& m, Wrench<T> const& wrench, double arm, T const& driven,
-                       double& compliance) {
-  T a(0.0);
-  if (!body.locked[coord_x]) {
-    a = wrench.force.x / body.mass;
-    compliance += 1.0 / body.mass;
-  }
-  if (body.driven) return a - arm * driven;
-  compliance += arm * arm / body.inertia.y;
-  return a - arm * (dot(m.R.ey, wrench.moment) - gyroscopic_moment(body, m).y) / body.inertia.y;
-}
-
-/// Puts the tie in place of the mean creep; returns T [N] on the wheelset, forward.
-///
-/// @param driven  pitch acceleration of a roller whose speed is given [rad/s^2]
-/// @param power   to be added to the heat of creep: what is taken out no longer dissipates [W]
-template <Scalar T>
-T tie_axle(IdealRolling const& tie, Body const& wheelset, Body const& roller, BodyMotion<T> const& m_w,
-           BodyMotion<T> const& m_r, AxleCreep<T> const& creep, T const& driven, Wrench<T>& on_wheelset,
-           Wrench<T>& on_roller, T& power) {
-  push<T>(on_wheelset, m_w, -creep.force, -creep.on_wheelset);
-  push<T>(on_roller, m_r, creep.force, -creep.on_roller);
-  double compliance = 0.0;
-  T const a_wheel = surface_acceleration(wheelset, m_w, on_wheelset, tie.wheel_radius, T(0.0), compliance);
-  T const a_roller = surface_acceleration(roller, m_r, on_roller, -tie.roller_radius, driven, compliance);
-  T const slip = mean_slip(tie, m_w, m_r);
-  T const force = -(a_wheel - a_roller + tie.rate * slip) / compliance;
-  push<T>(on_wheelset, m_w, force, -tie.wheel_radius * force);
-  push<T>(on_roller, m_r, -force, -tie.roller_radius * force);
-  power = creep.force * (m_w.v.x - m_r.v.x) + creep.on_wheelset * turning(m_w) + creep.on_roller * turning(m_r) -
-          force * slip;
-  return force;
+T take_out(AxleCreep<T> const& creep, BodyMotion<T> const& wheelset, BodyMotion<T> const& roller,
+           Wrench<T>& on_wheelset, Wrench<T>& on_roller) {
+  on_wheelset.force.x -= creep.force;
+  on_roller.force.x += creep.force;
+  on_wheelset.moment -= creep.on_wheelset * wheelset.R.ey;
+  on_roller.moment -= creep.on_roller * roller.R.ey;
+  return creep.force * (wheelset.v.x - roller.v.x) + creep.on_wheelset * dot(wheelset.R.ey, wheelset.omega) +
+         creep.on_roller * dot(roller.R.ey, roller.omega);
 }
 
 }  // namespace rig

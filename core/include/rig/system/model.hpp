@@ -12,6 +12,7 @@
 #include "rig/contact/strip_kernel.hpp"
 #include "rig/geometry/interpenetration.hpp"
 #include "rig/mechatronics/pneumatic_brake.hpp"
+#include "rig/system/links.hpp"
 #include "rig/track/irregularity.hpp"
 #include "rig/track/line.hpp"
 
@@ -37,6 +38,9 @@ struct AxleTorque {
   int wheelset{0};
   int reaction{ground};
   TimeTable torque{};  ///< [N m]
+  /// Of an axle-hung motor: from the axle to the link by which it holds on to the reaction body, along x [m]; 0: a moment.
+  double link{0.0};
+  double link_on_reaction{0.0};  ///< place of that link from the reaction body's centre of mass, along x [m]
 };
 
 /// Torque on a roller about its axle, positive when it drives the wheel forward (turns the roller backwards).
@@ -73,6 +77,7 @@ struct Model {
   std::vector<AxleTorque> axle_torques;
   std::vector<RollerTorque> roller_torques;
   std::vector<AxleBrake> brakes;
+  std::vector<Link> rotors;  ///< geared to axles and rollers
   RunningResistance resistance{};
   TimeTable speed{};                          ///< running speed V(t) [m/s] of driven rollers (crown speed) and of rails
   double start{0.0};                          ///< arc length of the vehicle's reference point at time 0 [m]
