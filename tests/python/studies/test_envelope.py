@@ -240,8 +240,8 @@ def test_limits_begin_where_closed_forms_put_them(
 ) -> None:
     """12 % below the line there is no such limit, 12 % above it there is.
 
-    Of the 12 %, lags of estimator and drive and the feedback's part of the torque take 5 %, and the bogie's pitching as the
-    torque rises another 4 % of the load on an axle.
+    As the torque rises the drives' torque overshoots by 6 %, for lags of estimator and drive and the feedback, and the bogie's
+    pitching adds 4 % to the part of the friction that an axle uses; the rest is the time for which a limit must be held.
     """
     plan = make_plan(coulomb, duration=1.5)
     model = point_case(plan, Point(load, -1.0, adhesion))
