@@ -18,6 +18,7 @@ COMMANDS = (
     "compare",
     "adhesion",
     "control",
+    "lateral",
     "scale",
     "envelope",
     "contact",

