@@ -163,6 +163,32 @@ def test_ripple_is_what_never_ceases() -> None:
     assert math.isnan(ripple_of(time[:100], ring[:100, None])[0])
 
 
+def test_half_a_run_is_no_result() -> None:
+    def pressed(_fraction: float, _text: str) -> None:
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        run_variant(Variant("", "", 0.0, brake()), pressed)
+
+
+def test_ctrl_c_keeps_what_is_there() -> None:
+    calls = []
+
+    def pressed(fraction: float, _text: str) -> None:
+        calls.append(fraction)
+        if fraction > 0.5:
+            raise KeyboardInterrupt
+
+    families = [family("drive_bandwidth", (5.0, 20.0, 50.0, 100.0, 200.0), "PI")]
+    found = compare_controllers(brake(1.0), families=families, limits=False, processes=1, progress=pressed)
+    assert calls
+    assert found is not None
+    assert found.interrupted
+    assert found.references[0].curve == "as shipped"
+    assert len(found.results) < 5
+    assert "Interrupted" in lead(found)
+
+
 def test_files(study: Study, tmp_path: Path) -> None:
     files = write_control(study, tmp_path)
     assert [f.name for f in files] == ["variants.csv", "summary.json", "report.html"]

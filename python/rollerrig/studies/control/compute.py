@@ -25,7 +25,7 @@ from rollerrig.model import assemble
 from rollerrig.run import simulate
 from rollerrig.studies.adhesion.compute import slip, tracking
 from rollerrig.studies.control.families import FAMILIES, REFERENCES, USER, Changes, Family
-from rollerrig.studies.control.ring import RingPoint, ring_jobs, ring_run
+from rollerrig.studies.control.ring import RingPoint, ring_jobs, ring_run, whole_run
 
 Progress = Callable[[float, str], None]
 Array = NDArray[np.float64]
@@ -278,7 +278,7 @@ def _job(job: Any, progress: Progress) -> Result | RingPoint:
 
 def run_variant(variant: Variant, progress: Progress | None = None) -> Result:
     """One run and its numbers."""
-    run = simulate(variant.case, progress=progress)
+    run = whole_run(variant.case, progress)
     course = run[list(KEPT)].load() if variant.keep else None
     return Result(variant.family, variant.curve, variant.value, {**numbers(run), "way": _way(run)}, course)
 
@@ -352,10 +352,10 @@ def ripple_of(time: Array, torque: Array) -> tuple[float, float]:
     Returns:
         RMS [N m] and frequency of most power [Hz]; NaN where the run is shorter than half a second.
     """
-    step = float(time[1] - time[0]) if time.size > 1 else 1.0
-    window = round(0.25 / step)
-    if time.size < 2 * window or not np.isfinite(torque).all():
+    if time.size < 2 or time[-1] - time[0] < 0.5 or not np.isfinite(torque).all():
         return math.nan, math.nan
+    step = float(time[1] - time[0])
+    window = round(0.25 / step)
     high = sosfiltfilt(butter(4, RIPPLE_ABOVE, "highpass", fs=1.0 / step, output="sos"), torque, axis=0)
     count = len(high) // window
     parts = np.sqrt(np.mean(high[: count * window].reshape(count, window, -1) ** 2, axis=1))

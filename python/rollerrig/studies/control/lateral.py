@@ -22,8 +22,8 @@ from rollerrig import _core
 from rollerrig.analysis.parallel import run_jobs
 from rollerrig.analysis.signals import half_waves
 from rollerrig.config import Case, ConfigError, ConfigProblem, Rig
-from rollerrig.run import simulate
 from rollerrig.studies.adhesion.compute import slip, track_case, tracking
+from rollerrig.studies.control.ring import whole_run
 
 Progress = Callable[[float, str], None]
 Array = NDArray[np.float64]
@@ -112,7 +112,7 @@ def compare_lateral(case: Case, *, processes: int = 2, progress: Progress | None
 
 
 def _run(case: Case, progress: Progress) -> xr.Dataset:
-    return simulate(case, progress=progress)
+    return whole_run(case, progress)
 
 
 # ------------------------------------------------------------------------------------------------------------- numbers

@@ -13,6 +13,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+import xarray as xr
 from numpy.typing import NDArray
 from scipy.signal import butter, sosfiltfilt
 
@@ -70,6 +71,18 @@ class RingPoint:
         return math.isfinite(self.measured[0]) or self.amplitude > 0.1 * LARGEST_RING
 
 
+def whole_run(case: Case, progress: Progress | None) -> xr.Dataset:
+    """A run that Ctrl-C did not cut short: half a test says nothing about a controller.
+
+    Raises:
+        KeyboardInterrupt: it did.
+    """
+    run = simulate(case, progress=progress)
+    if run.attrs["status"] == "interrupted":
+        raise KeyboardInterrupt
+    return run
+
+
 def quiet_case(case: Case) -> Case:
     """A short run at speed on a dry virtual rail, with a light push by the brake or the drive.
 
@@ -112,7 +125,7 @@ def ring_jobs(case: Case) -> list[RingJob]:
 
 def ring_run(job: RingJob, progress: Progress | None = None) -> RingPoint:
     """One quiet run beside the eigenvalues of its loop."""
-    run = simulate(job.case, progress=progress)
+    run = whole_run(job.case, progress)
     error = (run["virtual_speed"] - run["axle_speed"]).to_numpy()
     measured, amplitude = ringing(run["time"].to_numpy(), error)
     return RingPoint(
