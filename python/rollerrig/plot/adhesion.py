@@ -78,7 +78,8 @@ def closer(track: xr.Dataset, rig: xr.Dataset, radius: float) -> Figure:
                 values = radius * run["axle_speed"].sel(axle=axle) - run["train_speed"]
                 _line(slip, run["time"], values, number, ON[label], f"{axle}, {label}")
         braked = float(track["vent_cycles"][-1].sum()) > 0
-        _both(act, *cut, *(("cylinder_pressure", 1e-5) if braked else ("torque_factor", 1.0)))
+        name, scale = ("cylinder_pressure", 1e-5) if braked else ("torque_factor", 1.0)
+        _both(act, cut[0], cut[1], name, scale)
         slip.set_ylabel("wheel less\ntrain [m/s]")
         act.set_ylabel("cylinder [bar]" if braked else "part of\nthe demand")
         act.set_xlabel("time [s]")
