@@ -44,8 +44,8 @@ class Motor(Table):
     )
     gear_ratio: Annotated[float, Quantity("1", ge=-20, le=20)] = Field(
         default=-1.0,
-        description="speed of the rotor over that of the driven axle, for rotor_inertia alone: torques and speeds of this table are "
-        "the driven axle's; negative: the rotor turns against the axle, as with one pair of gears",
+        description="speed of the rotor over that of the driven axle, for rotor_inertia alone: torques and speeds of this "
+        "table are the driven axle's; negative: the rotor turns against the axle, as with one pair of gears",
     )
 
 
@@ -92,11 +92,12 @@ class Traction(Table):
     motor: Motor = Field(default=Motor(), description="the motor and its gear, seen from the axle")
     suspension: Literal["frame", "ground", "axle"] = Field(
         default="frame",
-        description="what holds the motor against its moment: the bogie frame; nothing of the vehicle; or, axle-hung (nose-suspended), "
-        "its bearings on the axle and a link on the frame, which exert two opposite vertical forces",
+        description="what holds the motor against its moment: the bogie frame; nothing of the vehicle; or, axle-hung "
+        "(nose-suspended), its bearings on the axle and a link on the frame, which exert two opposite vertical forces",
     )
     link: PositiveLength | None = Field(
-        default=None, description="for suspension = 'axle': distance of that link from the axle, towards the frame's middle"
+        default=None,
+        description="for suspension = 'axle': distance of that link from the axle, towards the frame's middle",
     )
 
     @model_validator(mode="after")

@@ -45,7 +45,10 @@ from rollerrig.config import case_from_toml
             {"rig_control.motor.envelope": [[0, 1e4], [50, 1e4], [20, 5e3]]},
             "allowed: rows in ascending order of their first column, each once; 20 follows 50",
         ),
-        ({"rig_control.motor.envelope": [[0, 1e4]]}, "rig_control.motor.envelope: [[0, 10000.0]]; allowed: at least two rows"),
+        (
+            {"rig_control.motor.envelope": [[0, 1e4]]},
+            "rig_control.motor.envelope: [[0, 10000.0]]; allowed: at least two rows",
+        ),
         (
             {"traction": {"suspension": "axle"}},
             "traction.link: missing; needed for suspension = 'axle', about 1 m",

@@ -59,7 +59,8 @@ class WheelSlideProtectionState {
       gripping = (i > 0 && gripping) || !axle.slid;
     }
     follow(p, fastest, gripping, axles, period);
-    for (int i = 0; i < axles; ++i) valve[i] = decide(p, axle_[static_cast<std::size_t>(i)], reference_.releases(i), period);
+    for (int i = 0; i < axles; ++i)
+      valve[i] = decide(p, axle_[static_cast<std::size_t>(i)], reference_.releases(i), period);
   }
 
   double reference_speed() const { return reference_.value(); }
