@@ -3,8 +3,8 @@
 Case on elastic rollers with a disturbance -> [lateral_cases] -> runs aside and centred, elastic and rigid, rig and track
 -> [numbers] tracking, real sliding, hunting before and in the slide; [guidance] lateral creep against its closed form
 
-A wheel that slides along the track has its friction used up: what is left of lateral creep is viscous, mu N v_y / w
-(docs/theory/adhesion.md).
+A wheel that slides along the track has its friction used up: what is left of lateral creep is viscous, -F v_y / w
+(docs/theory/rig_control.md, S6).
 """
 
 from __future__ import annotations
