@@ -98,7 +98,8 @@ class Simulation {
     begin_call(x);
     JacobianData j(dynamics_.sizes());
     dynamics_.jacobian(t, x.data(), j);
-    integrate::LinearSystem const system{j.a, dynamics_.first_relaxing_state(), dynamics_.relaxation_rates()};
+    integrate::LinearSystem system{j.a, dynamics_.relaxing_directions(), dynamics_.sizes().quadratures};
+    dynamics_.renew_relaxing_directions({}, system.directions);
     return matrix(integrate::amplification(system, method_named(method), step));
   }
 

@@ -81,6 +81,7 @@ Dynamics::Dynamics(Model const& model) : model_(&model), map_(model) {
   evaluated_.assign(at(map_.states()), 0.0);
   plan_links();
   plan_sweeps();
+  plan_relaxation();
 }
 
 template <Scalar T>
@@ -540,6 +541,7 @@ Status Dynamics::derivative(double t, double const* x, double* x_dot, double* z_
 }
 
 template Travel<double> Dynamics::travel_now(double const&) const;
+template ContactPlacement<double> Dynamics::placement(int, Workspace<double> const&) const;
 template void Dynamics::place(Workspace<JacobianDual>&, JacobianDual const&) const;
 template void Dynamics::see_from_common(Workspace<JacobianDual>&, int) const;
 template void Dynamics::evaluate_forces(Workspace<double>&, double const&, Sweep const*);

@@ -158,36 +158,6 @@ long TestBench::last_step(double t_stop) const {
 
 // ------------------------------------------------------------------------------------------------- the plant
 
-/// Creep makes a slow wheel stiff, d T / d w ~ 1 / V: short steps keep the explicit method stable, to a rate of 2.78 / h.
-int TestBench::substeps() const {
-  auto const& contacts = dynamics_->model().contacts;
-  double rate = 0.0;
-  for (std::size_t i = 0; i < axle_.size(); ++i) {
-    BenchAxle const& a = setup_.axles[i];
-    Body const& wheelset = dynamics_->model().bodies[at(a.wheelset)];
-    for (int c : a.contact) {
-      if (c < 0 || dynamics_->patch_count(c) == 0) continue;
-      ContactLaws const& laws = contacts[at(c)].laws;
-      double stiffness = 0.0;  // without saturation, which only makes it softer
-      for (int k = 0; k < dynamics_->patch_count(c); ++k) {
-        auto const& patch = dynamics_->patch(c, k);
-        double const shear = laws.material.shear_modulus;
-        stiffness += kalker_stiffness(laws.kalker->at(std::log(patch.a / patch.b)), shear, patch.a, patch.b, 1.0).f11;
-      }
-      double const r = contacts[at(c)].pair.wheel_radius;
-      double inverse_inertia = 2.0 * r * r / wheelset.inertia.y;
-      if (a.roller >= 0) {
-        double const R = 1.0 / contacts[at(c)].pair.inverse_radius;
-        inverse_inertia += 2.0 * R * R / dynamics_->model().bodies[at(a.roller)].inertia.y;
-      }
-      inverse_inertia += 2.0 / wheelset.mass;
-      double const v = std::hypot(dynamics_->patch(c, 0).rolling_speed, contacts[at(c)].laws.standstill_speed);
-      rate = std::max(rate, stiffness * inverse_inertia / v);
-    }
-  }
-  return std::clamp(static_cast<int>(std::ceil(rate * setup_.step / 2.7)), 1, 64);
-}
-
 void TestBench::step() {
   take_commands();
   auto& in = dynamics_->inputs;
@@ -198,19 +168,13 @@ void TestBench::step() {
   spend_energy();
   // Inputs are straight lines that join: the slope at the end of the last step is that at the start of this one. What
   // does jump, V' and the energy spent, shifts a velocity by less than step / 6 times the jump, and the next jump back.
-  int const parts = substeps();
-  double const h = setup_.step / parts;
-  double const start = time();
-  for (int i = 0; i < parts; ++i) {
-    double const t = start + h * i;
-    double const end = i + 1 == parts ? setup_.step * static_cast<double>(step_count_ + 1) : start + h * (i + 1);
-    method_.prepare(plant_, t, y_);
-    status_ = method_.attempt(plant_, {t, end - t, end}, y_, y_new_);
-    if (status_ == Status::ok && !y_new_.allFinite()) status_ = Status::not_finite;
-    if (status_ != Status::ok) return;
-    y_.swap(y_new_);
-    ++plant_.statistics.steps;
-  }
+  method_.prepare(plant_, time(), y_);
+  status_ =
+      method_.attempt(plant_, {time(), setup_.step, setup_.step * static_cast<double>(step_count_ + 1)}, y_, y_new_);
+  if (status_ == Status::ok && !y_new_.allFinite()) status_ = Status::not_finite;
+  if (status_ != Status::ok) return;
+  y_.swap(y_new_);
+  ++plant_.statistics.steps;
   ++step_count_;
   sampled_ = false;
   if (in.travels) {

@@ -22,7 +22,7 @@ PACKAGE = ROOT / "python" / "rollerrig"
 CORE_LAYERS = [
     {"scalar.hpp", "status.hpp"},
     {"math"},
-    {"differential_equation.hpp"},
+    {"differential_equation.hpp", "relaxing_directions.hpp"},
     {"track"},
     {"profile"},
     {"body"},

@@ -7,8 +7,8 @@
 #pragma once
 #include <Eigen/Core>
 #include <concepts>
-#include <span>
 
+#include "rig/relaxing_directions.hpp"
 #include "rig/status.hpp"
 
 namespace rig {
@@ -61,12 +61,15 @@ concept HasKinematicStates = requires(S const& system, int i) {
   { system.velocity_column(i) } -> std::convertible_to<int>;
 };
 
-/// Optional: relaxing states, x'[i] = N_i(t, x) - rate_i x[i] with constant rates [1/s] and an N_i that does not depend on
-/// any relaxing state; they stand side by side in x.  An exponential method integrates their decay exactly.
+/// Optional: directions in which the states relax: inner nodes of dampers, or slip against creep forces that grow with it. An
+/// exponential method integrates their decay exactly.
+///
+/// relaxing_directions() returns an empty set with room for all there can be. renew_relaxing_directions(now, next) looks at
+/// what derivative() evaluated last, and fills `next` and returns true where that asks for others than `now`.
 template <class S>
-concept HasRelaxation = requires(S const& system) {
-  { system.first_relaxing_state() } -> std::convertible_to<int>;
-  { system.relaxation_rates() } -> std::convertible_to<std::span<double const>>;
+concept HasRelaxingDirections = requires(S const& system, RelaxingDirections const& now, RelaxingDirections& next) {
+  { system.relaxing_directions() } -> std::same_as<RelaxingDirections>;
+  { system.renew_relaxing_directions(now, next) } -> std::same_as<bool>;
 };
 
 }  // namespace rig

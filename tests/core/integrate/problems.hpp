@@ -136,8 +136,16 @@ struct ExactRelaxation {
   double back = 1;  ///< how strongly the relaxing states push the others [1/s]
 
   Sizes sizes() const { return {4, 1}; }
-  int first_relaxing_state() const { return 2; }
-  std::span<double const> relaxation_rates() const { return rates; }
+  RelaxingDirections relaxing_directions() const { return {2, 2, 0}; }
+  bool renew_relaxing_directions(RelaxingDirections const& now, RelaxingDirections& next) const {
+    if (now.size() == 2) return false;
+    next.clear();
+    for (int i = 0; i < 2; ++i) {
+      next.begin(rates[i], 0.0);
+      next.add(2 + i, 1.0, 1.0);
+    }
+    return true;
+  }
 
   Status derivative(double t, double const* x, double* x_dot, double* z_dot) const {
     double const e0 = x[0] - std::cos(t), e1 = x[1] - std::sin(2 * t);
@@ -154,6 +162,42 @@ struct ExactRelaxation {
   static std::vector<double> exact(double t) { return {std::cos(t), std::sin(2 * t), x2(t), std::cos(t)}; }
   /// Integral of cos t (1 + sin 3t) from 0.
   static double z(double t) { return std::sin(t) + (1 - std::cos(4 * t)) / 8 + (1 - std::cos(2 * t)) / 4; }
+};
+
+/// Two masses that slip on a belt: M v' = p(t) - d T(s), s = d . v - V(t), with T(s) = viscosity s / sqrt(1 + (s/s_0)^2) that
+/// saturates. p is such that v = (cos t, V/2 + sin 2t) with V = -3 t. z accumulates v0 v1.
+struct ExactSlip {
+  double viscosity = 100, saturation_slip = 1;
+  double judged = 1;  ///< declared rate over the secant of T
+  bool drifts = true;
+  mutable double last_secant = 0;  ///< as derivative() found it last
+  static constexpr double mass[2] = {2, 0.5}, d[2] = {1, 2}, belt = -3;
+
+  Sizes sizes() const { return {2, 1}; }
+  double traction(double s) const { return viscosity * s / std::sqrt(1 + s * s / (saturation_slip * saturation_slip)); }
+  Status derivative(double t, double const* v, double* v_dot, double* z_dot) const {
+    double const s = d[0] * v[0] + d[1] * v[1] - belt * t;
+    double const exact_slip = std::cos(t) + 2 * std::sin(2 * t);
+    double const force = traction(s) - traction(exact_slip);
+    v_dot[0] = -std::sin(t) - d[0] / mass[0] * force;
+    v_dot[1] = belt / 2 + 2 * std::cos(2 * t) - d[1] / mass[1] * force;
+    if (z_dot != nullptr) z_dot[0] = v[0] * v[1];
+    last_secant = traction(s + 1e-9) / (s + 1e-9);
+    return Status::ok;
+  }
+  RelaxingDirections relaxing_directions() const { return {1, 2, 1}; }
+  bool renew_relaxing_directions(RelaxingDirections const&, RelaxingDirections& next) const {
+    double const inverse_mass = d[0] * d[0] / mass[0] + d[1] * d[1] / mass[1];
+    next.clear();
+    next.begin(judged * last_secant * inverse_mass, drifts ? belt : 0.0);
+    for (int i = 0; i < 2; ++i) next.add(i, d[i], d[i] / mass[i] / inverse_mass);
+    return true;
+  }
+  static std::vector<double> start() { return {1, 0}; }
+  static std::vector<double> exact(double t) { return {std::cos(t), belt * t / 2 + std::sin(2 * t)}; }
+  static double z(double t) {
+    return belt / 2 * (t * std::sin(t) + std::cos(t) - 1) + 2.0 / 3.0 * (1 - std::pow(std::cos(t), 3));
+  }
 };
 
 /// Order seen when the step is halved from one entry to the next.

@@ -15,7 +15,8 @@ struct Errors {
   std::vector<double> state, quadrature, between;  // at the end, at the end, largest on a fine output grid
 };
 
-Errors errors_of_halved_steps(ExactRelaxation problem, int coarsest, int finest) {
+template <class Problem>
+Errors errors_of_halved_steps(Problem problem, int coarsest, int finest) {
   Errors errors;
   double const end = 2;
   for (int k = coarsest; k <= finest; ++k) {
@@ -60,7 +61,7 @@ TEST_CASE("phi functions against their defining integrals, on both sides of the 
 
 TEST_CASE("exponential_rk4 has order 4 in states, quadratures and output") {
   // The slopes are means over four halvings; 0.2 below the theory allows for the next term of the error.
-  Errors const e = errors_of_halved_steps({}, 5, 9);
+  Errors const e = errors_of_halved_steps(ExactRelaxation{}, 5, 9);
   CHECK(slope(e.state) > 3.8);
   CHECK(slope(e.quadrature) > 3.8);
   CHECK(slope(e.between) > 3.8);
@@ -68,7 +69,7 @@ TEST_CASE("exponential_rk4 has order 4 in states, quadratures and output") {
 
 TEST_CASE("exponential_rk4 falls to order 2 where the decay is far too fast for a classical step, but no lower") {
   // h times rate from 6000 to 40: N = rate * target grows with the rate, and a stage knows the target of the one before.
-  Errors const e = errors_of_halved_steps({{1e5, 1e4}, 1}, 5, 9);
+  Errors const e = errors_of_halved_steps(ExactRelaxation{{1e5, 1e4}, 1}, 5, 9);
   CHECK(slope(e.state) > 1.8);
   CHECK(slope(e.quadrature) > 1.8);
   CHECK(slope(e.between) > 1.8);
@@ -93,8 +94,14 @@ TEST_CASE("a decay towards a parabola of time is exact at any step, output inclu
   struct Decay {
     double rate[1] = {700};
     Sizes sizes() const { return {1, 0}; }
-    int first_relaxing_state() const { return 0; }
-    std::span<double const> relaxation_rates() const { return rate; }
+    RelaxingDirections relaxing_directions() const { return {1, 1, 0}; }
+    bool renew_relaxing_directions(RelaxingDirections const& now, RelaxingDirections& next) const {
+      if (now.size() == 1) return false;
+      next.clear();
+      next.begin(rate[0], 0.0);
+      next.add(0, 1.0, 1.0);
+      return true;
+    }
     Status derivative(double t, double const* x, double* x_dot, double*) const {
       x_dot[0] = rate[0] * (2 + t - 3 * t * t - x[0]);
       return Status::ok;
@@ -134,7 +141,6 @@ TEST_CASE("amplification of one step: R(z) of rk4, and exact decay of the expone
   // A mass on a spring, and a damper's inner node between them that relaxes at 4000 1/s, uncoupled.
   Eigen::MatrixXd a(3, 3);
   a << 0, 1, 0, -1e4, -2, 0, 0, 0, -4000;
-  double const rate[] = {4000};
   double const h = 2e-3;
   Eigen::MatrixXd const z = h * a;
   Eigen::MatrixXd const one = Eigen::MatrixXd::Identity(3, 3);
@@ -142,7 +148,110 @@ TEST_CASE("amplification of one step: R(z) of rk4, and exact decay of the expone
   Eigen::MatrixXd const classical = amplification(LinearSystem{a}, Method::rk4, h);
   CHECK((classical - polynomial).cwiseAbs().maxCoeff() < 1e-13 * polynomial.cwiseAbs().maxCoeff());
   CHECK(std::abs(classical(2, 2)) > 1);
-  Eigen::MatrixXd const exponential = amplification(LinearSystem{a, 2, rate}, Method::exponential_rk4, h);
+  RelaxingDirections node(1, 1, 0);
+  node.begin(4000, 0.0);
+  node.add(2, 1.0, 1.0);
+  Eigen::MatrixXd const exponential = amplification(LinearSystem{a, node}, Method::exponential_rk4, h);
   CHECK((exponential.topLeftCorner(2, 2) - polynomial.topLeftCorner(2, 2)).norm() < 1e-12);
   CHECK(exponential(2, 2) == doctest::Approx(std::exp(-8.0)).epsilon(1e-12));
+}
+
+// ------------------------------------------------------------------------------------------- slip as a direction
+
+TEST_CASE("slip against a saturating force: order 4 where it is not stiff") {
+  // Rate 170 1/s: from 1.3 to 0.2 times the step.
+  Errors const e = errors_of_halved_steps(ExactSlip{20, 1}, 8, 11);
+  CHECK(slope(e.state) > 3.8);
+  CHECK(slope(e.quadrature) > 3.8);
+  CHECK(slope(e.between) > 3.7);
+}
+
+TEST_CASE("slip against a force far too stiff for a classical step: order 2, and order 1 where it saturates") {
+  // Rate 8.5e5 1/s: from 53000 to 3300 times the step. Between a wrong rate and the true one stands the error of the slip
+  // at the stages, of order h: the slip that drives it moves by 5 per second.
+  ExactSlip hardly{1e5, 50}, half{1e5, 5};  // the slip reaches 2.6
+  Errors const e = errors_of_halved_steps(hardly, 5, 9);
+  CHECK(slope(e.state) > 1.7);
+  CHECK(slope(e.quadrature) > 1.7);
+  CHECK(e.state.back() < 1e-6);
+  Errors const saturated = errors_of_halved_steps(half, 5, 9);
+  CHECK(slope(saturated.state) > 0.9);
+  CHECK(saturated.state.back() < 2e-4);
+  CHECK(saturated.between.back() < 4e-4);
+  Integrator classical(hardly, fixed(Method::rk4, 1.0 / 256, 2));
+  classical.start(0, ExactSlip::start().data());
+  classical.advance(2);
+  CHECK(std::abs(classical.states()[1] - ExactSlip::exact(2)[1]) > 1.0);
+}
+
+TEST_CASE("what the slip follows may run away: the drift takes the error of a late guess out") {
+  ExactSlip with{1e4, 5}, without{1e4, 5};
+  without.drifts = false;
+  double const error_with = errors_of_halved_steps(with, 7, 7).state[0];
+  double const error_without = errors_of_halved_steps(without, 7, 7).state[0];
+  CHECK(error_with < 0.7 * error_without);
+}
+
+TEST_CASE("a rate judged wrongly costs accuracy, not stability") {
+  for (double judged : {0.65, 0.8, 1.5, 3.0}) {
+    ExactSlip problem{1e5, 50};  // hardly saturated: the secant is the true rate
+    problem.judged = judged;
+    CHECK(errors_of_halved_steps(problem, 9, 9).state[0] < 0.05);
+  }
+}
+
+TEST_CASE("a wheel that slides sticks again without chatter") {
+  // Friction of 30 m/s^2 that grows at 1e4 1/s out of stick, against a constant push of 10 m/s^2; from 0.5 m/s.
+  struct Block {
+    mutable double secant = 0;
+    Sizes sizes() const { return {1, 0}; }
+    RelaxingDirections relaxing_directions() const { return {1, 1, 0}; }
+    bool renew_relaxing_directions(RelaxingDirections const&, RelaxingDirections& next) const {
+      next.clear();
+      next.begin(secant, 0.0);
+      next.add(0, 1.0, 1.0);
+      return true;
+    }
+    Status derivative(double, double const* v, double* v_dot, double*) const {
+      secant = 1e4 / std::sqrt(1 + std::pow(v[0] / 3e-3, 2));
+      v_dot[0] = 10 - secant * v[0];
+      return Status::ok;
+    }
+  } block;
+  Integrator integrator(block, fixed(Method::exponential_rk4, 1e-3, 0.1));
+  double const start = 0.5;
+  integrator.start(0, &start);
+  REQUIRE(integrator.advance(0.02) == Status::ok);
+  CHECK(integrator.states()[0] == doctest::Approx(0.5 - 0.02 * 20).epsilon(2e-3));  // it slides on
+  REQUIRE(integrator.advance(0.05) == Status::ok);
+  double const stuck = 1e-3 / std::sqrt(1 - 1.0 / 9.0);  // where secant v = 10
+  CHECK(integrator.states()[0] == doctest::Approx(stuck).epsilon(1e-6));
+}
+
+TEST_CASE("directions are moved along, not across, and steps do not depend on when outputs are asked for") {
+  RelaxingDirections r(2, 4, 0);
+  r.begin(10, 0.0);
+  r.add(0, 1.0, 0.5), r.add(2, 1.0, 0.5);
+  r.begin(20, 0.0);
+  r.add(0, 1.0, 0.5), r.add(2, -1.0, -0.5);
+  double x[] = {1, 7, 2};
+  r.move(0, 3.0, x);
+  CHECK(r.along(0, x) == doctest::Approx(6.0));
+  CHECK(r.along(1, x) == doctest::Approx(-1.0));
+  CHECK(x[1] == 7);
+  std::vector<double> ends;
+  for (double output : {0.0, 0.003}) {
+    ExactSlip problem{300, 0.5};
+    Options o = fixed(Method::exponential_rk4, 0.01, 1);
+    o.output_step = output;
+    Integrator integrator(problem, o);
+    integrator.start(0, ExactSlip::start().data());
+    // An observer that looks at the system elsewhere, as a recorder does.
+    REQUIRE(integrator.advance(1, [&](double t, double const* v, double const*) {
+      double v_dot[2];
+      problem.derivative(t, v, v_dot, nullptr);
+    }) == Status::ok);
+    ends.push_back(integrator.states()[0]);
+  }
+  CHECK(ends[0] == ends[1]);
 }

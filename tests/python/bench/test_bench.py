@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+
 import numpy as np
 import pytest
 import xarray as xr
@@ -86,6 +88,31 @@ def test_without_control_the_bench_is_the_plain_rig() -> None:
     np.testing.assert_allclose(a["lateral"], b["lateral"], rtol=0, atol=2e-6)
     assert float(np.abs(a["lateral"] - a["lateral"][0]).max()) > 5e-4
     np.testing.assert_allclose(a["pitch_rate"], b["pitch_rate"], rtol=0, atol=1e-3)
+
+
+@pytest.mark.parametrize("on_track", [False, True], ids=["rig", "track"])
+def test_slow_wheels_cost_no_more_steps_and_stay_exact(on_track: bool) -> None:
+    """Creep relaxes at 5e4 1/s and more: one step of four evaluations per millisecond, and the motion is that of 0.25 ms."""
+    slow: dict[str, object] = {
+        "motion.speed": "12 km/h",
+        "time.duration": "10 s",
+        "contact.standstill_speed": "0.5 m/s",
+    }
+    slow["brake.demand"] = [[0.0, 0.0], [0.1, 0.0], [0.6, 1.2e5]]
+    case = brake_case(**slow).model_copy(update={"slide_protection": None, "adhesion": None})
+    alone = case.model_copy(update={"rig_control": None}).with_changes({"time.duration": "3 s"})
+    case = track_case(case) if on_track else alone
+    coarse, fine = simulate(case), simulate(case.with_changes({"bench.step": 0.25e-3}))
+    statistics = json.loads(coarse.attrs["solver_statistics"])
+    assert statistics["steps"] == pytest.approx(1000 * float(coarse["time"][-1]), abs=10)
+    assert statistics["derivative_calls"] == 4 * statistics["steps"] + 1
+    assert float(coarse["axle_speed"].min()) * RADIUS < 2.0
+    both = min(coarse.sizes["time"], fine.sizes["time"])
+    a, b = coarse.isel(time=slice(both)), fine.isel(time=slice(both))
+    # The brake's cylinder is integrated on the same grid: its own error at 1 ms is 1e-3 of the force.
+    force = float(np.abs(b["contact_force"]).max())
+    np.testing.assert_allclose(a["contact_force"], b["contact_force"], rtol=0, atol=5e-3 * force)
+    assert coarse.attrs["energy_relative_residual"] < 1e-6
 
 
 def test_the_same_seed_gives_the_same_bytes() -> None:

@@ -183,7 +183,6 @@ class TestBench {
   void post(Role role, double const* command);
   void take_commands();
   void step();
-  int substeps() const;
   void move_machines();
   void tie_axles();
   void move_train();

@@ -9,16 +9,21 @@
 
 namespace rig::integrate {
 
-/// x' = A x; the relaxing states are those of the system that A belongs to.
+/// x' = A x; the relaxing directions are those of the system that A belongs to.
 struct LinearSystem {
   Eigen::MatrixXd const& a;
-  int first_relaxing{0};
-  std::span<double const> rates{};
+  RelaxingDirections directions{};
+  int quadratures{0};  ///< that the directions reach; they stay as they are
 
-  Sizes sizes() const { return {static_cast<int>(a.rows()), 0}; }
-  int first_relaxing_state() const { return first_relaxing; }
-  std::span<double const> relaxation_rates() const { return rates; }
-  Status derivative(double, double const* x, double* x_dot, double*) const {
+  Sizes sizes() const { return {static_cast<int>(a.rows()), quadratures}; }
+  RelaxingDirections relaxing_directions() const { return directions; }
+  bool renew_relaxing_directions(RelaxingDirections const& now, RelaxingDirections& next) const {
+    if (now.size() == directions.size()) return false;
+    next = directions;
+    return true;
+  }
+  Status derivative(double, double const* x, double* x_dot, double* z_dot) const {
+    if (z_dot != nullptr) std::fill_n(z_dot, quadratures, 0.0);
     Eigen::Map<Eigen::VectorXd>(x_dot, a.rows()).noalias() = a * Eigen::Map<Eigen::VectorXd const>(x, a.rows());
     return Status::ok;
   }

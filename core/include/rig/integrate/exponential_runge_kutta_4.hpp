@@ -1,28 +1,30 @@
 // integrate/exponential_runge_kutta_4.hpp - the exponential Runge-Kutta method of Krogstad, order 4, for fixed steps.
 //
-//     x' = f(t, x);   for the relaxing states   x_i' = N_i(t, x) - lambda_i x_i,   lambda_i constant
+//     x' = f(t, x);   along the relaxing directions   s_i = d_i . x,   s_i' = N_i(t, x) - lambda_i s_i
 //
-// The decay is integrated exactly, N by the classical method: a damper's inner node between a stiff spring and its
-// dashpot limits the step no more. Every other state is a relaxing one with lambda = 0, for which the method is the
-// classical Runge-Kutta method to the last bit; it is written as that, and the relaxing states are put in place after.
+// The decay is integrated exactly, N by the classical method: neither a damper's inner node between a stiff spring and its
+// dashpot nor the creep of a slow wheel limits the step. Everything across these directions, and everything where lambda = 0,
+// is the classical Runge-Kutta method to the last bit; it is written as that, and x is then moved along u_i to the s_i below.
+//
+// lambda is held over a step. It is the system's guess at the step's start, and need not be exact: N takes up the rest. So
+// that N is small where s follows something that runs away in time, s is counted from a start that runs along (`drift`).
 //
 // With z = -lambda h and  phi_1 = (e^z - 1)/z,  phi_2 = (phi_1 - 1)/z,  phi_3 = (phi_2 - 1/2)/z:
 //
-//     a = e^(z/2) x + h/2 phi_1(z/2) N(x)
-//     b = e^(z/2) x + h [(phi_1(z/2)/2 - phi_2(z/2)) N(x) + phi_2(z/2) N(a)]
-//     c = e^z     x + h [(phi_1 - 2 phi_2) N(x) + 2 phi_2 N(b)]
-//     x_new = e^z x + h [(phi_1 - 3 phi_2 + 4 phi_3) N(x) + (2 phi_2 - 4 phi_3)(N(a) + N(b)) + (4 phi_3 - phi_2) N(c)]
+//     a = e^(z/2) s + h/2 phi_1(z/2) N(x)
+//     b = e^(z/2) s + h [(phi_1(z/2)/2 - phi_2(z/2)) N(x) + phi_2(z/2) N(a)]
+//     c = e^z     s + h [(phi_1 - 2 phi_2) N(x) + 2 phi_2 N(b)]
+//     s_new = e^z s + h [(phi_1 - 3 phi_2 + 4 phi_3) N(x) + (2 phi_2 - 4 phi_3)(N(a) + N(b)) + (4 phi_3 - phi_2) N(c)]
 //
-// Dense output: the cubic Hermite polynomial of order 3 as in the classical method; for the relaxing states the same
-// formula as for x_new with theta h in place of h, so that no decay is ever faster than what is shown.
+// Dense output: the cubic Hermite polynomial of order 3 as in the classical method; along the relaxing directions the same
+// formula as for s_new with theta h in place of h, so that no decay is ever faster than what is shown.
 // Source  Krogstad, Generalized integrating factor methods for stiff PDEs, J. Comput. Phys. 203 (2005); Cox, Matthews,
 //         Exponential time differencing for stiff systems, J. Comput. Phys. 176 (2002); Hochbruck, Ostermann,
 //         Exponential integrators, Acta Numerica 19 (2010).
 #pragma once
-#include <array>
 #include <cmath>
-#include <span>
 #include <utility>
+#include <vector>
 
 #include "rig/integrate/evaluator.hpp"
 
@@ -59,15 +61,14 @@ class ExponentialRungeKutta4 {
 
   template <class System>
   explicit ExponentialRungeKutta4(Evaluator<System> const& f) {
-    if constexpr (HasRelaxation<System>) {
-      first_ = f.system().first_relaxing_state();
-      rates_ = f.system().relaxation_rates();
+    if constexpr (HasRelaxingDirections<System>) {
+      now_ = f.system().relaxing_directions();
+      next_ = f.system().relaxing_directions();
+      relaxing_.reserve(now_.capacity());
     }
     auto const size = f.sizes().states + f.sizes().quadratures;
     for (Vector* v : {&k1_, &k2_, &k3_, &k4_, &k_end_, &stage_}) v->setZero(size);
     error_.setZero(f.sizes().states);
-    for (Vector* v : {&n1_, &n2_, &n3_, &n4_}) v->setZero(count());
-    weights_.resize(rates_.size());
   }
 
   void restart() { has_end_slope_ = false; }
@@ -77,9 +78,13 @@ class ExponentialRungeKutta4 {
   Status prepare(Evaluator<System>& f, double t, Vector const& y) {
     if (std::exchange(has_end_slope_, false)) {
       k1_.swap(k_end_);
-      return Status::ok;
+    } else {
+      if (auto e = f.derivative(t, y, k1_); e != Status::ok) return e;
+      now_.clear();
+      renewed_ = renew(f);
     }
-    return f.derivative(t, y, k1_);
+    if (std::exchange(renewed_, false)) std::swap(now_, next_);
+    return Status::ok;
   }
 
   Vector const& slope() const { return k1_; }
@@ -90,91 +95,113 @@ class ExponentialRungeKutta4 {
   Status attempt(Evaluator<System>& f, Step const& s, Vector const& y, Vector& y_new) {
     double const h = s.h;
     double const middle = s.t + 0.5 * h;
-    prepare_weights(h);
-    driving(y, k1_, n1_);
+    begin(h, y);
+    drive(k1_, &Relaxing::n1);
     stage_ = y + (0.5 * h) * k1_;
-    relax(y, stage_, [&](Weights const& w, auto i) { return w.half * n1_[i]; }, &Weights::decay_half);
+    relax(stage_, 0.5 * h, [](Relaxing const& r) { return r.w.decay_half * r.start + r.w.half * r.n1; });
     if (auto e = f.derivative(middle, stage_, k2_); e != Status::ok) return e;
-    driving(stage_, k2_, n2_);
+    drive(k2_, &Relaxing::n2);
     stage_ = y + (0.5 * h) * k2_;
-    relax(y, stage_, [&](Weights const& w, auto i) { return w.b1 * n1_[i] + w.b2 * n2_[i]; }, &Weights::decay_half);
+    relax(stage_, 0.5 * h, [](Relaxing const& r) { return r.w.decay_half * r.start + r.w.b1 * r.n1 + r.w.b2 * r.n2; });
     if (auto e = f.derivative(middle, stage_, k3_); e != Status::ok) return e;
-    driving(stage_, k3_, n3_);
+    drive(k3_, &Relaxing::n3);
     stage_ = y + h * k3_;
-    relax(y, stage_, [&](Weights const& w, auto i) { return w.c1 * n1_[i] + w.c3 * n3_[i]; }, &Weights::decay);
+    relax(stage_, h, [](Relaxing const& r) { return r.w.decay * r.start + r.w.c1 * r.n1 + r.w.c3 * r.n3; });
     if (auto e = f.derivative(s.end, stage_, k4_); e != Status::ok) return e;
-    driving(stage_, k4_, n4_);
+    drive(k4_, &Relaxing::n4);
     y_new = y + (h / 6) * (k1_ + 2 * k2_ + 2 * k3_ + k4_);
-    auto const end = [&](Weights const& w, auto i) { return w.d1 * n1_[i] + w.d2 * (n2_[i] + n3_[i]) + w.d4 * n4_[i]; };
-    relax(y, y_new, end, &Weights::decay);
+    relax(y_new, h, [](Relaxing const& r) {
+      return r.w.decay * r.start + r.w.d1 * r.n1 + r.w.d2 * (r.n2 + r.n3) + r.w.d4 * r.n4;
+    });
     if (auto e = f.derivative(s.end, y_new, k_end_); e != Status::ok) return e;
     has_end_slope_ = true;
+    renewed_ = renew(f);  // now: until the next step the system may be asked for outputs elsewhere
     return Status::ok;
   }
 
-  /// y(t + theta h) of the last attempted step; HNW I (6.7) for the states that do not relax.
+  /// y(t + theta h) of the last attempted step; HNW I (6.7) across the relaxing directions.
   void interpolate(double theta, double h, Vector const& y, Vector const& y_new, Vector& out) const {
     double const rest = 1 - theta;
     out = rest * y + theta * y_new -
           (theta * rest) * ((1 - 2 * theta) * (y_new - y) - (rest * h) * k1_ + (theta * h) * k_end_);
-    for (Eigen::Index i = 0; i < count(); ++i) {
+    for (std::size_t i = 0; i < relaxing_.size(); ++i) {
       // N as a parabola in time through its values at both ends and the mean of those at the middle.
-      double const middle = 0.5 * (n2_[i] + n3_[i]);
-      double const linear = -3.0 * n1_[i] + 4.0 * middle - n4_[i];
-      double const square = 2.0 * n1_[i] - 4.0 * middle + 2.0 * n4_[i];
-      PhiFunctions const p(-rates_[static_cast<std::size_t>(i)] * theta * h);
-      out[first_ + i] = p.exponential * y[first_ + i] +
-                        h * theta * (p.phi1 * n1_[i] + theta * (p.phi2 * linear + 2.0 * theta * p.phi3 * square));
+      Relaxing const& r = relaxing_[i];
+      double const middle = 0.5 * (r.n2 + r.n3);
+      double const linear = -3.0 * r.n1 + 4.0 * middle - r.n4;
+      double const square = 2.0 * r.n1 - 4.0 * middle + 2.0 * r.n4;
+      PhiFunctions const p(-r.w.rate * theta * h);
+      double const there = p.exponential * r.start +
+                           h * theta * (p.phi1 * r.n1 + theta * (p.phi2 * linear + 2.0 * theta * p.phi3 * square));
+      now_.move(i, there + theta * h * now_.drift(i) - now_.along(i, out.data()), out.data());
     }
   }
 
  private:
   /// What multiplies N of each stage, step included [s].
   struct Weights {
+    double rate{-1.0}, step{0.0};  // that they belong to
     double decay_half, decay;
     double half, b1, b2, c1, c3, d1, d2, d4;
   };
+  /// One direction in the present step.
+  struct Relaxing {
+    Weights w;
+    double start, now;  ///< s at the step's start, and at the last stage less the drift until then
+    double n1, n2, n3, n4;
+  };
 
-  Eigen::Index count() const { return static_cast<Eigen::Index>(rates_.size()); }
+  static void weigh(double rate, double h, Weights& w) {
+    if (rate == w.rate && h == w.step) return;
+    PhiFunctions const p(-0.5 * rate * h), q(-rate * h);
+    w = {rate,
+         h,
+         p.exponential,
+         q.exponential,
+         0.5 * h * p.phi1,
+         h * (0.5 * p.phi1 - p.phi2),
+         h * p.phi2,
+         h * (q.phi1 - 2.0 * q.phi2),
+         h * 2.0 * q.phi2,
+         h * (q.phi1 - 3.0 * q.phi2 + 4.0 * q.phi3),
+         h * (2.0 * q.phi2 - 4.0 * q.phi3),
+         h * (4.0 * q.phi3 - q.phi2)};
+  }
 
-  void prepare_weights(double h) {
-    if (h == weights_step_) return;
-    weights_step_ = h;
-    for (std::size_t i = 0; i < rates_.size(); ++i) {
-      PhiFunctions const p(-0.5 * rates_[i] * h), q(-rates_[i] * h);
-      weights_[i] = {p.exponential,
-                     q.exponential,
-                     0.5 * h * p.phi1,
-                     h * (0.5 * p.phi1 - p.phi2),
-                     h * p.phi2,
-                     h * (q.phi1 - 2.0 * q.phi2),
-                     h * 2.0 * q.phi2,
-                     h * (q.phi1 - 3.0 * q.phi2 + 4.0 * q.phi3),
-                     h * (2.0 * q.phi2 - 4.0 * q.phi3),
-                     h * (4.0 * q.phi3 - q.phi2)};
+  template <class System>
+  bool renew(Evaluator<System> const& f) {
+    if constexpr (HasRelaxingDirections<System>)
+      return f.system().renew_relaxing_directions(now_, next_);
+    else
+      return false;
+  }
+
+  void begin(double h, Vector const& y) {
+    relaxing_.resize(now_.size());
+    for (std::size_t i = 0; i < relaxing_.size(); ++i) {
+      weigh(now_.rate(i), h, relaxing_[i].w);
+      relaxing_[i].start = relaxing_[i].now = now_.along(i, y.data());
     }
   }
 
-  /// N = x' + lambda x of the relaxing states.
-  void driving(Vector const& state, Vector const& slope, Vector& n) const {
-    for (Eigen::Index i = 0; i < count(); ++i)
-      n[i] = slope[first_ + i] + rates_[static_cast<std::size_t>(i)] * state[first_ + i];
+  /// N = s' + lambda s.
+  void drive(Vector const& slope, double Relaxing::* n) {
+    for (std::size_t i = 0; i < relaxing_.size(); ++i)
+      relaxing_[i].*n = now_.along(i, slope.data()) - now_.drift(i) + relaxing_[i].w.rate * relaxing_[i].now;
   }
 
-  template <class Sum>
-  void relax(Vector const& y, Vector& stage, Sum const& sum, double Weights::* decay) const {
-    for (Eigen::Index i = 0; i < count(); ++i) {
-      Weights const& w = weights_[static_cast<std::size_t>(i)];
-      stage[first_ + i] = w.*decay * y[first_ + i] + sum(w, i);
+  template <class Target>
+  void relax(Vector& stage, double elapsed, Target const& target) {
+    for (std::size_t i = 0; i < relaxing_.size(); ++i) {
+      relaxing_[i].now = target(relaxing_[i]);
+      now_.move(i, relaxing_[i].now + elapsed * now_.drift(i) - now_.along(i, stage.data()), stage.data());
     }
   }
 
-  int first_ = 0;
-  std::span<double const> rates_;
-  std::vector<Weights> weights_;
-  double weights_step_ = -1.0;
+  RelaxingDirections now_, next_;
+  bool renewed_ = false;  // next_ is for the next step
+  std::vector<Relaxing> relaxing_;
   Vector k1_, k2_, k3_, k4_, k_end_, stage_, error_;
-  Vector n1_, n2_, n3_, n4_;
   bool has_end_slope_ = false;
 };
 

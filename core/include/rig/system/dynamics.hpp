@@ -65,9 +65,9 @@ class Dynamics {
   int kinematic_states() const { return map_.coordinates; }
   int velocity_column(int i) const { return map_.velocity_column[static_cast<std::size_t>(i)]; }
 
-  int first_relaxing_state() const { return map_.coordinates + map_.rates; }
-  /// Of the elements' inner nodes: c s' = k_s (d - s) [1/s].
-  std::span<double const> relaxation_rates() const { return relaxation_rate_; }
+  /// Inner nodes of elements, and slips against creep.
+  RelaxingDirections relaxing_directions() const;
+  bool renew_relaxing_directions(RelaxingDirections const& now, RelaxingDirections& next) const;
 
   Status derivative(double t, double const* x, double* x_dot, double* z_dot);
   Status jacobian(double t, double const* x, JacobianData& j);
@@ -138,6 +138,20 @@ class Dynamics {
     int first_node{0}, node_count{0};
   };
 
+  static constexpr std::size_t most_bodies = 3;  ///< of a group: a wheelset and the rollers under it
+  static constexpr std::size_t most_velocities = 6 * most_bodies;
+  /// A wheelset with the rollers under it, and its contacts: creep of other wheels does not touch them.
+  struct CreepGroup {
+    std::vector<int> body;
+    std::vector<int> contact;
+  };
+  struct Slips;
+  void plan_relaxation();
+  std::array<double, 2> viscosity(int contact, int k) const;
+  void add_slip(CreepGroup const& group, int contact, int k, ContactPlacement<double> const& placed, bool lateral,
+                double viscosity, Slips& slips) const;
+  void add_directions(CreepGroup const& group, Slips const& slips, RelaxingDirections& out) const;
+
   template <Scalar T>
   void resize(Workspace<T>& w) const;
   void unpack(double const* x);
@@ -184,7 +198,8 @@ class Dynamics {
   std::vector<int> patch_count_;
   std::vector<double> element_force_, element_deflection_;
   std::vector<char> element_rotates_;
-  std::vector<double> relaxation_rate_;  ///< k_s / c of each node [1/s]
+  std::vector<double> relaxation_rate_;  ///< of the elements' inner nodes, c s' = k_s (d - s): k_s / c [1/s]
+  std::vector<CreepGroup> creep_groups_;
   std::vector<double> brake_torque_;
   std::vector<IdealRolling> ties_;
   std::vector<int> tie_of_contact_;  ///< -1: not tied
