@@ -133,6 +133,10 @@ void Dynamics::add_slip(CreepGroup const& group, int contact, int k, ContactPlac
       if (group.body[i] != model.roller) continue;
       wrench = {-force, model.rail ? Vec3<double>{} : -(m.R * on_roller)};
     }
+    if (tie_of_contact_[at(contact)] >= 0) {  // the tie takes this part of all creep out
+      wrench.force.x = 0.0;
+      wrench.moment -= dot(m.R.ey, wrench.moment) * m.R.ey;
+    }
     BodyMotion<double> still = m;
     still.rate.fill(0.0);
     double ignored = 0.0;
