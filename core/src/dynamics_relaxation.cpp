@@ -61,6 +61,10 @@ struct Dynamics::Slips {
 };
 
 void Dynamics::plan_relaxation() {
+  rotor_inertia_.assign(model_->bodies.size(), 0.0);
+  for (Link const& rotor : model_->rotors)
+    for (LinkArm const& arm : rotor.arm)
+      if (arm.body >= 0) rotor_inertia_[at(arm.body)] += rotor.inertia * arm.turn * arm.turn;
   for (std::size_t i = 0; i < model_->contacts.size(); ++i) {
     WheelContact const& contact = model_->contacts[i];
     auto group = std::find_if(creep_groups_.begin(), creep_groups_.end(),
@@ -140,7 +144,9 @@ void Dynamics::add_slip(CreepGroup const& group, int contact, int k, ContactPlac
     BodyMotion<double> still = m;
     still.rate.fill(0.0);
     double ignored = 0.0;
-    auto const a = accelerations(model_->bodies[b], still, wrench, {}, 0.0, ignored);
+    Body body = model_->bodies[b];
+    body.inertia.y += rotor_inertia_[b];
+    auto const a = accelerations(body, still, wrench, {}, 0.0, ignored);
     // Dual to the rates of roll, pitch and yaw: R = Rz Rx Ry.
     Vec3<double> const roll_axis = m.cos_pitch * m.R.ex + m.sin_pitch * m.R.ez;
     std::array<double, 6> const g{

@@ -200,6 +200,7 @@ class Dynamics {
   std::vector<char> element_rotates_;
   std::vector<double> relaxation_rate_;  ///< of the elements' inner nodes, c s' = k_s (d - s): k_s / c [1/s]
   std::vector<CreepGroup> creep_groups_;
+  std::vector<double> rotor_inertia_;  ///< that geared rotors add to each body's turning [kg m^2]
   std::vector<double> brake_torque_;
   std::vector<IdealRolling> ties_;
   std::vector<int> tie_of_contact_;  ///< -1: not tied
