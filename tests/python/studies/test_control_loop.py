@@ -22,6 +22,7 @@ from rollerrig.studies.control.loop import (
     rolling_plant,
     sampled_matrix,
     vehicle_plant,
+    wheel_of,
 )
 from rollerrig.studies.control.ring import RING_ABOVE, quiet_case, ring_jobs, ring_run, ringing
 
@@ -138,3 +139,10 @@ def test_rate_and_frequency_of_a_ring(rate: float) -> None:
     assert found[0] == pytest.approx(rate, abs=0.1)  # tenths of a second hold no whole number of periods
     assert found[1] == pytest.approx(27.0, abs=0.1)
     assert found[1] > RING_ABOVE
+
+
+def test_a_rotor_counts_in_the_gains_but_the_plant_has_none() -> None:
+    case = load_case("adhesion_brake")
+    geared = case.with_changes({"rig_control.motor.rotor_inertia": 2.0, "rig_control.motor.gear_ratio": 3.0})
+    assert wheel_of(geared).roller_inertia == pytest.approx(wheel_of(case).roller_inertia + 18.0)
+    assert loop_of(geared, 1e6, sliding=True) is None

@@ -22,6 +22,7 @@ from rollerrig import _core
 from rollerrig.analysis.contact_state import rolling_state
 from rollerrig.analysis.linearise import DIRECTIONS
 from rollerrig.config import Case, Rig
+from rollerrig.config.machines import Motor
 from rollerrig.config.rig_control import RigControl
 from rollerrig.model import assemble
 from rollerrig.start import starting_state
@@ -102,11 +103,19 @@ def default_gains(wheel: Wheel, bandwidth: float, damping: float) -> tuple[float
 
 
 def wheel_of(case: Case) -> Wheel:
-    """Wheelset and roller of a rig's case."""
-    rig = case.support.data
+    """Wheelset and roller of a rig's case, each with the rotor that its motor drives it by."""
+    rig, control = case.support.data, case.rig_control
     assert isinstance(rig, Rig)
-    wheelset = next(b for b in case.vehicle.data.bodies_in(case.vehicle.part) if b.kind == "wheelset")
-    return Wheel(wheelset.inertia[1], rig.roller_inertia[1], case.vehicle.data.wheel.radius, rig.roller_radius)
+    wheelset = next(b for b in case.vehicle.data.bodies_in(case.vehicle.part) if b.kind == "wheelset").inertia[1]
+    roller = rig.roller_inertia[1]
+    wheelset += rotor_inertia(case.traction.motor) if case.traction is not None else 0.0
+    roller += rotor_inertia(control.motor) if control is not None else 0.0
+    return Wheel(wheelset, roller, case.vehicle.data.wheel.radius, rig.roller_radius)
+
+
+def rotor_inertia(motor: Motor) -> float:
+    """Of a motor's rotor, on the driven axle [kg m^2]."""
+    return motor.rotor_inertia * motor.gear_ratio**2
 
 
 def creep_slope(case: Case) -> float:
@@ -130,12 +139,16 @@ def loop_of(case: Case, creep: float, *, sliding: bool) -> Loop | None:
             of the virtual rail leaves it.
 
     Returns:
-        The loop; None where this file has no equations for it: a user's controller, another estimator or measurement of torque.
+        The loop; None where this file has no equations for it: a user's controller, another
+        estimator or measurement of torque, motors with rotors.
     """
     control = case.rig_control
     if control is None or control.user is not None or control.estimator.kind not in _ESTIMATORS:
         return None
     if control.estimator.torque != "measured" or case.sensors.roller_torque is not None:
+        return None
+    motors = (control.motor, *((case.traction.motor,) if case.traction is not None else ()))
+    if any(motor.rotor_inertia for motor in motors):  # the plant has none
         return None
     real, feedback = wheel_of(case), control.feedback
     believed = Wheel(
