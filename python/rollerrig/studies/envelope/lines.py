@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rollerrig.bench.virtual_train import load_transfer, train_mass
-from rollerrig.config import AntiSlip, Case, Rig, SlideProtection
+from rollerrig.config import AntiSlip, Case, Motor, Rig, SlideProtection
 from rollerrig.model import assemble
 
 Array = NDArray[np.float64]
@@ -113,8 +113,8 @@ def rig_numbers(case: Case) -> RigNumbers:
     return RigNumbers(
         wheel_radius=case.vehicle.data.wheel.radius,
         roller_radius=rig.roller_radius,
-        wheelset_inertia=model.inertias[model.wheelsets[0]][1],
-        roller_inertia=rig.roller_inertia[1],
+        wheelset_inertia=model.inertias[model.wheelsets[0]][1] + _rotor(case.traction.motor if case.traction else None),
+        roller_inertia=rig.roller_inertia[1] + _rotor(control.motor),
         axle_load=sum(loads) / len(loads),
         train_mass=mass,
         axles=len(loads),
@@ -123,6 +123,11 @@ def rig_numbers(case: Case) -> RigNumbers:
         load_transfer=_per_force(load_transfer(assemble(own)), mass),
         imitated_transfer=_per_force(load_transfer(model), mass),
     )
+
+
+def _rotor(motor: Motor | None) -> float:
+    """Inertia of a drive's rotor on the driven axle [kg m^2]."""
+    return motor.rotor_inertia * motor.gear_ratio**2 if motor is not None else 0.0
 
 
 def _per_force(per_acceleration: Sequence[float], mass: float) -> float:

@@ -18,7 +18,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from rollerrig.config import Brake, Case, ConfigError, ConfigProblem, Motor, Rig, Traction
+from rollerrig.config import Brake, Case, ConfigError, ConfigProblem, Rig, Traction
 from rollerrig.studies.envelope.lines import rig_numbers
 from rollerrig.studies.envelope.virtual_rail import rail_shape
 
@@ -223,10 +223,10 @@ def _braking(case: Case, torque: float) -> dict[str, object]:
 
 def _pulling(case: Case, torque: float) -> dict[str, object]:
     traction = case.traction or Traction()
-    motor = Motor(bandwidth=traction.motor.bandwidth, damping_ratio=traction.motor.damping_ratio)
+    motor = traction.motor.model_copy(update={"envelope": None})
     demand = [[0.0, 0.0], [BEGIN, 0.0], [BEGIN + RISE, torque]]
     return {
-        "traction": {"demand": demand, "motor": _plain(motor), "suspension": traction.suspension},
+        "traction": {**_plain(traction), "demand": demand, "motor": _plain(motor)},
         "anti_slip": {} if case.anti_slip is None else case.anti_slip,
         "brake": None,
         "slide_protection": None,
