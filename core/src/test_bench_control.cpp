@@ -124,7 +124,7 @@ double TestBench::acting_torque(int axle) const {
   return axle_[at(axle)].torque_state[0] + (a.brake >= 0 ? dynamics_->brake_torque(a.brake) : 0.0);
 }
 
-/// T of (C1) now [N].
+/// T of (D1) now [N].
 double TestBench::acting_force(int axle) const {
   BenchAxle const& a = setup_.axles[at(axle)];
   double const inertia = dynamics_->model().bodies[at(a.roller)].inertia.y;
@@ -133,7 +133,7 @@ double TestBench::acting_force(int axle) const {
   return (inertia * rate - axle_[at(axle)].roller_state[0]) / radius;
 }
 
-/// Our own rig controller: estimate, virtual train, feed-forward and feedback. (C1)-(C5)
+/// Our own rig controller: estimate, virtual train, feed-forward and feedback. (D1)-(D5)
 void TestBench::control_rig() {
   std::array<double, most_axles> torque{};
   int const axles = static_cast<int>(axle_.size());
@@ -171,7 +171,7 @@ void TestBench::control_rig() {
       axle.virtual_spent = found + 0.5 * own;  // half of it is spent behind the patch's middle
       virtual_rail_.spend(from + place, train_.distance() + place, own);
       double const feed_forward = e.roller_inertia * setup_.train.wheel_radius / e.roller_radius * train_.axle_rate(i) -
-                                  e.roller_radius * train_.force(i);  // (C5)
+                                  e.roller_radius * train_.force(i);  // (D5)
       axle.feed_forward = feed_forward;
       axle.wanted_torque =
           axle.feedback.step(setup_.feedback, feed_forward, train_.axle_speed(i) - axle.wheel_speed, period);

@@ -279,7 +279,7 @@ def _rig_control(model: AssembledModel, control: RigControl, rig: Rig | None) ->
 
 
 def _feedback(control: RigControl, plant: Mapping[str, Any]) -> dict[str, Any]:
-    """Gains of the PI loop around wheel and roller as one inertia, docs/theory/rig_control.md (C6)."""
+    """Gains of the PI loop around wheel and roller as one inertia, docs/theory/rig_control.md (D6)."""
     table = control.feedback
     ratio = plant["wheel_radius"] / plant["roller_radius"]
     inertia = plant["wheelset_inertia"] + plant["roller_inertia"] * ratio**2

@@ -31,11 +31,11 @@ FILLS: Mapping[str, tuple[str, str]] = {
 """Region -> colour and hatching: told apart without colour too."""
 
 LINES: Mapping[str, tuple[str, Any, str]] = {
-    "line_grip": ("#1b5e20", "-", "rail: wheel begins to slide (M2)"),
-    "line_contact": ("#7f0000", "-", "roller: wheel begins to slide (M3)"),
-    "line_drive_grip": ("#8a4500", "-.", "drive carries the rail's force (M4)"),
-    "line_drive_slide": ("#8a4500", "--", "drive follows into the slide (M5)"),
-    "line_drive_recovery": ("#6b5b00", ":", "torque to be left for recovery (M6)"),
+    "line_grip": ("#1b5e20", "-", "rail: wheel begins to slide (V2)"),
+    "line_contact": ("#7f0000", "-", "roller: wheel begins to slide (V3)"),
+    "line_drive_grip": ("#8a4500", "-.", "drive carries the rail's force (V4)"),
+    "line_drive_slide": ("#8a4500", "--", "drive follows into the slide (V5)"),
+    "line_drive_recovery": ("#6b5b00", ":", "torque to be left for recovery (V6)"),
     "line_vehicle": ("#000000", (0, (1, 1)), "vehicle's own brake or motor"),
 }
 """Closed form -> colour, style, name."""

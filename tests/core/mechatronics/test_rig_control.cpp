@@ -47,7 +47,7 @@ TEST_CASE("with ideal rolling and exact torque the rig's wheels turn as those of
     double const torque = -9000.0 * std::min(1.0, k * period / 2.0) * (1.0 + 0.2 * std::sin(7.0 * k * period));
     double const torques[] = {torque, torque};
     virtual_train.step(train, torques, period, degraded_force);
-    double const feed_forward = J_r * r / R * virtual_train.axle_rate(0) - R * virtual_train.force(0);  // (C5)
+    double const feed_forward = J_r * r / R * virtual_train.axle_rate(0) - R * virtual_train.force(0);  // (D5)
     double const roller = feedback.step(none, feed_forward, virtual_train.axle_speed(0) - wheel, period);
     wheel += period * (torque + r / R * roller) / (J_w + J_r * (r / R) * (r / R));  // pure rolling
     worst = std::max(worst, std::abs(wheel - virtual_train.axle_speed(0)));

@@ -73,8 +73,8 @@ TEST_CASE("a tied axle in its middle position keeps the balance of torques of th
   std::vector<double> z;
   auto const f = tied.derivative(tied.x, z);
   double const wheel = f[tied.spin(0)], roller = -f[tied.spin(1)];
-  double const force = (705.0 * roller - 1200.0) / 0.725;                         // (C1)
-  CHECK(112.0 * wheel == doctest::Approx(-3000.0 - 0.46 * force).epsilon(1e-9));  // (C2)
+  double const force = (705.0 * roller - 1200.0) / 0.725;                         // (D1)
+  CHECK(112.0 * wheel == doctest::Approx(-3000.0 - 0.46 * force).epsilon(1e-9));  // (D2)
   double on_wheelset = tied.dynamics->rolling_force(0);
   for (int c : {0, 1})
     for (int k = 0; k < tied.dynamics->patch_count(c); ++k) {

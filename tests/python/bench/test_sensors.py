@@ -33,7 +33,7 @@ def test_estimates_find_the_force_of_the_contact(kind: str) -> None:
     rig = case.support.data
     assert isinstance(rig, Rig)
     late = run.sel(time=slice(1.5, None))
-    # What turned the roller: its momentum, less its drive's. (C1)
+    # What turned the roller: its momentum, less its drive's. (D1)
     span = float(late["time"][-1] - late["time"][0])
     spun = rig.roller_inertia[1] * (late["roller_speed"][-1] - late["roller_speed"][0])
     acted = (spun / span - late["roller_torque"].integrate("time") / span) / rig.roller_radius

@@ -258,7 +258,7 @@ def test_limits_begin_where_closed_forms_put_them(
 
 
 def test_out_of_a_slide_the_drive_follows_where_enough_torque_is_left(case: Case) -> None:
-    """(M6) at each instant of a run: where wheels regain speed with less torque left, the command is at its limit."""
+    """(V6) at each instant of a run: where wheels regain speed with less torque left, the command is at its limit."""
     plan = make_plan(case)
     point = point_case(plan, Point(1.0, -14.25e3, 0.2))
     run, rig = simulate(point), rig_numbers(point)

@@ -131,7 +131,7 @@ class TestBench {
   bool protected_rollers() const { return protection_acted_; }
   bool due(Role role) const { return due_[static_cast<std::size_t>(role)]; }
   /// What a controller sees, per axle: the axle's speed and the roller's [rad/s], the roller's torque [N m], estimated
-  /// contact force [N] and axle torque [N m], speed of the virtual axle [rad/s], feed-forward (C5) [N m], load [N].
+  /// contact force [N] and axle torque [N m], speed of the virtual axle [rad/s], feed-forward (D5) [N m], load [N].
   std::vector<double> measurement(Role role) const;
   /// Valve states 0 fill, 1 hold, 2 vent; torque factors; roller torques [N m]: one per axle.
   void set_command(Role role, double const* command);

@@ -3,7 +3,7 @@
 //   roller speed (measured), torque of its drive -> [estimator] -> force T on the wheel, forward   -> torque C on the axle
 //
 // Signs   W is positive when the roller turns as under a wheel that rolls forward; U positive drives the wheel forward.
-//         J_r W' = U + R T        (C1)     J_w w' = C - r T        (C2)
+//         J_r W' = U + R T        (D1)     J_w w' = C - r T        (D2)
 // Source  Malvezzi, Pugi et al., roller rig control: T_est = (J_r W' - U)/R, C_est = J_w w' + r T_est.
 #pragma once
 #include <array>
@@ -30,7 +30,7 @@ struct ContactForceEstimator {
   std::array<std::array<double, 2>, 4> gain{};
 };
 
-/// Fills in the stationary gain of the Kalman filter for its sample time, docs/theory/rig_control.md (C12), (C13).
+/// Fills in the stationary gain of the Kalman filter for its sample time, docs/theory/rig_control.md (D12), (D13).
 void solve_kalman_gain(ContactForceEstimator& p, double period);
 
 /// State of the estimator of one axle.
@@ -80,13 +80,13 @@ class ContactForceEstimate {
   }
 
   double force() const { return force_; }                     ///< T [N]
-  double axle_torque(ContactForceEstimator const& p) const {  ///< C [N m], (C2)
+  double axle_torque(ContactForceEstimator const& p) const {  ///< C [N m], (D2)
     if (p.kind == EstimatorKind::kalman) return torque_;
     return p.wheelset_inertia * wheel_rate_ + p.wheel_radius * force_;
   }
 
  private:
-  /// Kalman filter: predict with (C1), (C2) over the sample, exactly for constant T and C; then correct.
+  /// Kalman filter: predict with (D1), (D2) over the sample, exactly for constant T and C; then correct.
   void correct(ContactForceEstimator const& p, double roller_speed, double wheel_speed, double roller_torque,
                double period) {
     roller_ += period * (roller_torque + p.roller_radius * force_) / p.roller_inertia;

@@ -1,6 +1,6 @@
 // mechatronics/rig_controller.hpp - makes the wheels on dry rollers move as the virtual wheels do on the degraded rail.
 //
-//   virtual wheel speed, rate and force -> feed-forward  U = J_r (r/R) w_v' - R T_v     (C5)
+//   virtual wheel speed, rate and force -> feed-forward  U = J_r (r/R) w_v' - R T_v     (D5)
 //   virtual minus real wheel speed      -> feedback      PI, or sliding mode with a boundary layer
 //
 // Signs   U positive drives the wheel forward, see contact_force_estimator.hpp.
@@ -28,7 +28,7 @@ class RigFeedbackState {
 
   /// Roller torque for one axle.
   ///
-  /// @param feed_forward  (C5) [N m]
+  /// @param feed_forward  (D5) [N m]
   /// @param error         virtual minus real wheel speed [rad/s]
   double step(RigFeedback const& p, double feed_forward, double error, double period) {
     double torque = feed_forward;

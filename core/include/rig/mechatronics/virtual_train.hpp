@@ -2,8 +2,8 @@
 //
 //   torque C on each axle (estimated) -> [virtual train] -> wheel speeds, contact forces and train speed to be imitated
 //
-//     J_w w_v' = C - r T_v        (C3)
-//     M v'     = sum T_v - R(v) - M g i        (C4)
+//     J_w w_v' = C - r T_v        (D3)
+//     M v'     = sum T_v - R(v) - M g i        (D4)
 //     T_v      from the adhesion law at the virtual slip r w_v - v, per axle
 //
 // Integration  theta method in each axle's speed (one unknown, Newton): the slope of T_v over w_v is stiff at small slip. The

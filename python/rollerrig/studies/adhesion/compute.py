@@ -213,7 +213,7 @@ def tracking(run: xr.Dataset) -> tuple[float, float]:
 
 
 def by_own_motion(run: xr.Dataset) -> float | None:
-    """Part of the variance of the tracking error that is in proportion to the wheelsets' own motion along the track, (C10)."""
+    """Part of the variance of the tracking error that is in proportion to the wheelsets' own motion along the track, (D10)."""
     moving = run["train_speed"].to_numpy() > LEAST_SPEED
     error = (run["axle_speed"] - run["virtual_speed"]).to_numpy()[moving].ravel()
     own = run["longitudinal_velocity"].sel(body=list(run["axle"].to_numpy())).to_numpy()[moving].ravel()

@@ -28,7 +28,7 @@ LEFT_OUT = (
 SLIDING = (
     "Full: the rig with its contact model; dotted: wheels that roll on the rollers without sliding. Below, the wheelsets' own "
     "motion along the track: the bogie swings on its traction rod, which the control law does not know of, and the wheels turn "
-    "by it (C10)."
+    "by it (D10)."
 )
 CAUSES = (
     "Part of the difference in distance that goes away with each cause, one after the other. Grey: the range in which the same "

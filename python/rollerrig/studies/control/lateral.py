@@ -4,7 +4,7 @@ Case on elastic rollers with a disturbance -> [lateral_cases] -> runs aside and 
 -> [numbers] tracking, real sliding, hunting before and in the slide; [guidance] lateral creep against its closed form
 
 A wheel that slides along the track has its friction used up: what is left of lateral creep is viscous, -F v_y / w
-(docs/theory/rig_control.md, S6).
+(docs/theory/rig_control.md, Q6).
 """
 
 from __future__ import annotations

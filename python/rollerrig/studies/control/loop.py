@@ -3,8 +3,8 @@
 Case -> loop_of -> Loop -> [open_loop, margins] of one axle in continuous time
 Case -> rolling_plant or vehicle_plant -> Plant, with the Loop -> [sampled_matrix, growth, gain_limit] sample by sample
 
-An independent check on the core's controller, written down from the equations in docs/theory/rig_control.md, (C1) to (C6) and
-(S1) to (S4), not from its code. Small motion about steady running: no limits, friction that does not change.
+An independent check on the core's controller, written down from the equations in docs/theory/rig_control.md, (D1) to (D6) and
+(Q1) to (Q4), not from its code. Small motion about steady running: no limits, friction that does not change.
 """
 
 from __future__ import annotations
@@ -97,7 +97,7 @@ class Loop:
 
 
 def default_gains(wheel: Wheel, bandwidth: float, damping: float) -> tuple[float, float]:
-    """Gains of the PI controller, (C6), for a bandwidth [rad/s]."""
+    """Gains of the PI controller, (D6), for a bandwidth [rad/s]."""
     scale = wheel.inertia / wheel.ratio
     return 2.0 * damping * bandwidth * scale, bandwidth**2 * scale
 
@@ -182,7 +182,7 @@ def loop_of(case: Case, creep: float, *, sliding: bool) -> Loop | None:
 
 
 def _changes(control: RigControl, p: Wheel) -> tuple[float, float]:
-    """Changes of force and torque that the Kalman filter believes in, (C13) where they are absent."""
+    """Changes of force and torque that the Kalman filter believes in, (D13) where they are absent."""
     table = control.estimator
     scale = (2.0 * math.pi * table.bandwidth) ** 2 * table.speed_noise * math.sqrt(control.sample_time)
     force, torque = p.roller_inertia / p.roller_radius, p.wheelset_inertia + p.roller_inertia * p.ratio
@@ -195,7 +195,7 @@ def _weakened(case: Case) -> float:
     return 0.5 * (rail.stick_reduction + rail.slip_reduction) if rail is not None else 1.0
 
 
-# ------------------------------------------------------------------------------------------- continuous, (S1) to (S4)
+# ------------------------------------------------------------------------------------------- continuous, (Q1) to (Q4)
 
 
 @dataclass(frozen=True)
@@ -216,7 +216,7 @@ class Margins:
 
 
 def open_loop(loop: Loop, frequency: Array) -> NDArray[np.complex128]:
-    """Frequency response of the feedback's open loop, (S1), over angular frequency [rad/s]."""
+    """Frequency response of the feedback's open loop, (Q1), over angular frequency [rad/s]."""
     s = 1j * np.asarray(frequency)
     wheel, w = loop.real, loop.drive_bandwidth
     turning = wheel.roller_radius**2 * wheel.wheelset_inertia + wheel.wheel_radius**2 * wheel.roller_inertia
@@ -255,9 +255,9 @@ def _first_fall(frequency: Array, values: Array) -> float | None:
 
 
 def ideal_margin(bandwidth: float, damping: float, lag: float) -> tuple[float, float]:
-    """Crossover [rad/s] and phase margin [rad] of (C6) with pure rolling and a total lag [s] of drive, delay and sampling.
+    """Crossover [rad/s] and phase margin [rad] of (D6) with pure rolling and a total lag [s] of drive, delay and sampling.
 
-    (S2), with the drive's lag taken as a delay, as it is far below its bandwidth.
+    (Q2), with the drive's lag taken as a delay, as it is far below its bandwidth.
     """
     crossover = bandwidth * math.sqrt(2.0 * damping**2 + math.sqrt(4.0 * damping**4 + 1.0))
     return crossover, math.atan(2.0 * damping * crossover / bandwidth) - crossover * lag
@@ -289,7 +289,7 @@ def _filtered_derivative(loop: Loop, z: dict[str, Array]) -> None:
 
 
 def _torque_from_acceleration(loop: Loop, z: dict[str, Array]) -> None:
-    """(C2) with the wheel's acceleration behind a low-pass."""
+    """(D2) with the wheel's acceleration behind a low-pass."""
     believed, low_pass = loop.believed, 1.0 - math.exp(-loop.bandwidth * loop.sample)
     z["wheel_rate"] = z["wheel_rate"] + low_pass * ((z["wheel"] - z["wheel_seen"]) / loop.sample - z["wheel_rate"])
     z["wheel_seen"] = z["wheel"]
@@ -297,7 +297,7 @@ def _torque_from_acceleration(loop: Loop, z: dict[str, Array]) -> None:
 
 
 def _kalman(loop: Loop, z: dict[str, Array]) -> None:
-    """Stationary Kalman filter of both speeds, force and torque, (C11) to (C13)."""
+    """Stationary Kalman filter of both speeds, force and torque, (D11) to (D13)."""
     p, h = loop.believed, loop.sample
     predicted = [
         z["roller_seen"] + h * (z["mean"] + p.roller_radius * z["force"]) / p.roller_inertia,
@@ -311,7 +311,7 @@ def _kalman(loop: Loop, z: dict[str, Array]) -> None:
 
 
 def kalman_gain(loop: Loop) -> Array:
-    """Gain of the filter from the Riccati equation of (C12), rows W, w, T, C over the errors of W and w."""
+    """Gain of the filter from the Riccati equation of (D12), rows W, w, T, C over the errors of W and w."""
     p, h, noise = loop.believed, loop.sample, loop.speed_noise
     rates = np.zeros((4, 4))
     rates[0, 2], rates[1, 2:] = (
@@ -352,7 +352,7 @@ class Plant:
 
 
 def rolling_plant(wheel: Wheel, creep: float) -> Plant:
-    """One axle with its roller, (C1) and (C2), between them creep."""
+    """One axle with its roller, (D1) and (D2), between them creep."""
     r, R = wheel.wheel_radius, wheel.roller_radius
     pull = creep * np.array([r, -R])  # T over (w, W)
     matrix = np.stack([-r * pull / wheel.wheelset_inertia, R * pull / wheel.roller_inertia])
@@ -395,7 +395,7 @@ def _plant_step(loop: Loop, plant: Plant) -> Array:
 
 
 def _controller(loop: Loop, z: dict[str, Array]) -> Array:
-    """Command of one sample: estimate, virtual axle, (C5) and feedback, all linear."""
+    """Command of one sample: estimate, virtual axle, (D5) and feedback, all linear."""
     h, believed, wheel = loop.sample, loop.believed, loop.real
     _ESTIMATORS[loop.estimator](loop, z)
 

@@ -67,7 +67,7 @@ def borders(found: xr.Dataset) -> list[Border]:
 
 
 def slides(found: xr.Dataset) -> list[Border]:
-    """Borders between gripping and sliding virtual wheels, where no limit lies between: against (M2)."""
+    """Borders between gripping and sliding virtual wheels, where no limit lies between: against (V2)."""
     rows = []
     for side, load, adhesion in _rows(found):
         runs = _along(found, side, load, adhesion)
@@ -83,7 +83,7 @@ def slides(found: xr.Dataset) -> list[Border]:
 def predicted(found: xr.Dataset, side: str, load: float, adhesion: float) -> float:
     """The least torque at which a closed form sees a limit [N m].
 
-    While wheels grip: (M3), (M4). Where they slide: (M5), or at once where (M5) lies below (M2).
+    While wheels grip: (V3), (V4). Where they slide: (V5), or at once where (V5) lies below (V2).
     """
     grip = _line(found, "line_grip", side, load, adhesion)
     gripping = [_line(found, name, side, load, adhesion) for name in ("line_contact", "line_drive_grip")]

@@ -44,11 +44,11 @@ NUMBERS = {
 """Number of a run -> unit and meaning."""
 
 LINES = {
-    "line_grip": "the wheel on the degraded rail begins to slide, (M2)",
-    "line_contact": "a wheel that grips on the rail slides on its roller, (M3)",
-    "line_drive_grip": "the roller's drive carries no more of the rail's force, (M4)",
-    "line_drive_slide": "the roller's drive follows no further into the slide, (M5)",
-    "line_drive_recovery": "torque that must be left for the roller's drive to follow out of the slide, (M6)",
+    "line_grip": "the wheel on the degraded rail begins to slide, (V2)",
+    "line_contact": "a wheel that grips on the rail slides on its roller, (V3)",
+    "line_drive_grip": "the roller's drive carries no more of the rail's force, (V4)",
+    "line_drive_slide": "the roller's drive follows no further into the slide, (V5)",
+    "line_drive_recovery": "torque that must be left for the roller's drive to follow out of the slide, (V6)",
     "line_vehicle": "largest torque of the vehicle's own brake or motor",
 }
 """Closed form -> meaning; magnitudes [N m]."""
@@ -278,7 +278,7 @@ def _with_lines(found: xr.Dataset, plan: Plan) -> xr.Dataset:
     variables["contact_adhesion"] = (
         ("side", "load"),
         slippery,
-        {"units": "1", "long_name": "on rails with more than that a sliding wheel slides on its roller, (M3)"},
+        {"units": "1", "long_name": "on rails with more than that a sliding wheel slides on its roller, (V3)"},
     )
     variables["axle_load"] = ("load", loads_n, {"units": "N", "long_name": "mean static load of an axle"})
     along = ("line_adhesion", fine, {"units": "1", "long_name": "adhesion along the closed forms"})

@@ -55,20 +55,20 @@ class RigNumbers:
         return self.wheelset_inertia * self.roller_radius / (self.roller_inertia * self.wheel_radius)
 
     def torque_of_force(self, force: Array | float) -> Array:
-        """Axle torque for a contact force where the wheels grip, (M1)."""
+        """Axle torque for a contact force where the wheels grip, (V1)."""
         return np.asarray(self.wheel_radius * force * (1.0 + self._inertia_share), dtype=np.float64)
 
     def grip(self, adhesion: Array | float) -> Array:
-        """Beyond it a wheel on the degraded rail slides, (M2)."""
+        """Beyond it a wheel on the degraded rail slides, (V2)."""
         mu = np.asarray(adhesion)
         return self.torque_of_force(mu / (1.0 + mu * self.imitated_transfer) * self.axle_load)
 
     def contact(self) -> float:
-        """Beyond it a wheel that grips on the rail slides on its roller, (M3)."""
+        """Beyond it a wheel that grips on the rail slides on its roller, (V3)."""
         return float(self.torque_of_force(self._contact_share * self.axle_load))
 
     def contact_adhesion(self) -> float:
-        """On a rail that gives more than that a wheel that slides on it slides on its roller as well: (M2) with (M3)."""
+        """On a rail that gives more than that a wheel that slides on it slides on its roller as well: (V2) with (V3)."""
         return self._contact_share / (1.0 - self._contact_share * self.imitated_transfer)
 
     @property
@@ -77,19 +77,19 @@ class RigNumbers:
         return self.friction / (1.0 + self.friction * self.load_transfer)
 
     def drive_grip(self) -> float:
-        """Beyond it a roller's drive cannot carry the force of a rail on which the wheel grips, (M4)."""
+        """Beyond it a roller's drive cannot carry the force of a rail on which the wheel grips, (V4)."""
         arm = self.roller_radius - self.axles * self.roller_inertia / (self.roller_radius * self.train_mass)
         return float(self.torque_of_force(self.drive_torque / arm)) if arm > 0.0 else np.inf
 
     def drive_slide(self, adhesion: Array | float) -> Array:
-        """Beyond it a roller's drive cannot follow a wheel into its slide, (M5); adhesion is that at the slip of the slide."""
+        """Beyond it a roller's drive cannot follow a wheel into its slide, (V5); adhesion is that at the slip of the slide."""
         mu = np.asarray(adhesion)
         force = mu * (1.0 - mu * self.imitated_transfer) * self.axle_load
         spare = self.drive_torque + self.roller_radius * force
         return np.asarray(self.wheel_radius * force + self._lever * spare)
 
     def drive_recovery(self, adhesion: Array | float) -> Array:
-        """Below it a roller's drive cannot follow a wheel out of its slide, (M6): torque must be left on the axle."""
+        """Below it a roller's drive cannot follow a wheel out of its slide, (V6): torque must be left on the axle."""
         mu = np.asarray(adhesion)
         return self.recovery_at(mu * (1.0 + mu * self.imitated_transfer) * self.axle_load)
 

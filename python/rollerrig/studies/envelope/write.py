@@ -38,7 +38,7 @@ KEYS = {
     "borders": "per side, load and adhesion: largest torque up to which all is imitated, the next one run, its limit, and "
     "where the closed forms put the border [N m]; null: none",
     "borders.*.agrees": "whether closed form and map agree within a cell of the map; null: not to be compared",
-    "agreement.borders, agreement.slides": "borders that agree, and how many were compared: of limits; of sliding (M2)",
+    "agreement.borders, agreement.slides": "borders that agree, and how many were compared: of limits; of sliding (V2)",
     **{f"regions.{name}": meaning for name, meaning in REGIONS.items()},
 }
 """Key of summary.json -> meaning."""
@@ -54,11 +54,11 @@ METHOD = (
 )
 CLOSED_FORMS = (
     "Lines are closed forms, not fits: rolling without sliding, steady forces, no lag of drives and estimator. Load "
-    "transfer is that of the vehicle at rest under a steady force; (M2) and (M6) take the peak of the creep "
-    "curve of the rail, (M5) the adhesion at the slip where the protection acts. The torque in (M6) is that which the "
-    "protection leaves on the axle, not the one asked for: a run to the right of (M2) is limited on the way out of its "
+    "transfer is that of the vehicle at rest under a steady force; (V2) and (V6) take the peak of the creep "
+    "curve of the rail, (V5) the adhesion at the slip where the protection acts. The torque in (V6) is that which the "
+    "protection leaves on the axle, not the one asked for: a run to the right of (V2) is limited on the way out of its "
     "slide if the protection takes off more than that. Where the protection takes torque off before all of it acts, as "
-    "anti-slip does, the rig reaches beyond (M5). A border agrees if its line passes within a cell of the map."
+    "anti-slip does, the rig reaches beyond (V5). A border agrees if its line passes within a cell of the map."
 )
 LEFT_OUT = (
     "The torque comes at once, from ideal cylinders or motors: the vehicle's own would be slower and slide more "
@@ -282,7 +282,7 @@ def _reach_cell(row: Border) -> str:
 def _deviations(found: xr.Dataset) -> Table:
     """Closed form against the two runs on either side of each border."""
     rows = []
-    for what, found_rows in (("limit", borders(found)), ("slide, (M2)", slides(found))):
+    for what, found_rows in (("limit", borders(found)), ("slide, (V2)", slides(found))):
         for row in found_rows:
             if row.agrees is not None:
                 between = f"{torque_text(row.reached)} … {torque_text(row.beyond)}"
