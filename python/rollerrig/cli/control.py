@@ -30,12 +30,15 @@ def command(
     processes: Annotated[int, typer.Option(min=1, max=64, help="Runs at a time.")] = 2,
 ) -> None:
     """Controllers of the roller drives: estimators, feedbacks, sample times, drives, wrong numbers; what breaks first."""
+    from rollerrig.bench import users_controllers
     from rollerrig.config import load_case
     from rollerrig.results import output_folder
     from rollerrig.studies.control import chosen_families, compare_controllers, lead, study_case, write_control
 
     chosen = study_case(load_case(case), duration)
     wanted = chosen_families([name.strip() for name in families.split(",")] if families else None, chosen.name)
+    if controller is not None:  # refused before a folder is made
+        users_controllers(chosen.with_changes({"rig_control.user": controller}), {})
     folder = output_folder(out)
     with progress_bar(chosen.name) as progress:
         study = compare_controllers(
