@@ -89,6 +89,9 @@ def _ends(vehicle: Vehicle, element: Element, file: str) -> Iterable[ConfigProbl
             key = f"element.{element.name}.{'points' if element.points else 'point'}"
             yield ConfigProblem(file, key, show_value(end), allowed)
     kinds = [vehicle.body_named(name).kind for name in element.between]
+    if kinds[0] == "wheelset":  # the force acts at the end on b: beside the axle of a, which it would turn
+        allowed = "allowed: the wheelset as the second of the two, since the force acts at the end on the second body"
+        yield ConfigProblem(file, f"element.{element.name}.between", show_value(element.between), allowed)
     if element.pitch is not None and "wheelset" in kinds:
         allowed = "allowed: no moment about the axle of a wheelset, which spins"
         yield ConfigProblem(file, f"element.{element.name}.pitch", "a law", allowed)

@@ -96,6 +96,9 @@ PRIMARY = 'between = ["front_frame", "wheelset_1"]\npoint = [10.78, 1.0, 0.46]'
         ("vehicle", PRIMARY, PRIMARY.replace("10.78", "10.7"),
          "vehicle.toml: element.primary_1_left.point: [10.7, 1.0, 0.46]; allowed: a point on the axle of wheelset_1, "
          "which does not turn with it: [10.78, y, 0.46]"),
+        ("vehicle", PRIMARY, PRIMARY.replace('"front_frame", "wheelset_1"', '"wheelset_1", "front_frame"'),
+         "vehicle.toml: element.primary_1_left.between: ['wheelset_1', 'front_frame']; allowed: the wheelset as the "
+         "second of the two, since the force acts at the end on the second body"),
         ("vehicle", 'radius = "460 mm"', 'radius = "450 mm"', None),
         # contact, time
         ("case", "friction = 0.3", "friction = -0.1",
