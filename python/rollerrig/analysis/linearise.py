@@ -102,12 +102,18 @@ def linearise(case: Case, speed: float) -> Linearisation:
     return Lineariser(case).at(speed)
 
 
+MACHINES = ("adhesion", "brake", "traction", "slide_protection", "anti_slip", "rig_control", "bench")
+"""Tables of a case on the bench."""
+
+
 def at_constant_speed(case: Case, speed: float | None = None) -> Case:
     """The case with rollers or rails held at one speed, by custom the starting speed [m/s].
 
-    Rails and rollers are smooth, and a track goes on for ever as it begins: straight, or curved.
+    Rails and rollers are smooth, and a track goes on for ever as it begins: straight, or curved. Machines and their
+    controllers are left out: what is asked for is the vehicle's own running.
     """
     changes: dict[str, object] = {
+        **(dict.fromkeys(MACHINES) if case.on_bench else {}),
         "motion.drive": "held",
         "motion.speed_table": None,
         "motion.torque_table": None,

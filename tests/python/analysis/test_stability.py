@@ -140,6 +140,14 @@ def test_all_crossings_are_told_with_their_modes() -> None:
         assert np.min(np.abs(values - 2j * np.pi * one.frequency)) < 1e-4
 
 
+def test_machines_do_not_touch_the_vehicles_own_stability(bogie) -> None:
+    """A case on the bench has the modes of its vehicle on the same rollers."""
+    braked = load_case("adhesion_brake").with_changes({"bench.ideal_rolling": True})
+    bare = bogie.with_changes({"contact.standstill_speed": braked.contact.standstill_speed})
+    own, plain = (stability(case, [180.0]) for case in (braked, bare))
+    np.testing.assert_array_equal(own["damping"], plain["damping"])
+
+
 def test_an_unheld_vehicle_rolls_off_its_rollers() -> None:
     """Nothing holds it on their tops: a motion along the track that grows without oscillating is told, and only then."""
     vehicle = load_case("bogie_rollers_constant").with_changes({"vehicle.cut": "vehicle"})
