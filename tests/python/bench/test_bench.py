@@ -276,3 +276,29 @@ def test_the_rollers_are_protected() -> None:
     run = simulate(brake_case(), controllers={"rig_control": Mad()})
     assert run.attrs["status"] == "rollers_protected"
     assert "rig_control.protection.slip" in run.attrs["status_message"]
+
+
+def test_samples_and_delayed_commands_stand_on_their_instants() -> None:
+    """Sampled every 4 ms, acting 3 ms later: the plant's own state at the sample, the torque from the very step on."""
+
+    class Kick:
+        sample_time = 4e-3
+
+        def __init__(self) -> None:
+            self.times: list[float] = []
+            self.speeds: list[float] = []
+
+        def step(self, measurements: dict[str, np.ndarray]) -> dict[str, list[float]]:
+            self.times.append(measurements["time"])
+            self.speeds.append(float(measurements["axle_speed"][0]))
+            return {"roller_torque": [500.0 if measurements["time"] > 0.05 else 0.0] * 2}
+
+    changes = {"time.duration": "0.1 s", "time.output_step": "1 ms", "rig_control.delay": "3 ms"}
+    kick = Kick()
+    run = simulate(load_case("adhesion_brake").with_changes(changes), controllers={"rig_control": kick})
+    assert kick.times == pytest.approx([4e-3 * i for i in range(25)], abs=1e-12)
+    at_samples = run["axle_speed"].isel(axle=0, time=slice(0, 100, 4)).to_numpy()
+    np.testing.assert_allclose(kick.speeds, at_samples, rtol=1e-13)
+    # first asked for at 52 ms, acting from 55 ms: what moved over the step to 56 ms
+    torque = run["roller_torque"].isel(axle=0).to_numpy()
+    assert np.flatnonzero(np.abs(torque) > 1e-9)[0] == 56
