@@ -24,10 +24,10 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 import numpy as np
 
 from rollerrig import _core, load_case
+from rollerrig.assembly import assemble
 from rollerrig.bench import BenchRun
-from rollerrig.model import assemble
-from rollerrig.run import begin
-from rollerrig.start import starting_state
+from rollerrig.simulation import begin
+from rollerrig.starting_state import starting_state
 from rollerrig.studies.adhesion import track_case
 
 TEST = 60.0

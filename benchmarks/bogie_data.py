@@ -214,7 +214,7 @@ class Parameters:
     friction: float = 0.3
     normal_damping: float = 1e5  # [N s/m]
     damping_speed: float = 1e-4  # [m/s], smooths the corner of (12)
-    standstill_speed: float = 0.1  # [m/s], keeps creepages finite
+    creepage_regularisation_speed: float = 0.1  # [m/s], keeps creepages finite
     hertz: Table = field(default_factory=hertz_table)  # columns x 4 coefficients: ln(a/b), E^.5/(g K^1.5), E/K
     scan_start: float = -0.050  # wheel abscissa searched for contact [m]
     scan_end: float = 0.050

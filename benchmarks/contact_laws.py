@@ -26,7 +26,7 @@ from rollerrig.creep import creep_law
 
 BUDGET = {"kalker_saturated": 0.1, "table": 0.5, "fastsim": 3.0, "modified_fastsim": 3.0}
 """What a call may cost [us]."""
-DRY = {"stick_reduction": 1.0, "slip_reduction": 0.4}
+DRY = {"k_A": 1.0, "k_S": 0.4}
 CASE = "bogie_rollers_traction"
 
 

@@ -21,11 +21,11 @@ import numpy as np
 
 from rollerrig import _core, load_case
 from rollerrig.analysis.filters import low_pass
+from rollerrig.assembly import assemble
 from rollerrig.config import ConfigError
-from rollerrig.model import assemble
 from rollerrig.results import Outcome, run_dataset
-from rollerrig.run import begin
-from rollerrig.start import starting_state
+from rollerrig.simulation import begin
+from rollerrig.starting_state import starting_state
 
 DURATION = 4.0  # [s]
 FOUNDATION = {

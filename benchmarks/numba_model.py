@@ -190,7 +190,7 @@ def patch_force(s_gap, g, o, v, omega, spin, P, record):
     v_rel = v_wheel - v_roller
     v_n = dot(v_rel, normal)
     mean = 0.5 * (v_wheel + v_roller)
-    speed = math.sqrt(dot(mean, mean) + n.standstill_speed**2)
+    speed = math.sqrt(dot(mean, mean) + n.creepage_regularisation_speed**2)
 
     d1 = 0.5 * (1 / (r * root_r) + 1 / (b * root_b))
     d2_raw = 0.5 * (-ddr / root_r**3 - ddb / root_b**3)

@@ -182,7 +182,7 @@ def patches(o, rot, v, omega, roller_spin, p: Parameters) -> dict[str, np.ndarra
     v_rel = v_wheel - v_roller
     v_n = np.sum(v_rel * n, axis=-1)
     mean = 0.5 * (v_wheel + v_roller)
-    speed = np.sqrt(np.sum(mean * mean, axis=-1) + p.standstill_speed**2)
+    speed = np.sqrt(np.sum(mean * mean, axis=-1) + p.creepage_regularisation_speed**2)
 
     root_r = np.sqrt(1 + at["dr"] ** 2)
     d1 = 0.5 * (1 / (at["r"] * root_r) + 1 / (b * root_b))  # (14), (15)

@@ -16,9 +16,9 @@ import numpy as np
 from run import best_time
 
 from rollerrig import _core, load_case
-from rollerrig.model import assemble
-from rollerrig.run import begin
-from rollerrig.start import starting_state
+from rollerrig.assembly import assemble
+from rollerrig.simulation import begin
+from rollerrig.starting_state import starting_state
 
 CURVE = [
     {"kind": "straight", "length": 20.0},

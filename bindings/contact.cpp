@@ -10,11 +10,11 @@
 
 #include "convert.hpp"
 #include "creep_law.hpp"
-#include "rig/contact/rolling_reference.hpp"
-#include "rig/system/press.hpp"
+#include "rollerrig/contact/creep/rolling_reference.hpp"
+#include "rollerrig/system/static_wheelset_contact.hpp"
 
 using namespace nb::literals;
-using namespace rig;
+using namespace rollerrig;
 
 namespace {
 

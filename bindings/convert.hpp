@@ -7,8 +7,8 @@
 #include <memory>
 #include <vector>
 
-#include "rig/math/piecewise_linear.hpp"
-#include "rig/math/vector.hpp"
+#include "rollerrig/math/piecewise_linear.hpp"
+#include "rollerrig/math/vector.hpp"
 
 namespace nb = nanobind;
 
@@ -16,11 +16,11 @@ using Triple = std::array<double, 3>;
 using Rows2 = std::vector<std::array<double, 2>>;
 using Column = nb::ndarray<double const, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
 
-inline rig::Vec3<double> vec3(Triple const& a) { return {a[0], a[1], a[2]}; }
-inline Triple triple(rig::Vec3<double> const& v) { return {v.x, v.y, v.z}; }
+inline rollerrig::Vec3<double> vec3(Triple const& a) { return {a[0], a[1], a[2]}; }
+inline Triple triple(rollerrig::Vec3<double> const& v) { return {v.x, v.y, v.z}; }
 
-inline rig::PiecewiseLinear piecewise(Rows2 const& rows) {
-  rig::PiecewiseLinear table;
+inline rollerrig::PiecewiseLinear piecewise(Rows2 const& rows) {
+  rollerrig::PiecewiseLinear table;
   for (auto const& row : rows) table.x.push_back(row[0]), table.y.push_back(row[1]);
   return table;
 }

@@ -5,24 +5,24 @@
 #include <memory>
 #include <string>
 
-#include "rig/contact/creep_law.hpp"
+#include "rollerrig/contact/creep/creep_law.hpp"
 
 /// Keeps the table alive that the law points to.
 struct NamedCreepLaw {
-  rig::CreepLaw law;
-  std::shared_ptr<rig::CreepTable const> table;
+  rollerrig::CreepLaw law;
+  std::shared_ptr<rollerrig::CreepTable const> table;
 
   NamedCreepLaw(std::string const& name, bool saturate_spin_moment, std::array<double, 3> const& reduction,
-                std::array<double, 2> const& polach, std::shared_ptr<rig::CreepTable> shared)
+                std::array<double, 2> const& polach, std::shared_ptr<rollerrig::CreepTable> shared)
       : table{std::move(shared)} {
-    using Kind = rig::CreepLawKind;
+    using Kind = rollerrig::CreepLawKind;
     law = {kind_of(name), saturate_spin_moment, {reduction[0], reduction[1], reduction[2]}, polach[0],
            polach[1],     table.get()};
     if (law.kind == Kind::table && !table) throw nanobind::value_error("the law 'table' needs its table");
   }
 
-  static rig::CreepLawKind kind_of(std::string const& name) {
-    using Kind = rig::CreepLawKind;
+  static rollerrig::CreepLawKind kind_of(std::string const& name) {
+    using Kind = rollerrig::CreepLawKind;
     if (name == "kalker_linear") return Kind::kalker_linear;
     if (name == "kalker_saturated") return Kind::kalker_saturated;
     if (name == "fastsim") return Kind::fastsim;

@@ -12,11 +12,11 @@
 
 #include "convert.hpp"
 #include "creep_law.hpp"
-#include "rig/system/equilibrium.hpp"
-#include "rig/system/model.hpp"
+#include "rollerrig/system/equilibrium.hpp"
+#include "rollerrig/system/model.hpp"
 
 using namespace nb::literals;
-using namespace rig;
+using namespace rollerrig;
 
 namespace {
 
@@ -92,8 +92,9 @@ int add_contact(Model& m, int wheelset, int roller, bool rail, double along, boo
                 int rail_profile, double wheel_radius, double tape_circle_y, double rail_origin_y,
                 double inverse_radius, Triple const& wheelset_from_crown, Triple const& crown_in_roller,
                 double shear_modulus, double poisson_ratio, Triple const& friction, std::string const& normal,
-                NamedCreepLaw const& creep, double normal_damping, double standstill_speed, double merge_barrier,
-                std::array<bool, 4> const& roller_effects, double damping_onset, double size) {
+                NamedCreepLaw const& creep, double normal_damping, double creepage_regularisation_speed,
+                double merging_criterion, std::array<bool, 4> const& roller_effects, double damping_onset,
+                double size) {
   if (roller == ground && !rail) throw nb::value_error("a contact without a roller is on a rail");
   if (!m.hertz) m.hertz = std::make_shared<HertzTable const>();
   m.kalker_tables.emplace_back(poisson_ratio);
@@ -124,8 +125,8 @@ int add_contact(Model& m, int wheelset, int roller, bool rail, double along, boo
   c.laws.creep = creep.law;
   if (creep.table) m.creep_tables.push_back(creep.table);
   c.laws.friction = {friction[0], friction[1], friction[2]};
-  c.laws.standstill_speed = standstill_speed;
-  c.laws.merge_barrier = merge_barrier;
+  c.laws.creepage_regularisation_speed = creepage_regularisation_speed;
+  c.laws.merging_criterion = merging_criterion;
   m.contacts.push_back(c);
   return static_cast<int>(m.contacts.size()) - 1;
 }
@@ -151,7 +152,7 @@ std::tuple<std::vector<double>, double> preloads(Model const& m) {
 }  // namespace
 
 void bind_model(nb::module_& m) {
-  nb::class_<Model>(m, "Model", "Constant data of one assembled system; see rollerrig.model.")
+  nb::class_<Model>(m, "Model", "Constant data of one assembled system; see rollerrig.assembly.")
       .def(nb::init<>())
       .def("add_profile", &add_profile, "start"_a, "step"_a, "pieces"_a)
       .def("add_body", &add_body, "mass"_a, "inertia"_a, "position"_a, "axisymmetric"_a, "locked"_a,
@@ -165,7 +166,7 @@ void bind_model(nb::module_& m) {
       .def("add_contact", &add_contact, "wheelset"_a, "roller"_a, "rail"_a, "along"_a, "right"_a, "wheel_profile"_a,
            "rail_profile"_a, "wheel_radius"_a, "tape_circle_y"_a, "rail_origin_y"_a, "inverse_radius"_a,
            "wheelset_from_crown"_a, "crown_in_roller"_a, "shear_modulus"_a, "poisson_ratio"_a, "friction"_a, "normal"_a,
-           "creep"_a, "normal_damping"_a, "standstill_speed"_a, "merge_barrier"_a, "roller_effects"_a,
+           "creep"_a, "normal_damping"_a, "creepage_regularisation_speed"_a, "merging_criterion"_a, "roller_effects"_a,
            "damping_onset"_a, "size"_a)
       .def(
           "add_axle_torque",

@@ -11,12 +11,12 @@
 #include <optional>
 
 #include "convert.hpp"
-#include "rig/integrate/amplification.hpp"
-#include "rig/record/recorder.hpp"
-#include "rig/system/equilibrium.hpp"
+#include "rollerrig/integrate/amplification.hpp"
+#include "rollerrig/simulate/recorder.hpp"
+#include "rollerrig/system/equilibrium.hpp"
 
 using namespace nb::literals;
-using namespace rig;
+using namespace rollerrig;
 using integrate::Integrator;
 using integrate::Method;
 using integrate::Options;
@@ -225,7 +225,7 @@ void bind_simulation(nb::module_& m) {
       .def("derivative", &Simulation::derivative, "t"_a, "x"_a)
       .def("jacobian", &Simulation::jacobian, "t"_a, "x"_a)
       .def("step_amplification", &Simulation::step_amplification, "method"_a, "step"_a, "t"_a, "x"_a)
-      .def("equilibrium", &Simulation::equilibrium, "speed"_a, "t"_a, "held"_a, "near"_a = nb::none())
+      .def("equilibrium", &Simulation::equilibrium, "speed"_a, "t"_a, "fixed"_a, "near"_a = nb::none())
       .def("record", &Simulation::record, "t"_a, "x"_a, "z"_a)
       .def("derivatives", &Simulation::derivatives, "t"_a, "states"_a)
       .def("search_along", &Simulation::search_along, "t"_a, "states"_a)

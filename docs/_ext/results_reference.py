@@ -71,8 +71,8 @@ def reference() -> list[str]:
     from rollerrig.studies.conicity import CONICITY_KEYS
     from rollerrig.studies.creep import CREEP_KEYS
     from rollerrig.studies.paper.write import PAPER_KEYS
-    from rollerrig.studies.readings import READINGS_KEYS
     from rollerrig.studies.stability import STABILITY_KEYS
+    from rollerrig.studies.wheel_rail_forces import READINGS_KEYS
 
     run = simulate(load_case("wheelset_rollers").with_changes({"time.duration": "0.01 s"}))
     return [

@@ -2,7 +2,7 @@
 
     load_case -> Case -> simulate  -> xarray.Dataset -> save_run, figures, report
                       -> stability -> xarray.Dataset
-    run -> readings -> wheel forces, Y/Q, wear number
+    run -> wheel_forces -> Y, Q, Y/Q, wear number
 
 Names are loaded when first used, so that `import rollerrig` costs nothing.
 """
@@ -11,15 +11,15 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from rollerrig.analysis.readings import readings
     from rollerrig.analysis.stability import stability
+    from rollerrig.analysis.wheel_rail_forces import wheel_forces
+    from rollerrig.assembly import assemble
     from rollerrig.catalog import catalog_entries, catalog_text
     from rollerrig.config import Case, ConfigError, load_case
     from rollerrig.contact_table import contact_table
-    from rollerrig.model import assemble
     from rollerrig.results import OutputError, load_run, save_run
-    from rollerrig.run import simulate
-    from rollerrig.start import StartError
+    from rollerrig.simulation import simulate
+    from rollerrig.starting_state import StartError
     from rollerrig.studies.envelope import envelope
 
 __version__ = "0.1.0"
@@ -28,17 +28,17 @@ _HOME = {
     "Case": "config",
     "ConfigError": "config",
     "OutputError": "results",
-    "StartError": "start",
-    "assemble": "model",
+    "StartError": "starting_state",
+    "assemble": "assembly",
     "catalog_entries": "catalog",
     "catalog_text": "catalog",
     "contact_table": "contact_table",
     "envelope": "studies.envelope",
     "load_case": "config",
     "load_run": "results",
-    "readings": "analysis",
+    "wheel_forces": "analysis",
     "save_run": "results",
-    "simulate": "run",
+    "simulate": "simulation",
     "stability": "analysis",
 }
 """Module that defines each public name."""
@@ -56,10 +56,10 @@ __all__ = [
     "envelope",
     "load_case",
     "load_run",
-    "readings",
     "save_run",
     "simulate",
     "stability",
+    "wheel_forces",
 ]
 
 

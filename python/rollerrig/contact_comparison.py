@@ -14,9 +14,9 @@ import numpy as np
 import xarray as xr
 
 from rollerrig import _core
+from rollerrig.assembly import assemble
 from rollerrig.config import Case, Contact
 from rollerrig.contact_table import contact_table, leading_wheelset
-from rollerrig.model import assemble
 
 NORMAL_CONTACTS: tuple[str, ...] = get_args(Contact.model_fields["normal"].annotation)
 """Names for `contact.normal`."""

@@ -15,8 +15,8 @@ import numpy as np
 import xarray as xr
 
 from rollerrig import _core
+from rollerrig.assembly import AssembledModel, assemble
 from rollerrig.config import Case
-from rollerrig.model import AssembledModel, assemble
 
 _VARIABLES = {
     "lateral": ("m", "lateral position of the wheelset, positive to the left"),

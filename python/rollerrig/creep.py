@@ -99,7 +99,7 @@ def write_table(
     Args:
         target: file.
         log_aspect_end: largest ln(a/b) of the table, [-].
-        rho_0: see core/include/rig/contact/creep_table.hpp.
+        rho_0: see core/include/rollerrig/contact/creep/creep_table.hpp.
         aspects: intervals of ln(a/b).
         cells: intervals per unit of q.
         coefficients: shape (aspects + 3, cells[0] + 3, 2 cells[1] + 3, cells[2] + 3, 3).
@@ -145,12 +145,10 @@ def creep_law(
     if name not in CREEP_LAWS:
         raise ValueError(f"no creep law named {name!r}; there are {', '.join(CREEP_LAWS)}")
     if name == "polach" and polach is None:
-        raise ValueError(
-            "polach needs stick_reduction and slip_reduction: 1.0 and 0.4 dry, 0.3 and 0.1 wet (Polach 2005)"
-        )
+        raise ValueError("polach needs k_A and k_S: 1.0 and 0.4 dry, 0.3 and 0.1 wet (Polach 2005)")
     k = stiffness or StiffnessReduction()
     reduction = (k.initial, k.ultimate, k.decay)
-    areas = (polach.stick_reduction, polach.slip_reduction) if polach is not None else (1.0, 1.0)
+    areas = (polach.k_A, polach.k_S) if polach is not None else (1.0, 1.0)
     return _core.CreepLaw(name, saturate_spin_moment, reduction, areas, shipped_table() if name == "table" else None)
 
 
@@ -167,4 +165,4 @@ def creep_law_of(contact: Any) -> _core.CreepLaw:
 def friction_of(contact: Any) -> tuple[float, float, float]:
     """Largest friction coefficient, ratio and decay [s/m] of a case's contact."""
     fall = contact.friction_fall or FrictionFall()
-    return (contact.friction, fall.ratio, fall.decay)
+    return (contact.friction, fall.A, fall.B)

@@ -3,9 +3,9 @@
 #pragma once
 #include <cmath>
 
-#include "rig/scalar.hpp"
+#include "rollerrig/scalar.hpp"
 
-namespace rig::test {
+namespace rollerrig::test {
 
 struct ExplicitReal {
   double x{0.0};
@@ -47,4 +47,4 @@ struct ExplicitReal {
 
 static_assert(Scalar<ExplicitReal>);
 
-}  // namespace rig::test
+}  // namespace rollerrig::test

@@ -3,9 +3,9 @@
 #include <cmath>
 #include <vector>
 
-#include "rig/geometry/pair.hpp"
+#include "rollerrig/geometry/pair.hpp"
 
-namespace rig::test {
+namespace rollerrig::test {
 
 /// Natural cubic spline through f at uniform knots.
 template <class F>
@@ -108,4 +108,4 @@ RelativePose<T> pose_of(T const& x, T const& y, T const& height, T const& roll, 
   return {{x, y, height}, {{cy, sy, T(0.0)}, {-(sy * cr), cy * cr, sr}, {sy * sr, -(cy * sr), cr}}};
 }
 
-}  // namespace rig::test
+}  // namespace rollerrig::test

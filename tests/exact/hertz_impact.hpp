@@ -7,7 +7,7 @@
 #pragma once
 #include <cmath>
 
-namespace rig::exact {
+namespace rollerrig::exact {
 
 struct HertzImpact {
   double m, k, v0;  // [kg], [N/m^1.5], [m/s]
@@ -19,4 +19,4 @@ struct HertzImpact {
   }
 };
 
-}  // namespace rig::exact
+}  // namespace rollerrig::exact

@@ -6,9 +6,9 @@
 #pragma once
 #include <cmath>
 
-#include "rig/math/vector.hpp"
+#include "rollerrig/math/vector.hpp"
 
-namespace rig::exact {
+namespace rollerrig::exact {
 
 struct SymmetricTop {
   double across, along;  // A, C [kg m^2]
@@ -30,4 +30,4 @@ struct SymmetricTop {
   }
 };
 
-}  // namespace rig::exact
+}  // namespace rollerrig::exact

@@ -1,9 +1,8 @@
 """The arrow of the data is a test: a folder may use only what stands to its left.
 
-core:    scalar -> math -> track -> profile -> body -> geometry -> contact -> mechatronics -> system -> integrate
-         -> record -> bench
-Python:  profiles, track, irregularity -> config -> catalog -> creep -> model -> results -> start -> bench -> run
-         -> similitude -> characteristics -> analysis -> plot -> report -> studies -> cli
+core:    scalar -> math -> integrate -> track -> multibody -> geometry -> contact -> mechatronics -> system -> simulate
+Python:  profiles, track, irregularity -> config -> catalog -> creep -> assembly -> results -> starting_state -> bench
+         -> simulation -> similitude -> characteristics -> analysis -> plot -> report -> studies -> cli
 """
 
 from __future__ import annotations
@@ -15,31 +14,26 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
-CORE = ROOT / "core" / "include" / "rig"
+CORE = ROOT / "core" / "include" / "rollerrig"
 PACKAGE = ROOT / "python" / "rollerrig"
 
-# A header directly in rig/ is named with its ending; a folder without.
+# A header directly in rollerrig/ is named with its ending; a folder without.
 CORE_LAYERS = [
     {"scalar.hpp", "status.hpp"},
     {"math"},
-    {"differential_equation.hpp", "relaxing_directions.hpp"},
+    {"integrate"},
     {"track"},
-    {"profile"},
-    {"body"},
+    {"multibody"},
     {"geometry"},
     {"contact"},
     {"mechatronics"},
     {"system"},
-    {"integrate"},
-    {"record"},
-    {"bench"},
+    {"simulate"},
 ]
 """From left to right."""
 
 CORE_MAY_NOT_SEE = {
-    "contact": {"body"},  # a force law never sees a body
-    "body": {"geometry", "contact"},  # and a body never sees a law
-    "integrate": {"track", "profile", "body", "geometry", "contact", "system"},  # any x' = f(t, x) will do
+    "contact": {"multibody"},  # a force law never sees a body
 }
 """Pairs that the order alone would allow; only `system` knows both sides."""
 
@@ -49,17 +43,17 @@ def core_layer(path: str) -> int:
     for number, names in enumerate(CORE_LAYERS):
         if first in names:
             return number
-    pytest.fail(f"rig/{path} has no place on the arrow: add it to CORE_LAYERS")
+    pytest.fail(f"rollerrig/{path} has no place on the arrow: add it to CORE_LAYERS")
 
 
 @pytest.mark.parametrize("header", sorted(CORE.rglob("*.hpp")), ids=lambda p: str(p.relative_to(CORE)))
 def test_includes_point_left(header: Path) -> None:
     own = header.relative_to(CORE).as_posix()
-    for target in re.findall(r'#include "rig/([^"]+)"', header.read_text()):
-        assert (CORE / target).is_file(), f"rig/{own} includes rig/{target}, which does not exist"
-        assert core_layer(target) <= core_layer(own), f"rig/{own} may not include rig/{target}"
+    for target in re.findall(r'#include "rollerrig/([^"]+)"', header.read_text()):
+        assert (CORE / target).is_file(), f"rollerrig/{own} includes rollerrig/{target}, which does not exist"
+        assert core_layer(target) <= core_layer(own), f"rollerrig/{own} may not include rollerrig/{target}"
         forbidden = CORE_MAY_NOT_SEE.get(own.split("/")[0], set())
-        assert target.split("/")[0] not in forbidden, f"rig/{own} may not include rig/{target}"
+        assert target.split("/")[0] not in forbidden, f"rollerrig/{own} may not include rollerrig/{target}"
 
 
 @pytest.mark.parametrize("source", sorted((ROOT / "core").rglob("*.[hc]pp")), ids=lambda p: str(p.relative_to(ROOT)))
@@ -76,11 +70,11 @@ PYTHON_LAYERS = [
     {"config"},
     {"catalog"},
     {"creep"},
-    {"model"},
+    {"assembly"},
     {"results"},
-    {"start"},
+    {"starting_state"},
     {"bench"},
-    {"run", "contact_table"},
+    {"simulation", "contact_table"},
     {"contact_comparison"},
     {"similitude"},
     {"characteristics"},
@@ -97,7 +91,7 @@ PYTHON_MAY_NOT_SEE = {
     "track": {"_core", "profiles", "irregularity"},  # a line of numbers
     "irregularity": {"_core", "profiles", "track"},
     "config": {"_core"},  # a file is checked without the extension
-    "plot": {"_core", "model", "run"},  # a figure takes results and computes no physics
+    "plot": {"_core", "assembly", "simulation"},  # a figure takes results and computes no physics
     "cli": {"_core"},  # ten lines over the public interface
 }
 """Pairs that the order alone would allow."""

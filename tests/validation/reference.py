@@ -14,9 +14,9 @@ import numpy as np
 import pytest
 
 from rollerrig import _core
+from rollerrig.assembly import AssembledModel, assemble
 from rollerrig.config import load_case
 from rollerrig.creep import creep_law
-from rollerrig.model import AssembledModel, assemble
 from rollerrig.profiles import ProfileTable, gauge_point, profile_from_spec
 
 mm = 1e-3
@@ -61,7 +61,7 @@ def add_wheels(
     friction: float = 0.3,
     shear_modulus: float = SHEAR_MODULUS,
     normal_damping: float = 1e5,
-    merge_barrier: float = 0.0,
+    merging_criterion: float = 0.0,
     normal: str = "hertz",
 ) -> tuple[int, int]:
     """Adds the left and the right contact of one wheelset; rollers -1 are rails."""
@@ -88,8 +88,8 @@ def add_wheels(
             normal=normal,
             creep=creep_law("kalker_saturated"),
             normal_damping=normal_damping,
-            standstill_speed=0.1,
-            merge_barrier=merge_barrier,
+            creepage_regularisation_speed=0.1,
+            merging_criterion=merging_criterion,
             roller_effects=[True] * 4,
             damping_onset=1e-4,
             size=1.0,

@@ -32,7 +32,7 @@ def errors(law: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     solvers: dict[float, _core.RollingReference] = {}
     chosen = None
     if law != EXACT:
-        chosen = creep_law(law, polach=PolachReduction(stick_reduction=1.0, slip_reduction=1.0))
+        chosen = creep_law(law, polach=PolachReduction(k_A=1.0, k_S=1.0))
     for i, row in enumerate(table):
         ratio = row["a_over_b"]
         creepage, force = reduced(row)

@@ -10,10 +10,10 @@ import pytest
 import xarray as xr
 
 import rollerrig as rr
+from rollerrig.assembly import assemble
 from rollerrig.config import Case
-from rollerrig.model import assemble
 from rollerrig.results import summarise
-from rollerrig.start import equilibrium_dataset
+from rollerrig.starting_state import equilibrium_dataset
 from rollerrig.track import equilibrium_speed, plane_acceleration
 
 RADIUS, CANT, BASE = 600.0, 0.110, 1.5

@@ -12,9 +12,9 @@ import numpy as np
 import pytest
 
 from rollerrig import _core
+from rollerrig.assembly import assemble
 from rollerrig.characteristics import conicity_table, equivalent_conicity, pair_case, shift_table
 from rollerrig.config import load_case
-from rollerrig.model import assemble
 from validation.reference import FOLDER, equilibrium, mm, needs_reference, rows
 
 #: The file's point (0, 0), 0.4918 mm below the highest point of rail A, belongs at 750 mm: the gauge point lies 14 mm below it.

@@ -36,7 +36,7 @@ def models():
     with pytest.MonkeyPatch.context() as patch:
         patch.syspath_prepend(str(Path(__file__).parents[2] / "benchmarks"))
         data, numpy_model, kalker = (importlib.import_module(n) for n in ("bogie_data", "scipy_model", "kalker_table"))
-        ours = bogie(contact__merge_barrier=0.0, contact__standstill_speed=STANDSTILL_SPEED)
+        ours = bogie(contact__merging_criterion=0.0, contact__creepage_regularisation_speed=STANDSTILL_SPEED)
         simulation = _core.Simulation(ours.core)
 
         def table(profile: ProfileTable):
@@ -51,7 +51,7 @@ def models():
             secondary_top=0.8275,
             secondary_bottom=0.8275,
             lateral_damper_y=0.2,
-            standstill_speed=STANDSTILL_SPEED,
+            creepage_regularisation_speed=STANDSTILL_SPEED,
         )
         nu = parameters.poisson
         spline = CubicSpline(np.log(kalker.AXIS_RATIO), kalker.coefficients_at_poisson(nu), bc_type="natural")

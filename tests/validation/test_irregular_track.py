@@ -14,9 +14,9 @@ import xarray as xr
 import rollerrig as rr
 from rollerrig import _core
 from rollerrig.analysis.linearise import Lineariser
+from rollerrig.assembly import AssembledModel, assemble
 from rollerrig.config import Case
 from rollerrig.irregularity import RAILS, RailIrregularity
-from rollerrig.model import AssembledModel, assemble
 
 SPEED, PERIOD = 40.0, 320.0
 SAMPLES = 2000  # per period

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from rollerrig import _core
+from rollerrig.assembly import assemble
 from rollerrig.config import Case, load_case
-from rollerrig.model import assemble
 from validation.reference import equilibrium, mm
 
 SPEED = 2.0  # [m/s]: inertia and suspension play no part, V_s = 0.1 m/s makes 0.1 %

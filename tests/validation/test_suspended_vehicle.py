@@ -13,8 +13,8 @@ import numpy as np
 import pytest
 
 from rollerrig import _core
+from rollerrig.assembly import assemble, static_loads
 from rollerrig.config import Case, Vehicle, load_case, load_vehicle
-from rollerrig.model import assemble, static_loads
 
 VEHICLE = "manchester_vehicle_1"
 MOVING = ("car_body", "front_frame", "rear_frame")

@@ -2,7 +2,7 @@
 
     python tests/validation/write_creep_reference.py
 
-The solver runs on its full grid, finer than the one the table is made with. Reduced units: core/include/rig/contact/
+The solver runs on its full grid, finer than the one the table is made with. Reduced units: core/include/rollerrig/contact/
 rolling_reference.hpp.
 """
 

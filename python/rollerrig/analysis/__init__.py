@@ -3,7 +3,7 @@
 Case -> [linearise -> modes -> speed map -> critical, stability]   small motions, exact derivatives
      -> [hunting, ramp -> signals]          runs from a disturbance
      -> [limit cycle runs -> limit cycle]   what is left at each speed, stepped up and down
-run  -> [readings, ride -> filters]         wheel forces, Y/Q, wear number, accelerations, as EN 14363 assesses them
+run  -> [wheel_rail_forces, ride -> filters]         wheel forces, Y/Q, wear number, accelerations, as EN 14363 assesses them
 """
 
 from rollerrig.analysis.assessment import Assessment, Row, assess, table
@@ -25,10 +25,10 @@ from rollerrig.analysis.limit_cycle import CyclePoint, Diagram
 from rollerrig.analysis.limit_cycle_runs import LimitCycleSettings, limit_cycle_table, limit_cycles
 from rollerrig.analysis.linearise import Linearisation, Lineariser, linearise
 from rollerrig.analysis.ramp import RampSettings, end_of_hunting, ramp_run
-from rollerrig.analysis.readings import filtered, nadal_limit, prudhomme_limit, readings, statistics
 from rollerrig.analysis.ride import accelerations, ride, weighted_rms
 from rollerrig.analysis.signals import ending, growth_rate, half_waves
 from rollerrig.analysis.stability import stability
+from rollerrig.analysis.wheel_rail_forces import filtered, nadal_limit, prudhomme_limit, statistics, wheel_forces
 
 __all__ = [
     "Assessment",
@@ -62,10 +62,10 @@ __all__ = [
     "nadal_limit",
     "prudhomme_limit",
     "ramp_run",
-    "readings",
     "ride",
     "stability",
     "statistics",
     "table",
     "weighted_rms",
+    "wheel_forces",
 ]

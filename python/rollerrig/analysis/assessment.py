@@ -11,8 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 import xarray as xr
 
-from rollerrig.analysis.readings import QUOTIENT_LIMIT, STATISTICS, filtered, readings, statistics
 from rollerrig.analysis.ride import accelerations, ride, weighted_rms
+from rollerrig.analysis.wheel_rail_forces import QUOTIENT_LIMIT, STATISTICS, filtered, statistics, wheel_forces
 
 QUANTITIES = (
     "guiding_force",
@@ -32,7 +32,7 @@ class Assessment:
     """What was read off a run.
 
     Attributes:
-        readings: what `readings` returns.
+        readings: what `wheel_forces` returns.
         assessed: what `filtered` makes of it, or the unfiltered readings where the run cannot be filtered.
         points: accelerations at points of the bodies, filtered where the run can be.
         felt: the same, unfiltered.
@@ -82,7 +82,7 @@ def assess(run: xr.Dataset) -> Assessment:
         run: results of `simulate` or `load_run`.
     """
     notes: list[str] = []
-    read, felt = readings(run), accelerations(run)
+    read, felt = wheel_forces(run), accelerations(run)
     points, assessed, weighted = felt, read.drop_vars("patch_wear_number"), None
     try:
         assessed = filtered(read)

@@ -17,14 +17,14 @@ from numpy.typing import NDArray
 
 from rollerrig import _core
 from rollerrig.analysis.creep_laws import ASPECTS, creepage_units, seconds_per_call
+from rollerrig.assembly import assemble
 from rollerrig.config import Case
 from rollerrig.config.contact_law import CREEP_LAWS
 from rollerrig.config.vehicle import DIRECTIONS
 from rollerrig.contact_comparison import NORMAL_CONTACTS
 from rollerrig.contact_table import contact_table, leading_wheelset
 from rollerrig.creep import creep_law_of
-from rollerrig.model import assemble
-from rollerrig.start import equilibrium
+from rollerrig.starting_state import equilibrium
 
 Array = NDArray[np.float64]
 
@@ -205,7 +205,7 @@ def _mean_creepage(wheels: Sequence[Array]) -> float:
 def _with_law(case: Case, normal: str, law: str) -> Case:
     changes: dict[str, Any] = {"contact.normal": normal, "contact.creep": law}
     if law == "polach" and case.contact.polach is None:
-        changes["contact.polach"] = {"stick_reduction": 1.0, "slip_reduction": 1.0}
+        changes["contact.polach"] = {"k_A": 1.0, "k_S": 1.0}
     return case.with_changes(changes)
 
 

@@ -21,7 +21,7 @@ from rollerrig.analysis.modes import LEAST_FREQUENCY, body_shapes, eigensystem, 
 from rollerrig.analysis.parallel import Progress, run_jobs
 from rollerrig.analysis.speed_map import ModesOverSpeed, modes_over_speed
 from rollerrig.config import Case
-from rollerrig.start import StartError
+from rollerrig.starting_state import StartError
 
 SPEED_TOLERANCE = 1e-4 / 3.6
 """Accuracy of a linear critical speed [m/s]; far below what the model knows, far above round-off."""

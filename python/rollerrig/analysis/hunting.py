@@ -20,7 +20,7 @@ from rollerrig.analysis.linearise import at_constant_speed
 from rollerrig.analysis.parallel import Progress
 from rollerrig.analysis.signals import Ending, ending, half_waves
 from rollerrig.config import Case
-from rollerrig.run import simulate
+from rollerrig.simulation import simulate
 
 LEAST_AMPLITUDE = 2e-5
 """A limit cycle below 0.02 mm is not counted as one [m]."""

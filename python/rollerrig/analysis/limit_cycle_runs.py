@@ -27,11 +27,11 @@ from rollerrig.analysis.limit_cycle import (
 )
 from rollerrig.analysis.parallel import Progress, run_jobs
 from rollerrig.analysis.signals import half_waves
+from rollerrig.assembly import AssembledModel, assemble
 from rollerrig.config import Case
-from rollerrig.model import AssembledModel, assemble
 from rollerrig.results import Outcome, run_dataset
-from rollerrig.run import begin
-from rollerrig.start import starting_state
+from rollerrig.simulation import begin
+from rollerrig.starting_state import starting_state
 
 Vector = NDArray[np.float64]
 Carried = tuple[float, Vector]

@@ -14,9 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rollerrig import _core
+from rollerrig.assembly import AssembledModel, assemble
 from rollerrig.config import Case, Track
-from rollerrig.model import AssembledModel, assemble
-from rollerrig.start import StartError
+from rollerrig.starting_state import StartError
 
 Matrix = NDArray[np.float64]
 
@@ -102,7 +102,7 @@ def linearise(case: Case, speed: float) -> Linearisation:
     return Lineariser(case).at(speed)
 
 
-MACHINES = ("adhesion", "brake", "traction", "slide_protection", "anti_slip", "rig_control", "bench")
+MACHINES = ("adhesion", "brake", "traction", "slide_protection", "wheel_slip_control", "rig_control", "bench")
 """Tables of a case on the bench."""
 
 
@@ -114,7 +114,7 @@ def at_constant_speed(case: Case, speed: float | None = None) -> Case:
     """
     changes: dict[str, object] = {
         **(dict.fromkeys(MACHINES) if case.on_bench else {}),
-        "motion.drive": "held",
+        "motion.drive": "speed_controlled",
         "motion.speed_table": None,
         "motion.torque_table": None,
         "motion.speed": case.motion.speed if speed is None else speed,

@@ -20,11 +20,11 @@ from numpy.typing import NDArray
 
 from rollerrig import _core
 from rollerrig.analysis.hunting import HuntingSettings, hunting_case
+from rollerrig.assembly import AssembledModel, assemble
 from rollerrig.config import Case
-from rollerrig.model import AssembledModel, assemble
 from rollerrig.results import Outcome, add_energy_audit, run_dataset
-from rollerrig.run import absolute_tolerances
-from rollerrig.start import starting_state
+from rollerrig.simulation import absolute_tolerances
+from rollerrig.starting_state import starting_state
 
 Vector = NDArray[np.float64]
 

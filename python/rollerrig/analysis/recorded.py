@@ -12,8 +12,8 @@ from dataclasses import dataclass
 
 import xarray as xr
 
+from rollerrig.assembly import static_loads
 from rollerrig.config import Cut, Vehicle, VehicleChoice
-from rollerrig.model import static_loads
 
 
 @dataclass(frozen=True)

@@ -85,7 +85,7 @@ def bogie_of(case: Case, axle_load: float) -> Bogie:
     support, vehicle = case.support.data, case.vehicle.data
     bodies = vehicle.bodies_in(case.vehicle.part)
     wheelsets = [b for b in bodies if b.kind == "wheelset"]
-    frames = [b for b in bodies if b.kind == "rigid" and b.name not in case.vehicle.part.held]
+    frames = [b for b in bodies if b.kind == "rigid" and b.name not in case.vehicle.part.fixed]
     if not isinstance(support, Rig) or len(wheelsets) != 2 or len(frames) != 1:
         raise ValueError(f"{case.name}: the traction study needs one frame on two wheelsets, on a rig")
     frame = frames[0]

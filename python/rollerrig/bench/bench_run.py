@@ -2,8 +2,8 @@
 
 AssembledModel of a case with [brake], [traction], [adhesion] or [rig_control] -> [bench] -> rows, Outcome
 
-The core keeps the time grid (core/include/rig/bench/test_bench.hpp); here it is run in slices, for progress, Ctrl-C and the
-user's own controllers.
+The core keeps the time grid (core/include/rollerrig/simulate/sampled_run.hpp); here it is run in slices, for progress, Ctrl-C
+and the user's own controllers.
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from rollerrig import _core
+from rollerrig.assembly import AssembledModel
 from rollerrig.bench.controllers import (
     COMMANDS,
     ControllerError,
@@ -27,9 +28,8 @@ from rollerrig.bench.controllers import (
 )
 from rollerrig.bench.settings import fit, resist
 from rollerrig.config import Case, ConfigError, ConfigProblem
-from rollerrig.model import AssembledModel
 from rollerrig.results import Outcome, run_dataset
-from rollerrig.start import starting_state
+from rollerrig.starting_state import starting_state
 
 Vector = NDArray[np.float64]
 Progress = Callable[[float, str], None]
@@ -37,7 +37,7 @@ Progress = Callable[[float, str], None]
 _SLICE_SECONDS = 0.2
 _ROLES = {
     "slide_protection": _core.Role.slide_protection,
-    "anti_slip": _core.Role.anti_slip,
+    "wheel_slip_control": _core.Role.wheel_slip_control,
     "rig_control": _core.Role.rig,
 }
 _STATUS_NAMES: dict[int, str] = {code: name for name, code in _core.status_codes.items()}
@@ -53,7 +53,7 @@ class BenchRun:
 
         Args:
             model: freshly assembled.
-            controllers: objects in place of the case's controllers: 'slide_protection', 'anti_slip', 'rig_control'.
+            controllers: objects in place of the case's controllers: 'slide_protection', 'wheel_slip_control', 'rig_control'.
 
         Raises:
             ConfigError: a controller cannot be used.

@@ -24,7 +24,7 @@ Measurements = dict[str, Any]
 
 COMMANDS = {
     "slide_protection": ("valve", "0 fill, 1 hold, 2 vent"),
-    "anti_slip": ("torque_factor", "0 to 1"),
+    "wheel_slip_control": ("torque_factor", "0 to 1"),
     "rig_control": ("roller_torque", "N m, any finite number"),
 }
 """Table of the case -> its command and what is allowed."""
@@ -136,7 +136,7 @@ def ask(controller: UserController, role: str, measurements: Measurements) -> ND
     valid = np.isfinite(values)
     if role == "slide_protection":
         valid &= np.isin(values, (0.0, 1.0, 2.0))
-    if role == "anti_slip":
+    if role == "wheel_slip_control":
         valid &= (values >= 0) & (values <= 1)
     if not valid.all():
         raise failed(f"{command} = {values.tolist()}; allowed: {allowed}")

@@ -11,10 +11,10 @@ from dataclasses import dataclass
 from typing import Any
 
 from rollerrig import _core
+from rollerrig.assembly import GROUND, AssembledModel
 from rollerrig.bench.controllers import UserController
 from rollerrig.bench.virtual_train import frame_of, load_transfer, rail_contact, train_mass
 from rollerrig.config import (
-    AntiSlip,
     Brake,
     Case,
     Condition,
@@ -26,9 +26,9 @@ from rollerrig.config import (
     RigControl,
     SlideProtection,
     Traction,
+    WheelSlipControl,
 )
-from rollerrig.config.machines import BenchSettings
-from rollerrig.model import GROUND, AssembledModel
+from rollerrig.config.actuators import BenchSettings
 
 NOT_THERE = -1
 _ABSENT = {"every": 0, "delay": 0, "external": False}
@@ -59,8 +59,8 @@ def fit(model: AssembledModel, controllers: Mapping[str, UserController]) -> Fit
     friction_map = _add_adhesion(model, on_rails=rig is None)
     control = case.rig_control
     mass = train_mass(model)
-    rollers = [name for name in model.rollers if name not in model.held]
-    free = sum(model.masses[b] for b in model.vehicle_bodies if b not in model.held)
+    rollers = [name for name in model.rollers if name not in model.fixed]
+    free = sum(model.masses[b] for b in model.vehicle_bodies if b not in model.fixed)
     settings: dict[str, Any] = {
         "step": case.bench.step,
         "duration": case.time.duration,
@@ -74,8 +74,8 @@ def fit(model: AssembledModel, controllers: Mapping[str, UserController]) -> Fit
         "motor_brakes": bool(case.brake and case.brake.motors_stand_in),
         "slide_sampling": _sampling(case, "slide_protection", controllers),
         "slide_protection": _slide_protection(case),
-        "anti_slip_sampling": _sampling(case, "anti_slip", controllers),
-        "anti_slip": _anti_slip(case),
+        "wheel_slip_sampling": _sampling(case, "wheel_slip_control", controllers),
+        "wheel_slip_control": _anti_slip(case),
         "axle_encoder": _encoder(case.sensors.axles),
         "roller_encoder": _encoder(case.sensors.rollers),
         "has_torque_sensor": case.sensors.roller_torque is not None,
@@ -85,11 +85,11 @@ def fit(model: AssembledModel, controllers: Mapping[str, UserController]) -> Fit
         "measured_loads": control is not None and control.loads == "measured",
         "seed": case.sensors.seed,
         "rig_sampling": _sampling(case, "rig_control", controllers),
-        "imitate": control is not None,
+        "reproduce": control is not None,
         "rail_cell": case.adhesion.cell_length if case.adhesion else 0.05,
         "travelling_mass": mass if rig is None else 0.0,
-        "ideal_rolling": case.bench.ideal_rolling,
-        "held_mass": max(0.0, mass - free) if rig is None and model.held else 0.0,
+        "pure_rolling": case.bench.pure_rolling,
+        "held_mass": max(0.0, mass - free) if rig is None and model.fixed else 0.0,
         **_rig_control(model, control or RigControl(), rig),
     }
     settings["rail"] = {"friction_map": friction_map, **(rail_contact(model) if control else _NO_RAIL)}
@@ -99,7 +99,7 @@ def fit(model: AssembledModel, controllers: Mapping[str, UserController]) -> Fit
 def resist(model: AssembledModel) -> None:
     """Let running resistance and gradient act on a train on track: after its start, which is level and at ease."""
     train = model.case.train
-    body = model.held[0] if model.held else max(model.vehicle_bodies, key=lambda name: model.masses[name])
+    body = model.fixed[0] if model.fixed else max(model.vehicle_bodies, key=lambda name: model.masses[name])
     resistance = (train.resistance_constant, train.resistance_linear, train.resistance_quadratic)
     model.core.set_resistance(model.body_index(body), *resistance, train.gradient)
 
@@ -117,7 +117,7 @@ def _add_adhesion(model: AssembledModel, on_rails: bool) -> int:
     if adhesion is None:
         return NOT_THERE
     rails = [adhesion.rail, *(piece.rail for piece in adhesion.piece)]
-    rows = [[*_condition(rail), *_condition(adhesion.cleaned), adhesion.cleaning] for rail in rails]
+    rows = [[*_condition(rail), *_condition(adhesion.recovered), adhesion.recovery_constant] for rail in rails]
     borders = [float((piece.time if adhesion.over_time else piece.distance) or 0.0) for piece in adhesion.piece]
     number = model.core.add_adhesion_map(rows, borders, adhesion.blend, adhesion.over_time)
     for wheel in model.wheels if on_rails else ():
@@ -126,7 +126,7 @@ def _add_adhesion(model: AssembledModel, on_rails: bool) -> int:
 
 
 def _condition(rail: Condition) -> list[float]:
-    return [rail.start, rail.remaining, rail.decay, rail.stick_reduction, rail.slip_reduction]
+    return [rail.mu_0, rail.A, rail.B, rail.k_A, rail.k_S]
 
 
 def _axle(model: AssembledModel, number: int, rollers: list[str]) -> dict[str, Any]:
@@ -149,7 +149,7 @@ def _axle(model: AssembledModel, number: int, rollers: list[str]) -> dict[str, A
         axle["axle_torque"] = number
     if rollers:
         axle["roller"] = model.body_index(rollers[number])
-        if case.motion.drive != "held":
+        if case.motion.drive != "speed_controlled":
             model.core.add_roller_torque(axle["roller"], []) if case.motion.torque_table is None else None
             axle["roller_torque"] = number if case.rig_control is not None else NOT_THERE
             if case.rig_control is not None:
@@ -216,7 +216,7 @@ def _slide_protection(case: Case) -> dict[str, Any]:
 
 
 def _anti_slip(case: Case) -> dict[str, Any]:
-    table = case.anti_slip or AntiSlip()
+    table = case.wheel_slip_control or WheelSlipControl()
     return {**table.model_dump(exclude=_TIMING), "wheel_radius": case.vehicle.data.wheel.radius}
 
 
@@ -241,7 +241,7 @@ def estimator_response(settings: Mapping[str, Any]) -> dict[str, tuple[float, fl
 
 
 def _rig_control(model: AssembledModel, control: RigControl, rig: Rig | None) -> dict[str, Any]:
-    believed, train = control.believed, model.case.train
+    assumed, train = control.assumed, model.case.train
     wheel_radius = model.case.vehicle.data.wheel.radius
     drive = model.case.traction.motor if model.case.traction else Motor()
     wheelset_inertia = model.inertias[model.wheelsets[0]][1] + _geared_inertia(drive)
@@ -254,10 +254,10 @@ def _rig_control(model: AssembledModel, control: RigControl, rig: Rig | None) ->
         "speed_noise": control.estimator.speed_noise,
         "force_change": control.estimator.force_change or 0.0,
         "torque_change": control.estimator.torque_change or 0.0,
-        "roller_inertia": believed.roller_inertia or roller_inertia,
-        "roller_radius": believed.roller_radius or roller_radius,
-        "wheelset_inertia": believed.wheelset_inertia or wheelset_inertia,
-        "wheel_radius": believed.wheel_radius or wheel_radius,
+        "roller_inertia": assumed.roller_inertia or roller_inertia,
+        "roller_radius": assumed.roller_radius or roller_radius,
+        "wheelset_inertia": assumed.wheelset_inertia or wheelset_inertia,
+        "wheel_radius": assumed.wheel_radius or wheel_radius,
     }
     transfer = load_transfer(model) if rig else [0.0] * len(model.wheelsets)
     return {

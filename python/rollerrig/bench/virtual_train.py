@@ -1,4 +1,4 @@
-"""What the rig's controller must know of the vehicle on track, which it imitates: load transfer, and the wheels' contact.
+"""What the rig's controller must know of the vehicle on track, which it reproduces: load transfer, and the wheels' contact.
 
 AssembledModel of a vehicle on a rig -> [equilibria of the same vehicle on track] -> change of load per acceleration, ellipse
 
@@ -14,9 +14,9 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from rollerrig.assembly import GROUND, AssembledModel, assemble
 from rollerrig.config import Case, Rig, RigControl, Track
-from rollerrig.model import GROUND, AssembledModel, assemble
-from rollerrig.start import equilibrium_dataset
+from rollerrig.starting_state import equilibrium_dataset
 
 _GRADIENT = 0.01
 """Small enough for the linear part, large against the solver's tolerance [-]."""
@@ -61,8 +61,8 @@ def rail_contact(model: AssembledModel) -> dict[str, float]:
 def _axle_loads(case: Case, acceleration: float) -> NDArray[np.float64]:
     """Load of each axle on straight track, all axles sharing the force [N]."""
     model = assemble(_on_track(case))
-    free = sum(model.masses[name] for name in model.vehicle_bodies if name not in model.held)
-    force = (train_mass(model) if model.held else free) * acceleration / len(model.wheelsets)
+    free = sum(model.masses[name] for name in model.vehicle_bodies if name not in model.fixed)
+    force = (train_mass(model) if model.fixed else free) * acceleration / len(model.wheelsets)
     radius = case.vehicle.data.wheel.radius
     on_ground = case.brake is None and case.traction is not None and case.traction.suspension == "ground"
     for name in model.wheelsets:
@@ -82,8 +82,8 @@ def _on_track(case: Case) -> Case:
     assert isinstance(rig, Rig)
     rails = Track(kind="track", name="rails", profile=rig.profile, gauge=rig.gauge, gauge_depth=rig.gauge_depth)
     support = case.support.model_copy(update={"data": rails, "use": None, "roller_radius": None})
-    motion = case.motion.model_copy(update={"drive": "held", "torque_table": None})
-    bare = dict.fromkeys(("adhesion", "brake", "traction", "slide_protection", "anti_slip", "rig_control"))
+    motion = case.motion.model_copy(update={"drive": "speed_controlled", "torque_table": None})
+    bare = dict.fromkeys(("adhesion", "brake", "traction", "slide_protection", "wheel_slip_control", "rig_control"))
     return case.model_copy(update={**bare, "support": support, "motion": motion, "disturbance": ()})
 
 

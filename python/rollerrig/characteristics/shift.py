@@ -20,9 +20,9 @@ import numpy as np
 import xarray as xr
 
 from rollerrig import _core
+from rollerrig.assembly import assemble
 from rollerrig.config import Case, Rig
 from rollerrig.contact_table import leading_wheelset
-from rollerrig.model import assemble
 
 SIDES = ("left", "right")
 

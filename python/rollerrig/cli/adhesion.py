@@ -7,8 +7,8 @@ from typing import Annotated
 
 import typer
 
-from rollerrig.cli.ending import INTERRUPTED, OK, exit_code, say, stop
 from rollerrig.cli.progress import progress_bar
+from rollerrig.cli.termination import INTERRUPTED, OK, exit_code, say, stop
 
 
 def command(
@@ -24,7 +24,7 @@ def command(
     ] = True,
     processes: Annotated[int, typer.Option(min=1, max=64, help="Runs at a time.")] = 2,
 ) -> None:
-    """A brake or traction test on degraded track and on the dry rig that imitates it, side by side."""
+    """A brake or traction test on degraded track and on the dry rig that reproduces it, side by side."""
     from rollerrig.config import load_case
     from rollerrig.results import output_folder
     from rollerrig.studies.adhesion import compare_adhesion, lead, track_case, write_adhesion

@@ -9,7 +9,7 @@ from importlib.util import find_spec
 import typer
 
 from rollerrig import __version__
-from rollerrig.cli.ending import INTERRUPTED, readable_errors
+from rollerrig.cli.termination import INTERRUPTED, readable_errors
 
 COMMANDS = (
     "paper",

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from rollerrig.cli.ending import readable_errors, stop
+from rollerrig.cli.termination import readable_errors, stop
 
 app = typer.Typer(rich_markup_mode=None, invoke_without_command=True, add_completion=False)
 

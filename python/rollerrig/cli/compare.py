@@ -7,9 +7,9 @@ from typing import Annotated
 
 import typer
 
-from rollerrig.cli.ending import INTERRUPTED, say
 from rollerrig.cli.progress import progress_bar
 from rollerrig.cli.ranges import read_range
+from rollerrig.cli.termination import INTERRUPTED, say
 
 
 def command(

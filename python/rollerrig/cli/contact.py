@@ -7,8 +7,8 @@ from typing import Annotated, Literal
 
 import typer
 
-from rollerrig.cli.ending import LEFT_VALIDITY, say, stop
 from rollerrig.cli.ranges import check_finite, read_range
+from rollerrig.cli.termination import LEFT_VALIDITY, say, stop
 
 
 def command(

@@ -7,8 +7,8 @@ from typing import Annotated
 
 import typer
 
-from rollerrig.cli.ending import INTERRUPTED, OK, say, stop
 from rollerrig.cli.progress import progress_bar
+from rollerrig.cli.termination import INTERRUPTED, OK, say, stop
 
 
 def command(

@@ -7,8 +7,8 @@ from typing import Annotated
 
 import typer
 
-from rollerrig.cli.ending import say, stop
 from rollerrig.cli.ranges import check_finite, read_range
+from rollerrig.cli.termination import say, stop
 
 
 def command(
@@ -24,8 +24,8 @@ def command(
     demands: Annotated[
         str, typer.Option(help="Sizes of the creepage, 1 asks for the friction limit: a list or start:stop:step.")
     ] = "0.05,0.1,0.25,0.5,0.75,1,1.5,2,3,5,10",
-    stick_reduction: Annotated[float | None, typer.Option(help="polach: k_A; dry 1.0, wet 0.3.")] = None,
-    slip_reduction: Annotated[float | None, typer.Option(help="polach: k_S; dry 0.4, wet 0.1.")] = None,
+    k_A: Annotated[float | None, typer.Option("--k-a", help="polach: k_A; dry 1.0, wet 0.3.")] = None,
+    k_S: Annotated[float | None, typer.Option("--k-s", help="polach: k_S; dry 0.4, wet 0.1.")] = None,
 ) -> None:
     """Forces and spin moment of creep laws beside the exact theory, with their errors and cost."""
     from pydantic import ValidationError
@@ -36,19 +36,17 @@ def command(
 
     for value, option in ((a_over_b, "--a-over-b"), (poisson_ratio, "--poisson-ratio")):
         check_finite(value, option)
-    if (stick_reduction is None) != (slip_reduction is None):
-        stop("--stick-reduction and --slip-reduction belong together")
+    if (k_A is None) != (k_S is None):
+        stop("--k-a and --k-s belong together")
     polach = None
-    if stick_reduction is not None:
+    if k_A is not None:
         try:
-            polach = PolachReduction.model_validate(
-                {"stick_reduction": stick_reduction, "slip_reduction": slip_reduction}
-            )
+            polach = PolachReduction.model_validate({"k_A": k_A, "k_S": k_S})
         except ValidationError:
-            stop("--stick-reduction and --slip-reduction must lie above 0 and up to 1")
+            stop("--k-a and --k-s must lie above 0 and up to 1")
     laws = law or ["kalker_saturated", "fastsim", "modified_fastsim", "table"]
     if polach is not None and "polach" not in laws:
-        stop("--stick-reduction and --slip-reduction are for --law polach")
+        stop("--k-a and --k-s are for --law polach")
     sizes = read_range(demands, "--demands")
     folder = output_folder(out)
     try:

@@ -6,11 +6,11 @@ from collections.abc import Iterable, Sequence
 
 import xarray as xr
 
+from rollerrig.assembly import AssembledModel, assemble
 from rollerrig.cli.describe_bench import machine_lines
 from rollerrig.cli.describe_track import irregularity_lines, line_rows
 from rollerrig.config import Case, Element, Material, ProfileSpec, Rig, Track, Vehicle
-from rollerrig.model import AssembledModel, assemble
-from rollerrig.start import degrees_of_freedom, equilibrium_dataset
+from rollerrig.starting_state import degrees_of_freedom, equilibrium_dataset
 
 Part = Vehicle | Rig | Track | Material | ProfileSpec
 
@@ -81,7 +81,7 @@ def _bodies(model: AssembledModel) -> list[str]:
     free = degrees_of_freedom(model)
     rows = []
     for body in model.bodies:
-        state = ", ".join(free[body]) if free[body] else ("speed held" if body in model.rollers else "held")
+        state = ", ".join(free[body]) if free[body] else ("speed-controlled" if body in model.rollers else "fixed")
         rows.append([body, f"{model.masses[body]:.0f}", state])
     count = sum(len(directions) for directions in free.values())
     return _table([f"bodies ({count} degrees of freedom)", "mass kg", "free"], rows)
@@ -112,12 +112,12 @@ def _balance(model: AssembledModel, run: xr.Dataset) -> list[str]:
     weight = model.core.gravity * mass
     lines = [f"mass of {', '.join(own)}: {mass / 1e3:.3f} t, weight {weight / 1e3:.3f} kN"]
     carried = sum(
-        _downward(run, element, model.held) for element in model.case.vehicle.data.elements_in(model.case.vehicle.part)
+        _downward(run, element, model.fixed) for element in model.case.vehicle.data.elements_in(model.case.vehicle.part)
     )
-    if model.held:
+    if model.fixed:
         design = sum(model.axle_loads.values()) - weight
         lines.append(
-            f"load from {', '.join(model.held)}, which is held: {carried / 1e3:.3f} kN, in the design position "
+            f"load from {', '.join(model.fixed)}, which is held: {carried / 1e3:.3f} kN, in the design position "
             f"{design / 1e3:.3f} kN"
         )
     total, on_wheels = weight + carried, float(run["vertical_force"].sum())

@@ -7,15 +7,15 @@ from __future__ import annotations
 
 from typing import Any
 
+from rollerrig.assembly import AssembledModel
 from rollerrig.bench.bench_run import users_controllers
 from rollerrig.bench.controllers import COMMANDS
 from rollerrig.bench.settings import estimator_response, fit, full_brake_torque
 from rollerrig.config import Case
-from rollerrig.model import AssembledModel
 
 _SAMPLING = {
     "slide_protection": "slide_sampling",
-    "anti_slip": "anti_slip_sampling",
+    "wheel_slip_control": "wheel_slip_sampling",
     "rig_control": "rig_sampling",
 }
 _WORDS = {
@@ -73,8 +73,8 @@ def _adhesion(case: Case) -> list[str]:
     if case.adhesion is None:
         return []
     rails = [case.adhesion.rail, *(piece.rail for piece in case.adhesion.piece)]
-    parts = [f"{rail.start:g} falling to {rail.start * rail.remaining:g} with slip" for rail in rails]
-    cleaned = "; wheels clean it" if case.adhesion.cleaning > 0.0 else ""
+    parts = [f"{rail.mu_0:g} falling to {rail.mu_0 * rail.A:g} with slip" for rail in rails]
+    cleaned = "; wheels clean it" if case.adhesion.recovery_constant > 0.0 else ""
     return [f"adhesion of the rail: {', then '.join(parts)}{cleaned}"]
 
 

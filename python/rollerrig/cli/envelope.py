@@ -8,9 +8,9 @@ from typing import Annotated
 
 import typer
 
-from rollerrig.cli.ending import INTERRUPTED, say, stop
 from rollerrig.cli.progress import progress_bar
 from rollerrig.cli.ranges import check_finite, read_range
+from rollerrig.cli.termination import INTERRUPTED, say, stop
 
 
 def command(
@@ -28,7 +28,7 @@ def command(
         ),
     ] = None,
     adhesions: Annotated[
-        str | None, typer.Option(help="Adhesions of the imitated rail, in the same forms; 0.02 to 0.36 if absent.")
+        str | None, typer.Option(help="Adhesions of the reproduced rail, in the same forms; 0.02 to 0.36 if absent.")
     ] = None,
     loads: Annotated[
         str | None, typer.Option(help="Axle loads over the case's own, in the same forms; 0.6,1,1.4 if absent.")
@@ -40,7 +40,7 @@ def command(
     ] = 1,
     processes: Annotated[int, typer.Option(min=1, max=64, help="Runs at a time.")] = 2,
 ) -> None:
-    """Where the rig can imitate a degraded rail: regions over torque, adhesion and axle load, and what limits each.
+    """Where the rig can reproduce a degraded rail: regions over torque, adhesion and axle load, and what limits each.
 
     Ctrl-C keeps all finished runs; the same command goes on with the rest.
     """

@@ -8,8 +8,8 @@ from typing import Annotated
 
 import typer
 
-from rollerrig.cli.ending import INTERRUPTED, say
 from rollerrig.cli.progress import progress_bar
+from rollerrig.cli.termination import INTERRUPTED, say
 
 
 def command(

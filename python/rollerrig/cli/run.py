@@ -7,8 +7,8 @@ from typing import Annotated
 
 import typer
 
-from rollerrig.cli.ending import exit_code, say
 from rollerrig.cli.progress import progress_bar
+from rollerrig.cli.termination import exit_code, say
 
 
 def command(
@@ -18,7 +18,7 @@ def command(
     """Simulate one case: run.nc (every signal), summary.json, motion.csv, wheels.csv, readings.csv, report.html."""
     from rollerrig.config import load_case
     from rollerrig.results import output_folder
-    from rollerrig.run import simulate
+    from rollerrig.simulation import simulate
     from rollerrig.studies.run import write_run
 
     chosen = load_case(case)

@@ -8,8 +8,8 @@ from typing import Annotated, Any
 
 import typer
 
-from rollerrig.cli.ending import INTERRUPTED, OK, exit_code, say, stop
 from rollerrig.cli.progress import progress_bar
+from rollerrig.cli.termination import INTERRUPTED, OK, exit_code, say, stop
 
 
 def command(

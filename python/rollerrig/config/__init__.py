@@ -5,6 +5,18 @@
 Every mistake of a file is reported at once, one line each (`ConfigError`).
 """
 
+from rollerrig.config.actuators import (
+    BenchSettings,
+    Brake,
+    Controller,
+    Encoder,
+    ForceSensor,
+    Motor,
+    Sensors,
+    SlideProtection,
+    Traction,
+    WheelSlipControl,
+)
 from rollerrig.config.adhesion import CONDITIONS, Adhesion, Condition, Piece
 from rollerrig.config.case import (
     AxleTorque,
@@ -27,18 +39,6 @@ from rollerrig.config.load import (
     load_profile,
     load_support,
     load_vehicle,
-)
-from rollerrig.config.machines import (
-    AntiSlip,
-    BenchSettings,
-    Brake,
-    Controller,
-    Encoder,
-    ForceSensor,
-    Motor,
-    Sensors,
-    SlideProtection,
-    Traction,
 )
 from rollerrig.config.material import Material
 from rollerrig.config.mounting import AngularSupport, Foundation, LinearSupport, Mounting
@@ -68,7 +68,6 @@ __all__ = [
     "AngularLaw",
     "AngularSeriesDamper",
     "AngularSupport",
-    "AntiSlip",
     "Arc",
     "AxleTorque",
     "BenchSettings",
@@ -118,6 +117,7 @@ __all__ = [
     "Vehicle",
     "VehicleChoice",
     "Wheel",
+    "WheelSlipControl",
     "case_from_toml",
     "json_schema",
     "load_any",

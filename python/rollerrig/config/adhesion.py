@@ -1,4 +1,4 @@
-"""How much adhesion the rail has, where or when: degraded track, and what the rig imitates."""
+"""How much adhesion the rail has, where or when: degraded track, and what the rig reproduces."""
 
 from collections.abc import Mapping
 from typing import Annotated, Any
@@ -11,10 +11,10 @@ from rollerrig.config.errors import nearest, show_value
 from rollerrig.config.units import Quantity
 
 CONDITIONS: Mapping[str, Mapping[str, float]] = {
-    "dry": {"start": 0.55, "remaining": 0.40, "decay": 0.60, "stick_reduction": 1.0, "slip_reduction": 0.4},
-    "wet": {"start": 0.30, "remaining": 0.40, "decay": 0.20, "stick_reduction": 0.3, "slip_reduction": 0.1},
-    "low": {"start": 0.08, "remaining": 0.40, "decay": 0.20, "stick_reduction": 0.3, "slip_reduction": 0.1},
-    "very_low": {"start": 0.04, "remaining": 0.40, "decay": 0.20, "stick_reduction": 0.3, "slip_reduction": 0.1},
+    "dry": {"mu_0": 0.55, "A": 0.40, "B": 0.60, "k_A": 1.0, "k_S": 0.4},
+    "wet": {"mu_0": 0.30, "A": 0.40, "B": 0.20, "k_A": 0.3, "k_S": 0.1},
+    "low": {"mu_0": 0.08, "A": 0.40, "B": 0.20, "k_A": 0.3, "k_S": 0.1},
+    "very_low": {"mu_0": 0.04, "A": 0.40, "B": 0.20, "k_A": 0.3, "k_S": 0.1},
 }
 """Named conditions; dry and wet after Polach (2005), low and very low engineering values with the shape of wet."""
 
@@ -23,24 +23,24 @@ Share = Annotated[float, Quantity("1", gt=0, le=1)]
 
 
 class Condition(Table):
-    """Friction of a rail that falls with slip velocity w: start ((1 - remaining) exp(-decay w) + remaining)."""
+    """Friction of a rail that falls with slip velocity w: mu_0 ((1 - A) exp(-B w) + A)."""
 
-    start: Fraction = Field(description="friction at no slip")
-    remaining: Fraction = Field(default=1.0, description="friction at large slip over that at none; 1: Coulomb's law")
-    decay: Annotated[float, Quantity("s/m", ge=0)] = Field(default=0.0, description="how fast it falls with slip")
-    stick_reduction: Share = Field(
+    mu_0: Fraction = Field(description="friction at no slip")
+    A: Fraction = Field(default=1.0, description="friction at large slip over that at none; 1: Coulomb's law")
+    B: Annotated[float, Quantity("s/m", ge=0)] = Field(default=0.0, description="how fast it falls with slip")
+    k_A: Share = Field(
         default=1.0,
         description="k_A: of the creep curve's stiffness where the patch sticks, in place of [contact]'s own",
     )
-    slip_reduction: Share = Field(
+    k_S: Share = Field(
         default=1.0, description="k_S: where it slides, at most k_A; laws without k_A and k_S take their mean"
     )
 
     @model_validator(mode="after")
     def _no_stiffer_in_slip(self) -> "Condition":
-        if self.slip_reduction > self.stick_reduction:
-            allowed = f"allowed: at most stick_reduction, {self.stick_reduction:g}"
-            raise PydanticCustomError("at_key", "{allowed}", {"allowed": allowed, "key": "slip_reduction"})
+        if self.k_S > self.k_A:
+            allowed = f"allowed: at most k_A, {self.k_A:g}"
+            raise PydanticCustomError("at_key", "{allowed}", {"allowed": allowed, "key": "k_S"})
         return self
 
 
@@ -50,9 +50,7 @@ def _by_name(value: Any) -> Any:
     if value in CONDITIONS:
         return dict(CONDITIONS[value])
     guess = nearest(value, tuple(CONDITIONS))
-    allowed = (
-        f"allowed: {', '.join(CONDITIONS)}, or a table with start, remaining, decay, stick_reduction, slip_reduction"
-    )
+    allowed = f"allowed: {', '.join(CONDITIONS)}, or a table with mu_0, A, B, k_A, k_S"
     allowed += f"; did you mean {show_value(guess)}?" if guess else ""
     raise PydanticCustomError("condition", "{allowed}", {"allowed": allowed})
 
@@ -71,7 +69,7 @@ class Piece(Table):
 
 
 class Adhesion(Table):
-    """Adhesion of the rail: on track of the rail itself, on a rig of the virtual rail that the rollers imitate."""
+    """Adhesion of the rail: on track of the rail itself, on a rig of the virtual rail that the rollers reproduce."""
 
     rail: AnyCondition = Field(description="condition at the start: dry, wet, low, very_low, or a table")
     piece: tuple[Piece, ...] = Field(default=(), description="where or when it changes, in ascending order")
@@ -80,15 +78,15 @@ class Adhesion(Table):
         description="length over which one condition passes into the next, like '10 m'; where pieces begin at a time the "
         "time, like '0.1 s'; 0: a jump",
     )
-    cleaning: Annotated[float, Quantity("m^2/J", ge=0)] = Field(
+    recovery_constant: Annotated[float, Quantity("m^2/J", ge=0)] = Field(
         default=0.0,
         description="tau: how fast energy spent per area cleans the rail, lambda = 1 - exp(-tau W); 0: nothing is cleaned",
     )
     cell_length: Annotated[float, Quantity("m", gt=0)] = Field(
         default=0.05, description="energy spent is kept along the rail in cells of this length"
     )
-    cleaned: AnyCondition = Field(
-        default=Condition(start=0.70, remaining=0.40, decay=0.60), description="condition of the rail once clean"
+    recovered: AnyCondition = Field(
+        default=Condition(mu_0=0.70, A=0.40, B=0.60), description="condition of the rail once clean"
     )
 
     @property

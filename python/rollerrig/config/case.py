@@ -6,10 +6,10 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, StrictBool, model_validator
 from pydantic_core import PydanticCustomError
 
+from rollerrig.config.actuators import BenchSettings, Brake, Sensors, SlideProtection, Traction, WheelSlipControl
 from rollerrig.config.adhesion import Adhesion
 from rollerrig.config.base import SpeedTable, Table, TorqueTable, instead_of
 from rollerrig.config.contact_law import CreepLawName, FrictionFall, PolachReduction, StiffnessReduction
-from rollerrig.config.machines import AntiSlip, BenchSettings, Brake, Sensors, SlideProtection, Traction
 from rollerrig.config.material import Material
 from rollerrig.config.rig_control import RigControl
 from rollerrig.config.similitude import ScaledFrom
@@ -99,10 +99,10 @@ class Contact(Table):
     damping_onset: Annotated[float, Quantity("m/s", gt=0)] = Field(
         default=1e-4, description="speed of approach from which on the damping acts in full; rounds its corner at rest"
     )
-    standstill_speed: Annotated[float, Quantity("m/s", gt=0)] = Field(
+    creepage_regularisation_speed: Annotated[float, Quantity("m/s", gt=0)] = Field(
         default=0.1, description="V_s in the rolling speed sqrt(V^2 + V_s^2) that creepages are divided by"
     )
-    merge_barrier: Annotated[float, Quantity("1", ge=0, le=1)] = Field(
+    merging_criterion: Annotated[float, Quantity("1", ge=0, le=1)] = Field(
         default=0.01,
         description="for normal = 'hertz': two indented dips of the gap hand over smoothly once the rise between them is "
         "below this fraction of the approach; 0: the paper's bare rule, patches appear and vanish at full force",
@@ -121,9 +121,7 @@ class Contact(Table):
         for key, law, needed in (("polach", "polach", True), ("stiffness_reduction", "modified_fastsim", False)):
             given = getattr(self, key) is not None
             if self.creep == law and needed and not given:
-                allowed = (
-                    f"needed for creep = '{law}': stick_reduction and slip_reduction, dry 1.0 and 0.4, wet 0.3 and 0.1"
-                )
+                allowed = f"needed for creep = '{law}': k_A and k_S, dry 1.0 and 0.4, wet 0.3 and 0.1"
             elif self.creep != law and given:
                 allowed = f"allowed only with creep = '{law}'"
             else:
@@ -139,12 +137,12 @@ class Motion(Table):
         description="running speed at the start; on rollers the simulated one; taken from speed_table if absent",
         json_schema_extra=instead_of("speed_table"),
     )
-    drive: Literal["held", "free", "torque"] = Field(
-        default="held",
+    drive: Literal["speed_controlled", "free", "torque"] = Field(
+        default="speed_controlled",
         description="rollers (or track): speed held to speed_table or constant, free to turn, or given a torque",
     )
     speed_table: SpeedTable | None = Field(
-        default=None, description="rows [time, speed] for drive = 'held'; linear between, constant beyond"
+        default=None, description="rows [time, speed] for drive = 'speed_controlled'; linear between, constant beyond"
     )
     torque_table: TorqueTable | None = Field(
         default=None,
@@ -169,8 +167,8 @@ class Motion(Table):
             raise PydanticCustomError("at_key", "{allowed}", {"allowed": allowed, "key": "torque_table"})
         if self.speed_table is None:
             return self
-        if self.drive != "held":
-            allowed = "allowed only with drive = 'held'"
+        if self.drive != "speed_controlled":
+            allowed = "allowed only with drive = 'speed_controlled'"
             raise PydanticCustomError("at_key", "{allowed}", {"allowed": allowed, "key": "speed_table"})
         start, speed = self.speed_table[0]
         if any(not 0 <= row[1] <= 200 for row in self.speed_table):
@@ -283,7 +281,7 @@ class Case(Table):
     brake: Brake | None = Field(default=None, description="friction brake of each axle")
     traction: Traction | None = Field(default=None, description="traction drive of each axle")
     slide_protection: SlideProtection | None = Field(default=None, description="wheel slide protection")
-    anti_slip: AntiSlip | None = Field(default=None, description="of the traction drives")
+    wheel_slip_control: WheelSlipControl | None = Field(default=None, description="of the traction drives")
     sensors: Sensors = Field(default=Sensors(), description="what the controllers see")
     rig_control: RigControl | None = Field(default=None, description="controller of the roller drives")
     bench: BenchSettings = Field(default=BenchSettings(), description="time grid of machines and controllers")

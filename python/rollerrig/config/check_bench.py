@@ -19,17 +19,17 @@ def check_bench(case: Case, file: str) -> list[ConfigProblem]:
 
 
 def _without_bench(case: Case, file: str) -> Iterator[ConfigProblem]:
-    for key, of in (("slide_protection", "[brake]"), ("anti_slip", "[traction]")):
+    for key, of in (("slide_protection", "[brake]"), ("wheel_slip_control", "[traction]")):
         if getattr(case, key) is not None:
             yield ConfigProblem(file, key, "a table", f"allowed only with {of}, on which it acts")
-    if case.bench.ideal_rolling:
+    if case.bench.pure_rolling:
         allowed = "allowed with machines: [brake], [traction] or [rig_control]"
-        yield ConfigProblem(file, "bench.ideal_rolling", "true", allowed)
+        yield ConfigProblem(file, "bench.pure_rolling", "true", allowed)
 
 
 def _tables(case: Case, file: str) -> Iterator[ConfigProblem]:
     support, brake, traction, control = case.support.data, case.brake, case.traction, case.rig_control
-    for key, there, of in (("slide_protection", brake, "[brake]"), ("anti_slip", traction, "[traction]")):
+    for key, there, of in (("slide_protection", brake, "[brake]"), ("wheel_slip_control", traction, "[traction]")):
         if getattr(case, key) is not None and there is None:
             yield ConfigProblem(file, key, "a table", f"allowed only with {of}, on which it acts")
     if brake is not None and brake.motors_stand_in and traction is None:
@@ -45,9 +45,9 @@ def _tables(case: Case, file: str) -> Iterator[ConfigProblem]:
         )
     if isinstance(support, Track):
         if control is not None:
-            yield ConfigProblem(file, "rig_control", "a table", "allowed on rollers; a track imitates nothing")
-        if case.bench.ideal_rolling:
-            yield ConfigProblem(file, "bench.ideal_rolling", "true", "allowed on rollers, of which it is a hypothesis")
+            yield ConfigProblem(file, "rig_control", "a table", "allowed on rollers; a track reproduces nothing")
+        if case.bench.pure_rolling:
+            yield ConfigProblem(file, "bench.pure_rolling", "true", "allowed on rollers, of which it is a hypothesis")
         if case.motion.speed_table is not None:
             yield ConfigProblem(
                 file, "motion.speed_table", "given", "allowed: motion.speed, from which the train runs on"
@@ -58,11 +58,11 @@ def _tables(case: Case, file: str) -> Iterator[ConfigProblem]:
 
 def _train(case: Case, axles: int, file: str) -> Iterator[ConfigProblem]:
     part, mass = case.vehicle.part, case.train.mass
-    if mass is not None and not part.held:
+    if mass is not None and not part.fixed:
         allowed = f"allowed where a body of the vehicle is held; '{case.vehicle.cut}' is the train itself"
         yield ConfigProblem(file, "train.mass", f"{mass:g} kg", allowed)
     moving = sum(body.mass for body in case.vehicle.data.bodies_in(part))
-    if mass is not None and part.held and mass < moving:
+    if mass is not None and part.fixed and mass < moving:
         yield ConfigProblem(file, "train.mass", f"{mass:g} kg", f"allowed: at least what is under test, {moving:g} kg")
     transfer = case.rig_control.load_transfer if case.rig_control else "none"
     if not isinstance(transfer, str) and len(transfer) != axles:
@@ -75,7 +75,7 @@ def _on_rollers(case: Case, support: Rig, file: str) -> Iterator[ConfigProblem]:
         allowed = "allowed with machines: 'axle', one drive for each pair of rollers"
         yield ConfigProblem(file, "support.data.coupling", show_value(support.coupling), allowed)
     if case.adhesion is not None and case.rig_control is None:
-        allowed = "allowed on rollers with [rig_control], which imitates it: the rollers themselves are dry"
+        allowed = "allowed on rollers with [rig_control], which reproduces it: the rollers themselves are dry"
         yield ConfigProblem(file, "adhesion", "a table", allowed)
     if case.rig_control is not None and case.motion.drive != "free":
         allowed = "allowed with [rig_control]: 'free', its drives act on the rollers"
@@ -86,7 +86,7 @@ def _times(case: Case, file: str) -> Iterator[ConfigProblem]:
     """All times on the grid of the bench."""
     step = case.bench.step
     times = [("time.output_step", case.time.output_step)]
-    for key in ("slide_protection", "anti_slip", "rig_control"):
+    for key in ("slide_protection", "wheel_slip_control", "rig_control"):
         controller = getattr(case, key)
         if controller is not None:
             times.append((f"{key}.sample_time", controller.sample_time))

@@ -27,7 +27,7 @@ def check_case_names(raw: Mapping[str, Any], vehicle: Vehicle, file: str) -> lis
     wheelsets = [body.name for body in vehicle.bodies_in(cut) if body.kind == "wheelset"]
     for label, torque in labelled(raw, "axle_torque"):
         problems += unknown_names(torque.get("wheelset"), wheelsets, f"{label}.wheelset", file)
-        others = ["none", *(name for name in (*free, *cut.held) if name != torque.get("wheelset"))]
+        others = ["none", *(name for name in (*free, *cut.fixed) if name != torque.get("wheelset"))]
         problems += unknown_names(torque.get("reacts_on"), others, f"{label}.reacts_on", file)
     for label, disturbance in labelled(raw, "disturbance"):
         problems += unknown_names(disturbance.get("body"), free, f"{label}.body", file)
@@ -43,8 +43,8 @@ def check_case(case: Case, file: str) -> list[ConfigProblem]:
         if bodies.count(disturbance.body) > 1:
             problems.append(ConfigProblem(file, "disturbance", show_value(disturbance.body), "allowed: each body once"))
         problems += _disturbance(case, disturbance, file)
-    if case.support.data.kind == "track" and case.motion.drive != "held":
-        allowed = "allowed on a track: 'held', the vehicle's frame moves at motion.speed"
+    if case.support.data.kind == "track" and case.motion.drive != "speed_controlled":
+        allowed = "allowed on a track: 'speed_controlled', the vehicle's frame moves at motion.speed"
         problems.append(ConfigProblem(file, "motion.drive", show_value(case.motion.drive), allowed))
     else:
         problems += check_track(case, file)

@@ -86,8 +86,8 @@ def _irregularity(case: Case, file: str) -> Iterable[ConfigProblem]:
     support, irregularity = case.support.data, case.support.data.irregularity
     if irregularity is None:
         return
-    if isinstance(support, Rig) and case.motion.drive != "held":
-        allowed = "allowed with an irregularity that is fed to the rollers: 'held', which says how far they have run"
+    if isinstance(support, Rig) and case.motion.drive != "speed_controlled":
+        allowed = "allowed with an irregularity that is fed to the rollers: 'speed_controlled', which says how far they have run"
         yield ConfigProblem(file, "motion.drive", show_value(case.motion.drive), allowed)
         return
     try:

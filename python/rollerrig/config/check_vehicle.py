@@ -23,7 +23,7 @@ def check_vehicle_names(raw: Mapping[str, Any], file: str) -> list[ConfigProblem
     for name, cut in cuts.items() if isinstance(cuts, Mapping) else ():
         if not isinstance(cut, Mapping):
             continue
-        for key in ("bodies", "held"):
+        for key in ("bodies", "fixed"):
             problems += unknown_names(cut.get(key), bodies, f"cut.{name}.{key}", file)
     return problems
 
@@ -104,12 +104,12 @@ def _cut(vehicle: Vehicle, name: str, cut: Cut, file: str) -> Iterable[ConfigPro
         if body.kind == "rigid" and not carried and len(set(body.locked)) < len(DIRECTIONS):
             allowed = "allowed: wheelsets, and bodies that an element of the cut holds up"
             yield ConfigProblem(file, f"{key}.bodies", show_value(body.name), allowed)
-    for body_name in sorted(set(cut.bodies) & set(cut.held)):
+    for body_name in sorted(set(cut.bodies) & set(cut.fixed)):
         yield ConfigProblem(file, f"{key}.held", show_value(body_name), "allowed: bodies that are not also kept free")
-    for body_name in cut.held:
+    for body_name in cut.fixed:
         if vehicle.body_named(body_name).kind == "wheelset":
             yield ConfigProblem(file, f"{key}.held", show_value(body_name), "allowed: bodies that are not wheelsets")
-    for field, names in (("bodies", cut.bodies), ("held", cut.held)):
+    for field, names in (("bodies", cut.bodies), ("fixed", cut.fixed)):
         for body_name in sorted({n for n in names if names.count(n) > 1}):
             yield ConfigProblem(file, f"{key}.{field}", show_value(body_name), "allowed: each body once")
     if not any(body.kind == "wheelset" for body in vehicle.bodies_in(cut)):

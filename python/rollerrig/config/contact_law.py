@@ -16,8 +16,8 @@ Share = Annotated[float, Quantity("1", gt=0, le=1)]
 class PolachReduction(Table):
     """How contamination weakens Polach's law: dry 1.0 and 0.4, wet 0.3 and 0.1 (Polach 2005); 1 and 1: clean."""
 
-    stick_reduction: Share = Field(description="k_A, on the area of adhesion")
-    slip_reduction: Share = Field(description="k_S, on the area of slip; at most k_A")
+    k_A: Share = Field(description="k_A, on the area of adhesion")
+    k_S: Share = Field(description="k_S, on the area of slip; at most k_A")
 
 
 class StiffnessReduction(Table):
@@ -31,7 +31,7 @@ class StiffnessReduction(Table):
 
 
 class FrictionFall(Table):
-    """Friction that falls with slip velocity w: friction ((1 - ratio) exp(-decay w) + ratio)."""
+    """Friction that falls with slip velocity w: friction ((1 - A) exp(-B w) + A)."""
 
-    ratio: Share = Field(default=1.0, description="what is left at high slip velocity")
-    decay: Annotated[float, Quantity("s/m", ge=0)] = Field(default=0.0, description="how fast it falls")
+    A: Share = Field(default=1.0, description="what is left at high slip velocity")
+    B: Annotated[float, Quantity("s/m", ge=0)] = Field(default=0.0, description="how fast it falls")

@@ -1,12 +1,12 @@
-"""The rig's controller: how it imitates the train, how it estimates, how it corrects, and when it gives up."""
+"""The rig's controller: how it reproduces the train, how it estimates, how it corrects, and when it gives up."""
 
 from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field
 from pydantic_core import PydanticCustomError
 
+from rollerrig.config.actuators import Controller, Frequency, Motor
 from rollerrig.config.base import Table
-from rollerrig.config.machines import Controller, Frequency, Motor
 from rollerrig.config.units import PositiveLength, PositiveTime, Quantity
 
 Inertia = Annotated[float, Quantity("kg m^2", gt=0)]
@@ -92,7 +92,7 @@ class Protection(Table):
     time: PositiveTime = Field(default=0.2, description="... for longer than this")
 
 
-class Believed(Table):
+class Assumed(Table):
     """Numbers in the controller that may differ from the rig's; absent: right."""
 
     roller_inertia: Inertia | None = Field(default=None, description="of a roller axle about its axis")
@@ -121,4 +121,4 @@ class RigControl(Controller):
     feedback: Feedback = Field(default=Feedback(), description="on the axles' speeds")
     motor: Motor = Field(default=Motor(), description="drive of each roller axle")
     protection: Protection = Field(default=Protection(), description="of the rollers")
-    believed: Believed = Field(default=Believed(), description="what the controller believes in")
+    assumed: Assumed = Field(default=Assumed(), description="what the controller believes in")

@@ -9,7 +9,7 @@ from rollerrig.config.units import Mass, Quantity
 
 
 class Train(Table):
-    """The train of which the axles under test brake or pull their part: it runs on a track, on a rig it is imitated."""
+    """The train of which the axles under test brake or pull their part: it runs on a track, on a rig it is reproduced."""
 
     mass: Mass | None = Field(default=None, description="that these axles brake or pull; absent: what they carry")
     resistance_constant: Annotated[float, Quantity("N", ge=0)] = Field(

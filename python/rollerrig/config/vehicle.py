@@ -233,7 +233,7 @@ class Cut(Table):
     """A part of the vehicle that is run alone."""
 
     bodies: tuple[str, ...] = Field(min_length=1, description="bodies kept and free to move")
-    held: tuple[str, ...] = Field(default=(), description="bodies kept at their design position")
+    fixed: tuple[str, ...] = Field(default=(), description="bodies kept at their design position")
     origin_x: Length = Field(default=0.0, description="x of the cut's own origin in the vehicle's frame")
 
 
@@ -276,5 +276,5 @@ class Vehicle(Table):
 
     def elements_in(self, cut: Cut) -> tuple[Element, ...]:
         """The elements with both ends in the cut, at least one of them on a free body."""
-        kept = {*cut.bodies, *cut.held}
-        return tuple(e for e in self.element if kept.issuperset(e.between) and not set(cut.held).issuperset(e.between))
+        kept = {*cut.bodies, *cut.fixed}
+        return tuple(e for e in self.element if kept.issuperset(e.between) and not set(cut.fixed).issuperset(e.between))

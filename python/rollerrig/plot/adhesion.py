@@ -1,4 +1,4 @@
-"""Figures of a test on degraded track and on the rig that imitates it, both in one plot."""
+"""Figures of a test on degraded track and on the rig that reproduces it, both in one plot."""
 
 from __future__ import annotations
 
@@ -57,10 +57,10 @@ def brakes(track: xr.Dataset, rig: xr.Dataset) -> Figure:
     with house_style():
         figure, (pressure, vents, air) = new_figure(3, height=6.0, sharex=True)
         _both(pressure, track, rig, "cylinder_pressure", 1e-5)
-        _both(vents, track, rig, "vent_cycles")
+        _both(vents, track, rig, "dump_cycles")
         _both(air, track, rig, "air", 1e3)
         pressure.set_ylabel("cylinder [bar]")
-        vents.set_ylabel("ventings\nso far")
+        vents.set_ylabel("dump cycles\nso far")
         air.set_ylabel("air taken\nso far [l]")
         air.set_xlabel("time [s]")
         legend_above(figure, pressure)
@@ -68,7 +68,7 @@ def brakes(track: xr.Dataset, rig: xr.Dataset) -> Figure:
 
 
 def closer(track: xr.Dataset, rig: xr.Dataset, radius: float) -> Figure:
-    """Slip of the wheels over some seconds of sliding, and what slide protection or anti-slip does."""
+    """Slip of the wheels over some seconds of sliding, and what slide protection or wheel-slip control does."""
     start = _first_slide(track, radius)
     cut = [run.sel(time=slice(start, start + 8.0)) for run in (track, rig)]
     with house_style():
@@ -77,7 +77,7 @@ def closer(track: xr.Dataset, rig: xr.Dataset, radius: float) -> Figure:
             for number, axle in enumerate(run["axle"].to_numpy()):
                 values = radius * run["axle_speed"].sel(axle=axle) - run["train_speed"]
                 _line(slip, run["time"], values, number, ON[label], f"{axle}, {label}")
-        braked = float(track["vent_cycles"][-1].sum()) > 0
+        braked = float(track["dump_cycles"][-1].sum()) > 0
         name, scale = ("cylinder_pressure", 1e-5) if braked else ("torque_factor", 1.0)
         _both(act, cut[0], cut[1], name, scale)
         slip.set_ylabel("wheel less\ntrain [m/s]")
@@ -94,7 +94,7 @@ def _first_slide(run: xr.Dataset, radius: float) -> float:
 
 
 def tractions(track: xr.Dataset, rig: xr.Dataset) -> Figure:
-    """Torque of the traction motors, and what anti-slip leaves of the demand."""
+    """Torque of the traction motors, and what wheel-slip control leaves of the demand."""
     with house_style():
         figure, (torque, factor) = new_figure(2, height=4.4, sharex=True)
         _both(torque, track, rig, "traction_torque", 1e-3)

@@ -86,7 +86,7 @@ def region_map(found: xr.Dataset, load: float, names: Mapping[str, str]) -> Figu
             f"torque on each axle [{_map_unit(here)[0]}]"
             + (", negative brakes" if float(found["torque"][0]) < 0 else "")
         )
-        axes.set_ylabel("adhesion of the imitated rail [-]")
+        axes.set_ylabel("adhesion of the reproduced rail [-]")
         axes.grid(False)
         return figure
 

@@ -4,18 +4,18 @@ rows of the core -> [results] -> xarray.Dataset -> run.nc, summary.json, CSV
 """
 
 from rollerrig.results.dataset import Outcome, run_dataset
-from rollerrig.results.ending import add_ending
 from rollerrig.results.energy import add_energy_audit
 from rollerrig.results.files import OutputError, load_run, output_file, output_folder, save_run, write_bytes, write_text
 from rollerrig.results.summary import SUMMARY_KEYS, summarise
 from rollerrig.results.tables import motion_table, wheel_table, write_csv
+from rollerrig.results.termination import add_termination
 
 __all__ = [
     "SUMMARY_KEYS",
     "Outcome",
     "OutputError",
-    "add_ending",
     "add_energy_audit",
+    "add_termination",
     "load_run",
     "motion_table",
     "output_file",

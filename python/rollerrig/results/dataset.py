@@ -2,7 +2,7 @@
 
     recorder's rows, names of the model's parts, how the run ended -> [dataset] -> xarray.Dataset
 
-The order of a row is the recorder's (core/include/rig/record/recorder.hpp): bodies, wheels, patches, elements, run.
+The order of a row is the recorder's (core/include/rollerrig/simulate/recorder.hpp): bodies, wheels, patches, elements, run.
 Nothing is copied: the variables are views of the rows.
 """
 
@@ -19,7 +19,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from rollerrig import __version__, _core
-from rollerrig.model import AssembledModel
+from rollerrig.assembly import AssembledModel
 
 Field = tuple[str, str, str]
 """Name, unit, meaning."""

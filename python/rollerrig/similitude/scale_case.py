@@ -15,13 +15,13 @@ from typing import Annotated, Any, TypeVar, Union, get_args, get_origin
 from pydantic import BaseModel
 
 from rollerrig.config import Case, ConfigError, ConfigProblem, Rig, case_from_toml
+from rollerrig.config.actuators import BenchSettings, Controller, Motor
 from rollerrig.config.adhesion import Adhesion
 from rollerrig.config.base import quantity_of
 from rollerrig.config.case import SupportChoice, TimeSettings, VehicleChoice
 from rollerrig.config.contact_law import FrictionFall
 from rollerrig.config.errors import nearest, one_of, show_value
 from rollerrig.config.irregularity import Deviation
-from rollerrig.config.machines import BenchSettings, Controller, Motor
 from rollerrig.config.material import Material
 from rollerrig.config.profile import ProfileSpec
 from rollerrig.config.similitude import KEPT, ScaledFrom

@@ -13,11 +13,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from rollerrig.assembly import assemble
 from rollerrig.config import Case, Rig
-from rollerrig.model import assemble
 from rollerrig.similitude.factors import Similitude
 from rollerrig.similitude.scale_case import factors_of
-from rollerrig.start import equilibrium_dataset
+from rollerrig.starting_state import equilibrium_dataset
 
 _MET = 1e-9
 """A deviation below this is round-off [-]."""
@@ -144,13 +144,13 @@ def _of_contact(full: Case, model: Case, factors: Similitude, wrong: Distortion)
         "friction", "coefficient of friction of wheel on roller", "1", full.contact.friction, model.contact.friction
     )
     fall, own = full.contact.friction_fall, model.contact.friction_fall
-    if fall is not None and own is not None and fall.decay:
+    if fall is not None and own is not None and fall.B:
         yield Requirement(
             "friction over slip velocity",
             "decay",
             "s/m",
-            fall.decay * factors.speed,
-            own.decay,
+            fall.B * factors.speed,
+            own.B,
             "friction falls at another slip velocity",
         )
 
@@ -158,7 +158,7 @@ def _of_contact(full: Case, model: Case, factors: Similitude, wrong: Distortion)
 def _of_machines(full: Case, model: Case, factors: Similitude) -> Iterator[Requirement]:
     for key, name in (
         ("slide_protection", "slide protection"),
-        ("anti_slip", "anti-slip"),
+        ("wheel_slip_control", "wheel-slip control"),
         ("rig_control", "controller of the rollers"),
     ):
         own, there = getattr(model, key), getattr(full, key)

@@ -13,12 +13,12 @@ import xarray as xr
 
 from rollerrig.analysis.assessment import assess, table
 from rollerrig.plot import figure_bytes
-from rollerrig.plot.readings import curved, irregular, line_and_response
 from rollerrig.plot.run import energy_over_time, motion_over_time, sliding_over_time
+from rollerrig.plot.wheel_rail_forces import curved, irregular, line_and_response
 from rollerrig.report import Figure, Page, Preformatted, Section, Table, Text, number, render
 from rollerrig.results import SUMMARY_KEYS, motion_table, save_run, summarise, wheel_table, write_csv, write_text
 from rollerrig.studies.output import write_rows
-from rollerrig.studies.readings import READINGS_KEYS, readings_rows, readings_sections, readings_summary
+from rollerrig.studies.wheel_rail_forces import READINGS_KEYS, readings_rows, readings_sections, readings_summary
 
 LEFT_OUT = (
     "Rigid bodies, rails and rollers without flexibility of their own; profiles without irregularities or wear; Hertz "

@@ -3,11 +3,11 @@
 #include <random>
 
 #include "explicit_real.hpp"
-#include "rig/contact/creep_law.hpp"
-#include "rig/contact/friction.hpp"
-#include "rig/math/dual.hpp"
+#include "rollerrig/contact/adhesion/friction.hpp"
+#include "rollerrig/contact/creep/creep_law.hpp"
+#include "rollerrig/math/dual.hpp"
 
-using namespace rig;
+using namespace rollerrig;
 using test::ExplicitReal;
 
 namespace {

@@ -4,11 +4,11 @@
 #include <random>
 
 #include "explicit_real.hpp"
-#include "rig/contact/creep_law.hpp"
-#include "rig/contact/friction.hpp"
-#include "rig/math/dual.hpp"
+#include "rollerrig/contact/adhesion/friction.hpp"
+#include "rollerrig/contact/creep/creep_law.hpp"
+#include "rollerrig/math/dual.hpp"
 
-using namespace rig;
+using namespace rollerrig;
 using test::ExplicitReal;
 
 namespace {
@@ -37,7 +37,7 @@ std::vector<Named> laws() {
   CreepLaw wet{CreepLawKind::modified_fastsim};
   wet.reduction = {0.5, 0.4, 0.2};
   CreepLaw polach{CreepLawKind::polach};
-  polach.stick_reduction = 0.8, polach.slip_reduction = 0.4;
+  polach.k_A = 0.8, polach.k_S = 0.4;
   return {{"kalker_linear", {CreepLawKind::kalker_linear}},
           {"kalker_saturated", {CreepLawKind::kalker_saturated}},
           {"fastsim", {CreepLawKind::fastsim}},
@@ -93,7 +93,7 @@ TEST_CASE("on a weak rail the creep curve is the law's closed form with the rail
   for (double e : {1e-5, 3e-4, 2e-3, 1e-2, 5e-2}) {
     auto const q = query(e, 0.0, 0.0);
     CreepLaw dry{CreepLawKind::polach};
-    dry.stick_reduction = 1.0, dry.slip_reduction = 0.4;  // the rail's are in place of them
+    dry.k_A = 1.0, dry.k_S = 0.4;  // the rail's are in place of them
     double const g = 0.25 * pi * q.stiffness.f11 * e / adhesion;
     double const polach = 2.0 / pi * adhesion * (0.3 * g / (1.0 + 0.09 * g * g) + std::atan(0.1 * g));
     CHECK(creep_force(dry, q, wet).longitudinal == doctest::Approx(-polach).epsilon(1e-9));
@@ -111,7 +111,7 @@ TEST_CASE("a weak rail takes the same part of the slope from every law, and none
   for (auto const& [name, law] : laws()) {
     CAPTURE(name);
     auto slope = law;
-    slope.stick_reduction = slope.slip_reduction = 1.0, slope.reduction = {};
+    slope.k_A = slope.k_S = 1.0, slope.reduction = {};
     auto const q = query(2e-7, 0.0, 0.0);
     double const clean = creep_force(slope, q).longitudinal;
     // The random table is no law of contact: its correction is not flat at the origin to more than 1 %.

@@ -3,10 +3,10 @@
 #include <vector>
 
 #include "explicit_real.hpp"
-#include "rig/contact/hertz.hpp"
-#include "rig/math/dual.hpp"
+#include "rollerrig/contact/normal/hertz.hpp"
+#include "rollerrig/math/dual.hpp"
 
-using namespace rig;
+using namespace rollerrig;
 using test::ExplicitReal;
 
 namespace {

@@ -1,11 +1,11 @@
 #include <doctest/doctest.h>
 
 #include "explicit_real.hpp"
-#include "rig/contact/kalker.hpp"
-#include "rig/contact/kalker_data.hpp"
-#include "rig/math/dual.hpp"
+#include "rollerrig/contact/creep/kalker.hpp"
+#include "rollerrig/contact/creep/kalker_data.hpp"
+#include "rollerrig/math/dual.hpp"
 
-using namespace rig;
+using namespace rollerrig;
 using test::ExplicitReal;
 
 TEST_CASE("Kalker's table holds exactly at its knots, for each tabulated Poisson's ratio") {

@@ -5,10 +5,10 @@
 
 #include "exact/hertz_impact.hpp"
 #include "explicit_real.hpp"
-#include "rig/contact/normal_force.hpp"
-#include "rig/math/dual.hpp"
+#include "rollerrig/contact/normal/normal_force.hpp"
+#include "rollerrig/math/dual.hpp"
 
-using namespace rig;
+using namespace rollerrig;
 using test::ExplicitReal;
 
 namespace {

@@ -5,12 +5,12 @@
 
 #include "explicit_real.hpp"
 #include "profiles.hpp"
-#include "rig/contact/patch.hpp"
-#include "rig/contact/patch_share.hpp"
-#include "rig/geometry/search.hpp"
-#include "rig/math/dual.hpp"
+#include "rollerrig/contact/normal/blending_weight.hpp"
+#include "rollerrig/contact/patch.hpp"
+#include "rollerrig/geometry/search.hpp"
+#include "rollerrig/math/dual.hpp"
 
-using namespace rig;
+using namespace rollerrig;
 using test::BenchmarkPair;
 using test::ExplicitReal;
 using test::pose_of;

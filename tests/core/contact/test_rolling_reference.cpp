@@ -3,11 +3,11 @@
 
 #include <cmath>
 
-#include "rig/contact/kalker.hpp"
-#include "rig/contact/rolling_reference.hpp"
-#include "rig/scalar.hpp"
+#include "rollerrig/contact/creep/kalker.hpp"
+#include "rollerrig/contact/creep/rolling_reference.hpp"
+#include "rollerrig/scalar.hpp"
 
-using namespace rig;
+using namespace rollerrig;
 
 namespace {
 

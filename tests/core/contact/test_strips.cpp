@@ -2,9 +2,9 @@
 #include <doctest/doctest.h>
 
 #include "profiles.hpp"
-#include "rig/contact/strip_contact.hpp"
+#include "rollerrig/contact/normal/strip_contact.hpp"
 
-using namespace rig;
+using namespace rollerrig;
 using test::BenchmarkPair;
 using test::pose_of;
 

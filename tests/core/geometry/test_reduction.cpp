@@ -5,11 +5,11 @@
 
 #include "explicit_real.hpp"
 #include "profiles.hpp"
-#include "rig/geometry/contact_point.hpp"
-#include "rig/geometry/search.hpp"
-#include "rig/math/dual.hpp"
+#include "rollerrig/geometry/contact_point.hpp"
+#include "rollerrig/geometry/search.hpp"
+#include "rollerrig/math/dual.hpp"
 
-using namespace rig;
+using namespace rollerrig;
 using test::BenchmarkPair;
 using test::ExplicitReal;
 using test::pose_of;

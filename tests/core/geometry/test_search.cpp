@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "profiles.hpp"
-#include "rig/geometry/search.hpp"
+#include "rollerrig/geometry/search.hpp"
 
-using namespace rig;
+using namespace rollerrig;
 using test::BenchmarkPair;
 using test::pose_of;
 

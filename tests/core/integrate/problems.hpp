@@ -3,9 +3,9 @@
 #include <cmath>
 #include <vector>
 
-#include "rig/integrate/integrator.hpp"
+#include "rollerrig/integrate/integrator.hpp"
 
-namespace rig::test {
+namespace rollerrig::test {
 
 using integrate::Integrator;
 using integrate::Method;
@@ -205,4 +205,4 @@ inline double slope(std::vector<double> const& errors) {
   return std::log2(errors.front() / errors.back()) / static_cast<double>(errors.size() - 1);
 }
 
-}  // namespace rig::test
+}  // namespace rollerrig::test

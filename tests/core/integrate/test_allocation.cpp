@@ -7,7 +7,7 @@
 #include <cstdlib>
 
 #include "integrate/problems.hpp"
-#include "rig/record/recorder.hpp"
+#include "rollerrig/simulate/recorder.hpp"
 #include "system/models.hpp"
 
 namespace {
@@ -27,8 +27,8 @@ void* malloc(std::size_t size) {
 constexpr bool malloc_is_counted = false;
 #endif
 
-using namespace rig;
-using namespace rig::test;
+using namespace rollerrig;
+using namespace rollerrig::test;
 
 namespace {
 

@@ -2,10 +2,10 @@
 #include <doctest/doctest.h>
 
 #include "integrate/problems.hpp"
-#include "rig/integrate/amplification.hpp"
+#include "rollerrig/integrate/amplification.hpp"
 
-using namespace rig;
-using namespace rig::test;
+using namespace rollerrig;
+using namespace rollerrig::test;
 using integrate::LinearSystem;
 using integrate::PhiFunctions;
 

@@ -7,9 +7,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "rig/integrate/rodas4_tableau.hpp"
+#include "rollerrig/integrate/rodas4_tableau.hpp"
 
-namespace tableau = rig::integrate::rodas4_tableau;
+namespace tableau = rollerrig::integrate::rodas4_tableau;
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 

@@ -6,8 +6,8 @@
 
 #include "integrate/problems.hpp"
 
-using namespace rig;
-using namespace rig::test;
+using namespace rollerrig;
+using namespace rollerrig::test;
 
 namespace {
 

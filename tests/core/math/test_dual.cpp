@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "rig/math/dual.hpp"
+#include "rollerrig/math/dual.hpp"
 
-using namespace rig;
+using namespace rollerrig;
 using Complex = std::complex<double>;
 
 namespace {

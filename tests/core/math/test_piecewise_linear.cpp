@@ -1,9 +1,9 @@
 #include <doctest/doctest.h>
 
-#include "rig/math/dual.hpp"
-#include "rig/math/piecewise_linear.hpp"
+#include "rollerrig/math/dual.hpp"
+#include "rollerrig/math/piecewise_linear.hpp"
 
-using namespace rig;
+using namespace rollerrig;
 
 namespace {
 

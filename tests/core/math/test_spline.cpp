@@ -2,10 +2,10 @@
 
 #include "explicit_real.hpp"
 #include "profiles.hpp"
-#include "rig/math/dual.hpp"
-#include "rig/math/spline.hpp"
+#include "rollerrig/math/dual.hpp"
+#include "rollerrig/math/spline.hpp"
 
-using namespace rig;
+using namespace rollerrig;
 using test::ExplicitReal;
 
 namespace {

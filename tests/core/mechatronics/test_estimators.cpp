@@ -5,10 +5,10 @@
 #include <cmath>
 #include <complex>
 
-#include "rig/mechatronics/estimator_response.hpp"
-#include "rig/mechatronics/sensor.hpp"
+#include "rollerrig/mechatronics/estimator_response.hpp"
+#include "rollerrig/mechatronics/sensor.hpp"
 
-using namespace rig;
+using namespace rollerrig;
 
 namespace {
 

@@ -1,20 +1,20 @@
-// Motor, pneumatic brake, wheel slide protection, anti-slip, encoders.
+// Motor, pneumatic brake, wheel slide protection, wheel-slip control, encoders.
 #include <doctest/doctest.h>
 
 #include <cmath>
 #include <numeric>
 #include <vector>
 
-#include "rig/contact/adhesion.hpp"
-#include "rig/contact/cleaned_rail.hpp"
-#include "rig/math/dual.hpp"
-#include "rig/mechatronics/anti_slip.hpp"
-#include "rig/mechatronics/motor.hpp"
-#include "rig/mechatronics/pneumatic_brake.hpp"
-#include "rig/mechatronics/sensor.hpp"
-#include "rig/mechatronics/wheel_slide_protection.hpp"
+#include "rollerrig/contact/adhesion/adhesion.hpp"
+#include "rollerrig/contact/adhesion/recovered_rail.hpp"
+#include "rollerrig/math/dual.hpp"
+#include "rollerrig/mechatronics/motor.hpp"
+#include "rollerrig/mechatronics/pneumatic_brake.hpp"
+#include "rollerrig/mechatronics/sensor.hpp"
+#include "rollerrig/mechatronics/wheel_slide_protection.hpp"
+#include "rollerrig/mechatronics/wheel_slip_control.hpp"
 
-using namespace rig;
+using namespace rollerrig;
 
 TEST_CASE("falling friction starts at mu0, ends at A mu0, and cleaning leads from one curve to the other") {
   FallingFriction const curve{0.3, 0.4, 0.2};
@@ -48,10 +48,10 @@ TEST_CASE("a half cleaned rail is half as weak: reductions of the creep curve mi
   map.piece = {{{{0.3}, 0.3, 0.1}, {{0.5}, 1.0, 0.4}, 1e-4}, {{{0.1}, 0.2, 0.2}, {{0.5}, 1.0, 0.4}, 1e-4}};
   map.from = {100.0}, map.blend = 4.0;
   double const half = std::log(2.0) / 1e-4;
-  CHECK(map.at(0.0, 0.0, half).stick_reduction == doctest::Approx(0.65).epsilon(1e-12));
-  CHECK(map.at(0.0, 0.0, half).slip_reduction == doctest::Approx(0.25).epsilon(1e-12));
-  CHECK(map.at(102.0, 0.0, 0.0).stick_reduction == doctest::Approx(0.25).epsilon(1e-12));
-  CHECK(map.at(102.0, 0.0, 0.0).slip_reduction == doctest::Approx(0.15).epsilon(1e-12));
+  CHECK(map.at(0.0, 0.0, half).k_A == doctest::Approx(0.65).epsilon(1e-12));
+  CHECK(map.at(0.0, 0.0, half).k_S == doctest::Approx(0.25).epsilon(1e-12));
+  CHECK(map.at(102.0, 0.0, 0.0).k_A == doctest::Approx(0.25).epsilon(1e-12));
+  CHECK(map.at(102.0, 0.0, 0.0).k_S == doctest::Approx(0.15).epsilon(1e-12));
   CHECK(map.at(102.0, 0.0, 0.0).friction == doctest::Approx(0.2).epsilon(1e-12));
 }
 
@@ -224,9 +224,9 @@ TEST_CASE("the watchdog fills after the longest vent, and everything fills near 
   CHECK(valve[1] == DumpValve::fill);
 }
 
-TEST_CASE("anti-slip takes torque off the slipping axle and gives it back") {
-  AntiSlip const p;
-  AntiSlipState device;
+TEST_CASE("wheel-slip control takes torque off the slipping axle and gives it back") {
+  WheelSlipControl const p;
+  WheelSlipControlState device;
   device.reset(5.0);
   double const period = 5e-3;
   double factor[2];

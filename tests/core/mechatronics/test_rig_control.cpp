@@ -4,12 +4,12 @@
 #include <cmath>
 #include <vector>
 
-#include "rig/contact/adhesion.hpp"
-#include "rig/mechatronics/contact_force_estimator.hpp"
-#include "rig/mechatronics/rig_controller.hpp"
-#include "rig/mechatronics/virtual_train.hpp"
+#include "rollerrig/contact/adhesion/adhesion.hpp"
+#include "rollerrig/mechatronics/contact_force_estimator.hpp"
+#include "rollerrig/mechatronics/rig_controller.hpp"
+#include "rollerrig/mechatronics/virtual_train.hpp"
 
-using namespace rig;
+using namespace rollerrig;
 
 namespace {
 

@@ -3,10 +3,10 @@
 #include <memory>
 
 #include "profiles.hpp"
-#include "rig/system/dynamics.hpp"
-#include "rig/system/equilibrium.hpp"
+#include "rollerrig/system/dynamics.hpp"
+#include "rollerrig/system/equilibrium.hpp"
 
-namespace rig::test {
+namespace rollerrig::test {
 
 struct Setup {
   double roller_radius = 0.725;  ///< [m]; 0: rails
@@ -59,4 +59,4 @@ inline std::unique_ptr<Model> wheelset_model(Setup const& setup) {
   return model;
 }
 
-}  // namespace rig::test
+}  // namespace rollerrig::test

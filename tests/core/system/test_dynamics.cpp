@@ -3,10 +3,10 @@
 
 #include <random>
 
-#include "rig/integrate/integrator.hpp"
+#include "rollerrig/integrate/integrator.hpp"
 #include "system/models.hpp"
 
-using namespace rig;
+using namespace rollerrig;
 using test::Setup;
 using test::wheelset_model;
 

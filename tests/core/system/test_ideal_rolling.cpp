@@ -5,7 +5,7 @@
 
 #include "system/models.hpp"
 
-using namespace rig;
+using namespace rollerrig;
 using test::wheelset_model;
 
 namespace {
@@ -30,7 +30,7 @@ struct Tied {
     }
     dynamics = std::make_unique<Dynamics>(*model);
     x = solve_equilibrium(*dynamics, 20.0, 0.0).x;
-    dynamics->roll_ideally({{0, 1, 0.46, 0.725, {0, 1}}});
+    dynamics->set_rolling_constraints({{0, 1, 0.46, 0.725, {0, 1}}});
     std::mt19937 random(seed);
     std::uniform_real_distribution<double> any(-1.0, 1.0);
     auto const& map = dynamics->map();

@@ -3,10 +3,10 @@
 
 #include <random>
 
-#include "rig/system/motor_mounting.hpp"
+#include "rollerrig/system/motor_mounting.hpp"
 #include "system/models.hpp"
 
-using namespace rig;
+using namespace rollerrig;
 using test::wheelset_model;
 
 namespace {
@@ -128,7 +128,7 @@ TEST_CASE("the Jacobian with a rotor and an ideal axle, which share a wheelset, 
   for (auto mounting : {Mounting::frame, Mounting::axle}) {
     Driven driven(mounting, 3, 2e-5);
     Dynamics& dynamics = *driven.dynamics;
-    dynamics.roll_ideally({{0, 1, 0.46, 0.725, {0, 1}}});
+    dynamics.set_rolling_constraints({{0, 1, 0.46, 0.725, {0, 1}}});
     JacobianData j(dynamics.sizes());
     REQUIRE(dynamics.jacobian(0.0, driven.x.data(), j) == Status::ok);
     for (std::size_t k = 0; k < driven.x.size(); ++k) {

@@ -4,8 +4,8 @@
 #include "integrate/problems.hpp"
 #include "system/models.hpp"
 
-using namespace rig;
-using namespace rig::test;
+using namespace rollerrig;
+using namespace rollerrig::test;
 
 namespace {
 

@@ -1,9 +1,9 @@
 #include <doctest/doctest.h>
 
-#include "rig/system/press.hpp"
+#include "rollerrig/system/static_wheelset_contact.hpp"
 #include "system/models.hpp"
 
-using namespace rig;
+using namespace rollerrig;
 using test::wheelset_model;
 
 TEST_CASE("static preloads balance a frame on four springs, each by its lever") {

@@ -2,7 +2,7 @@
 #pragma once
 #include "system/models.hpp"
 
-namespace rig::test {
+namespace rollerrig::test {
 
 struct VehicleSetup {
   double speed = 20.0;         ///< [m/s]
@@ -99,4 +99,4 @@ inline std::unique_ptr<Model> vehicle_model(VehicleSetup const& setup) {
   return model;
 }
 
-}  // namespace rig::test
+}  // namespace rollerrig::test

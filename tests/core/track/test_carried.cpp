@@ -1,11 +1,11 @@
 // Bodies in travelling frames: conservation laws in the ground, and what an accelerometer feels.
 #include <doctest/doctest.h>
 
-#include "rig/integrate/integrator.hpp"
-#include "rig/record/recorder.hpp"
+#include "rollerrig/integrate/integrator.hpp"
+#include "rollerrig/simulate/recorder.hpp"
 #include "track/models.hpp"
 
-using namespace rig;
+using namespace rollerrig;
 using test::curved_line;
 
 namespace {

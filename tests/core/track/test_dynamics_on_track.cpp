@@ -5,7 +5,7 @@
 
 #include "track/models.hpp"
 
-using namespace rig;
+using namespace rollerrig;
 using test::curved_line;
 using test::vehicle_model;
 using test::VehicleSetup;

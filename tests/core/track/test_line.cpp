@@ -3,7 +3,7 @@
 
 #include "track/models.hpp"
 
-using namespace rig;
+using namespace rollerrig;
 using test::curved_line;
 
 namespace {

@@ -12,7 +12,7 @@ from rollerrig.config import case_from_toml
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"adhesion.rail": {"start": 1.2}}, "adhesion.rail.start: 1.2; allowed: a number, at least 0 and at most 1"),
+        ({"adhesion.rail": {"mu_0": 1.2}}, "adhesion.rail.mu_0: 1.2; allowed: a number, at least 0 and at most 1"),
         ({"adhesion.rail": "soapy"}, "allowed: dry, wet, low, very_low, or a table"),
         (
             {"adhesion.piece": [{"distance": "50 m", "rail": "dry"}, {"distance": "20 m", "rail": "low"}]},
@@ -29,8 +29,8 @@ from rollerrig.config import case_from_toml
             "begin at a time",
         ),
         (
-            {"adhesion.rail": {"start": 0.1, "stick_reduction": 0.3, "slip_reduction": 0.4}},
-            "adhesion.rail.slip_reduction: 0.4; allowed: at most stick_reduction, 0.3",
+            {"adhesion.rail": {"mu_0": 0.1, "k_A": 0.3, "k_S": 0.4}},
+            "adhesion.rail.k_S: 0.4; allowed: at most k_A, 0.3",
         ),
         (
             {"adhesion.piece": [{"distance": "50 m", "time": "1 s", "rail": "dry"}]},
@@ -63,9 +63,9 @@ from rollerrig.config import case_from_toml
         ({"rig_control.delay": "0.4 ms"}, "rig_control.delay: 0.4 ms; allowed: a multiple of bench.step, 1 ms"),
         ({"time.output_step": "0.5 ms"}, "time.output_step: 0.5 ms; allowed: a multiple of bench.step"),
         ({"bench.step": "5 ms"}, "bench.step: 5 ms; allowed: at most 2 ms"),
-        ({"motion.drive": "held"}, "motion.drive: 'held'; allowed with [rig_control]: 'free'"),
+        ({"motion.drive": "speed_controlled"}, "motion.drive: 'speed_controlled'; allowed with [rig_control]: 'free'"),
         ({"brake.motors_stand_in": True}, "brake.motors_stand_in: true; needed: [traction]"),
-        ({"anti_slip": {}}, "anti_slip: a table; allowed only with [traction]"),
+        ({"wheel_slip_control": {}}, "wheel_slip_control: a table; allowed only with [traction]"),
         ({"rig_control": None}, "adhesion: a table; allowed on rollers with [rig_control]"),
         ({"brake.demand": [[0, 0], [1, -1e5]]}, "brake.demand"),
         ({"train.mass": "6 t"}, "train.mass: 6000 kg; allowed: at least what is under test, 6241 kg"),

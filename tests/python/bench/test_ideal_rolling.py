@@ -11,7 +11,7 @@ from rollerrig.config import Case, Rig
 from rollerrig.studies.adhesion import track_case
 
 IDEAL = {
-    "bench.ideal_rolling": True,
+    "bench.pure_rolling": True,
     "rig_control.estimator.kind": "exact",
     "rig_control.feedback.kind": "none",
     "rig_control.motor.bandwidth": 1e6,
@@ -59,10 +59,10 @@ def test_the_wheels_turn_as_the_virtual_ones_to_integration_tolerance() -> None:
 
 def test_ideal_rolling_is_free_of_slip() -> None:
     """r w - R W is then the motion of the wheelset along the track, which the springs bound."""
-    case = load_case("adhesion_brake").with_changes({"bench.ideal_rolling": True, "time.duration": "3 s"})
+    case = load_case("adhesion_brake").with_changes({"bench.pure_rolling": True, "time.duration": "3 s"})
     r, big_r, *_ = numbers(case)
     run = simulate(case)
-    free = simulate(case.with_changes({"bench.ideal_rolling": False}))
+    free = simulate(case.with_changes({"bench.pure_rolling": False}))
     along = (r * run["axle_speed"] - big_r * run["roller_speed"]).integrate("time")
     assert float(np.abs(run["real_sliding"][0]).max()) < 1e-12
     assert float(np.abs(along).max()) < 5e-3  # the bogie is some millimetres off the crown, it does not drift
@@ -76,7 +76,7 @@ def test_ideal_rolling_is_free_of_slip() -> None:
 
 
 def test_ideal_rolling_is_refused_where_it_means_nothing() -> None:
-    case = load_case("adhesion_brake").with_changes({"bench.ideal_rolling": True})
-    assert not track_case(case).bench.ideal_rolling
-    with pytest.raises(ConfigError, match=r"bench\.ideal_rolling: true; allowed with machines"):
-        load_case("bogie_rollers_constant").with_changes({"bench.ideal_rolling": True})
+    case = load_case("adhesion_brake").with_changes({"bench.pure_rolling": True})
+    assert not track_case(case).bench.pure_rolling
+    with pytest.raises(ConfigError, match=r"bench\.pure_rolling: true; allowed with machines"):
+        load_case("bogie_rollers_constant").with_changes({"bench.pure_rolling": True})

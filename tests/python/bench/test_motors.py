@@ -41,7 +41,9 @@ def test_energy_closes_with_rotors_however_the_motor_is_held(suspension: str) ->
 
 def test_an_axle_with_a_rotor_spins_up_slower() -> None:
     """3 kg m^2 times 16 beside 112: in the same slide the axle gains speed 0.7 times as fast."""
-    case = track_case(start_case()).model_copy(update={"anti_slip": None}).with_changes({"time.duration": "3 s"})
+    case = (
+        track_case(start_case()).model_copy(update={"wheel_slip_control": None}).with_changes({"time.duration": "3 s"})
+    )
     plain, heavy = run_of("ground", False, case), run_of("ground", True, case)
 
     def gain(run: xr.Dataset) -> float:

@@ -7,9 +7,9 @@ import pytest
 import xarray as xr
 
 from rollerrig import load_case, simulate
+from rollerrig.assembly import assemble
 from rollerrig.bench.settings import estimator_response, fit
 from rollerrig.config import Case, Rig
-from rollerrig.model import assemble
 
 SENSORS = {
     "sensors.roller_torque": {"bandwidth": "200 Hz", "noise": 20.0, "resolution": 5.0},

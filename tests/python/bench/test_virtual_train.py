@@ -1,4 +1,4 @@
-"""The train that the rig imitates against the same train on track."""
+"""The train that the rig reproduces against the same train on track."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ import pytest
 import xarray as xr
 
 from rollerrig import load_case, simulate
+from rollerrig.assembly import assemble
 from rollerrig.bench.virtual_train import load_transfer, rail_contact
-from rollerrig.model import assemble
 from rollerrig.studies.adhesion import track_case
 
 RADIUS, SPIN_INERTIA, GRAVITY = 0.46, 112.0, 9.81  # vehicle 1
@@ -97,12 +97,14 @@ def test_the_leading_axle_cleans_by_half_of_what_it_spends() -> None:
     rig, track = (simulate(c).sel(time=slice(4.5, 6.0)) for c in (case, track_case(case)))
     spent = 0.5 * track["creep_power"].sel(wheel="wheelset_1_left") / (track["train_speed"] * width)
     first = {"axle": "wheelset_1"}
-    assert float(track["spent_energy"].sel(first).mean()) == pytest.approx(float(spent.mean()), rel=0.05)  # widths vary
+    assert float(track["dissipated_energy_density"].sel(first).mean()) == pytest.approx(
+        float(spent.mean()), rel=0.05
+    )  # widths vary
     slip = RADIUS * rig["virtual_speed"].sel(first) - rig["train_speed"]
     spent = 0.25 * abs(rig["virtual_force"].sel(first) * slip) / (rig["train_speed"] * width)
-    assert float(rig["spent_energy"].sel(first).mean()) == pytest.approx(float(spent.mean()), rel=0.01)
+    assert float(rig["dissipated_energy_density"].sel(first).mean()) == pytest.approx(float(spent.mean()), rel=0.01)
     assert float(spent.mean()) > 1e4  # it does slide
     # What it leaves, twice of that, is there for the axle behind.
-    assert float(track["spent_energy"].sel(axle="wheelset_2").min()) > 1.5 * float(
-        track["spent_energy"].sel(first).min()
+    assert float(track["dissipated_energy_density"].sel(axle="wheelset_2").min()) > 1.5 * float(
+        track["dissipated_energy_density"].sel(first).min()
     )

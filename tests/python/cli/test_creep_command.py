@@ -24,7 +24,7 @@ def creep(*arguments: object) -> Result:
 @pytest.fixture(scope="module")
 def output(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("creep")
-    options = ("--law", "table", "--law", "polach", "--stick-reduction", 1, "--slip-reduction", 1, "--demands", "0.5,8")
+    options = ("--law", "table", "--law", "polach", "--k-a", 1, "--k-s", 1, "--demands", "0.5,8")
     done = creep("--a-over-b", 1, *options, "--out", folder)
     assert done.exit_code == 0, done.output
     assert "table: force at most" in done.stderr
@@ -52,14 +52,14 @@ def test_every_key_of_the_summary_is_explained(output: Path) -> None:
     ("arguments", "message"),
     [
         (("--law", "coulomb"), "no creep law named 'coulomb'; there are kalker_linear"),
-        (("--law", "polach"), "polach needs stick_reduction and slip_reduction"),
+        (("--law", "polach"), "polach needs k_A and k_S"),
         (("--law", "table", "--law", "table"), "asked for more than once"),
         (("--a-over-b", "20"), "tabulated from 0.1 to 10"),
         (("--a-over-b", "nan"), "not a finite number"),
         (("--poisson-ratio", "0.7"), "allowed are 0 to 0.5"),
         (("--demands", "0,1"), "demands must be positive"),
-        (("--stick-reduction", "1"), "belong together"),
-        (("--law", "polach", "--stick-reduction", "2", "--slip-reduction", "1"), "above 0 and up to 1"),
+        (("--k-a", "1"), "belong together"),
+        (("--law", "polach", "--k-a", "2", "--k-s", "1"), "above 0 and up to 1"),
     ],
 )
 def test_bad_input_is_named(arguments: tuple[str, ...], message: str, tmp_path: Path) -> None:

@@ -66,7 +66,7 @@ PRIMARY = 'between = ["front_frame", "wheelset_1"]\npoint = [10.78, 1.0, 0.46]'
         ("case", 'speed = "150 km/h"', "speed = 10\nspeed_table = [[0, 20], [5, 30]]",
          "case.toml: motion.speed_table: [[0, 20], [5, 30]]; allowed: a table that starts at time 0 with motion.speed; "
          "[0, 20] does not"),
-        ("case", 'drive = "held"', 'drive = "torque"',
+        ("case", 'drive = "speed_controlled"', 'drive = "torque"',
          "case.toml: motion.torque_table: missing; needed for drive = 'torque'"),
         ("vehicle", '  ["-25 mm", 0.0],', '  ["-25 mm", 0.0],\n  ["-25 mm", 3.0],', None),
         # missing file
@@ -89,8 +89,8 @@ PRIMARY = 'between = ["front_frame", "wheelset_1"]\npoint = [10.78, 1.0, 0.46]'
          "wheelset_1, wheelset_2, wheelset_3, wheelset_4; did you mean 'front_frame'?"),
         ("vehicle", 'name = "primary_1_left"', 'name = "primary_1_right"',
          "vehicle.toml: element[1].name: 'primary_1_right'; allowed: each name once"),
-        ("vehicle", 'held = ["car_body"]', 'held = ["carbody"]',
-         "vehicle.toml: cut.leading_bogie.held: 'carbody'; allowed: car_body, front_frame, rear_frame, wheelset_1, "
+        ("vehicle", 'fixed = ["car_body"]', 'fixed = ["carbody"]',
+         "vehicle.toml: cut.leading_bogie.fixed: 'carbody'; allowed: car_body, front_frame, rear_frame, wheelset_1, "
          "wheelset_2, wheelset_3, wheelset_4; did you mean 'car_body'?"),
         # geometry
         ("vehicle", PRIMARY, PRIMARY.replace("10.78", "10.7"),
@@ -153,7 +153,9 @@ def test_a_wheel_that_misses_the_roller_is_told_where_both_are(mistakes_of: Mist
 
 def test_all_mistakes_of_all_files_come_at_once(folder: Path) -> None:
     (folder / "vehicle.toml").write_text(
-        spoil(spoil(catalog_text("manchester_vehicle_1"), '"32000 kg"', "-1"), 'held = ["car_body"]', 'held = ["car"]')
+        spoil(
+            spoil(catalog_text("manchester_vehicle_1"), '"32000 kg"', "-1"), 'fixed = ["car_body"]', 'fixed = ["car"]'
+        )
     )
     (folder / "rig.toml").write_text(spoil(catalog_text("full_scale_rig"), '"2980 kg"', '"2980 m"'))
     case = catalog_text("bogie_rollers_constant")
@@ -175,7 +177,7 @@ def test_all_mistakes_of_all_files_come_at_once(folder: Path) -> None:
         ("case.toml", "time.method"),
         ("rig.toml", "roller_mass"),
         ("vehicle.toml", "body.car_body.mass"),
-        ("vehicle.toml", "cut.leading_bogie.held"),
+        ("vehicle.toml", "cut.leading_bogie.fixed"),
     ]
     assert str(error.value).count("\n") == 5
 

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from rollerrig import _core
+from rollerrig.assembly import assemble
 from rollerrig.config import load_case
-from rollerrig.model import assemble
 
 
 @pytest.fixture(scope="module")

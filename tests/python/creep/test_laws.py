@@ -8,13 +8,13 @@ import rollerrig as rr
 from rollerrig.config import ConfigError
 from rollerrig.creep import CREEP_LAWS, creep_law
 
-POLACH = {"stick_reduction": 0.3, "slip_reduction": 0.1}
+POLACH = {"k_A": 0.3, "k_S": 0.1}
 
 
 def test_unknown_laws_and_missing_parameters_are_named() -> None:
     with pytest.raises(ValueError, match="no creep law named 'coulomb'; there are kalker_linear"):
         creep_law("coulomb")
-    with pytest.raises(ValueError, match="polach needs stick_reduction"):
+    with pytest.raises(ValueError, match="polach needs k_A"):
         creep_law("polach")
 
 
@@ -45,7 +45,7 @@ def test_falling_friction_and_a_soft_surface_reach_the_core() -> None:
         {"time.duration": "0.1 s", "contact.creep": "modified_fastsim"}
     )
     wet = base.with_changes({"contact.stiffness_reduction": {"initial": 0.3, "ultimate": 0.5, "decay": 1.0}})
-    slippery = base.with_changes({"contact.friction_fall": {"ratio": 0.3, "decay": 50.0}})
+    slippery = base.with_changes({"contact.friction_fall": {"A": 0.3, "B": 50.0}})
     sliding = [
         abs(rr.simulate(case)["longitudinal_sliding"].isel(time=-1)).max().item() for case in (base, wet, slippery)
     ]

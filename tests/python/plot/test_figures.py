@@ -18,10 +18,10 @@ from rollerrig.plot import (
     mode_shape,
     mode_shapes,
     ramp_over_speed,
-    readings,
     root_locus,
     traction_forces,
     traction_sliding,
+    wheel_rail_forces,
 )
 
 TIME = np.linspace(0, 2, 201)
@@ -126,12 +126,12 @@ def distance() -> xr.DataArray:
 
 
 FIGURES = {
-    "wheel_forces": lambda: readings.wheel_forces(read_off(), distance()),
-    "quotient": lambda: readings.quotient(read_off(), distance(), {"near": 45e3, "far": 1e9, "none": np.nan}),
-    "track_shifting": lambda: readings.track_shifting(read_off(), distance()),
-    "wear": lambda: readings.wear(read_off(), distance()),
-    "accelerations": lambda: readings.accelerations_along(felt(), distance()),
-    "line": lambda: readings.line_and_response(on_track(), distance()),
+    "wheel_forces": lambda: wheel_rail_forces.wheel_forces(read_off(), distance()),
+    "quotient": lambda: wheel_rail_forces.quotient(read_off(), distance(), {"near": 45e3, "far": 1e9, "none": np.nan}),
+    "track_shifting": lambda: wheel_rail_forces.track_shifting(read_off(), distance()),
+    "wear": lambda: wheel_rail_forces.wear(read_off(), distance()),
+    "accelerations": lambda: wheel_rail_forces.accelerations_along(felt(), distance()),
+    "line": lambda: wheel_rail_forces.line_and_response(on_track(), distance()),
     "root_locus": lambda: root_locus(modes()),
     "damping": lambda: damping_over_speed(modes()),
     "damping_map": lambda: damping_map(modes()),

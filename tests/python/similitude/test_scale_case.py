@@ -100,7 +100,7 @@ def test_a_model_that_meets_all_requirements_is_full_scale_once_mapped_back(
     full = rr.simulate(case)
     assert full.attrs["status"] == run.attrs["status"] == "ok"
     if name == "adhesion_brake":
-        assert float(full["vent_cycles"].max()) >= 1  # the slide protection is at work
+        assert float(full["dump_cycles"].max()) >= 1  # the slide protection is at work
     mapped = map_back(run)
     compare(full, mapped, 1e-6)
     assert not np.allclose(run["speed"], full["speed"]) or strategy == "inrets"  # mapping back did something
@@ -136,7 +136,7 @@ def test_modes_over_speed_are_mapped_back_with_their_attributes() -> None:
 
 
 def test_other_vehicles_supports_and_tables_scale_too() -> None:
-    """Irregular rollers, a whole vehicle, recovery by cleaning, traction with anti-slip: 1 s each, one strategy."""
+    """Irregular rollers, a whole vehicle, recovery by cleaning, traction with wheel-slip control: 1 s each, one strategy."""
     for name, changes in (
         ("vehicle_rollers", {"time.method": "exponential_rk4", "time.step": "0.25 ms", "time.maximum_step": None}),
         ("adhesion_recovery", {"disturbance": [{"body": "wheelset_1", "lateral": "1 mm"}]}),

@@ -88,8 +88,8 @@ def test_variants_are_cases() -> None:
     best = variant(case, "estimator")
     assert best.rig_control is not None
     assert best.rig_control.estimator.kind == "exact"
-    assert best.bench.ideal_rolling
-    assert not variant(case, "static_loads").bench.ideal_rolling
+    assert best.bench.pure_rolling
+    assert not variant(case, "static_loads").bench.pure_rolling
     assert "static_loads" not in variants_of(case.with_changes({"rig_control.load_transfer": "none"}))
 
 

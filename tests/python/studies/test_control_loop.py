@@ -36,7 +36,7 @@ def loop(**changes: object) -> Loop:
     gains = default_gains(WHEEL, 0.7 * HZ, 0.7)
     made = Loop(
         real=WHEEL,
-        believed=WHEEL,
+        assumed=WHEEL,
         creep=ROLLING,
         virtual_creep=0.0,
         drive_bandwidth=50.0 * HZ,
@@ -88,12 +88,12 @@ def test_poles_of_the_sampled_loop_are_those_that_the_gains_were_made_for() -> N
 
 
 def test_an_inertia_believed_too_large_rings_by_feed_forward() -> None:
-    """Feed-forward over believed less real inertia is a loop of its own, of gain (J^/J - 1) J_r rho^2 / J_w: 1 at 39 %."""
+    """Feed-forward over assumed less real inertia is a loop of its own, of gain (J^/J - 1) J_r rho^2 / J_w: 1 at 39 %."""
     limit = WHEEL.wheelset_inertia / (WHEEL.roller_inertia * WHEEL.ratio**2) * WHEEL.inertia
     for factor, rings in ((0.8, False), (1.2, True)):
         # Given to the wheelset alone, so that force and roller torque stay right.
         heavy = replace(WHEEL, wheelset_inertia=WHEEL.wheelset_inertia + factor * limit)
-        made = loop(believed=heavy, proportional=0.0, integral=0.0)
+        made = loop(assumed=heavy, proportional=0.0, integral=0.0)
         assert (growth(made, rolling_plant(WHEEL, 1e7))[0] > 1e-3) == rings, factor
 
 

@@ -118,7 +118,7 @@ def test_the_ranking_begins_with_what_ended_early(study: Study) -> None:
 @pytest.mark.parametrize(("percent", "ends"), [(2.9, False), (-2.9, False), (-3.1, True)])
 def test_a_wrong_radius_trips_the_protection_where_it_should(percent: float, ends: bool) -> None:
     """It sees (r^ - r) w, at 120 km/h and a limit of 1 m/s from 3 % on, though nothing slides."""
-    case = brake(1.0).with_changes({"rig_control.believed.wheel_radius": 0.46 * (1 + 0.01 * percent)})
+    case = brake(1.0).with_changes({"rig_control.assumed.wheel_radius": 0.46 * (1 + 0.01 * percent)})
     assert case.rig_control is not None
     assert (abs(0.01 * percent) * case.motion.speed > case.rig_control.protection.slip) == ends
     numbers = run_variant(Variant("", "", percent, case)).numbers

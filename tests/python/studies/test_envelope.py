@@ -16,10 +16,10 @@ import xarray as xr
 from typer.testing import CliRunner
 
 from rollerrig import ConfigError, StartError, _core, envelope, load_case, simulate
+from rollerrig.assembly import assemble
 from rollerrig.bench import ROLLERS_PROTECTED
 from rollerrig.cli.app import build_app
 from rollerrig.config import Case
-from rollerrig.model import assemble
 from rollerrig.studies.envelope import compute, make_plan
 from rollerrig.studies.envelope.borders import borders, slides
 from rollerrig.studies.envelope.compute import closed_forms
@@ -28,7 +28,7 @@ from rollerrig.studies.envelope.lines import rig_numbers
 from rollerrig.studies.envelope.plan import BEGIN, RISE, Point, point_case
 from rollerrig.studies.envelope.virtual_rail import Patch, adhesion_at, creep_peak, grip_slip, patch_of
 
-COULOMB = {"adhesion": {"rail": {"start": 0.1, "remaining": 1.0, "decay": 0.0}}}
+COULOMB = {"adhesion": {"rail": {"mu_0": 0.1, "A": 1.0, "B": 0.0}}}
 SMALL = {"torques": [-4e3, -2e3], "adhesions": [0.05, 0.3], "loads": [1.0], "duration": 0.8, "refine": 0}
 
 
@@ -141,14 +141,14 @@ def test_a_wheel_slides_beyond_the_peak_of_the_creep_curve(case: Case) -> None:
     patch = Patch(6e-3, 5e-3, 5e4)
     stiffness = 79e9 * 30e-6 * _core.kalker_coefficients(6 / 5, 0.28)[0]
     for adhesion in (0.05, 0.3):
-        hard = case.with_changes({"adhesion.rail": {"start": adhesion}, "contact.material": "steel"})
+        hard = case.with_changes({"adhesion.rail": {"mu_0": adhesion}, "contact.material": "steel"})
         slip, share = creep_peak(hard, patch, adhesion)
         shear = hard.contact.material.shear_modulus
         assert slip == pytest.approx(3 * adhesion * 5e4 / (stiffness * shear / 79e9), rel=0.06)  # steps of 5.5 %
         assert share == pytest.approx(adhesion, rel=1e-6)
-        weak = hard.with_changes({"adhesion.rail": {"start": adhesion, "stick_reduction": 0.3, "slip_reduction": 0.1}})
+        weak = hard.with_changes({"adhesion.rail": {"mu_0": adhesion, "k_A": 0.3, "k_S": 0.1}})
         assert creep_peak(weak, patch, adhesion)[0] == pytest.approx(5 * slip, rel=0.06)
-        falls = {"start": adhesion, "remaining": 0.4, "decay": 0.2, "stick_reduction": 0.3, "slip_reduction": 0.1}
+        falls = {"mu_0": adhesion, "A": 0.4, "B": 0.2, "k_A": 0.3, "k_S": 0.1}
         falling = hard.with_changes({"adhesion.rail": falls})
         at, share = creep_peak(falling, patch, adhesion)
         assert at < 5 * slip
@@ -204,7 +204,7 @@ def test_ranges_that_cannot_be_run_are_refused(case: Case, options: dict, messag
         make_plan(case, **options)
 
 
-def test_a_case_that_imitates_nothing_is_refused() -> None:
+def test_a_case_that_reproduces_nothing_is_refused() -> None:
     with pytest.raises(ConfigError, match=r"bogie_track: rig_control: missing; needed: a case on rollers"):
         make_plan(load_case("bogie_track"))
 
@@ -215,7 +215,7 @@ def test_a_case_that_imitates_nothing_is_refused() -> None:
 def test_load_transfer_is_that_of_a_bogie_on_its_rod_and_of_the_runs(case: Case) -> None:
     """Two forces at the crowns, held 0.6 m higher, axles 2.56 m apart: 0.469; the frame's and wheelsets' own inertia add 3 %."""
     rig = rig_numbers(point_case(make_plan(case), Point(1.0, -1.0, 0.3)))
-    assert rig.load_transfer == rig.imitated_transfer == pytest.approx(2 * 0.6 / 2.56, rel=0.04)
+    assert rig.load_transfer == rig.reproduced_transfer == pytest.approx(2 * 0.6 / 2.56, rel=0.04)
     run = simulate(point_case(make_plan(case), Point(1.0, -5e3, 0.3))).sel(time=slice(2.0, None)).mean("time")
     loads = run["vertical_force"].to_numpy().reshape(2, 2).sum(axis=1)
     # On the rig the bogie also gives way behind the crowns, which shifts some of its weight: 2 % here.
@@ -407,7 +407,7 @@ def test_the_command_writes_its_files(tmp_path: Path) -> None:
     assert {key.split(".")[0] for key in summary["keys"]} >= summary.keys() - {"keys", "rollerrig_version"}
     assert len((out / "envelope.csv").read_text().splitlines()) == 7
     page = (out / "report.html").read_text()
-    assert "imitated, wheels slide" in page
+    assert "reproduced, wheels slide" in page
     assert page.count("<img") >= 2
     stamps = {path: path.read_bytes() for path in out.iterdir()}
     code, _, told = invoke("adhesion_brake", "--out", out, *GRID, "--refine=0")

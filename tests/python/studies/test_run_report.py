@@ -12,8 +12,8 @@ import pytest
 
 from rollerrig import load_case, simulate
 from rollerrig.results import summarise
-from rollerrig.studies.readings import READINGS_KEYS
 from rollerrig.studies.run import COUNTERS, run_report, write_run
+from rollerrig.studies.wheel_rail_forces import READINGS_KEYS
 
 
 def test_every_counter_of_the_contact_model_is_explained() -> None:

@@ -4,8 +4,8 @@ Case -> [variants of the rig, the same test begun a little later] -> shares of t
 
 The first variants build on each other, so that their differences add up to the whole: wheels roll on the rollers without
 sliding, then the drives have no lag and no limit, then force and torque are known. What remains between the last and the track
-is what the virtual train leaves out. Slide protection and anti-slip switch on small differences: tests begun some milliseconds
-later show how much of a difference is chance.
+is what the virtual train leaves out. Slide protection and wheel-slip control switch on small differences: tests begun some
+milliseconds later show how much of a difference is chance.
 """
 
 from __future__ import annotations
@@ -61,7 +61,7 @@ def variant(case: Case, name: str) -> Case:
         changes["feedback"] = control.feedback.model_copy(update={"largest": _NO_LIMIT})
     if "estimator" in taken:
         changes["estimator"] = control.estimator.model_copy(update={"kind": "exact"})
-    bench = case.bench.model_copy(update={"ideal_rolling": True})
+    bench = case.bench.model_copy(update={"pure_rolling": True})
     return case.model_copy(update={"rig_control": control.model_copy(update=changes), "bench": bench})
 
 

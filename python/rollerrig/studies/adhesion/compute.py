@@ -1,4 +1,4 @@
-"""The same test on degraded track and on the dry rig that imitates it, and how far the two are apart.
+"""The same test on degraded track and on the dry rig that reproduces it, and how far the two are apart.
 
 Case of a rig with [rig_control] -> [adhesion] -> both runs, fidelity numbers
 
@@ -17,7 +17,7 @@ import xarray as xr
 
 from rollerrig.analysis.parallel import run_jobs
 from rollerrig.config import Case, ConfigError, ConfigProblem, Rig, Track, load_support
-from rollerrig.run import simulate
+from rollerrig.simulation import simulate
 from rollerrig.studies.adhesion.causes import (
     LATER,
     VARIANT_WORDS,
@@ -62,14 +62,14 @@ class Comparison:
 
 
 def track_case(case: Case) -> Case:
-    """The same test on straight track with the rig's rail head: what the rig is to imitate.
+    """The same test on straight track with the rig's rail head: what the rig is to reproduce.
 
     Raises:
         ConfigError: the case is not that of a rig with [rig_control].
     """
     support = case.support.data
     if not isinstance(support, Rig) or case.rig_control is None:
-        needed = "needed: a case on rollers with [rig_control], which imitates a track"
+        needed = "needed: a case on rollers with [rig_control], which reproduces a track"
         raise ConfigError([ConfigProblem(case.name, "rig_control", "missing", needed)])
     if case.brake is None and case.traction is None:
         needed = "needed: [brake] or [traction], the test that is done on rail and rig"
@@ -78,8 +78,8 @@ def track_case(case: Case) -> Case:
     assert isinstance(track, Track)
     head = {"profile": support.profile, "gauge": support.gauge, "gauge_depth": support.gauge_depth}
     choice = case.support.model_copy(update={"data": track.model_copy(update=head), "use": None, "roller_radius": None})
-    motion = case.motion.model_copy(update={"drive": "held", "torque_table": None})
-    bench = case.bench.model_copy(update={"ideal_rolling": False})
+    motion = case.motion.model_copy(update={"drive": "speed_controlled", "torque_table": None})
+    bench = case.bench.model_copy(update={"pure_rolling": False})
     changes = {"name": f"{case.name}_track", "support": choice, "motion": motion, "rig_control": None, "bench": bench}
     return case.model_copy(update=changes)
 
@@ -138,7 +138,7 @@ KEYS = {
     "*.mean_slip": "mean of the same over all axles and times [-]",
     "*.adhesion_used_mean": "mean of |contact force| over static axle load while brake or traction act [-]",
     "*.adhesion_used_largest": "largest of the same [-]",
-    "*.vent_cycles": "times that dump valves opened to vent, all axles",
+    "*.dump_cycles": "times that dump valves opened to vent, all axles",
     "*.air_litres": "air at ambient pressure taken by all cylinders [l]",
     "*.energy_relative_residual": "energy audit [-]",
     "rig.real_sliding_largest_mps, rig.real_sliding_rms_mps": "wheel against roller, the sliding that damages both [m/s]",
@@ -154,7 +154,7 @@ KEYS = {
     "fidelity.torque_difference_rms_nm": "brake and traction torque of rig less track [N m]",
     "rig.drive_limited_s": "time during which the command of some roller drive stands at its limit [s]",
     "variants.*.*": "the rig without some of its imperfections, docs/studies.md: tracking error RMS [-], distance over that "
-    "of track less 1 [-], ventings, mean slip [-]",
+    "of track less 1 [-], dump cycles, mean slip [-]",
     "causes.*": "part of (distance of rig over that of track, less 1) that goes away with it [-]; they add up to the whole",
     "spread.track, spread.rig": "range of the distances of the same test begun 0 to 40 ms later, over their mean [-]: "
     "less than this is chance",
@@ -240,7 +240,7 @@ def _numbers(run: xr.Dataset) -> dict[str, Any]:
         "mean_slip": float(slips.mean()) if slips.size else None,
         "adhesion_used_mean": finite(float(used.mean())),
         "adhesion_used_largest": finite(float(used.max())),
-        "vent_cycles": int(last["vent_cycles"].sum()),
+        "dump_cycles": int(last["dump_cycles"].sum()),
         "air_litres": 1e3 * float(last["air"].sum()),
         "energy_relative_residual": run.attrs["energy_relative_residual"],
     }
@@ -269,7 +269,7 @@ def _of_variant(results: Comparison, run: xr.Dataset) -> dict[str, float | None]
     return {
         "tracking_rms": finite(tracking(run)[0]),
         "distance_relative": way / way_track - 1.0,
-        "vent_cycles": numbers["vent_cycles"],
+        "dump_cycles": numbers["dump_cycles"],
         "mean_slip": numbers["mean_slip"],
     }
 

@@ -93,7 +93,7 @@ def report(results: Comparison, numbers: dict[str, Any]) -> str:
     ]
     if results.case.brake is not None:
         pictures.append(
-            (figures.brakes(track, rig), "Brakes", "Cylinder pressure, ventings of the dump valves, air taken.")
+            (figures.brakes(track, rig), "Brakes", "Cylinder pressure, dump cycles of the dump valves, air taken.")
         )
     if results.case.traction is not None:
         pictures.append(
@@ -130,7 +130,7 @@ def report(results: Comparison, numbers: dict[str, Any]) -> str:
     whole = Preformatted("the whole case", rig.attrs["config_toml"])
     sources = list(json.loads(rig.attrs["sources"]).items())
     sections.append(Section("Case and sources", [Table(("of", "source"), sources), whole]))
-    title = f"{results.case.name}: degraded track and the rig that imitates it"
+    title = f"{results.case.name}: degraded track and the rig that reproduces it"
     return render(Page(title, lead(results), sections, f"rollerrig {rig.attrs['rollerrig_version']}"))
 
 
@@ -143,7 +143,7 @@ LABELS = {
     "mean_slip": "mean slip [-]",
     "adhesion_used_mean": "adhesion used, mean [-]",
     "adhesion_used_largest": "adhesion used, largest [-]",
-    "vent_cycles": "ventings of dump valves, all axles",
+    "dump_cycles": "dump cycles of dump valves, all axles",
     "air_litres": "air taken by the cylinders [l]",
     "energy_relative_residual": "residual of the energy audit [-]",
     "tracking_rms": "wheel less virtual wheel, over train speed, RMS [-]",
@@ -181,13 +181,13 @@ def _variants(numbers: dict[str, Any]) -> Table:
         "distance_relative": numbers["fidelity"]["distance_at_end_relative"]
         if numbers["fidelity"]["distance_relative"] is None
         else numbers["fidelity"]["distance_relative"],
-        "vent_cycles": numbers["rig"]["vent_cycles"],
+        "dump_cycles": numbers["rig"]["dump_cycles"],
         "mean_slip": numbers["rig"]["mean_slip"],
     }
     of_track = {
         "tracking_rms": None,
         "distance_relative": 0.0,
-        **{k: numbers["track"][k] for k in ("vent_cycles", "mean_slip")},
+        **{k: numbers["track"][k] for k in ("dump_cycles", "mean_slip")},
     }
     runs = {VARIANT_WORDS["rig"]: at_rig, **{VARIANT_WORDS[name]: entry for name, entry in numbers["variants"].items()}}
     rows = [
@@ -196,11 +196,11 @@ def _variants(numbers: dict[str, Any]) -> Table:
             percent(entry["distance_relative"], True),
             percent(entry["tracking_rms"]),
             percent(entry["mean_slip"]),
-            _cell(entry["vent_cycles"]),
+            _cell(entry["dump_cycles"]),
         ]
         for name, entry in {**runs, "the track": of_track}.items()
     ]
-    header = ("run", "distance, against track", "tracking error, RMS", "mean slip", "ventings")
+    header = ("run", "distance, against track", "tracking error, RMS", "mean slip", "dump cycles")
     return Table(header, rows, "each of the first lines takes one more imperfection away")
 
 

@@ -128,7 +128,7 @@ def restrained(case: Case) -> Case:
     """
     part = case.vehicle.part
     bodies = case.vehicle.data.bodies_in(part)
-    if part.held or any("x" in body.locked for body in bodies):
+    if part.fixed or any("x" in body.locked for body in bodies):
         return case
     rigid = [body for body in bodies if body.kind != "wheelset"]
     body = max(rigid, key=lambda b: b.mass) if rigid else bodies[0]

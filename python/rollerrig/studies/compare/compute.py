@@ -20,8 +20,8 @@ from rollerrig.analysis import (
     NonlinearCriticalSpeed,
     filtered,
     hunting_run,
-    readings,
     stability,
+    wheel_forces,
 )
 from rollerrig.analysis.contact_state import RollingState, rolling_state
 from rollerrig.analysis.critical import scan_case
@@ -29,7 +29,7 @@ from rollerrig.analysis.hunting import bracket, hunting_case
 from rollerrig.analysis.parallel import Progress, run_jobs
 from rollerrig.characteristics import conicity_table, shift_table
 from rollerrig.config import Case, Rig
-from rollerrig.run import simulate
+from rollerrig.simulation import simulate
 from rollerrig.studies.compare.cases import rig_below
 from rollerrig.studies.compare.critical import (
     RADII,
@@ -187,7 +187,7 @@ def _disturbed(argument: tuple[Case, float, HuntingSettings], progress: Progress
     if run.attrs["status"] == "interrupted":
         raise KeyboardInterrupt
     leading = next(b.name for b in case.vehicle.data.bodies_in(case.vehicle.part) if b.kind == "wheelset")
-    read = filtered(readings(run))
+    read = filtered(wheel_forces(run))
     motion = run["lateral"].sel(body=leading, drop=True)
     creep = run["longitudinal_force"]
     return read.assign(lateral=motion, longitudinal_force=creep).assign_attrs(

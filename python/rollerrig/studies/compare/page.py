@@ -274,7 +274,7 @@ def setting_blocks(results: CompareResults) -> list[Block]:
         Table(("label", "support", "what it is", "radius", "source"), rows),
         Text(
             f"Vehicle: {held.vehicle.data.description}. Part: {words(held.vehicle.cut)}; held: "
-            f"{', '.join(words(b) for b in held.vehicle.part.held) or 'nothing but its way along the track'}. Material "
+            f"{', '.join(words(b) for b in held.vehicle.part.fixed) or 'nothing but its way along the track'}. Material "
             f"{held.contact.material.name}, friction {held.contact.friction:g}, creep law {held.contact.creep}. Rollers and "
             "rails are held at each speed."
         ),

@@ -18,11 +18,11 @@ from numpy.typing import NDArray
 from scipy.signal import butter, sosfiltfilt, welch
 
 from rollerrig.analysis.parallel import run_jobs
+from rollerrig.assembly import assemble
 from rollerrig.bench import BenchRun
 from rollerrig.config import Case, ConfigError, ConfigProblem, Rig
 from rollerrig.config.errors import nearest
-from rollerrig.model import assemble
-from rollerrig.run import simulate
+from rollerrig.simulation import simulate
 from rollerrig.studies.adhesion.compute import slip, tracking
 from rollerrig.studies.control.families import FAMILIES, REFERENCES, USER, Changes, Family
 from rollerrig.studies.control.ring import RingPoint, ring_jobs, ring_run, whole_run
@@ -112,7 +112,7 @@ RESULT_KEYS = {
     "roller_torque_largest_nm": "of a roller drive [N m]",
     "distance_m": "run by the virtual train [m]",
     "distance_relative": "over that of the case as shipped at the same time, less 1 [-]",
-    "vent_cycles": "ventings of the slide protection, all axles",
+    "dump_cycles": "dump cycles of the slide protection, all axles",
     "air_litres": "taken by the cylinders, at ambient pressure [l]",
     "ripple_nm": f"roller torque above {RIPPLE_ABOVE:g} Hz, RMS in the median quarter second: what never ceases [N m]",
     "ripple_hz": "where that ripple has most power [Hz]",
@@ -332,7 +332,7 @@ def numbers(run: xr.Dataset) -> dict[str, Any]:
         "real_sliding_largest_mps": float(np.abs(sliding).max()),
         "roller_torque_largest_nm": float(np.abs(run["roller_torque"]).max()),
         "distance_m": float(last["train_distance"]),
-        "vent_cycles": int(last["vent_cycles"].sum()),
+        "dump_cycles": int(last["dump_cycles"].sum()),
         "air_litres": 1e3 * float(last["air"].sum()),
         "ripple_nm": ripple,
         "ripple_hz": frequency,

@@ -135,9 +135,7 @@ COUNTS, WINDOW = 4096.0, 8
 
 def _wrong(name: str) -> Vary:
     """A controller that takes a number of wheelset or roller for so many per cent more than it is."""
-    return lambda case, percent: {
-        f"rig_control.believed.{name}": getattr(wheel_of(case), name) * (1.0 + 0.01 * percent)
-    }
+    return lambda case, percent: {f"rig_control.assumed.{name}": getattr(wheel_of(case), name) * (1.0 + 0.01 * percent)}
 
 
 _PERCENT = (-5.0, -4.0, -3.0, -2.0, -1.0, -0.5, 0.0, 0.5, 1.0, 2.0, 3.0, 4.0, 5.0)
@@ -153,11 +151,11 @@ REFERENCES: dict[str, Changes] = {
         "rig_control.estimator.bandwidth": 100.0,
         **_sample_time_changes(2e-4),
     },
-    "as shipped, rolling without sliding": {"bench.ideal_rolling": True},
+    "as shipped, rolling without sliding": {"bench.pure_rolling": True},
     "both, rolling without sliding": {
         "rig_control.motor.bandwidth": 400.0,
         "rig_control.estimator.bandwidth": 100.0,
-        "bench.ideal_rolling": True,
+        "bench.pure_rolling": True,
     },
 }
 """Runs that say where the tracking error of the case itself comes from."""

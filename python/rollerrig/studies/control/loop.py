@@ -21,18 +21,18 @@ from scipy.optimize import brentq
 from rollerrig import _core
 from rollerrig.analysis.contact_state import rolling_state
 from rollerrig.analysis.linearise import DIRECTIONS
+from rollerrig.assembly import assemble
 from rollerrig.config import Case, Rig
-from rollerrig.config.machines import Motor
+from rollerrig.config.actuators import Motor
 from rollerrig.config.rig_control import RigControl
-from rollerrig.model import assemble
-from rollerrig.start import starting_state
+from rollerrig.starting_state import starting_state
 
 Array = NDArray[np.float64]
 
 NEUTRAL = 1e-6
 """Eigenvalues so near to 1 are neutral: double ones, as of an angle and its speed, are found to the root of rounding."""
 
-MACHINES = ("adhesion", "brake", "traction", "slide_protection", "anti_slip", "rig_control")
+MACHINES = ("adhesion", "brake", "traction", "slide_protection", "wheel_slip_control", "rig_control")
 """Tables of a case that the vehicle on bare rollers does without."""
 
 
@@ -61,7 +61,7 @@ class Loop:
     """What closes around one axle.
 
     Attributes:
-        real, believed: wheelset and roller, and what the controller takes them for.
+        real, assumed: wheelset and roller, and what the controller takes them for.
         creep: slope of the real contact's force over sliding, both wheels [N s/m].
         virtual_creep: the same of the virtual rail; 0 while its wheel slides.
         drive_bandwidth: of the roller drive's torque loop [rad/s].
@@ -75,7 +75,7 @@ class Loop:
     """
 
     real: Wheel
-    believed: Wheel
+    assumed: Wheel
     creep: float
     virtual_creep: float
     drive_bandwidth: float
@@ -151,19 +151,19 @@ def loop_of(case: Case, creep: float, *, sliding: bool) -> Loop | None:
     if any(motor.rotor_inertia for motor in motors):  # the plant has none
         return None
     real, feedback = wheel_of(case), control.feedback
-    believed = Wheel(
-        *(getattr(control.believed, name) or getattr(real, name) for name in Wheel.__dataclass_fields__),
+    assumed = Wheel(
+        *(getattr(control.assumed, name) or getattr(real, name) for name in Wheel.__dataclass_fields__),
     )
     proportional = integral = 0.0
     if feedback.kind == "proportional_integral":
-        gains = default_gains(believed, 2.0 * math.pi * feedback.bandwidth, feedback.damping_ratio)
+        gains = default_gains(assumed, 2.0 * math.pi * feedback.bandwidth, feedback.damping_ratio)
         proportional = gains[0] if feedback.proportional is None else feedback.proportional
         integral = gains[1] if feedback.integral is None else feedback.integral
     elif feedback.kind == "sliding_mode":  # within its boundary layer
         proportional = feedback.switching / feedback.boundary_layer
     return Loop(
         real=real,
-        believed=believed,
+        assumed=assumed,
         creep=creep,
         virtual_creep=0.0 if sliding else creep * _weakened(case),
         drive_bandwidth=2.0 * math.pi * control.motor.bandwidth,
@@ -177,7 +177,7 @@ def loop_of(case: Case, creep: float, *, sliding: bool) -> Loop | None:
         bandwidth=2.0 * math.pi * control.estimator.bandwidth,
         damping=control.estimator.damping_ratio,
         speed_noise=control.estimator.speed_noise,
-        changes=_changes(control, believed),
+        changes=_changes(control, assumed),
     )
 
 
@@ -192,7 +192,7 @@ def _changes(control: RigControl, p: Wheel) -> tuple[float, float]:
 def _weakened(case: Case) -> float:
     """What the condition of the virtual rail leaves of the creep curve's slope, (A8)."""
     rail = case.adhesion.rail if case.adhesion is not None else None
-    return 0.5 * (rail.stick_reduction + rail.slip_reduction) if rail is not None else 1.0
+    return 0.5 * (rail.k_A + rail.k_S) if rail is not None else 1.0
 
 
 # ------------------------------------------------------------------------------------------- continuous, (Q1) to (Q4)
@@ -268,21 +268,21 @@ def ideal_margin(bandwidth: float, damping: float, lag: float) -> tuple[float, f
 
 def _observer(loop: Loop, z: dict[str, Array]) -> None:
     """Luenberger observer of roller speed and contact force, both poles at the bandwidth; filtered acceleration of the wheel."""
-    believed, h, w = loop.believed, loop.sample, loop.bandwidth * loop.sample
+    assumed, h, w = loop.assumed, loop.sample, loop.bandwidth * loop.sample
     poles = np.exp(-loop.damping * w + np.array([1.0, -1.0]) * w * np.emath.sqrt(loop.damping**2 - 1.0))
-    predicted = z["roller_seen"] + h * (z["mean"] + believed.roller_radius * z["force"]) / believed.roller_inertia
+    predicted = z["roller_seen"] + h * (z["mean"] + assumed.roller_radius * z["force"]) / assumed.roller_inertia
     error = z["roller"] - predicted
     z["roller_seen"] = predicted + (1.0 - np.prod(poles).real) * error
-    gain = np.prod(1.0 - poles).real * believed.roller_inertia / (believed.roller_radius * h)
+    gain = np.prod(1.0 - poles).real * assumed.roller_inertia / (assumed.roller_radius * h)
     z["force"] = z["force"] + gain * error
     _torque_from_acceleration(loop, z)
 
 
 def _filtered_derivative(loop: Loop, z: dict[str, Array]) -> None:
     """Low-pass of the first order behind the difference of the roller's speed."""
-    believed = loop.believed
+    assumed = loop.assumed
     rate = (z["roller"] - z["roller_seen"]) / loop.sample
-    raw = (believed.roller_inertia * rate - z["mean"]) / believed.roller_radius
+    raw = (assumed.roller_inertia * rate - z["mean"]) / assumed.roller_radius
     z["force"] = z["force"] + (1.0 - math.exp(-loop.bandwidth * loop.sample)) * (raw - z["force"])
     z["roller_seen"] = z["roller"]
     _torque_from_acceleration(loop, z)
@@ -290,15 +290,15 @@ def _filtered_derivative(loop: Loop, z: dict[str, Array]) -> None:
 
 def _torque_from_acceleration(loop: Loop, z: dict[str, Array]) -> None:
     """(D2) with the wheel's acceleration behind a low-pass."""
-    believed, low_pass = loop.believed, 1.0 - math.exp(-loop.bandwidth * loop.sample)
+    assumed, low_pass = loop.assumed, 1.0 - math.exp(-loop.bandwidth * loop.sample)
     z["wheel_rate"] = z["wheel_rate"] + low_pass * ((z["wheel"] - z["wheel_seen"]) / loop.sample - z["wheel_rate"])
     z["wheel_seen"] = z["wheel"]
-    z["axle_torque"] = believed.wheelset_inertia * z["wheel_rate"] + believed.wheel_radius * z["force"]
+    z["axle_torque"] = assumed.wheelset_inertia * z["wheel_rate"] + assumed.wheel_radius * z["force"]
 
 
 def _kalman(loop: Loop, z: dict[str, Array]) -> None:
     """Stationary Kalman filter of both speeds, force and torque, (D11) to (D13)."""
-    p, h = loop.believed, loop.sample
+    p, h = loop.assumed, loop.sample
     predicted = [
         z["roller_seen"] + h * (z["mean"] + p.roller_radius * z["force"]) / p.roller_inertia,
         z["wheel_seen"] + h * (z["axle_torque"] - p.wheel_radius * z["force"]) / p.wheelset_inertia,
@@ -312,7 +312,7 @@ def _kalman(loop: Loop, z: dict[str, Array]) -> None:
 
 def kalman_gain(loop: Loop) -> Array:
     """Gain of the filter from the Riccati equation of (D12), rows W, w, T, C over the errors of W and w."""
-    p, h, noise = loop.believed, loop.sample, loop.speed_noise
+    p, h, noise = loop.assumed, loop.sample, loop.speed_noise
     rates = np.zeros((4, 4))
     rates[0, 2], rates[1, 2:] = (
         p.roller_radius / p.roller_inertia,
@@ -396,7 +396,7 @@ def _plant_step(loop: Loop, plant: Plant) -> Array:
 
 def _controller(loop: Loop, z: dict[str, Array]) -> Array:
     """Command of one sample: estimate, virtual axle, (D5) and feedback, all linear."""
-    h, believed, wheel = loop.sample, loop.believed, loop.real
+    h, assumed, wheel = loop.sample, loop.assumed, loop.real
     _ESTIMATORS[loop.estimator](loop, z)
 
     slope = wheel.wheel_radius * loop.virtual_creep  # force per virtual axle speed
@@ -406,10 +406,10 @@ def _controller(loop: Loop, z: dict[str, Array]) -> Array:
     force = slope * (z["virtual"] + reach * rate)
     z["virtual"] = z["virtual"] + h * rate
 
-    forward = believed.roller_inertia * wheel.wheel_radius / believed.roller_radius * rate
+    forward = assumed.roller_inertia * wheel.wheel_radius / assumed.roller_radius * rate
     error = z["virtual"] - z["wheel"]
     z["sum"] = z["sum"] + h * error
-    return forward - believed.roller_radius * force + loop.proportional * error + loop.integral * z["sum"]
+    return forward - assumed.roller_radius * force + loop.proportional * error + loop.integral * z["sum"]
 
 
 def sampled_matrix(loop: Loop, plant: Plant) -> Array:

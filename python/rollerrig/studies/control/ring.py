@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from scipy.signal import butter, sosfiltfilt
 
 from rollerrig.config import Case
-from rollerrig.run import simulate
+from rollerrig.simulation import simulate
 from rollerrig.studies.control.loop import Loop, creep_slope, growth, loop_of, rolling_plant, vehicle_plant
 
 Array = NDArray[np.float64]
@@ -93,7 +93,7 @@ def quiet_case(case: Case) -> Case:
         "adhesion": {"rail": "dry"},
         "rig_control.feedback.kind": "proportional_integral",
         "slide_protection": None,
-        "anti_slip": None,
+        "wheel_slip_control": None,
         "time.duration": DURATION,
         "time.output_step": max(1e-3, case.bench.step),
     }

@@ -262,7 +262,7 @@ def _references(study: Study) -> Table:
         "roller_torque_largest_nm": ("roller torque [kN m]", 1e-3),
         "ripple_nm": ("ripple [N m]", 1.0),
         "distance_relative": ("distance, less shipped [%]", 100.0),
-        "vent_cycles": ("ventings", 1),
+        "dump_cycles": ("dump cycles", 1),
         "air_litres": ("air [l]", 1.0),
     }
     rows = []

@@ -27,7 +27,7 @@ class Border:
         side: 'brake' or 'traction'.
         load: axle load over the case's own [-].
         adhesion: of the rail [-].
-        reached: largest torque up to which every run is imitated; 0: none.
+        reached: largest torque up to which every run is reproduced; 0: none.
         beyond: the next torque that was run; NaN: the map ends before a limit is met.
         limit: region there, or "".
         predicted: where the closed forms put the border, NaN where they do not say.
@@ -54,7 +54,7 @@ class Border:
 
 
 def borders(found: xr.Dataset) -> list[Border]:
-    """Borders between imitated and limited runs along each row of a map."""
+    """Borders between reproduced and limited runs along each row of a map."""
     rows = []
     for side, load, adhesion in _rows(found):
         runs = _along(found, side, load, adhesion)

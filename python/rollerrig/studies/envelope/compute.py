@@ -18,12 +18,12 @@ import xarray as xr
 
 from rollerrig import __version__
 from rollerrig.analysis.parallel import run_jobs
+from rollerrig.assembly import assemble
 from rollerrig.bench.virtual_train import load_transfer
 from rollerrig.config import Case
-from rollerrig.model import assemble
 from rollerrig.results import output_folder
-from rollerrig.run import simulate
-from rollerrig.start import StartError
+from rollerrig.simulation import simulate
+from rollerrig.starting_state import StartError
 from rollerrig.studies.envelope.judge import REGIONS, Record, failed, judge
 from rollerrig.studies.envelope.lines import held_slip, rig_numbers
 from rollerrig.studies.envelope.plan import Plan, Point, make_plan, point_case, vehicle_torque
@@ -66,7 +66,7 @@ def envelope(
     processes: int = 1,
     progress: Progress | None = None,
 ) -> xr.Dataset:
-    """Where a rig can imitate a degraded rail: regions over axle torque, adhesion and axle load.
+    """Where a rig can reproduce a degraded rail: regions over axle torque, adhesion and axle load.
 
     Args:
         case: of a rig with [rig_control]; its speed, controllers, drives and rollers are those of every run.
@@ -84,7 +84,7 @@ def envelope(
         the limits met as words, and the closed forms of LINES. Attribute `interrupted` says whether Ctrl-C left some undone.
 
     Raises:
-        ConfigError: the case imitates nothing, a range is unusable, or `folder` has the runs of another case.
+        ConfigError: the case reproduces nothing, a range is unusable, or `folder` has the runs of another case.
 
     Example:
         >>> from rollerrig import envelope, load_case
@@ -240,7 +240,7 @@ def _dataset(plan: Plan, done: dict[Point, Record], interrupted: bool, kept: int
         "torque": ("torque", list(torques), {"units": "N m", "long_name": "on each axle, negative brakes"}),
     }
     attributes = {
-        "title": f"Where {plan.case.name} can imitate a degraded rail",
+        "title": f"Where {plan.case.name} can reproduce a degraded rail",
         "case": plan.case.name,
         "config_toml": plan.case.to_toml(),
         "speed_kmh": 3.6 * plan.case.motion.speed,

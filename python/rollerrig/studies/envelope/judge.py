@@ -23,7 +23,7 @@ LEAST_SPEED = 2.0
 """Below this a train is too slow for errors relative to its speed [m/s]."""
 
 FINE = 0.01
-"""Tracking error, RMS of train speed, up to which a rig imitates."""
+"""Tracking error, RMS of train speed, up to which a rig reproduces."""
 
 FULL = 0.98
 """Part of the friction between wheel and roller from which the wheel as good as slides."""
@@ -32,8 +32,8 @@ HELD = 0.03
 """A limit counts where it is met for so long [s]: the corner of a ramp is none."""
 
 REGIONS: Mapping[str, str] = {
-    "grip": "imitated, wheels grip",
-    "slide": "imitated, wheels slide",
+    "grip": "reproduced, wheels grip",
+    "slide": "reproduced, wheels slide",
     "drive_grip": "drive at its limit, wheels grip",
     "drive_slide": "drive at its limit, into the slide",
     "drive_recovery": "drive at its limit, out of the slide",

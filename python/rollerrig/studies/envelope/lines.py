@@ -11,9 +11,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from rollerrig.assembly import assemble
 from rollerrig.bench.virtual_train import load_transfer, train_mass
-from rollerrig.config import AntiSlip, Case, Motor, Rig, SlideProtection
-from rollerrig.model import assemble
+from rollerrig.config import Case, Motor, Rig, SlideProtection, WheelSlipControl
 
 Array = NDArray[np.float64]
 
@@ -41,7 +41,7 @@ class RigNumbers:
     """U_max of a roller's drive [N m]; infinite: no limit is known"""
     load_transfer: float = 0.0
     """kappa: load that one axle loses and another gains, over the contact force of an axle [-]"""
-    imitated_transfer: float = 0.0
+    reproduced_transfer: float = 0.0
     """kappa_v: the same of the virtual train [-]"""
 
     @property
@@ -61,7 +61,7 @@ class RigNumbers:
     def grip(self, adhesion: Array | float) -> Array:
         """Beyond it a wheel on the degraded rail slides, (V2)."""
         mu = np.asarray(adhesion)
-        return self.torque_of_force(mu / (1.0 + mu * self.imitated_transfer) * self.axle_load)
+        return self.torque_of_force(mu / (1.0 + mu * self.reproduced_transfer) * self.axle_load)
 
     def contact(self) -> float:
         """Beyond it a wheel that grips on the rail slides on its roller, (V3)."""
@@ -69,7 +69,7 @@ class RigNumbers:
 
     def contact_adhesion(self) -> float:
         """On a rail that gives more than that a wheel that slides on it slides on its roller as well: (V2) with (V3)."""
-        return self._contact_share / (1.0 - self._contact_share * self.imitated_transfer)
+        return self._contact_share / (1.0 - self._contact_share * self.reproduced_transfer)
 
     @property
     def _contact_share(self) -> float:
@@ -84,14 +84,14 @@ class RigNumbers:
     def drive_slide(self, adhesion: Array | float) -> Array:
         """Beyond it a roller's drive cannot follow a wheel into its slide, (V5); adhesion is that at the slip of the slide."""
         mu = np.asarray(adhesion)
-        force = mu * (1.0 - mu * self.imitated_transfer) * self.axle_load
+        force = mu * (1.0 - mu * self.reproduced_transfer) * self.axle_load
         spare = self.drive_torque + self.roller_radius * force
         return np.asarray(self.wheel_radius * force + self._lever * spare)
 
     def drive_recovery(self, adhesion: Array | float) -> Array:
         """Below it a roller's drive cannot follow a wheel out of its slide, (V6): torque must be left on the axle."""
         mu = np.asarray(adhesion)
-        return self.recovery_at(mu * (1.0 + mu * self.imitated_transfer) * self.axle_load)
+        return self.recovery_at(mu * (1.0 + mu * self.reproduced_transfer) * self.axle_load)
 
     def recovery_at(self, force: Array | float) -> Array:
         """The same for a force of the rail on the axle."""
@@ -121,7 +121,7 @@ def rig_numbers(case: Case) -> RigNumbers:
         friction=case.contact.friction,
         drive_torque=float(largest),
         load_transfer=_per_force(load_transfer(assemble(own)), mass),
-        imitated_transfer=_per_force(load_transfer(model), mass),
+        reproduced_transfer=_per_force(load_transfer(model), mass),
     )
 
 
@@ -136,7 +136,7 @@ def _per_force(per_acceleration: Sequence[float], mass: float) -> float:
 
 
 def held_slip(case: Case) -> float:
-    """Slip that slide protection, of a case with [brake], or anti-slip lets a wheel reach before it acts [-]."""
+    """Slip that slide protection, of a case with [brake], or wheel-slip control lets a wheel reach before it acts [-]."""
     if case.brake is not None:
         return (case.slide_protection or SlideProtection()).vent_slip
-    return (case.anti_slip or AntiSlip()).slip
+    return (case.wheel_slip_control or WheelSlipControl()).slip

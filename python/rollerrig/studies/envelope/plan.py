@@ -2,8 +2,8 @@
 
 Case of a rig with [rig_control] -> [plan] -> one case per point
 
-At each point the torque is put on within RISE and stays; slide protection or anti-slip, the case's or else one with default
-settings, lets the wheels slide and regain speed. The case's own cylinders and motors would be slower: here the torque is
+At each point the torque is put on within RISE and stays; slide protection or wheel-slip control, the case's or else one with
+default settings, lets the wheels slide and regain speed. The case's own cylinders and motors would be slower: here the torque is
 what is asked for, so that the map speaks of the rig.
 """
 
@@ -123,14 +123,14 @@ def make_plan(
 
 
 def check_case(case: Case) -> None:
-    """Refuse a case that imitates nothing.
+    """Refuse a case that reproduces nothing.
 
     Raises:
         ConfigError: it is not that of a rig with [rig_control].
     """
     if not isinstance(case.support.data, Rig) or case.rig_control is None:
         needed = (
-            "needed: a case on rollers with [rig_control], which imitates a track; rollerrig catalog lists adhesion_*"
+            "needed: a case on rollers with [rig_control], which reproduces a track; rollerrig catalog lists adhesion_*"
         )
         raise ConfigError([ConfigProblem(case.name, "rig_control", "missing", needed)])
 
@@ -180,7 +180,7 @@ def point_case(plan: Plan, point: Point) -> Case:
 
 def _rail(case: Case, adhesion: float) -> dict[str, Any]:
     """The case's condition of the rail with another friction at no slip."""
-    return {**_plain(rail_shape(case)), "start": adhesion}
+    return {**_plain(rail_shape(case)), "mu_0": adhesion}
 
 
 def _load_changes(case: Case, load: float) -> dict[str, object]:
@@ -217,7 +217,7 @@ def _braking(case: Case, torque: float) -> dict[str, object]:
         "brake": {**_plain(brake), **quick},
         "slide_protection": protection,
         "traction": None,
-        "anti_slip": None,
+        "wheel_slip_control": None,
     }
 
 
@@ -227,7 +227,7 @@ def _pulling(case: Case, torque: float) -> dict[str, object]:
     demand = [[0.0, 0.0], [BEGIN, 0.0], [BEGIN + RISE, torque]]
     return {
         "traction": {**_plain(traction), "demand": demand, "motor": _plain(motor)},
-        "anti_slip": {} if case.anti_slip is None else case.anti_slip,
+        "wheel_slip_control": {} if case.wheel_slip_control is None else case.wheel_slip_control,
         "brake": None,
         "slide_protection": None,
     }

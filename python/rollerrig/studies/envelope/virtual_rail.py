@@ -1,4 +1,4 @@
-"""What the imitated rail gives at most, and from which slip on a wheel slides on it.
+"""What the reproduced rail gives at most, and from which slip on a wheel slides on it.
 
 case of a point, patch of a wheel -> [virtual rail] -> peak of the creep curve
 
@@ -13,16 +13,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rollerrig import _core
+from rollerrig.assembly import AssembledModel
 from rollerrig.bench.virtual_train import rail_contact
 from rollerrig.config import Case, Condition
 from rollerrig.config.contact_law import PolachReduction
 from rollerrig.creep import creep_law, creep_law_of
-from rollerrig.model import AssembledModel
 
 Array = NDArray[np.float64]
 
 SLIDES = (1.2, 0.005)
-"""A wheel slides on the imitated rail beyond so many times the slip of the creep curve's peak, and so much more [-]."""
+"""A wheel slides on the reproduced rail beyond so many times the slip of the creep curve's peak, and so much more [-]."""
 
 _SLIPS = np.geomspace(1e-4, 0.5, 160)
 
@@ -48,7 +48,7 @@ def patch_of(model: AssembledModel) -> Patch:
 
 def rail_shape(case: Case) -> Condition:
     """How the virtual rail's adhesion falls with slip, (A1); without [adhesion] it does not."""
-    return Condition(start=1.0) if case.adhesion is None else case.adhesion.rail
+    return Condition(mu_0=1.0) if case.adhesion is None else case.adhesion.rail
 
 
 def adhesion_at(case: Case, adhesion: Array | float, slip: Array | float) -> Array:
@@ -60,12 +60,12 @@ def adhesion_at(case: Case, adhesion: Array | float, slip: Array | float) -> Arr
         slip: over the train's speed [-].
     """
     rail = rail_shape(case)
-    falls = (1.0 - rail.remaining) * np.exp(-rail.decay * np.asarray(slip) * case.motion.speed) + rail.remaining
+    falls = (1.0 - rail.A) * np.exp(-rail.B * np.asarray(slip) * case.motion.speed) + rail.A
     return np.asarray(adhesion * falls)
 
 
 def creep_peak(case: Case, patch: Patch, adhesion: float) -> tuple[float, float]:
-    """Slip and force over load at the peak of the creep curve of the imitated rail.
+    """Slip and force over load at the peak of the creep curve of the reproduced rail.
 
     Args:
         case: whose rail, creep law and speed it is.
@@ -77,10 +77,10 @@ def creep_peak(case: Case, patch: Patch, adhesion: float) -> tuple[float, float]
     """
     rail, contact = rail_shape(case), case.contact
     if contact.creep == "polach":
-        reduction = PolachReduction(stick_reduction=rail.stick_reduction, slip_reduction=rail.slip_reduction)
+        reduction = PolachReduction(k_A=rail.k_A, k_S=rail.k_S)
         law, left = creep_law("polach", polach=reduction), 1.0
     else:  # as stiff as a creepage smaller by (A8)
-        law, left = creep_law_of(contact), 0.5 * (rail.stick_reduction + rail.slip_reduction)
+        law, left = creep_law_of(contact), 0.5 * (rail.k_A + rail.k_S)
     shear, poisson = contact.material.shear_modulus, contact.material.poisson_ratio
 
     def force(slip: float, friction: float) -> float:

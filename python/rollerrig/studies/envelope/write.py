@@ -19,7 +19,7 @@ from rollerrig.plot import envelope as figures
 from rollerrig.plot import figure_bytes
 from rollerrig.report import Figure, Page, Preformatted, Section, Table, Text, number, render
 from rollerrig.results import save_run, write_text
-from rollerrig.run import simulate
+from rollerrig.simulation import simulate
 from rollerrig.studies.envelope.borders import Border, borders, slides
 from rollerrig.studies.envelope.compute import LINES, NUMBERS
 from rollerrig.studies.envelope.judge import FINE, FULL, HELD, IMITATED, REGIONS
@@ -32,10 +32,10 @@ KEYS = {
     "speed_kmh": "of the train at the start of each run [km/h]",
     "runs": "on the map",
     "regions": "number of runs in each region; `keys` says what they are",
-    "imitated": "part of the runs in which the rig imitates: no limit met, tracking below 1 % RMS of train speed",
+    "reproduced": "part of the runs in which the rig reproduces: no limit met, tracking below 1 % RMS of train speed",
     "vehicle_torque_nm": "largest torque of the vehicle's own brake or motor on an axle, per side [N m]; null: no limit is known",
-    "vehicle_imitated": "whether all runs up to that torque are imitated, per side; null: no limit is known",
-    "borders": "per side, load and adhesion: largest torque up to which all is imitated, the next one run, its limit, and "
+    "vehicle_reproduced": "whether all runs up to that torque are reproduced, per side; null: no limit is known",
+    "borders": "per side, load and adhesion: largest torque up to which all is reproduced, the next one run, its limit, and "
     "where the closed forms put the border [N m]; null: none",
     "borders.*.agrees": "whether closed form and map agree within a cell of the map; null: not to be compared",
     "agreement.borders, agreement.slides": "borders that agree, and how many were compared: of limits; of sliding (V2)",
@@ -45,7 +45,7 @@ KEYS = {
 
 METHOD = (
     f"Each point is a run of the whole rig, {{duration:g}} s long, from {{speed:.4g}} km/h: the torque rises from "
-    f"{BEGIN:g} s to {BEGIN + RISE:g} s and stays; slide protection or anti-slip lets the wheels slide and regain "
+    f"{BEGIN:g} s to {BEGIN + RISE:g} s and stays; slide protection or wheel-slip control lets the wheels slide and regain "
     f"speed. A region is named after the limit that is met first for at least {1e3 * HELD:g} ms: creep force of "
     f"{FULL:g} of the friction between wheel and roller, or the whole torque of a roller's drive. Where no limit is "
     f"met the tracking error decides: {100 * FINE:g} % of train speed, RMS. Wheels slide where the virtual slip "
@@ -58,7 +58,7 @@ CLOSED_FORMS = (
     "curve of the rail, (V5) the adhesion at the slip where the protection acts. The torque in (V6) is that which the "
     "protection leaves on the axle, not the one asked for: a run to the right of (V2) is limited on the way out of its "
     "slide if the protection takes off more than that. Where the protection takes torque off before all of it acts, as "
-    "anti-slip does, the rig reaches beyond (V5). A border agrees if its line passes within a cell of the map."
+    "wheel-slip control does, the rig reaches beyond (V5). A border agrees if its line passes within a cell of the map."
 )
 LEFT_OUT = (
     "The torque comes at once, from ideal cylinders or motors: the vehicle's own would be slower and slide more "
@@ -150,9 +150,9 @@ def summary(found: xr.Dataset) -> dict[str, Any]:
         "speed_kmh": found.attrs["speed_kmh"],
         "runs": runs,
         "regions": counts,
-        "imitated": sum(counts[name] for name in IMITATED) / max(1, runs),
+        "reproduced": sum(counts[name] for name in IMITATED) / max(1, runs),
         "vehicle_torque_nm": own,
-        "vehicle_imitated": {side: _vehicle_imitated(found, side, torque) for side, torque in own.items()},
+        "vehicle_reproduced": {side: _vehicle_reproduced(found, side, torque) for side, torque in own.items()},
         "agreement": {"borders": _agreement(reach), "slides": _agreement(begin)},
         "borders": [_border(border) for border in reach],
         "rollerrig_version": found.attrs["rollerrig_version"],
@@ -163,7 +163,7 @@ def _vehicle_torque(found: xr.Dataset, side: str) -> float | None:
     return finite(float(found["line_vehicle"].sel(side=side).isel(load=0, line_adhesion=0)))
 
 
-def _vehicle_imitated(found: xr.Dataset, side: str, torque: float | None) -> bool | None:
+def _vehicle_reproduced(found: xr.Dataset, side: str, torque: float | None) -> bool | None:
     if torque is None:
         return None
     signed = (-1.0 if side == "brake" else 1.0) * found["torque"].to_numpy()
@@ -182,7 +182,7 @@ def _border(border: Border) -> dict[str, Any]:
         "side": border.side,
         "load": border.load,
         "adhesion": border.adhesion,
-        "imitated_up_to_nm": border.reached,
+        "reproduced_up_to_nm": border.reached,
         "beyond_nm": finite(border.beyond),
         "limit": border.limit or None,
         "predicted_nm": finite(border.predicted),
@@ -196,7 +196,8 @@ def lead(found: xr.Dataset) -> str:
     counts = numbers["regions"]
     limits = sorted((name for name in REGIONS if counts[name] and name not in IMITATED), key=lambda name: -counts[name])
     lines = [
-        f"{numbers['runs']} runs at {numbers['speed_kmh']:.4g} km/h: the rig imitates {100 * numbers['imitated']:.0f} % of them."
+        f"{numbers['runs']} runs at {numbers['speed_kmh']:.4g} km/h: "
+        f"the rig reproduces {100 * numbers['reproduced']:.0f} % of them."
     ]
     if limits:
         lines.append(
@@ -205,11 +206,11 @@ def lead(found: xr.Dataset) -> str:
     for side, torque in numbers["vehicle_torque_nm"].items():
         if torque is not None:
             machine = "brake" if side == "brake" else "motor"
-            imitated = numbers["vehicle_imitated"][side]
-            verdict = {True: "is imitated on every rail and load", None: "lies below the map"}.get(imitated)
+            reproduced = numbers["vehicle_reproduced"][side]
+            verdict = {True: "is reproduced on every rail and load", None: "lies below the map"}.get(reproduced)
             lines.append(
                 f"What the vehicle's own {machine} exerts, up to {torque_text(float(f'{torque:.3g}'))} per axle, "
-                f"{verdict or 'is not imitated everywhere: see the table'}."
+                f"{verdict or 'is not reproduced everywhere: see the table'}."
             )
     agreement = numbers["agreement"]
     told = [
@@ -255,12 +256,12 @@ def report(
         Section("What is left out", [Text(LEFT_OUT)]),
         Section("Case", [Preformatted("the whole case", found.attrs["config_toml"])]),
     ]
-    title = f"{found.attrs['case']}: where the rig can imitate a degraded rail"
+    title = f"{found.attrs['case']}: where the rig can reproduce a degraded rail"
     return render(Page(title, lead(found), sections, f"rollerrig {found.attrs['rollerrig_version']}"))
 
 
 def _reach(found: xr.Dataset) -> Table:
-    """Largest imitated torque over adhesion, a column per side and load."""
+    """Largest reproduced torque over adhesion, a column per side and load."""
     rows = borders(found)
     columns = list(dict.fromkeys((row.side, row.load) for row in rows))
     cells = {(row.side, row.load, row.adhesion): _reach_cell(row) for row in rows}
@@ -271,7 +272,9 @@ def _reach(found: xr.Dataset) -> Table:
     load_kn = 1e-3 * found["axle_load"].to_numpy()
     names = dict(zip(map(float, found["load"].to_numpy()), load_kn, strict=True))
     header = ("adhesion", *(f"{side}, axle load {names[load]:.4g} kN" for side, load in columns))
-    return Table(header, table, "largest torque on an axle up to which every run is imitated, and what limits the next")
+    return Table(
+        header, table, "largest torque on an axle up to which every run is reproduced, and what limits the next"
+    )
 
 
 def _reach_cell(row: Border) -> str:

@@ -203,11 +203,11 @@ def carried_weight(results: PaperResults, run: xr.Dataset) -> float:
     """Weight of frame and wheelsets and the load of the secondary suspension at the first output time [N]."""
     case = traction_case(results.plan)
     free = {
-        b.name: b.mass for b in case.vehicle.data.bodies_in(case.vehicle.part) if b.name not in case.vehicle.part.held
+        b.name: b.mass for b in case.vehicle.data.bodies_in(case.vehicle.part) if b.name not in case.vehicle.part.fixed
     }
     load = 9.81 * sum(free.values())
     for element in case.vehicle.data.elements_in(case.vehicle.part):
-        if element.between[0] in case.vehicle.part.held:
+        if element.between[0] in case.vehicle.part.fixed:
             load -= float(run["element_force_z"].sel(element=element.name).isel(time=0))
     return load
 

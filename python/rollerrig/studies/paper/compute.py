@@ -19,7 +19,7 @@ from rollerrig.analysis.critical import scan_case
 from rollerrig.analysis.hunting import bracket
 from rollerrig.analysis.parallel import run_jobs
 from rollerrig.analysis.traction import with_theory
-from rollerrig.run import simulate
+from rollerrig.simulation import simulate
 from rollerrig.studies.compare.critical import Causes, CriticalTable, cause_cases, critical_table, table_cases
 from rollerrig.studies.paper.plan import (
     MATERIALS,
@@ -121,7 +121,7 @@ def _linear_jobs(plan: PaperPlan) -> list[Job]:
         case = rig_case(material)
         jobs.append(("contact", material, case))
         jobs += [
-            ("barrier", material, (b, case.with_changes({"contact.merge_barrier": b}), scan)) for b in plan.barriers
+            ("barrier", material, (b, case.with_changes({"contact.merging_criterion": b}), scan)) for b in plan.barriers
         ]
         jobs += [("effects", material, (on, c, scan)) for on, c in cause_cases(case).items()]
         jobs += [("radius", material, (p, c, scan)) for p, c in table_cases(case, TABLE_PARTS, plan.radii).items()]

@@ -143,7 +143,7 @@ def fit_blocks(results: PaperResults) -> list[Block]:
             for barrier in results.plan.barriers
         ]
         caption = (
-            "Linear critical speed of the bogie on the rig over contact.merge_barrier, the rule for two patches that "
+            "Linear critical speed of the bogie on the rig over contact.merging_criterion, the rule for two patches that "
             "become one."
         )
         blocks.append(Table(("merge barrier", *(NAMES[m] for m in names)), values, caption))
@@ -258,7 +258,7 @@ def parameter_blocks(results: PaperResults) -> list[Block]:
         ("paper's material", f"G = {1e-9 * soft.shear_modulus:.2f} GPa, ν = {soft.poisson_ratio:g}; {soft.source}"),
         ("friction", f"{case.contact.friction:g}"),
         ("creep law, normal law", f"{case.contact.creep}, {case.contact.normal}"),
-        ("merge barrier", f"{case.contact.merge_barrier:g}"),
+        ("merge barrier", f"{case.contact.merging_criterion:g}"),
         (
             "runs of figure 7",
             f"rodas4, tolerance {settings.relative_tolerance:g} relative, {settings.absolute_tolerance:g} m, "

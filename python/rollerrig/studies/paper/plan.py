@@ -29,7 +29,7 @@ TABLE_PARTS = ("leading_bogie", "vehicle")
 """Parts in the table of critical speeds over the rollers' radius."""
 
 BARRIERS = (0.0, 0.005, 0.01, 0.015, 0.02, 0.05)
-"""Values of contact.merge_barrier for which the sensitivity of the critical speed is shown."""
+"""Values of contact.merging_criterion for which the sensitivity of the critical speed is shown."""
 
 
 @dataclass(frozen=True)

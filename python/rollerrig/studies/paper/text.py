@@ -240,7 +240,7 @@ def _sensitivity(results: PaperResults) -> str:
     return (
         "How firm these numbers are: near its centred position S1002 on UIC60 1:40 touches in two patches per "
         "wheel, and the method of the paper treats each as a Hertz contact of its own. What happens where two "
-        "patches become one is a modelling choice (contact.merge_barrier). Over the values in the table the linear "
+        "patches become one is a modelling choice (contact.merging_criterion). Over the values in the table the linear "
         "critical speed is "
         + " and ".join(parts)
         + ". The exact solution has a single patch there, so the linear critical speed of this pair "

@@ -30,8 +30,8 @@ PAPER_KEYS = {
     "materials.*.linear.*.critical_speed_kmh": "speed at which the least damped oscillation loses its damping "
     "[km/h]; null: none",
     "materials.*.linear.*.frequency_hz": "its frequency [Hz]",
-    "materials.*.merge_barrier": "linear critical speed of the bogie on the rig [km/h] per value of "
-    "contact.merge_barrier",
+    "materials.*.merging_criterion": "linear critical speed of the bogie on the rig [km/h] per value of "
+    "contact.merging_criterion",
     "materials.*.contact": "steady rolling on the rig: patches per wheel, deepest approach [µm], sum of f11 of a "
     "wheel [N], wavelength of slow hunting [m]",
     "materials.*.onset_wavelength_m": "wavelength of the limit cycle at the lowest speed at which it was found [m]",
@@ -165,7 +165,7 @@ def _material(results: PaperResults, material: str) -> dict[str, object]:
     }
     numbers: dict[str, object] = {
         "linear": linear,
-        "merge_barrier": {f"{b:g}": finite(3.6 * v) for b, v in results.barriers.get(material, {}).items()},
+        "merging_criterion": {f"{b:g}": finite(3.6 * v) for b, v in results.barriers.get(material, {}).items()},
         "onset_wavelength_m": finite(onset_wavelength(results, material)),
     }
     if material in results.contact:

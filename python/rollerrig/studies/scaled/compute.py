@@ -19,7 +19,6 @@ import xarray as xr
 from rollerrig.analysis import linear_critical_speed
 from rollerrig.analysis.parallel import run_jobs
 from rollerrig.config import Case
-from rollerrig.run import simulate
 from rollerrig.similitude import (
     ContactAtRest,
     Requirement,
@@ -30,7 +29,8 @@ from rollerrig.similitude import (
     requirements,
     scale_case,
 )
-from rollerrig.start import StartError
+from rollerrig.simulation import simulate
+from rollerrig.starting_state import StartError
 from rollerrig.studies.output import finite
 
 Progress = Callable[[float, str], None]
@@ -177,8 +177,8 @@ def _run(case: Case, progress: Progress) -> xr.Dataset:
 def _critical(case: Case) -> float:
     """Linear critical speed at full scale with the rollers' speed held [m/s]; NaN if there is none in the range."""
     factor = factors_of(case).speed if case.similitude is not None else 1.0
-    bare = dict.fromkeys(("adhesion", "brake", "traction", "slide_protection", "anti_slip", "rig_control"))
-    motion = case.motion.model_copy(update={"drive": "held", "torque_table": None, "speed_table": None})
+    bare = dict.fromkeys(("adhesion", "brake", "traction", "slide_protection", "wheel_slip_control", "rig_control"))
+    motion = case.motion.model_copy(update={"drive": "speed_controlled", "torque_table": None, "speed_table": None})
     held = case.model_copy(update={**bare, "motion": motion, "axle_torque": (), "disturbance": ()})
     try:
         found = linear_critical_speed(held, [v / factor for v in SPEEDS])
@@ -202,7 +202,7 @@ KEYS = {
     "*.tracking_rms": "RMS of wheel speed less that of the virtual train, over train speed [-]",
     "*.real_sliding_largest_mps": "wheel against roller [m/s]",
     "*.axle_torque_largest_nm": "of brake and traction on one axle [N m]",
-    "*.vent_cycles": "times that dump valves opened to vent, all axles",
+    "*.dump_cycles": "times that dump valves opened to vent, all axles",
     "*.wheel_load_n": "mean wheel load at the start [N]",
     "*.lateral_largest_m": "largest lateral displacement of a wheelset [m]",
     "*.critical_speed_kmh": "linear critical speed with the rollers held [km/h]; null: none from 40 to 520 km/h",
@@ -285,7 +285,7 @@ def of_run(run: xr.Dataset) -> dict[str, Any]:
         "tracking_rms": _rms(_relative_speed(run, virtual)) if float(np.abs(virtual).max()) > 0 else None,
         "real_sliding_largest_mps": float(np.abs(run["real_sliding"]).max()),
         "axle_torque_largest_nm": float(np.abs(axle_torque(run)).max()),
-        "vent_cycles": int(last["vent_cycles"].sum()),
+        "dump_cycles": int(last["dump_cycles"].sum()),
     }
 
 

@@ -1,0 +1,89 @@
+// contact/creep/creep_table.hpp - the exact theory as a smooth function: forces and moment of a patch read from a table.
+//
+//     F / (mu N) = L(v) rho_0 / (rho_0 + rho) + |q| D(ln(a/b), q),       q = v / (rho_0 + rho),   rho = |v|
+//
+// v are the creepages in units in which each of them demands about mu N; L is Kalker's linear theory, so small creepages give
+// exactly (20), D being zero in the middle of the ball by its mirror symmetries. q fills the unit ball, its surface is full sliding. D is a tensor product of cubic B-splines, twice
+// continuously differentiable, fitted to solutions of contact/creep/rolling_reference.hpp for nu = 0.28. For other nu the creepages
+// are scaled by the ratio of Kalker's coefficients, which keeps the linear limit exact.
+// Outside 1/10 <= a/b <= 10 the end values of D hold; runs count it with Kalker's table (clamped_aspect). Every creepage is
+// inside. How accurate, and how the table is made: docs/theory/creep_laws.md, (C13)-(C15).
+//
+// Source  our own.
+#pragma once
+#include <array>
+#include <cstddef>
+#include <vector>
+
+#include "rollerrig/contact/creep/creep_query.hpp"
+
+namespace rollerrig {
+
+/// Coefficients of D at uniform knots: from -1 to count + 1 along each axis but the lateral one, which is symmetric.
+struct CreepTable {
+  double log_aspect_end{2.302585092994046};  ///< knots of ln(a/b) run from minus this to this
+  double rho_0{1.5};
+  int aspects{16};                      ///< intervals
+  std::array<int, 3> cells{8, 12, 12};  ///< per unit of q: longitudinal >= 0, lateral, spin >= 0
+  std::vector<float> coefficients;      ///< [aspect][longitudinal][lateral][spin][force along, across, moment, 0]
+
+  std::array<std::size_t, 4> shape() const {
+    auto const n = [](int i) { return static_cast<std::size_t>(i); };
+    return {n(aspects + 3), n(cells[0] + 3), n(2 * cells[1] + 3), n(cells[2] + 3)};
+  }
+  std::size_t size() const {
+    auto const s = shape();
+    return 4 * s[0] * s[1] * s[2] * s[3];
+  }
+};
+
+/// Value of D and its slopes along ln(a/b) and q.
+struct CreepTablePoint {
+  std::array<double, 3> value;
+  std::array<std::array<double, 3>, 4> slope;  ///< [coordinate][component]
+};
+
+/// D and, where wanted, its slopes. Compiled once: core/src/contact/creep/creep_table.cpp.
+void read_creep_table(CreepTable const& table, double log_aspect, std::array<double, 3> const& q, bool slopes,
+                      CreepTablePoint& out);
+
+struct TableLaw {
+  CreepTable const* table{nullptr};
+
+  template <Scalar T>
+  CreepForce<T> operator()(CreepQuery<T> const& query) const {
+    using std::sqrt;
+    auto const& e = query.creepage;
+    auto const& f = query.stiffness;
+    T const& adhesion = query.adhesion;
+    T const torsion = f.f33 * adhesion / friction_moment(query);
+    std::array<T, 3> const v{f.f11 * e.longitudinal / adhesion, f.f22 * e.lateral / adhesion,
+                             query.direction * e.spin * sqrt(f.f23 * f.f23 + torsion * torsion) / adhesion};
+    T const rho = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2] + 1e-20);
+    T const shrink = 1.0 / (table->rho_0 + rho);
+    std::array<T, 3> const q{v[0] * shrink, v[1] * shrink, v[2] * shrink};
+
+    constexpr bool slopes = !std::is_same_v<T, double>;
+    CreepTablePoint point;
+    read_creep_table(*table, value_of(query.log_aspect), {value_of(q[0]), value_of(q[1]), value_of(q[2])}, slopes,
+                     point);
+    auto const d = [&](std::size_t c) {
+      T out(point.value[c]);
+      if constexpr (slopes) {
+        out += point.slope[0][c] * (query.log_aspect - value_of(query.log_aspect));
+        for (std::size_t k = 0; k < 3; ++k) out += point.slope[k + 1][c] * (q[k] - value_of(q[k]));
+      }
+      return out;
+    };
+    auto const linear = linear_creep_force(e, f);
+    T const fade = table->rho_0 * shrink;
+    T const gain = adhesion * rho * shrink;
+    T const tx = fade * linear.longitudinal + gain * d(0);
+    T const ty = fade * linear.lateral + gain * d(1);
+    T const moment = fade * linear.spin_moment + query.direction * gain * sqrt(query.a * query.b) * d(2);
+    T const saturation = sqrt(tx * tx + ty * ty + 1e-20) / (adhesion * demand(linear, adhesion) + 1e-10);
+    return never_drives(query, CreepForce<T>{tx, ty, moment, saturation});
+  }
+};
+
+}  // namespace rollerrig

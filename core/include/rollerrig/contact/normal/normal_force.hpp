@@ -1,0 +1,45 @@
+// contact/normal/normal_force.hpp - elastic and damping force between one wheel and one roller.
+//
+// Signs   gap < 0: the surfaces overlap. gap_rate < 0: they approach. N >= 0 always.
+// Source  Malvezzi, Meli, Pugi (2010), eq. (12).
+#pragma once
+#include "rollerrig/scalar.hpp"
+
+namespace rollerrig {
+
+/// Damping of eq. (12): acts while the surfaces approach.
+struct NormalDamping {
+  double damping{1e5};           ///< k_v [N s/m]
+  double smoothing_speed{1e-4};  ///< [m/s]
+
+  /// k_v max(0, -gap_rate) with its corner rounded: departs from (12) by at most k_v smoothing_speed / 2 (5 N), so that
+  /// the slope at rest exists (k_v/2, the equivalent of the one-sided damper for small oscillations). Never adds energy.
+  template <Scalar T>
+  T force(T const& gap_rate) const {
+    using std::sqrt;
+    double const v0 = smoothing_speed;
+    return 0.5 * damping * (sqrt(gap_rate * gap_rate + v0 * v0) - v0 - gap_rate);
+  }
+};
+
+/// Elastic and dissipative part of the normal force [N].
+template <Scalar T>
+struct NormalForce {
+  T elastic;
+  T damping;
+  T total() const { return elastic + damping; }
+};
+
+///     N = k_h |p|^(3/2) + k_v |p_dot| [p_dot < 0]     (12), for gap < 0; the caller drops contacts with gap >= 0.
+///
+/// The sum is never negative: a separating wheel is not pulled back.
+template <Scalar T>
+NormalForce<T> normal_force(NormalDamping const& law, T const& stiffness, T const& gap, T const& gap_rate) {
+  using std::sqrt;
+  T const depth = select(gap < 0.0, -gap, T(1e-30));
+  T const elastic = stiffness * depth * sqrt(depth);
+  T const damping = law.force(gap_rate);
+  return {elastic, select(elastic + damping > 0.0, damping, -elastic)};
+}
+
+}  // namespace rollerrig

@@ -1,0 +1,106 @@
+// contact/normal/strip_contact.hpp - the normal contact of one wheel without assuming ellipses: strips on every overlapping stretch.
+//
+//   indented minima -> islands -> strips -> [strip problem] -> patches: force, centre, equivalent ellipse
+//
+// What overlaps is one patch. Two dips of one island are one patch where the rise between them is deep in the material and
+// two where it is not; in between both readings count with a smooth share, because the creep forces of one wide patch and
+// of two narrow ones differ: (S8) of docs/theory/non_elliptic_contact.md. The normal force is the same in both.
+#pragma once
+#include "rollerrig/contact/normal/hertz.hpp"
+#include "rollerrig/contact/normal/strip_problem.hpp"
+#include "rollerrig/geometry/interpenetration.hpp"
+#include "rollerrig/math/dual.hpp"
+
+namespace rollerrig {
+
+/// Seeds: the pose's translation and rotation. All derivatives of a contact go through them.
+using StripDual = Dual<6>;
+
+/// Tables of one wheel.
+struct StripTables {
+  StripKernel const* kernel{nullptr};
+  HertzTable const* hertz{nullptr};
+  ArcLength const* arc{nullptr};
+};
+
+/// Elastic part of one patch, frame b. Forces act on the wheel.
+template <Scalar T>
+struct StripPatch {
+  T share;                    ///< of this reading of the strips, 0 to 1
+  T normal;                   ///< resultant of the pressures [N]
+  Vec3<T> direction;          ///< its direction, out of the roller
+  Vec3<T> point;              ///< centre of the pressures on the roller [m]
+  Vec3<T> moment;             ///< of the pressures about it [N m]: their normals differ
+  T wheel_s, rail_y;          ///< centre of the pressures [m]
+  T a, b;                     ///< ellipse of the same area and the same ratio of the pressures' second moments [m]
+  double approach{0.0};       ///< largest interpenetration [m]
+  double peak_pressure{0.0};  ///< [Pa]
+  double width{0.0};          ///< across the rolling direction, gaps between loaded strips left out [m]
+};
+
+template <Scalar T>
+struct StripContact {
+  static constexpr int capacity = ContactSearch::max_minima;
+  int count{0};
+  std::array<StripPatch<T>, capacity> patch;
+};
+
+/// The contact of the search's indented minima; T: double or StripDual.
+template <Scalar T>
+StripContact<T> strip_contact(WheelRollerPair const& pair, StripTables const& tables, Material const& material,
+                              RelativePose<T> const& pose, ContactSearch const& search);
+
+/// The same for any scalar: with derivatives, by the chain rule over the pose's six directions.
+template <Scalar T>
+StripContact<T> strip_contact_of(WheelRollerPair const& pair, StripTables const& tables, Material const& material,
+                                 RelativePose<T> const& pose, ContactSearch const& search) {
+  if constexpr (std::same_as<T, double>) {
+    return strip_contact(pair, tables, material, pose, search);
+  } else {
+    auto const number = [](Vec3<T> const& v) { return Vec3<double>{v.x.value, v.y.value, v.z.value}; };
+    Vec3<double> const o = number(pose.o);
+    Rotation<double> const R{number(pose.R.ex), number(pose.R.ey), number(pose.R.ez)};
+    // A small turn about x, y, z of b after R.
+    auto const turned = [&](Vec3<double> const& e) {
+      Vec3<StripDual> out = lift<StripDual>(e);
+      out.x.d[4] = e.z, out.x.d[5] = -e.y;
+      out.y.d[5] = e.x, out.y.d[3] = -e.z;
+      out.z.d[3] = e.y, out.z.d[4] = -e.x;
+      return out;
+    };
+    RelativePose<StripDual> seeded{lift<StripDual>(o), {turned(R.ex), turned(R.ey), turned(R.ez)}};
+    seeded.o.x.d[0] = seeded.o.y.d[1] = seeded.o.z.d[2] = 1.0;
+    auto const found = strip_contact(pair, tables, material, seeded, search);
+
+    // How the pose given moves along those six: (dR) R^T is the turn.
+    auto const turn = [&](auto row, auto column) {
+      T sum = (pose.R.ex.*row) * (R.ex.*column);
+      sum += (pose.R.ey.*row) * (R.ey.*column);
+      sum += (pose.R.ez.*row) * (R.ez.*column);
+      return sum;
+    };
+    std::array<T, 6> const motion{pose.o.x,
+                                  pose.o.y,
+                                  pose.o.z,
+                                  turn(&Vec3<T>::z, &Vec3<double>::y),
+                                  turn(&Vec3<T>::x, &Vec3<double>::z),
+                                  turn(&Vec3<T>::y, &Vec3<double>::x)};
+    auto const chain = [&](StripDual const& x) {
+      T out(x.value);
+      for (int i = 0; i < 6; ++i) out.d += x.d[i] * motion[static_cast<std::size_t>(i)].d;
+      return out;
+    };
+    auto const chain3 = [&](Vec3<StripDual> const& v) { return Vec3<T>{chain(v.x), chain(v.y), chain(v.z)}; };
+    StripContact<T> out;
+    out.count = found.count;
+    for (std::size_t k = 0; k < static_cast<std::size_t>(found.count); ++k) {
+      auto const& p = found.patch[k];
+      out.patch[k] = {chain(p.share),   chain(p.normal),  chain3(p.direction), chain3(p.point),
+                      chain3(p.moment), chain(p.wheel_s), chain(p.rail_y),     chain(p.a),
+                      chain(p.b),       p.approach,       p.peak_pressure,     p.width};
+    }
+    return out;
+  }
+}
+
+}  // namespace rollerrig

@@ -1,0 +1,52 @@
+// geometry/contact_point.hpp - one solution of (7)-(8) with everything the contact forces need, with derivatives.
+#pragma once
+#include "rollerrig/geometry/reduction.hpp"
+
+namespace rollerrig {
+
+/// A point where wheel and roller share a normal. All vectors in b.
+template <Scalar T>
+struct ContactPoint {
+  T wheel_s;                 ///< EN abscissa on the wheel profile [m]
+  T rail_y;                  ///< abscissa on the generatrix [m]
+  T gap;                     ///< [m]; negative: the surfaces overlap by -gap, eq. (9)
+  Vec3<T> p;                 ///< p_b^{b,C}: point on the roller [m], eq. (11)
+  Vec3<T> n;                 ///< n_b^b: outward normal of the roller, eq. (6)
+  T wheel_curvature_along;   ///< k_1r [1/m], eq. (15); positive: convex towards the other body
+  T wheel_curvature_across;  ///< k_2r [1/m]
+  T rail_curvature_along;    ///< k_1b [1/m]
+  T rail_curvature_across;   ///< k_2b [1/m]
+};
+
+/// The contact point near the root s of F, as a function of the pose.
+///
+/// @param s         root of F, found in double [m]
+/// @param gradient  dF/ds at the root, for the implicit function theorem: ds = -dF / gradient
+template <Scalar T>
+ContactPoint<T> contact_point(WheelRollerPair const& pair, RelativePose<T> const& pose, double s, double gradient) {
+  using std::sqrt;
+  T root(s);
+  if constexpr (!std::same_as<T, double>) root = root - reduce(pair, pose, T(s)).residual / gradient;
+  auto const at_root = reduce(pair, pose, root);
+  auto const& line = at_root.line;
+  auto const& foot = at_root.foot;
+
+  ContactPoint<T> point;
+  point.wheel_s = root;
+  point.rail_y = foot.y;
+  point.gap = at_root.gap;
+  point.n = -line.n;                         // (7)
+  point.p = line.p - at_root.gap * point.n;  // (8)
+  T const wheel_norm2 = 1.0 + line.profile.slope * line.profile.slope;
+  T const wheel_norm = sqrt(wheel_norm2);
+  T const rail_norm2 = 1.0 + foot.rail.slope * foot.rail.slope;
+  T const rail_norm = sqrt(rail_norm2);
+  double const kappa = pair.hertz_curvature();
+  point.wheel_curvature_along = 1.0 / (line.radius * wheel_norm);                      // (15)
+  point.wheel_curvature_across = -(line.profile.second / (wheel_norm2 * wheel_norm));  // (15), r > 0
+  point.rail_curvature_along = kappa / ((1.0 + kappa * foot.rail.value) * rail_norm);  // (15), roller
+  point.rail_curvature_across = -(foot.rail.second / (rail_norm2 * rail_norm));        // (15)
+  return point;
+}
+
+}  // namespace rollerrig

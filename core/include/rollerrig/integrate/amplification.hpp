@@ -1,0 +1,50 @@
+// integrate/amplification.hpp - what one step of a method does to a small deviation.
+//
+//   A = df/dx -> [one step per unit vector, by the method itself] -> G with dx_new = G dx
+//
+// Eigenvalues of G outside the unit circle that belong to no growing motion of x' = A x are the method's own: the step is
+// too long. For a Runge-Kutta method G = R(h A); an exponential method has no such function, so the method is run.
+#pragma once
+#include "rollerrig/integrate/integrator.hpp"
+
+namespace rollerrig::integrate {
+
+/// x' = A x; the relaxing directions are those of the system that A belongs to.
+struct LinearSystem {
+  Eigen::MatrixXd const& a;
+  RelaxingDirections directions{};
+  int quadratures{0};  ///< that the directions reach; they stay as they are
+
+  Sizes sizes() const { return {static_cast<int>(a.rows()), quadratures}; }
+  RelaxingDirections relaxing_directions() const { return directions; }
+  bool renew_relaxing_directions(RelaxingDirections const& now, RelaxingDirections& next) const {
+    if (now.size() == directions.size()) return false;
+    next = directions;
+    return true;
+  }
+  Status derivative(double, double const* x, double* x_dot, double* z_dot) const {
+    if (z_dot != nullptr) std::fill_n(z_dot, quadratures, 0.0);
+    Eigen::Map<Eigen::VectorXd>(x_dot, a.rows()).noalias() = a * Eigen::Map<Eigen::VectorXd const>(x, a.rows());
+    return Status::ok;
+  }
+};
+
+/// G of one step [s] of an explicit method, (n, n).
+inline Eigen::MatrixXd amplification(LinearSystem system, Method method, double step) {
+  Options options;
+  options.method = method;
+  options.step = step;
+  options.final_time = step;
+  Integrator integrator(system, options);
+  auto const n = system.a.rows();
+  Eigen::MatrixXd g(n, n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    Eigen::VectorXd const unit = Eigen::VectorXd::Unit(n, i);
+    integrator.start(0.0, unit.data());
+    integrator.advance(step);
+    g.col(i) = Eigen::Map<Eigen::VectorXd const>(integrator.states(), n);
+  }
+  return g;
+}
+
+}  // namespace rollerrig::integrate

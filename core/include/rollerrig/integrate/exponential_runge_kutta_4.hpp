@@ -1,0 +1,208 @@
+// integrate/exponential_runge_kutta_4.hpp - the exponential Runge-Kutta method of Krogstad, order 4, for fixed steps.
+//
+//     x' = f(t, x);   along the relaxing directions   s_i = d_i . x,   s_i' = N_i(t, x) - lambda_i s_i
+//
+// The decay is integrated exactly, N by the classical method: neither a damper's inner node between a stiff spring and its
+// dashpot nor the creep of a slow wheel limits the step. Everything across these directions, and everything where lambda = 0,
+// is the classical Runge-Kutta method to the last bit; it is written as that, and x is then moved along u_i to the s_i below.
+//
+// lambda is held over a step. It is the system's guess at the step's start, and need not be exact: N takes up the rest. So
+// that N is small where s follows something that runs away in time, s is counted from a start that runs along (`drift`).
+//
+// With z = -lambda h and  phi_1 = (e^z - 1)/z,  phi_2 = (phi_1 - 1)/z,  phi_3 = (phi_2 - 1/2)/z:
+//
+//     a = e^(z/2) s + h/2 phi_1(z/2) N(x)
+//     b = e^(z/2) s + h [(phi_1(z/2)/2 - phi_2(z/2)) N(x) + phi_2(z/2) N(a)]
+//     c = e^z     s + h [(phi_1 - 2 phi_2) N(x) + 2 phi_2 N(b)]
+//     s_new = e^z s + h [(phi_1 - 3 phi_2 + 4 phi_3) N(x) + (2 phi_2 - 4 phi_3)(N(a) + N(b)) + (4 phi_3 - phi_2) N(c)]
+//
+// Dense output: the cubic Hermite polynomial of order 3 as in the classical method; along the relaxing directions the same
+// formula as for s_new with theta h in place of h, so that no decay is ever faster than what is shown.
+// Source  Krogstad, Generalized integrating factor methods for stiff PDEs, J. Comput. Phys. 203 (2005); Cox, Matthews,
+//         Exponential time differencing for stiff systems, J. Comput. Phys. 176 (2002); Hochbruck, Ostermann,
+//         Exponential integrators, Acta Numerica 19 (2010).
+#pragma once
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "rollerrig/integrate/evaluator.hpp"
+
+namespace rollerrig::integrate {
+
+/// phi_1, phi_2 and phi_3 at z <= 0, and e^z.
+struct PhiFunctions {
+  double exponential, phi1, phi2, phi3;
+
+  explicit PhiFunctions(double z) : exponential{std::exp(z)} {
+    if (z < -1.0) {  // the recursion loses nothing here
+      phi1 = (exponential - 1.0) / z;
+      phi2 = (phi1 - 1.0) / z;
+      phi3 = (phi2 - 0.5) / z;
+      return;
+    }
+    double sum = 0.0;  // phi_3 = sum of z^k / (k + 3)!
+    double term = 1.0 / 6.0;
+    for (int k = 1; k <= 18; ++k) {
+      sum += term;
+      term *= z / (k + 3);
+    }
+    phi3 = sum;
+    phi2 = 0.5 + z * phi3;
+    phi1 = 1.0 + z * phi2;
+  }
+};
+
+class ExponentialRungeKutta4 {
+ public:
+  static constexpr int order = 4;
+  static constexpr int error_order = 4;  // no estimate: fixed steps only
+  static constexpr bool implicit = false;
+
+  template <class System>
+  explicit ExponentialRungeKutta4(Evaluator<System> const& f) {
+    if constexpr (HasRelaxingDirections<System>) {
+      now_ = f.system().relaxing_directions();
+      next_ = f.system().relaxing_directions();
+      relaxing_.reserve(now_.capacity());
+    }
+    auto const size = f.sizes().states + f.sizes().quadratures;
+    for (Vector* v : {&k1_, &k2_, &k3_, &k4_, &k_end_, &stage_}) v->setZero(size);
+    error_.setZero(f.sizes().states);
+  }
+
+  void restart() { has_end_slope_ = false; }
+
+  /// Once before each new step (not before its repetitions).
+  template <class System>
+  Status prepare(Evaluator<System>& f, double t, Vector const& y) {
+    if (std::exchange(has_end_slope_, false)) {
+      k1_.swap(k_end_);
+    } else {
+      if (auto e = f.derivative(t, y, k1_); e != Status::ok) return e;
+      now_.clear();
+      renewed_ = renew(f);
+    }
+    if (std::exchange(renewed_, false)) std::swap(now_, next_);
+    return Status::ok;
+  }
+
+  Vector const& slope() const { return k1_; }
+  /// Zero: the method has no estimate, and the constructor of Integrator asks for a fixed step.
+  Vector const& error() const { return error_; }
+
+  template <class System>
+  Status attempt(Evaluator<System>& f, Step const& s, Vector const& y, Vector& y_new) {
+    double const h = s.h;
+    double const middle = s.t + 0.5 * h;
+    begin(h, y);
+    drive(k1_, &Relaxing::n1);
+    stage_ = y + (0.5 * h) * k1_;
+    relax(stage_, 0.5 * h, [](Relaxing const& r) { return r.w.decay_half * r.start + r.w.half * r.n1; });
+    if (auto e = f.derivative(middle, stage_, k2_); e != Status::ok) return e;
+    drive(k2_, &Relaxing::n2);
+    stage_ = y + (0.5 * h) * k2_;
+    relax(stage_, 0.5 * h, [](Relaxing const& r) { return r.w.decay_half * r.start + r.w.b1 * r.n1 + r.w.b2 * r.n2; });
+    if (auto e = f.derivative(middle, stage_, k3_); e != Status::ok) return e;
+    drive(k3_, &Relaxing::n3);
+    stage_ = y + h * k3_;
+    relax(stage_, h, [](Relaxing const& r) { return r.w.decay * r.start + r.w.c1 * r.n1 + r.w.c3 * r.n3; });
+    if (auto e = f.derivative(s.end, stage_, k4_); e != Status::ok) return e;
+    drive(k4_, &Relaxing::n4);
+    y_new = y + (h / 6) * (k1_ + 2 * k2_ + 2 * k3_ + k4_);
+    relax(y_new, h, [](Relaxing const& r) {
+      return r.w.decay * r.start + r.w.d1 * r.n1 + r.w.d2 * (r.n2 + r.n3) + r.w.d4 * r.n4;
+    });
+    if (auto e = f.derivative(s.end, y_new, k_end_); e != Status::ok) return e;
+    has_end_slope_ = true;
+    renewed_ = renew(f);  // now: until the next step the system may be asked for outputs elsewhere
+    return Status::ok;
+  }
+
+  /// y(t + theta h) of the last attempted step; HNW I (6.7) across the relaxing directions.
+  void interpolate(double theta, double h, Vector const& y, Vector const& y_new, Vector& out) const {
+    double const rest = 1 - theta;
+    out = rest * y + theta * y_new -
+          (theta * rest) * ((1 - 2 * theta) * (y_new - y) - (rest * h) * k1_ + (theta * h) * k_end_);
+    for (std::size_t i = 0; i < relaxing_.size(); ++i) {
+      // N as a parabola in time through its values at both ends and the mean of those at the middle.
+      Relaxing const& r = relaxing_[i];
+      double const middle = 0.5 * (r.n2 + r.n3);
+      double const linear = -3.0 * r.n1 + 4.0 * middle - r.n4;
+      double const square = 2.0 * r.n1 - 4.0 * middle + 2.0 * r.n4;
+      PhiFunctions const p(-r.w.rate * theta * h);
+      double const there = p.exponential * r.start +
+                           h * theta * (p.phi1 * r.n1 + theta * (p.phi2 * linear + 2.0 * theta * p.phi3 * square));
+      now_.move(i, there + theta * h * now_.drift(i) - now_.along(i, out.data()), out.data());
+    }
+  }
+
+ private:
+  /// What multiplies N of each stage, step included [s].
+  struct Weights {
+    double rate{-1.0}, step{0.0};  // that they belong to
+    double decay_half, decay;
+    double half, b1, b2, c1, c3, d1, d2, d4;
+  };
+  /// One direction in the present step.
+  struct Relaxing {
+    Weights w;
+    double start, now;  ///< s at the step's start, and at the last stage less the drift until then
+    double n1, n2, n3, n4;
+  };
+
+  static void weigh(double rate, double h, Weights& w) {
+    if (rate == w.rate && h == w.step) return;
+    PhiFunctions const p(-0.5 * rate * h), q(-rate * h);
+    w = {rate,
+         h,
+         p.exponential,
+         q.exponential,
+         0.5 * h * p.phi1,
+         h * (0.5 * p.phi1 - p.phi2),
+         h * p.phi2,
+         h * (q.phi1 - 2.0 * q.phi2),
+         h * 2.0 * q.phi2,
+         h * (q.phi1 - 3.0 * q.phi2 + 4.0 * q.phi3),
+         h * (2.0 * q.phi2 - 4.0 * q.phi3),
+         h * (4.0 * q.phi3 - q.phi2)};
+  }
+
+  template <class System>
+  bool renew(Evaluator<System> const& f) {
+    if constexpr (HasRelaxingDirections<System>)
+      return f.system().renew_relaxing_directions(now_, next_);
+    else
+      return false;
+  }
+
+  void begin(double h, Vector const& y) {
+    relaxing_.resize(now_.size());
+    for (std::size_t i = 0; i < relaxing_.size(); ++i) {
+      weigh(now_.rate(i), h, relaxing_[i].w);
+      relaxing_[i].start = relaxing_[i].now = now_.along(i, y.data());
+    }
+  }
+
+  /// N = s' + lambda s.
+  void drive(Vector const& slope, double Relaxing::* n) {
+    for (std::size_t i = 0; i < relaxing_.size(); ++i)
+      relaxing_[i].*n = now_.along(i, slope.data()) - now_.drift(i) + relaxing_[i].w.rate * relaxing_[i].now;
+  }
+
+  template <class Target>
+  void relax(Vector& stage, double elapsed, Target const& target) {
+    for (std::size_t i = 0; i < relaxing_.size(); ++i) {
+      relaxing_[i].now = target(relaxing_[i]);
+      now_.move(i, relaxing_[i].now + elapsed * now_.drift(i) - now_.along(i, stage.data()), stage.data());
+    }
+  }
+
+  RelaxingDirections now_, next_;
+  bool renewed_ = false;  // next_ is for the next step
+  std::vector<Relaxing> relaxing_;
+  Vector k1_, k2_, k3_, k4_, k_end_, stage_, error_;
+  bool has_end_slope_ = false;
+};
+
+}  // namespace rollerrig::integrate

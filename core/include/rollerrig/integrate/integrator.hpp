@@ -1,0 +1,321 @@
+// integrate/integrator.hpp - marches a system through time.
+//
+//   DifferentialEquation + Options -> steps -> outputs on a grid, statistics, a Status
+//
+// The steps depend on the system and the options alone.  Output times are read off the dense output
+// and advance(t) runs on to the first step end at or behind t, so neither the output grid nor the way
+// a caller slices a run (progress, interruption) changes a single bit of it.
+//
+// Everything is allocated by the constructor; stepping neither allocates nor throws.
+#pragma once
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+#include <type_traits>
+#include <utility>
+#include <variant>
+
+#include "rollerrig/integrate/dormand_prince.hpp"
+#include "rollerrig/integrate/exponential_runge_kutta_4.hpp"
+#include "rollerrig/integrate/rodas4.hpp"
+#include "rollerrig/integrate/runge_kutta_4.hpp"
+#include "rollerrig/integrate/step_control.hpp"
+
+namespace rollerrig::integrate {
+
+template <DifferentialEquation System>
+class Integrator {
+ public:
+  /// The system must outlive the integrator.  Throws std::invalid_argument for impossible options.
+  Integrator(System& system, Options options)
+      : options_{std::move(options)},
+        f_{system},
+        n_{f_.sizes().states},
+        method_{make_method(options_.method, f_)},
+        controller_{std::visit([](auto const& m) { return controller_for(m); }, method_)} {
+    check_options();
+    absolute_.setConstant(n_, options_.absolute_tolerance.front());
+    if (options_.absolute_tolerance.size() > 1) std::copy_n(options_.absolute_tolerance.data(), n_, absolute_.data());
+    std::sort(options_.breakpoints.begin(), options_.breakpoints.end());
+    for (Vector* v : {&y_, &y_old_, &y_new_, &y_out_}) v->setZero(n_ + f_.sizes().quadratures);
+  }
+
+  /// Begins a run; a finished or failed integrator may be started again.  z0 may be null: zeros.
+  Status start(double t0, double const* x0, double const* z0 = nullptr) {
+    t0_ = t_old_ = t_ = t0;
+    std::copy_n(x0, n_, y_.data());
+    if (z0 != nullptr) {
+      std::copy_n(z0, y_.size() - n_, y_.data() + n_);
+    } else {
+      y_.tail(y_.size() - n_).setZero();
+    }
+    y_old_ = y_;
+    f_.statistics = {};
+    grid_steps_ = outputs_ = 0;
+    next_breakpoint_ = 0;
+    h_ = 0;
+    pending_output_ = true;
+    restart();
+    skip_passed_breakpoints();
+    status_ = y_.allFinite() ? accept() : Status::not_finite;
+    return status_;
+  }
+
+  /// Steps until time() >= min(t_stop, final time), and shows the observer each output time up to
+  /// t_stop.  observer(t, x, z) may return false to stop: Status::interrupted, and the next advance()
+  /// goes on.  Every other Status that is not ok is final.
+  template <class Observer>
+  Status advance(double t_stop, Observer&& observer) {
+    t_stop = std::min(t_stop, options_.final_time);
+    if (!serve(t_stop, observer)) return Status::interrupted;
+    while (status_ == Status::ok && t_ < t_stop) {
+      status_ = std::visit([this](auto& m) { return step(m); }, method_);
+      if (!serve(t_stop, observer)) return Status::interrupted;
+    }
+    return status_;
+  }
+
+  Status advance(double t_stop) {
+    return advance(t_stop, [](double, double const*, double const*) {});
+  }
+
+  double time() const { return t_; }                            ///< [s] end of the last accepted step
+  double step_start() const { return t_old_; }                  ///< [s] start of the last accepted step
+  double const* states() const { return y_.data(); }            ///< x at time()
+  double const* quadratures() const { return y_.data() + n_; }  ///< z at time()
+  Status status() const { return status_; }
+  Statistics const& statistics() const { return f_.statistics; }
+  Options const& options() const { return options_; }
+
+  /// Dense output inside the last step, step_start() <= t <= time(); x or z may be null.  After a step
+  /// that failed only t = time() is left.
+  void sample(double t, double* x, double* z) {
+    interpolate(t);
+    if (x != nullptr) std::copy_n(y_out_.data(), n_, x);
+    if (z != nullptr) std::copy_n(y_out_.data() + n_, y_out_.size() - n_, z);
+  }
+
+ private:
+  using AnyMethod = std::variant<RungeKutta4, ExponentialRungeKutta4, DormandPrince, Rodas4>;
+  static constexpr double epsilon = std::numeric_limits<double>::epsilon();
+
+  static AnyMethod make_method(Method method, Evaluator<System> const& f) {
+    if (method == Method::rk4) return RungeKutta4(f);
+    if (method == Method::exponential_rk4) return ExponentialRungeKutta4(f);
+    if (method == Method::dormand_prince) return DormandPrince(f);
+    return Rodas4(f);
+  }
+
+  template <class M>
+  static StepController controller_for(M const&) {
+    return StepController(M::error_order, M::implicit);
+  }
+
+  void check_options() const {
+    auto const require = [](bool condition, char const* message) {
+      if (!condition) throw std::invalid_argument(message);
+    };
+    auto const& o = options_;
+    auto const tolerances = static_cast<int>(o.absolute_tolerance.size());
+    require(o.step >= 0, "step must be positive, or 0 to let the error choose it");
+    bool const fixed = o.method == Method::rk4 || o.method == Method::exponential_rk4;
+    require(o.step > 0 || !fixed, "methods rk4 and exponential_rk4 need a step");
+    require(o.method != Method::rodas4 || HasJacobian<System>, "method rodas4 needs a Jacobian");
+    require(o.relative_tolerance > 0, "relative_tolerance must be positive");
+    require(tolerances == 1 || tolerances == n_, "absolute_tolerance must hold one value, or one per state");
+    for (double a : o.absolute_tolerance) require(a > 0, "absolute_tolerance must be positive");
+    require(o.maximum_step > 0, "maximum_step must be positive");
+    require(o.initial_step >= 0, "initial_step must not be negative");
+    require(o.output_step >= 0, "output_step must not be negative");
+    for (double b : o.breakpoints) require(std::isfinite(b), "a breakpoint must be a finite time");
+  }
+
+  // ------------------------------------------------------------------------------- stepping
+
+  /// The shortest step that still moves time: 16 units in the last place, at least those of 1 s.
+  double minimum_step() const { return 16 * epsilon * std::max(1.0, std::abs(t_)); }
+
+  bool has_breakpoint() const { return next_breakpoint_ < options_.breakpoints.size(); }
+
+  /// The next time that a step must not cross.
+  double limit() const {
+    return has_breakpoint() ? std::min(options_.breakpoints[next_breakpoint_], options_.final_time)
+                            : options_.final_time;
+  }
+
+  void skip_passed_breakpoints() {
+    while (has_breakpoint() && options_.breakpoints[next_breakpoint_] <= t_ + minimum_step()) ++next_breakpoint_;
+  }
+
+  void restart() {
+    controller_.restart();
+    if (options_.step == 0) h_ = 0;  // 0: guess anew
+    std::visit([](auto& m) { m.restart(); }, method_);
+  }
+
+  template <class M>
+  Status step(M& method) {
+    if (auto e = method.prepare(f_, t_, y_); e != Status::ok) return e;
+    Status const status = options_.step > 0 ? fixed_step(method) : adaptive_step(method);
+    return status == Status::ok ? accept() : status;
+  }
+
+  Status accept() {
+    if constexpr (HasAccept<System>) return f_.system().accept(t_, y_.data());
+    return Status::ok;
+  }
+
+  /// From grid point to grid point t0 + k step; a limit in between splits the step.
+  template <class M>
+  Status fixed_step(M& method) {
+    if (budget_spent()) return Status::too_many_steps;
+    double const h = options_.step;
+    double const tolerance = 1e-9 * h;  // grid points and limits this close are one
+    double const grid = t0_ + static_cast<double>(grid_steps_ + 1) * h;
+    bool const whole = std::abs(t_ - (t0_ + static_cast<double>(grid_steps_) * h)) <= tolerance;
+    bool const at_limit = limit() <= grid + tolerance;
+    double const end = at_limit ? limit() : grid;
+    double const length = whole && std::abs(end - grid) <= tolerance ? h : end - t_;
+
+    if (auto e = method.attempt(f_, make_step(length, end), y_, y_new_); e != Status::ok) return e;
+    if (!y_new_.allFinite()) return Status::not_finite;
+    if (end >= grid - tolerance) ++grid_steps_;
+    commit(length, end);
+    return Status::ok;
+  }
+
+  template <class M>
+  Status adaptive_step(M& method) {
+    if (h_ == 0) h_ = first_step(method);
+    while (true) {
+      if (budget_spent()) return Status::too_many_steps;
+      double const wanted = std::min(h_, options_.maximum_step);
+      double const rest = limit() - t_;
+      // A limit within 1 % is hit; one within two steps is reached in two equal ones.
+      bool const last = rest <= std::min(1.01 * wanted, options_.maximum_step);
+      double const h = last ? rest : std::min(wanted, 0.5 * rest);
+      double const end = last ? limit() : t_ + h;
+
+      Status status = method.attempt(f_, make_step(h, end), y_, y_new_);
+      double error = 0;
+      if (status == Status::ok) {
+        error = error_norm(method.error(), y_, y_new_, absolute_, options_.relative_tolerance);
+        if (!std::isfinite(error) || !y_new_.allFinite()) status = Status::not_finite;
+      }
+      if (status == Status::ok && error <= 1) {
+        h_ = controller_.accepted(h, error);
+        commit(h, end);
+        return Status::ok;
+      }
+      ++f_.statistics.rejected_steps;
+      bool const failed = status != Status::ok;
+      h_ = failed ? controller_.failed(h) : controller_.rejected(h, error);
+      if (h_ < minimum_step()) return failed ? status : Status::step_too_small;
+    }
+  }
+
+  bool budget_spent() const { return f_.statistics.steps + f_.statistics.rejected_steps >= options_.max_steps; }
+
+  Step make_step(double h, double end) const {
+    bool const at_breakpoint = has_breakpoint() && end == options_.breakpoints[next_breakpoint_];
+    return {t_, h, at_breakpoint ? std::nextafter(end, t_) : end};
+  }
+
+  void commit(double h, double end) {
+    y_old_.swap(y_);
+    y_.swap(y_new_);
+    t_old_ = t_;
+    t_ = end;
+    step_length_ = h;
+    pending_output_ = true;
+    auto& s = f_.statistics;
+    ++s.steps;
+    s.smallest_step = std::min(s.smallest_step, h);
+    s.largest_step = std::max(s.largest_step, h);
+    if (has_breakpoint() && t_ >= options_.breakpoints[next_breakpoint_]) {
+      skip_passed_breakpoints();
+      restart();
+    }
+  }
+
+  /// Hairer, Norsett, Wanner I, II.4: a step whose explicit Euler error is about 1 % of the tolerance.
+  template <class M>
+  double first_step(M& method) {
+    if (options_.initial_step > 0) return options_.initial_step;
+    auto const norm = [this](auto const& v) { return error_norm(v, y_, y_, absolute_, options_.relative_tolerance); };
+    Vector const& slope = method.slope();
+    double const d0 = norm(y_.head(n_));
+    double const d1 = norm(slope.head(n_));
+    double h0 = d0 < 1e-5 || d1 < 1e-5 ? 1e-6 : 0.01 * d0 / d1;
+    h0 = std::min({h0, options_.maximum_step, limit() - t_});
+
+    y_new_ = y_ + h0 * slope;
+    if (f_.derivative(t_ + h0, y_new_, y_out_) != Status::ok) return h0;
+    y_out_ -= slope;
+    double const largest = std::max(d1, norm(y_out_.head(n_)) / h0);
+    double const h1 = largest <= 1e-15 ? std::max(1e-6, 1e-3 * h0) : std::pow(0.01 / largest, 1.0 / (M::order + 1));
+    double const h = std::min(100 * h0, h1);
+    return std::isfinite(h) ? std::max(h, 2 * minimum_step()) : h0;
+  }
+
+  // ------------------------------------------------------------------------------- output
+
+  void interpolate(double t) {
+    double const round_off = 4 * epsilon * std::max(std::abs(t), std::abs(t_));
+    if (t >= t_ - round_off) {
+      y_out_ = y_;
+    } else if (t <= t_old_) {
+      y_out_ = y_old_;
+    } else {
+      double const theta = (t - t_old_) / step_length_;
+      std::visit([&](auto& m) { m.interpolate(theta, step_length_, y_old_, y_, y_out_); }, method_);
+    }
+  }
+
+  template <class Observer>
+  static bool show(Observer& observer, double t, double const* x, double const* z) {
+    if constexpr (std::is_same_v<std::invoke_result_t<Observer&, double, double const*, double const*>, bool>) {
+      return observer(t, x, z);
+    } else {
+      observer(t, x, z);
+      return true;
+    }
+  }
+
+  /// Shows the outputs that lie in the last step and not behind t_stop; false: the observer said stop.
+  template <class Observer>
+  bool serve(double t_stop, Observer& observer) {
+    if (options_.output_step == 0) {
+      if (!std::exchange(pending_output_, false)) return true;
+      return show(observer, t_, y_.data(), y_.data() + n_);
+    }
+    double const tolerance = 1e-9 * options_.output_step;
+    while (true) {
+      double const t = t0_ + static_cast<double>(outputs_) * options_.output_step;
+      if (t > std::min(t_stop, t_) + tolerance) return true;
+      interpolate(t);
+      ++outputs_;
+      if (!show(observer, t, y_out_.data(), y_out_.data() + n_)) return false;
+    }
+  }
+
+  Options options_;
+  Evaluator<System> f_;
+  int n_;
+  AnyMethod method_;
+  StepController controller_;
+  Vector absolute_;
+  Vector y_, y_old_, y_new_, y_out_;  // (x, z) now, before the last step, tried, sampled
+
+  Status status_ = Status::ok;
+  double t0_ = 0, t_ = 0, t_old_ = 0;  // [s]
+  double h_ = 0;                       // [s] next step to try
+  double step_length_ = 1;             // [s] of the last accepted step
+  long grid_steps_ = 0;                // fixed steps: grid points passed
+  long outputs_ = 0;                   // output times shown
+  std::size_t next_breakpoint_ = 0;
+  bool pending_output_ = false;
+};
+
+}  // namespace rollerrig::integrate

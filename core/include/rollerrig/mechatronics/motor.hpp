@@ -1,0 +1,44 @@
+// mechatronics/motor.hpp - a drive from torque command to torque: envelope of torque and power, then the torque loop's lag.
+//
+//   command (held between samples) -> [envelope over speed] -> [first or second order lag] -> torque on wheelset or roller
+//
+// Signs   torque and speed of the driven axle, positive forward; a gearbox is in the numbers (torque times ratio, speed over it).
+#pragma once
+#include <cmath>
+
+#include "rollerrig/math/piecewise_linear.hpp"
+
+namespace rollerrig {
+
+struct Motor {
+  PiecewiseLinear envelope{};     ///< largest |torque| [N m] over |speed| [rad/s]; empty: no limit
+  double bandwidth{2 * pi * 50};  ///< of the torque loop [rad/s]
+  double damping_ratio{0.0};      ///< of a second-order loop; 0: first order
+
+  int states() const { return damping_ratio > 0.0 ? 2 : 1; }
+
+  /// The command within what the motor can do at this speed.
+  template <Scalar T>
+  T within_envelope(T const& command, T const& speed) const {
+    if (envelope.empty()) return command;
+    T const at_speed = envelope.at(select(speed < 0.0, -speed, speed));
+    T const limit = select(at_speed > 0.0, at_speed, T(0.0));
+    return select(command > limit, limit, select(command < -limit, -limit, command));
+  }
+
+  /// Rate of the loop's states: torque, and for a second-order loop its rate.
+  ///
+  ///     tau' = w_b (c - tau)      or      tau'' = w_b^2 (c - tau) - 2 zeta w_b tau'
+  template <Scalar T>
+  void rates(T const* state, T const& command, T const& speed, T* rate) const {
+    T const wanted = within_envelope(command, speed);
+    if (damping_ratio > 0.0) {
+      rate[0] = state[1];
+      rate[1] = bandwidth * bandwidth * (wanted - state[0]) - 2.0 * damping_ratio * bandwidth * state[1];
+    } else {
+      rate[0] = bandwidth * (wanted - state[0]);
+    }
+  }
+};
+
+}  // namespace rollerrig

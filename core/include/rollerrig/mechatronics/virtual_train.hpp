@@ -1,0 +1,124 @@
+// mechatronics/virtual_train.hpp - the train on the degraded rail that runs inside the rig's controller.
+//
+//   torque C on each axle (estimated) -> [virtual train] -> wheel speeds, contact forces and train speed to be reproduced
+//
+//     J_w w_v' = C - r T_v        (D3)
+//     M v'     = sum T_v - R(v) - M g i        (D4)
+//     T_v      from the adhesion law at the virtual slip r w_v - v, per axle
+//
+// Integration  theta method in each axle's speed (one unknown, Newton): the slope of T_v over w_v is stiff at small slip. The
+//              midpoint, and where that would ring (rate times step above 2) as much later as damps it in one step.
+// Source  Malvezzi, Pugi et al., rig for degraded adhesion; Davis' formula for R(v).
+#pragma once
+#include <array>
+#include <cmath>
+#include <limits>
+
+namespace rollerrig {
+
+struct VirtualTrain {
+  static constexpr int most_axles = 8;
+  int axles{2};
+  double mass{32000.0};                            ///< M: that these axles carry and brake [kg]
+  double wheelset_inertia{112.0};                  ///< J_w [kg m^2]
+  double wheel_radius{0.46};                       ///< r [m]
+  double resistance_constant{0.0};                 ///< R = A + B v + C v^2: A [N]
+  double resistance_linear{0.0};                   ///< B [N s/m]
+  double resistance_quadratic{0.0};                ///< C [N s^2/m^2]
+  double gradient{0.0};                            ///< i, positive uphill [-]
+  double gravity{9.81};                            ///< [m/s^2]
+  std::array<double, most_axles> static_load{};    ///< of each axle [N]
+  std::array<double, most_axles> load_transfer{};  ///< change of it per (v' + g i) [kg]
+
+  double resistance(double v) const {
+    return resistance_constant + resistance_linear * v + resistance_quadratic * v * v;
+  }
+};
+
+class VirtualTrainState {
+ public:
+  static constexpr int most_axles = VirtualTrain::most_axles;
+
+  void reset(VirtualTrain const& train, double speed) {
+    speed_ = speed;
+    distance_ = acceleration_ = 0.0;
+    for (int i = 0; i < train.axles; ++i) {
+      axle_speed_[index(i)] = speed / train.wheel_radius;
+      axle_rate_[index(i)] = force_[index(i)] = 0.0;
+    }
+  }
+
+  /// One sample under the torques `axle_torque` [N m], held over it.
+  ///
+  /// @param law  law(axle, slip speed [m/s], train speed [m/s], axle load [N]) -> force T_v on the axle, forward [N]
+  template <class Law>
+  void step(VirtualTrain const& train, double const* axle_torque, double period, Law&& law) {
+    double const half = 0.5 * period;
+    double const speed_middle = std::fmax(0.0, speed_ + half * acceleration_);
+    double const pull = acceleration_ + train.gravity * train.gradient;  // on a slope gravity shifts the loads as well
+    double sum = 0.0;
+    for (int i = 0; i < train.axles; ++i) {
+      auto const k = index(i);
+      double const load = train.static_load[k] + train.load_transfer[k] * pull;
+      auto const force = [&](double w) { return law(i, train.wheel_radius * w - speed_middle, speed_middle, load); };
+      double const reach = later(train, axle_speed_[k], period, force);
+      double const rate = axle_rate(train, axle_torque[i], axle_speed_[k], reach, force);
+      double const middle = axle_speed_[k] + reach * rate;
+      force_[k] = law(i, train.wheel_radius * middle - speed_middle, speed_middle, load);
+      axle_rate_[k] = rate;
+      axle_speed_[k] += period * rate;
+      sum += force_[k];
+    }
+    acceleration_ = (sum - train.resistance(speed_middle)) / train.mass - train.gravity * train.gradient;
+    distance_ += period * speed_middle;
+    speed_ = std::fmax(0.0, speed_ + period * acceleration_);
+  }
+
+  double speed() const { return speed_; }
+  double distance() const { return distance_; }
+  double acceleration() const { return acceleration_; }
+  double axle_speed(int i) const { return axle_speed_[index(i)]; }
+  double axle_rate(int i) const { return axle_rate_[index(i)]; }  ///< over the last sample [rad/s^2]
+  double force(int i) const { return force_[index(i)]; }          ///< T_v [N]
+
+ private:
+  static std::size_t index(int i) { return static_cast<std::size_t>(i); }
+
+  /// theta h: 1/2 h, or (1 - 1/(lambda h)) h for a rate lambda beyond 2/h.
+  template <class Force>
+  double later(VirtualTrain const& train, double w, double period, Force&& force) const {
+    double const dw = 1e-6 * (1.0 + std::fabs(w));
+    double const stiffness = train.wheel_radius * (force(w + dw) - force(w - dw)) / (2.0 * dw * train.wheelset_inertia);
+    return stiffness * period > 2.0 ? period - 1.0 / stiffness : 0.5 * period;
+  }
+
+  /// Solves J_w a = C - r T(w + reach a) for a: Newton with a numerical slope, halving where it leaves the bracket. T over
+  /// slip is steep in the middle and flat outside, where Newton alone jumps to and fro for ever.
+  template <class Force>
+  double axle_rate(VirtualTrain const& train, double torque, double w, double reach, Force&& force) const {
+    double const J = train.wheelset_inertia;
+    double low = -std::numeric_limits<double>::infinity();
+    double high = std::numeric_limits<double>::infinity();
+    double a = (torque - train.wheel_radius * force(w)) / J;
+    for (int iteration = 0; iteration < 60; ++iteration) {
+      double const at = w + reach * a;
+      double const t = force(at);
+      double const dw = 1e-6 * (1.0 + std::fabs(at));
+      double const slope = (force(at + dw) - t) / dw;
+      double const residual = J * a - torque + train.wheel_radius * t;
+      (residual > 0.0 ? high : low) = a;
+      // Beyond the peak of adhesion T falls with slip: the step must not turn round.
+      double next = a - residual / std::fmax(J + train.wheel_radius * slope * reach, 0.2 * J);
+      bool const close = std::fabs(next - a) * reach < 1e-12 * (1.0 + std::fabs(w));
+      if (!close && !(next > low && next < high) && std::isfinite(high - low)) next = 0.5 * (low + high);
+      a = next;
+      if (close) break;
+    }
+    return a;
+  }
+
+  double speed_{0.0}, distance_{0.0}, acceleration_{0.0};
+  std::array<double, most_axles> axle_speed_{}, axle_rate_{}, force_{};
+};
+
+}  // namespace rollerrig

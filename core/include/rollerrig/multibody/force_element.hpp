@@ -1,0 +1,129 @@
+// multibody/force_element.hpp - a three-dimensional elastic-viscous element between two bodies: springs, dampers with series
+// stiffness, bumpstops, anti-roll bars, traction rods.
+//
+// Axes     fixed to body a. Deflection d = R_a^T (P_b - P_a) minus its design value: where P_b, a point of b, has moved
+//          to in the axes of a. Rotations: the relative z-x-y angles of R_a^T R_b (yaw, roll, pitch).
+// Signs    positive d: end b lies further along +axis. The law gives the force that resists it.
+// Action and reaction are both applied at P_b, so that the power on the two bodies is exactly -f d_dot.
+// Clamped  a loaded spring between two seats is symmetric: it is two halves, one as above, the other with axes fixed to b and
+//          acting at P_a. docs/theory/bodies_and_elements.md, (B11)-(B12).
+#pragma once
+#include <array>
+
+#include "rollerrig/math/piecewise_linear.hpp"
+#include "rollerrig/multibody/body.hpp"
+
+namespace rollerrig {
+
+/// Force over deflection and rate in one direction.
+struct DirectionLaw {
+  double preload{0.0};              ///< force on b along +axis at zero deflection [N or N m]
+  double stiffness{0.0};            ///< [N/m or N m/rad]
+  PiecewiseLinear table{};          ///< force over deflection, added to the linear part
+  double damping{0.0};              ///< [N s/m]
+  PiecewiseLinear damping_table{};  ///< force over rate, added to the linear part
+  double series_damping{0.0};       ///< damper c in series with a stiffness k_s (Maxwell) [N s/m]
+  double series_stiffness{0.0};     ///< k_s [N/m]; 0: no such branch
+
+  bool active() const {
+    return preload != 0.0 || stiffness != 0.0 || !table.empty() || damping != 0.0 || !damping_table.empty() ||
+           has_state();
+  }
+  /// The branch has an inner node s: its force is k_s (d - s), and c s_dot equals that force.
+  bool has_state() const { return series_stiffness > 0.0; }
+
+  double potential(double d, double s) const {
+    double const stretch = has_state() ? d - s : 0.0;
+    return -preload * d + 0.5 * stiffness * d * d + table.integral(d) + 0.5 * series_stiffness * stretch * stretch;
+  }
+};
+
+template <Scalar T>
+struct DirectionForce {
+  T force;       ///< on b along +axis
+  T dissipated;  ///< power turned into heat [W]
+  T node_rate;   ///< s_dot
+};
+
+template <Scalar T>
+DirectionForce<T> direction_force(DirectionLaw const& law, T const& d, T const& rate, T const& s) {
+  T viscous = law.damping * rate;
+  if (!law.damping_table.empty()) viscous = viscous + law.damping_table.at(rate);
+  T elastic = law.stiffness * d - law.preload;
+  if (!law.table.empty()) elastic = elastic + law.table.at(d);
+  DirectionForce<T> out{-(elastic + viscous), viscous * rate, T(0.0)};
+  if (law.has_state()) {
+    T const branch = law.series_stiffness * (d - s);
+    out.force -= branch;
+    out.node_rate = branch / law.series_damping;
+    out.dissipated += branch * out.node_rate;
+  }
+  return out;
+}
+
+struct ForceElement {
+  int body_a{-1};  ///< -1: ground
+  int body_b{-1};
+  Vec3<double> r_b{};                 ///< point of action P_b from b's centre of mass, body frame at design [m]
+  std::array<DirectionLaw, 6> law{};  ///< per Coordinate
+  std::array<int, 6> node{-1, -1, -1, -1, -1, -1};  ///< index of s among the element states
+  bool carries_load{false};                         ///< its vertical preload comes from the static solution
+  bool clamped{false};                              ///< half of the force acts in the axes of b, at P_a
+};
+
+/// Deflections and rates of one element in one state, and the axes its forces act along.
+template <Scalar T>
+struct ElementMotion {
+  std::array<T, 6> d{T(0.0), T(0.0), T(0.0), T(0.0), T(0.0), T(0.0)};
+  std::array<T, 6> rate{T(0.0), T(0.0), T(0.0), T(0.0), T(0.0), T(0.0)};
+  Vec3<T> arm_a;                            ///< from the centre of mass of a to P_b, world [m]
+  Vec3<T> arm_b;                            ///< from the centre of mass of b to P_b, world [m]
+  Vec3<T> stretch;                          ///< P_b - P_a, world [m]; of clamped elements
+  Vec3<T> roll_axis, pitch_axis, yaw_axis;  ///< dual to the angles: torque on b = sum of moment * axis (a's axes)
+};
+
+/// @param a, b        motion of the bodies
+/// @param offset      design position of b's centre of mass from a's, world [m]
+/// @param rotational  whether any rotational direction is used
+template <Scalar T>
+ElementMotion<T> element_motion(ForceElement const& element, BodyMotion<T> const& a, BodyMotion<T> const& b,
+                                Vec3<double> const& offset, bool rotational) {
+  using std::asin;
+  using std::atan2;
+  using std::sqrt;
+  ElementMotion<T> m;
+  m.arm_b = b.R * lift<T>(element.r_b);
+  m.arm_a = lift<T>(offset) + (b.p - a.p) + m.arm_b;
+  Vec3<T> d = a.R.transposed_times(m.arm_a) - lift<T>(offset + element.r_b);  // P_a is fixed in a's axes
+  Vec3<T> const v_b = b.v + cross(b.frame_omega, m.arm_b);
+  Vec3<T> const v_a = a.v + cross(a.frame_omega, m.arm_a);
+  Vec3<T> rate = a.R.transposed_times(v_b - v_a);
+  if (element.clamped) {
+    m.stretch = a.R * d;
+    Vec3<T> const slip = v_b - v_a - cross(b.frame_omega - a.frame_omega, m.stretch);  // at P_a
+    d = T(0.5) * (d + b.R.transposed_times(m.stretch));
+    rate = T(0.5) * (rate + b.R.transposed_times(slip));
+  }
+  m.d[coord_x] = d.x, m.d[coord_y] = d.y, m.d[coord_z] = d.z;
+  m.rate[coord_x] = rate.x, m.rate[coord_y] = rate.y, m.rate[coord_z] = rate.z;
+  if (!rotational) return m;
+
+  Rotation<T> const R = relative(a.R, b.R);  // Rz(yaw) Rx(roll) Ry(pitch)
+  Vec3<T> const w = a.R.transposed_times(b.frame_omega - a.frame_omega);
+  T const cos_roll = sqrt(1.0 - R.ey.z * R.ey.z);
+  T const sin_yaw = -(R.ey.x / cos_roll);
+  T const cos_yaw = R.ey.y / cos_roll;
+  m.d[coord_roll] = asin(R.ey.z);
+  m.d[coord_yaw] = atan2(-R.ey.x, R.ey.y);
+  m.d[coord_pitch] = atan2(-R.ex.z, R.ez.z);
+  T const tan_roll = R.ey.z / cos_roll;
+  m.roll_axis = {cos_yaw, sin_yaw, T(0.0)};
+  m.pitch_axis = {-(sin_yaw / cos_roll), cos_yaw / cos_roll, T(0.0)};
+  m.yaw_axis = {sin_yaw * tan_roll, -(cos_yaw * tan_roll), T(1.0)};
+  m.rate[coord_roll] = dot(m.roll_axis, w);
+  m.rate[coord_pitch] = dot(m.pitch_axis, w);
+  m.rate[coord_yaw] = dot(m.yaw_axis, w);
+  return m;
+}
+
+}  // namespace rollerrig

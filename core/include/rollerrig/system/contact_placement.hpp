@@ -1,0 +1,158 @@
+// system/contact_placement.hpp - how a wheel and the rail or roller under it lie and move, before a contact is looked for.
+//
+//   motion of wheelset and roller, track frame, irregularity -> [placement] -> contact search, contact forces
+//
+// Frame b  of geometry/pair.hpp, fixed to the rail or roller where it really lies: displaced by the irregularity and turned
+//          into its direction. The material of a rail stands still in the ground; seen from the wheelset's track frame it
+//          runs backwards with -V and turns with -omega, along the rail's own direction. So the rate of the gap, the lateral
+//          creepage and the work of the rail need no terms of their own.
+// Neglected: the curvature of the rail along its length, within the centimetre by which a contact leads or lags.
+// Source: docs/theory/track.md, (W8).
+#pragma once
+#include "rollerrig/multibody/moving_frame.hpp"
+#include "rollerrig/system/model.hpp"
+#include "rollerrig/track/irregularity.hpp"
+
+namespace rollerrig {
+
+template <Scalar T>
+struct ContactPlacement {
+  RelativePose<T> pose;      ///< of the wheelset, b components
+  ContactMotion<T> motion;   ///< b components
+  Rotation<T> R;             ///< b -> axes of the wheelset's frame; not set where `turned` is false: they are parallel
+  Vec3<T> prescribed_v;      ///< part of motion.v_roller that no state makes: of rails and of steered rollers
+  Vec3<T> prescribed_omega;  ///< the same of motion.omega_roller
+  bool turned{false};
+  bool prescribed{false};
+};
+
+template <Scalar T>
+Vec3<T> mirrored(Vec3<T> const& polar) {
+  return {polar.x, -polar.y, polar.z};
+}
+template <Scalar T>
+Vec3<T> mirrored_axial(Vec3<T> const& axial) {
+  return {-axial.x, axial.y, -axial.z};
+}
+
+/// The same, looked at in the mirror of the plane x-z: a right wheel becomes a left one.
+template <Scalar T>
+void mirror(ContactPlacement<T>& p) {
+  p.pose.o = mirrored(p.pose.o);
+  p.pose.R = {mirrored(p.pose.R.ex), mirrored_axial(p.pose.R.ey), mirrored(p.pose.R.ez)};
+  p.motion = {mirrored(p.motion.v_wheel), mirrored_axial(p.motion.omega_wheel), mirrored(p.motion.v_roller),
+              mirrored_axial(p.motion.omega_roller)};
+  p.prescribed_v = mirrored(p.prescribed_v);
+  p.prescribed_omega = mirrored_axial(p.prescribed_omega);
+}
+
+/// The axes of a rail along a direction: x there, y level.
+template <Scalar T>
+Rotation<T> axes_along(Vec3<T> const& direction) {
+  using std::sqrt;
+  T const plan2 = direction.x * direction.x + direction.y * direction.y;
+  T const inverse_plan = 1.0 / sqrt(plan2);
+  T const inverse = 1.0 / sqrt(plan2 + direction.z * direction.z);
+  Vec3<T> const ex = inverse * direction;
+  Vec3<T> const ey{-(direction.y * inverse_plan), direction.x * inverse_plan, T(0.0)};
+  return {ex, ey, cross(ex, ey)};
+}
+
+/// The head of the undisturbed rail, from the origin of b [m].
+inline Vec3<double> head_of(WheelContact const& contact) {
+  return {0.0, contact.right ? -contact.pair.rail_origin_y : contact.pair.rail_origin_y, 0.0};
+}
+
+/// Wheel on a rail of straight, level and perfect track.
+template <Scalar T>
+ContactPlacement<T> on_straight_rail(WheelContact const& contact, BodyMotion<T> const& wheelset, T const& speed) {
+  ContactPlacement<T> p;
+  p.pose = {lift<T>(contact.wheelset_from_crown) + wheelset.p, wheelset.R};
+  p.prescribed = true;
+  p.prescribed_v = {-speed, T(0.0), T(0.0)};
+  p.motion = {wheelset.v, wheelset.omega, p.prescribed_v, {}};
+  return p;
+}
+
+/// Wheel on a rail anywhere: curved and canted (`frame`; null: straight), irregular, on springs (`rail`; null: rigid). (W8)
+template <Scalar T>
+ContactPlacement<T> on_rail(WheelContact const& contact, BodyMotion<T> const& wheelset, BodyMotion<T> const* rail,
+                            TrackFrame<T> const* frame, RailOffset<T> const& offset, T const& speed) {
+  ContactPlacement<T> p;
+  Vec3<T> const head = lift<T>(head_of(contact));
+  Vec3<T> const irregular{T(0.0), offset.y.value, offset.z.value};
+  // Direction of this rail per metre of the line, and velocity of its material at any place X: -V (along + twist x X).
+  Vec3<T> direction{T(1.0), offset.y.slope, offset.z.slope};
+  if (frame) direction += frame->along - Vec3<T>{T(1.0), T(0.0), T(0.0)} + cross(frame->twist, head + irregular);
+  p.R = axes_along(direction);
+  p.turned = true;
+  Vec3<T> displaced = head + irregular;
+  if (rail) displaced += rail->p;
+  auto const to_b = [&](Vec3<T> const& v) { return p.R.transposed_times(v); };
+  p.pose = {head + to_b(lift<T>(contact.wheelset_from_crown) + wheelset.p - displaced), relative(p.R, wheelset.R)};
+  Vec3<T> material{-speed, T(0.0), T(0.0)};
+  if (frame) {
+    Vec3<T> const origin = displaced - p.R * head;  // of b, from that of F
+    material = -(frame->v + cross(frame->omega, origin));
+    p.prescribed_omega = to_b(-frame->omega);
+  }
+  p.prescribed = true;
+  p.prescribed_v = to_b(material);
+  p.motion = {to_b(wheelset.v), to_b(wheelset.omega), rail ? to_b(material + rail->v) : p.prescribed_v,
+              p.prescribed_omega};
+  return p;
+}
+
+/// Wheel on a roller that can only spin: its frame coincides with the world's.
+template <Scalar T>
+ContactPlacement<T> on_fixed_roller(WheelContact const& contact, BodyMotion<T> const& wheelset,
+                                    BodyMotion<T> const& roller) {
+  ContactPlacement<T> p;
+  p.pose = {lift<T>(contact.wheelset_from_crown) + wheelset.p, wheelset.R};
+  p.motion = {wheelset.v,
+              wheelset.omega,
+              {roller.rate[coord_pitch] * contact.crown_in_roller.z, T(0.0), T(0.0)},
+              {T(0.0), roller.rate[coord_pitch], T(0.0)}};
+  return p;
+}
+
+/// Wheel on a roller on springs, or one that is moved like the rail it stands for (`offset`; null: it is not).
+template <Scalar T>
+ContactPlacement<T> on_roller(WheelContact const& contact, BodyMotion<T> const& wheelset, BodyMotion<T> const& roller,
+                              RailOffset<T> const* offset, bool steered, T const& speed) {
+  ContactPlacement<T> p;
+  Vec3<T> const c = lift<T>(contact.crown_in_roller);
+  // The crown point moves by (R - 1) c with the roller's turning; written so that a large radius cancels exactly.
+  Vec3<T> const turned = c.x * (roller.R.ex - Vec3<T>{T(1.0), T(0.0), T(0.0)}) +
+                         c.y * (roller.R.ey - Vec3<T>{T(0.0), T(1.0), T(0.0)}) +
+                         c.z * (roller.R.ez - Vec3<T>{T(0.0), T(0.0), T(1.0)});
+  Vec3<T> origin = roller.p + turned;  // of b, from its design position
+  p.R = roller.R;
+  p.turned = true;
+  Vec3<T> given{};  // velocity that the actuators prescribe
+  if (offset) {
+    p.prescribed = true;
+    origin += Vec3<T>{T(0.0), offset->y.value, offset->z.value};
+    given = {T(0.0), speed * offset->y.slope, speed * offset->z.slope};
+    if (steered) {
+      T const slope = offset->y.slope;
+      Rotation<T> const steering = axes_along(Vec3<T>{T(1.0), slope, T(0.0)});
+      Vec3<T> const head = lift<T>(head_of(contact));
+      origin += roller.R * (head - steering * head);  // it turns about its own crown
+      p.R = {roller.R * steering.ex, roller.R * steering.ey, roller.R * steering.ez};
+      p.prescribed_omega.z = speed * offset->y.second / (1.0 + slope * slope);
+      p.prescribed_v = -cross(p.prescribed_omega, head);
+    }
+  }
+  auto const to_b = [&](Vec3<T> const& v) { return p.R.transposed_times(v); };
+  p.prescribed_v += to_b(given);
+  p.pose = {to_b(lift<T>(contact.wheelset_from_crown) + wheelset.p - origin), relative(p.R, wheelset.R)};
+  p.motion = {to_b(wheelset.v), to_b(wheelset.omega), to_b(roller.v) + cross(roller.omega_body, c), roller.omega_body};
+  if (offset) {
+    p.motion.v_roller += p.prescribed_v;
+    p.motion.omega_roller += p.prescribed_omega;
+  }
+  return p;
+}
+
+}  // namespace rollerrig

@@ -1,0 +1,44 @@
+// system/equilibrium.hpp - static and steady-rolling equilibrium, solved by Newton's method with the exact Jacobian.
+//
+// Unknown: coordinates, wheelset spin rates, inner nodes of dampers. Given: rollers turn (or rails move) at the running
+// speed, all other rates are zero. Equations: accelerations and node rates vanish; a vehicle that is free along its track may
+// keep up to 10 N of rolling resistance that nothing can balance (it coasts). Where Newton's method leads nowhere the system
+// is let run there in heavily damped motion first.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "rollerrig/system/dynamics.hpp"
+
+namespace rollerrig {
+
+/// A coordinate kept at a value while the others find their equilibrium.
+struct HeldCoordinate {
+  int body{0};
+  int coordinate{coord_y};
+  double value{0.0};  ///< [m or rad]
+};
+
+struct Equilibrium {
+  bool converged{false};
+  int iterations{0};
+  double residual{0.0};   ///< largest unbalanced force [N] or moment [N m]
+  std::vector<double> x;  ///< state
+};
+
+/// @param speed  running speed [m/s]; may be zero
+/// @param t      time at which tables are read [s]
+/// @param held   coordinates that keep their value
+/// @param near   state close to the one looked for, such as that of a neighbouring speed: Newton's method starts there,
+///               with the spins of rolling; empty, or where it leads nowhere: from a first guess
+Equilibrium solve_equilibrium(Dynamics& dynamics, double speed, double t, std::vector<HeldCoordinate> const& held = {},
+                              std::vector<double> const& near = {});
+
+/// Vertical preloads that hold the design position: smallest forces (least squares) in the elements that carry load for
+/// which every body but the wheelsets (which stand on their wheels) is in balance, locks ignored.
+///
+/// @return one force per element on its end b [N]; zero for elements that carry no load
+std::vector<double> static_preloads(std::vector<Body> const& bodies, std::vector<ForceElement> const& elements,
+                                    double gravity, double& worst_imbalance);
+
+}  // namespace rollerrig

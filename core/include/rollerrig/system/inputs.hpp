@@ -1,0 +1,35 @@
+// system/inputs.hpp - what machines and controllers do to the plant between two of their instants.
+//
+//   bench (motors, brakes, controllers) -> [inputs: straight lines over one step] -> dynamics
+//
+// Everything here is given to the plant: it acts back on nothing by itself. Without a bench all of it is empty.
+#pragma once
+#include <vector>
+
+#include "rollerrig/scalar.hpp"
+
+namespace rollerrig {
+
+/// A number on a straight line over time.
+struct HeldInput {
+  double time{0.0};   ///< [s]
+  double value{0.0};  ///< there
+  double slope{0.0};  ///< per second
+
+  template <Scalar T>
+  T at(T const& t) const {
+    return value + slope * (t - time);
+  }
+};
+
+struct Inputs {
+  std::vector<HeldInput> axle_torque;    ///< per axle torque of the model, beside its table [N m]
+  std::vector<HeldInput> roller_torque;  ///< per roller torque of the model [N m]
+  std::vector<HeldInput> cylinder;       ///< per axle brake of the model, over the ambient [Pa]
+  std::vector<double> spent;             ///< per contact: energy per area on the rail under it [J/m^2]
+  bool travels{false};                   ///< the vehicle's frames move as the next three say, not as the table
+  HeldInput speed{};                     ///< [m/s]
+  double distance{0.0};                  ///< s at speed.time [m]
+};
+
+}  // namespace rollerrig

@@ -1,0 +1,81 @@
+// system/rolling_constraint.hpp - wheel and roller of an axle tied by r w = R W: the hypothesis of the rig's control law.
+//
+//   wrenches of wheelset and roller, creep forces along the track -> [tie] -> one force T at the crown instead of them
+//
+// The patches keep normal forces, lateral creep and what differs between left and right (yaw). What they do together along
+// the track and about the two axles is taken out, and T keeps the mean longitudinal slip at nominal radii at nothing:
+//
+//   s = v_x - V_x - r Omega - R Omega_r        s' = -s / tau        (D9)
+//
+// with Omega about the body's own axle (of a roller negative in forward running), V_x of a roller on springs. It is a link of
+// system/links.hpp: alone, T = -(s'_0 + s / tau) / (1/m + r^2/I + 1/m_r + R^2/I_r).
+#pragma once
+#include <array>
+
+#include "rollerrig/system/contact_placement.hpp"
+#include "rollerrig/system/links.hpp"
+
+namespace rollerrig {
+
+/// One axle on its rollers.
+struct RollingConstraint {
+  int wheelset{0}, roller{0};  ///< bodies
+  double wheel_radius{0.46};   ///< r, nominal [m]
+  double roller_radius{1.0};   ///< R [m]
+  std::array<int, 2> contact{-1, -1};
+  double rate{20.0};  ///< 1/tau [1/s]: against what rounding adds up to
+};
+
+/// Creep force of both wheels on the wheelset along the track [N], and their moments on wheelset and roller about the axles.
+template <Scalar T>
+struct AxleCreep {
+  T force{0.0}, on_wheelset{0.0}, on_roller{0.0};
+
+  AxleCreep& operator+=(AxleCreep const& o) {
+    force = force + o.force, on_wheelset = on_wheelset + o.on_wheelset, on_roller = on_roller + o.on_roller;
+    return *this;
+  }
+};
+
+/// The part of one patch.
+///
+/// @param axle  of the wheelset, unit vector
+template <Scalar T>
+AxleCreep<T> axle_creep(WheelContact const& contact, ContactPlacement<T> const& placed, Vec3<T> const& axle,
+                        Patch<T> patch) {
+  patch.force -= patch.normal.total() * patch.point.n;
+  patch.moment = patch.creep.spin_moment * patch.point.n;
+  Vec3<T> on_wheelset = cross(patch.point.p - placed.pose.o, patch.force) + patch.moment;
+  Vec3<T> on_crown = moment_about_crown(contact.laws.roller, patch);
+  Vec3<T> force = patch.force;
+  if (contact.right) {
+    force = mirrored(force);
+    on_wheelset = mirrored_axial(on_wheelset);
+    on_crown = mirrored_axial(on_crown);
+  }
+  T const on_roller = -(on_crown + cross(lift<T>(contact.crown_in_roller), force)).y;
+  if (placed.turned) {
+    force = placed.R * force;
+    on_wheelset = placed.R * on_wheelset;
+  }
+  return {force.x, dot(on_wheelset, axle), on_roller};
+}
+
+/// The tie: u is the mean longitudinal slip at nominal radii.
+inline Link link_of(RollingConstraint const& tie) {
+  return {{{{tie.wheelset, 1.0, 0.0, -tie.wheel_radius}, {tie.roller, -1.0, 0.0, -tie.roller_radius}}}, 0.0, tie.rate};
+}
+
+/// Takes the mean creep out of the wrenches; returns the power it did, which no longer dissipates [W].
+template <Scalar T>
+T take_out(AxleCreep<T> const& creep, BodyMotion<T> const& wheelset, BodyMotion<T> const& roller,
+           Wrench<T>& on_wheelset, Wrench<T>& on_roller) {
+  on_wheelset.force.x -= creep.force;
+  on_roller.force.x += creep.force;
+  on_wheelset.moment -= creep.on_wheelset * wheelset.R.ey;
+  on_roller.moment -= creep.on_roller * roller.R.ey;
+  return creep.force * (wheelset.v.x - roller.v.x) + creep.on_wheelset * dot(wheelset.R.ey, wheelset.omega) +
+         creep.on_roller * dot(roller.R.ey, roller.omega);
+}
+
+}  // namespace rollerrig

@@ -1,0 +1,74 @@
+// system/static_wheelset_contact.hpp - a wheelset pressed onto its rollers or rails at a given lateral position and yaw: the quasi-static
+// contact problem behind `rollerrig contact`. Elastic normal forces only. The load acts at the wheelset's centre, and what
+// holds the wheelset sideways acts at the height of the running surface, where the creep forces would: so the wheels share
+// the load by their lever arms, and a steep flange does not tip the wheelset.
+#pragma once
+#include <array>
+#include <vector>
+
+#include "rollerrig/contact/patch.hpp"
+#include "rollerrig/geometry/search.hpp"
+#include "rollerrig/system/model.hpp"
+
+namespace rollerrig {
+
+/// Position of the wheelset; z and roll are found where they are not given. Over the design position [m, rad].
+struct WheelsetPosition {
+  double x{0.0}, y{0.0}, z{0.0}, roll{0.0}, yaw{0.0};
+};
+
+struct PressedPatch {
+  bool right{false};
+  double wheel_s{0.0}, rail_y{0.0};      ///< [m]
+  double angle{0.0};                     ///< contact angle: slope of the wheel profile as an angle, EN sense [rad]
+  double a{0.0}, b{0.0}, approach{0.0};  ///< [m]
+  double normal{0.0};                    ///< [N]
+  double share{1.0};          ///< that counts: contact/normal/blending_weight.hpp, contact/normal/strip_contact.hpp
+  double peak_pressure{0.0};  ///< [Pa]
+  double width{0.0};          ///< across the rolling direction [m]
+  double area{0.0};           ///< [m^2]
+  Vec3<double> point{}, direction{};  ///< on the roller and normal, b frame, not mirrored
+  double wheel_radius{0.0};           ///< rolling radius at the contact [m]
+  bool limited{false};                ///< curvatures outside Hertz' theory
+};
+
+struct PressedWheelset {
+  bool converged{false};
+  WheelsetPosition position{};
+  double vertical{0.0};     ///< sum of vertical contact forces [N]
+  double roll_moment{0.0};  ///< about the point below the wheelset's centre at the running surface [N m]
+  std::vector<PressedPatch> patches;
+};
+
+class WheelsetPress {
+ public:
+  WheelsetPress(WheelContact const& left, WheelContact const& right);
+
+  /// Presses with `load` [N]; free to roll, or at position.roll.
+  PressedWheelset press(WheelsetPosition position, double load, bool free_to_roll);
+
+  /// Height z at which the wheel of one side just touches, all else as given [m].
+  double touch_height(WheelsetPosition position, bool right);
+
+  /// The patches of one side with the normal contact the case asks for.
+  std::vector<PressedPatch> patches(WheelsetPosition const& position, bool right);
+
+  /// All minima of the gap closer than `reach` in one side, as Hertz patches with negative approach where open.
+  std::vector<PressedPatch> minima(WheelsetPosition const& position, bool right, double reach);
+
+ private:
+  struct Load {
+    double vertical, roll_moment;
+  };
+  RelativePose<double> pose(WheelsetPosition const& p, bool right) const;
+  Load load_at(WheelsetPosition const& p);
+  std::vector<PressedPatch> hertz_patches(WheelsetPosition const& p, bool right);
+  std::vector<PressedPatch> strip_patches(WheelsetPosition const& p, bool right);
+  double height_for(WheelsetPosition p, double load);
+  PressedPatch patch_of(WheelsetPosition const& p, bool right, GapMinimum const& root) const;
+
+  std::array<WheelContact const*, 2> contact_;
+  std::array<ContactSearch, 2> search_;
+};
+
+}  // namespace rollerrig

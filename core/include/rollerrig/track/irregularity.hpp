@@ -1,0 +1,56 @@
+// track/irregularity.hpp - where a rail really lies: displacement from its design position over arc length.
+//
+// Four curves, y (to the left) and z (up) of the left and of the right rail, over one period of the line and repeated from
+// there on. They fade in from the place where the foremost wheel starts, so that a run begins on perfect track.
+#pragma once
+#include <cmath>
+
+#include "rollerrig/math/spline.hpp"
+
+namespace rollerrig {
+
+/// One rail at one place: displacement and its derivatives along the line.
+template <Scalar T>
+struct RailOffset {
+  CurvePoint<T> y{T(0.0), T(0.0), T(0.0)};  ///< [m], to the left
+  CurvePoint<T> z{T(0.0), T(0.0), T(0.0)};  ///< [m], up
+};
+
+struct Irregularity {
+  double period{0.0};  ///< [m]; the splines start at 0 and end here
+  UniformSpline left_y{}, left_z{}, right_y{}, right_z{};
+  double fade_in{0.0};  ///< distance over which they grow to full size [m]
+  bool steered{true};   ///< on a rig: rollers turn into the direction of the rail they stand for
+
+  bool empty() const { return period <= 0.0; }
+
+  /// @param place       s + x of the wheel [m]
+  /// @param fade_start  s + x of the foremost wheel at the start [m]
+  template <Scalar T>
+  RailOffset<T> at(bool right, T const& place, double fade_start) const {
+    T const u = place - period * std::floor(value_of(place) / period);
+    auto const fade = fade_at(place - fade_start);
+    return {faded(fade, (right ? right_y : left_y).at(u)), faded(fade, (right ? right_z : left_z).at(u))};
+  }
+
+ private:
+  /// 0 up to the start, 1 from fade_in on, in between a polynomial with two continuous derivatives.
+  template <Scalar T>
+  CurvePoint<T> fade_at(T const& distance) const {
+    double const x = value_of(distance);
+    if (x >= fade_in) return {T(1.0), T(0.0), T(0.0)};
+    if (x <= 0.0) return {T(0.0), T(0.0), T(0.0)};
+    double const inverse = 1.0 / fade_in;
+    T const u = distance * inverse;
+    return {u * u * u * (10.0 + u * (6.0 * u - 15.0)), (30.0 * inverse) * (u * u * (1.0 + u * (u - 2.0))),
+            (60.0 * inverse * inverse) * (u * (1.0 + u * (2.0 * u - 3.0)))};
+  }
+
+  template <Scalar T>
+  static CurvePoint<T> faded(CurvePoint<T> const& fade, CurvePoint<T> const& curve) {
+    return {fade.value * curve.value, fade.value * curve.slope + fade.slope * curve.value,
+            fade.value * curve.second + 2.0 * (fade.slope * curve.slope) + fade.second * curve.value};
+  }
+};
+
+}  // namespace rollerrig

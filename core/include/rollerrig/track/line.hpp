@@ -1,0 +1,115 @@
+// track/line.hpp - the line as it was laid: plan curvature and cant over arc length, and the frame that travels along it.
+//
+//   curvature, cant, travel -> [track frame F at s(t) + x] -> bodies in their own frames, elements in a common one
+//
+// Frame F  origin on the centre line at the top of rail, x along the plan of the line, y in the canted plane to the left,
+//          z out of it. Every body has its own, at its design position x along the vehicle; its state is the displacement
+//          from the design position in F and stays small however long the run.
+// Frame H  at the vehicle's reference point s(t): x along the plan of the line, z up. What elements join is expressed in H;
+//          the way from one frame to another is integrated over the few metres between them, never over the line.
+// Signs    curvature > 0: a curve to the left. Cant h > 0: the right rail is raised, by h over the base; the inner rail stays
+//          at its height, so the centre line rises by |h|/2.
+// Source   docs/theory/track.md, (W1)-(W6).
+#pragma once
+#include "rollerrig/math/piecewise_cubic.hpp"
+#include "rollerrig/math/vector.hpp"
+#include "rollerrig/track/distance.hpp"
+
+namespace rollerrig {
+
+struct Line {
+  PiecewiseCubic curvature{};  ///< kappa(s) of the plan [1/m]
+  PiecewiseCubic cant{};       ///< h(s) [m], with a continuous slope: F turns with it
+  double cant_base{1.5};       ///< distance over which cant is measured [m]
+
+  bool empty() const { return curvature.empty() && cant.empty(); }
+  /// Straight and level everywhere from `low` to `high`.
+  bool straight(double low, double high) const { return curvature.vanishes(low, high) && cant.vanishes(low, high); }
+};
+
+/// Motion of a frame F and its place in H. Components in F unless it says H.
+template <Scalar T>
+struct TrackFrame {
+  Vec3<T> v;        ///< velocity of the origin [m/s]
+  Vec3<T> omega;    ///< angular velocity [rad/s]
+  Vec3<T> a;        ///< acceleration of the origin [m/s^2]
+  Vec3<T> alpha;    ///< angular acceleration [rad/s^2]
+  Vec3<T> up;       ///< unit vector against gravity
+  Vec3<T> up_rate;  ///< how its components change [1/s]
+  Vec3<T> along;    ///< v per speed [-]
+  Vec3<T> twist;    ///< omega per speed [1/m]
+  Vec3<T> origin;   ///< from the origin of H, H components [m]
+  Rotation<T> R;    ///< F -> H
+};
+
+/// Half the absolute value of the cant, rounded where it is below 10 mm so that its second derivative stays continuous.
+template <Scalar T>
+CurvePoint<T> centre_rise(T const& cant) {
+  double const width = 10e-3;  // [m]
+  T const u = cant * (1.0 / width);
+  T const u2 = u * u;
+  double const sign = value_of(cant) < 0.0 ? -1.0 : 1.0;
+  bool const beyond = value_of(u2) > 1.0;
+  return {0.5 * select(beyond, sign * cant, width * (0.375 + u2 * (0.75 - 0.125 * u2))),
+          0.5 * select(beyond, T(sign), u * (1.5 - 0.5 * u2)),
+          0.5 * select(beyond, T(0.0), (1.5 - 1.5 * u2) * (1.0 / width))};
+}
+
+/// Heading and plan position of the place s + distance seen from H at s.
+struct PlanStep {
+  double x{0.0}, y{0.0};  ///< [m]
+  double heading{0.0};    ///< [rad]
+};
+
+/// (W6): integrated piece by piece, so that a break of the curvature costs no accuracy.
+PlanStep plan_step(PiecewiseCubic const& curvature, double s, double distance);
+
+/// The frame at s + distance. (W2), (W3), (W6)
+template <Scalar T>
+TrackFrame<T> track_frame(Line const& line, Travel<T> const& travel, double distance) {
+  using std::cos;
+  using std::sin;
+  using std::sqrt;
+  T const& V = travel.speed;
+  T const place = travel.s + distance;
+  auto const [kappa, kappa_slope, unused] = line.curvature.at(place);
+  auto const [cant, cant_slope, cant_second] = line.cant.at(place);
+  double const inverse_base = 1.0 / line.cant_base;
+  auto const rise = centre_rise(cant);
+  T const climb = rise.slope * cant_slope;  // r'
+  T const climb_slope = rise.second * cant_slope * cant_slope + rise.slope * cant_second;
+  // Roll of F about x: the right rail raised is a roll to the right. (W2)
+  T const s_roll = -(inverse_base * cant);
+  T const c_roll = sqrt(1.0 - s_roll * s_roll);
+  T const roll_slope = -(inverse_base * cant_slope) / c_roll;
+  T const roll_second = (s_roll * roll_slope * roll_slope - inverse_base * cant_second) / c_roll;
+
+  TrackFrame<T> f;
+  f.up = {T(0.0), s_roll, c_roll};
+  Vec3<T> const level{T(0.0), c_roll, -s_roll};  // the horizontal to the left
+  f.up_rate = (V * roll_slope) * level;
+  f.along = Vec3<T>{T(1.0), T(0.0), T(0.0)} + climb * f.up;
+  f.twist = {roll_slope, kappa * s_roll, kappa * c_roll};
+  f.v = V * f.along;
+  f.omega = V * f.twist;
+  f.a = Vec3<T>{travel.acceleration, T(0.0), T(0.0)} + (V * V * kappa) * level +
+        (travel.acceleration * climb + V * V * climb_slope) * f.up;  // (W3)
+  Vec3<T> const twist_slope = Vec3<T>{roll_second, T(0.0), T(0.0)} + kappa_slope * f.up + (kappa * roll_slope) * level;
+  f.alpha = travel.acceleration * f.twist + (V * V) * twist_slope;  // (W3)
+
+  // (W6): the step between the frames in double; its derivative along the line is known in closed form.
+  double const here = value_of(travel.s);
+  PlanStep const step = plan_step(line.curvature, here, distance);
+  double const kappa_0 = line.curvature.at(here).value;
+  double const c = std::cos(step.heading), s = std::sin(step.heading);
+  T const moved = travel.s - here;
+  T const heading = step.heading + (value_of(kappa) - kappa_0) * moved;
+  T const c_yaw = cos(heading), s_yaw = sin(heading);
+  f.origin = {step.x + (c - 1.0 + kappa_0 * step.y) * moved, step.y + (s - kappa_0 * step.x) * moved,
+              rise.value - centre_rise(line.cant.at(travel.s).value).value};
+  f.R = {
+      {c_yaw, s_yaw, T(0.0)}, {-(s_yaw * c_roll), c_yaw * c_roll, s_roll}, {s_yaw * s_roll, -(c_yaw * s_roll), c_roll}};
+  return f;
+}
+
+}  // namespace rollerrig

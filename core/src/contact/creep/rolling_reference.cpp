@@ -1,0 +1,285 @@
+// Kalker's exact theory of rolling on an elliptic patch; see the header.
+#include "rollerrig/contact/creep/rolling_reference.hpp"
+
+#include <Eigen/Core>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+#include "rollerrig/scalar.hpp"
+
+namespace rollerrig {
+namespace {
+
+/// y ln(x + r) without cancellation, less terms that vanish in the differences below; 0 at y = 0.
+double log_term(double x, double y) { return y == 0.0 ? 0.0 : y * std::asinh(x / std::abs(y)); }
+
+using Column = Eigen::Map<Eigen::VectorXd const>;
+constexpr int settle = 12;  // steps after which no element returns to stick
+
+using Matrix = Eigen::Map<Eigen::MatrixXd const>;
+
+}  // namespace
+
+RectangleInfluence rectangle_influence(double x, double y, double dx, double dy, double nu) {
+  // Cerruti: u = 1/(pi G) integral of {(1 - nu)/r + nu x x / r^3, nu x y / r^3, (1 - nu)/r + nu y y / r^3}, both bodies
+  // together. Antiderivatives: 1/r^3 x x -> y ln(x + r), y y -> x ln(y + r), x y -> -r, and 1/r -> the sum of the first two.
+  double sum_xx = 0.0;
+  double sum_yy = 0.0;
+  double sum_xy = 0.0;
+  for (int i : {-1, 1})
+    for (int j : {-1, 1}) {
+      double const px = x + 0.5 * i * dx;
+      double const py = y + 0.5 * j * dy;
+      sum_xx += i * j * log_term(px, py);
+      sum_yy += i * j * log_term(py, px);
+      sum_xy -= i * j * std::hypot(px, py);
+    }
+  double const inverse = (1.0 - nu) * (sum_xx + sum_yy);
+  return {(inverse + nu * sum_xx) / pi, nu * sum_xy / pi, (inverse + nu * sum_yy) / pi};
+}
+
+RollingGrid RollingGrid::for_ellipse(double a_over_b, double fineness) {
+  // Long patches need more elements along, wide ones more rows.
+  double const rows = 16.0 * fineness * std::pow(a_over_b, -0.18);
+  double const elements = 24.0 * fineness * std::pow(a_over_b, 0.35);
+  auto const at_least = [](double number, double least) {
+    return static_cast<int>(std::lround(std::max(number, least)));
+  };
+  return {at_least(rows, 6.0), at_least(elements, 12.0)};
+}
+
+RollingReference::RollingReference(double a_over_b, double nu, RollingGrid grid)
+    : rows_{grid.rows}, elements_{grid.elements} {
+  double const a = std::sqrt(a_over_b);
+  double const b = 1.0 / a;
+  double const dy = 2.0 * b / (rows_ + 0.2);
+  std::vector<double> length;
+  double total = 0.0;
+  for (int row = 0; row < rows_; ++row) {
+    double const at = -b + (row + 0.6) * dy;
+    double const half = a * std::sqrt(1.0 - square(at / b));
+    double const h = 2.0 * half / (elements_ + 0.1507);
+    // Integrals over x of the bound, sqrt(half^2 - x^2), and of x times it.
+    auto const primitive = [&](double s) {
+      s = std::clamp(s / half, -1.0, 1.0);
+      return 0.5 * half * half * (s * std::sqrt(1.0 - s * s) + std::asin(s));
+    };
+    auto const moment = [&](double s) { return -std::pow(std::max(half * half - s * s, 0.0), 1.5) / 3.0; };
+    for (int i = 0; i <= elements_; ++i) {
+      slip_x_.push_back(half - (i + 0.32535) * h);
+      slip_y_.push_back(at);
+      if (i == elements_) break;
+      x.push_back(half - (i + 0.82535) * h);
+      y.push_back(at);
+      area_.push_back(h * dy);
+      length.push_back(h);
+      double const front = i == 0 ? half : x.back() + 0.5 * h;
+      double const back = std::max(x.back() - 0.5 * h, -half);
+      double const integral = primitive(front) - primitive(back);
+      arm_.push_back((moment(front) - moment(back)) / integral);
+      bound.push_back(integral / h);
+      total += bound.back() * area_.back();
+    }
+  }
+  for (double& g : bound) g /= total;
+  std::size_t const n = count();
+  traction_x.assign(n, 0.0);
+  traction_y.assign(n, 0.0);
+  slipping_.assign(n, 0);
+  velocity_x_.assign(slip_x_.size(), 0.0);
+  velocity_y_.assign(slip_x_.size(), 0.0);
+  b_xx_.resize(n * slip_x_.size());
+  b_xy_.resize(n * slip_x_.size());
+  b_yy_.resize(n * slip_x_.size());
+  auto const per_row = static_cast<std::size_t>(elements_);
+  for (std::size_t p = 0; p < slip_x_.size(); ++p) {
+    double const h = length[p / (per_row + 1) * per_row];  // of this point's row
+    for (std::size_t j = 0; j < n; ++j) {
+      double const across = slip_y_[p] - y[j];
+      auto const behind = rectangle_influence(slip_x_[p] - 0.5 * h - x[j], across, length[j], dy, nu);
+      auto const ahead = rectangle_influence(slip_x_[p] + 0.5 * h - x[j], across, length[j], dy, nu);
+      b_xx_[p * n + j] = (behind.xx - ahead.xx) / h;
+      b_xy_[p * n + j] = (behind.xy - ahead.xy) / h;
+      b_yy_[p * n + j] = (behind.yy - ahead.yy) / h;
+    }
+  }
+}
+
+void RollingReference::find_slip(ReducedCreepage const& e) {
+  auto const points = static_cast<Eigen::Index>(slip_x_.size());
+  auto const size = static_cast<Eigen::Index>(count());
+  // Stored as [slip point][element], so the transpose is what Eigen sees.
+  Matrix const xx(b_xx_.data(), size, points);
+  Matrix const xy(b_xy_.data(), size, points);
+  Matrix const yy(b_yy_.data(), size, points);
+  Column const px(traction_x.data(), size);
+  Column const py(traction_y.data(), size);
+  Eigen::Map<Eigen::VectorXd> vx(velocity_x_.data(), points);
+  Eigen::Map<Eigen::VectorXd> vy(velocity_y_.data(), points);
+  vx = xx.transpose() * px + xy.transpose() * py;
+  vy = xy.transpose() * px + yy.transpose() * py;
+  for (std::size_t p = 0; p < slip_x_.size(); ++p) {
+    velocity_x_[p] += e.longitudinal - e.spin * slip_y_[p];
+    velocity_y_[p] += e.lateral + e.spin * slip_x_[p];
+  }
+}
+
+/// One step of Newton's method for the present division into stick and slip. A sticking element has two unknowns, its
+/// traction, and no slip; a slipping one has the direction of its traction, and no slip across that direction.
+double RollingReference::newton_step() {
+  std::size_t const n = count();
+  auto const per_row = static_cast<std::size_t>(elements_);
+  first_.resize(n + 1);
+  first_[0] = 0;
+  for (std::size_t j = 0; j < n; ++j) first_[j + 1] = first_[j] + (slipping_[j] ? 1 : 2);
+  Eigen::MatrixXd m(first_[n], first_[n]);
+  Eigen::VectorXd r(first_[n]);
+  std::vector<double> cosine(n), sine(n);
+  for (std::size_t j = 0; j < n; ++j) {
+    cosine[j] = traction_x[j] / bound[j];
+    sine[j] = traction_y[j] / bound[j];
+  }
+  for (std::size_t i = 0; i < n; ++i) {
+    std::size_t const p = i + i / per_row;  // slip point ahead of the element's centre; p + 1 is the one behind
+    Eigen::Index const row = first_[i];
+    double const* xx = &b_xx_[p * n];
+    double const* xy = &b_xy_[p * n];
+    double const* yy = &b_yy_[p * n];
+    if (!slipping_[i]) {
+      r(row) = -velocity_x_[p];
+      r(row + 1) = -velocity_y_[p];
+      for (std::size_t j = 0; j < n; ++j) {
+        Eigen::Index const k = first_[j];
+        if (slipping_[j]) {
+          m(row, k) = bound[j] * (xy[j] * cosine[j] - xx[j] * sine[j]);
+          m(row + 1, k) = bound[j] * (yy[j] * cosine[j] - xy[j] * sine[j]);
+        } else {
+          m(row, k) = xx[j];
+          m(row, k + 1) = m(row + 1, k) = xy[j];
+          m(row + 1, k + 1) = yy[j];
+        }
+      }
+      continue;
+    }
+    double const sx = 0.5 * (velocity_x_[p] + velocity_x_[p + 1]);
+    double const sy = 0.5 * (velocity_y_[p] + velocity_y_[p + 1]);
+    double const c = cosine[i];
+    double const s = sine[i];
+    r(row) = sx * s - sy * c;
+    for (std::size_t j = 0; j < n; ++j) {
+      double const mxx = 0.5 * (xx[j] + xx[j + n]);
+      double const mxy = 0.5 * (xy[j] + xy[j + n]);
+      double const myy = 0.5 * (yy[j] + yy[j + n]);
+      double const along_x = mxy * c - mxx * s;  // slip across the traction, per traction along x
+      double const along_y = myy * c - mxy * s;
+      Eigen::Index const k = first_[j];
+      if (slipping_[j]) {
+        m(row, k) = bound[j] * (along_y * cosine[j] - along_x * sine[j]);
+      } else {
+        m(row, k) = along_x;
+        m(row, k + 1) = along_y;
+      }
+    }
+    m(row, row) -= sx * c + sy * s;
+  }
+  Eigen::VectorXd const step = m.partialPivLu().solve(r);
+  double change = 0.0;
+  for (std::size_t j = 0; j < n; ++j) {
+    Eigen::Index const k = first_[j];
+    if (slipping_[j]) {
+      double const turn = std::clamp(step(k), -1.0, 1.0);
+      double const angle = std::atan2(traction_y[j], traction_x[j]) + turn;
+      traction_x[j] = bound[j] * std::cos(angle);
+      traction_y[j] = bound[j] * std::sin(angle);
+      change = std::max(change, std::abs(turn));
+    } else {
+      traction_x[j] += step(k);
+      traction_y[j] += step(k + 1);
+      change = std::max(change, std::hypot(step(k), step(k + 1)) / bound[j]);
+    }
+  }
+  return change;
+}
+
+/// Moves elements between stick and slip. Returns how many. An element on the border may change for ever; so the later steps
+/// only take elements out of stick.
+int RollingReference::revise(bool may_stick) {
+  int moved = 0;
+  auto const per_row = static_cast<std::size_t>(elements_);
+  for (std::size_t j = 0; j < count(); ++j) {
+    double const size = std::hypot(traction_x[j], traction_y[j]);
+    if (!slipping_[j]) {
+      if (size <= bound[j] * (1.0 + 1e-9)) continue;
+      slipping_[j] = 1;
+      traction_x[j] *= bound[j] / size;
+      traction_y[j] *= bound[j] / size;
+      ++moved;
+      continue;
+    }
+    std::size_t const p = j + j / per_row;
+    double const power =
+        traction_x[j] * (velocity_x_[p] + velocity_x_[p + 1]) + traction_y[j] * (velocity_y_[p] + velocity_y_[p + 1]);
+    if (power <= 0.0 || !may_stick) continue;
+    slipping_[j] = 0;
+    ++moved;
+  }
+  return moved;
+}
+
+RollingSolution RollingReference::solve(ReducedCreepage const& e) {
+  RollingSolution s;
+  find_slip(e);
+  for (s.steps = 1; s.steps <= max_steps; ++s.steps) {
+    double const change = newton_step();
+    find_slip(e);
+    int const moved = revise(s.steps < settle);
+    if (moved == 0 && change < tolerance) {
+      s.converged = true;
+      break;
+    }
+    if (moved) find_slip(e);
+  }
+  double stuck = 0.0;
+  double all = 0.0;
+  for (std::size_t j = 0; j < count(); ++j) {
+    s.longitudinal += area_[j] * traction_x[j];
+    s.lateral += area_[j] * traction_y[j];
+    s.spin_moment += area_[j] * (arm_[j] * traction_y[j] - y[j] * traction_x[j]);
+    stuck += slipping_[j] ? 0.0 : area_[j];
+    all += area_[j];
+  }
+  s.adhesion = stuck / all;
+  return s;
+}
+
+std::array<double, 4> RollingReference::kalker_coefficients() {
+  auto const n = static_cast<Eigen::Index>(count());
+  auto const per_row = static_cast<std::size_t>(elements_);
+  Eigen::MatrixXd b(2 * n, 2 * n);
+  Eigen::MatrixXd w(2 * n, 3);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    auto const row = static_cast<std::size_t>(i) / per_row;
+    std::size_t const p = static_cast<std::size_t>(i) + row;
+    for (Eigen::Index j = 0; j < n; ++j) {
+      std::size_t const at = p * count() + static_cast<std::size_t>(j);
+      b(i, j) = b_xx_[at];
+      b(i, n + j) = b(n + i, j) = b_xy_[at];
+      b(n + i, n + j) = b_yy_[at];
+    }
+    w.row(i) << -1.0, 0.0, slip_y_[p];
+    w.row(n + i) << 0.0, -1.0, -slip_x_[p];
+  }
+  Eigen::MatrixXd const t = b.partialPivLu().solve(w);
+  std::array<double, 4> c{};
+  for (Eigen::Index j = 0; j < n; ++j) {
+    auto const k = static_cast<std::size_t>(j);
+    c[0] -= area_[k] * t(j, 0);
+    c[1] -= area_[k] * t(n + j, 1);
+    c[2] -= area_[k] * t(n + j, 2);
+    c[3] -= area_[k] * (arm_[k] * t(n + j, 2) - y[k] * t(j, 2));
+  }
+  return c;
+}
+
+}  // namespace rollerrig

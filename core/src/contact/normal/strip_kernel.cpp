@@ -1,0 +1,58 @@
+#include "rollerrig/contact/normal/strip_kernel.hpp"
+
+#include "rollerrig/contact/normal/hertz.hpp"
+
+namespace rollerrig {
+namespace {
+
+double deflection_slope(double k) {
+  double const root = std::sqrt(1.0 + k * k);
+  if (k > 100.0) return (1.0 + 0.375 / (root * root)) / root;  // K - E would cancel
+  auto const [e, elliptic_k] = elliptic_integrals(k / root);
+  return 4.0 / pi * root * (elliptic_k - e);  // (S1)
+}
+
+double curvature_value(double k) {
+  double const g = k / std::sqrt(1.0 + k * k);
+  return 4.0 / pi * g * elliptic_integrals(g).k;  // (S2)
+}
+
+/// Integral of f by Gauss and Legendre, five points.
+template <class F>
+double integral(F const& f, double a, double b) {
+  double const x[] = {0.0, 0.5384693101056831, 0.9061798459386640};
+  double const w[] = {0.5688888888888889, 0.4786286704993665, 0.2369268850561891};
+  double const middle = 0.5 * (a + b);
+  double const half = 0.5 * (b - a);
+  double sum = w[0] * f(middle);
+  for (int i = 1; i < 3; ++i) sum += w[i] * (f(middle - half * x[i]) + f(middle + half * x[i]));
+  return half * sum;
+}
+
+std::array<double, 4> hermite(double step, double f0, double f1, double m0, double m1) {
+  double const jump = (f1 - f0) / step;
+  return {f0, m0, (3.0 * jump - 2.0 * m0 - m1) / step, (m0 + m1 - 2.0 * jump) / (step * step)};
+}
+
+}  // namespace
+
+StripKernel::StripKernel() {
+  double k0 = std::ldexp(1.0, lowest_octave);
+  double deflection = 4.0 / pi * k0 * std::log(4.0 / k0);  // Psi near zero
+  double curvature = curvature_value(k0);
+  // Below the table, distances of a thousandth of a strip's length: straight.
+  cells_.push_back({0.0, {0.0, deflection / k0, 0.0, 0.0}, {0.0, curvature / k0, 0.0, 0.0}});
+  for (int octave = lowest_octave; octave < lowest_octave + octaves; ++octave)
+    for (int part = 0; part < 8; ++part) {
+      double const step = std::ldexp(0.125, octave);
+      double const k1 = k0 + step;
+      double const next_deflection = deflection + integral(deflection_slope, k0, k1);
+      double const next_curvature = curvature_value(k1);
+      double const m0 = deflection_slope(k0), m1 = deflection_slope(k1);
+      cells_.push_back({k0, hermite(step, deflection, next_deflection, m0, m1),
+                        hermite(step, curvature, next_curvature, m0 / (1.0 + k0 * k0), m1 / (1.0 + k1 * k1))});
+      k0 = k1, deflection = next_deflection, curvature = next_curvature;
+    }
+}
+
+}  // namespace rollerrig

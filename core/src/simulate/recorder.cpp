@@ -1,0 +1,234 @@
+#include "rollerrig/simulate/recorder.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+namespace rollerrig {
+namespace {
+
+constexpr Field body_table[] = {
+    {"x", "m", "longitudinal displacement from the design position"},
+    {"y", "m", "lateral displacement from the design position, positive to the left"},
+    {"z", "m", "vertical displacement from the design position, positive upwards"},
+    {"roll", "rad", "roll angle about the running direction"},
+    {"pitch", "rad", "pitch angle; of wheelsets and rollers the angle turned since the start"},
+    {"yaw", "rad", "yaw angle, positive to the left"},
+    {"x_rate", "m/s", "longitudinal velocity"},
+    {"y_rate", "m/s", "lateral velocity"},
+    {"z_rate", "m/s", "vertical velocity"},
+    {"roll_rate", "rad/s", "roll rate"},
+    {"pitch_rate", "rad/s", "pitch rate; of wheelsets and rollers the spin"},
+    {"yaw_rate", "rad/s", "yaw rate"},
+    {"x_acceleration", "m/s^2", "longitudinal acceleration"},
+    {"y_acceleration", "m/s^2", "lateral acceleration"},
+    {"z_acceleration", "m/s^2", "vertical acceleration"},
+    {"roll_acceleration", "rad/s^2", "second derivative of the roll angle"},
+    {"pitch_acceleration", "rad/s^2", "second derivative of the pitch angle"},
+    {"yaw_acceleration", "rad/s^2", "second derivative of the yaw angle"},
+    {"drive_torque", "N m", "torque about +y that a speed-held roller takes from its drive"},
+    {"felt_lateral_acceleration", "m/s^2",
+     "what an accelerometer at the centre of mass feels to the left of the body; in a curve with the uncompensated "
+     "part"},
+    {"felt_vertical_acceleration", "m/s^2", "the same upwards; +g at rest"},
+};
+
+constexpr Field wheel_table[] = {
+    {"patch_count", "1", "contact patches under load"},
+    {"normal_force", "N", "sum of the patches' normal forces"},
+    {"longitudinal_force", "N", "force on the wheel along the running direction"},
+    {"lateral_force", "N", "force on the wheel to the left (Y, positive to the left)"},
+    {"vertical_force", "N", "force on the wheel upwards (Q)"},
+    {"spin_moment", "N m", "sum of the patches' spin moments on the wheel"},
+    {"longitudinal_sliding", "m/s", "mean over patches, weighted with normal force: wheel minus roller surface speed"},
+    {"lateral_sliding", "m/s", "the same to the left"},
+    {"longitudinal_creepage", "1", "longitudinal sliding over rolling speed, weighted mean"},
+    {"lateral_creepage", "1", "lateral sliding over rolling speed, weighted mean"},
+    {"rolling_speed", "m/s", "mean of wheel and roller surface speed, weighted mean"},
+    {"creep_power", "W", "power dissipated by creep forces"},
+    {"contact_abscissa", "m", "EN abscissa S of the contact on the wheel profile, weighted mean"},
+    {"rolling_radius", "m", "wheel radius at the contact, weighted mean"},
+    {"rail_lateral", "m", "irregularity of the rail, or of the roller that stands for it, to the left"},
+    {"rail_vertical", "m", "the same upwards"},
+};
+
+constexpr Field patch_table[] = {
+    {"wheel_abscissa", "m", "EN abscissa S on the wheel profile, negative towards the flange"},
+    {"rail_abscissa", "m", "abscissa on the generatrix, negative towards the gauge side"},
+    {"contact_angle", "rad",
+     "angle between the contact normal and the vertical, positive where the wheel is pushed to the track centre"},
+    {"approach", "m", "elastic approach of the surfaces"},
+    {"normal", "N", "normal force"},
+    {"a", "m", "semi-axis along the rolling direction"},
+    {"b", "m", "semi-axis across the rolling direction"},
+    {"creepage_x", "1", "longitudinal creepage"},
+    {"creepage_y", "1", "lateral creepage, positive to the left"},
+    {"creepage_spin", "1/m", "spin creepage about the normal out of the roller"},
+    {"creep_force_x", "N", "tangential force on the wheel along the rolling direction"},
+    {"creep_force_y", "N", "tangential force on the wheel across it, positive to the left"},
+    {"creep_moment", "N m", "spin moment on the wheel about the normal out of the roller"},
+    {"saturation", "1", "factor that reduces the linear creep force"},
+    {"sliding_x", "m/s", "longitudinal sliding, wheel minus roller"},
+    {"sliding_y", "m/s", "lateral sliding, positive to the left"},
+};
+
+constexpr Field element_table[] = {
+    {"force_x", "N", "force on the element's second body along x of its first body"},
+    {"force_y", "N", "the same along y"},
+    {"force_z", "N", "the same along z"},
+    {"moment_roll", "N m", "moment on the second body conjugate to the relative roll angle"},
+    {"moment_pitch", "N m", "moment conjugate to the relative pitch angle"},
+    {"moment_yaw", "N m", "moment conjugate to the relative yaw angle"},
+};
+
+constexpr Field run_table[] = {
+    {"kinetic_energy", "J", "kinetic energy of all bodies"},
+    {"gravity_energy", "J", "potential energy of weight over the design position"},
+    {"element_energy", "J", "elastic energy of the force elements, preload included"},
+    {"work_of_drive", "J", "work put in by roller drives or moving rails since the start"},
+    {"work_of_torque", "J", "work put in by axle torques"},
+    {"dissipated_elements", "J", "heat in the force elements' dampers"},
+    {"dissipated_normal", "J", "heat in the normal damping of the contacts"},
+    {"dissipated_creep", "J", "heat of creep and sliding in the contacts"},
+    {"dissipated_brakes", "J", "heat in the friction brakes"},
+    {"stored_contacts", "J", "work done against the contacts' elastic normal force"},
+    {"distance", "m", "arc length of the vehicle's reference point along the line; on a rig the distance simulated"},
+    {"curvature", "1/m", "plan curvature of the line there, positive to the left"},
+    {"cant", "m", "cant there, positive with the right rail raised"},
+    {"speed", "m/s", "running speed: mean crown speed of the rollers, or speed of the vehicle on track"},
+};
+
+double const nan = std::numeric_limits<double>::quiet_NaN();
+
+void record_body(Dynamics const& d, std::size_t b, double const* z, double* out) {
+  auto const& m = d.work().motion[b];
+  for (std::size_t c = 0; c < 6; ++c) {
+    out[c] = m.q[c];
+    out[6 + c] = m.rate[c];
+    out[12 + c] = d.work().acceleration[b][c];
+  }
+  if (int const angle = d.map().angle[b]; angle >= 0) out[coord_pitch] = z[angle];
+  out[18] = d.work().constraint_moment[b];
+  Vec3<double> const felt = d.felt_acceleration(static_cast<int>(b));
+  out[19] = felt.y;
+  out[20] = felt.z;
+}
+
+void record_patch(Patch<double> const& p, double side, double* out) {
+  double const row[] = {p.point.wheel_s,
+                        p.point.rail_y,
+                        std::atan2(p.point.n.y, p.point.n.z) * -1.0,
+                        -p.point.gap,
+                        p.normal.total(),
+                        p.a,
+                        p.b,
+                        p.creepage.longitudinal,
+                        side * p.creepage.lateral,
+                        side * p.creepage.spin,
+                        p.creep.longitudinal,
+                        side * p.creep.lateral,
+                        side * p.creep.spin_moment,
+                        p.creep.saturation,
+                        p.slip_longitudinal,
+                        side * p.slip_lateral};
+  static_assert(std::size(row) == std::size(patch_table));
+  std::copy(std::begin(row), std::end(row), out);
+}
+
+void record_wheel(Dynamics const& d, int wheel, double* out) {
+  auto const& contact = d.model().contacts[static_cast<std::size_t>(wheel)];
+  double const side = contact.right ? -1.0 : 1.0;
+  int const n = d.patch_count(wheel);
+  double load = 0.0, moment = 0.0, power = 0.0;
+  Vec3<double> force{};
+  std::array<double, 7> mean{};
+  for (int k = 0; k < n; ++k) {
+    auto const& p = d.patch(wheel, k);
+    double const w = p.normal.total();
+    load += w;
+    force += p.force;
+    moment += p.creep.spin_moment;
+    power += p.creep_dissipation();
+    double const value[] = {p.slip_longitudinal,
+                            side * p.slip_lateral,
+                            p.creepage.longitudinal,
+                            side * p.creepage.lateral,
+                            p.rolling_speed,
+                            p.point.wheel_s,
+                            contact.pair.wheel_radius + contact.pair.wheel->at(p.point.wheel_s).value};
+    for (std::size_t i = 0; i < mean.size(); ++i) mean[i] += w * value[i];
+  }
+  for (double& v : mean) v = load > 0.0 ? v / load : nan;
+  double const row[] = {static_cast<double>(n),
+                        load,
+                        force.x,
+                        side * force.y,
+                        force.z,
+                        side * moment,
+                        mean[0],
+                        mean[1],
+                        mean[2],
+                        mean[3],
+                        mean[4],
+                        power,
+                        mean[5],
+                        mean[6],
+                        d.work().offset[static_cast<std::size_t>(wheel)].y.value,
+                        d.work().offset[static_cast<std::size_t>(wheel)].z.value};
+  static_assert(std::size(row) == std::size(wheel_table));
+  std::copy(std::begin(row), std::end(row), out);
+}
+
+double running_speed(Dynamics const& d, double t) {
+  double sum = 0.0;
+  int rollers = 0;
+  for (auto const& c : d.model().contacts) {
+    if (c.rail) return d.model().speed.at(t);
+    sum -= d.work().motion[static_cast<std::size_t>(c.roller)].rate[coord_pitch] / c.pair.inverse_radius;
+    ++rollers;
+  }
+  return rollers > 0 ? sum / rollers : 0.0;
+}
+
+}  // namespace
+
+std::span<Field const> Recorder::body_fields() { return body_table; }
+std::span<Field const> Recorder::wheel_fields() { return wheel_table; }
+std::span<Field const> Recorder::patch_fields() { return patch_table; }
+std::span<Field const> Recorder::element_fields() { return element_table; }
+std::span<Field const> Recorder::run_fields() { return run_table; }
+
+Recorder::Recorder(Model const& model)
+    : bodies_{static_cast<int>(model.bodies.size())},
+      wheels_{static_cast<int>(model.contacts.size())},
+      elements_{static_cast<int>(model.elements.size())},
+      width_{bodies_ * static_cast<int>(std::size(body_table)) + wheels_ * static_cast<int>(std::size(wheel_table)) +
+             wheels_ * patches * static_cast<int>(std::size(patch_table)) +
+             elements_ * static_cast<int>(std::size(element_table)) + static_cast<int>(std::size(run_table))} {}
+
+void Recorder::record(Dynamics& d, double t, double const* x, double const* z, double* row) const {
+  d.evaluate(t, x);
+  for (int b = 0; b < bodies_; ++b, row += std::size(body_table)) record_body(d, static_cast<std::size_t>(b), z, row);
+  for (int w = 0; w < wheels_; ++w, row += std::size(wheel_table)) record_wheel(d, w, row);
+  for (int w = 0; w < wheels_; ++w) {
+    double const side = d.model().contacts[static_cast<std::size_t>(w)].right ? -1.0 : 1.0;
+    for (int k = 0; k < patches; ++k, row += std::size(patch_table)) {
+      std::fill_n(row, std::size(patch_table), nan);
+      if (k < d.patch_count(w)) record_patch(d.patch(w, k), side, row);
+    }
+  }
+  for (int e = 0; e < elements_; ++e, row += std::size(element_table))
+    for (int c = 0; c < 6; ++c) row[c] = d.element_force(e, c);
+  row[0] = d.kinetic_energy();
+  row[1] = d.gravity_energy();
+  row[2] = d.element_energy();
+  std::copy_n(z + d.map().angles, account_count, row + 3);
+  row += 3 + account_count;
+  row[0] = d.travel(t).s;
+  row[1] = d.model().line.curvature.at(row[0]).value;
+  row[2] = d.model().line.cant.at(row[0]).value;
+  row[3] = running_speed(d, t);
+}
+
+}  // namespace rollerrig

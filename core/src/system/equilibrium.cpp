@@ -1,0 +1,311 @@
+#include "rollerrig/system/equilibrium.hpp"
+
+#include <Eigen/LU>
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+
+namespace rollerrig {
+namespace {
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+bool is_roller(Model const& model, int body) {
+  return std::ranges::any_of(model.contacts, [body](auto const& c) { return c.roller == body; });
+}
+bool is_wheelset(Model const& model, int body) {
+  return std::ranges::any_of(model.contacts, [body](auto const& c) { return c.wheelset == body; });
+}
+
+/// Which states are unknown, which rows must vanish, and the factor that turns a row into a force or moment.
+struct Problem {
+  std::vector<int> columns, rows;
+  std::vector<double> weight;
+};
+
+Problem set_up(Dynamics const& dynamics, std::vector<HeldCoordinate> const& held) {
+  Model const& model = dynamics.model();
+  StateMap const& map = dynamics.map();
+  Problem problem;
+  auto const is_held = [&](int b, int c) {
+    return std::ranges::any_of(held, [&](auto const& h) { return h.body == b && h.coordinate == c; });
+  };
+  for (int b = 0; b < static_cast<int>(model.bodies.size()); ++b) {
+    Body const& body = model.bodies[at(b)];
+    double const inertia[6] = {body.mass, body.mass, body.mass, body.inertia.x, body.inertia.y, body.inertia.z};
+    for (int c = 0; c < 6; ++c) {
+      int const rate = map.rate[at(b)][at(c)];
+      int const coordinate = map.coordinate[at(b)][at(c)];
+      if (rate < 0 || is_held(b, c)) continue;
+      if (coordinate >= 0) {
+        problem.columns.push_back(coordinate);
+      } else {
+        if (is_roller(model, b)) continue;  // turns at the running speed
+        problem.columns.push_back(rate);
+      }
+      problem.rows.push_back(rate);
+      problem.weight.push_back(inertia[c]);
+    }
+  }
+  for (std::size_t i = 0; i < model.elements.size(); ++i)
+    for (std::size_t c = 0; c < 6; ++c)
+      if (int const node = model.elements[i].node[c]; node >= 0) {
+        problem.columns.push_back(map.coordinates + map.rates + node);
+        problem.rows.push_back(map.coordinates + map.rates + node);
+        problem.weight.push_back(model.elements[i].law[c].series_damping);
+      }
+  return problem;
+}
+
+double vertical_force_on(Dynamics& dynamics, double t, std::vector<double> const& x, int body) {
+  dynamics.evaluate(t, x.data());
+  return dynamics.work().wrench[at(body)].force.z;
+}
+
+/// Lowers a wheelset onto its rollers until they carry what presses on it.
+void set_down(Dynamics& dynamics, double t, std::vector<double>& x, int body) {
+  int const z = dynamics.map().coordinate[at(body)][coord_z];
+  if (z < 0) return;
+  double high = 20e-3 * dynamics.model().contacts.front().pair.size;  // in the air: pulled down
+  double low = -high;                                                 // in the roller: pushed up
+  for (int i = 0; i < 50; ++i) {
+    x[at(z)] = 0.5 * (low + high);
+    (vertical_force_on(dynamics, t, x, body) > 0.0 ? low : high) = x[at(z)];
+  }
+}
+
+/// Where only one wheel stands after that: turns the wheelset about its running direction until the wheels balance.
+void level(Dynamics& dynamics, double t, std::vector<double>& x, int body) {
+  Model const& model = dynamics.model();
+  bool hanging = false;
+  for (int c = 0; c < static_cast<int>(model.contacts.size()); ++c)
+    hanging = hanging || (model.contacts[at(c)].wheelset == body && dynamics.patch_count(c) == 0);
+  int const roll = dynamics.map().coordinate[at(body)][coord_roll];
+  if (!hanging || roll < 0) return;
+  double low = -20e-3;  // the left wheel carries: turned to the left side up
+  double high = 20e-3;
+  for (int i = 0; i < 40; ++i) {
+    x[at(roll)] = 0.5 * (low + high);
+    set_down(dynamics, t, x, body);
+    (dynamics.work().wrench[at(body)].moment.x > 0.0 ? low : high) = x[at(roll)];
+  }
+}
+
+/// Held coordinates at their values, wheels and rollers at the rates of pure rolling.
+void hold_and_roll(Dynamics const& dynamics, double speed, std::vector<HeldCoordinate> const& held,
+                   std::vector<double>& x) {
+  Model const& model = dynamics.model();
+  StateMap const& map = dynamics.map();
+  for (auto const& h : held)
+    if (int const i = map.coordinate[at(h.body)][at(h.coordinate)]; i >= 0) x[at(i)] = h.value;
+  for (auto const& contact : model.contacts) {
+    if (int const i = map.rate[at(contact.wheelset)][coord_pitch]; i >= 0) x[at(i)] = speed / contact.pair.wheel_radius;
+    if (contact.roller == ground) continue;
+    if (int const i = map.rate[at(contact.roller)][coord_pitch]; i >= 0)
+      x[at(i)] = -speed * contact.pair.inverse_radius;
+  }
+}
+
+/// First guess: wheels roll at the running speed, held coordinates are where they belong, wheelsets stand on their wheels.
+std::vector<double> first_guess(Dynamics& dynamics, double speed, double t, std::vector<HeldCoordinate> const& held) {
+  Model const& model = dynamics.model();
+  StateMap const& map = dynamics.map();
+  std::vector<double> x(at(map.states()), 0.0);
+  hold_and_roll(dynamics, speed, held, x);
+  auto const is_held = [&](int b, int c) {
+    return std::ranges::any_of(held, [b, c](auto const& h) { return h.body == b && h.coordinate == c; });
+  };
+  for (int b = 0; b < static_cast<int>(model.bodies.size()); ++b) {
+    if (!is_wheelset(model, b) || is_held(b, coord_z)) continue;
+    set_down(dynamics, t, x, b);
+    if (!is_held(b, coord_roll)) level(dynamics, t, x, b);
+  }
+  return x;
+}
+
+/// Unbalanced forces and moments in one state; false where a wheel has no contact or a number is not finite.
+bool unbalanced(Dynamics& dynamics, Problem const& problem, double t, std::vector<double> const& x,
+                Eigen::VectorXd& residual) {
+  std::vector<double> x_dot(x.size());
+  dynamics.derivative(t, x.data(), x_dot.data(), nullptr);
+  for (std::size_t i = 0; i < problem.rows.size(); ++i)
+    residual[static_cast<Eigen::Index>(i)] = problem.weight[i] * x_dot[at(problem.rows[i])];
+  for (int c = 0; c < static_cast<int>(dynamics.model().contacts.size()); ++c)
+    if (dynamics.patch_count(c) == 0) return false;
+  return residual.allFinite();
+}
+
+/// One Newton step for the unknowns.
+///
+/// @param out_of_reach  largest force that no change of the unknowns can balance, where a motion is neutral [N]
+Eigen::VectorXd newton_step(Dynamics& dynamics, Problem const& problem, double t, std::vector<double> const& x,
+                            Eigen::VectorXd const& residual, JacobianData& j, double& out_of_reach) {
+  auto const n = residual.size();
+  dynamics.jacobian(t, x.data(), j);
+  Eigen::MatrixXd matrix(n, n);
+  for (Eigen::Index r = 0; r < n; ++r)
+    for (Eigen::Index c = 0; c < n; ++c)
+      matrix(r, c) = problem.weight[static_cast<std::size_t>(r)] *
+                     j.a(problem.rows[static_cast<std::size_t>(r)], problem.columns[static_cast<std::size_t>(c)]);
+  // Unknowns of very different size (m, rad, rad/s): scale the columns. Least norm where a motion is neutral, as the
+  // spin of a wheelset without friction is: forces that change by less than a hundred newton per unit do not count.
+  double const floor = 1e2;
+  Eigen::VectorXd const scale = matrix.colwise().norm().cwiseMax(floor).cwiseInverse();
+  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> solver;
+  solver.setThreshold(1e-10);
+  solver.compute(matrix * scale.asDiagonal());
+  Eigen::VectorXd const step = scale.asDiagonal() * solver.solve(residual);
+  out_of_reach = solver.rank() < n ? (residual - matrix * step).cwiseAbs().maxCoeff() : 0.0;
+  return step;
+}
+
+/// Newton's method from a state.
+Equilibrium newton(Dynamics& dynamics, double t, std::vector<HeldCoordinate> const& held, std::vector<double> start) {
+  Problem const problem = set_up(dynamics, held);
+  Equilibrium result;
+  result.x = std::move(start);
+  std::vector<double>& x = result.x;
+
+  JacobianData j(dynamics.sizes());
+  Eigen::VectorXd residual(static_cast<Eigen::Index>(problem.rows.size()));
+  Eigen::VectorXd trial_residual = residual;
+  unbalanced(dynamics, problem, t, x, residual);
+  double out_of_reach = 0.0;
+  double const enough = 1e-7;    // unbalanced [N, N m], far below anything a result shows; rounding leaves 1e-8
+  double const accepted = 1e-3;  // [N, N m]
+  for (result.iterations = 1; result.iterations <= 60; ++result.iterations) {
+    Eigen::VectorXd const step = newton_step(dynamics, problem, t, x, residual, j, out_of_reach);
+    double fraction = 1.0;
+    std::vector<double> trial = x;
+    for (int halving = 0; halving < 12; ++halving, fraction *= 0.5) {
+      for (std::size_t i = 0; i < problem.columns.size(); ++i)
+        trial[at(problem.columns[i])] = x[at(problem.columns[i])] - fraction * step[static_cast<Eigen::Index>(i)];
+      if (unbalanced(dynamics, problem, t, trial, trial_residual) && trial_residual.norm() < residual.norm()) break;
+    }
+    if (!(trial_residual.norm() < residual.norm())) break;  // rounding level, or stuck
+    // Newton's method squares the error: less than half of it gained this near to the end is rounding.
+    bool const rounding = residual.norm() < accepted && trial_residual.norm() > 0.5 * residual.norm();
+    x = trial;
+    residual = trial_residual;
+    if (rounding || residual.norm() < enough) break;
+  }
+  unbalanced(dynamics, problem, t, x, residual);
+  result.residual = residual.cwiseAbs().maxCoeff();
+  // A vehicle that is free along its track keeps its rolling resistance, newtons: steady but for a slow coasting.
+  bool const coasting = out_of_reach > 0.0 && out_of_reach < 10.0 && result.residual < 1.001 * out_of_reach + 1e-3;
+  result.converged = result.residual < accepted || coasting;
+  return result;
+}
+
+/// Lets the system run towards its equilibrium in heavily damped motion: linearly implicit Euler steps, which grow while they
+/// move it little and shrink where they move it far (pseudo-transient continuation: Kelley, Keyes (1998), SIAM J. Numer.
+/// Anal. 35). Goes where Newton's method does not, across contacts that come and go.
+std::vector<double> relaxed(Dynamics& dynamics, double t, std::vector<HeldCoordinate> const& held,
+                            std::vector<double> x) {
+  StateMap const& map = dynamics.map();
+  std::vector<char> fixed(x.size(), 0);
+  auto const fix = [&](int i) {
+    if (i >= 0) fixed[at(i)] = 1;
+  };
+  for (auto const& h : held) {
+    fix(map.coordinate[at(h.body)][at(h.coordinate)]);
+    fix(map.rate[at(h.body)][at(h.coordinate)]);
+  }
+  for (int b = 0; b < static_cast<int>(dynamics.model().bodies.size()); ++b)
+    if (is_roller(dynamics.model(), b)) fix(map.coordinate[at(b)][coord_pitch] < 0 ? map.rate[at(b)][coord_pitch] : -1);
+  std::vector<int> free;
+  for (int i = 0; i < map.states(); ++i)
+    if (!fixed[at(i)]) free.push_back(i);
+
+  auto const n = static_cast<Eigen::Index>(free.size());
+  JacobianData j(dynamics.sizes());
+  Eigen::MatrixXd matrix(n, n);
+  Eigen::VectorXd rates(n);
+  std::vector<double> x_dot(x.size());
+  double h = 1e-3;                   // [s]
+  double const longest = 10.0;       // a step this long is one of Newton's
+  double const largest_move = 1e-3;  // of a coordinate in one step [m, rad]
+  for (int k = 0; k < 500 && h < longest; ++k) {
+    dynamics.derivative(t, x.data(), x_dot.data(), nullptr);
+    dynamics.jacobian(t, x.data(), j);
+    for (Eigen::Index r = 0; r < n; ++r) {
+      rates[r] = x_dot[at(free[static_cast<std::size_t>(r)])];
+      for (Eigen::Index c = 0; c < n; ++c)
+        matrix(r, c) = -j.a(free[static_cast<std::size_t>(r)], free[static_cast<std::size_t>(c)]);
+      matrix(r, r) += 1.0 / h;
+    }
+    Eigen::VectorXd const step = matrix.partialPivLu().solve(rates);
+    double move = 0.0;
+    for (Eigen::Index i = 0; i < n; ++i)
+      if (int const index = free[static_cast<std::size_t>(i)]; index < map.coordinates)
+        move = std::max(move, std::abs(step[i]));
+    if (!step.allFinite() || move > largest_move) {
+      h *= 0.3;
+      continue;
+    }
+    for (Eigen::Index i = 0; i < n; ++i) x[at(free[static_cast<std::size_t>(i)])] += step[i];
+    h *= move < 0.1 * largest_move ? 2.0 : 1.2;
+  }
+  for (std::size_t b = 0; b < map.rate.size(); ++b)
+    for (std::size_t c = 0; c < 6; ++c)
+      if (map.coordinate[b][c] >= 0) x[at(map.rate[b][c])] = 0.0;
+  return x;
+}
+
+}  // namespace
+
+Equilibrium solve_equilibrium(Dynamics& dynamics, double speed, double t, std::vector<HeldCoordinate> const& held,
+                              std::vector<double> const& near) {
+  if (!near.empty()) {
+    std::vector<double> x = near;
+    hold_and_roll(dynamics, speed, held, x);
+    if (auto result = newton(dynamics, t, held, std::move(x)); result.converged) return result;
+  }
+  auto result = newton(dynamics, t, held, first_guess(dynamics, speed, t, held));
+  if (result.converged) return result;
+  auto second = newton(dynamics, t, held, relaxed(dynamics, t, held, first_guess(dynamics, speed, t, held)));
+  return second.converged ? second : result;
+}
+
+std::vector<double> static_preloads(std::vector<Body> const& bodies, std::vector<ForceElement> const& elements,
+                                    double gravity, double& worst_imbalance) {
+  std::vector<int> row_of(bodies.size(), -1);
+  int rows = 0;
+  for (std::size_t b = 0; b < bodies.size(); ++b)
+    if (!bodies[b].axisymmetric) row_of[b] = 3 * rows++;
+  std::vector<std::size_t> carrying;
+  for (std::size_t i = 0; i < elements.size(); ++i)
+    if (elements[i].carries_load) carrying.push_back(i);
+
+  // Per body: vertical force, moments about x and y of a vertical force at (x, y) from its centre of mass.
+  Eigen::MatrixXd balance = Eigen::MatrixXd::Zero(3 * rows, static_cast<Eigen::Index>(carrying.size()));
+  Eigen::VectorXd load = Eigen::VectorXd::Zero(3 * rows);
+  for (std::size_t b = 0; b < bodies.size(); ++b)
+    if (row_of[b] >= 0) load[row_of[b]] = bodies[b].mass * gravity;
+  for (std::size_t k = 0; k < carrying.size(); ++k) {
+    ForceElement const& e = elements[carrying[k]];
+    Vec3<double> const point = (e.body_b >= 0 ? bodies[at(e.body_b)].position : Vec3<double>{}) + e.r_b;
+    auto const act = [&](int body, double sign) {
+      if (body < 0 || row_of[at(body)] < 0) return;
+      Vec3<double> const arm = point - bodies[at(body)].position;
+      auto const column = static_cast<Eigen::Index>(k);
+      balance(row_of[at(body)], column) += sign;
+      balance(row_of[at(body)] + 1, column) += sign * arm.y;
+      balance(row_of[at(body)] + 2, column) -= sign * arm.x;
+    };
+    act(e.body_b, 1.0);
+    act(e.body_a, -1.0);
+  }
+  std::vector<double> preload(elements.size(), 0.0);
+  worst_imbalance = 0.0;
+  if (rows == 0) return preload;
+  if (!carrying.empty()) {
+    Eigen::VectorXd const p = balance.completeOrthogonalDecomposition().solve(load);
+    for (std::size_t k = 0; k < carrying.size(); ++k) preload[carrying[k]] = p[static_cast<Eigen::Index>(k)];
+    load -= balance * p;
+  }
+  worst_imbalance = load.cwiseAbs().maxCoeff();
+  return preload;
+}
+
+}  // namespace rollerrig

@@ -1,0 +1,213 @@
+#include "rollerrig/system/static_wheelset_contact.hpp"
+
+#include <cmath>
+
+#include "rollerrig/contact/wheel_patches.hpp"
+
+namespace rollerrig {
+namespace {
+
+/// Root of f in [low, high] with f(low), f(high) of different sign: false position with Illinois' weights.
+template <class F>
+double root_between(F const& f, double low, double high, double resolution) {
+  double f_low = f(low);
+  double f_high = f(high);
+  if ((f_low > 0.0) == (f_high > 0.0)) return std::abs(f_low) < std::abs(f_high) ? low : high;
+  for (int i = 0; i < 200 && std::abs(high - low) > resolution; ++i) {
+    // Every third step halves: safe where f is flat on one side (no contact).
+    double x = (i % 3 == 2) ? 0.5 * (low + high) : (low * f_high - high * f_low) / (f_high - f_low);
+    if (!(x > std::min(low, high) && x < std::max(low, high))) x = 0.5 * (low + high);
+    double const value = f(x);
+    if (value == 0.0) return x;
+    if ((value > 0.0) == (f_high > 0.0)) {
+      high = x, f_high = value;
+      f_low *= 0.5;
+    } else {
+      low = x, f_low = value;
+      f_high *= 0.5;
+    }
+  }
+  return 0.5 * (low + high);
+}
+
+/// Where a patch lies; the right side is computed in its mirror image.
+void set_place(WheelContact const& contact, double wheel_s, double rail_y, Vec3<double> const& point,
+               Vec3<double> const& direction, PressedPatch& out) {
+  double const side = out.right ? -1.0 : 1.0;
+  auto const profile = contact.pair.wheel->at(wheel_s);
+  out.wheel_s = wheel_s;
+  out.rail_y = rail_y;
+  out.angle = std::atan(profile.slope);
+  out.wheel_radius = contact.pair.wheel_radius + profile.value;
+  out.point = {point.x, side * point.y, point.z};
+  out.direction = {direction.x, side * direction.y, direction.z};
+}
+
+}  // namespace
+
+WheelsetPress::WheelsetPress(WheelContact const& left, WheelContact const& right)
+    : contact_{&left, &right}, search_{ContactSearch(left.pair), ContactSearch(right.pair)} {}
+
+RelativePose<double> WheelsetPress::pose(WheelsetPosition const& p, bool right) const {
+  Body body;
+  body.axisymmetric = true;
+  BodyMotion<double> m;
+  double const side = right ? -1.0 : 1.0;
+  m.q = {p.x, side * p.y, p.z, side * p.roll, 0.0, side * p.yaw};
+  update_motion(body, m);
+  Vec3<double> offset = contact_[right]->wheelset_from_crown;
+  offset.y *= side;
+  return {offset + m.p, m.R};
+}
+
+WheelsetPress::Load WheelsetPress::load_at(WheelsetPosition const& p) {
+  Load load{0.0, 0.0};
+  for (bool right : {false, true}) {
+    auto const at = pose(p, right);
+    for (auto const& patch : patches(p, right)) {
+      Vec3<double> const force = patch.normal * patch.direction;
+      Vec3<double> const arm = patch.point - Vec3<double>{at.o.x, p.y + contact_[0]->wheelset_from_crown.y, 0.0};
+      load.vertical += force.z;
+      load.roll_moment += cross(arm, force).x;
+    }
+  }
+  return load;
+}
+
+PressedPatch WheelsetPress::patch_of(WheelsetPosition const& p, bool right, GapMinimum const& root) const {
+  WheelContact const& contact = *contact_[right];
+  auto const point = contact_point(contact.pair, pose(p, right), root.s, root.gradient);
+  double const d1 = 0.5 * (point.wheel_curvature_along + point.rail_curvature_along);
+  double const d2 = 0.5 * (point.wheel_curvature_across + point.rail_curvature_across);
+  auto const hertz = hertz_contact(*contact.laws.hertz, contact.laws.material, d1, d2);
+  double const depth = std::max(0.0, -point.gap);
+  PressedPatch out;
+  out.right = right;
+  out.a = hertz.a_per_root * std::sqrt(depth);
+  out.b = hertz.b_per_root * std::sqrt(depth);
+  out.approach = -point.gap;
+  out.normal = hertz.stiffness * depth * std::sqrt(depth);
+  out.area = pi * out.a * out.b;
+  out.width = 2.0 * out.b;
+  out.peak_pressure = depth > 0.0 ? 1.5 * out.normal / out.area : 0.0;
+  set_place(contact, point.wheel_s, point.rail_y, point.p, point.n, out);
+  out.limited = hertz.limited;
+  return out;
+}
+
+/// The indented minima of one side, each with the share of its force that counts.
+std::vector<PressedPatch> WheelsetPress::hertz_patches(WheelsetPosition const& p, bool right) {
+  WheelContact const& contact = *contact_[right];
+  ContactSearch& search = search_[right];
+  auto const at = pose(p, right);
+  search.find_indented(at);
+  std::vector<ContactPoint<double>> points;
+  for (int k = 0; k < search.count(); ++k)
+    points.push_back(contact_point(contact.pair, at, search[k].s, search[k].gradient));
+  auto const share = patch_shares(contact.pair, at, search, points.data(), contact.laws.merging_criterion);
+  std::vector<PressedPatch> list;
+  for (int k = 0; k < search.count(); ++k) {
+    list.push_back(patch_of(p, right, search[k]));
+    list.back().share = share[static_cast<std::size_t>(k)];
+    list.back().normal *= list.back().share;
+  }
+  return list;
+}
+
+/// What overlaps on one side, as strips.
+std::vector<PressedPatch> WheelsetPress::strip_patches(WheelsetPosition const& p, bool right) {
+  WheelContact const& contact = *contact_[right];
+  ContactSearch& search = search_[right];
+  auto const at = pose(p, right);
+  search.find_indented(at);
+  ContactLaws const& laws = contact.laws;
+  auto const found =
+      strip_contact(contact.pair, {laws.strip_kernel, laws.hertz, laws.wheel_arc}, laws.material, at, search);
+  std::vector<PressedPatch> list;
+  for (std::size_t k = 0; k < static_cast<std::size_t>(found.count); ++k) {
+    auto const& patch = found.patch[k];
+    PressedPatch out;
+    out.right = right;
+    out.a = patch.a, out.b = patch.b, out.area = pi * patch.a * patch.b;
+    out.approach = patch.approach, out.width = patch.width, out.peak_pressure = patch.peak_pressure;
+    out.share = patch.share, out.normal = patch.share * patch.normal;
+    set_place(contact, patch.wheel_s, patch.rail_y, patch.point, patch.direction, out);
+    list.push_back(out);
+  }
+  return list;
+}
+
+std::vector<PressedPatch> WheelsetPress::patches(WheelsetPosition const& p, bool right) {
+  return contact_[right]->laws.normal == NormalContactKind::strips ? strip_patches(p, right) : hertz_patches(p, right);
+}
+
+std::vector<PressedPatch> WheelsetPress::minima(WheelsetPosition const& position, bool right, double reach) {
+  ContactSearch& search = search_[right];
+  search.find_all(pose(position, right), reach);
+  std::vector<PressedPatch> list;
+  for (int k = 0; k < search.count(); ++k) list.push_back(patch_of(position, right, search[k]));
+  return list;
+}
+
+double WheelsetPress::touch_height(WheelsetPosition p, bool right) {
+  auto const lowest_gap = [&](double z) {
+    p.z = z;
+    double gap = 1.0;
+    for (auto const& patch : minima(p, right, 1.0)) gap = std::min(gap, -patch.approach);
+    return gap;
+  };
+  // From above: lowering the wheel by d takes at most d off any gap, so a step may be as long as the lowest gap.
+  double high = 0.05;
+  double low = high;
+  for (double gap = lowest_gap(low); gap >= 0.0 && low > -0.05; gap = lowest_gap(low)) {
+    high = low;
+    low -= gap < 1.0 ? std::max(0.5e-3, gap) : 0.5e-3;
+  }
+  return root_between(lowest_gap, low, high, 1e-13);
+}
+
+/// Height at which the contacts carry `load`, looked for around p.z.
+double WheelsetPress::height_for(WheelsetPosition p, double load) {
+  double const start = p.z;
+  auto const surplus = [&](double z) {
+    p.z = z;
+    return load_at(p).vertical - load;
+  };
+  double const widest = 0.1;  // [m]
+  double step = 0.02e-3;
+  double low = start;
+  while (surplus(low) < 0.0 && low > start - widest) low -= step, step *= 2.0;
+  double high = low + step;
+  while (surplus(high) > 0.0 && high < start + widest) high += step, step *= 2.0;
+  return root_between(surplus, low, high, 1e-13);
+}
+
+PressedWheelset WheelsetPress::press(WheelsetPosition p, double load, bool free_to_roll) {
+  p.z = std::max(touch_height(p, false), touch_height(p, true));
+  if (free_to_roll) {
+    auto const moment = [&](double roll) {
+      WheelsetPosition trial = p;
+      trial.roll = roll;
+      trial.z = p.z = height_for(trial, load);  // the next one is looked for around it
+      return load_at(trial).roll_moment;
+    };
+    // More roll lowers the right wheel (y < 0) into its roller, which turns the wheelset back.
+    double reach = 0.2e-3;
+    double const centre = p.roll;
+    while (reach < 0.1 && !(moment(centre - reach) > 0.0 && moment(centre + reach) < 0.0)) reach *= 2.0;
+    p.roll = root_between(moment, centre - reach, centre + reach, 1e-13);
+  }
+  p.z = height_for(p, load);
+  PressedWheelset result;
+  result.position = p;
+  auto const reached = load_at(p);
+  result.vertical = reached.vertical;
+  result.roll_moment = reached.roll_moment;
+  result.converged = std::abs(reached.vertical - load) < 1e-6 * load + 1e-6 &&
+                     (!free_to_roll || std::abs(reached.roll_moment) < 1e-5 * load);
+  for (bool right : {false, true})
+    for (auto const& patch : patches(p, right)) result.patches.push_back(patch);
+  return result;
+}
+
+}  // namespace rollerrig

@@ -1,0 +1,226 @@
+"""What engineers read off a run: wheel forces, their quotients and limits, unloading, wear number.
+
+    run -> [wheel_forces] -> Y, Q, sum of Y, Y/Q, wear number over time -> [filtered] -> as EN 14363 assesses them
+
+Signs (EN 14363): forces are those of the wheel on the rail.
+    Y    guiding force of a wheel, parallel to the track's plane: positive outwards, as the flange pushes its rail
+    Q    wheel load, normal to the track's plane: positive downwards
+    ΣY   of a wheelset: positive to the left, Y_left - Y_right; it shifts the track
+On a rig the rollers are the rails.
+
+    Y/Q  ≤  (tan δ - μ) / (1 + μ tan δ)        Nadal: the flange, steepest at δ, does not climb          (R1)
+    |ΣY| ≤  k (10 kN + 2 Q0 / 3)               Prud'homme: the track does not shift, Q0 per wheel         (R2)
+    Tγ   =  -(T_x ν_x + T_y ν_y + M φ)         per patch [N]: heat per metre of way                       (R3)
+
+with creep forces T, spin moment M on the wheel and creepages ν, φ of the wheel against the rail. Tγ V is the power that the
+creep forces turn into heat, V the rolling speed that creepages are divided by.
+
+Source: EN 14363:2016; J. Nadal, Annales des Mines 10 (1896); A. Prud'homme, Revue générale des chemins de fer (1967);
+    T. G. Pearce, N. D. Sherratt, Wear 144 (1991) for the wear number.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from rollerrig.analysis.filters import low_pass, sliding_mean
+from rollerrig.analysis.recorded import recorded_vehicle
+from rollerrig.profiles import ProfileTable, profile_from_spec
+
+FORCE_CUTOFF = 20.0
+"""Low pass of Y, Q, Y/Q and ΣY [Hz]."""
+
+PRUDHOMME_FACTOR = 1.0
+"""k in (R2): 1 for locomotives, power cars and passenger coaches; 0.85 for freight wagons."""
+
+QUOTIENT_LIMIT = 0.8
+"""Largest sliding mean of Y/Q that EN 14363 allows, whatever flange and friction [-]."""
+
+
+def nadal_limit(flange_angle: float, friction: float) -> float:
+    """Largest Y/Q at which a flange that slides down its rail keeps sliding (R1).
+
+    Args:
+        flange_angle: steepest angle of the flange δ [rad].
+        friction: coefficient of friction μ [-].
+
+    Returns:
+        The limit [-]; NaN where friction alone holds the wheel, tan δ <= μ: no flange.
+
+    Example:
+        >>> round(nadal_limit(math.radians(70.0), 0.36), 3)
+        1.2
+    """
+    slope = math.tan(flange_angle)
+    return (slope - friction) / (1.0 + friction * slope) if slope > friction else math.nan
+
+
+def prudhomme_limit(wheel_load: float, factor: float = PRUDHOMME_FACTOR) -> float:
+    """Largest sum of guiding forces of a wheelset that does not shift the track (R2) [N].
+
+    Args:
+        wheel_load: static load of one wheel Q0 [N].
+        factor: k [-].
+
+    Example:
+        >>> round(prudhomme_limit(54.55e3))
+        46367
+    """
+    return factor * (10e3 + 2.0 * wheel_load / 3.0)
+
+
+def flange_angle(wheel: ProfileTable) -> float:
+    """Steepest slope of a wheel profile towards the flange, as an angle [rad]."""
+    low, high = wheel.domain
+    abscissa = low + wheel.step * np.arange(len(wheel.coefficients) + 1)
+    return math.atan(float(np.max(-wheel.evaluate(np.minimum(abscissa, high), 1))))
+
+
+def wheel_forces(run: xr.Dataset, *, prudhomme_factor: float = PRUDHOMME_FACTOR) -> xr.Dataset:
+    """Forces, quotients, unloading and wear number of every wheel of a run, unfiltered.
+
+    Args:
+        run: results of `simulate` or `load_run`; for a part of it hand in `run.sel(time=slice(2.0, None))`.
+        prudhomme_factor: k in (R2) [-].
+
+    Returns:
+        Over time and wheel: guiding_force Y, wheel_load Q [N], derailment_quotient Y/Q (NaN where unloaded),
+        wheel_unloading (Q0 - Q)/Q0, wear_number Tγ [N]; over time, wheel and patch: patch_wear_number [N]; over time and
+        wheelset: guiding_force_sum ΣY [N]; over time: distance [m], the way run (on a rig that of the rollers' surface).
+        Without time: static_wheel_load Q0 [N] per wheel, guiding_force_sum_limit [N] per wheelset, nadal_limit [-].
+        Signs: see the module's text.
+
+    Example:
+        >>> import rollerrig as rr
+        >>> case = rr.load_case("wheelset_rollers").with_changes({"time.duration": "0.2 s", "disturbance": []})
+        >>> read = rr.wheel_forces(rr.simulate(case))
+        >>> read["wheel_load"].isel(time=-1).round(-2).to_numpy().tolist()  # both wheels carry alike
+        [54300.0, 54300.0]
+        >>> bool(abs(read["guiding_force_sum"]).max() < 1.0)  # centred: both wheels push outwards alike
+        True
+    """
+    recorded = recorded_vehicle(run)
+    wheelsets, loads = recorded.wheelsets, recorded.wheel_loads()
+    wheels = [str(wheel) for wheel in run["wheel"].to_numpy()]
+    sides = xr.DataArray([1.0 if wheel.endswith("_left") else -1.0 for wheel in wheels], {"wheel": wheels}, "wheel")
+    static = xr.DataArray([loads[wheel.rpartition("_")[0]] for wheel in wheels], {"wheel": wheels}, "wheel")
+    variables = _wheel_forces(run, sides, static) | _wear(run)
+    to_the_left = variables["guiding_force"] * sides
+    sums = [to_the_left.sel(wheel=[f"{name}_left", f"{name}_right"]).sum("wheel") for name in wheelsets]
+    variables["guiding_force_sum"] = _named(
+        xr.concat(sums, xr.DataArray(wheelsets, dims="wheelset", name="wheelset")).transpose("time", "wheelset"),
+        "N",
+        "sum of guiding forces ΣY on the track, positive to the left",
+    )
+    variables["distance"] = _named(run["distance"], "m", "distance run")
+    limits = [prudhomme_limit(loads[name], prudhomme_factor) for name in wheelsets]
+    variables["guiding_force_sum_limit"] = _named(
+        xr.DataArray(limits, {"wheelset": wheelsets}, "wheelset"), "N", "Prud'homme's limit of ΣY"
+    )
+    angle = flange_angle(profile_from_spec(recorded.vehicle.wheel.profile.arguments(), "wheel"))
+    limit = nadal_limit(angle, recorded.friction)
+    variables["nadal_limit"] = _named(xr.DataArray(limit), "1", "Nadal's limit of Y/Q")
+    attributes = {
+        "title": run.attrs["title"],
+        "case": run.attrs["case"],
+        "flange_angle_rad": angle,
+        "friction": recorded.friction,
+        "prudhomme_factor": prudhomme_factor,
+    }
+    return xr.Dataset(variables, attrs=attributes)
+
+
+def _wheel_forces(run: xr.Dataset, sides: xr.DataArray, static: xr.DataArray) -> dict[str, xr.DataArray]:
+    guiding = -run["lateral_force"] * sides  # of the wheel on the rail, outwards; sides: left +1, right -1
+    load = run["vertical_force"]
+    return {
+        "guiding_force": _named(guiding, "N", "guiding force Y on the rail, positive outwards"),
+        "wheel_load": _named(load, "N", "wheel load Q on the rail, positive downwards"),
+        "derailment_quotient": _named((guiding / load).where(load > 0.0), "1", "Y/Q"),
+        "wheel_unloading": _named(1.0 - load / static, "1", "wheel unloading (Q0 - Q)/Q0"),
+        "static_wheel_load": _named(static, "N", "static wheel load Q0"),
+    }
+
+
+def _wear(run: xr.Dataset) -> dict[str, xr.DataArray]:
+    patch = -(
+        run["patch_creep_force_x"] * run["patch_creepage_x"]
+        + run["patch_creep_force_y"] * run["patch_creepage_y"]
+        + run["patch_creep_moment"] * run["patch_creepage_spin"]
+    )
+    return {
+        "wear_number": _named(patch.sum("patch"), "N", "wear number Tγ of the wheel"),
+        "patch_wear_number": _named(patch, "N", "wear number Tγ of the patch"),
+    }
+
+
+def filtered(read: xr.Dataset) -> xr.Dataset:
+    """The readings as EN 14363 assesses them.
+
+    Y, Q and the wear number: low pass 20 Hz. Y/Q and ΣY: low pass 20 Hz, then the sliding mean over 2 m of way, which is NaN
+    within 1 m of both ends. Wheel unloading is that of the filtered load.
+
+    Args:
+        read: what `wheel_forces` returns.
+
+    Returns:
+        The same variables; each that changes over time says in its attribute `filter` what was done to it.
+
+    Raises:
+        ValueError: the run's output_step is too coarse, or the run too short.
+    """
+    kept, way = read.drop_vars(["patch_wear_number"]), read["distance"]
+    out = {name: low_pass(kept[name], FORCE_CUTOFF) for name in ("guiding_force", "wheel_load", "wear_number")}
+    static, load = read["static_wheel_load"], out["wheel_load"]
+    out["wheel_unloading"] = read["wheel_unloading"].copy(data=1.0 - load / static)
+    for values in out.values():
+        values.attrs["filter"] = f"{FORCE_CUTOFF:g} Hz"
+    quotient = read["derailment_quotient"].copy(data=(out["guiding_force"] / load).where(load > 0.0))
+    forces = low_pass(read["guiding_force_sum"], FORCE_CUTOFF)
+    for name, values in (("derailment_quotient", quotient), ("guiding_force_sum", forces)):
+        out[name] = sliding_mean(values, way)
+        out[name].attrs["filter"] = f"{FORCE_CUTOFF:g} Hz, mean over 2 m"
+    return kept.assign(out)
+
+
+STATISTICS = {
+    "quasi_static": "median over time",
+    "percentile_0_15": "0.15 % of the values are smaller",
+    "percentile_99_85": "99.85 % of the values are smaller",
+    "rms": "root mean square, about zero",
+    "largest": "largest magnitude",
+}
+"""Statistic -> meaning."""
+
+
+def statistics(values: xr.DataArray) -> xr.DataArray:
+    """Quasi-static value, percentiles, r.m.s. and largest magnitude over time.
+
+    Args:
+        values: any quantity with the dimension `time`; NaN is left out.
+
+    Returns:
+        The other dimensions, and `statistic` with the names of STATISTICS; NaN where no value exists.
+    """
+    data = np.moveaxis(values.to_numpy(), values.get_axis_num("time"), 0)
+    rows = [_statistics_of(data[(slice(None), *column)]) for column in np.ndindex(*data.shape[1:])]
+    others = [str(dim) for dim in values.dims if dim != "time"]
+    coordinates = {dim: values[dim] for dim in others if dim in values.coords} | {"statistic": list(STATISTICS)}
+    shape = (*data.shape[1:], len(STATISTICS))
+    return xr.DataArray(np.reshape(rows, shape), coordinates, [*others, "statistic"], attrs=values.attrs)
+
+
+def _statistics_of(series: NDArray[np.float64]) -> list[float]:
+    known = series[np.isfinite(series)]
+    if not known.size:
+        return [math.nan] * len(STATISTICS)
+    low, middle, high = np.percentile(known, [0.15, 50.0, 99.85])
+    return [middle, low, high, float(np.sqrt(np.mean(known**2))), float(np.abs(known).max())]
+
+
+def _named(values: xr.DataArray, units: str, meaning: str) -> xr.DataArray:
+    return values.drop_attrs().assign_attrs(units=units, long_name=meaning)

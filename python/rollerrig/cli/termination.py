@@ -1,0 +1,70 @@
+"""How a command ends: exit codes, and mistakes of the user as one line each instead of a traceback."""
+
+from __future__ import annotations
+
+import functools
+import tomllib
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import NoReturn, ParamSpec, TypeVar
+
+import typer
+
+OK = 0
+BAD_INPUT = 2
+LEFT_VALIDITY = 3
+INTERRUPTED = 130
+
+P = ParamSpec("P")
+R = TypeVar("R")
+
+
+def say(line: str) -> None:
+    """A line for the user beside the results: to stderr."""
+    typer.echo(line, err=True)
+
+
+def stop(message: object, code: int = BAD_INPUT) -> NoReturn:
+    """End the command with a message on stderr."""
+    for line in str(message).splitlines():
+        say(f"rollerrig: {line}")
+    raise typer.Exit(code)
+
+
+def exit_code(status: str) -> int:
+    """The exit code for the status of a run."""
+    return {"ok": OK, "interrupted": INTERRUPTED}.get(status, LEFT_VALIDITY)
+
+
+def _with_file(message: str, options: Mapping[str, object]) -> str:
+    """The message with the user's file in place of the name of the case in it: what is found late knows only the name."""
+    source = str(options.get("case") or options.get("file") or "")
+    try:
+        name = tomllib.loads(Path(source).read_text(encoding="utf-8")).get("name")
+    except (OSError, ValueError):
+        return message
+    return "\n".join(
+        f"{source}: {line.removeprefix(f'{name}: ')}" if line.startswith(f"{name}: ") else line
+        for line in message.splitlines()
+    )
+
+
+def readable_errors(command: Callable[P, R]) -> Callable[P, R]:
+    """Bad input ends the command with its message and exit code 2, Ctrl-C with 130."""
+
+    @functools.wraps(command)
+    def wrapped(*arguments: P.args, **options: P.kwargs) -> R:
+        from rollerrig.config import ConfigError
+        from rollerrig.results import OutputError
+        from rollerrig.starting_state import StartError
+
+        try:
+            return command(*arguments, **options)
+        except (ConfigError, OutputError, StartError) as error:
+            stop(_with_file(str(error), options))
+        except MemoryError:
+            stop("not enough memory; raise time.output_step or shorten the run")
+        except KeyboardInterrupt:
+            stop("interrupted", INTERRUPTED)
+
+    return wrapped

@@ -1,0 +1,259 @@
+"""A run from start to end: what the Dataset holds, where it starts, how it ends."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import rollerrig as rr
+from rollerrig import simulation as simulation_module
+from rollerrig.config import Case, case_from_toml
+
+WHEELSET = "wheelset_rollers"
+
+
+def short_case(**changes: object) -> Case:
+    """A wheelset at 40 km/h, 0.2 s; further changes with `__` for the dots of their keys."""
+    given = {key.replace("__", "."): value for key, value in changes.items()}
+    basis = {"motion.speed": "40 km/h", "time.duration": "0.2 s", "time.method": "rodas4", "time.step": "0.1 ms"}
+    return rr.load_case(WHEELSET).with_changes({**basis, **given})
+
+
+@pytest.fixture(scope="module")
+def run() -> xr.Dataset:
+    return rr.simulate(short_case())
+
+
+def test_every_variable_says_its_unit_and_meaning(run: xr.Dataset) -> None:
+    for name, variable in run.data_vars.items():
+        assert variable.attrs["units"], name
+        assert variable.attrs["long_name"], name
+    assert run["lateral"].dims == ("time", "body")
+    assert run["patch_normal"].dims == ("time", "wheel", "patch")
+    assert run["element_force_x"].dims == ("time", "element")
+    assert {"longitudinal", "lateral_velocity", "vertical_acceleration", "yaw_rate", "energy_kinetic"} <= set(run)
+
+
+def test_the_patches_of_a_wheel_add_up_to_its_force(run: xr.Dataset) -> None:
+    # the same numbers, summed in another order
+    assert np.allclose(run["patch_normal"].sum("patch"), run["normal_force"], rtol=1e-13)
+
+
+def test_all_output_times_are_there(run: xr.Dataset) -> None:
+    assert np.allclose(run["time"], 0.002 * np.arange(101), atol=1e-12)
+    assert np.isfinite(run["lateral"]).all()
+    assert run.attrs["status"] == "ok"
+    assert run.attrs["stopped_at_s"] == 0.2
+
+
+@pytest.mark.parametrize(
+    ("duration", "step", "count"), [("0.1 s", "30 ms", 4), ("0.3 s", "0.1 s", 4), ("7 ms", "7 ms", 2)]
+)
+def test_output_times_need_not_divide_the_duration(duration: str, step: str, count: int) -> None:
+    case = short_case(time__duration=duration, time__output_step=step)
+    assert rr.simulate(case).sizes["time"] == count
+
+
+def test_the_energy_balance_closes(run: xr.Dataset) -> None:
+    assert run.attrs["energy_turned_over_j"] > 10
+    # tolerance 1e-6 per step, of which the run takes some hundred, seldom all of one sign
+    assert run.attrs["energy_relative_residual"] < 1e-6
+    assert run["energy_residual"].attrs["units"] == "J"
+
+
+def test_the_run_holds_its_whole_configuration(run: xr.Dataset) -> None:
+    assert case_from_toml(run.attrs["config_toml"]) == short_case()
+    assert json.loads(run.attrs["solver_statistics"])["steps"] > 0
+    assert json.loads(run.attrs["contact_counters"])["checked"] > 0
+    assert "Malvezzi" in run.attrs["sources"]
+
+
+def test_a_disturbance_is_an_offset_from_equilibrium() -> None:
+    still = rr.simulate(short_case(disturbance=[]))
+    offset = short_case(disturbance=[{"body": "wheelset_1", "lateral": "2 mm", "yaw": "1 mrad"}])
+    moved = rr.simulate(offset.with_changes({"time.duration": "4 ms"}))
+    for name, by in (("lateral", 2e-3), ("yaw", 1e-3)):
+        difference = (moved[name] - still[name]).sel(body="wheelset_1").isel(time=0)
+        assert float(difference) == pytest.approx(by, abs=1e-15)
+    # a symmetric model in equilibrium stays there, to the tolerance of the integration
+    assert float(np.abs(still["lateral"]).max()) < 1e-9
+
+
+def test_yaw_is_kept_where_only_a_lateral_offset_is_given(run: xr.Dataset) -> None:
+    start = run.sel(body="wheelset_1").isel(time=0)
+    assert abs(float(start["yaw"])) < 1e-12
+    assert float(start["lateral"]) == pytest.approx(3e-3, abs=1e-12)
+
+
+@pytest.mark.parametrize("offset", ["8 mm", "-8 mm"])
+def test_a_run_can_start_on_the_flange(offset: str) -> None:
+    case = short_case(disturbance=[{"body": "wheelset_1", "lateral": offset}], time__duration="10 ms")
+    start = rr.simulate(case).sel(body="wheelset_1").isel(time=0)
+    assert abs(float(start["lateral"])) == pytest.approx(8e-3, abs=1e-9)
+    assert abs(float(start["vertical_acceleration"])) < 1e-3
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"method": "rk4", "step": "0.02 ms"},
+        {"method": "exponential_rk4", "step": "0.02 ms"},
+        {"method": "dormand_prince"},
+    ],
+)
+def test_methods_agree(changes: dict[str, str]) -> None:
+    tight = {"time__duration": "20 ms", "time__relative_tolerance": 1e-9, "time__absolute_tolerance": 1e-12}
+    reference = rr.simulate(short_case(**tight))
+    other = rr.simulate(short_case(**tight, **{f"time__{key}": value for key, value in changes.items()}))
+    for name in ("lateral", "yaw", "vertical"):
+        scale = float(np.abs(reference[name].sel(body="wheelset_1")).max())
+        # of fourth and fifth order; the contact's second derivative jumps where patches appear
+        assert float(np.abs(reference[name] - other[name]).max()) < 1e-5 * scale
+
+
+def test_standstill() -> None:
+    run = rr.simulate(short_case(motion__speed=0, time__duration="50 ms"))
+    assert run.attrs["status"] == "ok"
+    assert float(np.abs(run["speed"]).max()) == 0.0
+
+
+def test_two_runs_are_equal_and_slices_do_not_matter(run: xr.Dataset, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(simulation_module, "_SLICE_SECONDS", 0.0)  # a slice per output time
+    assert rr.simulate(short_case()).identical(run)
+
+
+def test_progress_grows_to_one() -> None:
+    seen: list[tuple[float, str]] = []
+    rr.simulate(short_case(), progress=lambda fraction, text: seen.append((fraction, text)))
+    fractions = [fraction for fraction, _ in seen]
+    assert fractions == sorted(fractions)
+    assert fractions[-1] == 1.0
+    assert "40 km/h" in seen[-1][1]
+
+
+def test_an_interrupted_run_keeps_what_was_computed() -> None:
+    def interrupt(fraction: float, text: str) -> None:
+        if fraction > 0.2:
+            raise KeyboardInterrupt
+
+    run = rr.simulate(short_case(), progress=interrupt)
+    assert run.attrs["status"] == "interrupted"
+    assert 0 < run.sizes["time"] < 101
+    assert run.equals(rr.simulate(short_case()).isel(time=slice(run.sizes["time"])))
+
+
+def test_leaving_the_model_is_named_with_time_and_wheel() -> None:
+    """Dropped from 300 mm: longer in the air than a wheel may be."""
+    case = rr.load_case("contact_benchmark_track")
+    lifted = case.with_changes({"disturbance": [{"body": "wheelset_1", "vertical": "300 mm"}]})
+    run = rr.simulate(lifted)
+    assert run.attrs["status"] == "contact_lost"
+    assert run.attrs["stopped_wheel"] == "wheelset_1_left"
+    assert 0.2 < run.attrs["stopped_at_s"] < 0.25
+    assert run.attrs["status_message"].startswith("t = 0.2")
+    assert "wheelset_1_left" in run.attrs["status_message"]
+    assert float(run["time"][-1]) == pytest.approx(run.attrs["stopped_at_s"], abs=2e-3)
+    # free fall is exact for a method of order 4
+    fallen = run["vertical"].sel(body="wheelset_1") - run["vertical"].sel(body="wheelset_1")[0]
+    assert np.allclose(fallen, -0.5 * 9.81 * run["time"] ** 2, atol=1e-12)
+
+
+def test_a_diverging_run_ends_with_a_status(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(simulation_module, "_check_fixed_step", lambda *_: None)  # it would have been refused
+    run = rr.simulate(short_case(time__method="rk4", time__step="5 ms", time__output_step="5 ms"))
+    assert run.attrs["status"] == "not_finite"
+    assert 0 < run.sizes["time"] < 41
+
+
+def test_an_impossible_torque_has_no_equilibrium() -> None:
+    case = short_case(axle_torque=[{"wheelset": "wheelset_1", "constant": "60 kN m"}])
+    with pytest.raises(rr.StartError, match="no equilibrium at 40 km/h"):
+        rr.simulate(case)
+
+
+def test_results_that_do_not_fit_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(simulation_module, "available_memory", lambda: 1e5)
+    with pytest.raises(rr.ConfigError, match=r"time.output_step: 0.002; allowed: at least .* s for a run of 0.2 s"):
+        rr.simulate(short_case())
+
+
+def test_memory_is_taken_once() -> None:
+    case = short_case()
+    times, rows = simulation_module._allocate(case, 10)
+    assert rows.shape == (simulation_module.sample_count(case), 10)
+    assert len(times) == 101
+
+
+def test_an_unstable_fixed_step_is_refused_with_the_step_that_works() -> None:
+    case = short_case(motion__speed="1 km/h", time__method="rk4", time__step="0.25 ms")
+    with pytest.raises(rr.ConfigError, match=r"time\.step: 0\.25 ms; allowed: at most 0\.0\d+ ms.*rodas4"):
+        rr.simulate(case)
+
+
+def test_the_exponential_method_goes_beyond_the_limit_that_the_dampers_set(monkeypatch: pytest.MonkeyPatch) -> None:
+    """0.7 ms is past rk4's 2.78 / (4000 1/s) for the primary dampers; what the check refuses does blow up."""
+    settings = {"motion__speed": "150 km/h", "time__step": "0.75 ms", "time__duration": "0.6 s"}
+    limit = r"time\.step: 0\.75 ms; allowed: at most 0\.6\d ms, where rk4"
+    with pytest.raises(rr.ConfigError, match=limit):
+        rr.simulate(short_case(time__method="rk4", **settings))
+    run = rr.simulate(short_case(time__method="exponential_rk4", **settings))
+    assert run.attrs["status"] == "ok"
+    assert run.attrs["energy_relative_residual"] < 1e-3
+    monkeypatch.setattr(simulation_module, "_check_fixed_step", lambda *_: None)
+    assert rr.simulate(short_case(time__method="rk4", **settings)).attrs["status"] != "ok"
+
+
+def test_a_run_whose_energy_does_not_close_says_so() -> None:
+    dropped = {"body": "wheelset_1", "vertical": "0.3 m"}
+    run = rr.simulate(
+        short_case(
+            disturbance=[dropped],
+            time__duration="0.6 s",
+            time__step=None,
+            time__relative_tolerance=1e-1,
+            time__absolute_tolerance=1e-3,
+        )
+    )
+    assert run.attrs["energy_relative_residual"] > 1e-3
+    assert "energy balance open" in run.attrs["warnings"]
+
+
+def test_a_quiet_run_carries_no_warning(run: xr.Dataset) -> None:
+    assert run.attrs["warnings"] == ""
+
+
+def test_a_wheelset_that_runs_off_a_narrow_tread_is_stopped_there() -> None:
+    """A cone without a flange, 20 mm to each side, set askew: it rolls sideways until its tread ends."""
+    case = rr.load_case("contact_benchmark_track").with_changes(
+        {
+            "vehicle.wheel.profile": {"kind": "cone", "conicity": 0.05, "half_width": "20 mm"},
+            "disturbance": [{"body": "wheelset_1", "lateral": "2 mm", "yaw": 0.03}],
+            "motion.speed": "20 m/s",
+            "time.duration": "1 s",
+        }
+    )
+    run = rr.simulate(case)
+    assert run.attrs["status"] == "off_profile"
+    assert run.attrs["status_message"].startswith("t = 0.09")
+    assert run.attrs["stopped_wheel"] == "wheelset_1_left"
+    assert run.sizes["time"] > 50
+
+
+def test_a_wheelset_that_climbs_its_flange_is_stopped_there() -> None:
+    case = rr.load_case("contact_benchmark_track").with_changes(
+        {
+            "disturbance": [{"body": "wheelset_1", "lateral": "5 mm", "yaw": 0.15}],
+            "contact.friction": 0.6,
+            "motion.speed": "30 m/s",
+            "time.duration": "1 s",
+        }
+    )
+    run = rr.simulate(case)
+    assert run.attrs["status"] == "derailed"
+    assert run.attrs["stopped_wheel"] == "wheelset_1_left"
+    assert 0.1 < run.attrs["stopped_at_s"] < 0.4
+    # the centre rises by half of what the climbing wheel does, which is nearly the flange's 28 mm
+    assert 0.010 < float(run["vertical"].sel(body="wheelset_1").max()) < 0.016
