@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from rollerrig.analysis.tracking import distances
 from rollerrig.config import Case
 
 STEPS = ("rolling", "drives", "estimator")
@@ -74,19 +75,6 @@ def begun_later(case: Case, seconds: float) -> Case:
             rows = tuple((time + seconds if time > 0.0 else time, value) for time, value in table.demand)
             changes[key] = table.model_copy(update={"demand": rows})
     return case.model_copy(update=changes)
-
-
-def stopped(run: xr.Dataset) -> bool:
-    """Whether the train came to a stop."""
-    return bool(run.attrs["status"] == "ok" and "The train has stopped" in run.attrs["status_message"])
-
-
-def distances(runs: Sequence[xr.Dataset]) -> list[float]:
-    """Of each run [m]: until it stopped, where all did, else until the first ended."""
-    if all(stopped(run) for run in runs):
-        return [float(run["train_distance"][-1]) for run in runs]
-    end = min(float(run["time"][-1]) for run in runs)
-    return [float(np.interp(end, run["time"], run["train_distance"])) for run in runs]
 
 
 def shares(track: xr.Dataset, rig: xr.Dataset, variants: Mapping[str, xr.Dataset]) -> dict[str, float] | None:

@@ -16,16 +16,15 @@ import numpy as np
 import xarray as xr
 
 from rollerrig.analysis.parallel import run_jobs
+from rollerrig.analysis.tracking import LEAST_SPEED, distances, slip, stopped, tracking, wheel_radius
 from rollerrig.config import Case, ConfigError, ConfigProblem, Rig, Track, load_support
 from rollerrig.simulation import simulate
 from rollerrig.studies.adhesion.causes import (
     LATER,
     VARIANT_WORDS,
     begun_later,
-    distances,
     shares,
     spread,
-    stopped,
     variant,
     variants_of,
 )
@@ -35,9 +34,6 @@ Progress = Callable[[float, str], None]
 
 TRACK = "uic60_track"
 """Track of the counterpart; it gets the head and gauge of the rig."""
-
-LEAST_SPEED = 2.0
-"""Below this a train is too slow for errors relative to its speed [m/s]."""
 
 
 @dataclass(frozen=True)
@@ -188,28 +184,6 @@ def fidelity(results: Comparison) -> dict[str, Any]:
         },
         "rollerrig_version": rig.attrs["rollerrig_version"],
     }
-
-
-def wheel_radius(run: xr.Dataset) -> float:
-    """Nominal radius of the wheels [m], of the run's own case."""
-    import tomllib
-
-    return float(tomllib.loads(run.attrs["config_toml"])["vehicle"]["data"]["wheel"]["radius"])
-
-
-def slip(run: xr.Dataset) -> xr.DataArray:
-    """(wheel speed - train speed) / train speed over time and axle; NaN where the train is slow."""
-    speed = run["train_speed"]
-    return ((wheel_radius(run) * run["axle_speed"] - speed) / speed).where(speed > LEAST_SPEED)
-
-
-def tracking(run: xr.Dataset) -> tuple[float, float]:
-    """RMS and largest of (wheel speed - virtual wheel speed) / train speed."""
-    speed = run["train_speed"]
-    error = (wheel_radius(run) * (run["axle_speed"] - run["virtual_speed"]) / speed).where(speed > LEAST_SPEED)
-    values = error.to_numpy()
-    values = values[np.isfinite(values)]
-    return (float(np.sqrt(np.mean(values**2))), float(np.abs(values).max())) if values.size else (np.nan, np.nan)
 
 
 def by_own_motion(run: xr.Dataset) -> float | None:

@@ -9,12 +9,13 @@ import json
 from pathlib import Path
 from typing import Any
 
+from rollerrig.analysis.tracking import wheel_radius
 from rollerrig.plot import adhesion as figures
 from rollerrig.plot import figure_bytes
 from rollerrig.report import Figure, Page, Preformatted, Section, Table, Text, number, render
 from rollerrig.results import save_run, write_text
 from rollerrig.studies.adhesion.causes import CAUSE_WORDS, VARIANT_WORDS
-from rollerrig.studies.adhesion.compute import KEYS, Comparison, fidelity, wheel_radius
+from rollerrig.studies.adhesion.compute import KEYS, Comparison, fidelity
 from rollerrig.studies.adhesion.verdict import percent, verdict
 from rollerrig.studies.output import write_rows
 

@@ -18,12 +18,12 @@ from numpy.typing import NDArray
 from scipy.signal import butter, sosfiltfilt, welch
 
 from rollerrig.analysis.parallel import run_jobs
+from rollerrig.analysis.tracking import slip, tracking
 from rollerrig.assembly import assemble
 from rollerrig.bench import BenchRun
 from rollerrig.config import Case, ConfigError, ConfigProblem, Rig
 from rollerrig.config.errors import nearest
 from rollerrig.simulation import simulate
-from rollerrig.studies.adhesion.compute import slip, tracking
 from rollerrig.studies.control.families import FAMILIES, REFERENCES, USER, Changes, Family
 from rollerrig.studies.control.ring import RingPoint, ring_jobs, ring_run, whole_run
 

@@ -21,8 +21,9 @@ from numpy.typing import NDArray
 from rollerrig import _core
 from rollerrig.analysis.parallel import run_jobs
 from rollerrig.analysis.signals import half_waves
+from rollerrig.analysis.tracking import slip, tracking
 from rollerrig.config import Case, ConfigError, ConfigProblem, Rig
-from rollerrig.studies.adhesion.compute import slip, track_case, tracking
+from rollerrig.studies.adhesion.compute import track_case
 from rollerrig.studies.control.ring import whole_run
 
 Progress = Callable[[float, str], None]

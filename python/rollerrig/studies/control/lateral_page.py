@@ -11,11 +11,11 @@ from pathlib import Path
 from typing import Any
 
 from rollerrig import __version__
+from rollerrig.analysis.tracking import wheel_radius
 from rollerrig.plot import figure_bytes
 from rollerrig.plot import lateral as figures
 from rollerrig.report import Figure, Page, Preformatted, Section, Table, Text, number, render
 from rollerrig.results import save_run, write_text
-from rollerrig.studies.adhesion.compute import wheel_radius
 from rollerrig.studies.control.lateral import (
     KEYS,
     WORDS,

@@ -1,0 +1,74 @@
+"""Wheel speeds of a test against the train: slip, tracking error of the rig, distance, definitions common to all studies.
+
+run of `simulate` with a train -> [tracking] -> series over time and axle, RMS and largest values
+
+Equations: docs/theory/rig_control.md. A ratio to the speed of a train slower than LEAST_SPEED is not defined: NaN.
+"""
+
+from __future__ import annotations
+
+import math
+import tomllib
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+LEAST_SPEED = 2.0
+"""Below this a train is too slow for errors relative to its speed [m/s]."""
+
+
+def wheel_radius(run: xr.Dataset) -> float:
+    """Nominal radius of the wheels [m], of the run's own case."""
+    return float(tomllib.loads(run.attrs["config_toml"])["vehicle"]["data"]["wheel"]["radius"])
+
+
+def slip(run: xr.Dataset) -> xr.DataArray:
+    """(wheel speed - train speed) / train speed, over time and axle [-]."""
+    return _relative(run, wheel_radius(run) * run["axle_speed"] - run["train_speed"])
+
+
+def virtual_slip(run: xr.Dataset) -> xr.DataArray:
+    """The same of the virtual wheels of a rig."""
+    return _relative(run, wheel_radius(run) * run["virtual_speed"] - run["train_speed"])
+
+
+def tracking_error(run: xr.Dataset) -> xr.DataArray:
+    """(wheel speed - virtual wheel speed) / train speed, over time and axle [-]."""
+    return _relative(run, wheel_radius(run) * (run["axle_speed"] - run["virtual_speed"]))
+
+
+def tracking(run: xr.Dataset) -> tuple[float, float]:
+    """RMS and largest magnitude of the tracking error [-]; NaN if the train is never fast enough."""
+    return rms(tracking_error(run)), largest(tracking_error(run))
+
+
+def rms(values: Any) -> float:
+    """Root mean square of what is finite; NaN if nothing is."""
+    finite = np.asarray(values)[np.isfinite(values)]
+    return float(np.sqrt(np.mean(finite**2))) if finite.size else math.nan
+
+
+def largest(values: Any) -> float:
+    """Largest magnitude of what is finite; NaN if nothing is."""
+    finite = np.asarray(values)[np.isfinite(values)]
+    return float(np.abs(finite).max()) if finite.size else math.nan
+
+
+def stopped(run: xr.Dataset) -> bool:
+    """Whether the train came to a stop."""
+    return bool(run.attrs["status"] == "ok" and "The train has stopped" in run.attrs["status_message"])
+
+
+def distances(runs: Sequence[xr.Dataset]) -> list[float]:
+    """Distance run by the train in each run [m]: until it stopped, where all did, else until the first ended."""
+    if all(stopped(run) for run in runs):
+        return [float(run["train_distance"][-1]) for run in runs]
+    end = min(float(run["time"][-1]) for run in runs)
+    return [float(np.interp(end, run["time"], run["train_distance"])) for run in runs]
+
+
+def _relative(run: xr.Dataset, speed: xr.DataArray) -> xr.DataArray:
+    train = run["train_speed"]
+    return (speed / train).where(train > LEAST_SPEED)
