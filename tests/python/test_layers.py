@@ -1,7 +1,7 @@
 """The arrow of the data is a test: a folder may use only what stands to its left.
 
 core:    scalar -> math -> integrate -> track -> multibody -> geometry -> contact -> mechatronics -> system -> simulate
-Python:  profiles, track, irregularity -> config -> catalog -> creep -> assembly -> results -> starting_state -> bench
+Python:  profiles, track, irregularity -> config -> catalog -> cases -> creep -> assembly -> results -> starting_state -> bench
          -> simulation -> similitude -> characteristics -> analysis -> plot -> report -> studies -> cli
 """
 
@@ -69,6 +69,7 @@ PYTHON_LAYERS = [
     {"profiles", "track", "irregularity"},
     {"config"},
     {"catalog"},
+    {"cases"},
     {"creep"},
     {"assembly"},
     {"results"},

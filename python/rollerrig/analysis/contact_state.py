@@ -15,6 +15,7 @@ from rollerrig import _core
 from rollerrig.analysis.linearise import Lineariser
 from rollerrig.analysis.mode_names import HUNTING_SHARE, wheelset_lateral_share
 from rollerrig.analysis.modes import eigensystem, energy_shares, oscillates
+from rollerrig.cases import wheelsets
 from rollerrig.config import Case
 from rollerrig.results import Outcome, run_dataset
 
@@ -94,8 +95,8 @@ def contact_state(case: Case) -> ContactState:
     wheel = state.wheels.isel(wheel=0)
     count, stiffness = int(wheel["patch_count"]), state.creep_stiffness[str(wheel["wheel"].item())]
     wavelength = slow_wavelength(lineariser)
-    wheelsets = [b for b in case.vehicle.data.bodies_in(case.vehicle.part) if b.kind == "wheelset"]
-    half_base = 0.5 * abs(wheelsets[0].position[0] - wheelsets[min(1, len(wheelsets) - 1)].position[0])
+    axles = wheelsets(case)
+    half_base = 0.5 * abs(axles[0].position[0] - axles[min(1, len(axles) - 1)].position[0])
     half_gauge = lineariser.model.rail_origin_y
     ratio = 1 + (half_base / half_gauge) ** 2
     conicity = case.vehicle.data.wheel.radius * half_gauge * ratio * (2 * math.pi / wavelength) ** 2

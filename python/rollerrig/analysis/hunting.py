@@ -16,9 +16,9 @@ from dataclasses import dataclass
 import numpy as np
 import xarray as xr
 
-from rollerrig.analysis.linearise import at_constant_speed
 from rollerrig.analysis.parallel import Progress
 from rollerrig.analysis.signals import Ending, ending, half_waves
+from rollerrig.cases import at_speed, displaced, leading_wheelset
 from rollerrig.config import Case
 from rollerrig.simulation import simulate
 
@@ -79,11 +79,8 @@ class HuntingRun:
 
 def hunting_case(case: Case, speed: float, settings: HuntingSettings) -> Case:
     """The case at one speed [m/s], disturbed and integrated as the settings say."""
-    leading = next(b.name for b in case.vehicle.data.bodies_in(case.vehicle.part) if b.kind == "wheelset")
-    return at_constant_speed(case, speed).with_changes(
+    return displaced(at_speed(case, speed), settings.disturbance).with_changes(
         {
-            "disturbance": [{"body": leading, "lateral": settings.disturbance}],
-            "axle_torque": [],
             "time.duration": settings.duration,
             "time.output_step": settings.output_step,
             "time.method": "rodas4",
@@ -98,7 +95,7 @@ def observed_body(case: Case) -> str:
     """The body whose lateral motion stands for the vehicle: the first frame, else the leading wheelset."""
     bodies = case.vehicle.data.bodies_in(case.vehicle.part)
     frames = [b.name for b in bodies if "frame" in b.name]
-    return frames[0] if frames else next(b.name for b in bodies if b.kind == "wheelset")
+    return frames[0] if frames else leading_wheelset(case).name
 
 
 def hunting_run(job: tuple[Case, float, HuntingSettings], progress: Progress | None = None) -> HuntingRun:

@@ -15,7 +15,8 @@ from numpy.typing import NDArray
 
 from rollerrig import _core
 from rollerrig.assembly import AssembledModel, assemble
-from rollerrig.config import Case, Track
+from rollerrig.cases import at_speed
+from rollerrig.config import Case
 from rollerrig.starting_state import StartError
 
 Matrix = NDArray[np.float64]
@@ -50,7 +51,7 @@ class Lineariser:
     """
 
     def __init__(self, case: Case) -> None:
-        self.case = at_constant_speed(case)
+        self.case = at_speed(case)
         self.model = assemble(self.case)
         self._simulation = _core.Simulation(self.model.core)
         self._inertia = _inertias(self.model)
@@ -100,31 +101,6 @@ def linearise(case: Case, speed: float) -> Linearisation:
         StartError: no rolling equilibrium was found at this speed.
     """
     return Lineariser(case).at(speed)
-
-
-MACHINES = ("adhesion", "brake", "traction", "slide_protection", "wheel_slip_control", "rig_control", "bench")
-"""Tables of a case on the bench."""
-
-
-def at_constant_speed(case: Case, speed: float | None = None) -> Case:
-    """The case with rollers or rails held at one speed, by custom the starting speed [m/s].
-
-    Rails and rollers are smooth, and a track goes on for ever as it begins: straight, or curved. Machines and their
-    controllers are left out: what is asked for is the vehicle's own running.
-    """
-    changes: dict[str, object] = {
-        **(dict.fromkeys(MACHINES) if case.on_bench else {}),
-        "motion.drive": "speed_controlled",
-        "motion.speed_table": None,
-        "motion.torque_table": None,
-        "motion.speed": case.motion.speed if speed is None else speed,
-    }
-    support = case.support.data
-    if support.irregularity is not None:
-        changes["support.irregularity"] = None
-    if isinstance(support, Track) and len(support.segment) > 1:
-        changes["support.segment"] = [support.segment[0].model_dump()]
-    return case.with_changes(changes)
 
 
 def _inertias(model: AssembledModel) -> dict[tuple[str, str], float]:

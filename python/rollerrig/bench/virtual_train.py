@@ -15,7 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rollerrig.assembly import GROUND, AssembledModel, assemble
-from rollerrig.config import Case, Rig, RigControl, Track
+from rollerrig.cases import on_track, without_actuators
+from rollerrig.config import Case, RigControl
 from rollerrig.starting_state import equilibrium_dataset
 
 _GRADIENT = 0.01
@@ -49,18 +50,18 @@ def rail_contact(model: AssembledModel) -> dict[str, float]:
         `wheel_load` [N] to which it belongs; semi-axes `a`, `b` [m]: the patches' area together, their mean shape; `width`
         [m]: of all patches, their area over their length.
     """
-    on_track = assemble(_on_track(model.case))
-    rest = equilibrium_dataset(on_track).isel(time=0, wheel=0)
+    rails = assemble(_bare_on_track(model.case))
+    rest = equilibrium_dataset(rails).isel(time=0, wheel=0)
     a, b = np.nan_to_num(rest["patch_a"].to_numpy()), np.nan_to_num(rest["patch_b"].to_numpy())
     area, aspect = float(np.sum(a * b)), float(np.sum(a * a) / np.sum(a * b))
-    load = float(on_track.axle_loads[on_track.wheelsets[0]]) / 2.0
+    load = float(rails.axle_loads[rails.wheelsets[0]]) / 2.0
     width = 0.5 * math.pi * float(b.sum())
     return {"wheel_load": load, "a": math.sqrt(area * aspect), "b": math.sqrt(area / aspect), "width": width}
 
 
 def _axle_loads(case: Case, acceleration: float) -> NDArray[np.float64]:
     """Load of each axle on straight track, all axles sharing the force [N]."""
-    model = assemble(_on_track(case))
+    model = assemble(_bare_on_track(case))
     free = sum(model.masses[name] for name in model.vehicle_bodies if name not in model.fixed)
     force = (train_mass(model) if model.fixed else free) * acceleration / len(model.wheelsets)
     radius = case.vehicle.data.wheel.radius
@@ -76,15 +77,8 @@ def _axle_loads(case: Case, acceleration: float) -> NDArray[np.float64]:
     return np.array([sum(forces[i] for i, w in enumerate(model.wheels) if w.wheelset == n) for n in model.wheelsets])
 
 
-def _on_track(case: Case) -> Case:
-    """The bare vehicle on rigid straight rails with the rig's rail head."""
-    rig = case.support.data
-    assert isinstance(rig, Rig)
-    rails = Track(kind="track", name="rails", profile=rig.profile, gauge=rig.gauge, gauge_depth=rig.gauge_depth)
-    support = case.support.model_copy(update={"data": rails, "use": None, "roller_radius": None})
-    motion = case.motion.model_copy(update={"drive": "speed_controlled", "torque_table": None})
-    bare = dict.fromkeys(("adhesion", "brake", "traction", "slide_protection", "wheel_slip_control", "rig_control"))
-    return case.model_copy(update={**bare, "support": support, "motion": motion, "disturbance": ()})
+def _bare_on_track(case: Case) -> Case:
+    return on_track(without_actuators(case)).with_changes({"disturbance": []})
 
 
 def train_mass(model: AssembledModel) -> float:

@@ -14,7 +14,6 @@ from rollerrig.analysis.critical import CriticalScan, CriticalSpeed
 from rollerrig.cli.app import build_app
 from rollerrig.config import ConfigError, Rig, Track, load_case, load_support
 from rollerrig.studies.compare import ComparePlan, compared_cases, compute, write_comparison
-from rollerrig.studies.compare.cases import part_of, track_below
 from rollerrig.studies.compare.critical import EFFECTS, TRACK, Causes, CriticalTable, order_sentences, table_rows
 from rollerrig.studies.compare.page import lead
 from rollerrig.studies.compare.write import COMPARE_KEYS
@@ -121,14 +120,6 @@ def test_a_support_may_be_named_or_a_file(tmp_path) -> None:
     rig = cases["small"].support.data
     assert isinstance(rig, Rig)
     assert rig.roller_radius == 0.5
-
-
-def test_parts_are_held_along_the_track_once() -> None:
-    whole = compared_cases("manchester_vehicle_1", ["track"])["track"]
-    assert [b.name for b in whole.vehicle.data.body if "x" in b.locked] == ["car_body"]
-    bogie = part_of(whole, BOGIE)
-    assert not [b.name for b in bogie.vehicle.data.body if "x" in b.locked]
-    assert track_below(bogie).vehicle.cut == BOGIE
 
 
 def scan(kmh: float) -> CriticalScan:

@@ -17,7 +17,8 @@ import xarray as xr
 
 from rollerrig.analysis.parallel import run_jobs
 from rollerrig.analysis.tracking import LEAST_SPEED, distances, slip, stopped, tracking, wheel_radius
-from rollerrig.config import Case, ConfigError, ConfigProblem, Rig, Track, load_support
+from rollerrig.cases import on_track
+from rollerrig.config import Case, ConfigError, ConfigProblem, Rig
 from rollerrig.simulation import simulate
 from rollerrig.studies.adhesion.causes import (
     LATER,
@@ -31,9 +32,6 @@ from rollerrig.studies.adhesion.causes import (
 from rollerrig.studies.output import finite
 
 Progress = Callable[[float, str], None]
-
-TRACK = "uic60_track"
-"""Track of the counterpart; it gets the head and gauge of the rig."""
 
 
 @dataclass(frozen=True)
@@ -63,21 +61,13 @@ def track_case(case: Case) -> Case:
     Raises:
         ConfigError: the case is not that of a rig with [rig_control].
     """
-    support = case.support.data
-    if not isinstance(support, Rig) or case.rig_control is None:
+    if not isinstance(case.support.data, Rig) or case.rig_control is None:
         needed = "needed: a case on rollers with [rig_control], which reproduces a track"
         raise ConfigError([ConfigProblem(case.name, "rig_control", "missing", needed)])
     if case.brake is None and case.traction is None:
         needed = "needed: [brake] or [traction], the test that is done on rail and rig"
         raise ConfigError([ConfigProblem(case.name, "brake", "missing", needed)])
-    track = load_support(TRACK)
-    assert isinstance(track, Track)
-    head = {"profile": support.profile, "gauge": support.gauge, "gauge_depth": support.gauge_depth}
-    choice = case.support.model_copy(update={"data": track.model_copy(update=head), "use": None, "roller_radius": None})
-    motion = case.motion.model_copy(update={"drive": "speed_controlled", "torque_table": None})
-    bench = case.bench.model_copy(update={"pure_rolling": False})
-    changes = {"name": f"{case.name}_track", "support": choice, "motion": motion, "rig_control": None, "bench": bench}
-    return case.model_copy(update=changes)
+    return on_track(case).model_copy(update={"name": f"{case.name}_track"})
 
 
 def compare_adhesion(
@@ -97,12 +87,12 @@ def compare_adhesion(
     Raises:
         ConfigError, StartError: as `simulate`, and `track_case`.
     """
-    on_track = track_case(case)
-    jobs = {"track": on_track, "rig": case}
+    counterpart = track_case(case)
+    jobs = {"track": counterpart, "rig": case}
     if causes:
         jobs.update({name: variant(case, name) for name in variants_of(case)})
         for seconds in LATER:
-            jobs[f"track {seconds:g} s later"] = begun_later(on_track, seconds)
+            jobs[f"track {seconds:g} s later"] = begun_later(counterpart, seconds)
             jobs[f"rig {seconds:g} s later"] = begun_later(case, seconds)
     done = run_jobs(_run, list(jobs.values()), processes=processes, progress=progress, names=list(jobs))
     found = {name: run for name, run in zip(jobs, done.results, strict=True) if run is not None}

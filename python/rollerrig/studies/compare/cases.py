@@ -9,6 +9,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from rollerrig.cases import CATALOG_RIG, CATALOG_TRACK, restrained_along_track, with_head_of
 from rollerrig.config import Case, ConfigError, ConfigProblem, Rig, Track, Vehicle, load_any, load_support
 from rollerrig.config.change import plain
 from rollerrig.config.errors import nearest
@@ -16,7 +17,7 @@ from rollerrig.config.library import catalog_names
 from rollerrig.config.load import build_case
 from rollerrig.config.read import Document
 
-SHORTHANDS = {"rig": "full_scale_rig", "track": "uic60_track"}
+SHORTHANDS = {"rig": CATALOG_RIG, "track": CATALOG_TRACK}
 """What `--on rig,track` means where VEHICLE is no case with a support of that kind."""
 
 MATERIAL, FRICTION = "steel", 0.3
@@ -43,7 +44,7 @@ def compared_cases(vehicle: str, on: Sequence[str], cut: str | None = None) -> d
     cases = {}
     for support in on:
         label = Path(support).name.removesuffix(".toml")
-        cases[label] = restrained(_case(base, f"{name}_on_{label}", _support(support, base), cut, vehicle))
+        cases[label] = restrained_along_track(_case(base, f"{name}_on_{label}", _support(support, base), cut, vehicle))
     return cases
 
 
@@ -74,27 +75,6 @@ def _support(name: str, base: Case | Vehicle) -> dict[str, Any]:
     return _tables(found if own is None else with_head_of(found, own))
 
 
-def with_head_of(support: Rig | Track, other: Rig | Track) -> Rig | Track:
-    """A support with the rail head and gauge of another."""
-    return support.model_copy(update={"profile": other.profile, "gauge": other.gauge, "gauge_depth": other.gauge_depth})
-
-
-def track_below(case: Case) -> Case:
-    """The same case on straight track with the head and gauge of its rig."""
-    return _moved(case, with_head_of(load_support(SHORTHANDS["track"]), case.support.data), "track")
-
-
-def rig_below(case: Case) -> Case:
-    """The same case on the catalogue's rig with the head and gauge of its track."""
-    return _moved(case, with_head_of(load_support(SHORTHANDS["rig"]), case.support.data), "rig")
-
-
-def _moved(case: Case, support: Rig | Track, label: str) -> Case:
-    raw = plain(case)
-    raw["support"] = {"data": _tables(support)}
-    return build_case(Document(raw, f"{case.name} on {label}", Path()))
-
-
 def _tables(support: Rig | Track) -> dict[str, Any]:
     tables: dict[str, Any] = plain(support)
     return tables
@@ -118,28 +98,3 @@ def _case(base: Case | Vehicle, name: str, support: Mapping[str, Any], cut: str 
     for key in ("axle_torque", "disturbance"):
         raw.pop(key, None)
     return build_case(Document(raw, source, Path()))
-
-
-def restrained(case: Case) -> Case:
-    """The case with something that holds it along the track, as a rig does and as what pulls a train does.
-
-    Two patches of one wheel brake each other a little, and nothing else balances that. Where a body is held already nothing is
-    changed; else x is locked of the heaviest body that is no wheelset, or of the first wheelset.
-    """
-    part = case.vehicle.part
-    bodies = case.vehicle.data.bodies_in(part)
-    if part.fixed or any("x" in body.locked for body in bodies):
-        return case
-    rigid = [body for body in bodies if body.kind != "wheelset"]
-    body = max(rigid, key=lambda b: b.mass) if rigid else bodies[0]
-    return case.with_changes({f"vehicle.body.{body.name}.locked": [*body.locked, "x"]})
-
-
-def part_of(case: Case, cut: str) -> Case:
-    """Another part of the same vehicle, held along the track."""
-    freed = {
-        f"vehicle.body.{body.name}.locked": [d for d in body.locked if d != "x"]
-        for body in case.vehicle.data.bodies_in(case.vehicle.part)
-        if "x" in body.locked
-    }
-    return restrained(case.with_changes({**freed, "vehicle.cut": cut}))

@@ -27,10 +27,10 @@ from rollerrig.analysis.contact_state import RollingState, rolling_state
 from rollerrig.analysis.critical import scan_case
 from rollerrig.analysis.hunting import bracket, hunting_case
 from rollerrig.analysis.parallel import Progress, run_jobs
+from rollerrig.cases import leading_wheelset, on_rig
 from rollerrig.characteristics import conicity_table, shift_table
 from rollerrig.config import Case, Rig
 from rollerrig.simulation import simulate
-from rollerrig.studies.compare.cases import rig_below
 from rollerrig.studies.compare.critical import (
     RADII,
     RANGE_KMH,
@@ -81,7 +81,7 @@ class ComparePlan:
     def rig(self) -> Case:
         """The first case on rollers; else the first case on the catalogue's rig with rollers of its rail's head."""
         first = next(iter(self.cases.values()))
-        return next((c for c in self.cases.values() if isinstance(c.support.data, Rig)), None) or rig_below(first)
+        return next((c for c in self.cases.values() if isinstance(c.support.data, Rig)), None) or on_rig(first)
 
 
 @dataclass
@@ -186,7 +186,7 @@ def _disturbed(argument: tuple[Case, float, HuntingSettings], progress: Progress
     run = simulate(hunting_case(case, speed, settings), progress=progress)
     if run.attrs["status"] == "interrupted":
         raise KeyboardInterrupt
-    leading = next(b.name for b in case.vehicle.data.bodies_in(case.vehicle.part) if b.kind == "wheelset")
+    leading = leading_wheelset(case).name
     read = filtered(wheel_forces(run))
     motion = run["lateral"].sel(body=leading, drop=True)
     creep = run["longitudinal_force"]

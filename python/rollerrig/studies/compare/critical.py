@@ -12,8 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from rollerrig.analysis import CriticalScan
+from rollerrig.cases import on_rig, on_track, part_of
 from rollerrig.config import Case
-from rollerrig.studies.compare.cases import part_of, track_below
 
 RADII = (0.46, 0.725, 1.0, 2.0, 5.0, 10.0)
 """Radii of the rollers in the table [m]."""
@@ -106,12 +106,12 @@ class Causes:
 
 def table_cases(rig: Case, parts: Sequence[str], radii: Sequence[float] = RADII) -> dict[Place, Case]:
     """Cases of the table: each part on rollers of each radius and on the track of the same head."""
-    track = track_below(rig)
+    track = on_track(rig)
     cases: dict[Place, Case] = {}
     for part in parts:
         own = part_of(rig, part)
         for radius in sorted(radii):
-            cases[part, radius] = own.with_changes({"support.roller_radius": radius})
+            cases[part, radius] = on_rig(own, radius)
         cases[part, TRACK] = part_of(track, part)
     return cases
 

@@ -22,6 +22,7 @@ from rollerrig import _core
 from rollerrig.analysis.contact_state import rolling_state
 from rollerrig.analysis.linearise import DIRECTIONS
 from rollerrig.assembly import assemble
+from rollerrig.cases import leading_wheelset, without_actuators
 from rollerrig.config import Case, Rig
 from rollerrig.config.actuators import Motor
 from rollerrig.config.rig_control import RigControl
@@ -31,9 +32,6 @@ Array = NDArray[np.float64]
 
 NEUTRAL = 1e-6
 """Eigenvalues so near to 1 are neutral: double ones, as of an angle and its speed, are found to the root of rounding."""
-
-MACHINES = ("adhesion", "brake", "traction", "slide_protection", "wheel_slip_control", "rig_control")
-"""Tables of a case that the vehicle on bare rollers does without."""
 
 
 @dataclass(frozen=True)
@@ -106,7 +104,7 @@ def wheel_of(case: Case) -> Wheel:
     """Wheelset and roller of a rig's case, each with the rotor that its motor drives it by."""
     rig, control = case.support.data, case.rig_control
     assert isinstance(rig, Rig)
-    wheelset = next(b for b in case.vehicle.data.bodies_in(case.vehicle.part) if b.kind == "wheelset").inertia[1]
+    wheelset = leading_wheelset(case).inertia[1]
     roller = rig.roller_inertia[1]
     wheelset += rotor_inertia(case.traction.motor) if case.traction is not None else 0.0
     roller += rotor_inertia(control.motor) if control is not None else 0.0
@@ -124,8 +122,7 @@ def creep_slope(case: Case) -> float:
     Raises:
         StartError: no rolling equilibrium was found.
     """
-    plain = case.with_changes(dict.fromkeys(MACHINES))
-    stiffness = rolling_state(plain, case.motion.speed).creep_stiffness
+    stiffness = rolling_state(case, case.motion.speed).creep_stiffness
     return 2.0 * sum(stiffness.values()) / len(stiffness) / case.motion.speed
 
 
@@ -366,7 +363,7 @@ def vehicle_plant(case: Case) -> Plant:
     Raises:
         StartError: no rolling equilibrium was found.
     """
-    model = assemble(case.with_changes(dict.fromkeys(MACHINES)))
+    model = assemble(without_actuators(case))
     simulation = _core.Simulation(model.core)
     matrix = np.array(simulation.jacobian(0.0, np.asarray(starting_state(simulation, model)))[0])
     spin = DIRECTIONS.index("pitch")

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from rollerrig.analysis import HuntingSettings, RampSettings
+from rollerrig.cases import restrained_along_track
 from rollerrig.config import Case, load_case
-from rollerrig.studies.compare.cases import restrained
 from rollerrig.studies.compare.critical import RADII
 
 MATERIALS = ("steel", "paper")
@@ -87,7 +87,7 @@ QUICK = PaperPlan(
 def case_of(variant: str, material: str) -> Case:
     """The case of one of VARIANTS with a material of the catalogue."""
     name, cut = VARIANTS[variant]
-    return restrained(load_case(name).with_changes({"contact.material": material, "vehicle.cut": cut}))
+    return restrained_along_track(load_case(name).with_changes({"contact.material": material, "vehicle.cut": cut}))
 
 
 def rig_case(material: str) -> Case:

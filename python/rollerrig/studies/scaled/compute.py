@@ -18,6 +18,7 @@ import xarray as xr
 
 from rollerrig.analysis import linear_critical_speed
 from rollerrig.analysis.parallel import run_jobs
+from rollerrig.cases import at_speed
 from rollerrig.config import Case
 from rollerrig.similitude import (
     ContactAtRest,
@@ -175,13 +176,10 @@ def _run(case: Case, progress: Progress) -> xr.Dataset:
 
 
 def _critical(case: Case) -> float:
-    """Linear critical speed at full scale with the rollers' speed held [m/s]; NaN if there is none in the range."""
+    """Linear critical speed at full scale on speed-controlled rollers [m/s]; NaN if there is none in the range."""
     factor = factors_of(case).speed if case.similitude is not None else 1.0
-    bare = dict.fromkeys(("adhesion", "brake", "traction", "slide_protection", "wheel_slip_control", "rig_control"))
-    motion = case.motion.model_copy(update={"drive": "speed_controlled", "torque_table": None, "speed_table": None})
-    held = case.model_copy(update={**bare, "motion": motion, "axle_torque": (), "disturbance": ()})
     try:
-        found = linear_critical_speed(held, [v / factor for v in SPEEDS])
+        found = linear_critical_speed(at_speed(case).with_changes({"axle_torque": []}), [v / factor for v in SPEEDS])
     except StartError:
         return float("nan")
     return found.speed * factor if found else float("nan")

@@ -1,0 +1,128 @@
+"""Cases made from cases: another support, another part of the vehicle, a constant speed, no actuators.
+
+    Case -> [cases] -> Case -> assemble, simulate, stability
+
+Each transformation is defined here and nowhere else. All return a new case, checked like a file: what is not allowed
+raises ConfigError.
+"""
+
+from __future__ import annotations
+
+from rollerrig.config import Body, Case, Rig, Track, load_support
+from rollerrig.config.change import plain
+
+ACTUATORS = ("adhesion", "brake", "traction", "slide_protection", "wheel_slip_control", "rig_control")
+"""Tables of a case beside vehicle, support and contact: what acts on the vehicle, and degraded adhesion."""
+
+CATALOG_TRACK, CATALOG_RIG = "uic60_track", "full_scale_rig"
+"""Supports on which a case is put; they get the head and gauge of its own."""
+
+
+# ---------------------------------------------------------------------------------------------------- the vehicle
+
+
+def wheelsets(case: Case) -> tuple[Body, ...]:
+    """Wheelsets of the part that is run, in the order of the vehicle."""
+    return tuple(b for b in case.vehicle.data.bodies_in(case.vehicle.part) if b.kind == "wheelset")
+
+
+def leading_wheelset(case: Case) -> Body:
+    """The foremost wheelset of the part that is run."""
+    return max(wheelsets(case), key=lambda body: body.position[0])
+
+
+def part_of(case: Case, cut: str) -> Case:
+    """Another part of the same vehicle, restrained along the track."""
+    freed = {
+        f"vehicle.body.{body.name}.locked": [d for d in body.locked if d != "x"]
+        for body in case.vehicle.data.bodies_in(case.vehicle.part)
+        if "x" in body.locked
+    }
+    return restrained_along_track(case.with_changes({**freed, "vehicle.cut": cut}))
+
+
+def restrained_along_track(case: Case) -> Case:
+    """The case with a longitudinal restraint, such as a rig's anchorage or a locomotive.
+
+    Two patches of one wheel brake each other a little, and nothing else balances that. A case with a fixed body or one
+    locked in x stays as it is; else x is locked of the heaviest body that is no wheelset, or of the first wheelset.
+    """
+    part = case.vehicle.part
+    bodies = case.vehicle.data.bodies_in(part)
+    if part.fixed or any("x" in body.locked for body in bodies):
+        return case
+    rigid = [body for body in bodies if body.kind != "wheelset"]
+    body = max(rigid, key=lambda b: b.mass) if rigid else bodies[0]
+    return case.with_changes({f"vehicle.body.{body.name}.locked": [*body.locked, "x"]})
+
+
+# ---------------------------------------------------------------------------------------------------- the support
+
+
+def with_head_of(support: Rig | Track, other: Rig | Track) -> Rig | Track:
+    """A support with the rail head and gauge of another."""
+    return support.model_copy(update={"profile": other.profile, "gauge": other.gauge, "gauge_depth": other.gauge_depth})
+
+
+def on_track(case: Case) -> Case:
+    """The same case on straight, rigid track with the head and gauge of its support.
+
+    The vehicle runs at its speed; the controller of a rig and the assumption of pure rolling on rollers are left out.
+    """
+    changes: dict[str, object] = {"motion.drive": "speed_controlled", "motion.torque_table": None, "rig_control": None}
+    return _on(case, CATALOG_TRACK, {**changes, "bench.pure_rolling": False})
+
+
+def on_rig(case: Case, radius: float | None = None) -> Case:
+    """The same case on rollers.
+
+    Args:
+        case: on a rig, whose rollers are then kept, or on track, whose head the rollers of the catalogue's rig get.
+        radius: of the rollers at the crown [m]; None: the rig's own.
+    """
+    rig = case if isinstance(case.support.data, Rig) else _on(case, CATALOG_RIG, {})
+    return rig if radius is None else rig.with_changes({"support.roller_radius": radius})
+
+
+def _on(case: Case, support: str, changes: dict[str, object]) -> Case:
+    data = plain(with_head_of(load_support(support), case.support.data))
+    return case.with_changes({"support": {"data": data}, **changes})
+
+
+# ------------------------------------------------------------------------------------------- drive and disturbance
+
+
+def without_actuators(case: Case) -> Case:
+    """The vehicle without brakes, traction, degraded adhesion and controllers; the drive of the rollers stays."""
+    return case.with_changes(dict.fromkeys((*ACTUATORS, "bench"))) if case.on_bench else case
+
+
+def at_speed(case: Case, speed: float | None = None) -> Case:
+    """The vehicle without actuators at a constant speed on smooth rollers or rails.
+
+    A track continues without end as it begins, straight or curved.
+
+    Args:
+        case: the case; rollers are speed-controlled, whatever its drive.
+        speed: running speed [m/s]; None: the starting speed of the case.
+    """
+    changes: dict[str, object] = {
+        **(dict.fromkeys((*ACTUATORS, "bench")) if case.on_bench else {}),
+        "motion.drive": "speed_controlled",
+        "motion.speed_table": None,
+        "motion.torque_table": None,
+        "motion.speed": case.motion.speed if speed is None else speed,
+    }
+    support = case.support.data
+    if support.irregularity is not None:
+        changes["support.irregularity"] = None
+    if isinstance(support, Track) and len(support.segment) > 1:
+        changes["support.segment"] = [support.segment[0].model_dump()]
+    return case.with_changes(changes)
+
+
+def displaced(case: Case, lateral: float) -> Case:
+    """The case started with a lateral offset of its leading wheelset [m], without other disturbances and torques."""
+    return case.with_changes(
+        {"disturbance": [{"body": leading_wheelset(case).name, "lateral": lateral}], "axle_torque": []}
+    )
