@@ -28,7 +28,7 @@ from rollerrig.assembly import assemble
 from rollerrig.bench import BenchRun
 from rollerrig.simulation import begin
 from rollerrig.starting_state import starting_state
-from rollerrig.studies.adhesion import track_case
+from rollerrig.study.adhesion import track_case
 
 TEST = 60.0
 """What the times are given for [s]."""

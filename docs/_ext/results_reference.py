@@ -69,10 +69,10 @@ def reference() -> list[str]:
     from rollerrig.contact_table import _COLUMNS, _VARIABLES
     from rollerrig.results import SUMMARY_KEYS
     from rollerrig.studies.conicity import CONICITY_KEYS
-    from rollerrig.studies.creep import CREEP_KEYS
     from rollerrig.studies.paper.write import PAPER_KEYS
     from rollerrig.studies.stability import STABILITY_KEYS
     from rollerrig.studies.wheel_rail_forces import READINGS_KEYS
+    from rollerrig.study import STUDIES
 
     run = simulate(load_case("wheelset_rollers").with_changes({"time.duration": "0.01 s"}))
     return [
@@ -83,8 +83,8 @@ def reference() -> list[str]:
         *keys("rollerrig run", {**SUMMARY_KEYS, **READINGS_KEYS}),
         *keys("rollerrig stability", STABILITY_KEYS),
         *keys("rollerrig conicity", CONICITY_KEYS),
-        *keys("rollerrig creep", CREEP_KEYS),
         *keys("rollerrig paper", PAPER_KEYS),
+        *(line for study in STUDIES for line in keys(f"rollerrig {study.command}", study.quantities.described())),
     ]
 
 

@@ -2,7 +2,7 @@
 
 core:    scalar -> math -> integrate -> track -> multibody -> geometry -> contact -> mechatronics -> system -> simulate
 Python:  profiles, track, irregularity -> config -> catalog -> cases -> creep -> assembly -> results -> starting_state -> bench
-         -> simulation -> similitude -> characteristics -> analysis -> plot -> report -> studies -> cli
+         -> simulation -> similitude -> characteristics -> analysis -> plot -> report -> study -> studies -> cli
 """
 
 from __future__ import annotations
@@ -82,6 +82,7 @@ PYTHON_LAYERS = [
     {"analysis"},
     {"plot"},
     {"report"},
+    {"study"},
     {"studies"},
     {"cli"},
 ]

@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Annotated
 
 import typer
 
+from rollerrig.cli.command import Out, carry_out
 from rollerrig.cli.ranges import check_finite, read_range
-from rollerrig.cli.termination import say, stop
+from rollerrig.cli.termination import stop
 
 
 def command(
-    out: Annotated[Path, typer.Option(help="Folder for the results; made if it does not exist.")],
+    out: Out,
     a_over_b: Annotated[
         float, typer.Option(help="Semi-axis along the rolling direction over the one across it.")
     ] = 1.0,
@@ -31,8 +31,7 @@ def command(
     from pydantic import ValidationError
 
     from rollerrig.config.contact_law import PolachReduction
-    from rollerrig.results import output_folder
-    from rollerrig.studies.creep import creep_study, lead, write_study
+    from rollerrig.study.creep import CreepStudy
 
     for value, option in ((a_over_b, "--a-over-b"), (poisson_ratio, "--poisson-ratio")):
         check_finite(value, option)
@@ -47,12 +46,9 @@ def command(
     laws = law or ["kalker_saturated", "fastsim", "modified_fastsim", "table"]
     if polach is not None and "polach" not in laws:
         stop("--k-a and --k-s are for --law polach")
-    sizes = read_range(demands, "--demands")
-    folder = output_folder(out)
+    sizes = tuple(read_range(demands, "--demands"))
     try:
-        study = creep_study(a_over_b, laws, poisson_ratio=poisson_ratio, demands=sizes, polach=polach)
-    except (ValueError, RuntimeError) as error:
+        study = CreepStudy(a_over_b, tuple(laws), poisson_ratio, sizes, polach)
+    except ValueError as error:
         stop(error)
-    for path in write_study(study, folder):
-        typer.echo(path)
-    say(lead(study))
+    carry_out(study, out, refused=(ValueError, RuntimeError))

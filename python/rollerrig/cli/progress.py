@@ -61,3 +61,17 @@ def _shown(title: str, otherwise: Progress | None) -> Iterator[Progress]:
     with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
         task = bar.add_task(title, total=1.0, text="")
         yield lambda fraction, text: bar.update(task, completed=fraction, text=text)
+
+
+def lines() -> Progress:
+    """Progress as a line on stderr per ten per cent, where there is no terminal for a bar."""
+    shown = -1
+
+    def report(fraction: float, text: str) -> None:
+        nonlocal shown
+        tenth = int(10 * fraction)
+        if tenth > shown:
+            shown = tenth
+            print(f"{10 * tenth:3d} %  {text}", file=sys.stderr)
+
+    return report

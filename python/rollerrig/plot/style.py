@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any, Literal
 
 import matplotlib as mpl
+import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -56,6 +57,35 @@ def new_figure(rows: int = 1, width: float = 7.2, height: float = 3.4, **options
     FigureCanvasAgg(figure)
     axes = figure.subplots(rows, 1, squeeze=False, **options)
     return figure, list(axes[:, 0])
+
+
+@contextmanager
+def panels(
+    labels: Sequence[str], xlabel: str, height: float, *, legend: bool = True, **options: Any
+) -> Iterator[tuple[Figure, list[Axes]]]:
+    """Within it, axes one above the other are drawn into; then they are labelled.
+
+    Args:
+        labels: of the ordinates, from the top.
+        xlabel: of the common abscissa.
+        height: of the figure [inches].
+        legend: whether the first panel's legend stands above all.
+        **options: for `new_figure`.
+    """
+    with house_style():
+        figure, axes = new_figure(len(labels), height=height, **{"sharex": True, **options})
+        yield figure, axes
+        for one, label in zip(axes, labels, strict=True):
+            one.set_ylabel(label)
+        axes[-1].set_xlabel(xlabel)
+        if legend:
+            legend_above(figure, axes[0])
+
+
+def line(axes: Axes, along: Any, values: Any, number: int = 0, style: Any = "-", label: str = "", **look: Any) -> None:
+    """A thin line, rasterised since it has many points; colour by number, blanks for underscores in the label."""
+    look = {"linewidth": 0.9, "rasterized": True, "color": COLOURS[number % len(COLOURS)], "linestyle": style, **look}
+    axes.plot(np.asarray(along), np.asarray(values), label=label.replace("_", " "), **look)
 
 
 def calm(axes: Axes, least: float) -> None:

@@ -23,8 +23,8 @@ from rollerrig.analysis.parallel import run_jobs
 from rollerrig.analysis.signals import half_waves
 from rollerrig.analysis.tracking import slip, tracking
 from rollerrig.config import Case, ConfigError, ConfigProblem, Rig
-from rollerrig.studies.adhesion.compute import track_case
 from rollerrig.studies.control.ring import whole_run
+from rollerrig.study.adhesion import track_case
 
 Progress = Callable[[float, str], None]
 Array = NDArray[np.float64]

@@ -1,0 +1,19 @@
+"""Studies: what is run, what is reported, what the models leave out.
+
+analysis, plot -> [study] -> summary.json, data, figures, report.html
+"""
+
+from importlib import import_module
+from typing import Any
+
+_HOME = {"AdhesionStudy": "adhesion", "CreepStudy": "creep"}
+"""Study -> its module, in the order of the reference page."""
+
+
+def __getattr__(name: str) -> Any:
+    """A study, imported when first asked for; STUDIES: all of them."""
+    if name == "STUDIES":
+        return tuple(__getattr__(one) for one in _HOME)
+    if name not in _HOME:
+        raise AttributeError(f"module 'rollerrig.study' has no attribute {name!r}")
+    return getattr(import_module(f"rollerrig.study.{_HOME[name]}"), name)

@@ -1,0 +1,152 @@
+"""Creep laws against the exact theory on one ellipse.
+
+a/b, names of laws -> [CreepStudy] -> forces, errors and cost of each law
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import xarray as xr
+
+from rollerrig.analysis.creep_laws import COMPONENTS, DEMANDS, REFERENCE, compare_laws, error_table
+from rollerrig.config.contact_law import PolachReduction, StiffnessReduction
+from rollerrig.creep import creep_law
+from rollerrig.plot.creep import creep_figure
+from rollerrig.study.frame import Study
+from rollerrig.study.jobs import Done, Round, job
+from rollerrig.study.quantities import Numbers, Quantities, Quantity
+from rollerrig.study.report import Picture, Section, Text
+
+ERRORS = tuple(
+    Quantity(f"laws.*.*.{part}.{which}", f"{words} error of the {what} against the exact theory", unit, f"{part}, {words}", 3)
+    for part, what, unit in (("force", "force", "% of μN"), ("moment", "spin moment", "% of μN√(ab)"))
+    for which, words in (("median", "median"), ("percentile_95", "95th percentile"), ("worst", "worst"))
+)  # fmt: skip
+QUANTITIES = Quantities(
+    Quantity("a_over_b", "ratio of the semi-axes of the contact ellipse, a along the rolling direction", "1"),
+    Quantity("poisson_ratio", "of both bodies", "1"),
+    ERRORS,
+    Quantity("laws.*.nanoseconds", "processor time of a call as measured in this run", "ns", "per call", 3),
+    Quantity("grid_error", "largest difference of the exact theory to its solution on a coarser grid", "% of μN"),
+)
+
+
+@dataclass(frozen=True)
+class CreepStudy(Study[xr.Dataset]):
+    """Laws by name beside the exact theory.
+
+    Attributes:
+        a_over_b: ratio of the semi-axes, 0.1 to 10.
+        laws: names that `contact.creep` knows, each once.
+        poisson_ratio: [-].
+        demands: sizes of the creepage; 1 demands about mu N.
+        polach: needed where `polach` is among the laws.
+        stiffness: for `modified_fastsim`.
+    """
+
+    a_over_b: float
+    laws: tuple[str, ...]
+    poisson_ratio: float = 0.28
+    demands: tuple[float, ...] = DEMANDS
+    polach: PolachReduction | None = None
+    stiffness: StiffnessReduction | None = None
+
+    command = "creep"
+    quantities = QUANTITIES
+    formats = ("svg", "png")
+    resumable = False
+
+    def __post_init__(self) -> None:
+        """Refuse a law that is asked for twice.
+
+        Raises:
+            ValueError: it is.
+        """
+        repeated = sorted({name for name in self.laws if self.laws.count(name) > 1})
+        if repeated:
+            raise ValueError(f"{', '.join(repeated)}: asked for more than once")
+
+    @property
+    def title(self) -> str:
+        return f"Creep laws on an ellipse a/b = {self.a_over_b:g}"
+
+    def rounds(self, done: Done) -> Iterator[Round]:
+        yield {"creep": job(compare, self)}
+
+    def collect(self, done: Done) -> xr.Dataset | None:
+        return done.get("creep")
+
+    def numbers(self, results: xr.Dataset) -> dict[str, Any]:
+        laws: dict[str, Any] = {}
+        for law, kind, *errors in error_table(results):
+            entry = laws.setdefault(law, {"nanoseconds": 1e9 * float(results["seconds"].sel(law=law))})
+            parts: dict[str, dict[str, float]] = {"force": {}, "moment": {}}
+            entry[kind.replace(" ", "_")] = parts
+            for quantity, value in zip(ERRORS, errors, strict=True):
+                parts[quantity.key.split(".")[3]][quantity.name] = round(value, 3)
+        grid_error = round(100 * float(results["grid_error"].max()), 3)
+        return {"a_over_b": self.a_over_b, "poisson_ratio": self.poisson_ratio, "laws": laws, "grid_error": grid_error}
+
+    def summary(self, results: xr.Dataset, numbers: Numbers) -> list[str]:
+        return [
+            f"{law}: force at most {entry['no_spin']['force']['worst']:.1f} % of μN off without spin, "
+            f"{entry['spin']['force']['worst']:.1f} % with spin; {entry['nanoseconds']:.0f} ns per call."
+            for law, entry in numbers["laws"].items()
+        ]
+
+    def files(self, results: xr.Dataset, numbers: Numbers) -> Mapping[str, Any]:
+        return {"creep.csv": force_rows(results)}
+
+    def sections(self, results: xr.Dataset, numbers: Numbers) -> list[Section]:
+        caption = (
+            "Forces in units of the friction limit μN and spin moment in μNc, c = √(ab), over the size of the creepage. Points: "
+            "exact theory; its bars are the difference to a coarser grid."
+        )
+        exact = (
+            "Exact theory: Kalker's variational theory for half-spaces, solved here with boundary elements. Solutions on a "
+            f"coarser grid differ by at most {numbers['grid_error']:g} % of μN. Poisson's ratio {self.poisson_ratio:g}. Rolling "
+            "forward, signs of the force on the wheel. Equations and sources: documentation, theory/creep_laws."
+        )
+        entries = {
+            f"{law}, {kind.replace('_', ' ')}": {
+                "nanoseconds": entry["nanoseconds"],
+                **{q.key: entry[kind][q.key.split(".")[3]][q.name] for q in ERRORS},
+            }
+            for law, entry in numbers["laws"].items()
+            for kind in ("no_spin", "spin")
+        }
+        names = [*(quantity.key for quantity in ERRORS), "nanoseconds"]
+        note = "Against the exact theory. Time: plain numbers, one call, this machine, now."
+        return [
+            Section("Forces", [Picture("creep", creep_figure(results), caption)]),
+            Section("Errors and cost", [QUANTITIES.table(entries, names, note, "law, creepage"), Text(exact)]),
+        ]
+
+
+def compare(study: CreepStudy) -> xr.Dataset:
+    """The laws of a study beside the exact theory; see `compare_laws`.
+
+    Raises:
+        ValueError: an unknown law, one that lacks a parameter, a number outside its range.
+    """
+    parameters = {"saturate_spin_moment": False, "polach": study.polach, "stiffness": study.stiffness}
+    laws = {name: creep_law(name, **parameters) for name in study.laws}  # type: ignore[arg-type]
+    return compare_laws(study.a_over_b, laws, poisson_ratio=study.poisson_ratio, demands=study.demands)
+
+
+def force_rows(comparison: xr.Dataset) -> list[list[object]]:
+    """Every force and moment, header first."""
+    header = ("law", "direction", "demand", "xi", "eta", "chi", "force_x_over_mu_n", "force_y_over_mu_n")
+    table: list[list[object]] = [[*header, "spin_moment_over_mu_n_c", "adhesion"]]
+    for law in comparison["law"].to_numpy():
+        for direction in comparison["direction"].to_numpy():
+            one = comparison.sel(law=law, direction=direction)
+            for k, demand in enumerate(one["demand"].to_numpy()):
+                values = [float(one[name][k]) + 0.0 for name in COMPONENTS]
+                adhesion = float(one["adhesion"][k]) if law == REFERENCE else float("nan")
+                creepage = [float(x) + 0.0 for x in one["creepage"][k]]
+                table.append([str(law), str(direction), float(demand), *creepage, *values, adhesion])
+    return table

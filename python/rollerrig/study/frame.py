@@ -1,0 +1,240 @@
+"""What every study is: jobs, what is collected from them, reported numbers, figures, limitations.
+
+Study -> [run: jobs on a few processes, journal, progress, Ctrl-C] -> Outcome -> [write] -> summary.json, data, figures, report
+
+A study names its cases and its jobs, collects their results and says what the report shows; all else is here: the folder,
+resuming, the report's head and ends, summary.json, the files of the figures.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import math
+import tomllib
+from abc import ABC, abstractmethod
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import nullcontext
+from dataclasses import dataclass, fields
+from functools import cached_property
+from pathlib import Path
+from typing import Any, ClassVar, Generic, Literal, TypeVar
+
+import xarray as xr
+
+from rollerrig import __version__
+from rollerrig.config import Case
+from rollerrig.plot import figure_bytes
+from rollerrig.results import output_folder, save_run, write_bytes, write_text
+from rollerrig.study.jobs import Done, Progress, Round, run_rounds
+from rollerrig.study.journal import Journal
+from rollerrig.study.limitations import limitations
+from rollerrig.study.quantities import Numbers, Quantities, finite
+from rollerrig.study.report import Block, Page, Picture, Preformatted, Section, Table, Text, render
+
+R = TypeVar("R")
+Content = xr.Dataset | str | Sequence[Sequence[object]]
+"""Of a file: a Dataset (.nc), text, or rows of a CSV file, header first."""
+
+
+class Study(ABC, Generic[R]):
+    """A study of kind `R`, which is what its jobs are collected into; subclasses are frozen dataclasses of what is asked for.
+
+    Attributes:
+        command: of the command line, for messages.
+        quantities: what it reports.
+        formats: of the figures' files; the first one is shown in the report.
+        resumable: whether finished jobs are kept until the report is written.
+        keeps_jobs: whether they stay, for another study of the same folder to take over.
+        irrelevant: dotted keys of the plan that change no job.
+        round_ends: fraction of the whole at the end of each round of jobs, for the progress.
+    """
+
+    command: ClassVar[str]
+    quantities: ClassVar[Quantities]
+    formats: ClassVar[tuple[Literal["svg", "png"], ...]] = ("png",)
+    resumable: ClassVar[bool] = True
+    keeps_jobs: ClassVar[bool] = False
+    irrelevant: ClassVar[tuple[str, ...]] = ("description",)
+    round_ends: ClassVar[tuple[float, ...]] = (1.0,)
+
+    # --------------------------------------------------------------------------------- what a study says of itself
+
+    @property
+    @abstractmethod
+    def title(self) -> str:
+        """Of the report."""
+
+    def cases(self) -> Mapping[str, Case]:
+        """Label -> case, those whose limitations and configuration the report states; none for a study without runs."""
+        return {}
+
+    @abstractmethod
+    def rounds(self, done: Done) -> Iterator[Round]:
+        """Jobs by name, round by round; `done` has the results of the rounds before."""
+
+    @abstractmethod
+    def collect(self, done: Done) -> R | None:
+        """What the jobs found; None where Ctrl-C left too little to report."""
+
+    @abstractmethod
+    def numbers(self, results: R) -> dict[str, Any]:
+        """What goes into summary.json, each under a key of `quantities`."""
+
+    @abstractmethod
+    def summary(self, results: R, numbers: Numbers) -> list[str]:
+        """The findings, a sentence each."""
+
+    @abstractmethod
+    def sections(self, results: R, numbers: Numbers) -> list[Section]:
+        """Of the report, but for its ends."""
+
+    def files(self, results: R, numbers: Numbers) -> Mapping[str, Content]:
+        """File name -> content, beside report, figures and summary.json."""
+        return {}
+
+    def limitations(self) -> list[str]:
+        """What the models leave out, a sentence each: of all cases, each once."""
+        return list(dict.fromkeys(line for case in self.cases().values() for line in limitations(case)))
+
+    def sources(self, results: R) -> Mapping[str, str]:
+        """What -> publication."""
+        return {}
+
+    def statuses(self, results: R) -> Sequence[str]:
+        """How the runs ended that the exit code speaks of."""
+        return ()
+
+    def plan(self) -> dict[str, Any]:
+        """All that decides the jobs' results: finished jobs of another plan are refused. Cases as their tables."""
+        return {name: value for field in fields(self) for name, value in _plain(field.name, getattr(self, field.name))}  # type: ignore[arg-type]
+
+    # -------------------------------------------------------------------------------------------------- running it
+
+    def run(
+        self, *, folder: str | Path | None = None, processes: int = 1, progress: Progress | None = None
+    ) -> Outcome[R] | None:
+        """Do the jobs and collect their results.
+
+        Args:
+            folder: where finished jobs are kept and looked for; None: nowhere.
+            processes: jobs at a time.
+            progress: called with the fraction done and a short text.
+
+        Returns:
+            What was found; None where Ctrl-C left too little to report.
+
+        Raises:
+            ConfigError: a case cannot be run, or `folder` has the jobs of another plan.
+            StartError: a case finds no equilibrium to start from.
+            OutputError: `folder` takes no files.
+        """
+        kept = self.resumable and folder is not None
+        journal = Journal(output_folder(folder or ""), self.command, self.plan(), self.irrelevant) if kept else None
+        taken_over = 0 if journal is None else len(journal.done)
+        with journal or nullcontext():
+            done, interrupted = run_rounds(self.rounds, journal, self.round_ends, processes, progress)
+        results = self.collect(done)
+        return None if results is None else Outcome(self, results, interrupted, taken_over, journal)
+
+
+def _plain(name: str, value: Any) -> Iterator[tuple[str, Any]]:
+    """Fields of a study as JSON; the tables of its one case stand at the top, so that a message has their keys."""
+    if isinstance(value, Case):
+        yield from tomllib.loads(value.to_toml()).items()
+    elif isinstance(value, Mapping):
+        yield name, {str(key): dict(_plain("", inner)).get("", dict(_plain("", inner))) for key, inner in value.items()}
+    else:
+        yield name, json.loads(json.dumps(value, default=lambda other: getattr(other, "__dict__", None) or str(other)))
+
+
+@dataclass(frozen=True)
+class Outcome(Generic[R]):
+    """What a study found.
+
+    Attributes:
+        study: what was asked for.
+        results: what its jobs were collected into.
+        interrupted: whether Ctrl-C ended it early.
+        taken_over: jobs that were finished before.
+        journal: of the finished jobs.
+    """
+
+    study: Study[R]
+    results: R
+    interrupted: bool = False
+    taken_over: int = 0
+    journal: Journal | None = None
+
+    @cached_property
+    def numbers(self) -> dict[str, Any]:
+        """The reported numbers; None for what is no finite number."""
+        found: dict[str, Any] = finite(self.study.numbers(self.results))
+        return {**found, "interrupted": self.interrupted, "rollerrig_version": __version__}
+
+    @property
+    def summary(self) -> str:
+        """The findings, a line each."""
+        lines = self.study.summary(self.results, self.numbers)
+        return "\n".join([*(["Interrupted: what was computed until then."] if self.interrupted else []), *lines])
+
+    @property
+    def statuses(self) -> Sequence[str]:
+        """How the runs ended; 'interrupted' where Ctrl-C ended the study early."""
+        return ["interrupted"] if self.interrupted else self.study.statuses(self.results)
+
+    def write(self, out: str | Path) -> list[Path]:
+        """Write the study's files, figures/, summary.json and, last, report.html.
+
+        Raises:
+            OutputError: a file could not be written; those before it are whole.
+        """
+        folder = output_folder(out)
+        study = self.study
+        written = [_write(folder / name, content) for name, content in study.files(self.results, self.numbers).items()]
+        sections = self._sections()
+        for picture in (block for section in sections for block in section.blocks if isinstance(block, Picture)):
+            for number, kind in enumerate(study.formats):
+                content = figure_bytes(picture.figure, kind, dpi=150 if number == 0 else 200)
+                if number == 0:
+                    picture.image = content
+                written.append(write_bytes(output_folder(folder / "figures") / f"{picture.name}.{kind}", content))
+        summary = {**self.numbers, "keys": study.quantities.described()}
+        written.append(write_text(folder / "summary.json", json.dumps(summary, indent=2, ensure_ascii=False) + "\n"))
+        page = Page(study.title, self.summary, sections, f"rollerrig {__version__}")
+        written.append(write_text(folder / "report.html", render(page)))
+        if self.journal is not None and not (self.interrupted or study.keeps_jobs):
+            self.journal.discard()
+        return written
+
+    def _sections(self) -> list[Section]:
+        study = self.study
+        sections = study.sections(self.results, self.numbers)
+        lines = study.limitations()
+        if lines:
+            sections.append(Section("Limitations", [Text(f"• {line}") for line in lines]))
+        sources, cases = study.sources(self.results), study.cases()
+        blocks: list[Block] = [Table(("of", "source"), list(sources.items()))] if sources else []
+        blocks += [Preformatted(f"The whole configuration: {label}", case.to_toml()) for label, case in cases.items()]
+        return [*sections, Section("Case and sources", blocks)] if blocks else sections
+
+
+def _write(path: Path, content: Content) -> Path:
+    output_folder(path.parent)
+    if isinstance(content, xr.Dataset):
+        return save_run(content, path)
+    return write_text(path, content if isinstance(content, str) else csv_text(content))
+
+
+def csv_text(rows: Sequence[Sequence[object]]) -> str:
+    """Rows as CSV, header first; nine digits, nothing for what does not exist."""
+    text = io.StringIO()
+    csv.writer(text, lineterminator="\n").writerows([_cell(cell) for cell in row] for row in rows)
+    return text.getvalue()
+
+
+def _cell(value: object) -> object:
+    if not isinstance(value, float):
+        return value
+    return f"{value:.9g}" if math.isfinite(value) else ""

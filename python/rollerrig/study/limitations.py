@@ -1,0 +1,123 @@
+"""What the model of a case leaves out: sentences that follow from the case.
+
+Case -> [limitations] -> sentences for the report
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from rollerrig.config import Case, Rig
+
+NORMAL = {
+    "hertz": "Each contact patch is a Hertzian ellipse, also where two patches of a wheel lie close together or the curvature "
+    "changes within a patch.",
+    "strips": "The normal contact is that of elastic strips: non-elliptical patches, whose pressures are approximate.",
+}
+"""Normal contact -> what it leaves out."""
+
+CREEP = {
+    "kalker_linear": "The creep force follows Kalker's linear theory without a friction limit: it is valid for small creepage.",
+    "kalker_saturated": "The creep force follows Kalker's linear theory, saturated by friction with a heuristic law.",
+    "fastsim": "The creep force follows Kalker's simplified theory (FASTSIM) on an elliptical patch.",
+    "modified_fastsim": "The creep force follows the modified FASTSIM, with an empirical reduction of the initial stiffness.",
+    "polach": "The creep force follows Polach's law: an elliptical patch, and spin by an approximate closed form.",
+    "table": "The creep force is interpolated in a table of Kalker's exact theory for elliptical patches.",
+}
+"""Creep law -> what it leaves out."""
+
+
+def limitations(case: Case) -> list[str]:
+    """What the model of this case leaves out, a sentence each."""
+    return [*_structure(case), *_geometry(case), *_contact(case), *_adhesion(case), *_actuators(case)]
+
+
+def _structure(case: Case) -> Iterator[str]:
+    yield "Car bodies, frames and wheelsets are rigid."
+    fixed = case.vehicle.part.fixed
+    if fixed:
+        yield f"Fixed, as on a test rig: {', '.join(name.replace('_', ' ') for name in fixed)}."
+    support = case.support.data
+    if isinstance(support, Rig):
+        yield (
+            "The rollers are rigid and their axles only spin in rigid bearings."
+            if support.mounting is None
+            else "The rollers are rigid; their axles stand on linear springs and dampers."
+        )
+    else:
+        yield (
+            "The rails are rigid and do not move."
+            if support.foundation is None
+            else "The rails are rigid; the piece below each wheel stands on linear springs and dampers, and pieces do not "
+            "interact."
+        )
+
+
+def _geometry(case: Case) -> Iterator[str]:
+    support = case.support.data
+    if support.irregularity is None:
+        smooth = "rollers are perfectly round" if isinstance(support, Rig) else "track is free of irregularities"
+        yield f"The {smooth}, and profiles do not wear."
+        return
+    if support.irregularity.kind == "file":
+        yield "Irregularities are those of the measured file, no shorter than its sampling resolves; profiles do not wear."
+    else:
+        shortest = support.irregularity.shortest_wavelength
+        yield (
+            f"Irregularities are one realisation of a stationary spectrum without wavelengths below {shortest:g} m; profiles do "
+            "not wear."
+        )
+    if isinstance(support, Rig):
+        yield "The actuators follow the irregularity exactly; the rollers themselves are perfectly round."
+
+
+def _contact(case: Case) -> Iterator[str]:
+    contact = case.contact
+    yield NORMAL[contact.normal]
+    yield f"{CREEP[contact.creep]} Rolling contact is quasi-steady: each patch has its steady force at once."
+    if contact.creep in ("kalker_linear", "kalker_saturated") and not contact.saturate_spin_moment:
+        yield "The spin moment is not limited by friction."
+    off = [name for name, on in contact.roller_effects.model_dump().items() if not on]
+    if off and isinstance(case.support.data, Rig):
+        yield f"Switched off, unlike on a real rig: the rollers' effect of {', '.join(off)}."
+
+
+def _adhesion(case: Case) -> Iterator[str]:
+    if case.adhesion is None:
+        fall = case.contact.friction_fall
+        if fall is None or fall.A == 1.0 or fall.B == 0.0:
+            yield "The coefficient of friction is constant."
+        else:
+            yield "Friction depends on the slip velocity alone, not on temperature or contamination."
+        return
+    recovery = (
+        "recovers by the dissipated energy alone"
+        if case.adhesion.recovery_constant > 0.0
+        else "is not changed by sliding"
+    )
+    yield (
+        "The adhesion of the rail depends on place or time and on the slip velocity as given, without temperature, and "
+        f"{recovery}."
+    )
+
+
+def _actuators(case: Case) -> Iterator[str]:
+    if case.motion.drive == "speed_controlled" and case.rig_control is None:
+        what = "rollers' speed is" if isinstance(case.support.data, Rig) else "running speed is"
+        yield f"The {what} prescribed: no drive reacts to the contact forces."
+    if case.bench.pure_rolling:
+        yield "Wheels roll on the rollers without longitudinal sliding (pure-rolling assumption)."
+    if case.rig_control is not None:
+        transfer = "no load transfer" if case.rig_control.load_transfer == "none" else "quasi-static load transfer"
+        yield (
+            "The virtual train runs straight ahead on centred wheels with one elliptical patch each: no lateral motion, no "
+            f"spin, {transfer}."
+        )
+        if case.rig_control.estimator.kind == "exact":
+            yield "Contact force and axle torque are known to the controller exactly, as on no real rig."
+    if case.brake is not None or case.traction is not None or case.rig_control is not None:
+        if case.sensors.axles.counts == 0.0 and case.sensors.rollers.counts == 0.0:
+            yield "The controllers see exact speeds: no encoder is modelled."
+        yield "Motors follow their torque command with a linear lag, without electrical dynamics or heating."
+    if case.slide_protection is not None or case.wheel_slip_control is not None:
+        yield "Wheel slide protection (WSP) and wheel-slip control follow published principles and are no certified devices."

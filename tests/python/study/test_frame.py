@@ -1,0 +1,213 @@
+"""The frame of all studies: jobs survive a killed program, another plan is refused, Ctrl-C keeps what is finished."""
+
+from __future__ import annotations
+
+import json
+import math
+import operator
+import signal
+import subprocess
+import sys
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from rollerrig.config import ConfigError
+from rollerrig.plot.style import new_figure
+from rollerrig.study.frame import Study
+from rollerrig.study.jobs import Done, Round, job
+from rollerrig.study.journal import NAME, Journal
+from rollerrig.study.quantities import Quantities, Quantity
+from rollerrig.study.report import Picture, Section
+
+CALLS: list[float] = []
+
+
+def square(value: float) -> float:
+    CALLS.append(value)
+    if value == 13.0:
+        raise KeyboardInterrupt
+    return value * value
+
+
+@dataclass(frozen=True)
+class Squares(Study[dict[str, float]]):
+    """Squares of numbers, then their sum as a second round."""
+
+    values: tuple[float, ...] = (1.0, 2.0, 3.0)
+    note: str = ""
+
+    command = "squares"
+    quantities = Quantities(Quantity("sum", "of the squares", "m^2"), Quantity("missing", "no number"))
+    irrelevant = ("note",)
+    round_ends = (0.5, 1.0)
+
+    @property
+    def title(self) -> str:
+        return "Squares"
+
+    def rounds(self, done: Done) -> Iterator[Round]:
+        yield {f"{v:g}": job(square, v) for v in self.values}
+        yield {"sum": job(sum, [done[f"{v:g}"] for v in self.values])}
+
+    def collect(self, done: Done) -> dict[str, float] | None:
+        return done or None
+
+    def numbers(self, results: dict[str, float]) -> dict[str, Any]:
+        return {"sum": results.get("sum"), "missing": math.nan}
+
+    def summary(self, results: dict[str, float], numbers: Mapping[str, Any]) -> list[str]:
+        return [f"The sum is {numbers['sum']}."]
+
+    def sections(self, results: dict[str, float], numbers: Mapping[str, Any]) -> list[Section]:
+        return [Section("Squares", [Picture("empty", new_figure()[0], "nothing")])]
+
+
+@pytest.fixture(autouse=True)
+def _forget_calls() -> None:
+    CALLS.clear()
+
+
+def test_later_rounds_see_earlier_results_and_the_journal_goes_with_the_report(tmp_path: Path) -> None:
+    outcome = Squares().run(folder=tmp_path)
+    assert outcome is not None
+    assert (tmp_path / NAME).exists()
+    written = outcome.write(tmp_path)
+    assert {path.relative_to(tmp_path).as_posix() for path in written} == {
+        "figures/empty.png",
+        "summary.json",
+        "report.html",
+    }
+    assert not (tmp_path / NAME).exists()
+    summary = json.loads((tmp_path / "summary.json").read_text())
+    assert summary["sum"] == 14.0
+    assert summary["missing"] is None
+    assert summary["keys"]["sum"] == "of the squares [m^2]"
+    assert not Squares.quantities.unexplained(summary)
+
+
+def test_the_progress_rises_to_one() -> None:
+    shown: list[float] = []
+    Squares().run(progress=lambda fraction, _text: shown.append(fraction))
+    assert shown == sorted(shown)
+    assert shown[-1] == 1.0
+    assert 0.5 in shown
+
+
+def test_jobs_run_on_other_processes() -> None:
+    class Products(Squares):
+        def rounds(self, done: Done) -> Iterator[Round]:
+            yield {str(k): job(operator.mul, k, 7) for k in range(3)}
+
+    outcome = Products().run(processes=2)
+    assert outcome is not None
+    assert outcome.results == {"0": 0, "1": 7, "2": 14}
+
+
+def test_ctrl_c_keeps_finished_jobs_for_the_same_command(tmp_path: Path) -> None:
+    first = Squares((1.0, 2.0, 13.0)).run(folder=tmp_path)
+    assert first is not None
+    assert first.interrupted
+    assert first.statuses == ["interrupted"]
+    assert "Interrupted" in first.summary
+    first.write(tmp_path)
+    with pytest.raises(ConfigError, match=r"values\[2\]: 13.0 there, 3.0 now"):
+        Squares().run(folder=tmp_path)
+    CALLS.clear()
+    again = Squares((1.0, 2.0, 13.0), note="another note changes no job").run(folder=tmp_path)
+    assert again is not None
+    assert again.taken_over == 2
+    assert CALLS == [13.0]
+
+
+def test_a_killed_program_goes_on_where_it_was(tmp_path: Path) -> None:
+    script = f"""
+import os, signal, sys
+sys.path.insert(0, {str(Path(__file__).parent)!r})
+import test_frame as t
+def kill(value):
+    if value == 3.0:
+        os.kill(os.getpid(), signal.SIGKILL)
+    return value * value
+t.square = kill
+t.Squares().run(folder={str(tmp_path)!r})
+"""
+    killed = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=False)
+    assert killed.returncode == -signal.SIGKILL, killed.stderr
+    with (tmp_path / NAME).open("ab") as file:
+        file.write(b'{"job": "3", "resu')  # what a killed program leaves of a line
+    outcome = Squares().run(folder=tmp_path)
+    assert outcome is not None
+    assert outcome.taken_over == 2
+    assert CALLS == [3.0]
+    assert outcome.results["sum"] == 14.0
+
+
+def test_a_damaged_line_costs_its_job_alone(tmp_path: Path) -> None:
+    Squares().run(folder=tmp_path)
+    lines = (tmp_path / NAME).read_bytes().splitlines(keepends=True)
+    (tmp_path / NAME).write_bytes(b"".join([lines[0], b"\xff{\n", *lines[2:]]))
+    CALLS.clear()
+    outcome = Squares().run(folder=tmp_path)
+    assert outcome is not None
+    assert CALLS == [1.0]
+
+
+def test_the_jobs_of_another_study_are_refused(tmp_path: Path) -> None:
+    class Cubes(Squares):
+        command = "cubes"
+
+    Squares().run(folder=tmp_path)
+    with pytest.raises(ConfigError, match="study: 'squares' there, 'cubes' now"):
+        Cubes().run(folder=tmp_path)
+    (tmp_path / NAME).write_text('{"something": "else"}\n')
+    with pytest.raises(ConfigError, match="its first line is not ours"):
+        Squares().run(folder=tmp_path)
+
+
+@dataclass(frozen=True)
+class Nested:
+    """Defined here, not in the package: a journal does not bring it back."""
+
+    value: float
+
+
+def test_results_come_back_from_a_journal_as_they_were(tmp_path: Path) -> None:
+    run = xr.Dataset(
+        {"y": (("time", "body"), [[1.0, math.nan]], {"units": "m"}), "name": ("body", ["a", "b"])},
+        {"time": [0.5], "body": ["one", "two"]},
+        {"status": "ok", "count": 3},
+    )
+    quantity = Quantity("key", "meaning", shown=("%", 100.0))
+    results = {
+        "dataset": run,
+        "dataclass": quantity,
+        "array": np.array([[1, 2]], dtype=np.int16),
+        "scalar": np.float64(0.1),
+        "nested": {"tuple": (1, (2.5, "x")), "list": [None, True, -math.inf]},
+        "foreign": Nested(1.0),
+    }
+    with Journal(tmp_path, "test", {}) as journal:
+        for name, result in results.items():
+            journal.add(name, result)
+    found = Journal(tmp_path, "test", {}).done
+    assert "foreign" not in found
+    xr.testing.assert_identical(found["dataset"], run)
+    assert found["dataclass"] == quantity
+    assert found["array"].dtype == np.int16
+    assert found["array"].tolist() == [[1, 2]]
+    assert found["scalar"] == 0.1
+    assert found["nested"] == results["nested"]
+
+
+def test_a_dataset_that_is_missing_is_computed_again(tmp_path: Path) -> None:
+    with Journal(tmp_path, "test", {}) as journal:
+        journal.add("run", xr.Dataset({"x": 1.0}))
+    for path in (tmp_path / "jobs").iterdir():
+        path.unlink()
+    assert Journal(tmp_path, "test", {}).done == {}

@@ -1,0 +1,62 @@
+"""The registry of reported quantities: what is not in it is found, and tables and files show what it says."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from rollerrig.study.quantities import Quantities, Quantity, finite
+
+REGISTRY = Quantities(
+    Quantity("case", "name"),
+    [Quantity("*.error_rms", "error", "1", "error, RMS", 2, ("%", 100.0)), Quantity("*.force_n", "force", "N")],
+    Quantity("solver.**", "counts"),
+    Quantity("points.*.speed", "of a point", "km/h"),
+)
+
+
+def test_every_place_is_explained_or_named() -> None:
+    numbers = {
+        "case": "a",
+        "rig": {"error_rms": 0.1, "force_n": 2.0, "new": 1.0},
+        "solver": {"steps": 3, "more": {"deep": 1}},
+        "points": [{"speed": 1.0}, {"speed": 2.0, "colour": "red"}],
+        "interrupted": False,
+    }
+    assert REGISTRY.unexplained(numbers) == ["rig.new", "points.1.colour"]
+
+
+def test_a_star_stands_for_one_name_alone() -> None:
+    assert REGISTRY.unexplained({"rig": {"deep": {"force_n": 1.0}}, "force_n": 1.0}) == ["rig.deep.force_n", "force_n"]
+
+
+def test_a_table_shows_other_units_than_the_file() -> None:
+    table = REGISTRY.table({"rig": {"error_rms": 0.01234, "force_n": None}}, ["error_rms", "force_n"], head="on")
+    assert table.header == ("on", "error, RMS [%]", "force n [N]")
+    assert table.rows == [["rig", "1.2", "–"]]
+    columns = REGISTRY.list_table({"a": {"force_n": 1.5}, "b": {"force_n": math.nan}}, ["force_n"])
+    assert columns.rows == [["force n [N]", "1.5", "–"]]
+
+
+def test_a_csv_file_has_registered_columns_only() -> None:
+    rows = REGISTRY.csv([{"force_n": 1.0, "error_rms": 0.5}], ["error_rms", "force_n"])
+    assert rows == [["error_rms", "force_n"], [0.5, 1.0]]
+    with pytest.raises(KeyError, match="colour"):
+        REGISTRY.csv([], ["colour"])
+
+
+def test_descriptions_end_with_their_unit() -> None:
+    described = REGISTRY.described()
+    assert described["*.error_rms"] == "error [-]"
+    assert described["*.force_n"] == "force [N]"
+    assert described["case"] == "name"
+
+
+def test_json_has_no_word_for_what_is_not_finite() -> None:
+    assert finite({"a": (np.float64(1.5), math.inf), "b": np.array([1, 2]), "c": math.nan}) == {
+        "a": [1.5, None],
+        "b": [1, 2],
+        "c": None,
+    }
