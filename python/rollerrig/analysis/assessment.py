@@ -1,6 +1,6 @@
 """A run's readings as a table: every quantity at every place with its statistics, its filter and its limit.
 
-run -> readings, accelerations -> [assessment] -> rows -> readings.csv, summary.json, report
+run -> readings, accelerations -> [assessment] -> rows -> running_safety.csv, summary.json, report
 """
 
 from __future__ import annotations

@@ -32,7 +32,7 @@ def carry_out(study: Any, out: Path, processes: int = 1, *, refused: tuple[type[
 
     folder = output_folder(out)
     try:
-        with progress_bar(study.title, lines() if study.resumable else None) as progress:
+        with progress_bar(study.command, lines() if study.resumable else None) as progress:
             outcome = study.run(folder=folder, processes=processes, progress=progress)
     except refused as error:
         stop(error)

@@ -6,12 +6,11 @@ rows of the core -> [results] -> xarray.Dataset -> run.nc, summary.json, CSV
 from rollerrig.results.dataset import Outcome, run_dataset
 from rollerrig.results.energy import add_energy_audit
 from rollerrig.results.files import OutputError, load_run, output_file, output_folder, save_run, write_bytes, write_text
-from rollerrig.results.summary import SUMMARY_KEYS, summarise
-from rollerrig.results.tables import motion_table, wheel_table, write_csv
+from rollerrig.results.summary import summarise
+from rollerrig.results.tables import motion_table, wheel_table
 from rollerrig.results.termination import add_termination
 
 __all__ = [
-    "SUMMARY_KEYS",
     "Outcome",
     "OutputError",
     "add_energy_audit",
@@ -25,6 +24,5 @@ __all__ = [
     "summarise",
     "wheel_table",
     "write_bytes",
-    "write_csv",
     "write_text",
 ]

@@ -1,4 +1,4 @@
-"""The numbers of a run, each under a documented key: what goes into summary.json."""
+"""The numbers of a run, as they go into summary.json; meanings and units are registered in study/run.py."""
 
 from __future__ import annotations
 
@@ -9,45 +9,9 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-SUMMARY_KEYS = {
-    "case": "name of the case",
-    "status": "'ok', 'interrupted', or why the run stopped",
-    "status_message": "the same as a sentence, with time, wheel and remedy",
-    "stopped_at_s": "time that the integration reached [s]",
-    "stopped_wheel": "wheel at which the run stopped, empty if none",
-    "stopped_at_m": "distance at the last output time [m]",
-    "stopped_segment": "segment of the track there, empty if it has none",
-    "stopped_quotient": "largest |Y| / Q of the wheelset that stopped the run in the half second before [-]; null if none did",
-    "stopped_quotient_wheel": "wheel that had it, empty if none",
-    "samples": "number of output times",
-    "speed_start_kmh": "running speed at the first output time [km/h]",
-    "speed_end_kmh": "running speed at the last output time [km/h]",
-    "energy_turned_over_j": "half the sum of the total variations of all energy accounts [J]",
-    "energy_relative_residual": "largest energy residual over the energy turned over [-]",
-    "warnings": "what to know before believing the run, one line each; empty if nothing",
-    "bodies": "per body of the vehicle, the numbers below",
-    "bodies.*.lateral_largest_mm": "largest lateral displacement, either side [mm]",
-    "bodies.*.lateral_end_mm": "lateral displacement at the last output time [mm]",
-    "bodies.*.lateral_last_tenth_mm": "largest lateral displacement in the last tenth of the output times [mm]",
-    "bodies.*.yaw_largest_mrad": "largest yaw angle, either side [mrad]",
-    "wheels": "per wheel, the numbers below",
-    "wheels.*.vertical_force_start_n": "vertical contact force Q at the first output time [N]",
-    "wheels.*.vertical_force_end_n": "vertical contact force Q at the last output time [N]",
-    "wheels.*.vertical_force_least_n": "smallest vertical contact force Q [N]",
-    "wheels.*.lateral_force_largest_n": "largest lateral contact force |Y| [N]",
-    "wheels.*.derailment_quotient_largest": "largest |Y| / Q while Q > 0 [-]",
-    "wheels.*.longitudinal_sliding_largest_mps": "largest longitudinal sliding speed [m/s]",
-    "wheels.*.longitudinal_sliding_end_mps": "longitudinal sliding speed at the last output time [m/s]",
-    "wheels.*.samples_with_several_patches": "output times at which the wheel touched in more than one patch",
-    "solver": "counts of the integrator: steps, rejected steps, evaluations, smallest and largest step [s]",
-    "contact": "counts of the contact model over all accepted steps and wheels",
-    "rollerrig_version": "version of this program",
-}
-"""Key -> meaning and unit; `*` stands for the name of a body or wheel."""
-
 
 def summarise(run: xr.Dataset) -> dict[str, Any]:
-    """The numbers of a run under the keys of SUMMARY_KEYS; None where a number does not exist.
+    """The numbers of a run by name; None where a number does not exist.
 
     Args:
         run: results of `simulate`.

@@ -1,16 +1,12 @@
-"""Tables of a run as CSV: one row per output time, units in the column names."""
+"""Tables of a run: one row per output time, units in the column names."""
 
 from __future__ import annotations
 
-import io
 import json
-from pathlib import Path
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
-
-from rollerrig.results.files import write_text
 
 MOTION = ("longitudinal", "lateral", "vertical", "roll", "pitch", "yaw")
 WHEEL = (
@@ -46,18 +42,6 @@ def wheel_table(run: xr.Dataset) -> Table:
         for name in WHEEL:
             columns[f"{wheel}.{name}{_suffix(run[name])}"] = run[name].sel(wheel=wheel)
     return _table(columns)
-
-
-def write_csv(path: str | Path, table: Table) -> Path:
-    """Write a table; nine digits.
-
-    Raises:
-        OutputError: it could not be written.
-    """
-    names, rows = table
-    text = io.StringIO()
-    np.savetxt(text, rows, fmt="%.9g", delimiter=",", header=",".join(names), comments="")
-    return write_text(path, text.getvalue())
 
 
 def _suffix(variable: xr.DataArray) -> str:

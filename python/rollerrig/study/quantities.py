@@ -117,6 +117,11 @@ class Quantities:
         known = (*self._all, *COMMON)
         return [".".join(path) for path in _leaves(numbers, ()) if not any(q.matches(path) for q in known)]
 
+    def unreported(self, numbers: Numbers) -> list[str]:
+        """Keys of the registry that a summary has nothing for."""
+        places = list(_leaves(numbers, ()))
+        return [quantity.key for quantity in self._all if not any(quantity.matches(path) for path in places)]
+
     # ------------------------------------------------------------------------------------------------ tables
 
     def table(self, entries: Mapping[str, Numbers], names: Sequence[str], caption: str = "", head: str = "") -> Table:

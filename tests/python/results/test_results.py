@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import errno
-import fnmatch
-import json
 import os
 from pathlib import Path
 
@@ -119,30 +117,12 @@ def test_a_missing_run_is_named(tmp_path: Path) -> None:
         rr.load_run(tmp_path / "nothing.nc")
 
 
-def test_tables_have_units_in_their_heads(run: xr.Dataset, tmp_path: Path) -> None:
+def test_tables_have_units_in_their_heads(run: xr.Dataset) -> None:
     names, rows = results.motion_table(run)
     assert names[:3] == ["time_s", "speed_mps", "wheelset_1.longitudinal_m"]
-    path = results.write_csv(tmp_path / "motion.csv", (names, rows))
-    lines = path.read_text().splitlines()
-    assert lines[0] == ",".join(names)
-    assert len(lines) == 1 + run.sizes["time"]
-    assert float(lines[1].split(",")[names.index("wheelset_1.lateral_m")]) == 0.003
+    assert rows.shape == (run.sizes["time"], len(names))
+    assert rows[0][names.index("wheelset_1.lateral_m")] == 0.003
     assert "wheelset_1_left.vertical_force_n" in results.wheel_table(run)[0]
-
-
-def test_every_number_of_the_summary_is_documented(run: xr.Dataset) -> None:
-    def keys(value: object, prefix: str = "") -> list[str]:
-        if not isinstance(value, dict) or prefix in ("solver", "contact"):
-            return [prefix]
-        return [k for name, item in value.items() for k in keys(item, f"{prefix}.{name}".strip("."))]
-
-    summary = results.summarise(run)
-    json.dumps(summary, allow_nan=False)
-    found = keys(summary)
-    for key in found:
-        assert any(fnmatch.fnmatch(key, pattern) for pattern in results.SUMMARY_KEYS), key
-    for pattern in results.SUMMARY_KEYS:
-        assert any(fnmatch.fnmatch(key, pattern + "*") for key in found), pattern
 
 
 def test_a_run_without_samples_has_a_summary(run: xr.Dataset) -> None:

@@ -28,6 +28,10 @@ def test_every_place_is_explained_or_named() -> None:
     assert REGISTRY.unexplained(numbers) == ["rig.new", "points.1.colour"]
 
 
+def test_a_quantity_that_is_never_reported_is_named() -> None:
+    assert REGISTRY.unreported({"case": "a", "solver": {"steps": 3}}) == ["*.error_rms", "*.force_n", "points.*.speed"]
+
+
 def test_a_star_stands_for_one_name_alone() -> None:
     assert REGISTRY.unexplained({"rig": {"deep": {"force_n": 1.0}}, "force_n": 1.0}) == ["rig.deep.force_n", "force_n"]
 

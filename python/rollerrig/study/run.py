@@ -1,0 +1,194 @@
+"""One simulation: every signal, the numbers, tables and a report.
+
+Case -> [RunStudy] -> run.nc, motion.csv, wheels.csv, running_safety.csv, summary.json, report.html
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import xarray as xr
+
+from rollerrig.analysis.assessment import Assessment, Row, assess, table
+from rollerrig.config import Case
+from rollerrig.plot.run import energy_over_time, motion_over_time, sliding_over_time
+from rollerrig.plot.wheel_rail_forces import curved, irregular, line_and_response
+from rollerrig.results import motion_table, summarise, wheel_table
+from rollerrig.simulation import simulate
+from rollerrig.study import running_safety
+from rollerrig.study.frame import Study
+from rollerrig.study.jobs import Done, Round, job
+from rollerrig.study.quantities import Numbers, Quantities, Quantity
+from rollerrig.study.report import Picture, Section, Table, number
+
+ENDING = (
+    Quantity("case", "name of the case"),
+    Quantity("status", "'ok', 'interrupted', or why the run stopped"),
+    Quantity("status_message", "the same as a sentence, with time, wheel and remedy"),
+    Quantity("stopped_at_s", "time that the integration reached", "s"),
+    Quantity("stopped_wheel", "wheel at which the run stopped, empty if none"),
+    Quantity("stopped_at_m", "distance at the last output time", "m"),
+    Quantity("stopped_segment", "segment of the track there, empty if it has none"),
+    Quantity("stopped_quotient", "largest |Y|/Q of the wheelset that stopped the run in the half second before", "1"),
+    Quantity("stopped_quotient_wheel", "wheel that had it, empty if none"),
+    Quantity("samples", "number of output times"),
+    Quantity("speed_start_kmh", "running speed at the first output time", "km/h"),
+    Quantity("speed_end_kmh", "running speed at the last output time", "km/h"),
+    Quantity("energy_turned_over_j", "half the sum of the total variations of all energy accounts", "J"),
+    Quantity("energy_relative_residual", "largest energy residual over the energy turned over", "1"),
+    Quantity("warnings", "what to know before using the results, one line each; empty if nothing"),
+)
+BODIES = (
+    Quantity("bodies.*.lateral_largest_mm", "largest lateral displacement, either side", "mm", "largest lateral"),
+    Quantity("bodies.*.lateral_end_mm", "lateral displacement at the last output time", "mm", "lateral at the end"),
+    Quantity("bodies.*.lateral_last_tenth_mm", "largest in the last tenth of the run", "mm", "largest in the last tenth"),
+    Quantity("bodies.*.yaw_largest_mrad", "largest yaw angle, either side", "mrad", "largest yaw"),
+)  # fmt: skip
+WHEELS = (
+    Quantity("wheels.*.vertical_force_start_n", "vertical contact force Q at the first output time", "N", "Q at start"),
+    Quantity("wheels.*.vertical_force_end_n", "vertical contact force Q at the last output time", "N", "Q at end"),
+    Quantity("wheels.*.vertical_force_least_n", "smallest vertical contact force Q", "N", "least Q"),
+    Quantity("wheels.*.lateral_force_largest_n", "largest lateral contact force |Y|", "N", "largest Y"),
+    Quantity("wheels.*.derailment_quotient_largest", "largest |Y|/Q while Q > 0", "1", "largest Y/Q"),
+    Quantity("wheels.*.longitudinal_sliding_largest_mps", "largest longitudinal sliding speed", "m/s", "largest sliding"),
+    Quantity("wheels.*.longitudinal_sliding_end_mps", "the same at the last output time", "m/s", "sliding at end"),
+    Quantity("wheels.*.samples_with_several_patches", "output times with several patches", "", "samples in several patches"),
+)  # fmt: skip
+CONTACT = (
+    Quantity("contact.checked", "wheels looked at: accepted steps times wheels"),
+    Quantity("contact.several_patches", "wheels that touched in more than one patch"),
+    Quantity("contact.overlapping", "pairs of patches of one wheel whose ellipses overlap, outside Hertz' assumptions"),
+    Quantity("contact.faded", "patches with a blending weight below 1, while two neighbours merge or separate"),
+    Quantity("contact.limited_curvature", "patches whose curvatures were outside Hertz' theory and were limited"),
+    Quantity("contact.clamped_aspect", "patches more slender than Kalker's table; its last value was used"),
+    Quantity("contact.negative_dissipation", "patches in which the creep law fed energy in"),
+    Quantity("contact.lost", "wheels without contact"),
+)
+QUANTITIES = Quantities(
+    ENDING,
+    BODIES,
+    WHEELS,
+    Quantity("solver.*", "counts of the integrator: steps, rejected steps, evaluations, smallest and largest step [s]"),
+    CONTACT,
+    running_safety.QUANTITIES,
+)
+
+
+@dataclass(frozen=True)
+class Results:
+    """A run, and its wheel-rail forces and accelerations assessed."""
+
+    run: xr.Dataset
+    assessment: Assessment
+    rows: Sequence[Row]
+
+
+@dataclass(frozen=True)
+class RunStudy(Study[Results]):
+    """One simulation.
+
+    Attributes:
+        case: what is run.
+    """
+
+    case: Case
+
+    command = "run"
+    quantities = QUANTITIES
+    resumable = False
+
+    @property
+    def title(self) -> str:
+        return f"{self.case.name}: {self.case.description}"
+
+    def cases(self) -> Mapping[str, Case]:
+        return {self.case.name: self.case}
+
+    def rounds(self, done: Done) -> Iterator[Round]:
+        yield {self.case.name: job(simulate, self.case)}
+
+    def collect(self, done: Done) -> Results | None:
+        if self.case.name not in done:
+            return None
+        run = done[self.case.name]
+        assessment = assess(run)
+        return Results(run, assessment, table(assessment))
+
+    def statuses(self, results: Results) -> Sequence[str]:
+        return [results.run.attrs["status"]]
+
+    def sources(self, results: Results) -> Mapping[str, str]:
+        found: dict[str, str] = json.loads(results.run.attrs["sources"])
+        return found
+
+    def numbers(self, results: Results) -> dict[str, Any]:
+        return {**summarise(results.run), **running_safety.numbers(results.assessment, results.rows)}
+
+    def summary(self, results: Results, numbers: Numbers) -> list[str]:
+        lines = [f"{numbers['case']}: {numbers['stopped_at_s']:g} s computed. {numbers['status_message']}"]
+        speeds = ""
+        if numbers["samples"]:
+            speeds = f"Speed {numbers['speed_start_kmh']:.4g} km/h at the start, {numbers['speed_end_kmh']:.4g} km/h at the end. "
+        lines.append(
+            f"{speeds}Energy balance closed to {number(numbers['energy_relative_residual'], 2)} of the "
+            f"{number(numbers['energy_turned_over_j'] / 1e3)} kJ turned over."
+        )
+        return [*lines, *(f"Warning: {line}." for line in numbers["warnings"].splitlines())]
+
+    def files(self, results: Results, numbers: Numbers) -> Mapping[str, Any]:
+        tables = {"motion.csv": motion_table(results.run), "wheels.csv": wheel_table(results.run)}
+        return {
+            "run.nc": results.run,
+            **{name: [names, *rows.tolist()] for name, (names, rows) in tables.items()},
+            "running_safety.csv": running_safety.csv_rows(results.rows),
+        }
+
+    def sections(self, results: Results, numbers: Numbers) -> list[Section]:
+        run, along = results.run, distance_or_time(results.run)
+        sections = [
+            Section("Numbers", [_entries("bodies", BODIES, numbers), _entries("wheels", WHEELS, numbers)]),
+            *running_safety.sections(results.assessment, results.rows, along),
+        ]
+        if run.sizes["time"] > 1:
+            if curved(run) or irregular(run):
+                caption = "Alignment and irregularities of the track, and how the wheelsets follow them."
+                sections.insert(1, Section("Track", [Picture("track", line_and_response(run, along), caption)]))
+            drawings = (
+                (
+                    "Motion",
+                    motion_over_time,
+                    "Lateral displacement and yaw of the vehicle's bodies, and the running speed.",
+                ),
+                (
+                    "Sliding",
+                    sliding_over_time,
+                    "Longitudinal force and sliding, wheel less roller; contact on the wheel S.",
+                ),
+                ("Energy", energy_over_time, "Work put in = change of stored energy + heat + residual."),
+            )
+            sections += [Section(title, [Picture(title.lower(), draw(run), text)]) for title, draw, text in drawings]
+        solver = [(name.replace("_", " "), "–" if v is None else v) for name, v in numbers["solver"].items()]
+        contact = [
+            (q.name.replace("_", " "), numbers["contact"][q.name], q.meaning)
+            for q in CONTACT
+            if q.name in numbers["contact"]
+        ]
+        tables = [
+            Table(("count", "value"), solver, "integration; steps in s"),
+            Table(("count", "value", "meaning"), contact, "contacts, counted over accepted steps and wheels"),
+        ]
+        return [*sections, Section("How it was computed", list(tables))]
+
+
+def distance_or_time(run: xr.Dataset) -> xr.DataArray:
+    """What forces are drawn over: the distance where curves, cant or irregularities lie along it, else time."""
+    if curved(run) or irregular(run):
+        return run["distance"].assign_attrs(long_name="distance")
+    return run["time"].assign_attrs(long_name="time")
+
+
+def _entries(group: str, quantities: Sequence[Quantity], numbers: Numbers) -> Table:
+    return QUANTITIES.table(numbers[group], [q.name for q in quantities], head=group.removesuffix("s"))

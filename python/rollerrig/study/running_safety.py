@@ -1,0 +1,152 @@
+"""Wheel-rail forces and running safety (EN 14363) of a run: reported quantities, CSV rows, sections of the report.
+
+run -> assessment -> [running_safety] -> running_safety.csv, part of summary.json, tables and figures
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import xarray as xr
+
+from rollerrig.analysis.assessment import Assessment, Row
+from rollerrig.analysis.wheel_rail_forces import QUOTIENT_LIMIT, STATISTICS
+from rollerrig.plot.wheel_rail_forces import accelerations_along, quotient, track_shifting, wear, wheel_forces
+from rollerrig.study.quantities import Quantities, Quantity
+from rollerrig.study.report import Picture, Section, Table, Text
+
+QUANTITIES = Quantities(
+    Quantity("running_safety.*.*.unit", "unit of the numbers of a quantity at a wheel, wheelset or point; 1: none"),
+    Quantity("running_safety.*.*.filter", "low or band pass, mean over 2 m of distance; 'none': unfiltered"),
+    [Quantity(f"running_safety.*.*.{name}", meaning) for name, meaning in STATISTICS.items()],
+    Quantity("running_safety.*.*.limit", "of the magnitude: Prud'homme's of ΣY, the lower of Nadal's and 0.8 of Y/Q; null: none"),
+    Quantity("running_safety.*.*.part_of_limit", "larger magnitude of the two percentiles over the limit; null: no limit", "1"),
+    Quantity("running_safety_notes", "why a signal is not filtered, a sentence each"),
+    Quantity("nadal_limit", "(tan δ - μ) / (1 + μ tan δ), δ the steepest flange angle; null: friction suffices", "1"),
+    Quantity("flange_angle_deg", "steepest slope of the wheel profile towards the flange", "°"),
+    Quantity("distance_m", "run, on a rig by the rollers' surface; null: no output time was reached", "m"),
+    Quantity("weighted_acceleration", "null: the run cannot be filtered"),
+    Quantity("weighted_acceleration.*.*", "of the car body, r.m.s., EN 12299: lateral W_d, vertical W_b", "m/s^2"),
+)  # fmt: skip
+
+SHOWN = Quantities(
+    Quantity("guiding_force", "", "N", "guiding force Y", 3, ("kN", 1e-3)),
+    Quantity("wheel_load", "", "N", "wheel load Q", 3, ("kN", 1e-3)),
+    Quantity("derailment_quotient", "", "1", "Y/Q", 3),
+    Quantity("wheel_unloading", "", "1", "wheel unloading (Q0 − Q)/Q0", 3),
+    Quantity("guiding_force_sum", "", "N", "sum of guiding forces ΣY", 3, ("kN", 1e-3)),
+    Quantity("wear_number", "", "N", "wear number Tγ", 3),
+    Quantity("lateral_acceleration", "", "m/s²", "lateral acceleration", 3),
+    Quantity("vertical_acceleration", "", "m/s²", "vertical acceleration", 3),
+)
+"""How the report shows each quantity."""
+
+SIGNS = (
+    "Forces are those of the wheel on the rail or roller: Y outwards, Q downwards, ΣY of a wheelset to the left. Each quantity "
+    "is shown where its outer percentiles are largest; running_safety.csv has all wheels, wheelsets and points."
+)
+
+
+def csv_rows(rows: Sequence[Row]) -> list[list[object]]:
+    """running_safety.csv, header first."""
+    header: list[object] = ["quantity", "place", "unit", "filter", *STATISTICS, "limit", "part_of_limit"]
+    return [header] + [
+        [row.quantity, row.place, row.unit, row.filter, *row.statistics.values(), row.limit, row.part_of_limit]
+        for row in rows
+    ]
+
+
+def numbers(assessment: Assessment, rows: Sequence[Row]) -> dict[str, Any]:
+    """The numbers under the keys of QUANTITIES."""
+    found: dict[str, dict[str, dict[str, object]]] = {}
+    for row in rows:
+        found.setdefault(row.quantity, {})[row.place] = {
+            "unit": row.unit,
+            "filter": row.filter,
+            **row.statistics,
+            "limit": row.limit,
+            "part_of_limit": row.part_of_limit,
+        }
+    forces = assessment.readings
+    distance = forces["distance"].to_numpy()
+    return {
+        "running_safety": found,
+        "running_safety_notes": list(assessment.notes),
+        "nadal_limit": float(forces["nadal_limit"]),
+        "flange_angle_deg": math.degrees(forces.attrs["flange_angle_rad"]),
+        "distance_m": float(distance[-1]) if len(distance) else None,
+        "weighted_acceleration": _weighted(assessment),
+    }
+
+
+def _weighted(assessment: Assessment) -> dict[str, dict[str, float]] | None:
+    """Of points in the car body; frames carry no passengers."""
+    if assessment.weighted is None:
+        return None
+    passengers = assessment.weighted[~assessment.points["on_wheelsets"].to_numpy()]
+    directions = [str(d) for d in passengers["direction"].to_numpy()]
+    return {
+        str(point): dict(zip(directions, map(float, values), strict=True))
+        for point, values in zip(passengers["point"].to_numpy(), passengers.to_numpy(), strict=True)
+    }
+
+
+def sections(assessment: Assessment, rows: Sequence[Row], along: xr.DataArray) -> list[Section]:
+    """Sections of the report: the most critical place of each quantity, and the quantities along the run.
+
+    Args:
+        assessment: what `assess` returns.
+        rows: its table.
+        along: time or distance to draw over; with fewer than two samples nothing is drawn.
+    """
+    notes = [Text(note) for note in assessment.notes]
+    found = [Section("Wheel-rail forces and running safety", [_most_critical(rows), Text(SIGNS), *notes])]
+    if along.sizes["time"] < 2:
+        return found
+    forces = assessment.assessed
+    angle = math.degrees(forces.attrs["flange_angle_rad"])
+    nadal = f"Nadal, δ = {angle:.1f}°, μ = {forces.attrs['friction']:g}"
+    limits = {nadal: float(forces["nadal_limit"]), "EN 14363": QUOTIENT_LIMIT}
+    drawings = [
+        ("Wheel forces", wheel_forces(forces, along), "Wheel loads Q, and guiding forces Y on the rails or rollers."),
+        ("Y/Q", quotient(forces, along, limits), "Guiding force over wheel load, with its limits."),
+        ("Sum of guiding forces", track_shifting(forces, along), "Lateral force of each wheelset on the track."),
+        ("Wear number", wear(forces, along), "Work of the creep forces per metre of distance, all patches of a wheel."),
+    ]
+    framed = assessment.points["on_wheelsets"].to_numpy()
+    for title, kept in (("Accelerations of the car body", ~framed), ("Accelerations of the frames", framed)):
+        if kept.any():
+            figure = accelerations_along(assessment.points.isel(point=kept), along)
+            drawings.append((title, figure, "At the centre of mass, and above the suspension."))
+    names = (title.lower().replace("/", "_over_").replace(" ", "_") for title, _, _ in drawings)
+    return found + [
+        Section(title, [Picture(name, figure, text)])
+        for name, (title, figure, text) in zip(names, drawings, strict=True)
+    ]
+
+
+def _most_critical(rows: Sequence[Row]) -> Table:
+    """The place with the largest outer percentile, of each quantity and filter."""
+    worst: dict[tuple[str, str], Row] = {}
+    for row in rows:
+        key = (row.quantity, row.filter)
+        if key not in worst or _outer(row) > _outer(worst[key]):
+            worst[key] = row
+    lines = []
+    for row in worst.values():
+        quantity = SHOWN[row.quantity]
+        statistics = ("quasi_static", "percentile_0_15", "percentile_99_85", "rms")
+        cells = [quantity.cell(value) for value in (*(row.statistics[name] for name in statistics), row.limit)]
+        part = Quantity("", "", digits=3).cell(100.0 * row.part_of_limit)
+        lines.append([quantity.heading, row.filter, row.place.replace("_", " "), *cells, part])
+    header = ("", "filter", "at", "quasi-static", "0.15 %", "99.85 %", "r.m.s.", "limit", "of it [%]")
+    return Table(header, lines)
+
+
+def _outer(row: Row) -> float:
+    """Largest magnitude of the two outer percentiles, of unloading its upper one; below all others if there is none."""
+    low, high = (row.statistics[name] for name in ("percentile_0_15", "percentile_99_85"))
+    values = [high] if row.quantity == "wheel_unloading" else [abs(low), abs(high)]
+    return max((v for v in values if math.isfinite(v)), default=-math.inf)

@@ -1,0 +1,74 @@
+"""`rollerrig run`: files, numbers and the report of one simulation."""
+
+from __future__ import annotations
+
+import csv
+import json
+from pathlib import Path
+
+import pytest
+
+import rollerrig as rr
+from rollerrig import load_case
+from rollerrig.study.frame import Outcome
+from rollerrig.study.run import CONTACT, QUANTITIES, Results, RunStudy
+
+FORCES = ("wheel_forces", "y_over_q", "sum_of_guiding_forces", "wear_number", "accelerations_of_the_car_body")
+
+
+@pytest.fixture(scope="module")
+def outcome() -> Outcome[Results]:
+    found = RunStudy(load_case("bogie_track").with_changes({"time.duration": "0.3 s", "vehicle.cut": "vehicle"})).run()
+    assert found is not None
+    return found
+
+
+@pytest.fixture(scope="module")
+def folder(outcome: Outcome[Results], tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("run")
+    outcome.write(path)
+    return path
+
+
+def test_every_number_is_registered_and_every_registered_quantity_reported(folder: Path) -> None:
+    summary = json.loads((folder / "summary.json").read_text())
+    assert QUANTITIES.unexplained(summary) == []
+    assert QUANTITIES.unreported(summary) == ["weighted_acceleration.*.*"]  # the run is too short for its filter
+
+
+def test_every_counter_of_the_contact_model_is_explained(outcome: Outcome[Results]) -> None:
+    assert {quantity.name for quantity in CONTACT} == set(outcome.numbers["contact"])
+
+
+def test_running_safety_is_the_same_in_all_files(outcome: Outcome[Results], folder: Path) -> None:
+    with (folder / "running_safety.csv").open() as file:
+        rows = list(csv.DictReader(file))
+    load = next(row for row in rows if (row["quantity"], row["place"]) == ("wheel_load", "wheelset_3_left"))
+    number = outcome.numbers["running_safety"]["wheel_load"]["wheelset_3_left"]["quasi_static"]
+    assert float(load["quasi_static"]) == pytest.approx(number, rel=1e-8)  # nine digits
+    assert load["limit"] == ""
+    assert outcome.numbers["running_safety_notes"][-1].endswith("a filter at 0.4 Hz needs a run of at least 2.5 s.")
+
+
+def test_tables_hold_the_signals_of_the_run(outcome: Outcome[Results], folder: Path) -> None:
+    with (folder / "motion.csv").open() as file:
+        rows = list(csv.DictReader(file))
+    run = rr.load_run(folder / "run.nc")
+    assert len(rows) == run.sizes["time"]
+    lateral = [float(row["front_frame.lateral_m"]) for row in rows]
+    assert lateral == pytest.approx(run["lateral"].sel(body="front_frame").to_numpy(), rel=1e-8, abs=1e-18)
+
+
+def test_figures_show_the_run(folder: Path) -> None:
+    drawn = {path.stem for path in (folder / "figures").iterdir()}
+    assert drawn >= {"motion", "sliding", "energy", *FORCES}
+    assert "track" not in drawn  # straight and smooth
+
+
+def test_a_run_with_one_sample_has_a_report_without_figures(tmp_path: Path) -> None:
+    case = load_case("wheelset_rollers").with_changes({"time.duration": "1 ms", "time.output_step": "1 ms"})
+    found = RunStudy(case).run()
+    assert found is not None
+    one = Outcome(found.study, Results(found.results.run.isel(time=[0]), found.results.assessment, found.results.rows))
+    one.write(tmp_path)
+    assert (tmp_path / "report.html").exists()
