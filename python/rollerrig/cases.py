@@ -8,7 +8,9 @@ raises ConfigError.
 
 from __future__ import annotations
 
-from rollerrig.config import Body, Case, Rig, Track, load_support
+from pathlib import Path
+
+from rollerrig.config import Body, Case, Rig, Track, load_case, load_support
 from rollerrig.config.change import plain
 
 ACTUATORS = ("adhesion", "brake", "traction", "slide_protection", "wheel_slip_control", "rig_control")
@@ -16,6 +18,11 @@ ACTUATORS = ("adhesion", "brake", "traction", "slide_protection", "wheel_slip_co
 
 CATALOG_TRACK, CATALOG_RIG = "uic60_track", "full_scale_rig"
 """Supports on which a case is put; they get the head and gauge of its own."""
+
+
+def as_case(case: Case | str | Path) -> Case:
+    """The case itself, or the one of that name in the catalogue or in that TOML file."""
+    return case if isinstance(case, Case) else load_case(case)
 
 
 # ---------------------------------------------------------------------------------------------------- the vehicle

@@ -7,17 +7,17 @@ run  -> [wheel_rail_forces, ride -> filters]         wheel forces, Y/Q, wear num
 """
 
 from rollerrig.analysis.assessment import Assessment, Row, assess, table
-from rollerrig.analysis.critical import (
-    CriticalScan,
-    CriticalSpeed,
-    critical_speeds,
+from rollerrig.analysis.critical_speed import (
+    CriticalSpeedByDisturbance,
+    LinearCriticalSpeed,
+    critical_speeds_by_disturbance,
     linear_critical_speed,
     linear_critical_speeds,
 )
+from rollerrig.analysis.crossings import Crossing, zero_crossings
 from rollerrig.analysis.hunting import (
     HuntingRun,
     HuntingSettings,
-    NonlinearCriticalSpeed,
     hunting_run,
     hunting_table,
 )
@@ -32,21 +32,21 @@ from rollerrig.analysis.wheel_rail_forces import filtered, nadal_limit, prudhomm
 
 __all__ = [
     "Assessment",
-    "CriticalScan",
-    "CriticalSpeed",
+    "CriticalSpeedByDisturbance",
+    "Crossing",
     "CyclePoint",
     "Diagram",
     "HuntingRun",
     "HuntingSettings",
     "LimitCycleSettings",
+    "LinearCriticalSpeed",
     "Linearisation",
     "Lineariser",
-    "NonlinearCriticalSpeed",
     "RampSettings",
     "Row",
     "accelerations",
     "assess",
-    "critical_speeds",
+    "critical_speeds_by_disturbance",
     "end_of_hunting",
     "ending",
     "filtered",
@@ -68,4 +68,5 @@ __all__ = [
     "table",
     "weighted_rms",
     "wheel_forces",
+    "zero_crossings",
 ]

@@ -1,9 +1,9 @@
-"""Runs from a lateral disturbance at constant speed: does it die out, or end in a limit cycle?
+"""Runs from a lateral disturbance at constant speed: does it decay, or end in a limit cycle?
 
-    Case, speeds -> [run, signals] -> amplitude, frequency and growth rate over speed -> nonlinear critical speed
+    Case, speeds -> [run, signals] -> amplitude, frequency and growth rate over speed -> critical speed by disturbance
 
-The nonlinear critical speed is the lowest at which a disturbance of a given size ends in a sustained oscillation. It depends
-on that size, and it can lie below the linear one.
+The critical speed by disturbance is the lowest at which a disturbance of a given size ends in a persistent oscillation. It
+depends on that size, and it can lie below the linear one.
 """
 
 from __future__ import annotations
@@ -72,9 +72,9 @@ class HuntingRun:
         return str(self.motion.attrs["status"]) == "ok"
 
     @property
-    def sustained(self) -> bool:
-        """Whether the run ends in an oscillation that goes on, or leaves the model's validity by growing."""
-        return not self.valid or self.ending.sustained(LEAST_AMPLITUDE, SLOWEST_DECAY)
+    def persists(self) -> bool:
+        """Whether the run ends in an oscillation that persists, or leaves the model's validity by growing."""
+        return not self.valid or self.ending.persists(LEAST_AMPLITUDE, SLOWEST_DECAY)
 
 
 def hunting_case(case: Case, speed: float, settings: HuntingSettings) -> Case:
@@ -120,37 +120,13 @@ def hunting_run(job: tuple[Case, float, HuntingSettings], progress: Progress | N
     return HuntingRun(speed, body, motion, ending(motion["time"].to_numpy(), lateral))
 
 
-@dataclass(frozen=True)
-class NonlinearCriticalSpeed:
-    """Between which speeds a disturbance begins to end in a sustained oscillation.
-
-    Attributes:
-        dies_out: highest speed, below the onset, at which it died out [m/s]; NaN if it never did.
-        goes_on: lowest speed at which it went on [m/s]; NaN if it never did.
-        disturbance: its size, lateral offset of the leading wheelset [m].
-        runs: all runs made for it, by speed.
-        interrupted: whether Ctrl-C came before it was narrowed down.
-    """
-
-    dies_out: float
-    goes_on: float
-    disturbance: float
-    runs: list[HuntingRun]
-    interrupted: bool = False
-
-    @property
-    def speed(self) -> float:
-        """Middle of the two [m/s]; NaN if there is no onset in the range."""
-        return 0.5 * (self.dies_out + self.goes_on)
-
-
 DECAY_SHARE = 0.1
-"""Half-waves of a dying oscillation count for its frequency down to this share of the largest one [1]."""
+"""Half-waves of a decaying oscillation count for its frequency down to this share of the largest one [1]."""
 
 
 def decay_frequency(run: HuntingRun) -> float:
-    """Frequency of an oscillation while it dies out [Hz]; NaN if it goes on, or dies within less than two half-waves."""
-    if run.sustained:
+    """Frequency of an oscillation while it decays [Hz]; NaN if it persists, or decays within less than two half-waves."""
+    if run.persists:
         return math.nan
     time, lateral = run.motion["time"].to_numpy(), run.motion["lateral"].sel(body=run.body).to_numpy()
     waves = half_waves(time, lateral, LEAST_AMPLITUDE)
@@ -161,21 +137,11 @@ def decay_frequency(run: HuntingRun) -> float:
     return 0.5 * len(counted) / float(counted.sum()) if len(counted) >= 2 else math.nan
 
 
-def bracket(runs: Sequence[HuntingRun], disturbance: float) -> NonlinearCriticalSpeed:
-    """The onset of sustained oscillation among runs at rising speeds."""
-    ordered = sorted(runs, key=lambda run: run.speed)
-    onset = next((k for k, run in enumerate(ordered) if run.sustained), None)
-    if onset is None:
-        return NonlinearCriticalSpeed(ordered[-1].speed if ordered else math.nan, math.nan, disturbance, ordered)
-    below = ordered[onset - 1].speed if onset > 0 else math.nan
-    return NonlinearCriticalSpeed(below, ordered[onset].speed, disturbance, ordered)
-
-
 def hunting_table(runs: Sequence[HuntingRun], disturbance: float) -> xr.Dataset:
-    """Runs as a Dataset over speed: amplitude, frequency, growth rate at the end, and whether it goes on."""
+    """Runs as a Dataset over speed: amplitude, frequency, growth rate at the end, and whether it persists."""
     ordered = sorted(runs, key=lambda run: run.speed)
-    amplitude = np.array([run.ending.amplitude if run.sustained or run.ending.amplitude else 0.0 for run in ordered])
-    sustained = np.array([run.sustained for run in ordered], dtype=np.int8)
+    amplitude = np.array([run.ending.amplitude if run.persists or run.ending.amplitude else 0.0 for run in ordered])
+    persists = np.array([run.persists for run in ordered], dtype=np.int8)
     frequency = np.array([run.ending.frequency for run in ordered])
     decaying = np.array([decay_frequency(run) for run in ordered])
     rate = np.array([run.ending.rate for run in ordered])
@@ -184,12 +150,12 @@ def hunting_table(runs: Sequence[HuntingRun], disturbance: float) -> xr.Dataset:
         {
             "amplitude": ("speed", amplitude, {"units": "m", "long_name": f"lateral amplitude of {body} at the end"}),
             "oscillation_frequency": ("speed", frequency, {"units": "Hz", "long_name": "frequency at the end"}),
-            "decay_frequency": ("speed", decaying, {"units": "Hz", "long_name": "frequency of what dies out"}),
+            "decay_frequency": ("speed", decaying, {"units": "Hz", "long_name": "frequency while it decays"}),
             "rate_at_end": ("speed", rate, {"units": "1/s", "long_name": "growth rate at the end"}),
-            "sustained": (
+            "persists": (
                 "speed",
-                sustained,
-                {"units": "1", "long_name": "1: the oscillation goes on, 0: it dies out"},
+                persists,
+                {"units": "1", "long_name": "1: the oscillation persists, 0: it decays"},
             ),
         },
         {

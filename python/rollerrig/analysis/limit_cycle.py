@@ -2,10 +2,10 @@
 
     Case, speeds -> [run until settled, state carried to the next speed] -> amplitude over speed, hysteresis, critical speeds
 
-On the way **up** each speed starts from the steady state with a nudge, as small as track irregularities are, until a limit
+On the way **up** each speed starts from the steady state with a perturbation, as small as track irregularities are, until a limit
 cycle is reached, which is then carried on. On the way **down** it starts from the limit cycle of the speed above, and where that
-has died out, from a large disturbance. Between the lowest limit cycle and the rest below it the speed is halved to a tolerance:
-this is the nonlinear critical speed. Where the two ways differ, two attractors stand side by side, and the size of a
+has decayed, from a large disturbance. Between the lowest limit cycle and the rest below it the speed is halved to a tolerance:
+this is the critical speed by continuation. Where the two ways differ, two attractors stand side by side, and the size of a
 disturbance decides.
 
 Equations: docs/theory/equilibrium_and_linearisation.md, section Limit cycles.
@@ -57,7 +57,7 @@ class CyclePoint:
     status: str = "ok"
 
     @property
-    def goes_on(self) -> bool:
+    def persists(self) -> bool:
         """Whether the motion does not come to rest: a limit cycle, or one that left the model's validity by growing."""
         return self.amplitude > 0.0 or self.status != "ok"
 
@@ -108,7 +108,7 @@ def trace(
         settle: one run.
         way: up or down.
         speeds: in any order [m/s].
-        tolerance: to which the speed is found where the limit cycle dies out [m/s]; None: not looked for.
+        tolerance: to which the speed is found where the limit cycle ends [m/s]; None: not looked for.
         progress: called with the fraction done and a short text.
     """
     branch: Branch[State] = Branch(way)
@@ -124,7 +124,7 @@ def trace(
             if state is not None and (lowest is None or speed < lowest[0]):
                 lowest = speed, state
         if tolerance is not None and lowest is not None:
-            report(len(ordered) / (len(ordered) + 1), "nonlinear critical speed")
+            report(len(ordered) / (len(ordered) + 1), "critical speed by continuation")
             below = max((p.speed for p in branch.points if p.speed < lowest[0]), default=math.nan)
             _halve(settle, branch, below, lowest[0], lowest[1], tolerance)
     except KeyboardInterrupt:
@@ -135,11 +135,11 @@ def trace(
 def _halve(
     settle: Settle[State], branch: Branch[State], low: float, high: float, state: State, tolerance: float
 ) -> None:
-    while high - low > tolerance:  # not where low is NaN: the limit cycle lives at the lowest speed
+    while high - low > tolerance:  # not where low is NaN: there is a limit cycle at the lowest speed
         middle = 0.5 * (low + high)
         point, found = settle(middle, state)
         branch.refined.append(point)
-        if not point.goes_on:
+        if not point.persists:
             low = middle
             continue
         high = middle
@@ -151,8 +151,8 @@ def _halve(
 Kind = Literal["none", "subcritical", "supercritical", "detached", "unstable throughout"]
 
 KIND_SENTENCES: dict[Kind, str] = {
-    "none": "No limit cycle: every disturbance dies out.",
-    "subcritical": "Subcritical: limit cycles live on below the linear critical speed, where a small disturbance still dies out.",
+    "none": "No limit cycle: every disturbance decays.",
+    "subcritical": "Subcritical: limit cycles persist below the linear critical speed, where a small disturbance still decays.",
     "supercritical": "Supercritical: limit cycles begin at the linear critical speed.",
     "detached": "Limit cycles beside a steady state that is stable in the whole range: only a large disturbance leads there.",
     "unstable throughout": "Limit cycles at all speeds of the range: their beginning lies below it.",
@@ -167,7 +167,7 @@ class Diagram:
         up: points of the way up, by speed.
         down: points of the way down and of the halving, by speed.
         linear: linear critical speed [m/s]; NaN if there is none in the range.
-        tolerance: of the nonlinear one [m/s].
+        tolerance: of the critical speed by continuation [m/s].
         interrupted: whether Ctrl-C came before the end.
     """
 
@@ -178,19 +178,19 @@ class Diagram:
     interrupted: bool = False
 
     @property
-    def critical(self) -> float:
-        """Nonlinear critical speed [m/s]: the lowest with a sustained limit cycle; NaN if there is none."""
-        return min((p.speed for p in [*self.down, *self.up] if p.goes_on), default=math.nan)
+    def lowest_cycle(self) -> float:
+        """Critical speed by continuation [m/s]: the lowest with a limit cycle that persists; NaN if there is none."""
+        return min((p.speed for p in [*self.down, *self.up] if p.persists), default=math.nan)
 
     @property
-    def dies_out(self) -> float:
+    def decays(self) -> float:
         """Highest speed below it at which everything comes to rest [m/s]; NaN if there is none."""
-        return max((p.speed for p in self.down if not p.goes_on and p.speed < self.critical), default=math.nan)
+        return max((p.speed for p in self.down if not p.persists and p.speed < self.lowest_cycle), default=math.nan)
 
     @property
     def jumps(self) -> float:
-        """Lowest speed at which the nudge of the way up grows into a limit cycle [m/s]; NaN if none does."""
-        return min((p.speed for p in self.up if p.goes_on), default=math.nan)
+        """Lowest speed at which the perturbation of the way up grows into a limit cycle [m/s]; NaN if none does."""
+        return min((p.speed for p in self.up if p.persists), default=math.nan)
 
     @property
     def hysteresis(self) -> tuple[float, float] | None:
@@ -202,17 +202,17 @@ class Diagram:
     @property
     def kind(self) -> Kind:
         """What the amplitudes say about the bifurcation at the linear critical speed."""
-        if not math.isfinite(self.critical):
+        if not math.isfinite(self.lowest_cycle):
             return "none"
         if math.isfinite(self.linear):
-            return "subcritical" if self.critical < self.linear - self.tolerance else "supercritical"
+            return "subcritical" if self.lowest_cycle < self.linear - self.tolerance else "supercritical"
         if self.hysteresis is not None:
             return "detached"
-        return "unstable throughout" if not math.isfinite(self.dies_out) else "supercritical"
+        return "unstable throughout" if not math.isfinite(self.decays) else "supercritical"
 
 
 def _alike(one: CyclePoint, other: CyclePoint) -> bool:
-    if one.goes_on != other.goes_on:
+    if one.persists != other.persists:
         return False
     return abs(one.amplitude - other.amplitude) <= ALIKE * max(one.amplitude, other.amplitude) + LEAST_AMPLITUDE
 

@@ -51,17 +51,17 @@ class LimitCycleSettings:
 
     Attributes:
         disturbance: lateral offset of the leading wheelset at the start of the way down [m].
-        nudge: the same on the way up [m].
+        perturbation: the same on the way up [m].
         window: amplitudes are compared between pieces of a run of this length [s], or of four waves if that is longer.
         longest: time after which a run ends, settled or not [s].
         output_step: interval of the samples [s].
         relative_tolerance: of the integrator.
         absolute_tolerance: of the integrator, for displacements [m].
-        tolerance_kmh: to which the nonlinear critical speed is found [km/h].
+        tolerance_kmh: to which the critical speed by continuation is found [km/h].
     """
 
     disturbance: float = 3e-3
-    nudge: float = 1e-4
+    perturbation: float = 1e-4
     window: float = 0.8
     longest: float = 16.0
     output_step: float = 5e-3
@@ -119,7 +119,7 @@ def limit_cycles(
 def branch_job(job: BranchJob, progress: Progress) -> Branch[Carried]:
     """One way through the speeds, on any process; after Ctrl-C what was done until then."""
     case, way, speeds, settings = job
-    runs = SettlingRuns(case, settings, settings.nudge if way == "up" else settings.disturbance, progress)
+    runs = SettlingRuns(case, settings, settings.perturbation if way == "up" else settings.disturbance, progress)
     tolerance = settings.tolerance_kmh / 3.6 if way == "down" else None
     return trace(runs, way, speeds, tolerance=tolerance, progress=runs.report)
 
@@ -288,11 +288,11 @@ def limit_cycle_table(found: Diagram) -> xr.Dataset:
         {"long_name": "how the run ended"},
     )
     attributes = {
-        "nonlinear_critical_speed_kmh": 3.6 * found.critical,
-        "dies_out_kmh": 3.6 * found.dies_out,
+        "critical_speed_by_continuation_kmh": 3.6 * found.lowest_cycle,
+        "decays_kmh": 3.6 * found.decays,
         "jump_up_kmh": 3.6 * found.jumps,
         "bifurcation": found.kind,
-        "nonlinear_tolerance_kmh": 3.6 * found.tolerance,
+        "continuation_tolerance_kmh": 3.6 * found.tolerance,
         "limit_cycles_interrupted": int(found.interrupted),
     }
     return xr.Dataset(variables, attrs=attributes)

@@ -67,7 +67,7 @@ def oscillates(values: Complex) -> NDArray[np.bool_]:
 # ---------------------------------------------------------------------------------------------------- following
 
 
-def likeness(one: Eigensystem, other: Eigensystem) -> Matrix:
+def modal_assurance(one: Eigensystem, other: Eigensystem) -> Matrix:
     """How much two modes of neighbouring matrices are the same, (L8): 1 for the same mode, 0 for another one.
 
     Left vectors of one mode are orthogonal to the right vectors of all others, however alike those may look: this tells
@@ -98,7 +98,7 @@ def _costs(previous: Eigensystem, following: Eigensystem, change: Matrix | None)
     back = following.values if change is None else predicted(following, -change)
     size = 1.0 + 0.5 * (np.abs(previous.values)[:, None] + np.abs(following.values)[None, :])
     distance = np.abs(ahead[:, None] - following.values[None, :]) + np.abs(previous.values[:, None] - back[None, :])
-    return np.asarray(0.5 * distance / size + 1.0 - likeness(previous, following))
+    return np.asarray(0.5 * distance / size + 1.0 - modal_assurance(previous, following))
 
 
 def follow(
@@ -106,7 +106,7 @@ def follow(
 ) -> tuple[NDArray[np.intp], bool]:
     """Which mode of the next matrix continues each mode of this one.
 
-    The pairing with the least sum of relative distance between predicted and found eigenvalue and of 1 - `likeness`.
+    The pairing with the least sum of relative distance between predicted and found eigenvalue and of 1 - `modal_assurance`.
 
     Args:
         previous: modes that are known.

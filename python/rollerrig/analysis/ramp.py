@@ -1,9 +1,9 @@
-"""The rollers are slowly sped up (and slowed down again), and the bogie is nudged now and then.
+"""The rollers are slowly sped up (and slowed down again), and the bogie is perturbed now and then.
 
     Case, speeds, rate -> [ramp in segments] -> lateral motion over time and speed
 
 A model has no irregularities: below the critical speed a disturbance decays to exact rest, and a bogie at exact rest stays
-there far above the critical speed. So the bogie gets a sideways nudge at regular steps of speed: a jump of the lateral
+there far above the critical speed. So the bogie gets a sideways perturbation at regular steps of speed: a jump of the lateral
 velocity of all its moving bodies. What is left of it before the next one shows whether disturbances grow or decay.
 """
 
@@ -34,15 +34,15 @@ LATERAL = 1
 
 @dataclass(frozen=True)
 class RampSettings:
-    """How fast the rollers are sped up and how the bogie is nudged.
+    """How fast the rollers are sped up and how the bogie is perturbed.
 
     Attributes:
         low: speed at the start [m/s].
         high: highest speed [m/s].
         acceleration: of the rollers' surface [m/s^2].
         down: whether the rollers are slowed down to `low` again afterwards.
-        nudge: jump of lateral velocity [m/s]; 0 for none.
-        nudge_every: change of speed between nudges [m/s].
+        perturbation: jump of lateral velocity [m/s]; 0 for none.
+        perturbation_every: change of speed between perturbations [m/s].
         disturbance: lateral offset of the leading wheelset at the start [m].
     """
 
@@ -50,8 +50,8 @@ class RampSettings:
     high: float = 300 / 3.6
     acceleration: float = 2 / 3.6
     down: bool = True
-    nudge: float = 0.05
-    nudge_every: float = 10 / 3.6
+    perturbation: float = 0.05
+    perturbation_every: float = 10 / 3.6
     disturbance: float = 3e-3
 
 
@@ -63,8 +63,8 @@ def ramp_run(job: tuple[Case, RampSettings, HuntingSettings], progress: Callable
         progress: called with the fraction done and a short text.
 
     Returns:
-        `lateral` [m] over time and body, `speed` [m/s] over time, and the times of the nudges in the attributes. A run that
-        left the model's validity ends there; its attribute `status` says why.
+        `lateral` [m] over time and body, `speed` [m/s] over time, and the times of the perturbations in the attributes. A run
+        that left the model's validity ends there; its attribute `status` says why.
 
     Raises:
         KeyboardInterrupt: Ctrl-C came before the end.
@@ -72,26 +72,26 @@ def ramp_run(job: tuple[Case, RampSettings, HuntingSettings], progress: Callable
     case, ramp, settings = job
     one_way = (ramp.high - ramp.low) / ramp.acceleration
     ways = [(ramp.low, ramp.high), (ramp.high, ramp.low)][: 2 if ramp.down else 1]
-    count = max(1, round((ramp.high - ramp.low) / ramp.nudge_every))
+    count = max(1, round((ramp.high - ramp.low) / ramp.perturbation_every))
     marks = [one_way * k / count for k in range(count)] + [one_way]
     parts: list[xr.Dataset] = []
-    nudges: list[float] = []
+    perturbations: list[float] = []
     state: Vector | None = None
     for way, (first, last) in enumerate(ways):  # each way is a run of its own: no corner of the speed within it
         model = assemble(_one_way_case(case, ramp, settings, first, last, one_way))
         simulation = _core.Simulation(model.core)
         state = starting_state(simulation, model) if state is None else state
         for start, stop in zip(marks[:-1], marks[1:], strict=True):
-            if way == 0 and start > 0 and ramp.nudge:
-                state = _nudged(state, simulation, model, ramp.nudge)
-                nudges.append(start)
+            if way == 0 and start > 0 and ramp.perturbation:
+                state = _perturbed(state, simulation, model, ramp.perturbation)
+                perturbations.append(start)
             done, whole = way * one_way, len(ways) * one_way
             part = _segment(simulation, model, state, start, stop, _share(progress, done / whole, 1 / whole))
             parts.append(part.assign_coords(time=part["time"] + done))
             if part.attrs["status"] != "ok":
-                return _joined(parts, nudges)
+                return _joined(parts, perturbations)
             state = simulation.state
-    return _joined(parts, nudges)
+    return _joined(parts, perturbations)
 
 
 def _one_way_case(
@@ -108,7 +108,7 @@ def _share(progress: Callable[[float, str], None], done: float, per_second: floa
     return lambda time: progress(done + per_second * time, "ramp")
 
 
-def _nudged(state: Vector, simulation: _core.Simulation, model: AssembledModel, velocity: float) -> Vector:
+def _perturbed(state: Vector, simulation: _core.Simulation, model: AssembledModel, velocity: float) -> Vector:
     pushed = np.array(state)
     for body in model.lateral_bodies:
         index = simulation.rate_index[model.body_index(body)][LATERAL]
@@ -158,7 +158,7 @@ def _segment(
     return kept.assign_attrs(largest_residual_j=float(np.abs(audited["energy_residual"]).max()))
 
 
-def _joined(parts: Sequence[xr.Dataset], nudges: Sequence[float]) -> xr.Dataset:
+def _joined(parts: Sequence[xr.Dataset], perturbations: Sequence[float]) -> xr.Dataset:
     inner = [part.isel(time=slice(0, -1)) for part in parts[:-1]] + [parts[-1]]
     joined = xr.concat(
         inner, "time", data_vars="minimal", coords="minimal", compat="override", combine_attrs="override"
@@ -168,7 +168,7 @@ def _joined(parts: Sequence[xr.Dataset], nudges: Sequence[float]) -> xr.Dataset:
     return joined.assign_attrs(
         parts[-1].attrs
         | {
-            "nudge_times_s": json.dumps([float(t) for t in nudges]),
+            "perturbation_times_s": json.dumps([float(t) for t in perturbations]),
             "solver_statistics": json.dumps(_summed(part.attrs["solver_statistics"] for part in parts), sort_keys=True),
             "contact_counters": json.dumps(_summed(part.attrs["contact_counters"] for part in parts), sort_keys=True),
             "energy_turned_over_j": turned_over,

@@ -85,17 +85,17 @@ class Ending:
     """What is left at the end of a run.
 
     Attributes:
-        amplitude: half the range of the signal in the last part of the run [unit of the signal]; 0 if it died out.
-        frequency: of that oscillation [Hz]; NaN if it died out.
-        rate: its growth rate [1/s]; NaN if it died out.
+        amplitude: half the range of the signal in the last part of the run [unit of the signal]; 0 if it decayed.
+        frequency: of that oscillation [Hz]; NaN if it decayed.
+        rate: its growth rate [1/s]; NaN if it decayed.
     """
 
     amplitude: float
     frequency: float
     rate: float
 
-    def sustained(self, least_amplitude: float, slowest_decay: float) -> bool:
-        """Whether the oscillation goes on: large enough, and not on its way to nothing."""
+    def persists(self, least_amplitude: float, slowest_decay: float) -> bool:
+        """Whether the oscillation persists: large enough, and not decaying."""
         return self.amplitude >= least_amplitude and not self.rate < -slowest_decay
 
 

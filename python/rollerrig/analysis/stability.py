@@ -12,7 +12,7 @@ import numpy as np
 import xarray as xr
 
 from rollerrig import __version__
-from rollerrig.analysis.critical import critical_speeds, diverging, first_onset, growing_at_start
+from rollerrig.analysis.crossings import diverging, first_onset, growing_at_start, zero_crossings
 from rollerrig.analysis.linearise import DIRECTIONS
 from rollerrig.analysis.mode_names import roles
 from rollerrig.analysis.speed_map import ModesOverSpeed, modes_over_speed
@@ -42,7 +42,7 @@ def stability(
         KeyboardInterrupt: Ctrl-C came before the first speed was done.
     """
     modes = modes_over_speed(case, [v / 3.6 for v in speeds_kmh], progress)
-    crossings = critical_speeds(modes)
+    crossings = zero_crossings(modes)
     critical = first_onset(crossings)
     table = [
         {

@@ -25,12 +25,12 @@ def command(
         float,
         typer.Option(min=0.01, max=20.0, help="Lateral offset of the leading wheelset that starts the way down [mm]."),
     ] = 3.0,
-    nudge_mm: Annotated[float, typer.Option(min=0.001, max=20.0, help="The same for the way up [mm].")] = 0.1,
+    perturbation_mm: Annotated[float, typer.Option(min=0.001, max=20.0, help="The same for the way up [mm].")] = 0.1,
     longest: Annotated[
         float, typer.Option(min=2.0, max=600.0, help="A run that has not settled by then ends [s].")
     ] = 16.0,
     tolerance_kmh: Annotated[
-        float, typer.Option(min=0.01, max=100.0, help="To which the nonlinear critical speed is found [km/h].")
+        float, typer.Option(min=0.01, max=100.0, help="To which the critical speed by continuation is found [km/h].")
     ] = 1.0,
     processes: Annotated[int, typer.Option(min=1, max=2, help="With 2, the two ways run at a time.")] = 2,
     contacts_kmh: Annotated[
@@ -42,7 +42,7 @@ def command(
         ),
     ] = None,
 ) -> None:
-    """Eigenvalues, damping, frequency and mode shapes over speed; limit cycles; linear and nonlinear critical speed."""
+    """Eigenvalues, damping, frequency and mode shapes over speed; limit cycles; critical speeds."""
     from rollerrig.analysis import LimitCycleSettings
     from rollerrig.config import load_case
     from rollerrig.results import output_folder
@@ -56,7 +56,10 @@ def command(
     chosen = load_case(case)
     folder = output_folder(out)
     settings = LimitCycleSettings(
-        disturbance=1e-3 * disturbance_mm, nudge=1e-3 * nudge_mm, longest=longest, tolerance_kmh=tolerance_kmh
+        disturbance=1e-3 * disturbance_mm,
+        perturbation=1e-3 * perturbation_mm,
+        longest=longest,
+        tolerance_kmh=tolerance_kmh,
     )
     with progress_bar(chosen.name) as progress:
         study = stability_study(

@@ -34,11 +34,13 @@ def ramp_over_speed(ramps: Mapping[str, xr.Dataset], body: str, critical: Mappin
                 label="speeding up",
                 rasterized=True,
             )
-            nudges = np.array(json.loads(ramp.attrs["nudge_times_s"]))
-            if nudges.size:
-                at = np.interp(nudges, ramp["time"].to_numpy(), speed)
+            perturbations = np.array(json.loads(ramp.attrs["perturbation_times_s"]))
+            if perturbations.size:
+                at = np.interp(perturbations, ramp["time"].to_numpy(), speed)
                 place = axes.get_xaxis_transform()
-                axes.plot(at, np.full_like(at, 0.02), "^", color="black", markersize=4, label="nudge", transform=place)
+                axes.plot(
+                    at, np.full_like(at, 0.02), "^", color="black", markersize=4, label="perturbation", transform=place
+                )
             for name, value in critical.get(label, {}).items():
                 if np.isfinite(value):
                     critical_line(axes, value, f"{name} {value:.0f} km/h")
@@ -85,7 +87,7 @@ def amplitude_over_speed(
         figure, (axes,) = new_figure()
         for number, (label, table) in enumerate(tables.items()):
             speed, amplitude = table["speed"].to_numpy(), 1e3 * table["amplitude"].to_numpy()
-            going = table["sustained"].to_numpy() == 1
+            going = table["persists"].to_numpy() == 1
             colour, marker = COLOURS[number % len(COLOURS)], "os^Dv"[number % 5]
             axes.plot(
                 speed[going], amplitude[going], marker + "-", color=colour, markersize=4.5, label=f"{label}: goes on"

@@ -51,7 +51,7 @@ def limit_cycle_diagram(cycles: xr.Dataset, modes: xr.Dataset | None = None) -> 
                 modes["speed"], hunting.where(hunting > 0), color=GREY, linewidth=1.0, label="linear hunting mode"
             )
             frequency.legend(loc="best")
-        critical = {"nonlinear critical speed": float(cycles.attrs["nonlinear_critical_speed_kmh"])}
+        critical = {"critical speed by continuation": float(cycles.attrs["critical_speed_by_continuation_kmh"])}
         if modes is not None:
             critical["linear critical speed"] = float(modes.attrs["linear_critical_speed_kmh"])
         for name, value in critical.items():

@@ -185,7 +185,7 @@ def hunting_frequencies(linear: dict[str, xr.Dataset], runs: dict[str, xr.Datase
                 at = np.interp(critical, modes["speed"].to_numpy(), frequency.to_numpy())
                 axes.plot([critical], [at], marker="x", color=colour, markersize=8, markeredgewidth=2)
         for number, (label, table) in enumerate(runs.items()):
-            going = table["sustained"].to_numpy() == 1
+            going = table["persists"].to_numpy() == 1
             speed, marker = table["speed"].to_numpy(), MARKERS[number % len(MARKERS)]
             colour = COLOURS[list(linear).index(label) % len(COLOURS)] if label in linear else "black"
             for ends, kept, variable, face in (

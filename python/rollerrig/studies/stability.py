@@ -15,9 +15,9 @@ import xarray as xr
 
 from rollerrig import __version__
 from rollerrig.analysis import (
+    CriticalSpeedByDisturbance,
     Diagram,
     LimitCycleSettings,
-    NonlinearCriticalSpeed,
     limit_cycle_table,
     limit_cycles,
     stability,
@@ -54,13 +54,13 @@ STABILITY_KEYS = {
     "interrupted": "whether Ctrl-C ended the study early; what is missing was not computed",
     "limit_cycles": "not with --no-limit-cycles: the numbers below",
     "limit_cycles.bifurcation": "none, subcritical, supercritical, detached, or unstable throughout",
-    "limit_cycles.nonlinear_critical_speed_kmh": "lowest speed with a limit cycle that goes on [km/h]; null: none",
-    "limit_cycles.dies_out_kmh": "highest speed below it at which everything comes to rest [km/h]",
-    "limit_cycles.jump_up_kmh": "lowest speed run at which the nudge of the way up grows into a limit cycle [km/h]",
+    "limit_cycles.critical_speed_by_continuation_kmh": "lowest speed with a limit cycle that persists [km/h]; null: none",
+    "limit_cycles.decays_kmh": "highest speed below it at which everything comes to rest [km/h]",
+    "limit_cycles.jump_up_kmh": "lowest speed run at which the perturbation of the way up grows into a limit cycle [km/h]",
     "limit_cycles.hysteresis_kmh": "lowest and highest speed run at which the two ways end differently [km/h]; null: nowhere",
-    "limit_cycles.tolerance_kmh": "to which the nonlinear critical speed was looked for [km/h]",
+    "limit_cycles.tolerance_kmh": "to which the critical speed by continuation was looked for [km/h]",
     "limit_cycles.disturbance_mm": "lateral offset of the leading wheelset at the start of the way down [mm]",
-    "limit_cycles.nudge_mm": "the same on the way up [mm]",
+    "limit_cycles.perturbation_mm": "the same on the way up [mm]",
     "limit_cycles.points": "per run: way, speed, amplitude, peak, frequency, largest |Y|, settled, simulated time, status",
     "rollerrig_version": "version of this program",
 }
@@ -227,13 +227,13 @@ def cycle_summary(found: Diagram, settings: LimitCycleSettings) -> dict[str, obj
     """The diagram and what follows from it, for summary.json."""
     return {
         "bifurcation": found.kind,
-        "nonlinear_critical_speed_kmh": finite(3.6 * found.critical),
-        "dies_out_kmh": finite(3.6 * found.dies_out),
+        "critical_speed_by_continuation_kmh": finite(3.6 * found.lowest_cycle),
+        "decays_kmh": finite(3.6 * found.decays),
         "jump_up_kmh": finite(3.6 * found.jumps),
         "hysteresis_kmh": None if found.hysteresis is None else [3.6 * v for v in found.hysteresis],
         "tolerance_kmh": settings.tolerance_kmh,
         "disturbance_mm": 1e3 * settings.disturbance,
-        "nudge_mm": 1e3 * settings.nudge,
+        "perturbation_mm": 1e3 * settings.perturbation,
         "points": [
             {
                 "way": way,
@@ -276,19 +276,19 @@ def shape_rows(modes: xr.Dataset) -> list[list[object]]:
     return rows
 
 
-def nonlinear_summary(found: NonlinearCriticalSpeed) -> dict[str, object]:
+def disturbance_summary(found: CriticalSpeedByDisturbance) -> dict[str, object]:
     """The runs and the bracket they give, for summary.json."""
     return {
         "disturbance_mm": 1e3 * found.disturbance,
-        "dies_out_kmh": finite(3.6 * found.dies_out),
-        "goes_on_kmh": finite(3.6 * found.goes_on),
+        "decays_kmh": finite(3.6 * found.decays),
+        "persists_kmh": finite(3.6 * found.persists),
         "runs": [
             {
                 "speed_kmh": round(3.6 * run.speed, 6),
                 "amplitude_mm": 1e3 * run.ending.amplitude,
                 "frequency_hz": finite(run.ending.frequency),
                 "growth_rate_at_end_per_s": finite(run.ending.rate),
-                "goes_on": run.sustained,
+                "persists": run.persists,
                 "status": run.motion.attrs["status"],
                 "energy_relative_residual": run.motion.attrs["energy_relative_residual"],
             }
@@ -297,14 +297,14 @@ def nonlinear_summary(found: NonlinearCriticalSpeed) -> dict[str, object]:
     }
 
 
-def run_rows(found: NonlinearCriticalSpeed) -> list[list[object]]:
+def run_rows(found: CriticalSpeedByDisturbance) -> list[list[object]]:
     """Table of the runs, header first."""
     header: list[object] = [
         "speed_kmh",
         "amplitude_mm",
         "frequency_hz",
         "growth_rate_at_end_per_s",
-        "goes_on",
+        "persists",
         "status",
     ]
     return [
@@ -315,7 +315,7 @@ def run_rows(found: NonlinearCriticalSpeed) -> list[list[object]]:
                 1e3 * run.ending.amplitude,
                 run.ending.frequency,
                 run.ending.rate,
-                int(run.sustained),
+                int(run.persists),
                 run.motion.attrs["status"],
             ]
             for run in found.runs

@@ -72,20 +72,20 @@ def lead(modes: xr.Dataset, found: Diagram | None) -> str:
             "the vehicle there; on rollers it needs a hold along the track, e.g. locked = ['x'] for its car body."
         )
     if found is not None:
-        lines.append(nonlinear_sentence(found))
+        lines.append(continuation_sentence(found))
     return "\n".join(lines)
 
 
-def nonlinear_sentence(found: Diagram) -> str:
-    """The nonlinear critical speed and the kind of bifurcation as a sentence."""
+def continuation_sentence(found: Diagram) -> str:
+    """The critical speed by continuation and the kind of bifurcation as a sentence."""
     if not found.up and not found.down:
         return "Limit cycles: no run was finished."
-    if not math.isfinite(found.critical):
+    if not math.isfinite(found.lowest_cycle):
         highest = max(p.speed for p in [*found.up, *found.down])
         return f"No limit cycle up to {3.6 * highest:.1f} km/h: every disturbance dies out."
-    text = f"Nonlinear critical speed: {3.6 * found.critical:.1f} km/h, the lowest with a limit cycle"
-    if math.isfinite(found.dies_out):
-        text += f"; at {3.6 * found.dies_out:.1f} km/h everything comes to rest"
+    text = f"Critical speed by continuation: {3.6 * found.lowest_cycle:.1f} km/h, the lowest with a limit cycle"
+    if math.isfinite(found.decays):
+        text += f"; at {3.6 * found.decays:.1f} km/h everything comes to rest"
     else:
         text += " and the lowest run"
     text += f". {KIND_SENTENCES[found.kind]}"
@@ -192,7 +192,7 @@ def cycles_section(
     found: Diagram, cycles: xr.Dataset, settings: LimitCycleSettings, figures: dict[str, bytes]
 ) -> Section:
     """The limit-cycle diagram."""
-    blocks: list[Block] = [Text(nonlinear_sentence(found))]
+    blocks: list[Block] = [Text(continuation_sentence(found))]
     if "limit_cycles" in figures:
         blocks.append(
             Figure(
@@ -204,10 +204,10 @@ def cycles_section(
         )
     blocks.append(
         Text(
-            f"Way up: from a lateral offset of the leading wheelset of {1e3 * settings.nudge:g} mm until a limit cycle is "
+            f"Way up: from a lateral offset of the leading wheelset of {1e3 * settings.perturbation:g} mm until a limit cycle is "
             f"reached. Way down: from {1e3 * settings.disturbance:g} mm at the highest speed, then from the limit cycle of the "
             "speed above; where that has died out, from the same offset again. Each run lasts until its amplitude has come "
-            f"to stay, or {settings.longest:g} s. The nudge need not do what the linear model says: that is exact only as long "
+            f"to stay, or {settings.longest:g} s. The perturbation need not follow the linear model, which is exact only as long "
             "as the contact stays on the smooth piece of the profiles around its place, often less than a tenth of a "
             "millimetre."
         )

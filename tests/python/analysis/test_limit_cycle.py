@@ -8,7 +8,14 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from rollerrig.analysis import LimitCycleSettings, limit_cycle_table, limit_cycles
+from rollerrig.analysis import (
+    HuntingSettings,
+    LimitCycleSettings,
+    critical_speeds_by_disturbance,
+    limit_cycle_table,
+    limit_cycles,
+    linear_critical_speed,
+)
 from rollerrig.analysis.limit_cycle import Branch, CyclePoint, diagram, is_settled, trace
 from rollerrig.config import Case, load_case
 
@@ -61,8 +68,8 @@ def test_a_fold_is_found_and_called_subcritical() -> None:
     assert found.kind == "subcritical"
     fold = ONSET - WIDTH / 4
     # halved to 0.1; beside the fold the motion is slow, and 1 % per window passes for settled a little below it
-    assert fold - 0.15 < found.critical < fold + 0.1
-    assert found.critical - found.dies_out <= 0.1
+    assert fold - 0.15 < found.lowest_cycle < fold + 0.1
+    assert found.lowest_cycle - found.decays <= 0.1
     assert found.jumps == 51.0  # the first speed of the list at which rest is unstable
     assert found.hysteresis == (46.0, 48.5)
     for point in found.down:
@@ -75,7 +82,7 @@ def test_without_a_fold_up_and_down_are_one_and_called_supercritical() -> None:
     found, exact = known(a=-1.0)
     assert found.kind == "supercritical"
     assert found.hysteresis is None
-    assert found.critical == pytest.approx(ONSET, abs=0.3)  # near the onset decay takes longer than a run
+    assert found.lowest_cycle == pytest.approx(ONSET, abs=0.3)  # near the onset decay takes longer than a run
     down = {p.speed: p for p in found.down}
     for point in found.up:
         assert point.amplitude == pytest.approx(down[point.speed].amplitude, rel=0.02)
@@ -142,9 +149,23 @@ def found(bogie):
 def test_the_bogie_on_rollers_hunts_below_its_linear_critical_speed(found) -> None:
     assert found.kind == "subcritical"
     # runs from 3 mm, narrowed down to 2 km/h by other code, say 166
-    assert 3.6 * found.dies_out < 166 < 3.6 * found.critical
+    assert 3.6 * found.decays < 166 < 3.6 * found.lowest_cycle
     assert 3.6 * found.jumps == pytest.approx(265.0)
     assert found.hysteresis == (pytest.approx(180 / 3.6), pytest.approx(180 / 3.6))
+
+
+def test_critical_speeds_by_the_three_definitions_are_in_order(bogie, found) -> None:
+    """fold <= by disturbance <= linear, within the widths to which they were found."""
+    width = QUICK.tolerance_kmh / 3.6
+    runs = HuntingSettings(duration=4.0)
+    by = critical_speeds_by_disturbance({"": bogie}, [150.0, 190.0], bracket_kmh=10.0, settings=runs)[""]
+    linear = linear_critical_speed(bogie, [200 / 3.6, 300 / 3.6])
+    assert linear is not None
+    assert 0.0 < by.persists - by.decays <= 10 / 3.6
+    assert found.lowest_cycle - found.decays <= width
+    assert found.decays < by.persists  # no perturbation persists below the fold
+    assert by.persists - found.decays < 2 * width  # 3 mm is large: near the fold it leads to the limit cycle
+    assert by.persists < linear.speed - 10 * width / 3  # subcritical: the linear one lies far above
 
 
 def test_where_there_is_one_attractor_both_ways_end_in_it(found) -> None:
@@ -162,4 +183,4 @@ def test_the_same_diagram_twice_is_the_same_to_the_last_bit(bogie) -> None:
 def test_a_stable_wheelset_has_no_limit_cycle() -> None:
     found = limit_cycles(load_case("wheelset_rollers"), [100.0, 200.0], math.nan, QUICK, processes=1)
     assert found.kind == "none"
-    assert math.isnan(found.critical)
+    assert math.isnan(found.lowest_cycle)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from rollerrig.analysis.mode_names import Roles, Shapes, mode_names, unique_names
-from rollerrig.analysis.modes import eigensystem, follow, follow_modes, likeness, predicted
+from rollerrig.analysis.modes import eigensystem, follow, follow_modes, modal_assurance, predicted
 
 A, B = 0.4, 0.6
 """Damping 2 Re of the two oscillators."""
@@ -50,7 +50,7 @@ def test_modes_that_look_alike_are_told_apart() -> None:
     system = eigensystem(skewed(-1.0))
     plain = np.abs(system.vectors.conj().T @ system.vectors) ** 2
     assert plain.min() > 0.9, "the modes should look alike"
-    assert likeness(system, system) == pytest.approx(np.eye(4), abs=1e-9)
+    assert modal_assurance(system, system) == pytest.approx(np.eye(4), abs=1e-9)
     values = follow_modes(skewed, [-1.0, 1.0]).values()
     for start, end in zip(values[0], values[-1], strict=True):
         assert end.real == pytest.approx(start.real, abs=1e-8)  # -A/2 or -B/2 all along

@@ -1,4 +1,4 @@
-"""The ramp: speeds, nudges, and what is left of them."""
+"""The ramp: speeds, perturbations, and what is left of them."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import xarray as xr
 from rollerrig.analysis import HuntingSettings, RampSettings, end_of_hunting, ramp_run
 from rollerrig.config import load_case
 
-RAMP = RampSettings(100 / 3.6, 120 / 3.6, acceleration=20 / 3.6, nudge_every=10 / 3.6)
+RAMP = RampSettings(100 / 3.6, 120 / 3.6, acceleration=20 / 3.6, perturbation_every=10 / 3.6)
 
 
 @pytest.fixture(scope="module")
@@ -28,7 +28,7 @@ def test_speed_goes_up_and_down_again(ramp) -> None:
 
 
 def test_the_nudge_moves_all_bodies_sideways(ramp) -> None:
-    (at,) = json.loads(ramp.attrs["nudge_times_s"])
+    (at,) = json.loads(ramp.attrs["perturbation_times_s"])
     assert at == pytest.approx(0.5)
     after = ramp["lateral"].sel(time=slice(at, at + 0.021))
     moved = (after.isel(time=-1) - after.isel(time=0)).to_numpy()

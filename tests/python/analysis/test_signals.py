@@ -37,18 +37,18 @@ def test_frequency_and_amplitude_of_a_steady_wave() -> None:
     found = ending(TIME, spiral(0.0))
     assert found.frequency == pytest.approx(2.5, rel=1e-5)
     assert found.amplitude == pytest.approx(1e-3, rel=1e-5)
-    assert found.sustained(least_amplitude=1e-5, slowest_decay=0.2)
+    assert found.persists(least_amplitude=1e-5, slowest_decay=0.2)
 
 
 def test_a_dying_signal_leaves_nothing() -> None:
     found = ending(TIME, spiral(-8.0))
     assert found.amplitude == 0.0
     assert np.isnan(found.frequency)
-    assert not found.sustained(1e-5, 0.2)
+    assert not found.persists(1e-5, 0.2)
 
 
 def test_a_slowly_dying_signal_is_not_sustained() -> None:
-    assert not ending(TIME, spiral(-0.5)).sustained(1e-5, 0.2)
+    assert not ending(TIME, spiral(-0.5)).persists(1e-5, 0.2)
 
 
 def test_rest_and_short_signals_do_not_trouble() -> None:

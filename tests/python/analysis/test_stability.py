@@ -10,7 +10,6 @@ import pytest
 from rollerrig.analysis import (
     HuntingSettings,
     Lineariser,
-    critical_speeds,
     growth_rate,
     half_waves,
     hunting_run,
@@ -18,10 +17,11 @@ from rollerrig.analysis import (
     linear_critical_speeds,
     linearise,
     stability,
+    zero_crossings,
 )
 from rollerrig.analysis.contact_state import slow_wavelength
-from rollerrig.analysis.critical import diverging, largest_growth_rate
-from rollerrig.analysis.hunting import bracket
+from rollerrig.analysis.critical_speed import bracket
+from rollerrig.analysis.crossings import diverging, largest_growth_rate
 from rollerrig.analysis.speed_map import modes_over_speed
 from rollerrig.config import Case, load_case
 
@@ -84,9 +84,9 @@ def test_a_run_grows_as_the_linear_model_says(bogie) -> None:
 def test_below_the_critical_speed_a_run_dies_out_and_above_it_goes_on(bogie) -> None:
     quick = HuntingSettings(duration=2.0)
     found = bracket([hunting_run((bogie, v / 3.6, quick)) for v in (100.0, 220.0)], quick.disturbance)
-    assert [run.sustained for run in found.runs] == [False, True]
-    assert 3.6 * found.dies_out == pytest.approx(100.0)
-    assert 3.6 * found.goes_on == pytest.approx(220.0)
+    assert [run.persists for run in found.runs] == [False, True]
+    assert 3.6 * found.decays == pytest.approx(100.0)
+    assert 3.6 * found.persists == pytest.approx(220.0)
     limit_cycle = found.runs[1].ending
     assert 2e-3 < limit_cycle.amplitude < 6e-3  # within the flangeway
     assert 3.0 < limit_cycle.frequency < 7.0
@@ -112,7 +112,7 @@ def test_critical_speeds_of_many_cases_are_those_of_each(bogie) -> None:
     assert list(found) == list(cases)
     speeds = [scan.speed_kmh for scan in found.values()]
     assert speeds[0] < speeds[1] < speeds[2]
-    assert found["never"].critical is None
+    assert found["never"].onset is None
     assert math.isnan(speeds[3])
     alone = linear_critical_speed(bogie, [60 / 3.6, 350 / 3.6])
     assert alone is not None
@@ -132,7 +132,7 @@ def test_all_crossings_are_told_with_their_modes() -> None:
         {"vehicle.cut": "vehicle", "vehicle.body.car_body.locked": ["x"]}
     )
     modes = modes_over_speed(vehicle, [200 / 3.6, 300 / 3.6])
-    found = critical_speeds(modes)
+    found = zero_crossings(modes)
     assert [one.name for one in found] == ["hunting, bogies in phase", "hunting, bogies out of phase"]
     assert all(one.grows_above for one in found)
     for one in found:  # brentq's tolerance 1e-4 km/h times a slope of the growth rate well below 1 1/s per km/h

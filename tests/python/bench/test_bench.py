@@ -88,8 +88,8 @@ def test_without_control_the_bench_is_the_plain_rig() -> None:
     plain = bench.model_copy(update={"brake": None}).with_changes(
         {"time.method": "exponential_rk4", "time.step": "0.5 ms"}
     )
-    nudge = {"disturbance": [{"body": "wheelset_1", "lateral": "1 mm"}]}
-    a, b = simulate(bench.with_changes(nudge)), simulate(plain.with_changes(nudge))
+    perturbation = {"disturbance": [{"body": "wheelset_1", "lateral": "1 mm"}]}
+    a, b = simulate(bench.with_changes(perturbation)), simulate(plain.with_changes(perturbation))
     # The same method with other steps: its error at 1 ms, 4e-7 m while the wheelset strikes back into the middle.
     np.testing.assert_allclose(a["lateral"], b["lateral"], rtol=0, atol=2e-6)
     assert float(np.abs(a["lateral"] - a["lateral"][0]).max()) > 5e-4

@@ -70,7 +70,7 @@ def cycles() -> xr.Dataset:
     }
     columns |= {"guiding_force": [np.nan, 1e4, 9e5], "way": ["up", "up", "down"], "status": ["ok", "ok", "derailed"]}
     variables = {f"cycle_{name}": ("cycle_point", values) for name, values in columns.items()}
-    return xr.Dataset(variables, attrs={"nonlinear_critical_speed_kmh": 120.0})
+    return xr.Dataset(variables, attrs={"critical_speed_by_continuation_kmh": 120.0})
 
 
 def motion() -> xr.Dataset:
@@ -78,12 +78,12 @@ def motion() -> xr.Dataset:
     return xr.Dataset(
         {"lateral": (("time", "body"), lateral), "speed": ("time", 20 + 5 * np.sin(np.pi * TIME / 2))},
         {"time": TIME, "body": ["front_frame"]},
-        {"nudge_times_s": "[0.5]"},
+        {"perturbation_times_s": "[0.5]"},
     )
 
 
 def table() -> xr.Dataset:
-    values = {"amplitude": [0.0, 1e-3, 2e-3], "oscillation_frequency": [np.nan, 4.0, 5.0], "sustained": [0, 1, 1]}
+    values = {"amplitude": [0.0, 1e-3, 2e-3], "oscillation_frequency": [np.nan, 4.0, 5.0], "persists": [0, 1, 1]}
     return xr.Dataset({name: ("speed", v) for name, v in values.items()}, {"speed": SPEED})
 
 

@@ -10,7 +10,8 @@ import pytest
 from typer.testing import CliRunner
 
 from rollerrig.analysis import HuntingSettings
-from rollerrig.analysis.critical import CriticalScan, CriticalSpeed
+from rollerrig.analysis.critical_speed import LinearCriticalSpeed
+from rollerrig.analysis.crossings import Crossing
 from rollerrig.cli.app import build_app
 from rollerrig.config import ConfigError, Rig, Track, load_case, load_support
 from rollerrig.studies.compare import ComparePlan, compared_cases, compute, write_comparison
@@ -122,8 +123,8 @@ def test_a_support_may_be_named_or_a_file(tmp_path) -> None:
     assert rig.roller_radius == 0.5
 
 
-def scan(kmh: float) -> CriticalScan:
-    return CriticalScan(CriticalSpeed(kmh / 3.6, 5.0, "hunting"))
+def scan(kmh: float) -> LinearCriticalSpeed:
+    return LinearCriticalSpeed(Crossing(kmh / 3.6, 5.0, "hunting"))
 
 
 def test_the_order_is_told_as_it_is() -> None:

@@ -64,7 +64,7 @@ def test_the_report_holds_every_section(folder) -> None:
     for heading in ("Modes", "Limit cycles", "Mode shapes", "Case"):
         assert f"<h2>{heading}</h2>" in text
     assert "Linear critical speed: 253" in text
-    assert "Nonlinear critical speed: " in text
+    assert "Critical speed by continuation: " in text
     assert text.count("<img") == 7
 
 

@@ -1,6 +1,6 @@
 """Everything the comparison needs, computed; Ctrl-C keeps what is done.
 
-ComparePlan -> [linear part, runs from a disturbance, the narrowing down, one disturbed run per support] -> CompareResults
+ComparePlan -> [linear part, runs from a disturbance, one disturbed run per support] -> CompareResults
 """
 
 from __future__ import annotations
@@ -10,22 +10,19 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
-import numpy as np
 import xarray as xr
 
 from rollerrig.analysis import (
-    CriticalScan,
-    HuntingRun,
+    CriticalSpeedByDisturbance,
     HuntingSettings,
-    NonlinearCriticalSpeed,
+    LinearCriticalSpeed,
     filtered,
-    hunting_run,
     stability,
     wheel_forces,
 )
 from rollerrig.analysis.contact_state import RollingState, rolling_state
-from rollerrig.analysis.critical import scan_case
-from rollerrig.analysis.hunting import bracket, hunting_case
+from rollerrig.analysis.critical_speed import critical_speeds_by_disturbance, scan_linear
+from rollerrig.analysis.hunting import hunting_case
 from rollerrig.analysis.parallel import Progress, run_jobs
 from rollerrig.cases import leading_wheelset, on_rig
 from rollerrig.characteristics import conicity_table, shift_table
@@ -43,7 +40,7 @@ from rollerrig.studies.compare.critical import (
 )
 
 LEAST_RUN_STEP = 20.0
-"""Runs are made at speeds at least this far apart [km/h]; the narrowing down does the rest."""
+"""Runs are made at speeds at least this far apart [km/h]; further runs narrow the critical speeds down."""
 
 DISTURBED_DURATION = 2.0
 """Length of the run whose wheel forces are compared [s]."""
@@ -66,7 +63,7 @@ class ComparePlan:
         speeds_kmh: of the modes [km/h], rising; runs are made at those at least LEAST_RUN_STEP apart.
         parts: cuts of the vehicle in the table of critical speeds.
         radii: of its rollers [m].
-        bracket_kmh: width to which the nonlinear critical speeds are narrowed down [km/h].
+        bracket_kmh: width to which the critical speeds by disturbance are narrowed down [km/h].
         hunting: disturbance, length and tolerances of the runs.
     """
 
@@ -97,7 +94,7 @@ class CompareResults:
         conicity: label -> Dataset of `conicity_table`.
         table: critical speeds over the rollers' radius.
         causes: of the difference between track and rig.
-        runs: label -> bracket of the nonlinear critical speed, with its runs.
+        runs: label -> critical speed by disturbance, with its runs.
         disturbed: label -> readings of the disturbed run, filtered, with the motion of the leading wheelset.
         disturbed_kmh: its speed [km/h]; NaN if it was not run.
         interrupted: whether Ctrl-C was pressed.
@@ -105,13 +102,13 @@ class CompareResults:
 
     plan: ComparePlan
     modes: dict[str, xr.Dataset] = field(default_factory=dict)
-    critical: dict[str, CriticalScan] = field(default_factory=dict)
+    critical: dict[str, LinearCriticalSpeed] = field(default_factory=dict)
     states: dict[str, RollingState] = field(default_factory=dict)
     shifts: dict[str, xr.Dataset] = field(default_factory=dict)
     conicity: dict[str, xr.Dataset] = field(default_factory=dict)
     table: CriticalTable | None = None
     causes: Causes | None = None
-    runs: dict[str, NonlinearCriticalSpeed] = field(default_factory=dict)
+    runs: dict[str, CriticalSpeedByDisturbance] = field(default_factory=dict)
     disturbed: dict[str, xr.Dataset] = field(default_factory=dict)
     disturbed_kmh: float = math.nan
     interrupted: bool = False
@@ -121,8 +118,8 @@ class CompareResults:
         scan = self.critical.get(label)
         return math.nan if scan is None else scan.speed_kmh
 
-    def nonlinear_kmh(self, label: str) -> float:
-        """Nonlinear critical speed [km/h]; NaN likewise."""
+    def by_disturbance_kmh(self, label: str) -> float:
+        """Critical speed by disturbance [km/h]; NaN likewise."""
         found = self.runs.get(label)
         return math.nan if found is None else 3.6 * found.speed
 
@@ -142,8 +139,7 @@ def compute(plan: ComparePlan, *, processes: int = 2, progress: Progress | None 
     results = CompareResults(plan)
     phases: list[tuple[float, Callable[[CompareResults, int, Progress], None]]] = [
         (0.25, _linear_part),
-        (0.75, _first_runs),
-        (0.93, _narrow_down),
+        (0.93, _by_disturbance),
         (1.0, _disturbed_runs),
     ]
     start = 0.0
@@ -170,13 +166,11 @@ def compare_job(job: Job, progress: Progress) -> Any:
                 raise KeyboardInterrupt
             return modes
         case "scan":
-            return scan_case(argument, progress)
+            return scan_linear(argument, progress)
         case "state":
             return rolling_state(*argument)
         case "shift":
             return shift_table(argument, SHIFT)
-        case "run":
-            return hunting_run(argument, progress)
         case _:
             return _disturbed(argument, progress)
 
@@ -214,7 +208,7 @@ def _linear_part(results: CompareResults, processes: int, progress: Progress) ->
         ]
     jobs += [("scan", key, (case, speeds)) for key, case in (*plan.cases.items(), *on.items(), *places.items())]
     names = [f"{kind} {key if isinstance(key, str) else ''}".strip() for kind, key, _ in jobs]
-    scans: dict[Any, CriticalScan] = {}
+    scans: dict[Any, LinearCriticalSpeed] = {}
     for (kind, key, _), result in zip(jobs, _do(results, jobs, names, processes, progress), strict=True):
         if result is None:
             continue
@@ -231,7 +225,7 @@ def _linear_part(results: CompareResults, processes: int, progress: Progress) ->
                 scans[key] = result
     results.critical = {label: scans[label] for label in plan.cases if label in scans}
     results.causes = Causes({key: scan for key, scan in scans.items() if isinstance(key, frozenset)})
-    found: dict[Place, CriticalScan] = {key: scan for key, scan in scans.items() if isinstance(key, tuple)}
+    found: dict[Place, LinearCriticalSpeed] = {key: scan for key, scan in scans.items() if isinstance(key, tuple)}
     results.table = critical_table(places, found)
 
 
@@ -244,43 +238,22 @@ def run_speeds(speeds_kmh: tuple[float, ...]) -> list[float]:
     return chosen
 
 
-def _runs(results: CompareResults, wanted: list[tuple[str, float]], processes: int, progress: Progress) -> None:
-    """Runs of (label, speed [m/s]), added to what is known."""
+def _by_disturbance(results: CompareResults, processes: int, progress: Progress) -> None:
     plan = results.plan
-    jobs: list[Job] = [("run", label, (plan.cases[label], speed, plan.hunting)) for label, speed in wanted]
-    names = [f"{label} at {3.6 * speed:.0f} km/h" for label, speed in wanted]
-    done = _do(results, jobs, names, processes, progress)
-    known: dict[str, list[HuntingRun]] = {label: found.runs for label, found in results.runs.items()}
-    for (label, _), run in zip(wanted, done, strict=True):
-        if run is not None:
-            known[label] = [*known.get(label, []), run]
-    results.runs = {label: bracket(runs, plan.hunting.disturbance) for label, runs in known.items()}
-
-
-def _first_runs(results: CompareResults, processes: int, progress: Progress) -> None:
-    # The fastest take longest and come first, so that no process waits at the end.
-    speeds = run_speeds(results.plan.speeds_kmh)[::-1]
-    _runs(results, [(label, v / 3.6) for v in speeds for label in results.plan.cases], processes, progress)
-
-
-def _narrow_down(results: CompareResults, processes: int, progress: Progress) -> None:
-    rounds = 0
-    while not results.interrupted:
-        wide = [
-            (label, found)
-            for label, found in results.runs.items()
-            if 3.6 * (found.goes_on - found.dies_out) > results.plan.bracket_kmh
-        ]
-        if not wide:
-            return
-        between = [(label, float(v)) for label, f in wide for v in np.linspace(f.dies_out, f.goes_on, 4)[1:-1]]
-        _runs(results, between, processes, lambda f, t, r=rounds: progress(1 - 0.5 ** (r + f), t))  # type: ignore[misc]
-        rounds += 1
+    results.runs = critical_speeds_by_disturbance(
+        plan.cases,
+        run_speeds(plan.speeds_kmh),
+        bracket_kmh=plan.bracket_kmh,
+        settings=plan.hunting,
+        processes=processes,
+        progress=progress,
+    )
+    results.interrupted = any(found.interrupted for found in results.runs.values())
 
 
 def _disturbed_runs(results: CompareResults, processes: int, progress: Progress) -> None:
     plan = results.plan
-    critical = [v for label in plan.cases for v in (results.linear_kmh(label), results.nonlinear_kmh(label))]
+    critical = [v for label in plan.cases for v in (results.linear_kmh(label), results.by_disturbance_kmh(label))]
     lowest = min((v for v in critical if math.isfinite(v)), default=plan.speeds_kmh[-1])
     speed = min(plan.speeds_kmh, key=lambda v: abs(v - DISTURBED_SHARE * lowest))
     settings = HuntingSettings(plan.hunting.disturbance, DISTURBED_DURATION, 2e-3, 1e-5, 1e-8)

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rollerrig.analysis import CriticalScan
+from rollerrig.analysis import LinearCriticalSpeed
 from rollerrig.cases import on_rig, on_track, part_of
 from rollerrig.config import Case
 
@@ -48,7 +48,7 @@ class CriticalTable:
 
     parts: tuple[str, ...]
     radii: tuple[float, ...]
-    found: dict[Place, CriticalScan]
+    found: dict[Place, LinearCriticalSpeed]
 
     def kmh(self, part: str, radius: float) -> float:
         """Critical speed [km/h]; NaN if there is none or it was not computed."""
@@ -69,7 +69,7 @@ class Causes:
         found: effects that are on -> what was found.
     """
 
-    found: dict[On, CriticalScan]
+    found: dict[On, LinearCriticalSpeed]
 
     def kmh(self, on: On) -> float:
         """Critical speed with these effects [km/h]; NaN if there is none or it was not computed."""
@@ -125,7 +125,7 @@ def cause_cases(rig: Case) -> dict[On, Case]:
     }
 
 
-def critical_table(places: Collection[Place], found: Mapping[Place, CriticalScan]) -> CriticalTable:
+def critical_table(places: Collection[Place], found: Mapping[Place, LinearCriticalSpeed]) -> CriticalTable:
     """The table of all places, from what was computed for `table_cases`."""
     parts = tuple(dict.fromkeys(part for part, _ in places))
     radii = tuple(sorted({radius for _, radius in places}))
@@ -145,7 +145,7 @@ def radius_words(radius: float) -> str:
     return "track" if radius == TRACK else f"rollers of {radius:g} m"
 
 
-def cell(scan: CriticalScan | None) -> str:
+def cell(scan: LinearCriticalSpeed | None) -> str:
     """A critical speed as a cell of a table."""
     if scan is None:
         return "not computed"
@@ -153,7 +153,7 @@ def cell(scan: CriticalScan | None) -> str:
         return "no equilibrium"
     if scan.grows_at_start:
         return f"grows at {RANGE_KMH[0]:g}"
-    return f"{scan.speed_kmh:.1f}" if scan.critical else f"none to {RANGE_KMH[-1]:g}"
+    return f"{scan.speed_kmh:.1f}" if scan.onset else f"none to {RANGE_KMH[-1]:g}"
 
 
 def table_rows(table: CriticalTable) -> tuple[list[str], list[list[str]]]:

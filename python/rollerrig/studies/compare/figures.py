@@ -39,8 +39,8 @@ def compare_figures(results: CompareResults) -> dict[str, Figure]:
     tables = {label: hunting_table(found.runs, found.disturbance) for label, found in results.runs.items()}
     if results.modes:
         figures["modes"] = modes_side_by_side(results.modes)
-        goes_on = any(bool((table["sustained"] == 1).any()) for table in tables.values())
-        if goes_on or any(modes.attrs["hunting_mode"] for modes in results.modes.values()):
+        persists = any(bool((table["persists"] == 1).any()) for table in tables.values())
+        if persists or any(modes.attrs["hunting_mode"] for modes in results.modes.values()):
             figures["hunting"] = hunting_frequencies(results.modes, tables)
     if tables:
         top = results.plan.speeds_kmh[-1] * 1.1

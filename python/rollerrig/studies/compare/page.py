@@ -64,7 +64,7 @@ def compare_page(results: CompareResults, pictures: dict[str, bytes]) -> Page:
             [
                 critical_table(results),
                 Text(
-                    f"Nonlinear: runs of {results.plan.hunting.duration:g} s after a lateral offset of {size:g} mm of the "
+                    f"By disturbance: runs of {results.plan.hunting.duration:g} s after a lateral offset of {size:g} mm of the "
                     "leading wheelset. A linear critical speed is that of small motions."
                 ),
                 *picture("hunting", "amplitude"),
@@ -94,7 +94,7 @@ def lead(results: CompareResults) -> str:
         found = results.runs.get(label)
         text = f"On {label}: linear critical speed {cell(results.critical[label])}{_unit(results, label)}"
         if found is not None and found.runs:
-            text += f", hunting from a disturbance {_onset(found.dies_out, found.goes_on)}"
+            text += f", hunting from a disturbance {_onset(found.decays, found.persists)}"
         lines.append(text + ".")
     lines += _ratios(results)
     if results.causes is not None and math.isfinite(results.causes.loss):
@@ -107,12 +107,12 @@ def _unit(results: CompareResults, label: str) -> str:
     return "" if scan is None or scan.problem else " km/h"
 
 
-def _onset(dies_out: float, goes_on: float) -> str:
-    if math.isfinite(goes_on) and math.isfinite(dies_out):
-        return f"between {3.6 * dies_out:.1f} and {3.6 * goes_on:.1f} km/h"
-    if math.isfinite(goes_on):
-        return f"already at {3.6 * goes_on:.1f} km/h"
-    return f"not up to {3.6 * dies_out:.1f} km/h"
+def _onset(decays: float, persists: float) -> str:
+    if math.isfinite(persists) and math.isfinite(decays):
+        return f"between {3.6 * decays:.1f} and {3.6 * persists:.1f} km/h"
+    if math.isfinite(persists):
+        return f"already at {3.6 * persists:.1f} km/h"
+    return f"not up to {3.6 * decays:.1f} km/h"
 
 
 def _ratios(results: CompareResults) -> list[str]:
@@ -121,7 +121,7 @@ def _ratios(results: CompareResults) -> list[str]:
     lines = []
     for label in others:
         parts = []
-        for kind, of in (("linear", results.linear_kmh), ("nonlinear", results.nonlinear_kmh)):
+        for kind, of in (("linear", results.linear_kmh), ("by disturbance", results.by_disturbance_kmh)):
             change = of(label) / of(last) - 1
             if math.isfinite(change):
                 parts.append(
@@ -136,19 +136,19 @@ def _ratios(results: CompareResults) -> list[str]:
 
 
 def critical_table(results: CompareResults) -> Table:
-    """Linear and nonlinear critical speeds on each support."""
+    """Critical speeds on each support, linear and by disturbance."""
     rows = []
     for label in results.plan.cases:
         scan, found = results.critical.get(label), results.runs.get(label)
-        critical = scan.critical if scan else None
-        cycle = next((run for run in found.runs if run.sustained and run.valid), None) if found else None
+        critical = scan.onset if scan else None
+        cycle = next((run for run in found.runs if run.persists and run.valid), None) if found else None
         rows.append(
             (
                 label,
                 cell(scan) + _unit(results, label),
                 f"{critical.frequency:.2f} Hz" if critical else "–",
                 critical.name if critical else "–",
-                _onset(found.dies_out, found.goes_on) if found and found.runs else "not computed",
+                _onset(found.decays, found.persists) if found and found.runs else "not computed",
                 f"{1e3 * cycle.ending.amplitude:.2f} mm, {cycle.ending.frequency:.2f} Hz" if cycle else "–",
             )
         )

@@ -19,7 +19,7 @@ from rollerrig.studies.compare.critical import EFFECTS, TRACK, Causes, CriticalT
 from rollerrig.studies.compare.figures import compare_figures
 from rollerrig.studies.compare.page import DISTURBED, WHEEL_HEADER, compare_page, disturbed_numbers, wheel_numbers
 from rollerrig.studies.output import finite, write_rows
-from rollerrig.studies.stability import mode_rows, nonlinear_summary, run_rows
+from rollerrig.studies.stability import disturbance_summary, mode_rows, run_rows
 
 COMPARE_KEYS = {
     "vehicle": "name of the vehicle",
@@ -31,8 +31,8 @@ COMPARE_KEYS = {
     "600 km/h",
     "supports.*.linear_critical_frequency_hz": "its frequency [Hz]",
     "supports.*.linear_critical_mode": "name of the mode",
-    "supports.*.nonlinear": "runs from a lateral offset of the leading wheelset: its size [mm], highest speed below the onset at "
-    "which it dies out and lowest at which it goes on [km/h], and each run",
+    "supports.*.by_disturbance": "runs from a lateral offset of the leading wheelset: its size [mm], highest speed below the "
+    "onset at which it decays and lowest at which it persists [km/h], and each run",
     "supports.*.static_wheel_load_kn": "per wheel, load in steady rolling at the lowest speed [kN]",
     "supports.*.conicity_3mm": "equivalent conicity at 3 mm, on rollers with their own radii",
     "supports.*.disturbed": "largest magnitudes of the leading wheelset in the disturbed run: guiding force [kN], sum of guiding "
@@ -104,7 +104,7 @@ def _critical_rows(results: CompareResults) -> list[list[object]]:
     ]
     assert results.table is not None
     for (part, radius), scan in results.table.found.items():
-        found = scan.critical
+        found = scan.onset
         note = scan.problem or ", ".join(f"{name} grows at the lowest speed" for name in scan.grows_at_start)
         numbers = (scan.speed_kmh, found.frequency, found.name) if found else (float("nan"), float("nan"), "")
         rows.append([part, "track" if radius == TRACK else radius, *numbers, note])
@@ -139,12 +139,12 @@ def _support(results: CompareResults, label: str) -> dict[str, Any]:
     support = results.plan.cases[label].support.data
     numbers: dict[str, Any] = {"support": support.name, "roller_radius_m": getattr(support, "roller_radius", None)}
     if label in results.critical:
-        critical = results.critical[label].critical
+        critical = results.critical[label].onset
         numbers["linear_critical_speed_kmh"] = finite(results.linear_kmh(label))
         numbers["linear_critical_frequency_hz"] = finite(critical.frequency) if critical else None
         numbers["linear_critical_mode"] = critical.name if critical else ""
     if label in results.runs:
-        numbers["nonlinear"] = nonlinear_summary(results.runs[label])
+        numbers["by_disturbance"] = disturbance_summary(results.runs[label])
     if label in results.states:
         load = results.states[label].wheels["vertical_force"]
         numbers["static_wheel_load_kn"] = {str(w): 1e-3 * float(load.sel(wheel=w)) for w in load["wheel"].to_numpy()}

@@ -10,13 +10,11 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
-import numpy as np
 import xarray as xr
 
-from rollerrig.analysis import CriticalScan, NonlinearCriticalSpeed, hunting_run, ramp_run, stability
+from rollerrig.analysis import CriticalSpeedByDisturbance, LinearCriticalSpeed, hunting_run, ramp_run, stability
 from rollerrig.analysis.contact_state import ContactState, contact_state
-from rollerrig.analysis.critical import scan_case
-from rollerrig.analysis.hunting import bracket
+from rollerrig.analysis.critical_speed import bracket, scan_linear
 from rollerrig.analysis.parallel import run_jobs
 from rollerrig.analysis.traction import with_theory
 from rollerrig.simulation import simulate
@@ -51,7 +49,7 @@ class PaperResults:
         barriers: material -> merge barrier -> linear critical speed on the rig [m/s], NaN if none.
         contact: material -> the wheels' contact in steady rolling on the rig.
         ramps: material -> Dataset of `ramp_run`.
-        runs: material -> bracket of the nonlinear critical speed on the rig, with its runs.
+        runs: material -> critical speed by disturbance on the rig, with its runs.
         vehicle_runs: the same of the whole vehicle on track.
         tables: material -> critical speeds over the rollers' radius.
         causes: material -> what takes the bogie's critical speed from that on track to that on the rig.
@@ -65,8 +63,8 @@ class PaperResults:
     barriers: dict[str, dict[float, float]] = field(default_factory=dict)
     contact: dict[str, ContactState] = field(default_factory=dict)
     ramps: dict[str, xr.Dataset] = field(default_factory=dict)
-    runs: dict[str, NonlinearCriticalSpeed] = field(default_factory=dict)
-    vehicle_runs: dict[str, NonlinearCriticalSpeed] = field(default_factory=dict)
+    runs: dict[str, CriticalSpeedByDisturbance] = field(default_factory=dict)
+    vehicle_runs: dict[str, CriticalSpeedByDisturbance] = field(default_factory=dict)
     tables: dict[str, CriticalTable] = field(default_factory=dict)
     causes: dict[str, Causes] = field(default_factory=dict)
     traction: xr.Dataset | None = None
@@ -78,13 +76,13 @@ class PaperResults:
         modes = self.modes.get(material, {}).get(variant)
         return math.nan if modes is None else float(modes.attrs["linear_critical_speed_kmh"])
 
-    def nonlinear_kmh(self, material: str) -> float:
-        """Nonlinear critical speed on the rig [km/h]; NaN if there is none or it was not computed."""
+    def by_disturbance_kmh(self, material: str) -> float:
+        """Critical speed by disturbance on the rig [km/h]; NaN if there is none or it was not computed."""
         found = self.runs.get(material)
         return math.nan if found is None else 3.6 * found.speed
 
-    def vehicle_nonlinear_kmh(self, material: str) -> float:
-        """Nonlinear critical speed of the whole vehicle on track [km/h]; NaN likewise."""
+    def vehicle_by_disturbance_kmh(self, material: str) -> float:
+        """Critical speed by disturbance of the whole vehicle on track [km/h]; NaN likewise."""
         found = self.vehicle_runs.get(material)
         return math.nan if found is None else 3.6 * found.speed
 
@@ -107,7 +105,7 @@ def compute(plan: PaperPlan, *, processes: int = 2, progress: Progress | None = 
         if results.interrupted or not _narrow_down(results, processes):
             break
         if not results.interrupted:
-            report(FIRST_SHARE + (1 - FIRST_SHARE) * (number + 1) / MOST_ROUNDS, "nonlinear critical speed")
+            report(FIRST_SHARE + (1 - FIRST_SHARE) * (number + 1) / MOST_ROUNDS, "critical speed by disturbance")
     if not results.interrupted:
         report(1.0, "done")
     return results
@@ -155,7 +153,7 @@ def _do(results: PaperResults, jobs: list[Job], processes: int, report: Progress
 
 
 def _keep_linear(results: PaperResults, pairs: list[tuple[Job, Any]]) -> None:
-    scans: dict[str, dict[str, dict[Any, CriticalScan]]] = {}
+    scans: dict[str, dict[str, dict[Any, LinearCriticalSpeed]]] = {}
     for (kind, material, argument), result in pairs:
         if kind == "modes":
             results.modes.setdefault(material, {})[argument[0]] = result
@@ -185,10 +183,9 @@ def _narrow_down(results: PaperResults, processes: int) -> bool:
     jobs: list[Job] = []
     for kind, brackets in (("vehicle", results.vehicle_runs), ("run", results.runs)):
         for material, found in brackets.items():
-            if 3.6 * (found.goes_on - found.dies_out) > plan.bracket_kmh:
-                between = np.linspace(found.dies_out, found.goes_on, 4)[1:-1]
-                case = rig_case(material) if kind == "run" else case_of(VEHICLE, material)
-                jobs += [(kind, material, (case, float(v), plan.hunting)) for v in between]
+            case = rig_case(material) if kind == "run" else case_of(VEHICLE, material)
+            between = found.further_speeds(plan.bracket_kmh / 3.6)
+            jobs += [(kind, material, (case, v, plan.hunting)) for v in between]
     if not jobs:
         return False
     _do(results, jobs, processes)
@@ -222,7 +219,7 @@ def paper_job(job: Job, progress: Progress) -> Any:
         case "contact":
             return contact_state(argument)
         case "barrier" | "effects" | "radius":
-            return scan_case(argument[1:], progress)
+            return scan_linear(argument[1:], progress)
     run = simulate(argument, progress=progress)
     if run.attrs["status"] == "interrupted":
         raise KeyboardInterrupt

@@ -24,7 +24,7 @@ LABELS = {m: NAMES[m].removeprefix("the ").capitalize() for m in MATERIALS} | {"
 
 CAPTIONS = {
     "figure_7a_ramp": "Figure 7a. Lateral displacement of the bogie frame over speed while the rollers are slowly "
-    "sped up (dark) from a disturbed start and slowed down again (light). Triangles: sideways nudges.",
+    "sped up (dark) from a disturbed start and slowed down again (light). Triangles: sideways perturbations.",
     "figure_7a_time_steel": "Figure 7a, at constant speeds, steel. Lateral displacement of the bogie frame after a "
     "lateral offset of the leading wheelset.",
     "figure_7a_time_paper": "Figure 7a, at constant speeds, paper's material. Lateral displacement of the bogie "
@@ -52,7 +52,8 @@ def paper_figures(results: PaperResults) -> dict[str, Figure]:
     figures: dict[str, Figure] = {}
     if results.ramps:
         critical = {
-            LABELS[m]: {"linear": results.linear_kmh(m), "nonlinear": results.nonlinear_kmh(m)} for m in results.ramps
+            LABELS[m]: {"linear": results.linear_kmh(m), "by disturbance": results.by_disturbance_kmh(m)}
+            for m in results.ramps
         }
         ramps = {LABELS[m]: ramp for m, ramp in results.ramps.items()}
         figures["figure_7a_ramp"] = ramp_over_speed(ramps, BODY, critical)
@@ -71,8 +72,8 @@ def paper_figures(results: PaperResults) -> dict[str, Figure]:
             found = results.vehicle_runs[material]
             runs[VEHICLE] = hunting_table(found.runs, found.disturbance)
         figures[f"figure_7b_{material}"] = hunting_frequencies(modes, runs, LABELS[material])
-    for material, critical_speeds in results.tables.items():
-        figures[f"radius_{material}"] = radius_figure(critical_speeds, roller_radius())
+    for material, zero_crossings in results.tables.items():
+        figures[f"radius_{material}"] = radius_figure(zero_crossings, roller_radius())
     if MATERIALS[0] in results.causes:
         figures["causes"] = causes_figure(results.causes[MATERIALS[0]])
     if results.traction_theory is not None:

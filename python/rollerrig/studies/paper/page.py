@@ -92,7 +92,7 @@ def rig_blocks(results: PaperResults, pictures: dict[str, bytes]) -> list[Block]
 
 
 def critical_table(results: PaperResults) -> Table:
-    """Linear critical speed of each variant, nonlinear one of the rig."""
+    """Linear critical speed of each variant, that by disturbance of the rig."""
     rows = []
     for material in MATERIALS:
         for variant in VARIANTS:
@@ -100,23 +100,23 @@ def critical_table(results: PaperResults) -> Table:
             if modes is None:
                 continue
             frequency = float(modes.attrs["linear_critical_frequency_hz"])
-            nonlinear = ""
+            by_disturbance = ""
             found = {"bogie on the rig": results.runs, VEHICLE: results.vehicle_runs}.get(variant, {}).get(material)
             if found is not None:
-                nonlinear = f"{kmh(3.6 * found.dies_out, 1)} … {kmh(3.6 * found.goes_on, 1)}"
+                by_disturbance = f"{kmh(3.6 * found.decays, 1)} … {kmh(3.6 * found.persists, 1)}"
             rows.append(
                 (
                     NAMES[material],
                     variant,
                     kmh(results.linear_kmh(material, variant), 1),
                     f"{frequency:.2f} Hz" if math.isfinite(frequency) else "–",
-                    nonlinear,
+                    by_disturbance,
                 )
             )
-    header = ("material", "what runs", "linear critical speed", "its frequency", "nonlinear: dies out … goes on")
+    header = ("material", "what runs", "linear critical speed", "its frequency", "by disturbance: decays … persists")
     size = 1e3 * results.plan.hunting.disturbance
     return Table(
-        header, rows, f"Critical speeds. Nonlinear: from a lateral offset of {size:g} mm of the leading wheelset."
+        header, rows, f"Critical speeds. By disturbance: from a lateral offset of {size:g} mm of the leading wheelset."
     )
 
 

@@ -39,7 +39,7 @@ class PaperPlan:
     Attributes:
         linear_kmh: speeds at which modes are computed [km/h].
         runs_kmh: material -> speeds of runs at constant speed [km/h], of the bogie on the rig and of the vehicle on track.
-        bracket_kmh: width to which the nonlinear critical speed is narrowed down [km/h].
+        bracket_kmh: width to which the critical speed by disturbance is narrowed down [km/h].
         ramps: material -> ramp.
         hunting: disturbance, length and tolerances of the runs.
         traction_case: name of the case in the catalogue.
@@ -59,8 +59,8 @@ class PaperPlan:
     radii: tuple[float, ...] = RADII
 
 
-def _kmh(low: float, high: float, acceleration: float, nudge_every: float) -> RampSettings:
-    return RampSettings(low / 3.6, high / 3.6, acceleration / 3.6, nudge_every=nudge_every / 3.6)
+def _kmh(low: float, high: float, acceleration: float, perturbation_every: float) -> RampSettings:
+    return RampSettings(low / 3.6, high / 3.6, acceleration / 3.6, perturbation_every=perturbation_every / 3.6)
 
 
 FULL = PaperPlan(

@@ -27,8 +27,8 @@ def _found(results: PaperResults, value: float, digits: int = 0) -> str:
 def lead(results: PaperResults) -> str:
     """The whole in a few lines."""
     lines = [
-        f"{NAMES[m].capitalize()}: linear critical speed on the rig {_found(results, results.linear_kmh(m), 1)}, nonlinear (from "
-        f"{1e3 * results.plan.hunting.disturbance:g} mm) {_found(results, results.nonlinear_kmh(m))}."
+        f"{NAMES[m].capitalize()}: linear critical speed on the rig {_found(results, results.linear_kmh(m), 1)}, by disturbance "
+        f"(from {1e3 * results.plan.hunting.disturbance:g} mm) {_found(results, results.by_disturbance_kmh(m))}."
         for m in MATERIALS
         if m in results.modes
     ]
@@ -49,18 +49,18 @@ def critical_paragraphs(results: PaperResults) -> list[str]:
     """What figure 7 says about the critical speed."""
     texts = []
     for material in MATERIALS:
-        linear, nonlinear = results.linear_kmh(material), results.nonlinear_kmh(material)
-        if not (math.isfinite(linear) and math.isfinite(nonlinear)):
+        linear, by_disturbance = results.linear_kmh(material), results.by_disturbance_kmh(material)
+        if not (math.isfinite(linear) and math.isfinite(by_disturbance)):
             continue
         found = results.runs[material]
         size = 1e3 * found.disturbance
         text = (
             f"{NAMES[material].capitalize()}: small disturbances grow above {linear:.1f} km/h. From {size:g} mm the "
-            f"bogie calms down at {3.6 * found.dies_out:.1f} km/h and keeps hunting at {3.6 * found.goes_on:.1f} km/h."
+            f"bogie calms down at {3.6 * found.decays:.1f} km/h and keeps hunting at {3.6 * found.persists:.1f} km/h."
         )
-        if nonlinear < linear - 5:
+        if by_disturbance < linear - 5:
             text += (
-                f" Between {nonlinear:.0f} and {linear:.0f} km/h both are possible: small disturbances die out, "
+                f" Between {by_disturbance:.0f} and {linear:.0f} km/h both are possible: small disturbances decay, "
                 f"larger ones end in a limit cycle, and a bogie that hunts goes on doing so while the rollers slow "
                 f"down, until the lower of the two speeds (hysteresis, a subcritical bifurcation)."
             )
@@ -84,7 +84,7 @@ def frequency_paragraphs(results: PaperResults) -> list[str]:
         apart = frequency_differences(results, material)
         if not apart:
             continue
-        rig, vehicle = results.nonlinear_kmh(material), results.vehicle_nonlinear_kmh(material)
+        rig, vehicle = results.by_disturbance_kmh(material), results.vehicle_by_disturbance_kmh(material)
         low, high = min(apart), max(apart)
         text = (
             f"{NAMES[material].capitalize()}: at the {len(apart)} speeds that both were run at and oscillate, the bogie on the "
@@ -105,7 +105,7 @@ def frequency_differences(results: PaperResults, material: str) -> list[float]:
     found = []
     for bracket in runs:
         frequency = {
-            round(3.6 * run.speed, 3): run.ending.frequency if run.sustained else decay_frequency(run)
+            round(3.6 * run.speed, 3): run.ending.frequency if run.persists else decay_frequency(run)
             for run in (bracket.runs if bracket else [])
         }
         found.append({speed: value for speed, value in frequency.items() if math.isfinite(value)})
@@ -143,8 +143,8 @@ RAMP_TEXT = (
     "The rollers are sped up slowly from a disturbed start, as in the paper, and then slowed down again. The model "
     "has no irregularities: below the critical speed the first disturbance decays within seconds to exact rest, and "
     "a bogie at exact rest stays there far above the critical speed, whatever its stability. So the bogie gets a "
-    "sideways nudge at every {every:g} km/h on the way up (triangles): all its moving bodies are given a lateral "
-    "velocity of {nudge:g} mm/s. What remains of one nudge before the next shows whether disturbances grow. The "
+    "sideways perturbation at every {every:g} km/h on the way up (triangles): all its moving bodies are given a lateral "
+    "velocity of {perturbation:g} mm/s. What remains of one perturbation before the next shows whether disturbances grow. The "
     "rollers gain {rate:g} km/h per second."
 )
 
@@ -153,7 +153,9 @@ def ramp_text(results: PaperResults) -> str:
     """What was done in the ramps."""
     ramp = results.plan.ramps[MATERIALS[0]]
     return RAMP_TEXT.format(
-        every=round(3.6 * ramp.nudge_every, 6), nudge=1e3 * ramp.nudge, rate=round(3.6 * ramp.acceleration, 6)
+        every=round(3.6 * ramp.perturbation_every, 6),
+        perturbation=1e3 * ramp.perturbation,
+        rate=round(3.6 * ramp.acceleration, 6),
     )
 
 
@@ -162,7 +164,7 @@ def fit_paragraphs(results: PaperResults) -> list[str]:
     values = {
         (m, kind): value
         for m in MATERIALS
-        for kind, value in (("linear", results.linear_kmh(m)), ("nonlinear", results.nonlinear_kmh(m)))
+        for kind, value in (("linear", results.linear_kmh(m)), ("by disturbance", results.by_disturbance_kmh(m)))
         if math.isfinite(value)
     }
     if not values:
@@ -200,7 +202,7 @@ def _verdict(value: float) -> str:
 def onset_wavelength(results: PaperResults, material: str) -> float:
     """Wavelength of the limit cycle at the lowest speed at which it was found [m]; NaN if there is none."""
     found = results.runs.get(material)
-    going = [run for run in found.runs if run.sustained and run.valid] if found else []
+    going = [run for run in found.runs if run.persists and run.valid] if found else []
     return going[0].speed / going[0].ending.frequency if going else math.nan
 
 
@@ -214,8 +216,8 @@ def _why(results: PaperResults) -> str:
         f"{100 * soft.creep_stiffness / steel.creep_stiffness:.0f} % (Hertz and Kalker together give G^(1/3), which is "
         f"{100 * (moduli[1] / moduli[0]) ** (1 / 3):.0f} %): the same creepage meets that much less force."
     )
-    if all(f(MATERIALS[1]) < f(MATERIALS[0]) for f in (results.linear_kmh, results.nonlinear_kmh)):
-        text += " Both the linear and the nonlinear critical speed come down with it."
+    if all(f(MATERIALS[1]) < f(MATERIALS[0]) for f in (results.linear_kmh, results.by_disturbance_kmh)):
+        text += " Both the linear critical speed and that by disturbance come down with it."
     waves = [onset_wavelength(results, m) for m in MATERIALS]
     if all(math.isfinite(w) for w in waves):
         steeper = [(state.wavelength / wave) ** 2 for state, wave in zip((steel, soft), waves, strict=True)]

@@ -9,7 +9,7 @@ import json
 from pathlib import Path
 
 from rollerrig import __version__
-from rollerrig.analysis import NonlinearCriticalSpeed, hunting_table
+from rollerrig.analysis import CriticalSpeedByDisturbance, hunting_table
 from rollerrig.plot import figure_bytes
 from rollerrig.report import Check, render
 from rollerrig.results import output_folder, save_run, write_text
@@ -21,7 +21,7 @@ from rollerrig.studies.paper.compute import PaperResults
 from rollerrig.studies.paper.figures import paper_figures
 from rollerrig.studies.paper.page import paper_page
 from rollerrig.studies.paper.text import onset_wavelength
-from rollerrig.studies.stability import nonlinear_summary
+from rollerrig.studies.stability import disturbance_summary
 
 PAPER_KEYS = {
     "interrupted": "whether Ctrl-C ended the study early; parts that are missing were not computed",
@@ -35,7 +35,7 @@ PAPER_KEYS = {
     "materials.*.contact": "steady rolling on the rig: patches per wheel, deepest approach [µm], sum of f11 of a "
     "wheel [N], wavelength of slow hunting [m]",
     "materials.*.onset_wavelength_m": "wavelength of the limit cycle at the lowest speed at which it was found [m]",
-    "materials.*.nonlinear": "runs from a lateral offset of the leading wheelset at constant speed: its size [mm], "
+    "materials.*.by_disturbance": "runs from a lateral offset of the leading wheelset at constant speed: its size [mm], "
     "highest speed below the onset at which it dies out and lowest at which it goes on [km/h], and each run",
     "materials.*.vehicle_on_track": "the same runs of the whole vehicle on track",
     "materials.*.critical_speed_over_radius_kmh": "per part of the vehicle and roller radius [m] ('track': none) the "
@@ -93,16 +93,16 @@ def _write_data(results: PaperResults, folder: Path) -> list[Path]:
     return written
 
 
-def _run_rows(found: NonlinearCriticalSpeed) -> list[list[object]]:
+def _run_rows(found: CriticalSpeedByDisturbance) -> list[list[object]]:
     table = hunting_table(found.runs, found.disturbance)
-    names = ("speed", "amplitude", "oscillation_frequency", "decay_frequency", "rate_at_end", "sustained")
+    names = ("speed", "amplitude", "oscillation_frequency", "decay_frequency", "rate_at_end", "persists")
     header: list[object] = [
         "speed_kmh",
         "amplitude_m",
         "frequency_hz",
         "decay_frequency_hz",
         "rate_at_end_per_s",
-        "goes_on",
+        "persists",
     ]
     columns = (table[name].to_numpy().tolist() for name in names)
     return [header, *(list(row) for row in zip(*columns, strict=True))]
@@ -177,9 +177,9 @@ def _material(results: PaperResults, material: str) -> dict[str, object]:
             "wavelength_m": finite(contact.wavelength),
         }
     if material in results.runs:
-        numbers["nonlinear"] = nonlinear_summary(results.runs[material])
+        numbers["by_disturbance"] = disturbance_summary(results.runs[material])
     if material in results.vehicle_runs:
-        numbers["vehicle_on_track"] = nonlinear_summary(results.vehicle_runs[material])
+        numbers["vehicle_on_track"] = disturbance_summary(results.vehicle_runs[material])
     if material in results.tables:
         numbers["critical_speed_over_radius_kmh"] = critical_summary(results.tables[material])
     if material in results.causes:

@@ -1,0 +1,303 @@
+"""Critical speed by its three definitions, each under its own name in every output.
+
+    linear             lowest speed at which an oscillatory mode of the linearised vehicle begins to grow
+    by disturbance     lowest speed at which a perturbation of a given size persists: runs at constant speed, bracketed
+    by continuation    lowest speed of a stable limit cycle: speed stepped down, each run begun with the state of the one before
+
+    Case, speeds -> [modes over speed | runs from a disturbance | limit-cycle diagram] -> critical_speed -> Dataset
+
+A limit cycle exists only above the fold of its branch, and above the linear critical speed every perturbation grows: for a
+subcritical bifurcation
+
+    by continuation  <=  by disturbance  <=  linear
+
+each within the width to which it was found.
+
+Equations: docs/theory/equilibrium_and_linearisation.md, (L7) and section Limit cycles.
+Source: O. Polach, On non-linear methods of bogie stability assessment, Proc. IMechE F 220 (2006).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Literal
+
+import numpy as np
+import xarray as xr
+
+from rollerrig.analysis.crossings import Crossing, first_onset, growing_at_start, zero_crossings
+from rollerrig.analysis.hunting import HuntingRun, HuntingSettings, hunting_run
+from rollerrig.analysis.limit_cycle_runs import LimitCycleSettings, limit_cycles
+from rollerrig.analysis.linearise import Lineariser
+from rollerrig.analysis.parallel import Progress, run_jobs
+from rollerrig.analysis.speed_map import modes_over_speed
+from rollerrig.cases import as_case
+from rollerrig.config import Case
+from rollerrig.starting_state import StartError
+
+Method = Literal["linear", "disturbance", "continuation"]
+SPEEDS_KMH = tuple(float(v) for v in range(60, 301, 20))
+"""Range in which critical speeds are looked for unless another one is given [km/h]."""
+
+FIRST_ROUND = 0.75
+"""Fraction of the whole at which the first round of runs ends, for the progress bar."""
+
+
+def critical_speed(
+    case: Case | str,
+    *,
+    methods: Sequence[Method] = ("linear",),
+    speeds_kmh: Sequence[float] = SPEEDS_KMH,
+    bracket_kmh: float = 3.0,
+    processes: int = 2,
+    progress: Progress | None = None,
+) -> xr.Dataset:
+    """Critical speed of a case by one or several definitions.
+
+    Args:
+        case: the case, or its name in the catalogue.
+        methods: of 'linear', 'disturbance', 'continuation'.
+        speeds_kmh: range of speeds [km/h], rising; runs are made at each of them.
+        bracket_kmh: to which those by disturbance and by continuation are found [km/h].
+        processes: runs at a time.
+        progress: called with the fraction done and a short text.
+
+    Returns:
+        `linear_critical_speed`, `critical_speed_by_disturbance`, `critical_speed_by_continuation` [km/h], those asked for; NaN
+        where there is none in the range.
+
+    Raises:
+        ValueError: an unknown method, or speeds not positive and rising.
+        StartError: no rolling equilibrium at one of the speeds.
+
+    Example:
+        >>> import rollerrig as rr
+        >>> found = rr.critical_speed("bogie_rollers_constant", speeds_kmh=[200, 300])
+        >>> round(float(found["linear_critical_speed"]))
+        253
+    """
+    unknown = set(methods) - {"linear", "disturbance", "continuation"}
+    if unknown:
+        raise ValueError(f"methods: {', '.join(sorted(unknown))}; allowed: linear, disturbance, continuation")
+    chosen, found = as_case(case), {}
+    report: Progress = progress or (lambda _fraction, _text: None)
+
+    def part(number: int) -> Progress:
+        return lambda f, t: report((number + f) / len(methods), t)
+
+    for number, method in enumerate(dict.fromkeys(methods)):
+        if method == "linear":
+            onset = linear_critical_speed(chosen, [v / 3.6 for v in speeds_kmh], part(number))
+            found["linear_critical_speed"] = math.nan if onset is None else onset.speed
+        elif method == "disturbance":
+            by_disturbance = critical_speeds_by_disturbance(
+                {"": chosen}, speeds_kmh, bracket_kmh=bracket_kmh, processes=processes, progress=part(number)
+            )
+            found["critical_speed_by_disturbance"] = by_disturbance[""].speed
+        else:
+            settings = LimitCycleSettings(tolerance_kmh=bracket_kmh)
+            diagram = limit_cycles(
+                chosen, speeds_kmh, math.nan, settings, processes=min(2, processes), progress=part(number)
+            )
+            found["critical_speed_by_continuation"] = diagram.lowest_cycle
+    variables = {
+        name: ((), 3.6 * v, {"units": "km/h", "long_name": name.replace("_", " ")}) for name, v in found.items()
+    }
+    return xr.Dataset(variables, attrs={"case": chosen.name, "title": f"Critical speed of {chosen.name}"})
+
+
+# ---------------------------------------------------------------------------------------------------------- linear
+
+
+@dataclass(frozen=True)
+class LinearCriticalSpeed:
+    """Linear critical speed of one case in a range.
+
+    Attributes:
+        onset: the lowest speed above which an oscillation grows; None if there is none in the range.
+        crossings: all crossings of zero growth, by speed.
+        grows_at_start: names of the modes that grow already at the lowest speed.
+        problem: why nothing could be computed; '' if it could.
+    """
+
+    onset: Crossing | None = None
+    crossings: list[Crossing] = field(default_factory=list)
+    grows_at_start: tuple[str, ...] = ()
+    problem: str = ""
+
+    @property
+    def speed_kmh(self) -> float:
+        """The linear critical speed [km/h]; NaN if there is none."""
+        return math.nan if self.onset is None else 3.6 * self.onset.speed
+
+
+def linear_critical_speed(
+    case: Case | Lineariser, speeds: Sequence[float], progress: Callable[[float, str], None] | None = None
+) -> Crossing | None:
+    """The lowest speed at which an oscillatory mode turns from damped to growing.
+
+    Args:
+        case: the case, or its lineariser.
+        speeds: range of speeds [m/s], rising; where they are far apart, further ones are put between them.
+        progress: called with the fraction done and a short text.
+
+    Returns:
+        The crossing, to `crossings.SPEED_TOLERANCE`; None if nothing changes from damped to growing in the range.
+
+    Raises:
+        ValueError: speeds not rising or not positive.
+        StartError: no rolling equilibrium at one of the speeds.
+    """
+    return first_onset(zero_crossings(modes_over_speed(case, speeds, progress)))
+
+
+def scan_linear(job: tuple[Case, Sequence[float]], progress: Progress | None = None) -> LinearCriticalSpeed:
+    """Linear critical speed of one case between speeds [m/s]; a missing equilibrium is returned as `problem`, not raised.
+
+    Raises:
+        KeyboardInterrupt: Ctrl-C came before the end.
+    """
+    case, speeds = job
+    try:
+        modes = modes_over_speed(case, speeds, progress)
+    except StartError as problem:
+        return LinearCriticalSpeed(problem=str(problem))
+    if modes.followed.interrupted:
+        raise KeyboardInterrupt
+    crossings = zero_crossings(modes)
+    return LinearCriticalSpeed(first_onset(crossings), crossings, growing_at_start(modes))
+
+
+def linear_critical_speeds(
+    cases: Mapping[str, Case],
+    speeds_kmh: Sequence[float],
+    *,
+    processes: int = 1,
+    progress: Progress | None = None,
+) -> dict[str, LinearCriticalSpeed]:
+    """Linear critical speeds of several cases, such as radii of rollers, vehicles or supports.
+
+    Args:
+        cases: label -> case.
+        speeds_kmh: range of speeds [km/h], rising; where they are far apart, further ones are put between them.
+        processes: cases at a time.
+        progress: called with the fraction done and a short text.
+
+    Returns:
+        Label -> what was found, in the order of `cases`; after Ctrl-C, those that were done.
+
+    Example:
+        >>> from rollerrig import load_case
+        >>> rig = load_case("bogie_rollers_constant")
+        >>> radii = {f"{r} m": rig.with_changes({"support.roller_radius": r}) for r in (0.5, 1.0)}
+        >>> found = linear_critical_speeds(radii, [60, 400])
+        >>> found["0.5 m"].speed_kmh < found["1.0 m"].speed_kmh
+        True
+    """
+    labels = list(cases)
+    jobs = [(cases[label], [v / 3.6 for v in speeds_kmh]) for label in labels]
+    done = run_jobs(scan_linear, jobs, processes=processes, progress=progress, names=labels)
+    return {label: scan for label, scan in zip(labels, done.results, strict=True) if scan is not None}
+
+
+# -------------------------------------------------------------------------------------------------- by disturbance
+
+
+@dataclass(frozen=True)
+class CriticalSpeedByDisturbance:
+    """Between which speeds a perturbation of one size begins to persist.
+
+    Attributes:
+        decays: highest speed, below the onset, at which it decayed [m/s]; NaN if it never did.
+        persists: lowest speed at which it persisted [m/s]; NaN if it never did.
+        disturbance: its size, lateral offset of the leading wheelset [m].
+        runs: all runs made for it, by speed.
+        interrupted: whether Ctrl-C came before it was narrowed down.
+    """
+
+    decays: float
+    persists: float
+    disturbance: float
+    runs: list[HuntingRun]
+    interrupted: bool = False
+
+    @property
+    def speed(self) -> float:
+        """Middle of the two [m/s]; NaN if there is no onset in the range."""
+        return 0.5 * (self.decays + self.persists)
+
+    def further_speeds(self, width: float) -> list[float]:
+        """Speeds of the next round of runs, the bracket in thirds [m/s]; none if it is narrower than a width [m/s]."""
+        if not self.persists - self.decays > width:  # also where one of them is NaN
+            return []
+        return [float(v) for v in np.linspace(self.decays, self.persists, 4)[1:-1]]
+
+
+def bracket(runs: Iterable[HuntingRun], disturbance: float) -> CriticalSpeedByDisturbance:
+    """The critical speed by disturbance among runs at several speeds."""
+    ordered = sorted(runs, key=lambda run: run.speed)
+    onset = next((k for k, run in enumerate(ordered) if run.persists), None)
+    if onset is None:
+        return CriticalSpeedByDisturbance(ordered[-1].speed if ordered else math.nan, math.nan, disturbance, ordered)
+    below = ordered[onset - 1].speed if onset > 0 else math.nan
+    return CriticalSpeedByDisturbance(below, ordered[onset].speed, disturbance, ordered)
+
+
+def critical_speeds_by_disturbance(
+    cases: Mapping[str, Case],
+    speeds_kmh: Sequence[float],
+    *,
+    bracket_kmh: float = 3.0,
+    settings: HuntingSettings | None = None,
+    processes: int = 1,
+    progress: Progress | None = None,
+) -> dict[str, CriticalSpeedByDisturbance]:
+    """Critical speeds by disturbance of several cases, narrowed down round by round.
+
+    Args:
+        cases: label -> case.
+        speeds_kmh: of the first round of runs [km/h].
+        bracket_kmh: width to which the brackets are narrowed down [km/h].
+        settings: disturbance, length and tolerances of the runs.
+        processes: runs at a time.
+        progress: called with the fraction done and a short text.
+
+    Returns:
+        Label -> what was found; after Ctrl-C what the finished runs say, with `interrupted`.
+
+    Raises:
+        StartError: no state was found from which a run can start.
+    """
+    chosen = settings or HuntingSettings()
+    report: Progress = progress or (lambda _fraction, _text: None)
+    runs: dict[str, list[HuntingRun]] = {label: [] for label in cases}
+    # The fastest take longest and come first, so that no process waits at the end.
+    wanted = [(label, v / 3.6) for v in sorted(speeds_kmh, reverse=True) for label in cases]
+    found: dict[str, CriticalSpeedByDisturbance] = {}
+    number = 0
+    while wanted:
+        done = run_jobs(
+            hunting_run,
+            [(cases[label], speed, chosen) for label, speed in wanted],
+            processes=processes,
+            progress=lambda f, t, k=number: report(_share_done(k, f), t),  # type: ignore[misc]
+            names=[f"{label} at {3.6 * speed:.0f} km/h".strip() for label, speed in wanted],
+        )
+        for (label, _), run in zip(wanted, done.results, strict=True):
+            runs[label] += [run] if run is not None else []
+        found = {label: bracket(runs[label], chosen.disturbance) for label in cases}
+        if done.interrupted:
+            return {label: replace(one, interrupted=True) for label, one in found.items()}
+        wanted = [(label, v) for label, one in found.items() for v in one.further_speeds(bracket_kmh / 3.6)]
+        number += 1
+    return found
+
+
+def _share_done(finished_rounds: int, fraction: float) -> float:
+    """Fraction of the whole: each further round takes half of what is left."""
+    if finished_rounds == 0:
+        return FIRST_ROUND * fraction
+    left = float(0.5 ** (finished_rounds - 1 + fraction))
+    return 1.0 - (1.0 - FIRST_ROUND) * left
