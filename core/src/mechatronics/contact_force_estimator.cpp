@@ -11,7 +11,7 @@ namespace rollerrig {
 
 void solve_kalman_gain(ContactForceEstimator& p, double period) {
   using Matrix4 = Eigen::Matrix4d;
-  double const per_root = p.bandwidth * p.bandwidth * p.speed_noise * std::sqrt(period);  // (D13)
+  double const per_root = p.bandwidth * p.bandwidth * p.speed_noise * std::sqrt(period);  // (D12)
   double const J_r = p.roller_inertia, R = p.roller_radius, J_w = p.wheelset_inertia, r = p.wheel_radius;
   double const force = p.force_change > 0.0 ? p.force_change : per_root * J_r / R;
   double const torque = p.torque_change > 0.0 ? p.torque_change : per_root * (J_w + J_r * r / R);

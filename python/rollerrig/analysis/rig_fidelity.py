@@ -83,7 +83,7 @@ def fidelity(track: xr.Dataset, rig: xr.Dataset) -> dict[str, float | None]:
 
 
 def by_own_motion(run: xr.Dataset) -> float | None:
-    """Part of the variance of the tracking error in proportion to the wheelsets' own motion along the track, (D10) [-]."""
+    """Part of the variance of the tracking error in proportion to the wheelsets' own motion along the track, (D14) [-]."""
     moving = run["train_speed"].to_numpy() > LEAST_SPEED
     error = (run["axle_speed"] - run["virtual_speed"]).to_numpy()[moving].ravel()
     own = run["longitudinal_velocity"].sel(body=list(run["axle"].to_numpy())).to_numpy()[moving].ravel()

@@ -84,7 +84,7 @@ FIDELITY = (
     Quantity("fidelity.tracking_rms", "wheel less virtual wheel, over train speed, RMS", "1", digits=2, shown=PERCENT),
     Quantity("fidelity.tracking_largest", "largest of the same", "1"),
     Quantity(
-        "fidelity.tracking_by_own_motion", "part of its variance in proportion to the wheelsets' own motion, (D10)", "1"
+        "fidelity.tracking_by_own_motion", "part of its variance in proportion to the wheelsets' own motion, (D14)", "1"
     ),
     Quantity("fidelity.wheel_speed_rms", "wheel of rig less wheel on track, over train speed, RMS", "1"),
     Quantity("fidelity.wheel_speed_largest", "largest of the same, any axle", "1"),
@@ -244,7 +244,7 @@ class AdhesionStudy(Study[Runs]):
         sliding = (
             "Full: the rig with its contact model; dashed: wheels that roll on the rollers without sliding. Below, the "
             "wheelsets' own motion along the track: the bogie swings on its traction rod, which the control law does not know "
-            "of, and the wheels turn by it (D10)."
+            "of, and the wheels turn by it (D14)."
         )
         found = [
             ("Speeds", "speeds", figures.speeds(track, rig, radius), "Train and wheels: rig, virtual train, track."),

@@ -90,7 +90,7 @@ TEST_CASE("the Kalman filter responds as its own matrices say") {
 TEST_CASE("with a torque that may do anything the Kalman filter is a Butterworth filter of its bandwidth") {
   double const h = 1e-4;
   ContactForceEstimator p{.kind = EstimatorKind::kalman, .bandwidth = 2 * pi * 5.0};
-  p.torque_change = 1e9;  // then only the roller tells of T: (D13)
+  p.torque_change = 1e9;  // then only the roller tells of T: (D12)
   solve_kalman_gain(p, h);
   auto const found = measure_response(p, Estimated::force, h);
   CHECK(found.bandwidth == doctest::Approx(p.bandwidth).epsilon(5e-3));  // continuous limit

@@ -33,7 +33,7 @@ def numbers(case: Case) -> tuple[float, float, float, float]:
 
 
 def error_of_the_law(case: Case, run: xr.Dataset) -> xr.DataArray:
-    """Axle speed less the virtual one and less what the bogie's own motion along x does to it, (D10) [rad/s]."""
+    """Axle speed less the virtual one and less what the bogie's own motion along x does to it, (D14) [rad/s]."""
     r, big_r, j_w, j_r = numbers(case)
     share = (j_r / big_r) / (j_r * r / big_r + big_r * j_w / r)
     along = r * run["axle_speed"] - big_r * run["roller_speed"]

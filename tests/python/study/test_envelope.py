@@ -403,7 +403,7 @@ def test_the_command_writes_its_files(tmp_path: Path) -> None:
     assert names == {"runs.jsonl", "envelope.nc", "envelope.csv", "summary.json", "report.html"}
     summary = json.loads((out / "summary.json").read_text())
     assert summary["runs"] == sum(summary["regions"].values()) == 6
-    assert summary["vehicle_torque_nm"]["brake"] == pytest.approx(5.5e3, rel=0.02)  # (A5) by hand: 3.8 bar, 17.9 m/s
+    assert summary["vehicle_torque_nm"]["brake"] == pytest.approx(5.5e3, rel=0.02)  # (A6) by hand: 3.8 bar, 17.9 m/s
     assert {key.split(".")[0] for key in summary["keys"]} >= summary.keys() - {"keys", "rollerrig_version"}
     assert len((out / "envelope.csv").read_text().splitlines()) == 7
     page = (out / "report.html").read_text()

@@ -30,7 +30,7 @@ struct ContactForceEstimator {
   std::array<std::array<double, 2>, 4> gain{};
 };
 
-/// Fills in the stationary gain of the Kalman filter for its sample time, docs/theory/rig_control.md (D12), (D13).
+/// Fills in the stationary gain of the Kalman filter for its sample time, docs/theory/rig_control.md (D11), (D12).
 void solve_kalman_gain(ContactForceEstimator& p, double period);
 
 /// State of the estimator of one axle.

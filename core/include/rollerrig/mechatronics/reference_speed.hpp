@@ -4,7 +4,7 @@
 //
 // While some axle grips, the nearest one is the train. While none does the reference goes on as the train was last seen to, and
 // every so often one axle in turn is released from its torque until it turns with the train: that puts speed and slope right.
-// Braking is traction with all speeds negative. Source: docs/theory/adhesion.md, (A6).
+// Braking is traction with all speeds negative. Source: docs/theory/adhesion.md, (A7).
 #pragma once
 #include <cmath>
 

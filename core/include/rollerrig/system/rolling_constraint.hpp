@@ -5,7 +5,7 @@
 // The patches keep normal forces, lateral creep and what differs between left and right (yaw). What they do together along
 // the track and about the two axles is taken out, and T keeps the mean longitudinal slip at nominal radii at nothing:
 //
-//   s = v_x - V_x - r Omega - R Omega_r        s' = -s / tau        (D9)
+//   s = v_x - V_x - r Omega - R Omega_r        s' = -s / tau        (D13)
 //
 // with Omega about the body's own axle (of a roller negative in forward running), V_x of a roller on springs. It is a link of
 // system/links.hpp: alone, T = -(s'_0 + s / tau) / (1/m + r^2/I + 1/m_r + R^2/I_r).

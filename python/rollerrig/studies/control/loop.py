@@ -179,7 +179,7 @@ def loop_of(case: Case, creep: float, *, sliding: bool) -> Loop | None:
 
 
 def _changes(control: RigControl, p: Wheel) -> tuple[float, float]:
-    """Changes of force and torque that the Kalman filter believes in, (D13) where they are absent."""
+    """Changes of force and torque that the Kalman filter believes in, (D12) where they are absent."""
     table = control.estimator
     scale = (2.0 * math.pi * table.bandwidth) ** 2 * table.speed_noise * math.sqrt(control.sample_time)
     force, torque = p.roller_inertia / p.roller_radius, p.wheelset_inertia + p.roller_inertia * p.ratio
@@ -187,7 +187,7 @@ def _changes(control: RigControl, p: Wheel) -> tuple[float, float]:
 
 
 def _weakened(case: Case) -> float:
-    """What the condition of the virtual rail leaves of the creep curve's slope, (A8)."""
+    """What the condition of the virtual rail leaves of the creep curve's slope, (A4)."""
     rail = case.adhesion.rail if case.adhesion is not None else None
     return 0.5 * (rail.k_A + rail.k_S) if rail is not None else 1.0
 
@@ -294,7 +294,7 @@ def _torque_from_acceleration(loop: Loop, z: dict[str, Array]) -> None:
 
 
 def _kalman(loop: Loop, z: dict[str, Array]) -> None:
-    """Stationary Kalman filter of both speeds, force and torque, (D11) to (D13)."""
+    """Stationary Kalman filter of both speeds, force and torque, (D10) to (D12)."""
     p, h = loop.assumed, loop.sample
     predicted = [
         z["roller_seen"] + h * (z["mean"] + p.roller_radius * z["force"]) / p.roller_inertia,
@@ -308,7 +308,7 @@ def _kalman(loop: Loop, z: dict[str, Array]) -> None:
 
 
 def kalman_gain(loop: Loop) -> Array:
-    """Gain of the filter from the Riccati equation of (D12), rows W, w, T, C over the errors of W and w."""
+    """Gain of the filter from the Riccati equation of (D11), rows W, w, T, C over the errors of W and w."""
     p, h, noise = loop.assumed, loop.sample, loop.speed_noise
     rates = np.zeros((4, 4))
     rates[0, 2], rates[1, 2:] = (

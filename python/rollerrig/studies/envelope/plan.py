@@ -148,7 +148,7 @@ def default_torques(case: Case) -> list[float]:
 def vehicle_torque(case: Case, brakes: bool) -> float | None:
     """Largest torque that the vehicle itself exerts on an axle at the start [N m]; None: no limit is known.
 
-    Of its brake at the demand's largest pressure, (A5), or of its motor's envelope.
+    Of its brake at the demand's largest pressure, (A6), or of its motor's envelope.
     """
     axle_speed = case.motion.speed / case.vehicle.data.wheel.radius
     if brakes and case.brake is not None:

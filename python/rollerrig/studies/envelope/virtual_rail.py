@@ -2,7 +2,7 @@
 
 case of a point, patch of a wheel -> [virtual rail] -> peak of the creep curve
 
-Adhesion falls with slip, (A1), while creep needs slip to build up, (A8): the peak lies below the adhesion at no slip.
+Adhesion falls with slip, (A1), while creep needs slip to build up, (A4): the peak lies below the adhesion at no slip.
 """
 
 from __future__ import annotations
@@ -79,7 +79,7 @@ def creep_peak(case: Case, patch: Patch, adhesion: float) -> tuple[float, float]
     if contact.creep == "polach":
         reduction = PolachReduction(k_A=rail.k_A, k_S=rail.k_S)
         law, left = creep_law("polach", polach=reduction), 1.0
-    else:  # as stiff as a creepage smaller by (A8)
+    else:  # as stiff as a creepage smaller by (A4)
         law, left = creep_law_of(contact), 0.5 * (rail.k_A + rail.k_S)
     shear, poisson = contact.material.shear_modulus, contact.material.poisson_ratio
 
