@@ -21,7 +21,7 @@ from rich.table import Table
 
 import rollerrig as rr
 from rollerrig import _core
-from rollerrig.config.contact_law import CREEP_LAWS, PolachReduction
+from rollerrig.config.schema.contact_law import CREEP_LAWS, PolachReduction
 from rollerrig.creep import creep_law
 
 BUDGET = {"kalker_saturated": 0.1, "table": 0.5, "fastsim": 3.0, "modified_fastsim": 3.0}

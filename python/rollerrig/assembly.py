@@ -11,9 +11,9 @@ from dataclasses import dataclass, field
 
 from rollerrig import _core
 from rollerrig.config import AngularSupport, Case, Foundation, LinearSupport, Mounting, Rig, Track, Vehicle
-from rollerrig.config.check_track import distance_run, foremost_wheelset
-from rollerrig.config.irregularity import rails_of_run
-from rollerrig.config.vehicle import DIRECTIONS, AngularLaw, Body, Element, LinearLaw
+from rollerrig.config.schema.irregularity import rails_of_run
+from rollerrig.config.schema.vehicle import DIRECTIONS, AngularLaw, Body, Element, LinearLaw
+from rollerrig.config.validate.check_track import distance_run, foremost_wheelset
 from rollerrig.creep import creep_law_of, friction_of
 from rollerrig.irregularity import RAILS, RailIrregularity
 from rollerrig.profiles import ProfileTable, gauge_point, profile_from_spec

@@ -11,7 +11,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from rollerrig.config import Body, Case, Rig, Track, load_case, load_support
-from rollerrig.config.change import plain
+from rollerrig.config.write.toml import plain
 
 ACTUATORS = ("adhesion", "brake", "traction", "slide_protection", "wheel_slip_control", "rig_control")
 """Tables of a case beside vehicle, support and contact: what acts on the vehicle, and degraded adhesion."""

@@ -22,7 +22,7 @@ import numpy as np
 import numpy.typing as npt
 
 from rollerrig import _core
-from rollerrig.config.contact_law import CREEP_LAWS, FrictionFall, PolachReduction, StiffnessReduction
+from rollerrig.config.schema.contact_law import CREEP_LAWS, FrictionFall, PolachReduction, StiffnessReduction
 
 TABLE_FORMAT = 1
 """Version of the layout; a file of another one is refused."""

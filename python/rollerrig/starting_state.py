@@ -15,7 +15,7 @@ from scipy.optimize import brentq
 from rollerrig import _core
 from rollerrig.assembly import AssembledModel
 from rollerrig.config import ConfigError, ConfigProblem
-from rollerrig.config.vehicle import DIRECTIONS
+from rollerrig.config.schema.vehicle import DIRECTIONS
 from rollerrig.results import Outcome, run_dataset
 
 Vector = NDArray[np.float64]

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import ast
 import re
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 import pytest
@@ -54,6 +55,34 @@ def test_includes_point_left(header: Path) -> None:
         assert core_layer(target) <= core_layer(own), f"rollerrig/{own} may not include rollerrig/{target}"
         forbidden = CORE_MAY_NOT_SEE.get(own.split("/")[0], set())
         assert target.split("/")[0] not in forbidden, f"rollerrig/{own} may not include rollerrig/{target}"
+
+
+def circle(graph: Mapping[str, Iterable[str]]) -> list[str]:
+    """A closed chain of dependencies, its first member repeated at the end; empty if there is none."""
+    done: set[str] = set()
+
+    def visit(node: str, path: list[str]) -> list[str]:
+        if node in path:
+            return [*path[path.index(node) :], node]
+        if node in done:
+            return []
+        done.add(node)
+        return next((found for other in graph.get(node, ()) if (found := visit(other, [*path, node]))), [])
+
+    return next((found for node in graph if (found := visit(node, []))), [])
+
+
+def test_a_circle_is_found() -> None:
+    assert circle({"a": ["b"], "b": ["c", "d"], "d": ["b"], "c": []}) == ["b", "d", "b"]
+    assert circle({"a": ["b", "c"], "b": ["c"], "c": []}) == []
+
+
+def test_no_circle_of_includes() -> None:
+    headers = {
+        path.relative_to(CORE).as_posix(): re.findall(r'#include "rollerrig/([^"]+)"', path.read_text())
+        for path in sorted(CORE.rglob("*.hpp"))
+    }
+    assert circle(headers) == []
 
 
 @pytest.mark.parametrize("source", sorted((ROOT / "core").rglob("*.[hc]pp")), ids=lambda p: str(p.relative_to(ROOT)))
@@ -106,30 +135,52 @@ def python_layer(name: str) -> int:
     pytest.fail(f"rollerrig.{name} has no place on the arrow: add it to PYTHON_LAYERS")
 
 
-def imported_parts(source: Path) -> set[str]:
-    """First name below `rollerrig` of everything a file imports, also inside functions."""
+CONFIG_LAYERS = ["errors", "schema", "read", "validate", "write", "load", "__init__"]
+"""The same inside `config`."""
+
+
+def module_name(source: Path) -> str:
+    parts = source.relative_to(PACKAGE).with_suffix("").parts
+    return ".".join(("rollerrig", *(parts[:-1] if parts[-1] == "__init__" else parts)))
+
+
+SOURCES = {module_name(path): path for path in sorted(PACKAGE.rglob("*.py"))}
+
+
+def imported_modules(source: Path) -> set[str]:
+    """Modules of the package that a file imports, also inside functions and for type checks only."""
     package = ("rollerrig", *source.relative_to(PACKAGE).parts[:-1])
     found: set[str] = set()
     for node in ast.walk(ast.parse(source.read_text(), str(source))):
         if isinstance(node, ast.Import):
-            modules = [alias.name for alias in node.names]
+            found |= {alias.name for alias in node.names}
         elif isinstance(node, ast.ImportFrom):
             base = ".".join(package[: len(package) - node.level + 1]) if node.level else ""
             module = ".".join(part for part in (base, node.module or "") if part)
-            modules = [f"{module}.{alias.name}" for alias in node.names] if module == "rollerrig" else [module]
-        else:
-            continue
-        found |= {m.split(".")[1] for m in modules if m.startswith("rollerrig.")}
-    return {
-        name for name in found if (PACKAGE / name).is_dir() or (PACKAGE / f"{name}.py").is_file() or name == "_core"
-    }
+            inner = {f"{module}.{alias.name}" for alias in node.names}
+            found |= {name if name in SOURCES or name == "rollerrig._core" else module for name in inner}
+    return {name for name in found if name.startswith("rollerrig.")} - {module_name(source)}
 
 
-@pytest.mark.parametrize("source", sorted(PACKAGE.rglob("*.py")), ids=lambda p: str(p.relative_to(PACKAGE)))
+@pytest.mark.parametrize("source", SOURCES.values(), ids=SOURCES)
 def test_imports_point_left(source: Path) -> None:
     own = source.relative_to(PACKAGE).parts[0].removesuffix(".py")
     if own in {"__init__", "__main__"}:
         return
-    for target in imported_parts(source):
+    for target in {module.split(".")[1] for module in imported_modules(source)}:
         assert python_layer(target) <= python_layer(own), f"{own} may not import rollerrig.{target}"
         assert target not in PYTHON_MAY_NOT_SEE.get(own, set()), f"{own} may not import rollerrig.{target}"
+
+
+@pytest.mark.parametrize("source", sorted((PACKAGE / "config").rglob("*.py")), ids=module_name)
+def test_configuration_flows_in_a_line(source: Path) -> None:
+    own = CONFIG_LAYERS.index(source.relative_to(PACKAGE / "config").parts[0].removesuffix(".py"))
+    for target in imported_modules(source):
+        if target.startswith("rollerrig.config."):
+            part = target.split(".")[2]
+            assert CONFIG_LAYERS.index(part) <= own, f"{module_name(source)} may not import {target}"
+
+
+def test_no_circle_of_imports() -> None:
+    """Of modules, not only of folders; `rollerrig` itself loads names when they are used."""
+    assert circle({name: imported_modules(path) for name, path in SOURCES.items() if name != "rollerrig"}) == []

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from rollerrig import _core
-from rollerrig.config.contact_law import PolachReduction
+from rollerrig.config.schema.contact_law import PolachReduction
 from rollerrig.creep import creep_law
 from validation.reference import mm, needs_reference, rows
 

@@ -19,8 +19,8 @@ from rollerrig import _core
 from rollerrig.analysis.creep_laws import ASPECTS, creepage_units, seconds_per_call
 from rollerrig.assembly import assemble
 from rollerrig.config import Case
-from rollerrig.config.contact_law import CREEP_LAWS
-from rollerrig.config.vehicle import DIRECTIONS
+from rollerrig.config.schema.contact_law import CREEP_LAWS
+from rollerrig.config.schema.vehicle import DIRECTIONS
 from rollerrig.contact_comparison import NORMAL_CONTACTS
 from rollerrig.contact_table import contact_table, leading_wheelset
 from rollerrig.creep import creep_law_of

@@ -28,7 +28,7 @@ from rollerrig.config import (
     Traction,
     WheelSlipControl,
 )
-from rollerrig.config.actuators import BenchSettings
+from rollerrig.config.schema.actuators import BenchSettings
 
 NOT_THERE = -1
 _ABSENT = {"every": 0, "delay": 0, "external": False}

@@ -71,7 +71,7 @@ def command(
 
 def _length(text: str, option: str) -> float:
     """A length with its unit, in metres."""
-    from rollerrig.config.units import Quantity
+    from rollerrig.config.schema.units import Quantity
 
     try:
         return Quantity("m", gt=0).parse(text)

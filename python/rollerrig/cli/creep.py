@@ -30,7 +30,7 @@ def command(
     """Forces and spin moment of creep laws beside the exact theory, with their errors and cost."""
     from pydantic import ValidationError
 
-    from rollerrig.config.contact_law import PolachReduction
+    from rollerrig.config.schema.contact_law import PolachReduction
     from rollerrig.study.creep import CreepStudy
 
     for value, option in ((a_over_b, "--a-over-b"), (poisson_ratio, "--poisson-ratio")):

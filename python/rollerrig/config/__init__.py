@@ -1,11 +1,22 @@
 """Configuration: TOML in, frozen and checked objects in SI out.
 
-    TOML files, catalogue names -> [config] -> Case -> model
+    TOML files, catalogue names -> [schema -> read -> validate -> write -> load] -> Case -> assembly
 
-Every mistake of a file is reported at once, one line each (`ConfigError`).
+Every mistake of a file is reported at once, one line each (`ConfigError`). Each folder uses only those before it.
 """
 
-from rollerrig.config.actuators import (
+from rollerrig.config.errors import ConfigError, ConfigProblem
+from rollerrig.config.load.case import (
+    Case,
+    case_from_toml,
+    load_any,
+    load_case,
+    load_material,
+    load_profile,
+    load_support,
+    load_vehicle,
+)
+from rollerrig.config.schema.actuators import (
     BenchSettings,
     Brake,
     Controller,
@@ -17,10 +28,9 @@ from rollerrig.config.actuators import (
     Traction,
     WheelSlipControl,
 )
-from rollerrig.config.adhesion import CONDITIONS, Adhesion, Condition, Piece
-from rollerrig.config.case import (
+from rollerrig.config.schema.adhesion import CONDITIONS, Adhesion, Condition, Piece
+from rollerrig.config.schema.case import (
     AxleTorque,
-    Case,
     Contact,
     Disturbance,
     Motion,
@@ -29,27 +39,16 @@ from rollerrig.config.case import (
     TimeSettings,
     VehicleChoice,
 )
-from rollerrig.config.errors import ConfigError, ConfigProblem
-from rollerrig.config.irregularity import MeasuredIrregularity, SpectrumIrregularity
-from rollerrig.config.load import (
-    case_from_toml,
-    load_any,
-    load_case,
-    load_material,
-    load_profile,
-    load_support,
-    load_vehicle,
-)
-from rollerrig.config.material import Material
-from rollerrig.config.mounting import AngularSupport, Foundation, LinearSupport, Mounting
-from rollerrig.config.profile import S1002, Arc, Cone, Cylinder, ProfileFile, ProfileSpec, Uic60
-from rollerrig.config.reference import json_schema, reference_markdown
-from rollerrig.config.rig_control import RigControl
-from rollerrig.config.similitude import ScaledFrom
-from rollerrig.config.support import Rig
-from rollerrig.config.track import Curve, Straight, Track, Transition
-from rollerrig.config.train import Train
-from rollerrig.config.vehicle import (
+from rollerrig.config.schema.irregularity import MeasuredIrregularity, SpectrumIrregularity
+from rollerrig.config.schema.material import Material
+from rollerrig.config.schema.mounting import AngularSupport, Foundation, LinearSupport, Mounting
+from rollerrig.config.schema.profile import S1002, Arc, Cone, Cylinder, ProfileFile, ProfileSpec, Uic60
+from rollerrig.config.schema.rig_control import RigControl
+from rollerrig.config.schema.similitude import ScaledFrom
+from rollerrig.config.schema.support import Rig
+from rollerrig.config.schema.track import Curve, Straight, Track, Transition
+from rollerrig.config.schema.train import Train
+from rollerrig.config.schema.vehicle import (
     AngularLaw,
     AngularSeriesDamper,
     Body,
@@ -60,6 +59,7 @@ from rollerrig.config.vehicle import (
     Vehicle,
     Wheel,
 )
+from rollerrig.config.write.reference import json_schema, reference_markdown
 
 __all__ = [
     "CONDITIONS",

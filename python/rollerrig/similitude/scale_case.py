@@ -15,16 +15,16 @@ from typing import Annotated, Any, TypeVar, Union, get_args, get_origin
 from pydantic import BaseModel
 
 from rollerrig.config import Case, ConfigError, ConfigProblem, Rig, case_from_toml
-from rollerrig.config.actuators import BenchSettings, Controller, Motor
-from rollerrig.config.adhesion import Adhesion
-from rollerrig.config.base import quantity_of
-from rollerrig.config.case import SupportChoice, TimeSettings, VehicleChoice
-from rollerrig.config.contact_law import FrictionFall
 from rollerrig.config.errors import nearest, one_of, show_value
-from rollerrig.config.irregularity import Deviation
-from rollerrig.config.material import Material
-from rollerrig.config.profile import ProfileSpec
-from rollerrig.config.similitude import KEPT, ScaledFrom
+from rollerrig.config.schema.actuators import BenchSettings, Controller, Motor
+from rollerrig.config.schema.adhesion import Adhesion
+from rollerrig.config.schema.base import quantity_of
+from rollerrig.config.schema.case import SupportChoice, TimeSettings, VehicleChoice
+from rollerrig.config.schema.contact_law import FrictionFall
+from rollerrig.config.schema.irregularity import Deviation
+from rollerrig.config.schema.material import Material
+from rollerrig.config.schema.profile import ProfileSpec
+from rollerrig.config.schema.similitude import KEPT, ScaledFrom
 from rollerrig.similitude.factors import Similitude
 from rollerrig.similitude.units import exponents
 

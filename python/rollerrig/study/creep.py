@@ -12,7 +12,7 @@ from typing import Any
 import xarray as xr
 
 from rollerrig.analysis.creep_laws import COMPONENTS, DEMANDS, REFERENCE, compare_laws, error_table
-from rollerrig.config.contact_law import PolachReduction, StiffnessReduction
+from rollerrig.config.schema.contact_law import PolachReduction, StiffnessReduction
 from rollerrig.creep import creep_law
 from rollerrig.plot.creep import creep_figure
 from rollerrig.study.frame import Study

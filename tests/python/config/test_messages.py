@@ -246,3 +246,22 @@ def test_a_damper_may_not_feed_energy(mistakes_of: MistakesOf) -> None:
     )[0]
     assert mistake.key == "element.secondary_spring_front_left.x.damping_table"
     assert mistake.allowed.endswith("[1, -5] would feed energy")
+
+
+@pytest.mark.parametrize(
+    ("new", "meant"),
+    [
+        ("[contact]\nmerge_barrier = 0.01", "merging_criterion"),
+        ("[contact]\nstandstill_speed = 0.1", "creepage_regularisation_speed"),
+        ("[anti_slip]\n[contact]", "wheel_slip_control"),
+        ("[bench]\nideal_rolling = true\n[contact]", "pure_rolling"),
+        ("[adhesion]\nrail = {start = 0.1}\n[contact]", "mu_0"),
+    ],
+)
+def test_a_former_key_leads_to_the_present_one(mistakes_of: MistakesOf, new: str, meant: str) -> None:
+    assert meant in [problem.hint for problem in mistakes_of("[contact]", new)]
+
+
+def test_a_former_word_leads_to_the_present_one(mistakes_of: MistakesOf) -> None:
+    (problem,) = mistakes_of('drive = "speed_controlled"', 'drive = "held"')
+    assert problem.hint == "speed_controlled"

@@ -10,7 +10,7 @@ from pydantic import BaseModel
 
 from rollerrig.catalog import KINDS
 from rollerrig.config import Case, Material, Rig, Track, Vehicle, json_schema, reference_markdown
-from rollerrig.config.base import Table
+from rollerrig.config.schema.base import Table
 from rollerrig.profiles import SHAPES
 
 

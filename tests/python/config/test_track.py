@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from rollerrig.config import Case, ConfigError, Track, load_case, load_support
-from rollerrig.config.check_track import distance_run, speeds_on
+from rollerrig.config.validate.check_track import distance_run, speeds_on
 
 TRACK = """
 name = "line"

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rollerrig.config.units import KEY_SUFFIXES, Quantity
+from rollerrig.config.schema.units import KEY_SUFFIXES, Quantity
 
 
 @pytest.mark.parametrize(

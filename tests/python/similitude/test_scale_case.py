@@ -14,8 +14,8 @@ from pydantic import BaseModel
 import rollerrig as rr
 from rollerrig.analysis import linear_critical_speed
 from rollerrig.config import ConfigError, case_from_toml
-from rollerrig.config.adhesion import Adhesion
-from rollerrig.config.base import Table
+from rollerrig.config.schema.adhesion import Adhesion
+from rollerrig.config.schema.base import Table
 from rollerrig.similitude import STRATEGIES, factors_of, full_scale_case, map_back, scale_case, similitude
 from rollerrig.similitude.scale_case import SPECIAL, NoUnitError, units_of
 

@@ -13,7 +13,7 @@ import pytest
 
 from rollerrig import ConfigError, load_case
 from rollerrig.config import Case
-from rollerrig.config.rig_control import Estimator, Feedback
+from rollerrig.config.schema.rig_control import Estimator, Feedback
 from rollerrig.studies.control import (
     FAMILIES,
     Study,

@@ -12,7 +12,7 @@ from typer.testing import CliRunner
 
 import rollerrig as rr
 from rollerrig.cli.app import build_app
-from rollerrig.config.write import to_short_toml
+from rollerrig.config.write.toml import to_short_toml
 from rollerrig.similitude import scale_case, similitude
 from rollerrig.studies.scaled import compare_scaled, numbers, plan_scaled, verdict, write_scaled
 from rollerrig.studies.scaled.compute import KEYS, axle_torque

@@ -11,11 +11,11 @@ from typing import Any
 
 from rollerrig.cases import CATALOG_RIG, CATALOG_TRACK, restrained_along_track, with_head_of
 from rollerrig.config import Case, ConfigError, ConfigProblem, Rig, Track, Vehicle, load_any, load_support
-from rollerrig.config.change import plain
 from rollerrig.config.errors import nearest
-from rollerrig.config.library import catalog_names
-from rollerrig.config.load import build_case
-from rollerrig.config.read import Document
+from rollerrig.config.load.case import build_case
+from rollerrig.config.read.document import Document
+from rollerrig.config.read.library import catalog_names
+from rollerrig.config.write.toml import plain
 
 SHORTHANDS = {"rig": CATALOG_RIG, "track": CATALOG_TRACK}
 """What `--on rig,track` means where VEHICLE is no case with a support of that kind."""

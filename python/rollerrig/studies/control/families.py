@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import Literal, get_args
 
 from rollerrig.config import Case
-from rollerrig.config.rig_control import Estimator, Feedback
+from rollerrig.config.schema.rig_control import Estimator, Feedback
 from rollerrig.studies.control.loop import Wheel, default_gains, wheel_of
 
 Changes = Mapping[str, object]

@@ -24,8 +24,8 @@ from rollerrig.analysis.linearise import DIRECTIONS
 from rollerrig.assembly import assemble
 from rollerrig.cases import leading_wheelset, without_actuators
 from rollerrig.config import Case, Rig
-from rollerrig.config.actuators import Motor
-from rollerrig.config.rig_control import RigControl
+from rollerrig.config.schema.actuators import Motor
+from rollerrig.config.schema.rig_control import RigControl
 from rollerrig.starting_state import starting_state
 
 Array = NDArray[np.float64]

@@ -16,7 +16,7 @@ from rollerrig import _core
 from rollerrig.assembly import AssembledModel
 from rollerrig.bench.virtual_train import rail_contact
 from rollerrig.config import Case, Condition
-from rollerrig.config.contact_law import PolachReduction
+from rollerrig.config.schema.contact_law import PolachReduction
 from rollerrig.creep import creep_law, creep_law_of
 
 Array = NDArray[np.float64]

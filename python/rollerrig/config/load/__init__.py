@@ -1,0 +1,1 @@
+"""A case from its file: references resolved, values changed, everything checked."""

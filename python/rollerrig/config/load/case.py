@@ -1,0 +1,299 @@
+"""Read cases, and the vehicles, supports and materials they refer to.
+
+    TOML -> references resolved -> fields validated -> checks across fields -> frozen objects in SI
+
+All mistakes of a case and of the files it names are collected before ConfigError is raised.
+"""
+
+from collections.abc import Callable, Mapping
+from copy import deepcopy
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, Literal, TypeVar, get_args
+
+from rollerrig.config.errors import ConfigError, ConfigProblem
+from rollerrig.config.load.change import apply_changes
+from rollerrig.config.load.resolve import (
+    refer,
+    relative_to,
+    resolve_material,
+    resolve_profile,
+    resolve_support,
+    resolve_vehicle,
+)
+from rollerrig.config.read.document import Document, parse_document, read_document
+from rollerrig.config.read.library import CatalogKind, catalog_names
+from rollerrig.config.schema.case import CaseTables, SupportChoice, VehicleChoice
+from rollerrig.config.schema.material import Material
+from rollerrig.config.schema.profile import ProfileRoot, ProfileSpec
+from rollerrig.config.schema.support import Rig
+from rollerrig.config.schema.track import Track
+from rollerrig.config.schema.vehicle import Vehicle
+from rollerrig.config.validate.check_case import check_case, check_case_names
+from rollerrig.config.validate.check_profile import check_profile
+from rollerrig.config.validate.messages import validate
+from rollerrig.config.write.toml import plain, to_short_toml, to_toml
+
+T = TypeVar("T")
+Problems = list[ConfigProblem]
+
+
+class Case(CaseTables):
+    """Everything one simulation needs; read by `load_case`, in SI, never changed: `with_changes` makes another."""
+
+    def with_changes(self, changes: Mapping[str, object]) -> "Case":
+        """A copy with some values replaced, checked like a file.
+
+        Args:
+            changes: dotted key -> value as a file would give it, e.g. `{"motion.speed": "120 km/h",
+                "support.roller_radius": 10, "vehicle.body.car_body.mass": "30 t"}`. Items of a list are addressed
+                by name or index; `vehicle.data.` and `support.data.` may be shortened to `vehicle.` and `support.`.
+
+        Raises:
+            ConfigError: a key does not exist or a value is not allowed.
+        """
+        raw = plain(self)
+        file = f"{self.name} (changed)"
+        own_keys = {"vehicle": VehicleChoice.model_fields.keys(), "support": SupportChoice.model_fields.keys()}
+        full: dict[str, object] = {}
+        for key, value in changes.items():
+            head, _, rest = str(key).partition(".")
+            is_short = head in own_keys and rest and rest.split(".")[0] not in own_keys[head]
+            full[f"{head}.data.{rest}" if is_short else str(key)] = value
+        problems = apply_changes(raw, full, file)
+        try:
+            changed = build_case(Document(raw, file, Path()))
+        except ConfigError as error:
+            problems += error.problems
+        if problems:
+            raise ConfigError(problems)
+        return changed
+
+    def to_toml(self) -> str:
+        """The whole case, nothing referred to by name, as TOML text that `load_case` reads again."""
+        return to_toml(self)
+
+    def to_short_toml(self) -> str:
+        """The same without what has its default value: a file to read and edit."""
+        return to_short_toml(self)
+
+
+def load_case(source: str | Path) -> Case:
+    """Read a case, with the vehicle, support, material and profiles it names.
+
+    Args:
+        source: name in the catalogue, or path of a TOML file.
+
+    Raises:
+        ConfigError: all mistakes found.
+    """
+    kinds: tuple[CatalogKind, ...] = get_args(CatalogKind)
+    named = [kind for kind in kinds if str(source) in catalog_names(kind)]
+    if named and "case" not in named:
+        raise ConfigError([_not_a_case(source, named[0])])
+    document = read_document("case", source)
+    if (kind := _kind_of(document.raw)) != "case":
+        raise ConfigError([_not_a_case(source, kind)])
+    return build_case(document)
+
+
+def _not_a_case(source: str | Path, kind: CatalogKind) -> ConfigProblem:
+    needed = f"needed: a case that uses it, e.g. a copy of `rollerrig catalog show bogie_track` with this {kind} in it"
+    return ConfigProblem(str(source), "", f"a {kind}, not a case", needed)
+
+
+def case_from_toml(text: str, file: str = "case", folder: Path | None = None) -> Case:
+    """The case in a TOML text, e.g. the one stored in a result file.
+
+    Args:
+        text: the TOML.
+        file: what messages call it.
+        folder: where relative paths in it start; the current folder by default.
+
+    Raises:
+        ConfigError: all mistakes found.
+    """
+    return build_case(parse_document(text, file, folder))
+
+
+def load_vehicle(source: str | Path) -> Vehicle:
+    """Read a vehicle by catalogue name or path; raises ConfigError with all mistakes."""
+    return _whole(*resolve_vehicle(read_document("vehicle", source)))
+
+
+def load_support(source: str | Path) -> Rig | Track:
+    """Read a rig or track by catalogue name or path; raises ConfigError with all mistakes."""
+    return _whole_support(read_document("support", source))
+
+
+def load_material(source: str | Path) -> Material:
+    """Read a material by catalogue name or path; raises ConfigError with all mistakes."""
+    return _whole(*resolve_material(read_document("material", source)))
+
+
+def load_profile(source: str | Path, kind: Literal["wheel", "rail"] | None = None) -> ProfileSpec:
+    """Read a profile specification by catalogue name or path; raises ConfigError with all mistakes.
+
+    Args:
+        source: name in the catalogue, TOML file, or file of points.
+        kind: what it is for; if given, the curve is built once to see that it can be used so.
+    """
+    file = str(source)
+    raw, problems = resolve_profile(file, Document({}, file, Path()), "")
+    root = _whole(*validate(ProfileRoot, _whole(raw, problems), file))
+    mistakes = check_profile(root.root, kind, file, "")[1] if kind else []
+    return _whole(root.root, mistakes)
+
+
+def load_any(source: str | Path) -> tuple[CatalogKind, Case | Vehicle | Rig | Track | Material | ProfileSpec]:
+    """Read a catalogue entry or file of any kind and say which it is, judged by its keys.
+
+    Raises:
+        ConfigError: all mistakes found.
+    """
+    kinds: tuple[CatalogKind, ...] = get_args(CatalogKind)
+    named = next((kind for kind in kinds if str(source) in catalog_names(kind)), None)
+    document = read_document(named or "case", source)
+    kind = named or _kind_of(document.raw)
+    match kind:
+        case "vehicle":
+            return kind, _whole(*resolve_vehicle(document))
+        case "support":
+            return kind, _whole_support(document)
+        case "material":
+            return kind, _whole(*resolve_material(document))
+        case "profile":
+            return kind, load_profile(source)
+    return kind, build_case(document)
+
+
+def _kind_of(raw: Mapping[str, Any]) -> CatalogKind:
+    """What a document is meant to be; a case if nothing tells."""
+    if raw.keys() & {"vehicle", "motion", "time"}:
+        return "case"
+    if raw.keys() & {"body", "wheel", "element"}:
+        return "vehicle"
+    if raw.keys() & {"poisson_ratio", "young_modulus", "shear_modulus"}:
+        return "material"
+    if raw.get("kind") in ("rig", "track") or raw.keys() & {"gauge", "roller_radius"}:
+        return "support"
+    return "profile" if "kind" in raw else "case"
+
+
+def build_case(document: Document) -> Case:
+    """Resolve, validate and check a case.
+
+    Raises:
+        ConfigError: all mistakes found.
+    """
+    raw: dict[str, Any] = deepcopy(document.raw)
+    file = document.file
+    vehicle, problems = _part(raw, "vehicle", resolve_vehicle, document)
+    support, mistakes = _part(raw, "support", resolve_support, document)
+    problems += mistakes
+    problems += _material(raw, document)
+    _place_controllers(raw, document.folder)
+    case, mistakes = validate(Case, raw, file)
+    unresolved = {f"{key}.data" for key, part in (("vehicle", vehicle), ("support", support)) if part is None}
+    known = {problem.key for problem in problems if problem.file == file}
+    problems += [m for m in mistakes if m.key not in known and not (m.key in unresolved and problems)]
+    if vehicle is not None:
+        problems += check_case_names(raw, vehicle, file)
+    if case is not None and not problems:
+        problems += check_case(case, file)
+    return _whole(case, problems)
+
+
+def _place_controllers(raw: dict[str, Any], folder: Path) -> None:
+    """A controller's file stands relative to the file that names it."""
+    for table in raw.values():
+        user = table.get("user") if isinstance(table, dict) else None
+        if isinstance(user, str) and ".py:" in user and "\0" not in user:
+            file, _, name = user.rpartition(":")
+            table["user"] = f"{(folder / file).absolute()}:{name}"
+
+
+def _part(
+    raw: dict[str, Any],
+    key: Literal["vehicle", "support"],
+    resolve: Callable[[Document], tuple[T | None, Problems]],
+    document: Document,
+) -> tuple[T | None, Problems]:
+    """Resolve ``[vehicle]`` or ``[support]`` of a case and put the result in its ``data``."""
+    choice = raw.get(key)
+    if not isinstance(choice, dict):
+        return None, []
+    own, problems, prefix = _own_document(choice, key, document)
+    if own is None:
+        return None, problems
+    changes, labels = _overrides(choice, key)
+    changes = {name: relative_to(document.folder, name, value) for name, value in changes.items()}
+    tables = plain(deepcopy(own.raw))
+    problems += apply_changes(tables, changes, document.file, f"{key}.changes")
+    part, mistakes = resolve(replace(own, raw=tables))
+    for mistake in mistakes:
+        if mistake.key in changes:  # the value stands in the case, not in the part's own file
+            problems.append(replace(mistake, file=document.file, key=labels[mistake.key]))
+        else:
+            problems.append(mistake.within(prefix) if mistake.file == document.file else mistake)
+    if part is None or problems:
+        choice.pop("data", None)
+        return None, problems
+    choice["data"] = part
+    return part, []
+
+
+def _own_document(
+    choice: dict[str, Any], key: CatalogKind, document: Document
+) -> tuple[Document | None, Problems, str]:
+    """The tables of a part, the problems met, and the key under which they stand in the case's own file."""
+    data, use = choice.get("data"), choice.get("use")
+    if isinstance(data, dict):
+        return replace(document, raw=data), [], f"{key}.data"
+    if data is not None:  # validation will say that it is not a table
+        return None, [], ""
+    if isinstance(use, str):
+        found, problems = refer(key, use, document, f"{key}.use")
+        return found, problems, ""
+    if use is not None:
+        return None, [], ""
+    allowed = f"needed: a {key} of the catalogue or a file; one of {', '.join(catalog_names(key))}"
+    return None, [ConfigProblem(document.file, f"{key}.use", "missing", allowed)], ""
+
+
+def _overrides(choice: dict[str, Any], key: str) -> tuple[dict[str, Any], dict[str, str]]:
+    """Take the values out of ``choice`` that replace those of the part, and where each is written."""
+    changes: dict[str, Any] = {}
+    labels: dict[str, str] = {}
+    if isinstance(choice.get("changes"), dict):
+        changes = choice.pop("changes")
+        labels = {name: f'{key}.changes."{name}"' for name in changes}
+    if key == "support":
+        for name in [name for name in choice if name.startswith("roller_radius")]:
+            changes[name], labels[name] = choice.pop(name), f"{key}.{name}"
+    return changes, labels
+
+
+def _material(raw: dict[str, Any], document: Document) -> Problems:
+    """Resolve ``contact.material`` of a case in place."""
+    contact = raw.get("contact")
+    if not isinstance(contact, dict) or not isinstance(contact.get("material"), str):
+        return []
+    found, problems = refer("material", contact["material"], document, "contact.material")
+    material, mistakes = resolve_material(found) if found else (None, [])
+    if material is not None:
+        contact["material"] = material
+    return problems + mistakes
+
+
+def _whole_support(document: Document) -> Rig | Track:
+    support, problems = resolve_support(document)
+    if support is None:
+        raise ConfigError(problems)
+    return support
+
+
+def _whole(part: T | None, problems: Problems) -> T:
+    if problems or part is None:
+        raise ConfigError(problems)
+    return part

@@ -1,0 +1,93 @@
+"""Replace values in raw tables by dotted keys.
+
+raw tables + {"body.car_body.mass": "30 t"} -> [apply_changes] -> raw tables, not yet validated
+"""
+
+import re
+from collections.abc import Mapping
+from typing import Any
+
+from rollerrig.config.errors import ConfigProblem, nearest, one_of, show_value
+from rollerrig.config.schema.units import KEY_SUFFIXES
+from rollerrig.config.validate.messages import item_label
+from rollerrig.config.write.toml import plain
+
+# A new value of the first makes the second meaningless.
+_REPLACES = {
+    "use": ("data",),
+    "young_modulus": ("shear_modulus",),
+    "shear_modulus": ("young_modulus",),
+    "poisson_ratio": ("shear_modulus",),
+    "stiffness": ("table",),
+    "table": ("stiffness", "constant"),
+    "constant": ("table",),
+    "damping": ("damping_table",),
+    "damping_table": ("damping",),
+    "point": ("points",),
+    "points": ("point",),
+    "speed_table": ("speed",),
+}
+
+
+def apply_changes(raw: dict[str, Any], changes: Mapping[str, object], file: str, at: str = "") -> list[ConfigProblem]:
+    """Write each value to its key in ``raw``; None removes the key.
+
+    Args:
+        raw: tables, changed in place.
+        changes: dotted key -> value; items of a list are addressed by name or index.
+        file: what the problems name.
+        at: the key under which ``changes`` themselves stand, for the problems.
+
+    Returns:
+        Keys that lead nowhere. Whether the values are allowed is found by validation.
+    """
+    problems = []
+    for key, value in changes.items():
+        problem = _write(raw, key, plain(value), set(changes), file)
+        if problem:
+            problems.append(problem.within(at))
+    return problems
+
+
+def _write(raw: dict[str, Any], key: str, value: object, keys: set[str], file: str) -> ConfigProblem | None:
+    *path, last = re.sub(r"\[(\d+)\]", r".\1", key).split(".")
+    holder: Any = raw
+    for part in path:
+        if isinstance(holder, dict):
+            holder = holder.setdefault(part, {})
+        elif isinstance(holder, list):
+            index = _index(holder, part)
+            if index is None:
+                return _no_such_item(holder, part, key, file)
+            holder = holder[index]
+        else:
+            return ConfigProblem(file, key, show_value(value), f"allowed: keys that exist; '{part}' is inside a value")
+    if isinstance(holder, list):
+        index = _index(holder, last)
+        if index is None:
+            return _no_such_item(holder, last, key, file)
+        holder[index] = value
+        return None
+    if not isinstance(holder, dict):
+        return ConfigProblem(file, key, show_value(value), f"allowed: keys that exist; '{last}' is inside a value")
+    holder.pop(last, None)
+    if value is not None:
+        holder[last] = value
+        base, _, suffix = last.rpartition("_")
+        spellings = (base,) if suffix in KEY_SUFFIXES else tuple(f"{last}_{suffix}" for suffix in KEY_SUFFIXES)
+        for sibling in (*_REPLACES.get(last, ()), *spellings):
+            if key.removesuffix(last) + sibling not in keys:
+                holder.pop(sibling, None)
+    return None
+
+
+def _index(items: list[Any], part: str) -> int | None:
+    if part.isdecimal() and len(part) < 10:
+        return int(part) if int(part) < len(items) else None
+    labels = [item_label(items, index) for index in range(len(items))]
+    return labels.index(part) if part in labels else None
+
+
+def _no_such_item(items: list[Any], part: str, key: str, file: str) -> ConfigProblem:
+    labels = [item_label(items, index) for index in range(len(items))]
+    return ConfigProblem(file, key, f"no item '{part}'", one_of(labels), nearest(part, labels))

@@ -1,0 +1,1 @@
+"""Where the files are, and TOML text as raw tables."""

@@ -1,0 +1,79 @@
+"""Find and read a TOML document: a file, or an entry of the catalogue.
+
+name or path -> [read_document] -> raw tables + the file's label and folder, or ConfigError
+"""
+
+import tomllib
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from rollerrig.config.errors import ConfigError, ConfigProblem, nearest, show_value
+from rollerrig.config.read.library import CatalogKind, catalog_file, catalog_names
+
+
+@dataclass(frozen=True)
+class Document:
+    """Raw tables and where they came from.
+
+    Attributes:
+        raw: the tables as TOML gives them.
+        file: the file as messages name it.
+        folder: relative paths in the document start here.
+    """
+
+    raw: dict[str, Any]
+    file: str
+    folder: Path
+
+
+def read_document(kind: CatalogKind, name: str | Path, folder: Path | None = None) -> Document:
+    """Read the catalogue entry or file ``name``.
+
+    A text without a slash and without the ending .toml is first looked up in the catalogue.
+
+    Args:
+        kind: which part of the catalogue is meant.
+        name: catalogue name or path.
+        folder: where a relative path starts; the current folder by default.
+
+    Raises:
+        ConfigError: there is no such file or entry, or it is not TOML.
+    """
+    text = str(name)
+    is_name = isinstance(name, str) and "/" not in text and "\\" not in text and not text.endswith(".toml")
+    if is_name and text in catalog_names(kind):
+        path, label = catalog_file(kind, text), f"{text} (catalogue)"
+    else:
+        path, label = (folder or Path()) / text, text
+    return Document(_read_toml(path, label, kind), label, path.parent)
+
+
+def parse_document(text: str, file: str, folder: Path | None = None) -> Document:
+    """The document in ``text``.
+
+    Raises:
+        ConfigError: it is not TOML.
+    """
+    try:
+        return Document(tomllib.loads(text), file, folder or Path())
+    except tomllib.TOMLDecodeError as error:
+        raise ConfigError([ConfigProblem(file, "", "not TOML", str(error))]) from None
+    except (ValueError, RecursionError) as error:  # an integer of thousands of digits; brackets nested beyond reason
+        raise ConfigError([ConfigProblem(file, "", "not TOML that can be read", str(error))]) from None
+
+
+def _read_toml(path: Path, label: str, kind: CatalogKind) -> dict[str, Any]:
+    try:
+        text = path.read_bytes().decode("utf-8")
+    except (FileNotFoundError, NotADirectoryError):
+        names = catalog_names(kind)
+        allowed = f"allowed: a TOML file, or a {kind} of the catalogue: {', '.join(names)}"
+        hint = nearest(Path(label).name.removesuffix(".toml"), names)
+        raise ConfigError([ConfigProblem(label, "", "no such file", allowed, hint)]) from None
+    except UnicodeDecodeError as error:
+        raise ConfigError([ConfigProblem(label, "", f"byte {error.start} is not UTF-8", "allowed: a text")]) from None
+    except (OSError, ValueError) as error:  # ValueError: a null byte in the path
+        reason = error.strerror if isinstance(error, OSError) and error.strerror else show_value(str(error))
+        raise ConfigError([ConfigProblem(label, "", reason, "allowed: a TOML file that can be read")]) from None
+    return parse_document(text, label).raw

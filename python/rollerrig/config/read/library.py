@@ -1,0 +1,26 @@
+"""Where the data files that ship lie; `rollerrig.catalog` shows them to the user."""
+
+from functools import lru_cache
+from pathlib import Path
+from typing import Literal
+
+CatalogKind = Literal["vehicle", "support", "profile", "material", "case"]
+
+CATALOG_FOLDER = Path(__file__).parents[2] / "catalog"
+
+
+@lru_cache(maxsize=8)
+def catalog_names(kind: CatalogKind) -> tuple[str, ...]:
+    """Names of one kind, in alphabetical order."""
+    return tuple(sorted(path.stem for path in (CATALOG_FOLDER / f"{kind}s").glob("*.toml")))
+
+
+def catalog_file(kind: CatalogKind, name: str) -> Path:
+    """The file of an entry.
+
+    Raises:
+        KeyError: no such entry.
+    """
+    if name not in catalog_names(kind):
+        raise KeyError(f"no {kind} '{name}' in the catalogue; it has {', '.join(catalog_names(kind))}")
+    return CATALOG_FOLDER / f"{kind}s" / f"{name}.toml"

@@ -1,0 +1,85 @@
+"""The model all configuration tables derive from, and the tables of numbers inside them."""
+
+from typing import Annotated, Any, get_args
+
+from pydantic import AfterValidator, BaseModel, ConfigDict, JsonValue, model_validator
+from pydantic_core import PydanticCustomError
+
+from rollerrig.config.schema.units import (
+    KEY_SUFFIXES,
+    Angle,
+    AngularSpeed,
+    Force,
+    Length,
+    Quantity,
+    Speed,
+    Time,
+    Torque,
+)
+
+
+def quantity_of(annotation: object, metadata: object = ()) -> Quantity | None:
+    """The Quantity of a field that is one number or a list of such numbers; None if it has none."""
+    for item in metadata if isinstance(metadata, list | tuple) else ():
+        if isinstance(item, Quantity):
+            return item
+    for inner in (*getattr(annotation, "__metadata__", ()), *get_args(annotation)):
+        found = inner if isinstance(inner, Quantity) else quantity_of(inner)
+        if found:
+            return found
+    return None
+
+
+INSTEAD_OF = "x-instead-of"
+
+
+def instead_of(key: str) -> dict[str, JsonValue]:
+    """Mark of a field that a file may leave out where it gives ``key``; it has a value once the file is read."""
+    return {INSTEAD_OF: key}
+
+
+class Table(BaseModel):
+    """A TOML table: unknown keys are mistakes, and nothing changes once it is read."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, hide_input_in_errors=True)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _unit_in_key(cls, data: Any) -> Any:
+        """``speed_kmh = 100`` becomes ``speed = "100 km/h"``."""
+        if not isinstance(data, dict):
+            return data
+        translated = dict(data)
+        for key, value in data.items():
+            name, _, suffix = key.rpartition("_") if isinstance(key, str) else ("", "", "")
+            if key in cls.model_fields or name not in cls.model_fields or suffix not in KEY_SUFFIXES:
+                continue
+            field = cls.model_fields[name]
+            is_number = quantity_of(field.annotation, field.metadata) and not isinstance(value, list | tuple | dict)
+            if not is_number or name in data:  # left as an unknown key: the message lists what is allowed
+                continue
+            number = value if isinstance(value, int | float) and not isinstance(value, bool) else None
+            translated[name] = f"{number!r} {KEY_SUFFIXES[suffix]}" if number is not None else value
+            del translated[key]
+        return translated
+
+
+def in_order(rows: tuple[tuple[float, float], ...]) -> tuple[tuple[float, float], ...]:
+    """Rows of a function of their first column: at least two, in ascending order."""
+    if len(rows) < 2:
+        allowed = "allowed: at least two rows [argument, value]"
+        raise PydanticCustomError("table_order", "{allowed}", {"allowed": allowed})
+    for (before, _), (after, _) in zip(rows, rows[1:], strict=False):
+        if not after > before:
+            allowed = f"allowed: rows in ascending order of their first column, each once; {after:g} follows {before:g}"
+            raise PydanticCustomError("table_order", "{allowed}", {"allowed": allowed})
+    return rows
+
+
+SpeedTable = Annotated[tuple[tuple[Time, Speed], ...], AfterValidator(in_order)]
+TorqueTable = Annotated[tuple[tuple[Time, Torque], ...], AfterValidator(in_order)]
+ForceOverDeflection = Annotated[tuple[tuple[Length, Force], ...], AfterValidator(in_order)]
+ForceOverSpeed = Annotated[tuple[tuple[Speed, Force], ...], AfterValidator(in_order)]
+MomentOverAngle = Annotated[tuple[tuple[Angle, Torque], ...], AfterValidator(in_order)]
+MomentOverRate = Annotated[tuple[tuple[AngularSpeed, Torque], ...], AfterValidator(in_order)]
+Vector = tuple[Length, Length, Length]

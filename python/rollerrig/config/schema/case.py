@@ -1,0 +1,297 @@
+"""A case: one vehicle (or a part of it) on one support, how it is driven, and how time is integrated."""
+
+from typing import Annotated, Any, Literal
+
+from pydantic import ConfigDict, Field, StrictBool, model_validator
+from pydantic_core import PydanticCustomError
+
+from rollerrig.config.schema.actuators import BenchSettings, Brake, Sensors, SlideProtection, Traction, WheelSlipControl
+from rollerrig.config.schema.adhesion import Adhesion
+from rollerrig.config.schema.base import SpeedTable, Table, TorqueTable, instead_of
+from rollerrig.config.schema.contact_law import CreepLawName, FrictionFall, PolachReduction, StiffnessReduction
+from rollerrig.config.schema.material import Material
+from rollerrig.config.schema.rig_control import RigControl
+from rollerrig.config.schema.similitude import ScaledFrom
+from rollerrig.config.schema.support import AnySupport
+from rollerrig.config.schema.train import Train
+from rollerrig.config.schema.units import Angle, Damping, Length, PositiveLength, PositiveTime, Quantity, Torque
+from rollerrig.config.schema.vehicle import Cut, Name, Vehicle
+
+
+class VehicleChoice(Table):
+    """Which vehicle, and which part of it."""
+
+    use: str | None = Field(default=None, description="a vehicle of the catalogue, or a file relative to this one")
+    data: Vehicle = Field(
+        description="the vehicle itself, in place of `use`; after loading it is always here",
+        json_schema_extra=instead_of("use"),
+    )
+    changes: dict[str, Any] | None = Field(
+        default=None, description="values in place of the vehicle's own, by dotted key; loading writes them into `data`"
+    )
+    cut: str = Field(
+        default="vehicle", description="the part that is run: a [cut.NAME] of the vehicle, or 'vehicle' for all"
+    )
+
+    @property
+    def part(self) -> Cut:
+        """The chosen cut of the vehicle."""
+        return self.data.cut_named(self.cut)
+
+
+class SupportChoice(Table):
+    """Which rig or track."""
+
+    use: str | None = Field(default=None, description="a support of the catalogue, or a file relative to this one")
+    data: AnySupport = Field(
+        description="the support itself, in place of `use`; after loading it is always here",
+        json_schema_extra=instead_of("use"),
+    )
+    roller_radius: PositiveLength | None = Field(
+        default=None, description="in place of the rig's own; loading writes it into `data`"
+    )
+    changes: dict[str, Any] | None = Field(
+        default=None,
+        description="other values in place of the support's own, by dotted key; loading writes them into `data`",
+    )
+
+
+class RollerEffects(Table):
+    """What makes a roller differ from a rail, each to be switched off to see what it costs; track knows none of them."""
+
+    curvature: StrictBool = Field(
+        default=True, description="the roller's curvature along x makes the patch shorter (Hertz and Kalker)"
+    )
+    conicity: StrictBool = Field(
+        default=True, description="the roller's surface speed follows its local radius; off: crown speed everywhere"
+    )
+    spin: StrictBool = Field(default=True, description="the roller's turning counts in the spin creepage")
+    yaw: StrictBool = Field(
+        default=True,
+        description="a yawed or shifted wheel leaves the crown and its contact normal tilts; off: the geometry of a rail",
+    )
+
+
+class Contact(Table):
+    """Laws and parameters of the contact between wheel and rail or roller."""
+
+    material: Material = Field(description="material of both: a catalogue name, a file or a table")
+    friction: Annotated[float, Quantity("1", ge=0, le=1.5)] = Field(default=0.3, description="coefficient of friction")
+    friction_fall: FrictionFall | None = Field(
+        default=None, description="friction that falls with the slip velocity; constant if absent"
+    )
+    creep: CreepLawName = Field(
+        default="kalker_saturated",
+        description="tangential force: Kalker's linear theory, without or with saturation by friction (the paper's); "
+        "Kalker's FASTSIM, classic or modified; Polach with spin; or Kalker's exact theory read from a table",
+    )
+    polach: PolachReduction | None = Field(default=None, description="parameters that creep = 'polach' needs")
+    stiffness_reduction: StiffnessReduction | None = Field(
+        default=None, description="for creep = 'modified_fastsim': wet or contaminated surface; clean if absent"
+    )
+    normal: Literal["hertz", "strips"] = Field(
+        default="hertz",
+        description="normal force: Hertz' ellipse at each indented minimum of the gap, or elastic strips over all that "
+        "overlaps, for patches that are no ellipses",
+    )
+    normal_damping: Damping = Field(default=1e5, description="damping of the normal force while the surfaces approach")
+    damping_onset: Annotated[float, Quantity("m/s", gt=0)] = Field(
+        default=1e-4, description="speed of approach from which on the damping acts in full; rounds its corner at rest"
+    )
+    creepage_regularisation_speed: Annotated[float, Quantity("m/s", gt=0)] = Field(
+        default=0.1, description="V_s in the rolling speed sqrt(V^2 + V_s^2) that creepages are divided by"
+    )
+    merging_criterion: Annotated[float, Quantity("1", ge=0, le=1)] = Field(
+        default=0.01,
+        description="for normal = 'hertz': two indented dips of the gap hand over smoothly once the rise between them is "
+        "below this fraction of the approach; 0: the paper's bare rule, patches appear and vanish at full force",
+    )
+    saturate_spin_moment: StrictBool = Field(
+        default=False, description="scale the spin moment like the force; the paper does not"
+    )
+
+    roller_effects: RollerEffects = Field(
+        default=RollerEffects(),
+        description="which of a roller's differences from a rail count; all, unless for a study",
+    )
+
+    @model_validator(mode="after")
+    def _parameters_of_the_law(self) -> "Contact":
+        for key, law, needed in (("polach", "polach", True), ("stiffness_reduction", "modified_fastsim", False)):
+            given = getattr(self, key) is not None
+            if self.creep == law and needed and not given:
+                allowed = f"needed for creep = '{law}': k_A and k_S, dry 1.0 and 0.4, wet 0.3 and 0.1"
+            elif self.creep != law and given:
+                allowed = f"allowed only with creep = '{law}'"
+            else:
+                continue
+            raise PydanticCustomError("at_key", "{allowed}", {"allowed": allowed, "key": key})
+        return self
+
+
+class Motion(Table):
+    """How the vehicle and the rollers are driven."""
+
+    speed: Annotated[float, Quantity("m/s", ge=0, le=200)] = Field(
+        description="running speed at the start; on rollers the simulated one; taken from speed_table if absent",
+        json_schema_extra=instead_of("speed_table"),
+    )
+    drive: Literal["speed_controlled", "free", "torque"] = Field(
+        default="speed_controlled",
+        description="rollers (or track): speed held to speed_table or constant, free to turn, or given a torque",
+    )
+    speed_table: SpeedTable | None = Field(
+        default=None, description="rows [time, speed] for drive = 'speed_controlled'; linear between, constant beyond"
+    )
+    torque_table: TorqueTable | None = Field(
+        default=None,
+        description="rows [time, torque per roller axle] for drive = 'torque'; positive drives forward running",
+    )
+
+    @model_validator(mode="before")
+    @classmethod
+    def _speed_from_table(cls, data: Any) -> Any:
+        if not isinstance(data, dict) or "speed" in data:
+            return data
+        try:
+            return {**data, "speed": data["speed_table"][0][1]}
+        except (KeyError, IndexError, TypeError):
+            return data
+
+    @model_validator(mode="after")
+    def _fits_drive(self) -> "Motion":
+        needs_torque = self.drive == "torque"
+        if needs_torque != (self.torque_table is not None):
+            allowed = "needed for drive = 'torque'" if needs_torque else "allowed only with drive = 'torque'"
+            raise PydanticCustomError("at_key", "{allowed}", {"allowed": allowed, "key": "torque_table"})
+        if self.speed_table is None:
+            return self
+        if self.drive != "speed_controlled":
+            allowed = "allowed only with drive = 'speed_controlled'"
+            raise PydanticCustomError("at_key", "{allowed}", {"allowed": allowed, "key": "speed_table"})
+        start, speed = self.speed_table[0]
+        if any(not 0 <= row[1] <= 200 for row in self.speed_table):
+            allowed = "allowed: speeds from 0 to 200 m/s"
+            raise PydanticCustomError("at_key", "{allowed}", {"allowed": allowed, "key": "speed_table"})
+        if start != 0 or abs(speed - self.speed) > 1e-9 * max(1.0, self.speed):
+            allowed = f"allowed: a table that starts at time 0 with motion.speed; [{start:g}, {speed:g}] does not"
+            raise PydanticCustomError("at_key", "{allowed}", {"allowed": allowed, "key": "speed_table"})
+        return self
+
+
+class AxleTorque(Table):
+    """A torque on a wheelset."""
+
+    wheelset: str = Field(description="the wheelset")
+    constant: Torque | None = Field(default=None, description="torque; positive drives the vehicle forward")
+    table: TorqueTable | None = Field(
+        default=None, description="rows [time, torque] in place of a constant; linear between, constant beyond"
+    )
+    reacts_on: str = Field(
+        default="none", description="the body that feels the opposite moment (the frame carrying the motor), or 'none'"
+    )
+
+    @model_validator(mode="after")
+    def _one_law(self) -> "AxleTorque":
+        if (self.constant is None) == (self.table is None):
+            allowed = "allowed: one of `constant = torque` and `table = [[time, torque], ...]`"
+            raise PydanticCustomError("at_key", "{allowed}", {"allowed": allowed, "key": "table"})
+        return self
+
+
+SidewaysOffset = Annotated[float, Quantity("m", ge=-0.1, le=0.1)]
+
+
+class Disturbance(Table):
+    """Offset of a body from its equilibrium, from which the run starts."""
+
+    body: str = Field(description="the body")
+    longitudinal: Length = Field(default=0.0, description="offset along x")
+    lateral: SidewaysOffset = Field(default=0.0, description="offset along y, positive to the left")
+    vertical: Length = Field(default=0.0, description="offset along z")
+    roll: Angle = Field(default=0.0, description="offset about x")
+    pitch: Angle = Field(default=0.0, description="offset about y")
+    yaw: Angle = Field(default=0.0, description="offset about z")
+
+
+class TimeSettings(Table):
+    """How time is integrated and what is kept."""
+
+    duration: PositiveTime = Field(description="length of the run")
+    method: Literal["rodas4", "rk4", "exponential_rk4", "dormand_prince"] = Field(
+        default="rodas4",
+        description="rodas4: stiff, adaptive, exact Jacobian; dormand_prince: explicit, adaptive; rk4: fixed step; "
+        "exponential_rk4: fixed step that dampers with series stiffness do not limit, the fastest for a vehicle that hunts",
+    )
+    step: PositiveTime | None = Field(
+        default=None, description="step of a fixed-step method, which needs it; for the others the first step tried"
+    )
+    relative_tolerance: Annotated[float, Quantity("1", ge=1e-13, le=0.1)] = Field(
+        default=1e-6, description="local error per step, relative to each state"
+    )
+    absolute_tolerance: Annotated[float, Quantity("1", gt=0, le=1)] = Field(
+        default=1e-9,
+        description="local error per step of a displacement or angle [m, rad]; of its rate 100 1/s times that",
+    )
+    maximum_step: PositiveTime | None = Field(
+        default=None, description="longest step of an adaptive method; absent: no limit"
+    )
+    output_step: PositiveTime = Field(default=0.01, description="interval between kept samples")
+
+    @property
+    def has_fixed_step(self) -> bool:
+        """Whether the method keeps to `step`."""
+        return self.method in ("rk4", "exponential_rk4")
+
+    @model_validator(mode="after")
+    def _consistent(self) -> "TimeSettings":
+        if self.has_fixed_step and self.step is None:
+            allowed = f"needed: the step of the fixed-step method {self.method}, e.g. step = '0.1 ms'"
+            raise PydanticCustomError("at_key", "{allowed}", {"allowed": allowed, "key": "step"})
+        for key, value in (("output_step", self.output_step), ("step", self.step), ("maximum_step", self.maximum_step)):
+            if value is not None and value > self.duration:
+                allowed = f"allowed: at most the duration, {self.duration:g} s"
+                raise PydanticCustomError("at_key", "{allowed}", {"allowed": allowed, "key": key})
+        if self.duration / self.output_step > 1e8:
+            allowed = f"allowed: at least {self.duration / 1e8:g} s, for at most 1e8 samples"
+            raise PydanticCustomError("at_key", "{allowed}", {"allowed": allowed, "key": "output_step"})
+        return self
+
+
+class CaseTables(Table):
+    """Everything one simulation needs; read by `load_case`, in SI, never changed: `with_changes` makes another."""
+
+    model_config = ConfigDict(title="Case")
+
+    name: Name = Field(description="name of the case")
+    description: str = Field(default="", description="one line about the case")
+    gravity: Annotated[float, Quantity("m/s^2", gt=0, le=1e3)] = Field(
+        default=9.81, description="acceleration of gravity; another one only in ideal similitude"
+    )
+    vehicle: VehicleChoice = Field(description="the vehicle")
+    support: SupportChoice = Field(description="the rig or the track")
+    contact: Contact = Field(description="the contact")
+    motion: Motion = Field(description="the drive")
+    axle_torque: tuple[AxleTorque, ...] = Field(default=(), description="torques on wheelsets")
+    disturbance: tuple[Disturbance, ...] = Field(default=(), description="offsets at the start")
+    time: TimeSettings = Field(description="the integration")
+    train: Train = Field(default=Train(), description="of which the axles under test brake or pull their part")
+    adhesion: Adhesion | None = Field(
+        default=None, description="adhesion of the rail, real or virtual; absent: friction"
+    )
+    brake: Brake | None = Field(default=None, description="friction brake of each axle")
+    traction: Traction | None = Field(default=None, description="traction drive of each axle")
+    slide_protection: SlideProtection | None = Field(default=None, description="wheel slide protection")
+    wheel_slip_control: WheelSlipControl | None = Field(default=None, description="of the traction drives")
+    sensors: Sensors = Field(default=Sensors(), description="what the controllers see")
+    rig_control: RigControl | None = Field(default=None, description="controller of the roller drives")
+    bench: BenchSettings = Field(default=BenchSettings(), description="time grid of machines and controllers")
+
+    similitude: ScaledFrom | None = Field(
+        default=None, description="the full-scale case of which this one is a model; absent: at full scale"
+    )
+
+    @property
+    def on_bench(self) -> bool:
+        """Whether machines or controllers act on the vehicle: then the bench steps, not a method of [time]."""
+        return any((self.adhesion, self.brake, self.traction, self.rig_control))

@@ -1,0 +1,44 @@
+"""Elastic constants of wheel and roller, which are of the same material."""
+
+from typing import Annotated, Any
+
+from pydantic import Field, model_validator
+from pydantic_core import PydanticCustomError
+
+from rollerrig.config.schema.base import Table, instead_of
+from rollerrig.config.schema.units import Modulus, Quantity
+from rollerrig.config.schema.vehicle import Name
+
+_PRESSURE = Quantity("Pa", gt=0)
+
+
+class Material(Table):
+    """An isotropic elastic material; one of the two moduli may be left out and follows from E = 2 G (1 + nu)."""
+
+    name: Name = Field(description="name of the material")
+    description: str = Field(default="", description="one line about the material")
+    source: str = Field(default="", description="where the data come from")
+    poisson_ratio: Annotated[float, Quantity("1", ge=0, le=0.5)] = Field(description="Poisson's ratio nu")
+    young_modulus: Modulus = Field(description="Young's modulus E", json_schema_extra=instead_of("shear_modulus"))
+    shear_modulus: Modulus = Field(description="shear modulus G", json_schema_extra=instead_of("young_modulus"))
+
+    @model_validator(mode="before")
+    @classmethod
+    def _other_modulus(cls, data: Any) -> Any:
+        if not isinstance(data, dict) or ("young_modulus" in data) == ("shear_modulus" in data):
+            return data
+        try:
+            factor = 2 * (1 + Quantity("1").parse(data.get("poisson_ratio")))
+            if "young_modulus" in data:
+                return {**data, "shear_modulus": _PRESSURE.parse(data["young_modulus"]) / factor}
+            return {**data, "young_modulus": _PRESSURE.parse(data["shear_modulus"]) * factor}
+        except (ValueError, ZeroDivisionError):  # the fields themselves will say what is wrong
+            return data
+
+    @model_validator(mode="after")
+    def _consistent(self) -> "Material":
+        expected = 2 * self.shear_modulus * (1 + self.poisson_ratio)
+        if abs(self.young_modulus - expected) > 1e-3 * expected:
+            allowed = f"allowed: 2 G (1 + nu) = {expected:g} Pa, or leave out one of young_modulus and shear_modulus"
+            raise PydanticCustomError("at_key", "{allowed}", {"allowed": allowed, "key": "young_modulus"})
+        return self

@@ -1,0 +1,44 @@
+"""How roller axles and rails are carried where they are not rigid."""
+
+from pydantic import Field, model_validator
+from pydantic_core import PydanticCustomError
+
+from rollerrig.config.schema.base import Table
+from rollerrig.config.schema.units import AngularDamping, Damping, Mass, PositiveAngularStiffness, PositiveStiffness
+
+
+class LinearSupport(Table):
+    """Elastic support along one axis."""
+
+    stiffness: PositiveStiffness = Field(description="stiffness")
+    damping: Damping = Field(default=0.0, description="damping")
+
+
+class AngularSupport(Table):
+    """Elastic support about one axis."""
+
+    stiffness: PositiveAngularStiffness = Field(description="stiffness")
+    damping: AngularDamping = Field(default=0.0, description="damping")
+
+
+class Mounting(Table):
+    """How a roller axle is carried; what is absent is rigid."""
+
+    lateral: LinearSupport | None = Field(default=None, description="elastic support along y")
+    vertical: LinearSupport | None = Field(default=None, description="elastic support along z")
+    yaw: AngularSupport | None = Field(default=None, description="elastic support about z")
+
+
+class Foundation(Table):
+    """Rails on an elastic foundation: under each wheel a piece of rail that moves along with it; what is absent is rigid."""
+
+    rail_mass: Mass = Field(description="mass of the piece of rail under one wheel, with what moves with it")
+    lateral: LinearSupport | None = Field(default=None, description="elastic support of one rail along y")
+    vertical: LinearSupport | None = Field(default=None, description="elastic support of one rail along z")
+
+    @model_validator(mode="after")
+    def _moves(self) -> "Foundation":
+        if self.lateral is None and self.vertical is None:
+            allowed = "needed: a support along y or z; without both leave out the foundation, the rails are rigid"
+            raise PydanticCustomError("at_key", "{allowed}", {"allowed": allowed, "key": "lateral"})
+        return self

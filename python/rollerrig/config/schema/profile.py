@@ -1,0 +1,111 @@
+"""Which curve a wheel or a rail has; `rollerrig.profiles` turns the specification into a table of coefficients."""
+
+from typing import Annotated, Any, Literal
+
+from pydantic import Discriminator, Field, RootModel, StrictBool
+
+from rollerrig.config.schema.base import Table
+from rollerrig.config.schema.units import Length, Quantity
+
+KnotSpacing = Annotated[float, Quantity("m", ge=2e-6, le=1e-3)]
+HalfWidth = Annotated[float, Quantity("m", gt=0, le=0.5)]
+Inclination = Annotated[float, Quantity("1", ge=0, le=0.2)]
+_STEP = "distance between the knots of the spline"
+
+
+class ProfileSpec(Table):
+    """What every profile may say about itself."""
+
+    name: str = Field(default="", description="name of the profile in tables and plots")
+    description: str = Field(default="", description="one line about the profile")
+    source: str = Field(default="", description="where the definition comes from")
+    length_scale: Annotated[float, Quantity("1", gt=0, le=10)] = Field(
+        default=1.0, description="factor on all lengths of the finished curve: 0.2 is the profile of a 1:5 model"
+    )
+
+    def arguments(self) -> dict[str, Any]:
+        """The part that defines the curve: `kind` and its parameters, without texts and unset keys."""
+        return self.model_dump(exclude_none=True, exclude={"name", "description", "source"})
+
+
+class S1002(ProfileSpec):
+    """The wheel profile S1002 of ORE / EN 13715."""
+
+    kind: Literal["s1002"] = Field(description="the wheel profile S1002, generated from its published polynomials")
+    step: KnotSpacing = Field(default=0.05e-3, description=_STEP)
+
+
+class Cone(ProfileSpec):
+    """A wheel whose radius falls off linearly: the conical wheel of theory, without a flange."""
+
+    kind: Literal["cone"] = Field(description="a conical wheel without a flange")
+    conicity: Annotated[float, Quantity("1", ge=-1, le=1)] = Field(
+        description="radius lost per lateral distance outward, a number or a ratio like '1:20'"
+    )
+    half_width: HalfWidth = Field(default=60e-3, description="half of the width of the tread")
+
+
+class Uic60(ProfileSpec):
+    """The rail head UIC60 / 60E1: arcs R300, R80 and R13 and a side 1:20."""
+
+    kind: Literal["uic60"] = Field(description="the rail head UIC60 / 60E1, generated from its arcs")
+    variant: Literal["en_13674", "benchmark"] = Field(
+        default="en_13674", description="junctions of the arcs: EN 13674-1, or as in the Manchester contact benchmark"
+    )
+    inclination: Inclination = Field(
+        default=0.025, description="lean towards the track centre, a number or a ratio like '1:40'"
+    )
+    step: KnotSpacing = Field(default=0.05e-3, description=_STEP)
+
+
+class Cylinder(ProfileSpec):
+    """A constant profile, for comparison with theory."""
+
+    kind: Literal["cylinder"] = Field(description="a flat rail head, a cylindrical roller or a cylindrical wheel")
+    half_width: HalfWidth = Field(default=36e-3, description="half of its width")
+
+
+class Arc(ProfileSpec):
+    """A circular profile, for comparison with theory."""
+
+    kind: Literal["arc"] = Field(description="a convex circular rail head or wheel")
+    radius: Annotated[float, Quantity("m", gt=0, le=1e6)] = Field(description="radius of the arc")
+    half_width: HalfWidth = Field(default=36e-3, description="half of its width")
+
+
+class ProfileFile(ProfileSpec):
+    """A measured profile."""
+
+    kind: Literal["file"] = Field(description="points from a text file")
+    path: str = Field(min_length=1, description="the file, relative to the file that names it")
+    format: Literal["auto", "two_column", "simpack"] = Field(
+        default="auto", description="two columns of numbers, or Simpack's .prw / .prr text; auto decides by the content"
+    )
+    units: Literal["auto", "mm", "m"] = Field(
+        default="auto", description="unit of a two-column file; auto decides by the size"
+    )
+    inner_side: Literal["auto", "negative", "positive"] = Field(
+        default="auto", description="sign of the file's abscissa on the flange or gauge side; auto looks for the flange"
+    )
+    z_positive: Literal["auto", "up", "down"] = Field(
+        default="auto", description="whether the file's ordinate grows up or down as mounted; auto looks at the flanks"
+    )
+    tape_circle: Length = Field(
+        default=0.0, description="abscissa of the tape circle in the file's own axes; wheels only"
+    )
+    inclination: Annotated[float, Quantity("1", ge=-0.2, le=0.2)] = Field(
+        default=0.0, description="further lean of a rail towards the track centre; 0 where the file is already inclined"
+    )
+    smoothing: Literal["auto"] | Annotated[float, Quantity("m", gt=0, le=0.05)] = Field(
+        default="auto",
+        description="cut-off wavelength of the smoothing; auto: the shortest that leaves a usable curvature",
+    )
+    require_flange: StrictBool = Field(default=True, description="refuse a wheel without a flange")
+    step: KnotSpacing = Field(default=0.05e-3, description=_STEP)
+
+
+AnyProfile = Annotated[S1002 | Cone | Uic60 | Cylinder | Arc | ProfileFile, Discriminator("kind")]
+
+
+class ProfileRoot(RootModel[AnyProfile]):
+    """A profile of any kind, as a file of its own."""

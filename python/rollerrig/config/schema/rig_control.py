@@ -1,0 +1,124 @@
+"""The rig's controller: how it reproduces the train, how it estimates, how it corrects, and when it gives up."""
+
+from typing import Annotated, Any, Literal
+
+from pydantic import BeforeValidator, Field
+from pydantic_core import PydanticCustomError
+
+from rollerrig.config.schema.actuators import Controller, Frequency, Motor
+from rollerrig.config.schema.base import Table
+from rollerrig.config.schema.units import PositiveLength, PositiveTime, Quantity
+
+Inertia = Annotated[float, Quantity("kg m^2", gt=0)]
+
+
+def _load_transfer(value: Any) -> Any:
+    """'none', 'quasi_static' or a number for each axle."""
+    if value in ("none", "quasi_static"):
+        return value
+    allowed = "allowed: 'quasi_static', 'none', or a list with a number in kg for each axle"
+    if not isinstance(value, list | tuple):
+        raise PydanticCustomError("load_transfer", "{allowed}", {"allowed": allowed})
+    try:
+        return tuple(Quantity("kg").parse(number) for number in value)
+    except ValueError:
+        raise PydanticCustomError("load_transfer", "{allowed}", {"allowed": allowed}) from None
+
+
+LoadTransfer = Annotated[
+    Literal["none", "quasi_static"] | tuple[Annotated[float, Quantity("kg")], ...], BeforeValidator(_load_transfer)
+]
+
+
+class Estimator(Table):
+    """Contact force and axle torque from the rollers' side."""
+
+    kind: Literal["observer", "filtered_derivative", "kalman", "exact"] = Field(
+        default="observer",
+        description="of disturbance (Luenberger); a filtered derivative of the roller's speed; a Kalman filter of both speeds, "
+        "force and torque; or exact: force and torque that really act, for studies of what estimating costs",
+    )
+    bandwidth: Frequency = Field(
+        default=20.0,
+        description="pole of the filter, natural frequency of the observer; `rollerrig check` prints bandwidth and delay that "
+        "are measured on the estimate",
+    )
+    torque: Literal["measured", "commanded"] = Field(
+        default="measured",
+        description="of a roller's drive: as [sensors.roller_torque] says, exact if absent; or what the drive was asked for",
+    )
+    speed_noise: Annotated[float, Quantity("rad/s", gt=0)] = Field(
+        default=1e-3, description="for kind = 'kalman': standard deviation of a measured speed"
+    )
+    force_change: Annotated[float, Quantity("N", gt=0)] | None = Field(
+        default=None,
+        description="for kind = 'kalman': standard deviation of the contact force's change over 1 s; absent: from `bandwidth`",
+    )
+    torque_change: Annotated[float, Quantity("N m", gt=0)] | None = Field(
+        default=None, description="the same of the axle's torque"
+    )
+    damping_ratio: Annotated[float, Quantity("1", gt=0, le=2)] = Field(
+        default=0.8, description="of the observer's poles"
+    )
+
+
+class Feedback(Table):
+    """What corrects the wheels' speeds; gains that are absent follow from bandwidth, damping and inertias."""
+
+    kind: Literal["proportional_integral", "sliding_mode", "none"] = Field(
+        default="proportional_integral", description="on virtual minus measured axle speed"
+    )
+    bandwidth: Frequency = Field(
+        default=0.7, description="of the loop: far below the estimator, whose errors it is to remove"
+    )
+    damping_ratio: Annotated[float, Quantity("1", gt=0, le=5)] = Field(default=0.7, description="of the loop")
+    proportional: Annotated[float, Quantity("N m s/rad", ge=0)] | None = Field(default=None, description="gain")
+    integral: Annotated[float, Quantity("N m/rad", ge=0)] | None = Field(default=None, description="gain")
+    switching: Annotated[float, Quantity("N m", ge=0)] = Field(default=1000.0, description="torque of the sliding mode")
+    boundary_layer: Annotated[float, Quantity("rad/s", gt=0)] = Field(
+        default=0.5, description="of the sliding mode: it acts in proportion within"
+    )
+    largest: Annotated[float, Quantity("N m", gt=0)] = Field(
+        default=2e4, description="torque asked of a roller's drive"
+    )
+
+
+class Protection(Table):
+    """Ends a test before rollers and wheels are damaged."""
+
+    slip: Annotated[float, Quantity("m/s", gt=0)] = Field(
+        default=1.0, description="real sliding of wheel on roller ..."
+    )
+    time: PositiveTime = Field(default=0.2, description="... for longer than this")
+
+
+class Assumed(Table):
+    """Numbers in the controller that may differ from the rig's; absent: right."""
+
+    roller_inertia: Inertia | None = Field(default=None, description="of a roller axle about its axis")
+    wheelset_inertia: Inertia | None = Field(default=None, description="about its axis")
+    roller_radius: PositiveLength | None = Field(default=None, description="of the rollers")
+    wheel_radius: PositiveLength | None = Field(default=None, description="of the wheels")
+
+
+class RigControl(Controller):
+    """Controller of the roller drives: the wheels turn as those of a train on the rail of [adhesion]."""
+
+    sample_time: PositiveTime = Field(default=1e-3, description="a multiple of bench.step")
+    delay: Annotated[float, Quantity("s", ge=0)] = Field(
+        default=0.0, description="of the command, a multiple of bench.step"
+    )
+    load_transfer: LoadTransfer = Field(
+        default="quasi_static",
+        description="how the virtual train's axle loads change with its acceleration: as geometry and masses of the vehicle "
+        "say, not at all, or by [kg] for each axle, N per m/s^2 forward",
+    )
+    loads: Literal["computed", "measured"] = Field(
+        default="computed",
+        description="of the virtual train's axles: static loads and their transfer, or what [sensors.axle_load] says",
+    )
+    estimator: Estimator = Field(default=Estimator(), description="of the contact force")
+    feedback: Feedback = Field(default=Feedback(), description="on the axles' speeds")
+    motor: Motor = Field(default=Motor(), description="drive of each roller axle")
+    protection: Protection = Field(default=Protection(), description="of the rollers")
+    assumed: Assumed = Field(default=Assumed(), description="what the controller believes in")

@@ -1,0 +1,110 @@
+"""A track: rails, the line they follow, what they deviate from it, and what they lie on."""
+
+from typing import Annotated, Literal
+
+from pydantic import Discriminator, Field
+
+from rollerrig.config.schema.base import Table
+from rollerrig.config.schema.irregularity import AnyIrregularity
+from rollerrig.config.schema.mounting import Foundation
+from rollerrig.config.schema.profile import AnyProfile
+from rollerrig.config.schema.units import PositiveLength, Quantity
+from rollerrig.config.schema.vehicle import Name
+from rollerrig.track import Line, Segment, build_line
+
+Gauge = Annotated[float, Quantity("m", gt=0.1, le=5.0)]
+GaugeDepth = Annotated[float, Quantity("m", gt=0, le=0.05)]
+Cant = Annotated[float, Quantity("m", ge=-0.3, le=0.3)]
+
+
+class Straight(Table):
+    """A straight, without cant."""
+
+    kind: Literal["straight"] = Field(description="no curvature, no cant")
+    length: PositiveLength = Field(description="length")
+
+
+class Transition(Table):
+    """A transition between the straights or curves before and after it, of which it takes over curvature and cant."""
+
+    kind: Literal["transition"] = Field(description="joins what stands before and after it")
+    length: PositiveLength = Field(description="length")
+    shape: Literal["clothoid", "bloss"] = Field(
+        default="clothoid",
+        description="curvature and cant in proportion to the distance, or along the cubic of Bloss",
+    )
+
+
+class Curve(Table):
+    """A circular curve."""
+
+    kind: Literal["curve"] = Field(description="constant curvature and cant")
+    length: PositiveLength = Field(description="length")
+    radius: Annotated[float, Quantity("m", ge=20)] = Field(description="radius of the track's middle")
+    direction: Literal["left", "right"] = Field(default="left", description="where it leads")
+    cant: Cant = Field(default=0.0, description="height of the outer rail over the inner one")
+
+
+AnySegment = Annotated[Straight | Transition | Curve, Discriminator("kind")]
+
+
+class Track(Table):
+    """A track: the rig's limit of an infinite roller radius; straight, smooth and rigid unless it says otherwise."""
+
+    kind: Literal["track"] = Field(description="rails")
+    name: Name = Field(description="name of the track")
+    description: str = Field(default="", description="one line about the track")
+    source: str = Field(default="", description="where the data come from")
+    profile: AnyProfile = Field(description="head of the left rail")
+    gauge: Gauge = Field(default=1.435, description="distance between the gauge sides of the two rails")
+    gauge_depth: GaugeDepth = Field(
+        default=0.014, description="depth below the top of rail at which the gauge is taken"
+    )
+    segment: tuple[AnySegment, ...] = Field(
+        default=(),
+        description="straights, transitions and curves in the order of the run, which starts where the first begins; the "
+        "first goes on behind the start, the last beyond its end; absent: straight",
+    )
+    smoothing: Annotated[float, Quantity("m", gt=0, le=50)] = Field(
+        default=4.0, description="length over which a corner of curvature and cant is rounded by a parabola"
+    )
+    cant_base: Annotated[float, Quantity("m", gt=0.3, le=5)] = Field(
+        default=1.5, description="distance over which cant is measured"
+    )
+    irregularity: AnyIrregularity | None = Field(
+        default=None, description="what the rails deviate from their design position; absent: nothing"
+    )
+    foundation: Foundation | None = Field(default=None, description="what the rails lie on; absent: rigid")
+
+    @property
+    def line(self) -> Line | None:
+        """Curvature and cant of segments that join; None for a straight track without segments."""
+        if not self.segment:
+            return None
+        return build_line(layout(self), self.smoothing, self.cant_base)
+
+
+def layout(track: Track) -> list[Segment]:
+    """The segments with distances, curvatures and cants; a transition takes both from its neighbours."""
+    ends = [_constant(segment) for segment in track.segment]
+    found: list[Segment] = []
+    start = 0.0
+    for i, segment in enumerate(track.segment):
+        before, after = ends[i] or ends[max(i - 1, 0)], ends[i] or ends[min(i + 1, len(ends) - 1)]
+        (k0, d0), (k1, d1) = before or (0.0, 0.0), after or (0.0, 0.0)
+        shape = segment.shape if isinstance(segment, Transition) else "clothoid"
+        found.append(Segment(segment.kind, start, segment.length, (k0, k1), (d0, d1), shape))
+        start += segment.length
+    return found
+
+
+def _constant(segment: Straight | Transition | Curve) -> tuple[float, float] | None:
+    """Curvature and cant of a segment where they are constant; to the left is positive, right rail up is positive."""
+    match segment:
+        case Straight():
+            return 0.0, 0.0
+        case Curve():
+            sign = 1.0 if segment.direction == "left" else -1.0
+            return sign / segment.radius, sign * segment.cant
+        case _:
+            return None

@@ -1,0 +1,280 @@
+"""A vehicle: wheels, bodies, the force elements between them, and the parts of it that can be run alone.
+
+Positions are design positions in the frame of the whole vehicle: x forward from its middle, y left, z up from the top
+of rail.
+"""
+
+from typing import Annotated, Literal
+
+from pydantic import Field, StrictBool, model_validator
+from pydantic_core import PydanticCustomError
+
+from rollerrig.config.schema.base import (
+    ForceOverDeflection,
+    ForceOverSpeed,
+    MomentOverAngle,
+    MomentOverRate,
+    Table,
+    Vector,
+)
+from rollerrig.config.schema.profile import AnyProfile
+from rollerrig.config.schema.units import (
+    AngularDamping,
+    AngularStiffness,
+    Damping,
+    Force,
+    Inertia,
+    Length,
+    Mass,
+    PositiveAngularDamping,
+    PositiveAngularStiffness,
+    PositiveDamping,
+    PositiveLength,
+    PositiveStiffness,
+    Quantity,
+    Stiffness,
+    Torque,
+)
+
+Direction = Literal["x", "y", "z", "roll", "pitch", "yaw"]
+DIRECTIONS: tuple[Direction, ...] = ("x", "y", "z", "roll", "pitch", "yaw")
+Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9_\-]{1,60}$")]
+
+
+class Wheel(Table):
+    """The wheels of every wheelset of the vehicle."""
+
+    profile: AnyProfile = Field(description="profile of the left wheel: a catalogue name, a file or a table")
+    radius: Annotated[float, Quantity("m", gt=0.01, le=2.0)] = Field(description="radius at the tape circle")
+    back_to_back: Annotated[float, Quantity("m", gt=0.05, le=5.0)] = Field(
+        description="distance between the flange backs"
+    )
+    tape_circle: PositiveLength = Field(
+        default=0.070, description="distance of the tape circle from the flange back, EN 13715"
+    )
+
+
+class Body(Table):
+    """A rigid body."""
+
+    name: Name = Field(description="name, unique in the vehicle")
+    kind: Literal["rigid", "wheelset"] = Field(default="rigid", description="a wheelset carries two wheels and spins")
+    mass: Mass = Field(description="mass")
+    inertia: tuple[Inertia, Inertia, Inertia] = Field(
+        description="principal moments of inertia about x, y, z through the centre of mass"
+    )
+    position: Vector = Field(description="design position of the centre of mass")
+    locked: tuple[Direction, ...] = Field(default=(), description="directions in which the body cannot move")
+
+    @model_validator(mode="after")
+    def _possible_inertia(self) -> "Body":
+        x, _, z = self.inertia
+        largest, total = max(self.inertia), sum(self.inertia)
+        if largest > (total - largest) * (1 + 1e-6):
+            allowed = "allowed: no moment of inertia may exceed the sum of the other two"
+            raise PydanticCustomError("at_key", "{allowed}", {"allowed": allowed, "key": "inertia"})
+        if self.kind == "wheelset" and abs(x - z) > 1e-9 * x:
+            allowed = f"allowed for a wheelset: the same moment about x and z, a body of revolution; {x:g} is not {z:g}"
+            raise PydanticCustomError("at_key", "{allowed}", {"allowed": allowed, "key": "inertia"})
+        return self
+
+
+class SeriesDamper(Table):
+    """A damper in series with a spring (Maxwell)."""
+
+    damping: PositiveDamping = Field(description="damping")
+    series_stiffness: PositiveStiffness = Field(description="stiffness of the spring in series")
+
+
+class AngularSeriesDamper(Table):
+    """A rotational damper in series with a rotational spring (Maxwell)."""
+
+    damping: PositiveAngularDamping = Field(description="damping")
+    series_stiffness: PositiveAngularStiffness = Field(description="stiffness of the spring in series")
+
+
+def _one_law_each(stiffness: float | None, table: object, damping: float | None, damping_table: object) -> None:
+    if stiffness is not None and table is not None:
+        allowed = "allowed: `stiffness` or `table`; for both at once write two elements"
+        raise PydanticCustomError("at_key", "{allowed}", {"allowed": allowed, "key": "table"})
+    if damping is not None and damping_table is not None:
+        allowed = "allowed: `damping` or `damping_table`; for both at once write two elements"
+        raise PydanticCustomError("at_key", "{allowed}", {"allowed": allowed, "key": "damping_table"})
+
+
+def _dissipates(rows: tuple[tuple[float, float], ...] | None) -> None:
+    for speed, force in rows or ():
+        if speed * force < 0 or (speed == 0 and force != 0):
+            allowed = f"allowed: a force of the speed's sign, 0 at rest; [{speed:g}, {force:g}] would feed energy"
+            raise PydanticCustomError("at_key", "{allowed}", {"allowed": allowed, "key": "damping_table"})
+
+
+class LinearLaw(Table):
+    """Force of an element along one axis; all parts given act in parallel.
+
+    The force on body b is minus the sum of the parts; between the rows of a table it is linear, beyond them it goes on
+    with the slope of the last two.
+    """
+
+    stiffness: Stiffness | None = Field(default=None, description="force per deflection")
+    table: ForceOverDeflection | None = Field(
+        default=None, description="rows [deflection, force] in place of a stiffness: a nonlinear spring or a bumpstop"
+    )
+    damping: Damping | None = Field(default=None, description="force per speed, in parallel with the spring")
+    damping_table: ForceOverSpeed | None = Field(
+        default=None, description="rows [speed, force] in place of a damping: a nonlinear damper"
+    )
+    damper: SeriesDamper | None = Field(default=None, description="a damper in series with its own spring, in parallel")
+    preload: Force = Field(
+        default=0.0, description="force at the design position, positive as a positive deflection makes it"
+    )
+
+    @model_validator(mode="after")
+    def _consistent(self) -> "LinearLaw":
+        _one_law_each(self.stiffness, self.table, self.damping, self.damping_table)
+        _dissipates(self.damping_table)
+        return self
+
+
+class AngularLaw(Table):
+    """Moment of an element about one axis; all parts given act in parallel."""
+
+    stiffness: AngularStiffness | None = Field(default=None, description="moment per angle")
+    table: MomentOverAngle | None = Field(default=None, description="rows [angle, moment] in place of a stiffness")
+    damping: AngularDamping | None = Field(
+        default=None, description="moment per angular speed, in parallel with the spring"
+    )
+    damping_table: MomentOverRate | None = Field(
+        default=None, description="rows [angular speed, moment] in place of a damping"
+    )
+    damper: AngularSeriesDamper | None = Field(
+        default=None, description="a damper in series with its own spring, in parallel"
+    )
+    preload: Torque = Field(default=0.0, description="moment at the design position")
+
+    @model_validator(mode="after")
+    def _consistent(self) -> "AngularLaw":
+        _one_law_each(self.stiffness, self.table, self.damping, self.damping_table)
+        _dissipates(self.damping_table)
+        return self
+
+
+class Element(Table):
+    """A massless force element between two bodies; its axes are those of body a, if it is `clamped` those of both."""
+
+    name: Name = Field(description="name, unique in the vehicle")
+    between: tuple[str, str] = Field(description="the bodies a and b")
+    point: Vector | None = Field(default=None, description="design position of both ends")
+    points: tuple[Vector, Vector] | None = Field(
+        default=None,
+        description="design positions of the end on a and the end on b, where they differ; the force acts at b's",
+    )
+    carries_load: StrictBool = Field(
+        default=False, description="its vertical preload is solved from the static equilibrium"
+    )
+    clamped: StrictBool = Field(
+        default=False,
+        description="a loaded spring clamped at both ends, its `point` at mid-height: half of the force acts in the axes of "
+        "either body, and both ends take the same moment",
+    )
+    x: LinearLaw | None = Field(default=None, description="law along x")
+    y: LinearLaw | None = Field(default=None, description="law along y")
+    z: LinearLaw | None = Field(default=None, description="law along z")
+    roll: AngularLaw | None = Field(default=None, description="law about x")
+    pitch: AngularLaw | None = Field(default=None, description="law about y")
+    yaw: AngularLaw | None = Field(default=None, description="law about z")
+
+    @model_validator(mode="after")
+    def _complete(self) -> "Element":
+        if (self.point is None) == (self.points is None):
+            allowed = "allowed: one of `point = [x, y, z]` and `points = [[x, y, z], [x, y, z]]`"
+            raise PydanticCustomError("at_key", "{allowed}", {"allowed": allowed, "key": "point"})
+        if not self.laws:
+            allowed = "needed: a law in at least one of the directions x, y, z, roll, pitch, yaw"
+            raise PydanticCustomError("at_key", "{allowed}", {"allowed": allowed, "key": "x"})
+        if self.between[0] == self.between[1]:
+            allowed = "allowed: two different bodies"
+            raise PydanticCustomError("at_key", "{allowed}", {"allowed": allowed, "key": "between"})
+        if self.clamped and self.points is not None:
+            allowed = "allowed: true only with `point`, the middle of the spring, not with `points`"
+            raise PydanticCustomError("at_key", "{allowed}", {"allowed": allowed, "key": "clamped"})
+        if self.carries_load:
+            self._can_carry()
+        return self
+
+    def _can_carry(self) -> None:
+        if self.z is None or (not self.z.stiffness and self.z.table is None):
+            allowed = "allowed: true only where the element has a vertical spring (z.stiffness or z.table)"
+            raise PydanticCustomError("at_key", "{allowed}", {"allowed": allowed, "key": "carries_load"})
+        if self.z.preload:
+            allowed = "allowed: no z.preload beside carries_load = true, which solves it"
+            raise PydanticCustomError("at_key", "{allowed}", {"allowed": allowed, "key": "z.preload"})
+
+    @property
+    def end_a(self) -> tuple[float, float, float]:
+        """Design position of the end on body a [m]."""
+        return self.points[0] if self.points else (self.point or (0.0, 0.0, 0.0))
+
+    @property
+    def end_b(self) -> tuple[float, float, float]:
+        """Design position of the end on body b [m]."""
+        return self.points[1] if self.points else (self.point or (0.0, 0.0, 0.0))
+
+    @property
+    def laws(self) -> dict[Direction, LinearLaw | AngularLaw]:
+        """The laws that are given, by direction."""
+        given: dict[Direction, LinearLaw | AngularLaw | None] = {
+            "x": self.x, "y": self.y, "z": self.z, "roll": self.roll, "pitch": self.pitch, "yaw": self.yaw
+        }  # fmt: skip
+        return {direction: law for direction, law in given.items() if law is not None}
+
+
+class Cut(Table):
+    """A part of the vehicle that is run alone."""
+
+    bodies: tuple[str, ...] = Field(min_length=1, description="bodies kept and free to move")
+    fixed: tuple[str, ...] = Field(default=(), description="bodies kept at their design position")
+    origin_x: Length = Field(default=0.0, description="x of the cut's own origin in the vehicle's frame")
+
+
+class Vehicle(Table):
+    """A whole vehicle; `cut` names the parts of it that are run alone."""
+
+    name: Name = Field(description="name of the vehicle")
+    description: str = Field(default="", description="one line about the vehicle")
+    source: str = Field(default="", description="where the data come from")
+    wheel: Wheel = Field(description="the wheels")
+    body: tuple[Body, ...] = Field(min_length=1, description="the bodies")
+    element: tuple[Element, ...] = Field(default=(), description="the force elements")
+    cut: dict[Name, Cut] = Field(default={}, description="parts of the vehicle that are run alone, by name")
+
+    def cut_named(self, name: str) -> Cut:
+        """The cut; "vehicle" is all bodies unless the file says otherwise.
+
+        Raises:
+            KeyError: no such cut.
+        """
+        if name == "vehicle" and name not in self.cut:
+            return Cut(bodies=tuple(body.name for body in self.body))
+        return self.cut[name]
+
+    def cut_names(self) -> tuple[str, ...]:
+        """Names that `cut_named` knows."""
+        return tuple(dict.fromkeys(("vehicle", *self.cut)))
+
+    def body_named(self, name: str) -> Body:
+        """The body of that name.
+
+        Raises:
+            KeyError: no such body.
+        """
+        return {body.name: body for body in self.body}[name]
+
+    def bodies_in(self, cut: Cut) -> tuple[Body, ...]:
+        """The free bodies of a cut, in the order of the vehicle."""
+        return tuple(body for body in self.body if body.name in cut.bodies)
+
+    def elements_in(self, cut: Cut) -> tuple[Element, ...]:
+        """The elements with both ends in the cut, at least one of them on a free body."""
+        kept = {*cut.bodies, *cut.fixed}
+        return tuple(e for e in self.element if kept.issuperset(e.between) and not set(cut.fixed).issuperset(e.between))

@@ -1,0 +1,1 @@
+"""Raw tables into objects, checks across them, and mistakes as messages."""

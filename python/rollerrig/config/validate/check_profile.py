@@ -1,0 +1,78 @@
+"""Checks that need the curves themselves: profiles that cannot be used, and wheels that miss the rail."""
+
+from typing import Literal
+
+from rollerrig.config.errors import ConfigProblem, show_value
+from rollerrig.config.schema.profile import ProfileSpec
+from rollerrig.config.schema.support import Rig
+from rollerrig.config.schema.track import Track
+from rollerrig.config.schema.vehicle import Wheel
+from rollerrig.profiles import ProfileError, ProfileTable, gauge_point, profile_from_spec
+
+FLANGE_DEPTH = 0.010  # [m] below the tape circle, where the thickness of a flange is taken, EN 13715
+WIDEST_CLEARANCE = 0.040  # [m] between the flanges of a wheelset and the rails, both sides together
+
+
+def check_profile(
+    spec: ProfileSpec, kind: Literal["wheel", "rail"], file: str, key: str
+) -> tuple[ProfileTable | None, list[ConfigProblem]]:
+    """The table of a profile, or what is wrong with the profile."""
+    try:
+        return profile_from_spec(spec.arguments(), kind), []
+    except (ProfileError, OSError) as error:
+        what = str(getattr(spec, "path", None) or getattr(spec, "kind", ""))
+        reason = str(error).removeprefix("profile: ").removeprefix(f"{what}: ")
+        return None, [ConfigProblem(file, key, show_value(what), reason)]
+
+
+def check_gauge(support: Rig | Track, file: str) -> list[ConfigProblem]:
+    """The profile must be usable as a rail and reach down to where the gauge is taken."""
+    table, problems = check_profile(support.profile, "rail", file, "profile")
+    if table is None:
+        return problems
+    try:
+        gauge_point(table, support.gauge_depth)
+    except ProfileError as error:
+        return [ConfigProblem(file, "gauge_depth", show_value(support.gauge_depth), str(error))]
+    return []
+
+
+def check_reach(wheel: Wheel, support: Rig | Track, file: str) -> list[ConfigProblem]:
+    """The tape circle of the centred wheel must lie over the rail or roller, and the flange beside it."""
+    wheel_table = profile_from_spec(wheel.profile.arguments(), "wheel")
+    rail_table = profile_from_spec(support.profile.arguments(), "rail")
+    tape_circle = wheel.back_to_back / 2 + wheel.tape_circle
+    rail_origin = support.gauge / 2 - gauge_point(rail_table, support.gauge_depth)
+    low, high = (rail_origin + end for end in rail_table.domain)
+    if low < tape_circle < high:
+        return []
+    half_wheel = wheel_table.domain
+    what = "rollers" if support.kind == "rig" else "rails"
+    allowed = (
+        f"the wheels miss the {what}: the tape circle lies {tape_circle * 1e3:.1f} mm from the middle, the running "
+        f"surface from {low * 1e3:.1f} to {high * 1e3:.1f} mm; check gauge ({support.gauge * 1e3:g} mm) and "
+        f"wheel.back_to_back ({wheel.back_to_back * 1e3:g} mm); the wheel spans "
+        f"{half_wheel[0] * 1e3:.0f} to {half_wheel[1] * 1e3:.0f} mm about its tape circle"
+    )
+    return [ConfigProblem(file, "support.data.gauge", show_value(support.gauge), allowed)]
+
+
+def check_flange_clearance(wheel: Wheel, support: Rig | Track, file: str) -> list[ConfigProblem]:
+    """The flanges must fit between the rails or rollers, and not stand far inside of them."""
+    table = profile_from_spec(wheel.profile.arguments(), "wheel")
+    flange, radius = table.outline[table.outline[:, 0] < 0].T
+    depth, widest = (wheel.profile.length_scale * full for full in (FLANGE_DEPTH, WIDEST_CLEARANCE))
+    if radius.max(initial=0.0) < depth:
+        return []  # a wheel without a flange
+    nearest_to_tread = float(flange[radius >= depth].max())
+    across = wheel.back_to_back + 2 * (wheel.tape_circle + nearest_to_tread)
+    clearance = support.gauge - across
+    if 0.0 <= clearance <= widest:
+        return []
+    what = "rollers" if support.kind == "rig" else "rails"
+    verb = "do not fit between" if clearance < 0 else "stand far inside of"
+    allowed = (
+        f"wheel and rail of different gauge: the flanges, {1e3 * across:.1f} mm across, {verb} the {what}; allowed: a gauge "
+        f"{across:.4g} to {across + widest:.4g} m, or another wheel.back_to_back ({1e3 * wheel.back_to_back:g} mm)"
+    )
+    return [ConfigProblem(file, "support.data.gauge", show_value(support.gauge), allowed)]

@@ -1,0 +1,180 @@
+"""Checks of a track: segments that join, speeds the vehicle stays on its rails at, irregularities that reach far enough.
+
+Rules and limits: docs/theory/layout.md.
+"""
+
+import math
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+
+import numpy as np
+
+from rollerrig.config.errors import ConfigProblem, show_value
+from rollerrig.config.schema.case import CaseTables, Motion
+from rollerrig.config.schema.irregularity import MeasuredIrregularity, rails_of_run
+from rollerrig.config.schema.support import Rig
+from rollerrig.config.schema.track import Curve, Track, Transition, layout
+from rollerrig.irregularity import IrregularityError, read_measured_track
+from rollerrig.profiles import profile_from_spec
+from rollerrig.track import Segment, highest_speed, limit_of_lateral_force, plane_acceleration
+
+FLATTEST_FLANGE = math.radians(45)
+"""A wheel that is nowhere steeper has no flange to climb."""
+
+
+def check_line(support: Rig | Track, file: str) -> list[ConfigProblem]:
+    """Segments must join: curvature and cant jump nowhere, and a transition has something on either side."""
+    if not isinstance(support, Track):
+        return []
+    problems = []
+    segments = support.segment
+    for i, segment in enumerate(segments):
+        if isinstance(segment, Transition):
+            lone = i in (0, len(segments) - 1) or isinstance(segments[i - 1], Transition)
+            if lone or isinstance(segments[i + 1], Transition):
+                allowed = "segments do not join; allowed: a transition between straights or curves, which it joins"
+                problems.append(ConfigProblem(file, f"segment[{i}].kind", "'transition'", allowed))
+    if not problems:
+        chain = layout(support)
+        for i, (before, after) in enumerate(zip(chain[:-1], chain[1:], strict=True)):
+            problems += _joint(before, after, i + 1, file)
+    return problems
+
+
+def _joint(before: Segment, after: Segment, number: int, file: str) -> Iterator[ConfigProblem]:
+    if before.curvature[1] != after.curvature[0] or before.cant[1] != after.cant[0]:
+        allowed = (
+            f"segments do not join: segment[{number - 1}] ends with {end_of(before)}, segment[{number}] begins with "
+            f"{end_of(after, 0)}; put a transition between them"
+        )
+        yield ConfigProblem(file, f"segment[{number}]", f"a {after.kind}", allowed)
+
+
+def end_of(segment: Segment, side: int = 1) -> str:
+    """Curvature and cant at one end of a segment (0 its start, 1 its end), in words."""
+    curvature, cant = segment.curvature[side], segment.cant[side]
+    if not curvature:
+        return "no curvature" + (f" and {1e3 * abs(cant):g} mm of cant" if cant else "")
+    where = "left" if curvature > 0 else "right"
+    outer = math.copysign(1e3 * cant, cant * curvature) if cant else 0.0
+    return f"a radius of {1 / abs(curvature):g} m to the {where} and {outer:g} mm of cant"
+
+
+def check_measured_file(support: Rig | Track, file: str) -> list[ConfigProblem]:
+    """A file of measured rails must be readable, whatever runs over it."""
+    if not isinstance(support.irregularity, MeasuredIrregularity):
+        return []
+    path = support.irregularity.path
+    try:
+        read_measured_track(Path(path))
+    except IrregularityError as error:
+        reason = str(error).removeprefix(f"{path}: ")
+        return [ConfigProblem(file, "irregularity.path", show_value(path), reason)]
+    return []
+
+
+def check_track(case: CaseTables, file: str) -> list[ConfigProblem]:
+    """What only a vehicle at a speed can be asked."""
+    support = case.support.data
+    problems = list(_irregularity(case, file))
+    if isinstance(support, Track) and support.segment and not problems:
+        problems += _speed_in_curves(case, support, file)
+    return problems
+
+
+def _irregularity(case: CaseTables, file: str) -> Iterable[ConfigProblem]:
+    support, irregularity = case.support.data, case.support.data.irregularity
+    if irregularity is None:
+        return
+    if isinstance(support, Rig) and case.motion.drive != "speed_controlled":
+        allowed = "allowed with an irregularity that is fed to the rollers: 'speed_controlled', which says how far they have run"
+        yield ConfigProblem(file, "motion.drive", show_value(case.motion.drive), allowed)
+        return
+    try:
+        rails_of_run(irregularity, foremost_wheelset(case), distance_run(case.motion, case.time.duration))
+    except IrregularityError as error:
+        path = str(getattr(irregularity, "path", ""))
+        reason = str(error).removeprefix(f"{path}: ")
+        yield ConfigProblem(file, "support.data.irregularity.path", show_value(path), reason)
+
+
+def foremost_wheelset(case: CaseTables) -> float:
+    """How far ahead of the middle of the vehicle (or of its cut) the foremost wheelset stands [m]."""
+    cut = case.vehicle.part
+    return max(b.position[0] - cut.origin_x for b in case.vehicle.data.bodies_in(cut) if b.kind == "wheelset")
+
+
+def distance_run(motion: Motion, time: float) -> float:
+    """Distance that the vehicle's frame runs until a time [m]."""
+    if motion.speed_table is None:
+        return motion.speed * time
+    times, speeds = np.array(motion.speed_table).T
+    knots = np.union1d(times[times < time], [0.0, time])
+    return float(np.trapezoid(np.interp(knots, times, speeds), knots))
+
+
+def speed_at(motion: Motion, distance: float, duration: float) -> float:
+    """Speed with which the vehicle's frame passes a distance, or with which it stops short of it [m/s]."""
+    if motion.speed_table is None:
+        return motion.speed
+    low, high = 0.0, duration
+    while high - low > 1e-6 * duration:
+        middle = (low + high) / 2
+        low, high = (middle, high) if distance_run(motion, middle) < distance else (low, middle)
+    times, speeds = np.array(motion.speed_table).T
+    return float(np.interp(low, times, speeds))
+
+
+def speeds_on(case: CaseTables, segment: Segment) -> tuple[float, float] | None:
+    """Lowest and highest speed at which the vehicle's frame runs on a segment [m/s]; None if it does not get there."""
+    motion, duration = case.motion, case.time.duration
+    end = distance_run(motion, duration)
+    if segment.start > end:
+        return None
+    places = [max(segment.start, 0.0), min(segment.end, end)]
+    for time, _ in motion.speed_table or ():
+        if time < duration and places[0] < distance_run(motion, time) < places[1]:
+            places.append(distance_run(motion, time))
+    found = [speed_at(motion, place, duration) for place in places]
+    return min(found), max(found)
+
+
+def highest_speed_on(case: CaseTables, track: Track, curve: Segment) -> float:
+    """Speed beyond which the vehicle overturns on a curve or climbs its outer rail, by statics [m/s]."""
+    limit, _ = lateral_force_limit(case)
+    return highest_speed(curve.curvature[0], curve.cant[0], track.cant_base, limit)
+
+
+def _speed_in_curves(case: CaseTables, track: Track, file: str) -> Iterator[ConfigProblem]:
+    _, what = lateral_force_limit(case)
+    for i, (segment, curve) in enumerate(zip(layout(track), track.segment, strict=True)):
+        speeds = speeds_on(case, segment) if isinstance(curve, Curve) else None
+        if speeds is None or not isinstance(curve, Curve):
+            continue
+        curvature, cant = segment.curvature[0], segment.cant[0]
+        highest = highest_speed_on(case, track, segment)
+        if speeds[1] > highest:
+            left = abs(plane_acceleration(speeds[1], curvature, cant, track.cant_base))
+            allowed = (
+                f"speed beyond {what} on support.data.segment[{i}], radius {curve.radius:g} m, cant {1e3 * curve.cant:g} mm: "
+                f"{left:.2f} m/s^2 are left in the plane of the track; allowed there: at most {3.6 * highest:.0f} km/h"
+            )
+            yield ConfigProblem(file, "motion.speed", f"{3.6 * speeds[1]:g} km/h", allowed)
+
+
+def lateral_force_limit(case: CaseTables) -> tuple[float, str]:
+    """Lateral force per load at which the free bodies of the case overturn or climb, and which of the two."""
+    vehicle, cut = case.vehicle.data, case.vehicle.part
+    bodies = vehicle.bodies_in(cut)
+    mass = sum(body.mass for body in bodies)
+    height = sum(body.mass * body.position[2] for body in bodies) / mass
+    slope = steepest_flange(case)
+    flange = math.atan(slope) if slope > math.tan(FLATTEST_FLANGE) else None
+    base = case.support.data.cant_base if isinstance(case.support.data, Track) else 1.5
+    return limit_of_lateral_force(height, base, flange, case.contact.friction)
+
+
+def steepest_flange(case: CaseTables) -> float:
+    """Largest slope of the wheel's profile towards the flange [-]."""
+    table = profile_from_spec(case.vehicle.data.wheel.profile.arguments(), "wheel")
+    return -float(table.evaluate(np.linspace(*table.domain, 2001), 1).min())

@@ -1,0 +1,117 @@
+"""Checks of a vehicle across its tables: names that must exist, ends that must lie on an axle."""
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import Any
+
+from rollerrig.config.errors import ConfigProblem, join_key, nearest, one_of, show_value
+from rollerrig.config.schema.vehicle import DIRECTIONS, Cut, Element, Vehicle
+from rollerrig.config.validate.messages import item_label
+
+_ON_AXLE = 1e-6  # [m] round-off of positions written in decimals
+
+
+def check_vehicle_names(raw: Mapping[str, Any], file: str) -> list[ConfigProblem]:
+    """Names used twice or nowhere defined; works on raw tables, so that other mistakes do not hide these."""
+    problems = [*_duplicates(raw, "body", file), *_duplicates(raw, "element", file)]
+    names = [body["name"] for _, body in labelled(raw, "body") if isinstance(body.get("name"), str)]
+    bodies = list(dict.fromkeys(names))
+    if not bodies:
+        return problems
+    for label, element in labelled(raw, "element"):
+        problems += unknown_names(element.get("between"), bodies, f"{label}.between", file)
+    cuts = raw.get("cut")
+    for name, cut in cuts.items() if isinstance(cuts, Mapping) else ():
+        if not isinstance(cut, Mapping):
+            continue
+        for key in ("bodies", "fixed"):
+            problems += unknown_names(cut.get(key), bodies, f"cut.{name}.{key}", file)
+    return problems
+
+
+def labelled(raw: Mapping[str, Any], key: str) -> Iterator[tuple[str, Mapping[str, Any]]]:
+    """The tables of an array of tables, each with its dotted key; whatever is not a table is skipped."""
+    items = raw.get(key)
+    if not isinstance(items, list | tuple):
+        return
+    for index, item in enumerate(items):
+        if isinstance(item, Mapping):
+            yield join_key(key, item_label(items, index)), item
+
+
+def unknown_names(names: object, known: Sequence[str], key: str, file: str) -> list[ConfigProblem]:
+    """One problem for each name that is not known; a single text counts as a list of one."""
+    entries = names if isinstance(names, list | tuple) else [names]
+    return [
+        ConfigProblem(file, key, show_value(name), one_of(known), nearest(name, known))
+        for name in entries
+        if isinstance(name, str) and name not in known
+    ]
+
+
+def _duplicates(raw: Mapping[str, Any], key: str, file: str) -> Iterator[ConfigProblem]:
+    seen: set[str] = set()
+    for label, item in labelled(raw, key):
+        name = item.get("name")
+        if isinstance(name, str) and name in seen:
+            yield ConfigProblem(file, f"{label}.name", show_value(name), "allowed: each name once")
+        elif isinstance(name, str):
+            seen.add(name)
+
+
+def check_vehicle(vehicle: Vehicle, file: str) -> list[ConfigProblem]:
+    """What only a vehicle of valid tables can be asked."""
+    problems: list[ConfigProblem] = []
+    problems += _axles(vehicle, file)
+    for element in vehicle.element:
+        problems += _ends(vehicle, element, file)
+    for name in vehicle.cut_names():
+        problems += _cut(vehicle, name, vehicle.cut_named(name), file)
+    return problems
+
+
+def _axles(vehicle: Vehicle, file: str) -> Iterable[ConfigProblem]:
+    radius = vehicle.wheel.radius
+    for body in vehicle.body:
+        if body.kind != "wheelset":
+            continue
+        x, y, z = body.position
+        if abs(z - radius) > _ON_AXLE or abs(y) > _ON_AXLE:
+            allowed = f"allowed for a wheelset: [x, 0, {radius:g}], its wheels of radius {radius:g} m standing at z = 0"
+            yield ConfigProblem(file, f"body.{body.name}.position", show_value((x, y, z)), allowed)
+
+
+def _ends(vehicle: Vehicle, element: Element, file: str) -> Iterable[ConfigProblem]:
+    for name, end in zip(element.between, (element.end_a, element.end_b), strict=True):
+        body = vehicle.body_named(name)
+        x, _, z = body.position
+        if body.kind == "wheelset" and (abs(end[0] - x) > _ON_AXLE or abs(end[2] - z) > _ON_AXLE):
+            allowed = f"allowed: a point on the axle of {name}, which does not turn with it: [{x:g}, y, {z:g}]"
+            key = f"element.{element.name}.{'points' if element.points else 'point'}"
+            yield ConfigProblem(file, key, show_value(end), allowed)
+    kinds = [vehicle.body_named(name).kind for name in element.between]
+    if kinds[0] == "wheelset":  # the force acts at the end on b: beside the axle of a, which it would turn
+        allowed = "allowed: the wheelset as the second of the two, since the force acts at the end on the second body"
+        yield ConfigProblem(file, f"element.{element.name}.between", show_value(element.between), allowed)
+    if element.pitch is not None and "wheelset" in kinds:
+        allowed = "allowed: no moment about the axle of a wheelset, which spins"
+        yield ConfigProblem(file, f"element.{element.name}.pitch", "a law", allowed)
+
+
+def _cut(vehicle: Vehicle, name: str, cut: Cut, file: str) -> Iterable[ConfigProblem]:
+    key = f"cut.{name}"
+    for body in vehicle.bodies_in(cut):
+        carried = any(body.name in element.between for element in vehicle.elements_in(cut))
+        if body.kind == "rigid" and not carried and len(set(body.locked)) < len(DIRECTIONS):
+            allowed = "allowed: wheelsets, and bodies that an element of the cut holds up"
+            yield ConfigProblem(file, f"{key}.bodies", show_value(body.name), allowed)
+    for body_name in sorted(set(cut.bodies) & set(cut.fixed)):
+        yield ConfigProblem(file, f"{key}.held", show_value(body_name), "allowed: bodies that are not also kept free")
+    for body_name in cut.fixed:
+        if vehicle.body_named(body_name).kind == "wheelset":
+            yield ConfigProblem(file, f"{key}.held", show_value(body_name), "allowed: bodies that are not wheelsets")
+    for field, names in (("bodies", cut.bodies), ("fixed", cut.fixed)):
+        for body_name in sorted({n for n in names if names.count(n) > 1}):
+            yield ConfigProblem(file, f"{key}.{field}", show_value(body_name), "allowed: each body once")
+    if not any(body.kind == "wheelset" for body in vehicle.bodies_in(cut)):
+        allowed = "needed: at least one body of kind = 'wheelset'"
+        yield ConfigProblem(file, f"{key}.bodies", show_value(cut.bodies), allowed)

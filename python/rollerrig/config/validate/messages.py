@@ -1,0 +1,225 @@
+"""From pydantic's list of errors to lines a rig engineer understands.
+
+raw table -> [validate] -> (object, no problems) or (None, one problem per mistake)
+"""
+
+import types
+from collections.abc import Mapping, Sequence
+from typing import Annotated, Any, Literal, NamedTuple, TypeVar, Union, get_args, get_origin
+
+from pydantic import BaseModel, RootModel, ValidationError
+from pydantic.fields import FieldInfo
+from pydantic_core import ErrorDetails
+
+from rollerrig.config.errors import ConfigProblem, join_key, nearest, one_of, show_value
+from rollerrig.config.schema.base import INSTEAD_OF, quantity_of
+from rollerrig.config.schema.units import KEY_SUFFIXES
+
+M = TypeVar("M", bound=BaseModel)
+
+_RENAMED: Mapping[str, tuple[str, ...]] = {
+    "anti_slip": ("wheel_slip_control",),
+    "believed": ("assumed",),
+    "cleaned": ("recovered",),
+    "cleaning": ("recovery_constant",),
+    "decay": ("B",),
+    "held": ("fixed", "speed_controlled"),
+    "ideal_rolling": ("pure_rolling",),
+    "merge_barrier": ("merging_criterion",),
+    "ratio": ("A",),
+    "remaining": ("A",),
+    "slip_reduction": ("k_S",),
+    "standstill_speed": ("creepage_regularisation_speed", "friction_regularisation_speed"),
+    "start": ("mu_0",),
+    "stick_reduction": ("k_A",),
+}
+"""Former key or word -> what it may be called now."""
+
+_NAMING_KEYS = ("name", "wheelset", "body")
+_KINDS = {
+    "string_type": "allowed: a text",
+    "bool_type": "allowed: true or false",
+    "int_type": "allowed: a whole number",
+    "tuple_type": "allowed: a list",
+    "dict_type": "allowed: a table",
+    "string_pattern_mismatch": "allowed: a name of at most 60 letters, digits, _ and -",
+    "string_too_short": "allowed: a text that is not empty",
+}
+
+
+class _Place(NamedTuple):
+    """Where an error sits: what the user wrote there and what the schema says about it."""
+
+    key: str
+    model: type[BaseModel] | None  # the table that owns the last key
+    field: FieldInfo | None
+    choices: Sequence[type[BaseModel]]  # tables that may stand here
+    raw: Any
+
+
+def validate(model: type[M], raw: object, file: str, prefix: str = "") -> tuple[M | None, list[ConfigProblem]]:
+    """Build ``model`` from raw TOML values; on mistakes the object is None and each is listed."""
+    try:
+        return model.model_validate(raw), []
+    except ValidationError as error:
+        found = [_problem(model, raw, item, file) for item in error.errors(include_url=False)]
+        return None, list(dict.fromkeys(problem.within(prefix) for problem in found if problem))
+
+
+def item_label(items: Sequence[object], index: int) -> str:
+    """``.name`` of a list item where names are unique, else ``[index]``."""
+
+    def name(item: object) -> object:
+        if isinstance(item, Mapping):
+            return next((item[key] for key in _NAMING_KEYS if isinstance(item.get(key), str)), None)
+        return None
+
+    own = name(items[index]) if index < len(items) else None
+    usable = isinstance(own, str) and own.replace("_", "").replace("-", "").isalnum()
+    return f"{own}" if usable and [name(item) for item in items].count(own) == 1 else f"[{index}]"
+
+
+def _bare(annotation: Any) -> Any:
+    """Without Annotated and without None."""
+    while get_origin(annotation) is Annotated:
+        annotation = get_args(annotation)[0]
+    if get_origin(annotation) in (Union, types.UnionType):
+        members = [member for member in get_args(annotation) if member is not type(None)]
+        if len(members) == 1:
+            return _bare(members[0])
+    return annotation
+
+
+def tables_in(annotation: Any) -> tuple[type[BaseModel], ...]:
+    """The models an annotation may hold directly: one, several of a union, or none."""
+    annotation = _bare(annotation)
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        return (annotation,)
+    if get_origin(annotation) in (Union, types.UnionType):
+        return tuple(table for member in get_args(annotation) for table in tables_in(member))
+    return ()
+
+
+def tag_of(table: type[BaseModel]) -> str:
+    """The value of ``kind`` that selects this table in a union, or ""."""
+    kind = table.model_fields.get("kind")
+    choices = get_args(kind.annotation) if kind and get_origin(kind.annotation) is Literal else ()
+    return str(choices[0]) if len(choices) == 1 else ""
+
+
+def _locate(model: type[BaseModel], raw: Any, location: Sequence[int | str]) -> _Place:
+    annotation: Any = model.model_fields["root"].annotation if issubclass(model, RootModel) else model
+    place = _Place("", None, None, tables_in(annotation), raw)
+    for item in location:
+        tables = tables_in(annotation)
+        if len(tables) > 1:  # the item is the tag of a union, which the user did not write
+            annotation = next(table for table in tables if tag_of(table) == item)
+            place = place._replace(choices=(annotation,))
+        elif tables:
+            place = _enter_table(place, tables[0], str(item))
+            annotation = place.field.annotation if place.field else None
+        else:
+            place, annotation = _enter_list(place, annotation, item)
+        place = place._replace(choices=tables_in(annotation))
+    return place
+
+
+def _enter_table(place: _Place, table: type[BaseModel], item: str) -> _Place:
+    raw, key = place.raw, item
+    if isinstance(raw, BaseModel):
+        raw = {name: getattr(raw, name) for name in type(raw).model_fields}
+    if isinstance(raw, Mapping):
+        spelled = [f"{item}_{suffix}" for suffix in KEY_SUFFIXES if f"{item}_{suffix}" in raw]
+        key = spelled[0] if item not in raw and spelled else item
+        raw = raw.get(key)
+    return _Place(join_key(place.key, key), table, table.model_fields.get(item), (), raw)
+
+
+def _enter_list(place: _Place, annotation: Any, item: int | str) -> tuple[_Place, Any]:
+    annotation, raw = _bare(annotation), place.raw
+    arguments = get_args(annotation)
+    if isinstance(item, int):
+        is_list = isinstance(raw, list | tuple)
+        label = item_label(raw, item) if is_list else f"[{item}]"
+        inner = (
+            arguments[0] if len(arguments) == 2 and arguments[1] is Ellipsis else dict(enumerate(arguments)).get(item)
+        )
+        raw = raw[item] if is_list and item < len(raw) else None
+    elif item == "[key]":  # pydantic's mark for "the key itself is wrong"
+        return place, annotation
+    else:
+        label, inner = item, (arguments or (None,))[-1]
+        raw = raw.get(item) if isinstance(raw, Mapping) else None
+    return _Place(join_key(place.key, label), None, place.field, (), raw), inner
+
+
+def _problem(model: type[BaseModel], raw: object, error: ErrorDetails, file: str) -> ConfigProblem | None:
+    place = _locate(model, raw, error["loc"])
+    context: Mapping[str, Any] = error.get("ctx", {})
+    match error["type"]:
+        case "extra_forbidden":
+            keys = tuple(place.model.model_fields) if place.model else ()
+            hint = _meant(error["loc"][-1], keys)
+            return ConfigProblem(file, place.key, f"unknown key (= {show_value(error['input'])})", one_of(keys), hint)
+        case "missing":
+            holder = _locate(model, raw, error["loc"][:-1]).raw
+            if isinstance(holder, Mapping) and _instead(place.field) in holder:
+                return None  # it follows from the other key, whose own mistake is reported
+            return ConfigProblem(file, place.key, "missing", _needed(place))
+        case "at_key":
+            at = place.raw
+            for part in str(context["key"]).split("."):
+                at = at.get(part) if isinstance(at, Mapping) else getattr(at, part, None)
+            key = join_key(place.key, str(context["key"]))
+            return ConfigProblem(file, key, "missing" if at is None else show_value(at), str(context["allowed"]))
+        case "union_tag_invalid" | "union_tag_not_found":
+            tags = [tag_of(table) for table in place.choices]
+            kind = place.raw.get("kind") if isinstance(place.raw, Mapping) else None
+            value = "missing" if kind is None else show_value(kind)
+            return ConfigProblem(file, join_key(place.key, "kind"), value, one_of(tags), nearest(kind, tags))
+        case "literal_error":
+            choices = [str(choice) for choice in get_args(_literal(place))]
+            return ConfigProblem(
+                file, place.key, show_value(error["input"]), one_of(choices), _meant(error["input"], choices)
+            )
+    return ConfigProblem(file, place.key, show_value(error["input"]), _allowed(place, error, context))
+
+
+def _meant(word: object, choices: Sequence[str]) -> str:
+    """The present name of a renamed key or word, or the nearest of those allowed."""
+    present = (new for new in _RENAMED.get(str(word), ()) if new in choices)
+    return next(present, "") or nearest(word, choices)
+
+
+def _literal(place: _Place) -> Any:
+    annotation = _bare(place.field.annotation) if place.field else None
+    while annotation is not None and get_origin(annotation) is not Literal:
+        annotation = _bare(get_args(annotation)[0]) if get_args(annotation) else None
+    return annotation
+
+
+def _needed(place: _Place) -> str:
+    quantity = quantity_of(place.field.annotation, place.field.metadata) if place.field else None
+    other = f", or `{_instead(place.field)}` in its place" if _instead(place.field) else ""
+    if quantity and tables_in(place.field.annotation if place.field else None) == ():
+        return quantity.allowed.replace("allowed", "needed", 1) + other
+    return f"needed: {place.field.description}{other}" if place.field and place.field.description else "needed"
+
+
+def _instead(field: FieldInfo | None) -> str:
+    """The key that a file may give in place of this one, or ""."""
+    extra = field.json_schema_extra if field else None
+    return str(extra.get(INSTEAD_OF, "")) if isinstance(extra, dict) else ""
+
+
+def _allowed(place: _Place, error: ErrorDetails, context: Mapping[str, Any]) -> str:
+    if "allowed" in context:
+        return str(context["allowed"])
+    if error["type"] in ("model_type", "model_attributes_type"):
+        keys = dict.fromkeys(key for table in place.choices for key in table.model_fields)
+        return f"allowed: a table with {', '.join(keys)}"
+    if error["type"] == "too_short":
+        return f"allowed: at least {context.get('min_length')} entries"
+    if error["type"] == "too_long":
+        return f"allowed: exactly {context.get('max_length')} entries"
+    return _KINDS.get(error["type"], f"allowed: {error['msg'][:1].lower()}{error['msg'][1:]}")

@@ -1,0 +1,1 @@
+"""Objects as TOML text; the reference of all keys."""
