@@ -24,6 +24,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 import numpy as np
 
 from rollerrig import _core, load_case
+from rollerrig.actuators import assemble_with_actuators
 from rollerrig.assembly import assemble
 from rollerrig.bench import BenchRun
 from rollerrig.simulation import begin
@@ -44,7 +45,7 @@ def measure(place: str, duration: float | None) -> dict[str, float]:
     count = int(case.time.duration / case.time.output_step) + 2
     best = np.inf
     for _ in range(3):
-        run = BenchRun(assemble(case))
+        run = BenchRun(assemble_with_actuators(case))
         begun = time.process_time()
         result = run.run(count)
         best = min(best, time.process_time() - begun)

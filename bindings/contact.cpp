@@ -18,11 +18,14 @@ using namespace rollerrig;
 
 namespace {
 
-/// Owns nothing of the model but keeps it alive through nanobind's keep_alive.
+/// Keeps the model alive that the contacts are part of.
 struct Press {
+  std::shared_ptr<Model const> model;
   WheelsetPress press;
-  Press(Model const& m, int left, int right)
-      : press(m.contacts.at(static_cast<std::size_t>(left)), m.contacts.at(static_cast<std::size_t>(right))) {}
+  Press(std::shared_ptr<Model const> shared, int left, int right)
+      : model(std::move(shared)),
+        press(model->contacts.at(static_cast<std::size_t>(left)), model->contacts.at(static_cast<std::size_t>(right))) {
+  }
 };
 
 nb::dict as_dict(PressedPatch const& p) {
@@ -39,8 +42,8 @@ nb::dict as_dict(PressedPatch const& p) {
   d["peak_pressure"] = p.peak_pressure;
   d["width"] = p.width;
   d["area"] = p.area;
-  d["point"] = triple(p.point);
-  d["direction"] = triple(p.direction);
+  d["point"] = p.point;
+  d["direction"] = p.direction;
   d["wheel_radius"] = p.wheel_radius;
   d["limited"] = p.limited;
   return d;
@@ -116,7 +119,7 @@ auto rolling_solutions(RollingReference& reference, Rows3 const& creepage) {
 
 void bind_contact(nb::module_& m) {
   nb::class_<Press>(m, "WheelsetPress", "A wheelset on its rollers or rails, quasi-static; SI, b frame.")
-      .def(nb::init<Model const&, int, int>(), "model"_a, "left"_a, "right"_a, nb::keep_alive<1, 2>())
+      .def(nb::init<std::shared_ptr<Model const>, int, int>(), "model"_a, "left"_a, "right"_a)
       .def(
           "press",
           [](Press& self, double x, double y, double yaw, double roll, double load, bool free_to_roll) {

@@ -1,7 +1,10 @@
-// bindings/convert.hpp - arrays and vectors between NumPy and the core.
+// bindings/convert.hpp - arrays, vectors, tables and records between Python and the core.
 #pragma once
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
+#include <nanobind/stl/array.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
 
 #include <array>
 #include <memory>
@@ -12,17 +15,87 @@
 
 namespace nb = nanobind;
 
+using Column = nb::ndarray<double const, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
+using Matrix = nb::ndarray<double const, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
+
+namespace nanobind::detail {
+
+/// A value that Python sees as `Plain`: `to` and `from` translate.
+template <class Inner, class Plain, Inner (*from)(Plain const&), Plain (*to)(Inner const&)>
+struct translated_caster {
+  NB_TYPE_CASTER(Inner, make_caster<Plain>::Name)
+
+  bool from_python(handle source, uint8_t flags, cleanup_list* cleanup) noexcept {
+    make_caster<Plain> plain;
+    if (!plain.from_python(source, flags, cleanup)) return false;
+    value = from(plain.operator cast_t<Plain&>());
+    return true;
+  }
+  static handle from_cpp(Inner const& source, rv_policy policy, cleanup_list* cleanup) noexcept {
+    return make_caster<Plain>::from_cpp(to(source), policy, cleanup);
+  }
+};
+
 using Triple = std::array<double, 3>;
 using Rows2 = std::vector<std::array<double, 2>>;
-using Column = nb::ndarray<double const, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
 
-inline rollerrig::Vec3<double> vec3(Triple const& a) { return {a[0], a[1], a[2]}; }
-inline Triple triple(rollerrig::Vec3<double> const& v) { return {v.x, v.y, v.z}; }
+inline rollerrig::Vec3<double> vector_from(Triple const& a) { return {a[0], a[1], a[2]}; }
+inline Triple triple_from(rollerrig::Vec3<double> const& v) { return {v.x, v.y, v.z}; }
 
-inline rollerrig::PiecewiseLinear piecewise(Rows2 const& rows) {
+inline rollerrig::PiecewiseLinear table_from(Rows2 const& rows) {
   rollerrig::PiecewiseLinear table;
   for (auto const& row : rows) table.x.push_back(row[0]), table.y.push_back(row[1]);
   return table;
+}
+inline Rows2 rows_from(rollerrig::PiecewiseLinear const& table) {
+  Rows2 rows;
+  for (std::size_t i = 0; i < table.x.size(); ++i) rows.push_back({table.x[i], table.y[i]});
+  return rows;
+}
+inline rollerrig::TimeTable time_table_from(Rows2 const& rows) { return {table_from(rows)}; }
+inline Rows2 rows_from_time_table(rollerrig::TimeTable const& table) { return rows_from(table.points); }
+
+template <>
+struct type_caster<rollerrig::Vec3<double>>
+    : translated_caster<rollerrig::Vec3<double>, Triple, vector_from, triple_from> {};
+template <>
+struct type_caster<rollerrig::PiecewiseLinear>
+    : translated_caster<rollerrig::PiecewiseLinear, Rows2, table_from, rows_from> {};
+template <>
+struct type_caster<rollerrig::TimeTable>
+    : translated_caster<rollerrig::TimeTable, Rows2, time_table_from, rows_from_time_table> {};
+
+}  // namespace nanobind::detail
+
+/// A field of a record, under its name in Python.
+template <class Record, class Value>
+struct Member {
+  char const* name;
+  Value Record::* member;
+};
+
+/// Binds a struct whose fields Python gives by name, every one of them, and may read: defaults live in Python.
+template <class Record, class... Values>
+nb::class_<Record> bind_description(nb::module_& m, char const* name, char const* doc,
+                                    Member<Record, Values>... fields) {
+  nb::class_<Record> type(m, name, doc);
+  type.def(
+      "__init__",
+      [fields...](Record* self, Values... values) {
+        new (self) Record{};
+        ((self->*fields.member = std::move(values)), ...);
+      },
+      nb::kw_only(), nb::arg(fields.name)...);
+  (type.def_ro(fields.name, fields.member), ...);
+  return type;
+}
+
+/// Binds a struct that the core returns: its fields by name, to be read.
+template <class Record, class... Values>
+nb::class_<Record> bind_result(nb::module_& m, char const* name, char const* doc, Member<Record, Values>... fields) {
+  nb::class_<Record> type(m, name, doc);
+  (type.def_ro(fields.name, fields.member), ...);
+  return type;
 }
 
 /// A NumPy array that owns its memory.

@@ -2,6 +2,7 @@
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/array.h>
 #include <nanobind/stl/pair.h>
+#include <nanobind/stl/shared_ptr.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
@@ -9,7 +10,7 @@
 #include "rollerrig/mechatronics/estimator_response.hpp"
 #include "rollerrig/simulate/recorder.hpp"
 #include "rollerrig/simulate/sampled_run.hpp"
-#include "rollerrig/system/motor_mounting.hpp"
+#include "rollerrig/system/model_builder.hpp"
 
 using namespace nb::literals;
 using namespace rollerrig;
@@ -129,8 +130,8 @@ VirtualRail virtual_rail(nb::dict const& d, Model const& model, int contact) {
   rail.creep = laws.creep;
   rail.creepage_regularisation_speed = laws.creepage_regularisation_speed;
   rail.friction = laws.friction;
-  if (int const map = get<int>(d, "friction_map"); map >= 0)
-    rail.friction.map = &model.adhesion_maps.at(static_cast<std::size_t>(map));
+  if (int const map = get<int>(d, "adhesion_map"); map >= 0)
+    rail.friction.map = model.adhesion_maps.at(static_cast<std::size_t>(map)).get();
   rail.wheel_load = get<double>(d, "wheel_load"), rail.a = get<double>(d, "a"), rail.b = get<double>(d, "b");
   rail.width = get<double>(d, "width");
   rail.log_aspect = std::log(rail.a / rail.b);
@@ -146,8 +147,8 @@ BenchSetup setup_from(nb::dict const& d, Model const& model) {
     BenchAxle a;
     a.wheelset = get<int>(item, "wheelset"), a.axle_torque = get<int>(item, "axle_torque");
     a.brake = get<int>(item, "brake"), a.roller = get<int>(item, "roller");
-    a.roller_torque = get<int>(item, "roller_torque"), a.contact = get<std::array<int, 2>>(item, "contact");
-    s.place[s.axles.size()] = get<double>(item, "place");
+    a.roller_torque = get<int>(item, "roller_torque"), a.contact = get<std::array<int, 2>>(item, "contacts");
+    s.place[s.axles.size()] = get<double>(item, "x");
     s.axles.push_back(a);
     if (s.axles.size() == most_axles) break;
   }
@@ -177,8 +178,8 @@ BenchSetup setup_from(nb::dict const& d, Model const& model) {
 /// A model on its bench, with the rows of plant and bench recorded side by side.
 class Bench {
  public:
-  Bench(Model const& model, nb::dict const& settings)
-      : dynamics_(model), recorder_(model), setup_(setup_from(settings, model)), bench_(dynamics_, setup_) {}
+  Bench(std::shared_ptr<Model const> const& model, nb::dict const& settings)
+      : dynamics_(model), recorder_(*model), setup_(setup_from(settings, *model)), bench_(dynamics_, setup_) {}
 
   int start(Column const& x0) {
     if (static_cast<int>(x0.shape(0)) != dynamics_.sizes().states)
@@ -233,7 +234,7 @@ void bind_bench(nb::module_& m) {
       .value("wheel_slip_control", TestBench::Role::wheel_slip_control)
       .value("rig", TestBench::Role::rig);
   nb::class_<Bench>(m, "Bench", "A model with machines and controllers around it; see rollerrig.bench.")
-      .def(nb::init<Model const&, nb::dict const&>(), "model"_a, "settings"_a, nb::keep_alive<1, 2>())
+      .def(nb::init<std::shared_ptr<Model const>, nb::dict const&>(), "model"_a, "settings"_a)
       .def("start", &Bench::start, "x0"_a)
       .def("advance", &Bench::advance, "t_stop"_a, "output_every"_a, "times"_a, "plant"_a, "bench"_a, "filled"_a)
       .def(
@@ -258,11 +259,10 @@ void bind_bench(nb::module_& m) {
       .def_prop_ro("bench_width", &Bench::bench_width);
   m.def(
       "add_brake",
-      [](Model& model, int wheelset, int reaction, nb::dict const& brake) {
-        model.brakes.push_back({wheelset, reaction, pneumatic(brake)});
-        return static_cast<int>(model.brakes.size()) - 1;
+      [](ModelBuilder& builder, int wheelset, int reaction, nb::dict const& brake) {
+        return builder.add_brake({wheelset, reaction, pneumatic(brake)});
       },
-      "model"_a, "wheelset"_a, "reaction"_a, "brake"_a,
+      "builder"_a, "wheelset"_a, "reaction"_a, "brake"_a,
       "A friction brake between an axle and a body, or -1: the ground.");
   m.def(
       "brake_torque",
@@ -271,19 +271,6 @@ void bind_bench(nb::module_& m) {
       },
       "brake"_a, "cylinder_pressure"_a, "axle_speed"_a,
       "Torque of a friction brake on its axle [N m], against its turning.");
-  m.def(
-      "mount_motor",
-      [](Model& model, int axle_torque, bool axle_hung, double link, double gear_ratio, double rotor_inertia) {
-        mount_motor(model, axle_torque, axle_hung ? link : 0.0, gear_ratio, rotor_inertia);
-      },
-      "model"_a, "axle_torque"_a, "axle_hung"_a, "link"_a, "gear_ratio"_a, "rotor_inertia"_a,
-      "How the motor behind an axle torque is held, and its rotor.");
-  m.def(
-      "add_roller_rotor",
-      [](Model& model, int roller, double gear_ratio, double rotor_inertia) {
-        if (rotor_inertia > 0.0) model.rotors.push_back({{{{roller, 0.0, 0.0, gear_ratio}, {}}}, rotor_inertia, 0.0});
-      },
-      "model"_a, "roller"_a, "gear_ratio"_a, "rotor_inertia"_a, "The rotor of a roller's drive, held by the ground.");
   m.def(
       "estimator_response",
       [](nb::dict const& settings, double period) {

@@ -3,6 +3,7 @@
 #include <nanobind/stl/array.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/pair.h>
+#include <nanobind/stl/shared_ptr.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
@@ -36,7 +37,8 @@ Method method_named(std::string const& name) {
 
 class Simulation {
  public:
-  explicit Simulation(Model const& model) : dynamics_(model), observed_(model), recorder_(model) {}
+  explicit Simulation(std::shared_ptr<Model const> const& model)
+      : dynamics_(model), observed_(model), recorder_(*model) {}
 
   void start(std::string const& method, double step, double relative, std::vector<double> const& absolute,
              double initial_step, double maximum_step, double final_time, double output_step,
@@ -218,7 +220,7 @@ nb::list field_list(std::span<Field const> fields) {
 
 void bind_simulation(nb::module_& m) {
   nb::class_<Simulation>(m, "Simulation", "Integrates one model; SI, states as in docs/theory.")
-      .def(nb::init<Model const&>(), "model"_a, nb::keep_alive<1, 2>())
+      .def(nb::init<std::shared_ptr<Model const>>(), "model"_a)
       .def("start", &Simulation::start, "method"_a, "step"_a, "relative_tolerance"_a, "absolute_tolerance"_a,
            "initial_step"_a, "maximum_step"_a, "final_time"_a, "output_step"_a, "breakpoints"_a, "t0"_a, "x0"_a)
       .def("advance", &Simulation::advance, "t_stop"_a, "times"_a, "rows"_a, "filled"_a)

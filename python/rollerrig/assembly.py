@@ -1,13 +1,16 @@
-"""From a checked case to the compiled model: the only caller of the core's constructors.
+"""From a checked case to the compiled model: the only caller of the core's ModelBuilder.
 
     Case -> [assemble] -> AssembledModel -> run, analysis
+            [Assembly] -> rollerrig.actuators /
 
 No physics here: positions are added up, names become indices, profiles become spline tables.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
 
 from rollerrig import _core
 from rollerrig.config import AngularSupport, Case, Foundation, LinearSupport, Mounting, Rig, Track, Vehicle
@@ -20,7 +23,8 @@ from rollerrig.profiles import ProfileTable, gauge_point, profile_from_spec
 from rollerrig.track import Line
 
 GROUND = -1
-Row = tuple[float, float]
+ABSENT = -1
+Rows = Sequence[tuple[float, float]]
 
 
 @dataclass(frozen=True)
@@ -34,11 +38,27 @@ class WheelInfo:
 
 
 @dataclass(frozen=True)
+class AxleActuators:
+    """Indices in the core's model of what acts on one axle; ABSENT where there is none."""
+
+    wheelset: int
+    contacts: tuple[int, ...]
+    x: float
+    """Design position along the vehicle [m]."""
+    brake: int = ABSENT
+    axle_torque: int = ABSENT
+    roller: int = ABSENT
+    roller_torque: int = ABSENT
+
+
+@dataclass(frozen=True)
 class AssembledModel:
     """A compiled model and the names of its parts, in the order of the core's indices."""
 
     case: Case
     core: _core.Model
+    start_core: _core.Model
+    """The model whose equilibrium a run starts from: `core` itself but for a train, see `rollerrig.actuators`."""
     bodies: tuple[str, ...]
     elements: tuple[str, ...]
     wheels: tuple[WheelInfo, ...]
@@ -63,8 +83,12 @@ class AssembledModel:
     """Curvature and cant of the track; None where it is straight, and on a rig."""
     irregularity: RailIrregularity | None
     """Displacements of the rails, or of the rollers that stand for them; None where there are none."""
-    breakpoints: tuple[float, ...] = field(default=())
+    breakpoints: tuple[float, ...]
     """Times at which an input has a corner [s]."""
+    axles: tuple[AxleActuators, ...]
+    """Actuators of each axle; empty where the model was assembled without."""
+    adhesion_map: int
+    """Index of the rails' adhesion in the core's model."""
 
     def body_index(self, name: str) -> int:
         """Index of a body in the core.
@@ -89,7 +113,7 @@ class AssembledModel:
 
 
 def assemble(case: Case) -> AssembledModel:
-    """Build the compiled model of a case.
+    """Build the compiled model of a case, without its actuators (see `rollerrig.actuators`).
 
     Args:
         case: a checked case.
@@ -97,17 +121,18 @@ def assemble(case: Case) -> AssembledModel:
     Returns:
         The model; constant, it may be shared by any number of simulations.
     """
-    return _Assembly(case).build()
+    return Assembly(case).finish()
 
 
-class _Assembly:
+class Assembly:
+    """A model in the making: the plant of a case in `builder`, to which more may be added before `finish`."""
+
     def __init__(self, case: Case) -> None:
         self.case = case
         self.vehicle: Vehicle = case.vehicle.data
         self.cut = case.vehicle.part
         self.support = case.support.data
-        self.core = _core.Model()
-        self.core.gravity = case.gravity
+        self.builder = _core.ModelBuilder(gravity=case.gravity)
         self.bodies: list[str] = []
         self.elements: list[str] = []
         self.rollers: list[str] = []
@@ -117,14 +142,72 @@ class _Assembly:
         self.masses: dict[str, float] = {}
         self.inertias: dict[str, tuple[float, float, float]] = {}
         self.roller_of: dict[tuple[str, str], int] = {}
+        self.preloads, self.axle_loads = static_loads(self.vehicle, case.gravity)
+        self._add_plant()
 
-    def build(self) -> AssembledModel:
-        preloads, axle_loads = static_loads(self.vehicle, self.case.gravity)
+    def index(self, name: str) -> int:
+        """Index of a body in the core."""
+        return self.bodies.index(name)
+
+    @property
+    def vehicle_bodies(self) -> list[str]:
+        """Bodies of the vehicle, fixed ones included; no rollers, no rails."""
+        return [b for b in self.bodies if b not in self.rollers and b not in self.rails]
+
+    def frame_of(self, wheelset: str) -> int:
+        """The body that carries callipers and motor of a wheelset: what its springs stand under; or GROUND."""
+        for element in self.vehicle.element:
+            if element.carries_load and wheelset in element.between:
+                other = element.between[0] if element.between[1] == wheelset else element.between[1]
+                return self.index(other) if other in self.bodies else GROUND
+        return GROUND
+
+    def finish(
+        self,
+        *,
+        start_core: _core.Model | None = None,
+        axles: tuple[AxleActuators, ...] = (),
+        adhesion_map: int = ABSENT,
+    ) -> AssembledModel:
+        """The model with what has been added so far; by custom a run starts from the equilibrium of this very model."""
+        core = self.builder.finish()
+        return AssembledModel(
+            case=self.case,
+            core=core,
+            start_core=start_core or core,
+            bodies=tuple(self.bodies),
+            elements=tuple(self.elements),
+            wheels=tuple(self.wheels),
+            wheelsets=tuple(self.wheelsets),
+            rollers=tuple(self.rollers),
+            rails=tuple(self.rails),
+            fixed=tuple(self.cut.fixed),
+            masses=self.masses,
+            inertias=self.inertias,
+            positions=self.positions,
+            axle_loads={name: self.axle_loads[name] for name in self.wheelsets},
+            preloads={name: self.preloads[name] for name in self.elements if name in self.preloads},
+            wheel_profile=self.wheel_profile,
+            rail_profile=self.rail_profile,
+            rail_origin_y=self.rail_origin,
+            line=self.line,
+            irregularity=self.irregularity,
+            breakpoints=self.breakpoints,
+            axles=axles,
+            adhesion_map=adhesion_map,
+        )
+
+    def _add_plant(self) -> None:
+        preloads, axle_loads = self.preloads, self.axle_loads
         kept = {*self.cut.bodies, *self.cut.fixed}
         for body in self.vehicle.body:
             if body.name in kept:
                 self._add_vehicle_body(body)
         wheelsets = [b for b in self.vehicle.bodies_in(self.cut) if b.kind == "wheelset"]
+        self.wheel_profile = profile_from_spec(self.vehicle.wheel.profile.arguments(), "wheel")
+        self.rail_profile = profile_from_spec(self.support.profile.arguments(), "rail")
+        # Lateral position of the left rail's highest point: the gauge is taken `gauge_depth` below it.
+        self.rail_origin = self.support.gauge / 2 + abs(gauge_point(self.rail_profile, self.support.gauge_depth))
         for element in self.vehicle.elements_in(self.cut):
             self._add_element(element, preloads.get(element.name, 0.0))
         if isinstance(self.support, Rig):
@@ -133,31 +216,10 @@ class _Assembly:
         elif self.support.foundation is not None:
             for body in wheelsets:
                 self._add_rails(body, self.support.foundation, axle_loads[body.name])
-        line, irregularity = self._add_way()
-        wheel, rail, rail_origin = self._add_contacts(wheelsets)
-        breakpoints = self._add_motion()
-        return AssembledModel(
-            case=self.case,
-            core=self.core,
-            bodies=tuple(self.bodies),
-            elements=tuple(self.elements),
-            wheels=tuple(self.wheels),
-            wheelsets=tuple(b.name for b in wheelsets),
-            rollers=tuple(self.rollers),
-            rails=tuple(self.rails),
-            fixed=tuple(self.cut.fixed),
-            masses=self.masses,
-            inertias=self.inertias,
-            positions=self.positions,
-            axle_loads={b.name: axle_loads[b.name] for b in wheelsets},
-            preloads={name: preloads[name] for name in self.elements if name in preloads},
-            wheel_profile=wheel,
-            rail_profile=rail,
-            rail_origin_y=rail_origin,
-            line=line,
-            irregularity=irregularity,
-            breakpoints=breakpoints,
-        )
+        self.wheelsets = [body.name for body in wheelsets]
+        self.line, self.irregularity = self._add_track_geometry()
+        self._add_contacts(wheelsets)
+        self.breakpoints = self._add_motion()
 
     def _add_vehicle_body(self, body: Body) -> None:
         x, y, z = body.position
@@ -165,7 +227,7 @@ class _Assembly:
         held = body.name in self.cut.fixed
         locked = [held or direction in body.locked for direction in DIRECTIONS]
         locked[0] = locked[0] or body.name == self._hauled()
-        self._add_body(body.name, body.mass, body.inertia, position, body.kind == "wheelset", locked, 0.0)
+        self._add_body(body.name, body.mass, body.inertia, position, locked, axisymmetric=body.kind == "wheelset")
 
     def _hauled(self) -> str | None:
         """The body that a line with curves takes along at the running speed: the heaviest, where no body is held.
@@ -182,28 +244,48 @@ class _Assembly:
         mass: float,
         inertia: tuple[float, float, float],
         position: tuple[float, float, float],
-        axisymmetric: bool,
         locked: list[bool],
-        driven_inverse_radius: float,
-        carried: bool = True,
+        *,
+        axisymmetric: bool = False,
+        speed_controlled_radius: float = 0.0,
+        in_moving_frame: bool = True,
     ) -> int:
         self.bodies.append(name)
         self.positions[name] = position
         self.masses[name] = mass
         self.inertias[name] = inertia
-        return self.core.add_body(mass, inertia, position, axisymmetric, locked, driven_inverse_radius, carried)
+        body = _core.Body(
+            mass=mass,
+            inertia=inertia,
+            position=position,
+            axisymmetric=axisymmetric,
+            locked=locked,
+            speed_controlled_radius=speed_controlled_radius,
+            in_moving_frame=in_moving_frame,
+        )
+        return self.builder.add_body(body)
 
     def _add_element(self, element: Element, preload: float) -> None:
         a, b = (self.bodies.index(name) for name in element.between)
         x, y, z = element.end_b
         bx, by, bz = self.positions[element.between[1]]
-        index = self.core.add_element(
-            a, b, (x - self.cut.origin_x - bx, y - by, z - bz), element.carries_load, element.clamped
-        )
         self.elements.append(element.name)
-        for direction, law in element.laws.items():
-            extra = preload if element.carries_load and direction == "z" else 0.0
-            set_law(self.core, index, DIRECTIONS.index(direction), law, extra)
+        own = {DIRECTIONS.index(direction): law for direction, law in element.laws.items()}
+        vertical = DIRECTIONS.index("z")
+        self.builder.add_element(
+            _core.ForceElement(
+                body_a=a,
+                body_b=b,
+                point_on_b=(x - self.cut.origin_x - bx, y - by, z - bz),
+                law=[
+                    direction_law(own[c], preload if element.carries_load and c == vertical else 0.0)
+                    if c in own
+                    else NO_LAW
+                    for c in range(len(DIRECTIONS))
+                ],
+                clamped=element.clamped,
+            )
+        )
 
     def _add_rollers(self, wheelset: Body, rig: Rig, axle_load: float) -> None:
         x = wheelset.position[0] - self.cut.origin_x
@@ -215,22 +297,30 @@ class _Assembly:
             "yaw": mounting is not None and mounting.yaw is not None,
         }
         locked = [not free.get(direction, False) for direction in DIRECTIONS]
-        driven = 1.0 / rig.roller_radius if self.case.motion.drive == "speed_controlled" else 0.0
+        controlled = rig.roller_radius if self.case.motion.drive == "speed_controlled" else 0.0
         number = wheelset.name.removeprefix("wheelset_")
         sides = ("",) if rig.coupling == "axle" else ("_left", "_right")
         share = 1.0 / len(sides)
         for side in sides:
-            y = {"": 0.0, "_left": 1.0, "_right": -1.0}[side] * self._rail_origin()
+            y = {"": 0.0, "_left": 1.0, "_right": -1.0}[side] * self.rail_origin
             name = f"roller_{number}{side}"
             ixx, iyy, izz = rig.roller_inertia
             inertia = (share * ixx, share * iyy, share * izz)
             position = (x, y, -rig.roller_radius)
-            index = self._add_body(name, share * rig.roller_mass, inertia, position, True, locked, driven)
+            index = self._add_body(
+                name,
+                share * rig.roller_mass,
+                inertia,
+                position,
+                locked,
+                axisymmetric=True,
+                speed_controlled_radius=controlled,
+            )
             self.rollers.append(name)
             for wheel_side in ("left", "right") if side == "" else (side[1:],):
                 self.roller_of[(wheelset.name, wheel_side)] = index
             if mounting is not None:
-                self._mount(name, index, mounting, share * (axle_load + rig.roller_mass * self.core.gravity))
+                self._mount(name, index, mounting, share * (axle_load + rig.roller_mass * self.case.gravity))
 
     def _add_rails(self, wheelset: Body, foundation: Foundation, axle_load: float) -> None:
         x, mass = wheelset.position[0] - self.cut.origin_x, foundation.rail_mass
@@ -239,75 +329,54 @@ class _Assembly:
         number = wheelset.name.removeprefix("wheelset_")
         for side, sign in (("left", 1.0), ("right", -1.0)):
             name = f"rail_{number}_{side}"
-            position = (x, sign * self._rail_origin(), 0.0)
-            index = self._add_body(name, mass, (mass, mass, mass), position, False, locked, 0.0, carried=False)
+            position = (x, sign * self.rail_origin, 0.0)
+            index = self._add_body(name, mass, (mass, mass, mass), position, locked, in_moving_frame=False)
             self.rails.append(name)
             self.roller_of[(wheelset.name, side)] = index
-            self._mount(name, index, foundation, 0.5 * axle_load + mass * self.core.gravity)
+            self._mount(name, index, foundation, 0.5 * axle_load + mass * self.case.gravity)
 
     def _mount(self, name: str, body: int, mounting: Mounting | Foundation, load: float) -> None:
-        element = self.core.add_element(GROUND, body, (0.0, 0.0, 0.0), False, False)
-        self.elements.append(f"mounting_{name}")
+        """Springs and dampers between the ground and a roller, or a piece of rail."""
+        laws = [NO_LAW] * len(DIRECTIONS)
         for attribute, direction in (("lateral", "y"), ("vertical", "z"), ("yaw", "yaw")):
             spring: LinearSupport | AngularSupport | None = getattr(mounting, attribute, None)
             if spring is not None:
                 preload = load if direction == "z" else 0.0
-                self.core.set_law(
-                    element, DIRECTIONS.index(direction), preload, spring.stiffness, [], spring.damping, [], 0.0, 0.0
-                )
+                laws[DIRECTIONS.index(direction)] = _law(preload, spring.stiffness, spring.damping)
+        self.elements.append(f"mounting_{name}")
+        self.builder.add_element(
+            _core.ForceElement(body_a=GROUND, body_b=body, point_on_b=(0.0, 0.0, 0.0), law=laws, clamped=False)
+        )
 
-    def _rail_origin(self) -> float:
-        """Lateral position of the left rail's highest point: the gauge is taken `gauge_depth` below it [m]."""
-        table = profile_from_spec(self.support.profile.arguments(), "rail")
-        return self.support.gauge / 2 + abs(gauge_point(table, self.support.gauge_depth))
-
-    def _add_contacts(self, wheelsets: list[Body]) -> tuple[ProfileTable, ProfileTable, float]:
-        wheel = profile_from_spec(self.vehicle.wheel.profile.arguments(), "wheel")
-        rail = profile_from_spec(self.support.profile.arguments(), "rail")
-        wheel_index = self.core.add_profile(wheel.start, wheel.step, wheel.coefficients)
-        rail_index = self.core.add_profile(rail.start, rail.step, rail.coefficients)
-        rail_origin = self._rail_origin()
-        radius = self.support.roller_radius if isinstance(self.support, Rig) else None
-        contact = self.case.contact
-        effects = contact.roller_effects
+    def _add_contacts(self, wheelsets: list[Body]) -> None:
+        wheel_index, rail_index = (
+            self.builder.add_profile(profile.start, profile.step, profile.coefficients)
+            for profile in (self.wheel_profile, self.rail_profile)
+        )
+        laws, creep = contact_laws(self.case.contact), creep_law_of(self.case.contact)
         for body in wheelsets:
             for side in ("left", "right"):
-                roller = self.roller_of.get((body.name, side), GROUND)
-                roller_y = self.positions[self.bodies[roller]][1] if roller != GROUND else 0.0
-                index = self.core.add_contact(
-                    wheelset=self.bodies.index(body.name),
-                    roller=roller,
-                    rail=isinstance(self.support, Track),
-                    along=self.positions[body.name][0],
+                contact = _core.ContactDescription(
+                    wheelset=self.index(body.name),
+                    roller=self.roller_of.get((body.name, side), GROUND),
+                    roller_radius=self.support.roller_radius if isinstance(self.support, Rig) else 0.0,
                     right=side == "right",
                     wheel_profile=wheel_index,
                     rail_profile=rail_index,
                     wheel_radius=self.vehicle.wheel.radius,
                     tape_circle_y=self.vehicle.wheel.back_to_back / 2 + self.vehicle.wheel.tape_circle,
-                    rail_origin_y=rail_origin,
-                    inverse_radius=1.0 / radius if radius else 0.0,
-                    wheelset_from_crown=(0.0, body.position[1], body.position[2]),
-                    crown_in_roller=(0.0, -roller_y, radius or 0.0),
-                    shear_modulus=contact.material.shear_modulus,
-                    poisson_ratio=contact.material.poisson_ratio,
-                    friction=friction_of(contact),
-                    normal=contact.normal,
-                    creep=creep_law_of(contact),
-                    normal_damping=contact.normal_damping,
-                    creepage_regularisation_speed=contact.creepage_regularisation_speed,
-                    merging_criterion=contact.merging_criterion,
-                    roller_effects=(effects.curvature, effects.conicity, effects.spin, effects.yaw),
-                    damping_onset=contact.damping_onset,
+                    rail_origin_y=self.rail_origin,
                     size=self.vehicle.wheel.profile.length_scale,
+                    laws=laws,
                 )
+                index = self.builder.add_contact(contact, creep)
                 self.wheels.append(WheelInfo(f"{body.name}_{side}", body.name, side, index))
-        return wheel, rail, rail_origin
 
-    def _add_way(self) -> tuple[Line | None, RailIrregularity | None]:
+    def _add_track_geometry(self) -> tuple[Line | None, RailIrregularity | None]:
         """Where the track leads, and where its rails lie."""
         line = self.support.line if isinstance(self.support, Track) else None
         if line is not None:
-            self.core.set_line(line.curvature.rows, line.cant.rows, line.cant_base)
+            self.builder.set_line(line.curvature.rows, line.cant.rows, line.cant_base)
         chosen = self.support.irregularity
         if chosen is None:
             return line, None
@@ -315,53 +384,97 @@ class _Assembly:
         rails = rails_of_run(chosen, foremost_wheelset(self.case), distance)
         left_y, left_z, right_y, right_z = (rails.coefficients[rail] for rail in RAILS)
         steered = not isinstance(self.support, Rig) or self.support.steered
-        self.core.set_irregularity(rails.period, rails.step, left_y, left_z, right_y, right_z, rails.fade_in, steered)
+        self.builder.set_irregularity(
+            rails.period, rails.step, left_y, left_z, right_y, right_z, rails.fade_in, steered
+        )
         return line, rails
 
     def _add_motion(self) -> tuple[float, ...]:
         motion = self.case.motion
-        speed: list[Row] = [(0.0, motion.speed)] if motion.speed_table is None else list(motion.speed_table)
-        self.core.set_speed(speed)
+        speed = [(0.0, motion.speed)] if motion.speed_table is None else list(motion.speed_table)
+        self.builder.set_speed(speed)
         corners = [time for time, _ in speed]
         if motion.torque_table is not None:
             corners += [time for time, _ in motion.torque_table]
             axle_share = 0.5 if isinstance(self.support, Rig) and self.support.coupling == "independent" else 1.0
             rows = [(time, axle_share * torque) for time, torque in motion.torque_table]
             for name in self.rollers:
-                self.core.add_roller_torque(self.bodies.index(name), rows)
+                self.builder.add_roller_torque(
+                    _core.RollerTorque(roller=self.index(name), torque=rows, gear_ratio=1.0, rotor_inertia=0.0)
+                )
         for torque in self.case.axle_torque:
             rows = [(0.0, torque.constant)] if torque.constant is not None else list(torque.table or ())
             corners += [time for time, _ in rows]
-            reaction = GROUND if torque.reacts_on == "none" else self.bodies.index(torque.reacts_on)
-            self.core.add_axle_torque(self.bodies.index(torque.wheelset), reaction, rows)
+            reaction = GROUND if torque.reacts_on == "none" else self.index(torque.reacts_on)
+            self.builder.add_axle_torque(axle_torque(self.index(torque.wheelset), reaction, rows))
         duration = self.case.time.duration
         return tuple(sorted({time for time in corners if 0.0 < time < duration}))
 
 
-def set_law(core: _core.Model, element: int, direction: int, law: LinearLaw | AngularLaw, preload: float) -> None:
-    """Hand one direction of an element to the core.
-
-    Args:
-        core: the model.
-        element: index of the element.
-        direction: 0..5 for x, y, z, roll, pitch, yaw.
-        law: the law; its own `preload` acts on body a's side, so that body b feels the opposite.
-        preload: further force on body b along the positive axis at the design position [N].
-    """
-    core.set_law(
-        element,
-        direction,
-        preload - law.preload,
-        law.stiffness or 0.0,
-        list(law.table or ()),
-        law.damping or 0.0,
-        list(law.damping_table or ()),
-        law.damper.damping if law.damper else 0.0,
-        law.damper.series_stiffness if law.damper else 0.0,
+def axle_torque(wheelset: int, reaction: int, table: Rows) -> _core.AxleTorque:
+    """A torque about an axle over time [N m], of no motor; its opposite acts on the body `reaction`, or on nothing."""
+    return _core.AxleTorque(
+        wheelset=wheelset, reaction=reaction, torque=table, link=0.0, gear_ratio=1.0, rotor_inertia=0.0
     )
 
 
-def static_loads(vehicle: Vehicle, gravity: float = 9.81) -> tuple[dict[str, float], dict[str, float]]:
+def contact_laws(contact: Any) -> _core.ContactLaws:
+    """Material, normal contact, friction and regularisation of a case's contact, as the core takes them."""
+    effects, friction = contact.roller_effects, friction_of(contact)
+    return _core.ContactLaws(
+        material=_core.Material(contact.material.shear_modulus, contact.material.poisson_ratio),
+        normal=_core.NormalContact[contact.normal],
+        damping=_core.NormalDamping(contact.normal_damping, contact.damping_onset),
+        friction=_core.Friction(*friction),
+        creepage_regularisation_speed=contact.creepage_regularisation_speed,
+        merging_criterion=contact.merging_criterion,
+        roller=_core.RollerEffects(effects.curvature, effects.conicity, effects.spin, effects.yaw),
+    )
+
+
+def _law(
+    preload: float,
+    stiffness: float,
+    damping: float,
+    table: Rows = (),
+    damping_table: Rows = (),
+    series_damping: float = 0.0,
+    series_stiffness: float = 0.0,
+) -> _core.DirectionLaw:
+    return _core.DirectionLaw(
+        preload=preload,
+        stiffness=stiffness,
+        table=table,
+        damping=damping,
+        damping_table=damping_table,
+        series_damping=series_damping,
+        series_stiffness=series_stiffness,
+    )
+
+
+NO_LAW = _law(0.0, 0.0, 0.0)
+
+
+def direction_law(law: LinearLaw | AngularLaw, preload: float) -> _core.DirectionLaw:
+    """One direction of an element, as the core takes it.
+
+    Args:
+        law: the law; its own `preload` acts on body a's side, so that body b feels the opposite.
+        preload: further force on body b along the positive axis at the design position [N].
+    """
+    damper = law.damper
+    return _law(
+        preload - law.preload,
+        law.stiffness or 0.0,
+        law.damping or 0.0,
+        law.table or (),
+        law.damping_table or (),
+        damper.damping if damper else 0.0,
+        damper.series_stiffness if damper else 0.0,
+    )
+
+
+def static_loads(vehicle: Vehicle, gravity: float) -> tuple[dict[str, float], dict[str, float]]:
     """Vertical preloads and axle loads of the whole vehicle in its design position, solved by the core.
 
     Args:
@@ -371,23 +484,19 @@ def static_loads(vehicle: Vehicle, gravity: float = 9.81) -> tuple[dict[str, flo
     Returns:
         Preload per element that carries load (force on its second body [N]), and load per wheelset [N].
     """
-    core = _core.Model()
-    core.gravity = gravity
     names = [body.name for body in vehicle.body]
-    for body in vehicle.body:
-        core.add_body(body.mass, body.inertia, body.position, body.kind == "wheelset", [False] * 6, 0.0, True)
-    for element in vehicle.element:
-        a, b = (names.index(name) for name in element.between)
-        point = tuple(p - q for p, q in zip(element.end_b, vehicle.body[b].position, strict=True))
-        core.add_element(a, b, point, element.carries_load, element.clamped)
-    forces, _ = core.static_preloads()
-    preloads = {e.name: f for e, f in zip(vehicle.element, forces, strict=True) if e.carries_load}
-    loads = {body.name: body.mass * core.gravity for body in vehicle.body if body.kind == "wheelset"}
-    for element in vehicle.element:
-        a_name, b_name = element.between
-        force = preloads.get(element.name, 0.0)
-        if b_name in loads:
-            loads[b_name] -= force
-        if a_name in loads:
-            loads[a_name] += force
-    return preloads, loads
+    loads = _core.static_loads(
+        [
+            _core.StandingBody(mass=body.mass, position=body.position, on_wheels=body.kind == "wheelset")
+            for body in vehicle.body
+        ],
+        [
+            _core.LoadSpring(body_a=names.index(e.between[0]), body_b=names.index(e.between[1]), point=e.end_b)
+            for e in vehicle.element
+            if e.carries_load
+        ],
+        gravity,
+    )
+    carrying = (element.name for element in vehicle.element if element.carries_load)
+    wheelsets = {b.name: load for b, load in zip(vehicle.body, loads.on_body, strict=True) if b.kind == "wheelset"}
+    return dict(zip(carrying, loads.preload, strict=True)), wheelsets

@@ -18,6 +18,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from rollerrig import _core
+from rollerrig.actuators import assemble_with_actuators
 from rollerrig.assembly import AssembledModel, assemble
 from rollerrig.bench import BenchRun, users_controllers
 from rollerrig.config import Case, ConfigError, ConfigProblem
@@ -67,9 +68,9 @@ def simulate(
         >>> simulate(case)["lateral"].sel(body="wheelset_1").sizes["time"]
         51
     """
-    model = assemble(case)
     if case.on_bench:
-        return _simulate_on_bench(BenchRun(model, controllers), progress)
+        return _simulate_on_bench(BenchRun(assemble_with_actuators(case), controllers), progress)
+    model = assemble(case)
     users_controllers(case, controllers or {})
     simulation = _core.Simulation(model.core)
     times, rows = _allocate(case, simulation.width)

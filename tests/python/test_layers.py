@@ -1,8 +1,9 @@
 """The arrow of the data is a test: a folder may use only what stands to its left.
 
 core:    scalar -> math -> integrate -> track -> multibody -> geometry -> contact -> mechatronics -> system -> simulate
-Python:  profiles, track, irregularity -> config -> catalog -> cases -> creep -> assembly -> results -> starting_state -> bench
-         -> simulation -> similitude -> characteristics -> analysis -> plot -> report -> study -> studies -> cli
+Python:  profiles, track, irregularity -> config -> catalog -> cases -> creep -> assembly -> actuators -> results
+         -> starting_state -> bench -> simulation -> similitude -> characteristics -> analysis -> plot -> report -> study
+         -> studies -> cli
 """
 
 from __future__ import annotations
@@ -101,6 +102,7 @@ PYTHON_LAYERS = [
     {"cases"},
     {"creep"},
     {"assembly"},
+    {"actuators"},
     {"results"},
     {"starting_state"},
     {"bench"},

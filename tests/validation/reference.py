@@ -48,7 +48,7 @@ def rail_origin(table: ProfileTable, gauge: float = 1.435, depth: float = 14 * m
 
 
 def add_wheels(
-    core: _core.Model,
+    builder: _core.ModelBuilder,
     wheelset: int,
     rollers: tuple[int, int],
     wheel: ProfileTable,
@@ -65,34 +65,33 @@ def add_wheels(
     normal: str = "hertz",
 ) -> tuple[int, int]:
     """Adds the left and the right contact of one wheelset; rollers -1 are rails."""
-    wheel_index = core.add_profile(wheel.start, wheel.step, wheel.coefficients)
-    rail_index = core.add_profile(rail.start, rail.step, rail.coefficients)
+    wheel_index = builder.add_profile(wheel.start, wheel.step, wheel.coefficients)
+    rail_index = builder.add_profile(rail.start, rail.step, rail.coefficients)
+    laws = _core.ContactLaws(
+        material=_core.Material(shear_modulus, POISSON_RATIO),
+        normal=_core.NormalContact[normal],
+        damping=_core.NormalDamping(normal_damping, 1e-4),
+        friction=_core.Friction(friction, 1.0, 0.0),
+        creepage_regularisation_speed=0.1,
+        merging_criterion=merging_criterion,
+        roller=_core.RollerEffects(True, True, True, True),
+    )
     left, right = (
-        core.add_contact(
-            wheelset=wheelset,
-            roller=roller,
-            rail=roller < 0,
-            along=0.0,
-            right=right,
-            wheel_profile=wheel_index,
-            rail_profile=rail_index,
-            wheel_radius=wheel_radius,
-            tape_circle_y=tape_circle_y,
-            rail_origin_y=origin,
-            inverse_radius=1 / roller_radius if roller_radius else 0.0,
-            wheelset_from_crown=(0.0, 0.0, wheel_radius),
-            crown_in_roller=(0.0, 0.0, roller_radius or 0.0),
-            shear_modulus=shear_modulus,
-            poisson_ratio=POISSON_RATIO,
-            friction=(friction, 1.0, 0.0),
-            normal=normal,
-            creep=creep_law("kalker_saturated"),
-            normal_damping=normal_damping,
-            creepage_regularisation_speed=0.1,
-            merging_criterion=merging_criterion,
-            roller_effects=[True] * 4,
-            damping_onset=1e-4,
-            size=1.0,
+        builder.add_contact(
+            _core.ContactDescription(
+                wheelset=wheelset,
+                roller=roller,
+                roller_radius=roller_radius or 0.0,
+                right=right,
+                wheel_profile=wheel_index,
+                rail_profile=rail_index,
+                wheel_radius=wheel_radius,
+                tape_circle_y=tape_circle_y,
+                rail_origin_y=origin,
+                size=1.0,
+                laws=laws,
+            ),
+            creep_law("kalker_saturated"),
         )
         for roller, right in zip(rollers, (False, True), strict=True)
     )
@@ -109,10 +108,26 @@ def press_of(
     wheel: ProfileTable, rail: ProfileTable, roller_radius: float | None, origin: float, normal: str = "hertz"
 ) -> _core.WheelsetPress:
     """A wheelset of radius 460 mm and these profiles, ready to be pressed down."""
-    core = _core.Model()
-    core.add_body(2000.0, (1000.0, 100.0, 1000.0), (0.0, 0.0, 0.46), True, [False] * 6, 0.0, True)
-    left, right = add_wheels(core, 0, (-1, -1), wheel, rail, roller_radius, origin, normal=normal)
-    return _core.WheelsetPress(core, left, right)
+    builder = _core.ModelBuilder(gravity=9.81)
+    add_axisymmetric(builder, 0.46)
+    roller = add_axisymmetric(builder, -roller_radius) if roller_radius else -1
+    left, right = add_wheels(builder, 0, (roller, roller), wheel, rail, roller_radius, origin, normal=normal)
+    return _core.WheelsetPress(builder.finish(), left, right)
+
+
+def add_axisymmetric(builder: _core.ModelBuilder, height: float) -> int:
+    """Adds a wheelset or a roller whose centre is at a height [m]; only its place counts."""
+    return builder.add_body(
+        _core.Body(
+            mass=2000.0,
+            inertia=(1000.0, 100.0, 1000.0),
+            position=(0.0, 0.0, height),
+            axisymmetric=True,
+            locked=[False] * 6,
+            speed_controlled_radius=0.0,
+            in_moving_frame=True,
+        )
+    )
 
 
 def bogie(support: str = "full_scale_rig", speed: float = 60 * kmh, **changes: object) -> AssembledModel:

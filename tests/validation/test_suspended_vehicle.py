@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from rollerrig import _core
-from rollerrig.assembly import assemble, static_loads
+from rollerrig.assembly import Assembly, static_loads
 from rollerrig.config import Case, Vehicle, load_case, load_vehicle
 
 VEHICLE = "manchester_vehicle_1"
@@ -90,9 +90,10 @@ def mass_of(vehicle: Vehicle) -> np.ndarray:
 def modes(springs: str) -> list[Mode]:
     """Frequency [Hz], body and direction of each mode of the program's linearisation."""
     case = suspended(**SPRINGS[springs])
-    model = assemble(case)
+    assembly = Assembly(case)
     if SPRINGS[springs].get("weightless"):
-        model.core.gravity = 0.0
+        assembly.builder.set_gravity(0.0)
+    model = assembly.finish()
     simulation = _core.Simulation(model.core)
     matrix = simulation.jacobian(0.0, np.zeros(simulation.state_count))[0]
     rates = [simulation.rate_index[model.body_index(name)][d] for name in MOVING for d in range(6)]
@@ -145,7 +146,7 @@ def potential(vehicle: Vehicle, preloads: dict[str, float], q: np.ndarray) -> fl
 
 
 def modes_of_the_energy(vehicle: Vehicle) -> list[Mode]:
-    preloads, _ = static_loads(vehicle)
+    preloads, _ = static_loads(vehicle, 9.81)
     h = 5e-4  # the energy's fourth derivatives and its round-off leave 6e-6 of the stiffnesses
     steps = h * np.eye(18)
     stiffness = np.array(
@@ -163,7 +164,7 @@ def modes_of_the_energy(vehicle: Vehicle) -> list[Mode]:
 
 
 def test_the_static_wheel_loads_are_the_published_ones() -> None:
-    preloads, axles = static_loads(load_vehicle(VEHICLE))
+    preloads, axles = static_loads(load_vehicle(VEHICLE), 9.81)
     assert [load / 2 for load in axles.values()] == pytest.approx([54.55e3] * 4, rel=1e-4)  # published digits
     springs = [preloads[name] for name in preloads if name.startswith("secondary_spring")]
     assert [-force for force in springs] == pytest.approx([32000 * 9.81 / 4] * 4, rel=1e-9)

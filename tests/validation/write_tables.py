@@ -233,7 +233,7 @@ def suspension() -> str:
     for springs in suspended.SPRINGS:
         found = suspended.modes(springs)
         body.append([springs, *(f"{suspended.nearest(found, name):.3f}" for name in names)])
-    _, axles = static_loads(load_vehicle(suspended.VEHICLE))
+    _, axles = static_loads(load_vehicle(suspended.VEHICLE), 9.81)
     loads = sorted({f"{load / 2e3:.2f}" for load in axles.values()})
     clamped = suspended.modes(next(iter(suspended.SPRINGS)))
     off = {name: suspended.nearest(clamped, name) / suspended.PUBLISHED[name][0] - 1 for name in names}

@@ -185,7 +185,7 @@ double running_speed(Dynamics const& d, double t) {
   int rollers = 0;
   for (auto const& c : d.model().contacts) {
     if (c.rail) return d.model().speed.at(t);
-    sum -= d.work().motion[static_cast<std::size_t>(c.roller)].rate[coord_pitch] / c.pair.inverse_radius;
+    sum -= d.work().motion[static_cast<std::size_t>(c.roller)].rate[coord_pitch] * c.roller_radius();
     ++rollers;
   }
   return rollers > 0 ? sum / rollers : 0.0;

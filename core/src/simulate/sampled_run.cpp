@@ -85,18 +85,8 @@ TestBench::TestBench(Dynamics& dynamics, BenchSetup const& setup)
   in.roller_torque.assign(model.roller_torques.size(), {});
   in.cylinder.assign(model.brakes.size(), {});
   in.spent.assign(model.contacts.size(), 0.0);
-  if (setup.pure_rolling) tie_axles();
   if (setup.estimator.kind == EstimatorKind::kalman)
     solve_kalman_gain(setup_.estimator, setup.step * std::max(1, setup.rig_sampling.every));
-}
-
-void TestBench::tie_axles() {
-  std::vector<RollingConstraint> ties;
-  for (BenchAxle const& a : setup_.axles) {
-    auto const& pair = dynamics_->model().contacts[at(a.contact[0])].pair;
-    ties.push_back({a.wheelset, a.roller, pair.wheel_radius, 1.0 / pair.inverse_radius, a.contact});
-  }
-  dynamics_->set_rolling_constraints(std::move(ties));
 }
 
 Sampling const& TestBench::sampling(Role role) const {
@@ -198,7 +188,7 @@ void TestBench::move_train() {
   double momentum_rate = 0.0, momentum = 0.0, offset = 0.0, free_mass = 0.0;
   for (std::size_t b = 0; b < model.bodies.size(); ++b) {
     Body const& body = model.bodies[b];
-    if (!body.carried || body.locked[coord_x]) continue;
+    if (!body.in_moving_frame || body.locked[coord_x]) continue;
     momentum_rate += body.mass * (work.acceleration[b][coord_x] + dynamics_->inputs.speed.slope);
     momentum += body.mass * work.motion[b].v.x;
     offset += body.mass * work.motion[b].p.x;
@@ -271,7 +261,7 @@ void TestBench::spend_energy() {
     for (int side = 0; side < 2; ++side) {
       int const c = a.contact[at(side)];
       if (c < 0 || model.contacts[at(c)].laws.friction.map == nullptr) continue;
-      double const place = distance_ + model.contacts[at(c)].along;
+      double const place = distance_ + model.contacts[at(c)].distance_ahead;
       double per_length = 0.0, width = 0.0;  // [J/m], [m]
       for (int k = 0; k < dynamics_->patch_count(c); ++k) {
         auto const& patch = dynamics_->patch(c, k);
@@ -314,7 +304,7 @@ void TestBench::fill_row(double* axles, double* train) const {
       for (int k = 0; c >= 0 && k < dynamics_->patch_count(c); ++k) force += dynamics_->patch(c, k).force.x;
     if (setup_.pure_rolling) force += dynamics_->rolling_force(static_cast<int>(i));
     double const r = model.contacts[at(a.contact[0])].pair.wheel_radius;
-    if (a.roller >= 0) surface = roller / model.contacts[at(a.contact[0])].pair.inverse_radius;
+    if (a.roller >= 0) surface = roller * model.contacts[at(a.contact[0])].roller_radius();
     bool const reproduces = setup_.reproduce;
     double const row[] = {wheel,
                           axle.wheel_speed,

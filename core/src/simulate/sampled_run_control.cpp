@@ -129,7 +129,7 @@ double TestBench::acting_force(int axle) const {
   BenchAxle const& a = setup_.axles[at(axle)];
   double const inertia = dynamics_->model().bodies[at(a.roller)].inertia.y;
   double const rate = -dynamics_->work().acceleration[at(a.roller)][coord_pitch];
-  double const radius = 1.0 / dynamics_->model().contacts[at(a.contact[0])].pair.inverse_radius;
+  double const radius = dynamics_->model().contacts[at(a.contact[0])].roller_radius();
   return (inertia * rate - axle_[at(axle)].roller_state[0]) / radius;
 }
 

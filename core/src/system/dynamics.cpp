@@ -21,33 +21,8 @@ bool has_fixed_axis(Body const& b) {
 
 }  // namespace
 
-StateMap::StateMap(Model const& model) {
-  std::size_t const n = model.bodies.size();
-  coordinate.assign(n, {-1, -1, -1, -1, -1, -1});
-  rate.assign(n, {-1, -1, -1, -1, -1, -1});
-  angle.assign(n, -1);
-  for (std::size_t b = 0; b < n; ++b) {
-    Body const& body = model.bodies[b];
-    for (std::size_t c = 0; c < 6; ++c) {
-      if (body.locked[c]) continue;
-      if (c == coord_pitch && body.axisymmetric)
-        angle[b] = angles++;
-      else
-        coordinate[b][c] = coordinates++;
-    }
-  }
-  for (std::size_t b = 0; b < n; ++b)
-    for (std::size_t c = 0; c < 6; ++c)
-      if (!model.bodies[b].locked[c]) rate[b][c] = coordinates + rates++;
-  velocity_column.assign(at(coordinates), -1);
-  for (std::size_t b = 0; b < n; ++b)
-    for (std::size_t c = 0; c < 6; ++c)
-      if (coordinate[b][c] >= 0) velocity_column[at(coordinate[b][c])] = rate[b][c];
-  for (auto const& e : model.elements)
-    for (int node : e.node) nodes = std::max(nodes, node + 1);
-}
-
-Dynamics::Dynamics(Model const& model) : model_(&model), map_(model) {
+Dynamics::Dynamics(std::shared_ptr<Model const> shared) : model_(std::move(shared)), map_(model_->map) {
+  Model const& model = *model_;
   resize(work_);
   resize(dual_);
   patches_.resize(model.contacts.size() * max_patches);
@@ -70,16 +45,15 @@ Dynamics::Dynamics(Model const& model) : model_(&model), map_(model) {
     flange_tip_.push_back(wheel.at(tip).value > 0.015 * c.pair.size ? tip : wheel.start - 1.0);
     on_rails_ = on_rails_ || c.rail;
     has_adhesion_maps_ = has_adhesion_maps_ || c.laws.friction.map != nullptr;
-    foremost_wheel_ = std::max(foremost_wheel_, c.along);
+    foremost_wheel_ = std::max(foremost_wheel_, c.distance_ahead);
   }
   for (auto const& b : model.bodies) {
     rear_ = std::min(rear_, b.position.x);
     front_ = std::max(front_, b.position.x);
   }
+  rolling_force_.assign(model.rolling_constraints.size(), 0.0);
   brake_torque_.assign(model.brakes.size(), 0.0);
-  tie_of_contact_.assign(model.contacts.size(), -1);
   evaluated_.assign(at(map_.states()), 0.0);
-  plan_links();
   plan_sweeps();
   plan_relaxation();
 }
@@ -98,6 +72,8 @@ void Dynamics::resize(Workspace<T>& w) const {
   w.common.resize(n);
   w.common_wrench.resize(n);
   w.gyroscopic.resize(n);
+  w.axle_creep.resize(model_->rolling_constraints.size());
+  w.coupling_load.resize(model_->couplings.size());
   update_motion(Body{}, w.ground_motion);
 }
 
@@ -148,7 +124,8 @@ void Dynamics::place(Workspace<T>& w, T const& t) const {
   if (model.irregularity.empty()) return;
   for (std::size_t i = 0; i < model.contacts.size(); ++i) {
     WheelContact const& contact = model.contacts[i];
-    w.offset[i] = model.irregularity.at(contact.right, w.travel.s + contact.along, model.start + foremost_wheel_);
+    w.offset[i] =
+        model.irregularity.at(contact.right, w.travel.s + contact.distance_ahead, model.start + foremost_wheel_);
   }
 }
 
@@ -224,7 +201,7 @@ ContactPlacement<T> Dynamics::placement(int index, Workspace<T> const& w) const 
   }
   if (contact.right) mirror(p);
   if (contact.laws.friction.map != nullptr) {
-    p.motion.place = w.travel.s + contact.along;
+    p.motion.place = w.travel.s + contact.distance_ahead;
     p.motion.spent = inputs.spent.empty() ? 0.0 : inputs.spent[at(index)];
   }
   return p;
@@ -245,7 +222,7 @@ void Dynamics::apply_contact(Workspace<T>& w, T const& t, int index) {
   }
 
   Vec3<T> force{}, on_wheelset{}, on_roller{};  // on_...: moment about the wheelset's centre and about the crown point
-  AxleCreep<T>* tied = tie_of_contact_[at(index)] < 0 ? nullptr : &w.axle_creep[at(tie_of_contact_[at(index)])];
+  int const constraint = model_->constraint_of_contact[at(index)];
   WheelPatches<T> patches;
   int const count = wheel_patches(contact.pair, contact.laws, search, pose, motion, t, patches);
   if constexpr (std::same_as<T, double>) patch_count_[at(index)] = count;
@@ -257,7 +234,8 @@ void Dynamics::apply_contact(Workspace<T>& w, T const& t, int index) {
     w.power[stored_contacts] -= patch.elastic_power;
     w.power[dissipated_normal] -= patch.normal.damping * patch.gap_rate;
     w.power[dissipated_creep] += patch.creep_dissipation();
-    if (tied) *tied += axle_creep(contact, placed, w.motion[at(contact.wheelset)].R.ey, patch);
+    if (constraint >= 0)
+      w.axle_creep[at(constraint)] += axle_creep(contact, placed, w.motion[at(contact.wheelset)].R.ey, patch);
     if constexpr (std::same_as<T, double>) patches_[at(index * max_patches + k)] = patch;
   }
   // Work of what moves the rail or steers the roller, beside what a state does.
@@ -288,7 +266,7 @@ void Dynamics::apply_contact(Workspace<T>& w, T const& t, int index) {
 
 /// Force and moment of the elements and of the carrier on a body in a curve; returns the gyroscopic moment. (W4), (W5), (W9)
 template <Scalar T>
-Vec3<T> Dynamics::carried_wrench(Workspace<T>& w, std::size_t b) const {
+Vec3<T> Dynamics::moving_frame_wrench(Workspace<T>& w, std::size_t b) const {
   Body const& body = model_->bodies[b];
   auto const& m = w.motion[b];
   auto const& frame = w.frame[b];
@@ -296,7 +274,7 @@ Vec3<T> Dynamics::carried_wrench(Workspace<T>& w, std::size_t b) const {
                          frame.R.transposed_times(w.common_wrench[b].moment)};
   w.wrench[b].force += common.force;
   w.wrench[b].moment += common.moment;
-  if (!body.carried) return gyroscopic_moment(body, m);
+  if (!body.in_moving_frame) return gyroscopic_moment(body, m);
   Vec3<T> const inertial = T(-body.mass) * carrier_acceleration(body, frame, m);
   Vec3<T> const gyroscopic = gyroscopic_moment(body, frame, m);
   w.wrench[b].force += inertial;
@@ -322,7 +300,7 @@ void Dynamics::evaluate_forces(Workspace<T>& w, T const& t, Sweep const* sweep) 
     w.wrench[b].force.z = T(-weight);
     if (!w.curved) continue;
     w.common_wrench[b] = {};
-    if (model.bodies[b].carried) w.wrench[b].force = T(-weight) * w.frame[b].up;
+    if (model.bodies[b].in_moving_frame) w.wrench[b].force = T(-weight) * w.frame[b].up;
   }
   for (int i = 0; i < static_cast<int>(model.elements.size()); ++i)
     if (!sweep || sweep->touched_element[at(i)]) apply_element(w, i);
@@ -336,24 +314,25 @@ void Dynamics::evaluate_forces(Workspace<T>& w, T const& t, Sweep const* sweep) 
     auto const& m = w.motion[b];
     Vec3<T>& gyroscopic = w.gyroscopic[b];
     if (w.curved) {
-      gyroscopic = carried_wrench(w, b);
+      gyroscopic = moving_frame_wrench(w, b);
     } else {
       gyroscopic = gyroscopic_moment(body, m);
-      if (on_rails_ && body.carried && acceleration != 0.0) {  // the straight track's frame: (W4) is its acceleration
+      if (on_rails_ && body.in_moving_frame &&
+          acceleration != 0.0) {  // the straight track's frame: (W4) is its acceleration
         T const inertia_force = T(-body.mass * acceleration);
         w.wrench[b].force.x += inertia_force;
         w.power[work_of_drive] += inertia_force * m.v.x;
       }
     }
   }
-  if (!links_.empty()) apply_links(w, sweep);
+  if (!model.couplings.empty()) apply_couplings(w, sweep);
   for (std::size_t b = 0; b < model.bodies.size(); ++b) {
     if (!wanted_body(b)) continue;
     Body const& body = model.bodies[b];
     auto const& m = w.motion[b];
-    T const driven(body.driven ? -acceleration * model.driven_inverse_radius[b] : 0.0);
-    w.acceleration[b] = accelerations(body, m, w.wrench[b], w.gyroscopic[b], driven, w.constraint_moment[b]);
-    if (body.driven) w.power[work_of_drive] += w.constraint_moment[b] * w.motion[b].rate[coord_pitch];
+    T const pitch(body.prescribed_pitch(acceleration));
+    w.acceleration[b] = accelerations(body, m, w.wrench[b], w.gyroscopic[b], pitch, w.constraint_moment[b]);
+    if (body.speed_controlled()) w.power[work_of_drive] += w.constraint_moment[b] * w.motion[b].rate[coord_pitch];
   }
 }
 

@@ -1,6 +1,6 @@
-// Machines in the dynamics: motors, brakes and drives, running resistance, geared rotors and ties.
+// Machines in the dynamics: motors, brakes and drives, running resistance, geared rotors and rolling constraints.
 //
-//   wrenches of suspension and contacts -> [machines: torques, resistance, links] -> Newton and Euler (dynamics.cpp)
+//   wrenches of suspension and contacts -> [machines: torques, resistance, couplings] -> Newton and Euler (dynamics.cpp)
 #include "rollerrig/system/dynamics.hpp"
 
 namespace rollerrig {
@@ -9,28 +9,6 @@ namespace {
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 }  // namespace
-
-void Dynamics::set_rolling_constraints(std::vector<RollingConstraint> ties) {
-  ties_ = std::move(ties);
-  tie_of_contact_.assign(model_->contacts.size(), -1);
-  for (std::size_t i = 0; i < ties_.size(); ++i)
-    for (int c : ties_[i].contact)
-      if (c >= 0) tie_of_contact_[at(c)] = static_cast<int>(i);
-  plan_links();
-  plan_sweeps();
-  forget();
-}
-
-void Dynamics::plan_links() {
-  links_ = model_->rotors;
-  for (RollingConstraint const& tie : ties_) links_.push_back(link_of(tie));
-  link_matrix_ = link_matrix(links_, model_->bodies);
-  rolling_force_.assign(ties_.size(), 0.0);
-  work_.axle_creep.resize(ties_.size());
-  dual_.axle_creep.resize(ties_.size());
-  work_.link_load.resize(links_.size());
-  dual_.link_load.resize(links_.size());
-}
 
 /// What holds a motor against the moment it exerts: its carrier, or for an axle-hung one a vertical force at its link there and
 /// the opposite one on the axle. (A9)
@@ -108,49 +86,52 @@ void Dynamics::apply_resistance(Workspace<T>& w) {
   if (r.gradient == 0.0) return;
   for (std::size_t b = 0; b < model_->bodies.size(); ++b) {
     Body const& body = model_->bodies[b];
-    if (!body.carried || !on_rails_) continue;
+    if (!body.in_moving_frame || !on_rails_) continue;
     double const force = body.mass * model_->gravity * r.gradient;
     w.wrench[b].force.x -= T(force);
     w.power[work_of_drive] -= force * w.motion[b].v.x;
   }
 }
 
-/// Geared rotors and ties: all wrenches but theirs are there. With a sweep, those of its bodies; the others do not change.
+/// Geared rotors and rolling constraints: all wrenches but theirs are there. With a sweep, those of its bodies; the others do
+/// not change.
 template <Scalar T>
-void Dynamics::apply_links(Workspace<T>& w, Sweep const* sweep) {
+void Dynamics::apply_couplings(Workspace<T>& w, Sweep const* sweep) {
+  Model const& model = *model_;
   double const acceleration = value_of(w.travel.acceleration);
-  auto const counts = [&](Link const& link) { return !sweep || sweep->affected_body[at(link.arm[0].body)]; };
-  for (std::size_t i = 0; i < ties_.size(); ++i) {
-    auto const b = at(ties_[i].wheelset), r = at(ties_[i].roller);
+  auto const counts = [&](Coupling const& c) { return !sweep || sweep->affected_body[at(c.term[0].body)]; };
+  for (std::size_t i = 0; i < model.rolling_constraints.size(); ++i) {
+    auto const b = at(model.rolling_constraints[i].wheelset), r = at(model.rolling_constraints[i].roller);
     if (!sweep || sweep->affected_body[b])
-      w.power[dissipated_creep] += take_out(w.axle_creep[i], w.motion[b], w.motion[r], w.wrench[b], w.wrench[r]);
+      w.power[dissipated_creep] +=
+          remove_mean_creep(w.axle_creep[i], w.motion[b], w.motion[r], w.wrench[b], w.wrench[r]);
   }
-  for (std::size_t i = 0; i < links_.size(); ++i) {
-    Link const& link = links_[i];
-    w.link_load[i] = T(0.0);
-    if (!counts(link)) continue;
-    T rate = link.rate * link_speed(link, w.motion);
-    for (LinkArm const& a : link.arm) {
-      if (a.body < 0) continue;
-      auto const b = at(a.body);
-      T const driven(-acceleration * model_->driven_inverse_radius[b]);
-      rate = rate + link_acceleration(a, model_->bodies[b], w.motion[b], w.wrench[b], w.gyroscopic[b], driven);
+  for (std::size_t i = 0; i < model.couplings.size(); ++i) {
+    Coupling const& coupling = model.couplings[i];
+    w.coupling_load[i] = T(0.0);
+    if (!counts(coupling)) continue;
+    T rate = coupling.rate * coupling_speed(coupling, w.motion);
+    for (CouplingTerm const& c : coupling.term) {
+      if (c.body < 0) continue;
+      auto const b = at(c.body);
+      T const pitch(model.bodies[b].prescribed_pitch(acceleration));
+      rate = rate + coupling_acceleration(c, model.bodies[b], w.motion[b], w.wrench[b], w.gyroscopic[b], pitch);
     }
-    w.link_load[i] = -rate;
+    w.coupling_load[i] = -rate;
   }
-  auto const rotors = model_->rotors.size();
-  for (std::size_t i = 0; i < links_.size(); ++i) {
-    Link const& link = links_[i];
-    if (!counts(link)) continue;
+  for (std::size_t i = 0; i < model.couplings.size(); ++i) {
+    Coupling const& coupling = model.couplings[i];
+    if (!counts(coupling)) continue;
     T multiplier(0.0);
-    for (std::size_t k = 0; k < links_.size(); ++k)
-      multiplier =
-          multiplier + link_matrix_(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k)) * w.link_load[k];
-    for (LinkArm const& a : link.arm)
-      if (a.body >= 0) apply_link(a, w.motion[at(a.body)], multiplier, w.wrench[at(a.body)]);
-    if (i < rotors) continue;
-    w.power[dissipated_creep] -= multiplier * link_speed(link, w.motion);
-    if constexpr (std::same_as<T, double>) rolling_force_[i - rotors] = multiplier - w.axle_creep[i - rotors].force;
+    for (std::size_t k = 0; k < model.couplings.size(); ++k)
+      multiplier = multiplier + model.coupling_matrix(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k)) *
+                                    w.coupling_load[k];
+    for (CouplingTerm const& c : coupling.term)
+      if (c.body >= 0) apply_coupling(c, w.motion[at(c.body)], multiplier, w.wrench[at(c.body)]);
+    if (i < model.rotors) continue;
+    std::size_t const constraint = i - model.rotors;
+    w.power[dissipated_creep] -= multiplier * coupling_speed(coupling, w.motion);
+    if constexpr (std::same_as<T, double>) rolling_force_[constraint] = multiplier - w.axle_creep[constraint].force;
   }
 }
 
@@ -158,7 +139,7 @@ template void Dynamics::apply_torques(Workspace<double>&, double const&);
 template void Dynamics::apply_torques(Workspace<JacobianDual>&, JacobianDual const&);
 template void Dynamics::apply_resistance(Workspace<double>&);
 template void Dynamics::apply_resistance(Workspace<JacobianDual>&);
-template void Dynamics::apply_links(Workspace<double>&, Sweep const*);
-template void Dynamics::apply_links(Workspace<JacobianDual>&, Sweep const*);
+template void Dynamics::apply_couplings(Workspace<double>&, Sweep const*);
+template void Dynamics::apply_couplings(Workspace<JacobianDual>&, Sweep const*);
 
 }  // namespace rollerrig

@@ -51,7 +51,8 @@ Status Dynamics::accept(double t, double const* x) {
 
 double Dynamics::kinetic_energy() const {
   double sum = 0.0;
-  for (Link const& rotor : model_->rotors) sum += 0.5 * rotor.inertia * square(link_speed(rotor, work_.motion));
+  for (Coupling const& c : model_->couplings)  // a constraint has no inertia
+    sum += 0.5 * c.inertia * square(coupling_speed(c, work_.motion));
   for (std::size_t b = 0; b < model_->bodies.size(); ++b) {
     Body const& body = model_->bodies[b];
     auto const& m = work_.motion[b];
@@ -67,7 +68,7 @@ double Dynamics::gravity_energy() const {
   for (std::size_t b = 0; b < model_->bodies.size(); ++b) {
     Body const& body = model_->bodies[b];
     auto const& m = work_.motion[b];
-    bool const canted = work_.curved && body.carried;
+    bool const canted = work_.curved && body.in_moving_frame;
     double const height = canted ? dot(work_.frame[b].up, place_in_frame(body, m)) - body.position.z : m.p.z;
     sum += body.mass * model_->gravity * height;
   }
@@ -78,7 +79,7 @@ Vec3<double> Dynamics::felt_acceleration(int body) const {
   auto const b = at(body);
   auto const& a = work_.acceleration[b];
   auto const& m = work_.motion[b];
-  bool const carried = model_->bodies[b].carried && on_rails_;
+  bool const carried = model_->bodies[b].in_moving_frame && on_rails_;
   Vec3<double> felt{a[coord_x], a[coord_y], a[coord_z]};
   if (carried && work_.curved) {
     felt += carrier_acceleration(model_->bodies[b], work_.frame[b], m) + model_->gravity * work_.frame[b].up;
@@ -89,7 +90,9 @@ Vec3<double> Dynamics::felt_acceleration(int body) const {
   return m.R.transposed_times(felt);
 }
 
-double Dynamics::rolling_slip(int tie) const { return link_speed(link_of(ties_[at(tie)]), work_.motion); }
+double Dynamics::rolling_slip(int constraint) const {
+  return coupling_speed(model_->couplings[model_->rotors + at(constraint)], work_.motion);
+}
 
 double Dynamics::element_energy() const {
   double sum = 0.0;

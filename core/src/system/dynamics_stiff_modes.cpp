@@ -62,9 +62,9 @@ struct Dynamics::Slips {
 
 void Dynamics::plan_relaxation() {
   rotor_inertia_.assign(model_->bodies.size(), 0.0);
-  for (Link const& rotor : model_->rotors)
-    for (LinkArm const& arm : rotor.arm)
-      if (arm.body >= 0) rotor_inertia_[at(arm.body)] += rotor.inertia * arm.turn * arm.turn;
+  for (Coupling const& rotor : model_->couplings)
+    for (CouplingTerm const& c : rotor.term)
+      if (c.body >= 0) rotor_inertia_[at(c.body)] += rotor.inertia * c.pitch * c.pitch;
   for (std::size_t i = 0; i < model_->contacts.size(); ++i) {
     WheelContact const& contact = model_->contacts[i];
     auto group = std::find_if(creep_groups_.begin(), creep_groups_.end(),
@@ -137,7 +137,7 @@ void Dynamics::add_slip(CreepGroup const& group, int contact, int k, ContactPlac
       if (group.body[i] != model.roller) continue;
       wrench = {-force, model.rail ? Vec3<double>{} : -(m.R * on_roller)};
     }
-    if (tie_of_contact_[at(contact)] >= 0) {  // the tie takes this part of all creep out
+    if (model_->constraint_of_contact[at(contact)] >= 0) {  // the constraint takes this part of all creep out
       wrench.force.x = 0.0;
       wrench.moment -= dot(m.R.ey, wrench.moment) * m.R.ey;
     }
@@ -156,7 +156,7 @@ void Dynamics::add_slip(CreepGroup const& group, int contact, int k, ContactPlac
       d[6 * i + c] = map_.rate[b][c] >= 0 ? g[c] : 0.0;
       u[6 * i + c] = a[c];
     }
-    if (model_->bodies[b].driven) work -= g[coord_pitch] * m.rate[coord_pitch];
+    if (model_->bodies[b].speed_controlled()) work -= g[coord_pitch] * m.rate[coord_pitch];
   }
   slips.work[slips.count++] = work;
 }

@@ -101,8 +101,7 @@ void hold_and_roll(Dynamics const& dynamics, double speed, std::vector<HeldCoord
   for (auto const& contact : model.contacts) {
     if (int const i = map.rate[at(contact.wheelset)][coord_pitch]; i >= 0) x[at(i)] = speed / contact.pair.wheel_radius;
     if (contact.roller == ground) continue;
-    if (int const i = map.rate[at(contact.roller)][coord_pitch]; i >= 0)
-      x[at(i)] = -speed * contact.pair.inverse_radius;
+    if (int const i = map.rate[at(contact.roller)][coord_pitch]; i >= 0) x[at(i)] = -speed / contact.roller_radius();
   }
 }
 
@@ -265,47 +264,6 @@ Equilibrium solve_equilibrium(Dynamics& dynamics, double speed, double t, std::v
   if (result.converged) return result;
   auto second = newton(dynamics, t, held, relaxed(dynamics, t, held, first_guess(dynamics, speed, t, held)));
   return second.converged ? second : result;
-}
-
-std::vector<double> static_preloads(std::vector<Body> const& bodies, std::vector<ForceElement> const& elements,
-                                    double gravity, double& worst_imbalance) {
-  std::vector<int> row_of(bodies.size(), -1);
-  int rows = 0;
-  for (std::size_t b = 0; b < bodies.size(); ++b)
-    if (!bodies[b].axisymmetric) row_of[b] = 3 * rows++;
-  std::vector<std::size_t> carrying;
-  for (std::size_t i = 0; i < elements.size(); ++i)
-    if (elements[i].carries_load) carrying.push_back(i);
-
-  // Per body: vertical force, moments about x and y of a vertical force at (x, y) from its centre of mass.
-  Eigen::MatrixXd balance = Eigen::MatrixXd::Zero(3 * rows, static_cast<Eigen::Index>(carrying.size()));
-  Eigen::VectorXd load = Eigen::VectorXd::Zero(3 * rows);
-  for (std::size_t b = 0; b < bodies.size(); ++b)
-    if (row_of[b] >= 0) load[row_of[b]] = bodies[b].mass * gravity;
-  for (std::size_t k = 0; k < carrying.size(); ++k) {
-    ForceElement const& e = elements[carrying[k]];
-    Vec3<double> const point = (e.body_b >= 0 ? bodies[at(e.body_b)].position : Vec3<double>{}) + e.r_b;
-    auto const act = [&](int body, double sign) {
-      if (body < 0 || row_of[at(body)] < 0) return;
-      Vec3<double> const arm = point - bodies[at(body)].position;
-      auto const column = static_cast<Eigen::Index>(k);
-      balance(row_of[at(body)], column) += sign;
-      balance(row_of[at(body)] + 1, column) += sign * arm.y;
-      balance(row_of[at(body)] + 2, column) -= sign * arm.x;
-    };
-    act(e.body_b, 1.0);
-    act(e.body_a, -1.0);
-  }
-  std::vector<double> preload(elements.size(), 0.0);
-  worst_imbalance = 0.0;
-  if (rows == 0) return preload;
-  if (!carrying.empty()) {
-    Eigen::VectorXd const p = balance.completeOrthogonalDecomposition().solve(load);
-    for (std::size_t k = 0; k < carrying.size(); ++k) preload[carrying[k]] = p[static_cast<Eigen::Index>(k)];
-    load -= balance * p;
-  }
-  worst_imbalance = load.cwiseAbs().maxCoeff();
-  return preload;
 }
 
 }  // namespace rollerrig

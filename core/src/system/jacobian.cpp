@@ -101,10 +101,10 @@ void Dynamics::plan_sweeps() {
     for (auto const& t : model.roller_torques) affect(t.roller);
     for (auto const& brake : model.brakes) affect(brake.wheelset), affect(brake.reaction);
     affect(model.resistance.body);
-    for (std::size_t i = 0; i < links_.size(); ++i)  // a chain of links is as long as there are links
-      for (Link const& link : links_) {
-        auto const affected = [&](LinkArm const& a) { return a.body >= 0 && sweep.affected_body[at(a.body)]; };
-        if (affected(link.arm[0]) || affected(link.arm[1])) affect(link.arm[0].body), affect(link.arm[1].body);
+    for (std::size_t i = 0; i < model.couplings.size(); ++i)  // a chain of couplings is at most as long as there are
+      for (auto const& [term, inertia, rate] : model.couplings) {
+        auto const affected = [&](CouplingTerm const& c) { return c.body >= 0 && sweep.affected_body[at(c.body)]; };
+        if (affected(term[0]) || affected(term[1])) affect(term[0].body), affect(term[1].body);
       }
   };
   for (Sweep& sweep : sweeps_) mark(sweep, false);

@@ -68,7 +68,7 @@ def rolling_state(case: Case | Lineariser, speed: float) -> RollingState:
     """
     lineariser = case if isinstance(case, Lineariser) else Lineariser(case)
     linear = lineariser.at(speed)
-    simulation = _core.Simulation(lineariser.model.core)
+    simulation = lineariser.simulation_at(speed)
     row = simulation.record(0.0, linear.equilibrium, np.zeros(simulation.quadrature_count))
     outcome = Outcome("ok", "", 0.0, "", {}, {})
     wheels = run_dataset(lineariser.model, np.zeros(1), row[None, :], outcome).isel(time=0)

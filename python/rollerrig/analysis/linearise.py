@@ -53,18 +53,22 @@ class Lineariser:
     def __init__(self, case: Case) -> None:
         self.case = at_speed(case)
         self.model = assemble(self.case)
-        self._simulation = _core.Simulation(self.model.core)
+        simulation = _core.Simulation(self.model.core)
         self._inertia = _inertias(self.model)
         self._near: Matrix | None = None
-        driven = {self._simulation.rate_index[self.model.body_index(name)][4] for name in self.model.rollers}
-        self._kept = np.array([i for i in range(self._simulation.state_count) if i not in driven])
+        driven = {simulation.rate_index[self.model.body_index(name)][4] for name in self.model.rollers}
+        self._kept = np.array([i for i in range(simulation.state_count) if i not in driven])
         row_of = {int(state_index): row for row, state_index in enumerate(self._kept)}
         self._rows = {
-            (body, direction): row_of[self._simulation.rate_index[b][d]]
+            (body, direction): row_of[simulation.rate_index[b][d]]
             for b, body in enumerate(self.model.bodies)
             for d, direction in enumerate(DIRECTIONS)
-            if self._simulation.rate_index[b][d] in row_of
+            if simulation.rate_index[b][d] in row_of
         }
+
+    def simulation_at(self, speed: float) -> _core.Simulation:
+        """A simulation of the model whose rails run at this speed [m/s]; rollers take theirs from the state."""
+        return _core.Simulation(self.model.core.with_speed([(0.0, speed)]))
 
     def at(self, speed: float) -> Linearisation:
         """Linearise at a running speed.
@@ -75,8 +79,8 @@ class Lineariser:
         Raises:
             StartError: no rolling equilibrium was found at this speed.
         """
-        self.model.core.set_speed([(0.0, speed)])  # a moving rail; rollers take theirs from the state
-        found = self._simulation.equilibrium(speed, 0.0, [], self._near)
+        simulation = self.simulation_at(speed)
+        found = simulation.equilibrium(speed, 0.0, [], self._near)
         if not found["converged"]:
             raise StartError(
                 f"{self.case.name}: no rolling equilibrium at {3.6 * speed:g} km/h: {found['residual']:.3g} N or N m remain "
@@ -85,7 +89,7 @@ class Lineariser:
             )
         state = np.ascontiguousarray(found["x"], dtype=np.float64)
         self._near = state
-        full = self._simulation.jacobian(0.0, state)[0]
+        full = simulation.jacobian(0.0, state)[0]
         inertia = {key: self._inertia[key] for key in self._rows}
         return Linearisation(speed, np.array(full[np.ix_(self._kept, self._kept)]), state, self._rows, inertia)
 

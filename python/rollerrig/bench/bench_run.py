@@ -26,7 +26,7 @@ from rollerrig.bench.controllers import (
     check_controller,
     load_controller,
 )
-from rollerrig.bench.settings import fit, resist
+from rollerrig.bench.settings import fit
 from rollerrig.config import Case, ConfigError, ConfigProblem
 from rollerrig.results import Outcome, run_dataset
 from rollerrig.starting_state import starting_state
@@ -49,10 +49,10 @@ class BenchRun:
     """One test on the bench."""
 
     def __init__(self, model: AssembledModel, controllers: Mapping[str, Any] | None = None) -> None:
-        """Fit the machines to a model; it belongs to this run from now on.
+        """A run of a model; the model may be shared.
 
         Args:
-            model: freshly assembled.
+            model: assembled with its actuators.
             controllers: objects in place of the case's controllers: 'slide_protection', 'wheel_slip_control', 'rig_control'.
 
         Raises:
@@ -68,9 +68,8 @@ class BenchRun:
 
     def _fit(self) -> bool:
         fitted = fit(self.model, self.controllers)
-        simulation = _core.Simulation(self.model.core)
+        simulation = _core.Simulation(self.model.start_core)
         self._start = np.asarray(starting_state(simulation, self.model))
-        resist(self.model)
         self._core = _core.Bench(self.model.core, fitted.settings)
         return fitted.travels
 

@@ -1,23 +1,24 @@
 """From a case to the settings of the core's bench: names become indices, absent numbers follow from the vehicle.
 
-Case, AssembledModel -> [settings] -> dict for _core.Bench, and what was added to the model (brakes, motors, maps)
+Case, AssembledModel -> [settings] -> dict for _core.Bench
 """
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
 from rollerrig import _core
-from rollerrig.assembly import GROUND, AssembledModel
+from rollerrig.actuators import brake_numbers
+from rollerrig.assembly import AssembledModel
 from rollerrig.bench.controllers import UserController
-from rollerrig.bench.virtual_train import frame_of, load_transfer, rail_contact, train_mass
+from rollerrig.bench.virtual_train import load_transfer, rail_contact, train_mass
 from rollerrig.config import (
     Brake,
     Case,
-    Condition,
     Controller,
     Encoder,
     ForceSensor,
@@ -25,12 +26,10 @@ from rollerrig.config import (
     Rig,
     RigControl,
     SlideProtection,
-    Traction,
     WheelSlipControl,
 )
 from rollerrig.config.schema.actuators import BenchSettings
 
-NOT_THERE = -1
 _ABSENT = {"every": 0, "delay": 0, "external": False}
 
 
@@ -48,25 +47,23 @@ class Fitted:
 
 
 def fit(model: AssembledModel, controllers: Mapping[str, UserController]) -> Fitted:
-    """Put brakes, motors and adhesion on a model and say how they are driven. To be called once for a model.
+    """How the actuators of a model are driven.
 
     Args:
-        model: the model; its core is added to.
+        model: assembled with its actuators.
         controllers: the user's, by table of the case.
     """
     case = model.case
     rig = case.support.data if isinstance(case.support.data, Rig) else None
-    friction_map = _add_adhesion(model, on_rails=rig is None)
     control = case.rig_control
     mass = train_mass(model)
-    rollers = [name for name in model.rollers if name not in model.fixed]
     free = sum(model.masses[b] for b in model.vehicle_bodies if b not in model.fixed)
     settings: dict[str, Any] = {
         "step": case.bench.step,
         "duration": case.time.duration,
         "speed": case.motion.speed,
         "floor_speed": _floor_speed(case.bench, case),
-        "axles": [_axle(model, number, rollers) for number in range(len(model.wheelsets))],
+        "axles": [dataclasses.asdict(axle) for axle in model.axles],
         "brake_demand": _rows(case.brake.demand if case.brake else ()),
         "traction_demand": _rows(case.traction.demand if case.traction else ()),
         "brake": _brake(case.brake),
@@ -92,16 +89,8 @@ def fit(model: AssembledModel, controllers: Mapping[str, UserController]) -> Fit
         "held_mass": max(0.0, mass - free) if rig is None and model.fixed else 0.0,
         **_rig_control(model, control or RigControl(), rig),
     }
-    settings["rail"] = {"friction_map": friction_map, **(rail_contact(model) if control else _NO_RAIL)}
+    settings["rail"] = {"adhesion_map": model.adhesion_map, **(rail_contact(model) if control else _NO_RAIL)}
     return Fitted(settings, rig is None)
-
-
-def resist(model: AssembledModel) -> None:
-    """Let running resistance and gradient act on a train on track: after its start, which is level and at ease."""
-    train = model.case.train
-    body = model.fixed[0] if model.fixed else max(model.vehicle_bodies, key=lambda name: model.masses[name])
-    resistance = (train.resistance_constant, train.resistance_linear, train.resistance_quadratic)
-    model.core.set_resistance(model.body_index(body), *resistance, train.gradient)
 
 
 _NO_RAIL = {"wheel_load": 1.0, "a": 1.0, "b": 1.0, "width": 1.0}
@@ -110,64 +99,6 @@ _NO_RAIL = {"wheel_load": 1.0, "a": 1.0, "b": 1.0, "width": 1.0}
 def _floor_speed(bench: BenchSettings, case: Case) -> float:
     """A start has no standstill to end at."""
     return bench.standstill if case.brake is not None and case.motion.speed > bench.standstill else 0.0
-
-
-def _add_adhesion(model: AssembledModel, on_rails: bool) -> int:
-    adhesion = model.case.adhesion
-    if adhesion is None:
-        return NOT_THERE
-    rails = [adhesion.rail, *(piece.rail for piece in adhesion.piece)]
-    rows = [[*_condition(rail), *_condition(adhesion.recovered), adhesion.recovery_constant] for rail in rails]
-    borders = [float((piece.time if adhesion.over_time else piece.distance) or 0.0) for piece in adhesion.piece]
-    number = model.core.add_adhesion_map(rows, borders, adhesion.blend, adhesion.over_time)
-    for wheel in model.wheels if on_rails else ():
-        model.core.set_friction_map(wheel.contact, number)
-    return int(number)
-
-
-def _condition(rail: Condition) -> list[float]:
-    return [rail.mu_0, rail.A, rail.B, rail.k_A, rail.k_S]
-
-
-def _axle(model: AssembledModel, number: int, rollers: list[str]) -> dict[str, Any]:
-    case, name = model.case, model.wheelsets[number]
-    wheelset, frame = model.body_index(name), frame_of(model, name)
-    axle: dict[str, Any] = {
-        "wheelset": wheelset,
-        "axle_torque": NOT_THERE,
-        "brake": NOT_THERE,
-        "roller": NOT_THERE,
-        "roller_torque": NOT_THERE,
-        "contact": [wheel.contact for wheel in model.wheels if wheel.wheelset == name],
-        "place": model.positions[name][0],
-    }
-    stand_in = case.brake is not None and case.brake.motors_stand_in
-    if case.brake is not None and not stand_in:
-        axle["brake"] = _core.add_brake(model.core, wheelset, frame, _brake(case.brake))
-    if case.traction is not None:
-        _mount(model, number, wheelset, frame, case.traction)
-        axle["axle_torque"] = number
-    if rollers:
-        axle["roller"] = model.body_index(rollers[number])
-        if case.motion.drive != "speed_controlled":
-            model.core.add_roller_torque(axle["roller"], []) if case.motion.torque_table is None else None
-            axle["roller_torque"] = number if case.rig_control is not None else NOT_THERE
-            if case.rig_control is not None:
-                motor = case.rig_control.motor
-                _core.add_roller_rotor(model.core, axle["roller"], motor.gear_ratio, motor.rotor_inertia)
-    return axle
-
-
-def _mount(model: AssembledModel, number: int, wheelset: int, frame: int, traction: Traction) -> None:
-    """The motor of one axle: where its moment goes, and its rotor."""
-    hung = traction.suspension == "axle" and frame != GROUND
-    model.core.add_axle_torque(wheelset, GROUND if traction.suspension == "ground" else frame, [])
-    link = 0.0
-    if hung:
-        ahead = model.positions[model.bodies[frame]][0] - model.positions[model.wheelsets[number]][0]
-        link = math.copysign(traction.link or 0.0, ahead)
-    motor = traction.motor
-    _core.mount_motor(model.core, number, hung, link, motor.gear_ratio, motor.rotor_inertia)
 
 
 def _rows(table: tuple[tuple[float, float], ...]) -> list[list[float]]:
@@ -195,8 +126,7 @@ def _motor(motor: Motor) -> dict[str, Any]:
 
 
 def _brake(brake: Brake | None) -> dict[str, Any]:
-    numbers = (brake or Brake(demand=((0.0, 0.0), (1.0, 0.0)))).model_dump(exclude={"demand", "motors_stand_in"})
-    return {**numbers, "friction": _rows(numbers["friction"])}
+    return brake_numbers(brake or Brake(demand=((0.0, 0.0), (1.0, 0.0))))
 
 
 def full_brake_torque(case: Case) -> float:

@@ -14,7 +14,8 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from rollerrig.assembly import GROUND, AssembledModel, assemble
+from rollerrig import _core
+from rollerrig.assembly import GROUND, AssembledModel, Assembly, assemble, axle_torque
 from rollerrig.cases import on_track, without_actuators
 from rollerrig.config import Case, RigControl
 from rollerrig.starting_state import equilibrium_dataset
@@ -37,7 +38,7 @@ def load_transfer(model: AssembledModel) -> list[float]:
         return [0.0] * len(model.wheelsets)
     if chosen != "quasi_static":
         return list(chosen)
-    small = _GRADIENT * model.core.gravity
+    small = _GRADIENT * model.case.gravity
     faster, slower = (_axle_loads(model.case, sign * small) for sign in (1.0, -1.0))
     change: list[float] = ((faster - slower) / (2.0 * small)).tolist()
     return change
@@ -61,18 +62,24 @@ def rail_contact(model: AssembledModel) -> dict[str, float]:
 
 def _axle_loads(case: Case, acceleration: float) -> NDArray[np.float64]:
     """Load of each axle on straight track, all axles sharing the force [N]."""
-    model = assemble(_bare_on_track(case))
-    free = sum(model.masses[name] for name in model.vehicle_bodies if name not in model.fixed)
-    force = (train_mass(model) if model.fixed else free) * acceleration / len(model.wheelsets)
+    assembly = Assembly(_bare_on_track(case))
+    plain = assembly.finish()
+    free = sum(plain.masses[name] for name in plain.vehicle_bodies if name not in plain.fixed)
+    force = (train_mass(plain) if plain.fixed else free) * acceleration / len(plain.wheelsets)
     radius = case.vehicle.data.wheel.radius
     on_ground = case.brake is None and case.traction is not None and case.traction.suspension == "ground"
-    for name in model.wheelsets:
-        wheelset, frame = model.body_index(name), GROUND if on_ground else frame_of(model, name)
-        model.core.add_axle_torque(wheelset, frame, [(0.0, force * radius)])
+    for name in plain.wheelsets:
+        wheelset, frame = assembly.index(name), GROUND if on_ground else assembly.frame_of(name)
+        assembly.builder.add_axle_torque(axle_torque(wheelset, frame, [(0.0, force * radius)]))
         if frame != GROUND:
-            spin = model.inertias[name][1] * acceleration / radius
-            model.core.add_axle_torque(frame, GROUND, [(0.0, -spin)])
-    model.core.set_resistance(GROUND, 0.0, 0.0, 0.0, acceleration / model.core.gravity)
+            spin = plain.inertias[name][1] * acceleration / radius
+            assembly.builder.add_axle_torque(axle_torque(frame, GROUND, [(0.0, -spin)]))
+    assembly.builder.set_resistance(
+        _core.RunningResistance(
+            body=GROUND, constant=0.0, linear=0.0, quadratic=0.0, gradient=acceleration / case.gravity
+        )
+    )
+    model = assembly.finish()
     forces = equilibrium_dataset(model)["vertical_force"].isel(time=0).to_numpy()
     return np.array([sum(forces[i] for i, w in enumerate(model.wheels) if w.wheelset == n) for n in model.wheelsets])
 
@@ -83,13 +90,4 @@ def _bare_on_track(case: Case) -> Case:
 
 def train_mass(model: AssembledModel) -> float:
     """What the axles brake or pull [kg]."""
-    return model.case.train.mass or sum(model.axle_loads.values()) / model.core.gravity
-
-
-def frame_of(model: AssembledModel, wheelset: str) -> int:
-    """The body that carries calliper and motor of a wheelset: what its springs stand under."""
-    for element in model.case.vehicle.data.element:
-        if element.carries_load and wheelset in element.between:
-            other = element.between[0] if element.between[1] == wheelset else element.between[1]
-            return model.body_index(other) if other in model.bodies else GROUND
-    return GROUND
+    return model.case.train.mass or sum(model.axle_loads.values()) / model.case.gravity

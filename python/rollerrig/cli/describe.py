@@ -109,7 +109,7 @@ def _balance(model: AssembledModel, run: xr.Dataset) -> list[str]:
     """Weight, and what held bodies add to it, against the sum of the wheel loads of the solved equilibrium."""
     own = list(model.lateral_bodies)
     mass = sum(model.masses[body] for body in own)
-    weight = model.core.gravity * mass
+    weight = model.case.gravity * mass
     lines = [f"mass of {', '.join(own)}: {mass / 1e3:.3f} t, weight {weight / 1e3:.3f} kN"]
     carried = sum(
         _downward(run, element, model.fixed) for element in model.case.vehicle.data.elements_in(model.case.vehicle.part)

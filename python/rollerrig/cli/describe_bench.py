@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from rollerrig.actuators import assemble_with_actuators
 from rollerrig.assembly import AssembledModel
 from rollerrig.bench.bench_run import users_controllers
 from rollerrig.bench.controllers import COMMANDS
@@ -38,7 +39,7 @@ def machine_lines(model: AssembledModel) -> list[str]:
     users = users_controllers(case, {})
     if not case.on_bench:
         return []
-    settings = fit(model, users).settings
+    settings = fit(assemble_with_actuators(case), users).settings
     load = sum(model.axle_loads.values()) / len(model.wheelsets)
     lines = [*_brake(case, load), *_traction(case, load), *_adhesion(case), *_train(case, settings)]
     for role in COMMANDS:

@@ -106,7 +106,7 @@ TEST_CASE("starting, stepping, breakpoints and outputs allocate nothing") {
 
 TEST_CASE("a wheelset that runs on rollers, its contact search and its recorder allocate nothing") {
   auto const model = wheelset_model({});
-  Dynamics dynamics(*model), observed(*model);
+  Dynamics dynamics(model), observed(model);
   Recorder const recorder(*model);
   std::vector<double> row(static_cast<std::size_t>(recorder.width()));
   auto const start = solve_equilibrium(dynamics, 20.0, 0.0, {{0, coord_y, 2e-3}});  // released 2 mm aside

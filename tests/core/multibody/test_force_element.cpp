@@ -12,7 +12,7 @@ using test::ExplicitReal;
 
 namespace {
 
-Body const body{1000.0, {100.0, 200.0, 300.0}, {}, false, {}, false};
+Body const body{1000.0, {100.0, 200.0, 300.0}, {}, false};
 
 BodyMotion<double> random_motion(std::mt19937& random, double size) {
   std::uniform_real_distribution<double> any(-size, size);

@@ -42,7 +42,7 @@ TEST_CASE("names are unique, and every field says its unit and meaning") {
 
 TEST_CASE("the recorded wheel forces are those of the equilibrium, and the patches add up to the wheel") {
   auto const model = test::wheelset_model({.speed = 20.0});
-  Dynamics dynamics(*model);
+  Dynamics dynamics(model);
   Recorder const recorder(*model);
   auto const e = solve_equilibrium(dynamics, 20.0, 0.0);
   REQUIRE(e.converged);

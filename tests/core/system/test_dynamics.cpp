@@ -32,7 +32,7 @@ std::vector<double> disturbed(std::vector<double> x, StateMap const& map, unsign
 
 TEST_CASE("the state holds coordinates without the cyclic angle, rates with the spin, and damper nodes") {
   auto const model = wheelset_model({});
-  Dynamics dynamics(*model);
+  Dynamics dynamics(model);
   auto const& map = dynamics.map();
   CHECK(map.coordinates == 5);  // wheelset without pitch; the roller only spins
   CHECK(map.rates == 7);
@@ -46,7 +46,7 @@ TEST_CASE("at the equilibrium all accelerations but those of the rollers vanish 
   for (double radius : {0.725, 0.0}) {
     for (double speed : {0.0, 0.1, 20.0}) {
       auto const model = wheelset_model({.roller_radius = radius, .speed = speed});
-      Dynamics dynamics(*model);
+      Dynamics dynamics(model);
       auto const e = solve_equilibrium(dynamics, speed, 0.0);
       REQUIRE(e.converged);
       auto const x_dot = derivative(dynamics, e.x);
@@ -61,7 +61,7 @@ TEST_CASE("at the equilibrium all accelerations but those of the rollers vanish 
 
 TEST_CASE("a held coordinate stays where it is put") {
   auto const model = wheelset_model({});
-  Dynamics dynamics(*model);
+  Dynamics dynamics(model);
   for (double y : {0.5e-3, 2e-3, 3e-3, 6e-3}) {  // without roll only one wheel would stand there
     auto const e = solve_equilibrium(dynamics, 20.0, 0.0, {{0, coord_y, y}});
     CHECK(e.x[static_cast<std::size_t>(dynamics.map().coordinate[0][coord_y])] == y);
@@ -73,7 +73,7 @@ TEST_CASE("a held coordinate stays where it is put") {
 
 TEST_CASE("an equilibrium near a known one is the same as from scratch, and is found from a bad start too") {
   auto const model = wheelset_model({.roller_radius = 0.725});
-  Dynamics dynamics(*model);
+  Dynamics dynamics(model);
   auto const slow = solve_equilibrium(dynamics, 20.0, 0.0);
   auto const from_scratch = solve_equilibrium(dynamics, 25.0, 0.0);
   auto lifted = slow.x;
@@ -91,7 +91,7 @@ TEST_CASE("an equilibrium near a known one is the same as from scratch, and is f
 TEST_CASE("the exact Jacobian is that of differences") {
   for (double radius : {0.725, 0.0}) {
     auto const model = wheelset_model({.roller_radius = radius, .driven = false});
-    Dynamics dynamics(*model);
+    Dynamics dynamics(model);
     auto const x = disturbed(solve_equilibrium(dynamics, 20.0, 0.0).x, dynamics.map(), 3, 2e-5);
     JacobianData j(dynamics.sizes());
     REQUIRE(dynamics.jacobian(0.0, x.data(), j) == Status::ok);
@@ -124,10 +124,10 @@ TEST_CASE("the exact Jacobian is that of differences") {
 }
 
 TEST_CASE("the time derivative of the right-hand side is that of the speed and torque tables") {
-  auto const model = wheelset_model({.roller_radius = 0.0});
-  model->speed = {{{0.0, 10.0}, {20.0, 30.0}}};
-  model->axle_torques.push_back({0, ground, {{{0.0, 4.0}, {0.0, 4000.0}}}});
-  Dynamics dynamics(*model);
+  auto model = test::wheelset_parts({.roller_radius = 0.0});
+  model.speed = {{{0.0, 10.0}, {20.0, 30.0}}};
+  model.axle_torques.push_back({0, ground, {{{0.0, 4.0}, {0.0, 4000.0}}}});
+  Dynamics dynamics(model);
   auto const x = disturbed(solve_equilibrium(dynamics, 21.0, 1.0).x, dynamics.map(), 4, 1e-5);
   JacobianData j(dynamics.sizes());
   dynamics.jacobian(1.0, x.data(), j);
@@ -144,7 +144,7 @@ TEST_CASE("the time derivative of the right-hand side is that of the speed and t
 TEST_CASE("power put in is power stored and dissipated, at any state") {
   for (double radius : {0.725, 0.0}) {
     auto const model = wheelset_model({.roller_radius = radius, .driven = false});
-    Dynamics dynamics(*model);
+    Dynamics dynamics(model);
     for (unsigned seed = 0; seed < 10; ++seed) {
       auto const x = disturbed(solve_equilibrium(dynamics, 20.0, 0.0).x, dynamics.map(), seed, 3e-5);
       std::vector<double> z;
@@ -170,7 +170,7 @@ TEST_CASE("power put in is power stored and dissipated, at any state") {
 
 TEST_CASE("the mirrored state of a wheelset has mirrored accelerations") {
   auto const model = wheelset_model({});
-  Dynamics dynamics(*model);
+  Dynamics dynamics(model);
   auto const& map = dynamics.map();
   auto const x = disturbed(solve_equilibrium(dynamics, 20.0, 0.0).x, map, 8, 1e-4);
   auto const mirror = [&](std::vector<double> s) {
@@ -187,15 +187,15 @@ TEST_CASE("the mirrored state of a wheelset has mirrored accelerations") {
 
 TEST_CASE("elastic rollers held by stiff springs move like rollers on rigid bearings") {
   auto const rigid = wheelset_model({});
-  auto const elastic = wheelset_model({});
-  auto& roller = elastic->bodies[1];
+  auto elastic = test::wheelset_parts({});
+  auto& roller = elastic.bodies[1];
   roller.locked = {true, false, false, true, false, false};
   ForceElement e;
   e.body_a = ground, e.body_b = 1;
   for (int c : {int{coord_y}, int{coord_z}, int{coord_yaw}}) e.law[static_cast<std::size_t>(c)].stiffness = 1e16;
   e.law[coord_z].preload = (2980.0 + 11000.0) * 9.81;
-  elastic->elements.push_back(e);
-  Dynamics a(*rigid), b(*elastic);
+  elastic.elements.push_back(e);
+  Dynamics a(rigid), b(elastic);
   auto const ea = solve_equilibrium(a, 20.0, 0.0), eb = solve_equilibrium(b, 20.0, 0.0);
   REQUIRE(ea.converged);
   REQUIRE(eb.converged);
@@ -208,7 +208,7 @@ TEST_CASE("elastic rollers held by stiff springs move like rollers on rigid bear
 
 TEST_CASE("a wheelset lifted off its rollers is reported lost after the limit, with its wheel") {
   auto const model = wheelset_model({.lateral_spring = 0.0});
-  Dynamics dynamics(*model);
+  Dynamics dynamics(model);
   auto x = solve_equilibrium(dynamics, 20.0, 0.0).x;
   x[static_cast<std::size_t>(dynamics.map().coordinate[0][coord_z])] = 5e-3;
   dynamics.reset_run();
@@ -222,7 +222,7 @@ TEST_CASE("a wheelset lifted off its rollers is reported lost after the limit, w
 
 TEST_CASE("a wheel pushed over its flange tip is a derailment") {
   auto const model = wheelset_model({});
-  Dynamics dynamics(*model);
+  Dynamics dynamics(model);
   auto x = solve_equilibrium(dynamics, 20.0, 0.0).x;
   auto const at = [&](int c) {
     return static_cast<std::size_t>(dynamics.map().coordinate[0][static_cast<std::size_t>(c)]);
@@ -245,7 +245,7 @@ TEST_CASE("a wheel pushed over its flange tip is a derailment") {
 
 TEST_CASE("evaluating twice gives the same to round-off, and an accepted run counts what it saw") {
   auto const model = wheelset_model({});
-  Dynamics dynamics(*model);
+  Dynamics dynamics(model);
   auto const x = disturbed(solve_equilibrium(dynamics, 20.0, 0.0).x, dynamics.map(), 5, 1e-5);
   auto const a = derivative(dynamics, x), b = derivative(dynamics, x);
   for (std::size_t i = 0; i < a.size(); ++i) CHECK(a[i] == doctest::Approx(b[i]).epsilon(1e-11).scale(10.0));
@@ -258,7 +258,7 @@ TEST_CASE("evaluating twice gives the same to round-off, and an accepted run cou
 
 TEST_CASE("a random pose never gives a force that is not finite or pulls") {
   auto const model = wheelset_model({});
-  Dynamics dynamics(*model);
+  Dynamics dynamics(model);
   auto const start = solve_equilibrium(dynamics, 20.0, 0.0).x;
   std::mt19937 random(6);
   std::uniform_real_distribution<double> any(-1.0, 1.0);
@@ -278,8 +278,8 @@ TEST_CASE("a random pose never gives a force that is not finite or pulls") {
         auto const& p = dynamics.patch(c, k);
         CHECK(p.normal.total() >= 0.0);
         CHECK(p.point.gap <= 0.0);
-        CHECK(model->profiles[0].contains(p.point.wheel_s));
-        CHECK(model->profiles[1].contains(p.point.rail_y));
+        CHECK(model->contacts[0].pair.wheel->contains(p.point.wheel_s));
+        CHECK(model->contacts[0].pair.rail->contains(p.point.rail_y));
         CHECK(p.share >= 0.0);
         CHECK(p.share <= 1.0);
         ++patches;
@@ -289,12 +289,11 @@ TEST_CASE("a random pose never gives a force that is not finite or pulls") {
 }
 
 TEST_CASE("a rig with every peculiarity of its rollers left out is the track") {
-  auto const rig = wheelset_model({}), rails = wheelset_model({.roller_radius = 0.0});
-  for (auto& contact : rig->contacts) {
-    contact.pair.effects = {.curvature = false, .conicity = false, .spin = false, .yaw = false};
-    contact.laws.roller = contact.pair.effects;
-  }
-  Dynamics on_rig(*rig), on_rails(*rails);
+  auto rig = test::wheelset_parts({});
+  auto const rails = wheelset_model({.roller_radius = 0.0});
+  for (auto& contact : rig.contacts)
+    contact.laws.roller = {.curvature = false, .conicity = false, .spin = false, .yaw = false};
+  Dynamics on_rig(rig), on_rails(rails);
   auto const start = solve_equilibrium(on_rails, 20.0, 0.0).x;
   std::mt19937 random(7);
   std::uniform_real_distribution<double> any(-1.0, 1.0);
@@ -325,11 +324,9 @@ TEST_CASE("a rig with every peculiarity of its rollers left out is the track") {
 TEST_CASE("a loaded spring clamped at both ends: forces of the closed form, and power equal to force times rate") {
   // Two free bodies, the spring's middle between them; gravity off so that only the spring acts.
   double const k = 160e3, load = 78.48e3, inertia = 1000.0, mass = 2000.0;
-  Model model;
+  test::Parts model;
   model.gravity = 0.0;
-  for (double z : {0.6, 1.8})
-    model.bodies.push_back({mass, {inertia, inertia, inertia}, {0.0, 0.0, z}, false, {}, false});
-  model.driven_inverse_radius = {0.0, 0.0};
+  for (double z : {0.6, 1.8}) model.bodies.push_back({mass, {inertia, inertia, inertia}, {0.0, 0.0, z}});
   ForceElement spring;
   spring.body_a = 1, spring.body_b = 0, spring.r_b = {0.0, 0.0, 0.8275 - 0.6}, spring.clamped = true;
   spring.law[coord_y] = {.stiffness = k};

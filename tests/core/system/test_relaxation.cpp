@@ -27,7 +27,7 @@ TEST_CASE("directions do not see each other, and are those of the Jacobian where
       CAPTURE(driven);
       auto const model = wheelset_model(
           {.roller_radius = roller_radius, .speed = 1.0, .friction = 100.0, .driven = driven});  // nothing saturates
-      Dynamics dynamics(*model);
+      Dynamics dynamics(model);
       auto const start = solve_equilibrium(dynamics, 1.0, 0.0, {});
       REQUIRE(start.converged);
       auto const r = directions_of(dynamics, start.x);
@@ -62,7 +62,7 @@ TEST_CASE("directions do not see each other, and are those of the Jacobian where
 
 TEST_CASE("rates go with 1/V, directions are kept until they have changed") {
   auto const model = wheelset_model({.speed = 10.0, .lateral_spring = 2e6});
-  Dynamics dynamics(*model);
+  Dynamics dynamics(model);
   auto fastest = [&](double speed) {
     auto const start = solve_equilibrium(dynamics, speed, 0.0, {});
     auto const r = directions_of(dynamics, start.x);
@@ -86,7 +86,7 @@ TEST_CASE("rates go with 1/V, directions are kept until they have changed") {
 TEST_CASE("a slow wheelset is stable in steps that rk4 cannot take, and moves as with short ones") {
   // Released 2 mm aside at 1 m/s: creep relaxes at up to 1e4 1/s, 20 times the step of 2 ms and more.
   auto const model = wheelset_model({.speed = 1.0});
-  Dynamics dynamics(*model);
+  Dynamics dynamics(model);
   auto const start = solve_equilibrium(dynamics, 1.0, 0.0, {{0, coord_y, 2e-3}});
   REQUIRE(start.converged);
   auto const lateral_at_end = [&](Method method, double step) {

@@ -1,42 +1,34 @@
 #include <doctest/doctest.h>
 
 #include "rollerrig/system/static_wheelset_contact.hpp"
+#include "rollerrig/system/statics.hpp"
 #include "system/models.hpp"
 
 using namespace rollerrig;
 using test::wheelset_model;
 
 TEST_CASE("static preloads balance a frame on four springs, each by its lever") {
-  std::vector<Body> bodies{{2600.0, {1e3, 1e3, 1e3}, {0.1, 0.0, 0.6}, false, {}, false},
-                           {1800.0, {1e3, 1e2, 1e3}, {1.28, 0.0, 0.46}, true, {}, false},
-                           {1800.0, {1e3, 1e2, 1e3}, {-1.28, 0.0, 0.46}, true, {}, false}};
-  std::vector<ForceElement> elements;
+  std::vector<StandingBody> const bodies{
+      {2600.0, {0.1, 0.0, 0.6}, false}, {1800.0, {1.28, 0.0, 0.46}, true}, {1800.0, {-1.28, 0.0, 0.46}, true}};
+  std::vector<LoadSpring> springs;
   for (int wheelset : {1, 2})
-    for (double y : {1.0, -1.0}) {
-      ForceElement e;
-      e.body_a = 0, e.body_b = wheelset, e.r_b = {0.0, y, 0.0}, e.carries_load = true;
-      elements.push_back(e);
-    }
-  ForceElement idle;  // a damper: carries nothing
-  idle.body_a = 0, idle.body_b = 1;
-  elements.push_back(idle);
-  double worst = 1.0;
-  auto const p = static_preloads(bodies, elements, 9.81, worst);
-  REQUIRE(p.size() == 5);
+    for (double y : {1.0, -1.0}) springs.push_back({0, wheelset, {wheelset == 1 ? 1.28 : -1.28, y, 0.46}});
+  auto const loads = static_loads(bodies, springs, 9.81);
+  auto const& p = loads.preload;
+  REQUIRE(p.size() == 4);
   double const weight = 2600.0 * 9.81;
-  CHECK(worst < 1e-6);
+  CHECK(loads.imbalance < 1e-6);
   CHECK(p[0] + p[1] + p[2] + p[3] == doctest::Approx(-weight));  // pushes the axles down
   CHECK((p[0] + p[1]) * (1.28 - 0.1) == doctest::Approx((p[2] + p[3]) * (1.28 + 0.1)));
   CHECK(p[0] == doctest::Approx(p[1]));
-  CHECK(p[4] == 0.0);
+  CHECK(loads.on_body[1] == doctest::Approx(1800.0 * 9.81 - 2.0 * p[0]));
+  CHECK(std::abs(loads.on_body[0]) < 1e-6);
 }
 
 TEST_CASE("a body that nothing carries is reported as an imbalance") {
-  std::vector<Body> bodies{{100.0, {1, 1, 1}, {}, false, {}, false}};
-  double worst = 0.0;
-  auto const p = static_preloads(bodies, {}, 9.81, worst);
-  CHECK(p.empty());
-  CHECK(worst == doctest::Approx(981.0));
+  auto const loads = static_loads({{100.0, {}, false}}, {}, 9.81);
+  CHECK(loads.preload.empty());
+  CHECK(loads.imbalance == doctest::Approx(981.0));
 }
 
 TEST_CASE("a pressed wheelset carries its load, free to roll without a roll moment") {

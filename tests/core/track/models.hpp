@@ -1,5 +1,7 @@
 // A small vehicle on track for the tests: a frame on two wheelsets, S1002 on UIC60, in a curve with transitions.
 #pragma once
+#include <utility>
+
 #include "system/models.hpp"
 
 namespace rollerrig::test {
@@ -53,17 +55,14 @@ inline Irregularity waves(double side = 1.0, double fade_in = 20.0) {
   return i;
 }
 
-inline std::unique_ptr<Model> vehicle_model(VehicleSetup const& setup) {
-  auto model = wheelset_model({.roller_radius = 0.0, .speed = setup.speed, .lateral_spring = 0.0});
-  auto const contacts = model->contacts;
-  model->contacts.clear();
-  model->bodies[0] = {1800.0, {1000.0, 112.0, 1000.0}, {0.5 * setup.wheelbase, 0.0, 0.46}, true, {}, false};
-  model->bodies.push_back(model->bodies[0]);
-  model->bodies[1].position.x *= -1.0;
-  model->bodies.push_back({9000.0, {4000.0, 30000.0, 32000.0}, {0.0, 0.0, 0.9}, false, {}, false});
-  model->bodies[2].locked[coord_x] = true;  // hauled
-  model->driven_inverse_radius.assign(3, 0.0);
-  int node = 0;
+inline Parts vehicle_parts(VehicleSetup const& setup) {
+  Parts parts = wheelset_parts({.roller_radius = 0.0, .speed = setup.speed, .lateral_spring = 0.0});
+  auto const contacts = std::exchange(parts.contacts, {});
+  parts.bodies[0] = {1800.0, {1000.0, 112.0, 1000.0}, {0.5 * setup.wheelbase, 0.0, 0.46}, true};
+  parts.bodies.push_back(parts.bodies[0]);
+  parts.bodies[1].position.x *= -1.0;
+  parts.bodies.push_back({9000.0, {4000.0, 30000.0, 32000.0}, {0.0, 0.0, 0.9}});
+  parts.bodies[2].locked[coord_x] = true;  // hauled
   for (int wheelset : {0, 1})
     for (double side : {1.0, -1.0}) {
       ForceElement e;
@@ -74,29 +73,30 @@ inline std::unique_ptr<Model> vehicle_model(VehicleSetup const& setup) {
       e.law[coord_z] = {.preload = -9000.0 * 9.81 / 4.0, .stiffness = 1.2e6, .damping = 4e3};
       e.law[coord_roll] = {.stiffness = 1e4};
       e.law[coord_yaw] = {.stiffness = 2e4};
-      e.node[coord_x] = node++;
-      model->elements.push_back(e);
+      parts.elements.push_back(e);
     }
   for (int wheelset : {0, 1})
-    for (WheelContact c : contacts) {
+    for (ContactDescription c : contacts) {
       c.wheelset = wheelset;
-      c.along = model->bodies[static_cast<std::size_t>(wheelset)].position.x;
       if (setup.elastic_rails) {
-        Body rail{150.0, {1.0, 1.0, 1.0}, {c.along, c.right ? -0.76 : 0.76, 0.0}, false, {}, false, false};
+        double const x = parts.bodies[static_cast<std::size_t>(wheelset)].position.x;
+        Body rail{150.0, {1.0, 1.0, 1.0}, {x, c.right ? -0.76 : 0.76, 0.0}};
         rail.locked = {true, false, false, true, true, true};
-        c.roller = static_cast<int>(model->bodies.size());
-        model->bodies.push_back(rail);
-        model->driven_inverse_radius.push_back(0.0);
+        rail.in_moving_frame = false;
+        c.roller = static_cast<int>(parts.bodies.size());
+        parts.bodies.push_back(rail);
         ForceElement e;
         e.body_a = ground, e.body_b = c.roller;
         e.law[coord_y] = {.stiffness = 3e7, .damping = 5e4};
         e.law[coord_z] = {.preload = 150.0 * 9.81, .stiffness = 6e7, .damping = 1e5};
-        model->elements.push_back(e);
+        parts.elements.push_back(e);
       }
-      model->contacts.push_back(c);
+      parts.contacts.push_back(c);
     }
-  model->start = setup.shift;
-  return model;
+  parts.start = setup.shift;
+  return parts;
 }
+
+inline std::shared_ptr<Model const> vehicle_model(VehicleSetup const& setup) { return vehicle_parts(setup).build(); }
 
 }  // namespace rollerrig::test

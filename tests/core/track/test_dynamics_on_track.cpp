@@ -7,19 +7,18 @@
 
 using namespace rollerrig;
 using test::curved_line;
-using test::vehicle_model;
 using test::VehicleSetup;
 
 namespace {
 
 constexpr double when[] = {0.6, 1.3, 2.9, 4.6, 6.5};  // [s], at 20 m/s: transition, curve, reverse, behind the line
 
-std::unique_ptr<Model> everything(VehicleSetup const& setup) {
-  auto model = vehicle_model(setup);
-  model->line = curved_line(setup.shift, setup.side);
-  model->irregularity = test::waves(setup.side);
+test::Parts everything(VehicleSetup const& setup) {
+  auto model = test::vehicle_parts(setup);
+  model.line = curved_line(setup.shift, setup.side);
+  model.irregularity = test::waves(setup.side);
   // A long table: the speed changes while the power is measured.
-  model->speed = {{{0.0, 10.0}, {setup.speed, setup.speed + 10.0}}};
+  model.speed = {{{0.0, 10.0}, {setup.speed, setup.speed + 10.0}}};
   return model;
 }
 
@@ -50,7 +49,7 @@ Rates rates_at(Dynamics& d, double t, std::vector<double> const& x) {
 TEST_CASE("in a curve, on irregular and elastic rails, power put in is power stored and dissipated") {
   for (bool elastic : {false, true}) {
     auto const model = everything({.elastic_rails = elastic});
-    Dynamics d(*model);
+    Dynamics d(model);
     for (double t : when) {
       auto const x = some_state(d, 11, 3e-5);
       auto const rates = rates_at(d, t, x);
@@ -75,19 +74,19 @@ TEST_CASE("in a curve, on irregular and elastic rails, power put in is power sto
 TEST_CASE("rollers that are moved and steered like rails keep the power balance") {
   for (bool elastic : {false, true})
     for (bool steered : {false, true}) {
-      auto const model = test::wheelset_model({});
-      model->irregularity = test::waves();
-      model->irregularity.steered = steered;
+      auto model = test::wheelset_parts({});
+      model.irregularity = test::waves();
+      model.irregularity.steered = steered;
       if (elastic) {
-        model->bodies[1].locked = {true, false, false, true, false, false};
+        model.bodies[1].locked = {true, false, false, true, false, false};
         ForceElement e;
         e.body_a = ground, e.body_b = 1;
         e.law[coord_y] = {.stiffness = 1e8, .damping = 1e4};
         e.law[coord_z] = {.preload = 13980.0 * 9.81, .stiffness = 1e8, .damping = 1e4};
         e.law[coord_yaw] = {.stiffness = 1e8, .damping = 1e4};
-        model->elements.push_back(e);
+        model.elements.push_back(e);
       }
-      Dynamics d(*model);
+      Dynamics d(model);
       for (double t : {0.7, 1.4, 2.0}) {
         auto const x = some_state(d, 12, 3e-5);
         auto const rates = rates_at(d, t, x);
@@ -109,7 +108,7 @@ TEST_CASE("rollers that are moved and steered like rails keep the power balance"
 
 TEST_CASE("the exact Jacobian and time derivative on curved, irregular, elastic track are those of differences") {
   auto const model = everything({.elastic_rails = true});
-  Dynamics d(*model);
+  Dynamics d(model);
   for (double t : {1.3, 3.1}) {
     auto const x = some_state(d, 13, 2e-5);
     JacobianData j(d.sizes());
@@ -156,7 +155,7 @@ TEST_CASE("the exact Jacobian and time derivative on curved, irregular, elastic 
 
 TEST_CASE("the mirrored vehicle in the mirrored curve on mirrored rails has mirrored accelerations") {
   auto const left = everything({.elastic_rails = true}), right = everything({.elastic_rails = true, .side = -1.0});
-  Dynamics a(*left), b(*right);
+  Dynamics a(left), b(right);
   auto const& map = a.map();
   // Bodies and elements of one side change places with those of the other: rails 3..6 and the elements' nodes.
   int const twin[] = {0, 1, 2, 4, 3, 6, 5};
@@ -192,10 +191,10 @@ TEST_CASE("the mirrored vehicle in the mirrored curve on mirrored rails has mirr
 }
 
 TEST_CASE("a thousand kilometres on, everything is as it was at the start") {
-  auto const here = everything({}), there = everything({.shift = 1e6 + 20.0});  // 16 667 periods and 0 m
-  there->irregularity = test::waves();
-  there->start = here->start + 1e6 + 20.0;
-  Dynamics a(*here), b(*there);
+  auto here = everything({}), there = everything({.shift = 1e6 + 20.0});  // 16 667 periods and 0 m
+  there.irregularity = test::waves();
+  there.start = here.start + 1e6 + 20.0;
+  Dynamics a(here), b(there);
   for (double t : when) {
     auto const x = some_state(a, 15, 3e-5);
     auto const f = rates_at(a, t, x), g = rates_at(b, t, x);
@@ -208,11 +207,11 @@ TEST_CASE("a thousand kilometres on, everything is as it was at the start") {
 
 TEST_CASE("where the line is straight and level, the frames of a curved line give what straight track gives") {
   // Behind the last wheel the line is curved: the general formulas run, with nothing in them.
-  auto const straight = vehicle_model({}), curved = vehicle_model({});
+  auto straight = test::vehicle_parts({}), curved = test::vehicle_parts({});
   double const tiny = 1e-16;
-  curved->line.curvature = {{-100.0, 100.0}, {{{tiny, 0, 0, 0}, {tiny, 0, 0, 0}}}};
-  for (auto const& m : {straight.get(), curved.get()}) m->speed = {{{0.0, 10.0}, {20.0, 25.0}}};
-  Dynamics a(*straight), b(*curved);
+  curved.line.curvature = {{-100.0, 100.0}, {{{tiny, 0, 0, 0}, {tiny, 0, 0, 0}}}};
+  straight.speed = curved.speed = {{{0.0, 10.0}, {20.0, 25.0}}};
+  Dynamics a(straight), b(curved);
   auto const x = some_state(a, 16, 3e-5);
   auto const f = rates_at(a, 0.5, x), g = rates_at(b, 0.5, x);
   REQUIRE(b.work().curved);

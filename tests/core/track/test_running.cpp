@@ -8,18 +8,18 @@ using namespace rollerrig;
 namespace {
 
 /// Wheels of a cone 1:20 on round rail heads.
-void make_conical(std::unique_ptr<Model> const& model) {
-  model->profiles[0] = test::spline_of([](double s) { return -0.05 * s; }, -60e-3, 60e-3, 1e-3);
-  model->profiles[1] =
+void make_conical(test::Parts& model) {
+  model.profiles[0] = test::spline_of([](double s) { return -0.05 * s; }, -60e-3, 60e-3, 1e-3);
+  model.profiles[1] =
       test::spline_of([](double y) { return 0.3 * (std::sqrt(1.0 - y * y / 0.09) - 1.0); }, -40e-3, 40e-3, 1e-3);
-  for (auto& c : model->contacts) c.pair.tape_circle_y = c.pair.rail_origin_y = 0.75;
+  for (auto& c : model.contacts) c.tape_circle_y = c.rail_origin_y = 0.75;
 }
 
 /// A wheelset that is free but for a hold along the track.
-std::unique_ptr<Model> conical_wheelset(double speed) {
-  auto model = test::wheelset_model({.roller_radius = 0.0, .speed = speed, .lateral_spring = 0.0});
+test::Parts conical_wheelset(double speed) {
+  auto model = test::wheelset_parts({.roller_radius = 0.0, .speed = speed, .lateral_spring = 0.0});
   make_conical(model);
-  model->bodies[0].locked[coord_x] = true;
+  model.bodies[0].locked[coord_x] = true;
   return model;
 }
 
@@ -46,10 +46,10 @@ double vertical_load(Dynamics& d, int contact) {
 TEST_CASE("a free conical wheelset runs in a curve where its rolling radii fit: y = r0 l0 / (lambda R)") {
   for (double radius : {2000.0, 6000.0, -4000.0}) {
     double const speed = 15.0;
-    auto const model = conical_wheelset(speed);
-    model->line.curvature = constant(1.0 / radius);
-    model->line.cant = constant(1.5 * std::sin(std::atan(speed * speed / (9.81 * radius))));
-    Dynamics d(*model);
+    auto model = conical_wheelset(speed);
+    model.line.curvature = constant(1.0 / radius);
+    model.line.cant = constant(1.5 * std::sin(std::atan(speed * speed / (9.81 * radius))));
+    Dynamics d(model);
     auto const e = solve_equilibrium(d, speed, 0.0);
     REQUIRE(e.converged);
     double const y = e.x[static_cast<std::size_t>(d.map().coordinate[0][coord_y])];
@@ -63,13 +63,13 @@ TEST_CASE("a free conical wheelset runs in a curve where its rolling radii fit: 
 TEST_CASE("at zero cant excess the sum of the lateral wheel forces vanishes, beside it it is the uncompensated force") {
   double const speed = 30.0, radius = 900.0, weight = 11000.0 * 9.81;
   for (double excess : {0.0, 0.03, -0.03}) {
-    auto const model = test::wheelset_model({.roller_radius = 0.0, .speed = speed, .lateral_spring = 0.0});
-    model->bodies[0].locked[coord_x] = true;
-    model->line.curvature = constant(1.0 / radius);
+    auto model = test::wheelset_parts({.roller_radius = 0.0, .speed = speed, .lateral_spring = 0.0});
+    model.bodies[0].locked[coord_x] = true;
+    model.line.curvature = constant(1.0 / radius);
     // The centre of mass, half a metre up the canted plane and a little to the outside, runs on its own radius.
     double const angle = std::atan(speed * speed / (9.81 * radius)) + excess;
-    model->line.cant = constant(1.5 * std::sin(angle));
-    Dynamics d(*model);
+    model.line.cant = constant(1.5 * std::sin(angle));
+    Dynamics d(model);
     auto const e = solve_equilibrium(d, speed, 0.0);
     REQUIRE(e.converged);
     d.evaluate(0.0, e.x.data());
@@ -85,11 +85,11 @@ TEST_CASE("at zero cant excess the sum of the lateral wheel forces vanishes, bes
 
 TEST_CASE("cant deficiency loads the outer wheels as in statics") {
   double const speed = 45.0, radius = 2500.0;
-  auto const model = test::vehicle_model({.speed = speed, .wheelbase = 3.0});
+  auto model = test::vehicle_parts({.speed = speed, .wheelbase = 3.0});
   make_conical(model);
-  for (auto& e : model->elements) e.law[coord_z].stiffness = e.law[coord_y].stiffness = 1e9;  // stands upright
-  model->line.curvature = constant(1.0 / radius);
-  Dynamics d(*model);
+  for (auto& e : model.elements) e.law[coord_z].stiffness = e.law[coord_y].stiffness = 1e9;  // stands upright
+  model.line.curvature = constant(1.0 / radius);
+  Dynamics d(model);
   auto const e = solve_equilibrium(d, speed, 0.0);
   REQUIRE(e.converged);
   d.evaluate(0.0, e.x.data());
@@ -99,7 +99,7 @@ TEST_CASE("cant deficiency loads the outer wheels as in statics") {
   for (std::size_t b = 0; b < 3; ++b) {
     auto const& f = d.work().frame[b];
     auto const& m = d.work().motion[b];
-    Body const& body = model->bodies[b];
+    Body const& body = model.bodies[b];
     Vec3<double> const place = f.origin + f.R * place_in_frame(body, m);
     Vec3<double> const force = f.R * (body.mass * (m.R * d.felt_acceleration(static_cast<int>(b))));
     of_bodies += place.z * force.y - place.y * force.z;
@@ -109,7 +109,7 @@ TEST_CASE("cant deficiency loads the outer wheels as in statics") {
   double inner = 0.0, outer = 0.0, of_contacts = 0.0, base = 0.0;
   for (int c = 0; c < 4; ++c)
     for (int k = 0; k < d.patch_count(c); ++k) {
-      auto const& contact = model->contacts[static_cast<std::size_t>(c)];
+      auto const& contact = d.model().contacts[static_cast<std::size_t>(c)];
       auto const& f = d.work().frame[static_cast<std::size_t>(contact.wheelset)];
       auto const own = [&](Vec3<double> const& v) { return contact.right ? mirrored(v) : v; };
       Vec3<double> const point = own(d.patch(c, k).point.p), force = own(d.patch(c, k).force);
@@ -132,18 +132,17 @@ TEST_CASE("a wheelset that follows a wave of both rails has no lateral creepage,
   for (bool rig : {false, true})
     for (bool steered : {true, false}) {
       if (!rig && !steered) continue;
-      auto const model =
-          test::wheelset_model({.roller_radius = rig ? 0.725 : 0.0, .speed = speed, .lateral_spring = 0.0});
+      auto model = test::wheelset_parts({.roller_radius = rig ? 0.725 : 0.0, .speed = speed, .lateral_spring = 0.0});
       auto irregularity = test::waves(1.0, 0.0);
       irregularity.right_y = irregularity.left_y;  // alignment: both rails alike
       irregularity.right_z = irregularity.left_z;
       irregularity.steered = steered;
-      Dynamics plain(*model);
+      Dynamics plain(model);
       auto const rest = solve_equilibrium(plain, speed, 0.0).x;
       double const t = 0.8;
       plain.evaluate(t, rest.data());
-      model->irregularity = irregularity;
-      Dynamics d(*model);
+      model.irregularity = irregularity;
+      Dynamics d(model);
       auto const rail = irregularity.at(false, speed * t, 0.0);
       auto x = rest;
       auto const& q = d.map().coordinate[0];
@@ -175,8 +174,8 @@ TEST_CASE("a wheelset that follows a wave of both rails has no lateral creepage,
 }
 
 TEST_CASE("elastic rails give way by their load over their stiffness, and very stiff ones not at all") {
-  auto const soft = test::vehicle_model({.elastic_rails = true}), rigid = test::vehicle_model({});
-  Dynamics a(*soft), b(*rigid);
+  auto soft = test::vehicle_parts({.elastic_rails = true}), rigid = test::vehicle_parts({});
+  Dynamics a(soft), b(rigid);
   auto const ea = solve_equilibrium(a, 20.0, 0.0), eb = solve_equilibrium(b, 20.0, 0.0);
   REQUIRE(ea.converged);
   REQUIRE(eb.converged);
@@ -186,9 +185,9 @@ TEST_CASE("elastic rails give way by their load over their stiffness, and very s
     CHECK(z == doctest::Approx(-vertical_load(a, rail - 3) / 6e7).epsilon(1e-6));
   }
   CHECK(vertical_load(a, 0) == doctest::Approx(12600.0 * 9.81 / 4.0).epsilon(1e-3));
-  for (auto& e : soft->elements)
+  for (auto& e : soft.elements)
     if (e.body_a == ground) e.law[coord_y].stiffness = e.law[coord_z].stiffness = 1e12;
-  Dynamics c(*soft);
+  Dynamics c(soft);
   auto const ec = solve_equilibrium(c, 20.0, 0.0);
   REQUIRE(ec.converged);
   for (std::size_t body : {0U, 1U, 2U})
@@ -207,10 +206,10 @@ TEST_CASE(
   for (auto [wheelbase, speed, cant, radius] :
        {Curve{2.5, 18, 0.1, 1500}, Curve{2.5, 18, 0.1, 400}, Curve{2.5, 10, 0.1, 400}, Curve{4, 10, 0.1, 600},
         Curve{8, 10, 0.15, 400}}) {
-    auto const model = test::vehicle_model({.speed = speed, .wheelbase = wheelbase});
-    model->line.curvature = constant(1.0 / radius);
-    model->line.cant = constant(cant);
-    Dynamics d(*model);
+    auto model = test::vehicle_parts({.speed = speed, .wheelbase = wheelbase});
+    model.line.curvature = constant(1.0 / radius);
+    model.line.cant = constant(cant);
+    Dynamics d(model);
     auto const e = solve_equilibrium(d, speed, 0.0);
     CAPTURE(radius);
     CAPTURE(e.residual);

@@ -36,7 +36,7 @@ def lineariser(case) -> Lineariser:
 
 def creep_coefficients(case: Case, lineariser: Lineariser) -> tuple[float, float, float, float]:
     """f11, f22, f23, f33 of one wheel in steady rolling, from the size of its patch."""
-    simulation = _core.Simulation(lineariser.model.core)
+    simulation = lineariser.simulation_at(20.0)
     row = simulation.record(0.0, lineariser.at(20.0).equilibrium, np.zeros(simulation.quadrature_count))
     wheel = run_dataset(lineariser.model, np.zeros(1), row[None, :], Outcome("ok", "", 0.0, "", {}, {}))
     wheel = wheel.isel(time=0, wheel=0, patch=0)

@@ -7,7 +7,7 @@ import pytest
 import xarray as xr
 
 from rollerrig import load_case, simulate
-from rollerrig.assembly import assemble
+from rollerrig.actuators import assemble_with_actuators
 from rollerrig.bench.settings import estimator_response, fit
 from rollerrig.config import Case, Rig
 
@@ -46,7 +46,7 @@ def test_estimates_find_the_force_of_the_contact(kind: str) -> None:
 
 def test_the_observer_answers_later_than_it_is_named() -> None:
     """Of second order with damping 0.8: 0.871 of its natural frequency, 2 zeta / omega late."""
-    model = assemble(brake_case())
+    model = assemble_with_actuators(brake_case())
     found = estimator_response(fit(model, {}).settings)
     bandwidth, delay = found["force"]
     assert bandwidth == pytest.approx(0.871 * 20.0, rel=0.01)

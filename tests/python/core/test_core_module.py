@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from rollerrig import _core
-from rollerrig.assembly import assemble
+from rollerrig.assembly import assemble, axle_torque
 from rollerrig.config import load_case
 
 
@@ -55,9 +55,11 @@ def test_a_creep_table_of_the_wrong_size_is_refused() -> None:
 
 
 def test_an_item_that_does_not_exist_is_refused() -> None:
-    core = _core.Model()
-    with pytest.raises(IndexError, match="no such item"):
-        core.set_law(0, 0, 0.0, 1.0, [], 0.0, [], 0.0, 0.0)
+    builder = _core.ModelBuilder(gravity=9.81)
+    with pytest.raises(ValueError, match="axle torque 0: wheelset: there is no body 3"):
+        builder.add_axle_torque(axle_torque(3, -1, []))
+    with pytest.raises(ValueError, match="speed must be given at increasing points"):
+        builder.set_speed([(1.0, 20.0), (0.0, 20.0)])
 
 
 def test_advancing_before_the_start_is_refused() -> None:

@@ -15,13 +15,21 @@ namespace rollerrig {
 enum Coordinate : int { coord_x, coord_y, coord_z, coord_roll, coord_pitch, coord_yaw };
 
 struct Body {
-  double mass{0.0};              ///< [kg]
-  Vec3<double> inertia{};        ///< principal moments Ixx, Iyy, Izz [kg m^2]
-  Vec3<double> position{};       ///< design position of the centre of mass, world [m]
-  bool axisymmetric{false};      ///< surface of revolution about its y axis
-  std::array<bool, 6> locked{};  ///< per Coordinate
-  bool driven{false};            ///< the pitch rate follows the drive (speed-held roller)
-  bool carried{true};            ///< on a track: travels with the vehicle; false: a piece of the track itself
+  double mass{0.0};                     ///< [kg]
+  Vec3<double> inertia{};               ///< principal moments Ixx, Iyy, Izz [kg m^2]
+  Vec3<double> position{};              ///< design position of the centre of mass, world [m]
+  bool axisymmetric{false};             ///< surface of revolution about its y axis
+  std::array<bool, 6> locked{};         ///< per Coordinate
+  double speed_controlled_radius{0.0};  ///< of a roller whose pitch rate is prescribed: V over this [m]; 0: it is free
+  bool in_moving_frame{true};           ///< on a track: moves with the vehicle; false: a piece of the track itself
+
+  bool speed_controlled() const { return speed_controlled_radius > 0.0; }
+  /// Prescribed pitch acceleration of a speed-controlled roller [rad/s^2].
+  ///
+  /// @param acceleration  dV/dt [m/s^2]
+  double prescribed_pitch(double acceleration) const {
+    return speed_controlled() ? -acceleration / speed_controlled_radius : 0.0;
+  }
 };
 
 /// Motion of one body.
@@ -94,13 +102,13 @@ Vec3<T> gyroscopic_moment(Body const& body, BodyMotion<T> const& m) {
 ///
 /// Newton: m p_dd = F. Euler in the body frame: I w_d + W x (I w) = M, where W is the angular velocity of the frame and
 /// w = E(phi, theta) (phi_d, theta_d, psi_d). Projected on the coordinates: E^T I E q_dd = E^T (M - I E_d q_d - W x I w).
-/// Locked coordinates have zero acceleration, a driven pitch rate the given one; both drop out of the system exactly.
+/// Locked coordinates have zero acceleration, a speed-controlled pitch the prescribed one; both drop out of the system exactly.
 ///
 /// @param gyroscopic         W x (I w), and what the turning of a track frame adds, body components [N m]
-/// @param constraint_moment  torque that the drive needs on a driven body to keep its rate [N m]
+/// @param constraint_moment  torque of the drive that makes a speed-controlled body turn as prescribed [N m]
 template <Scalar T>
 std::array<T, 6> accelerations(Body const& body, BodyMotion<T> const& m, Wrench<T> const& wrench,
-                               Vec3<T> const& gyroscopic, T const& driven, T& constraint_moment) {
+                               Vec3<T> const& gyroscopic, T const& prescribed_pitch, T& constraint_moment) {
   std::array<T, 6> a{T(0.0), T(0.0), T(0.0), T(0.0), T(0.0), T(0.0)};
   double const inverse_mass = 1.0 / body.mass;
   if (!body.locked[coord_x]) a[coord_x] = inverse_mass * wrench.force.x;
@@ -130,9 +138,9 @@ std::array<T, 6> accelerations(Body const& body, BodyMotion<T> const& m, Wrench<
   T const a_py = I.y * sr;
   T const a_yy = I.x * square(yaw_column.x) + I.y * sr * sr + I.z * square(yaw_column.z);
   bool const roll_free = !body.locked[coord_roll];
-  bool const pitch_free = !body.locked[coord_pitch] && !body.driven;
+  bool const pitch_free = !body.locked[coord_pitch] && !body.speed_controlled();
   bool const yaw_free = !body.locked[coord_yaw];
-  T const pitch_given = body.driven ? driven : T(0.0);
+  T const pitch_given = body.speed_controlled() ? prescribed_pitch : T(0.0);
 
   // Eliminate roll and pitch (not coupled with each other), then yaw.
   T yaw_mass = a_yy;
@@ -151,14 +159,14 @@ std::array<T, 6> accelerations(Body const& body, BodyMotion<T> const& m, Wrench<
   a[coord_yaw] = yaw;
   a[coord_roll] = roll_free ? (g_roll - a_ry * yaw) / a_rr : T(0.0);
   a[coord_pitch] = pitch_free ? (g_pitch - a_py * yaw) / I.y : pitch_given;
-  constraint_moment = body.driven ? I.y * pitch_given + a_py * yaw - g_pitch : T(0.0);
+  constraint_moment = body.speed_controlled() ? I.y * pitch_given + a_py * yaw - g_pitch : T(0.0);
   return a;
 }
 
 template <Scalar T>
-std::array<T, 6> accelerations(Body const& body, BodyMotion<T> const& m, Wrench<T> const& wrench, T const& driven,
-                               T& constraint_moment) {
-  return accelerations(body, m, wrench, gyroscopic_moment(body, m), driven, constraint_moment);
+std::array<T, 6> accelerations(Body const& body, BodyMotion<T> const& m, Wrench<T> const& wrench,
+                               T const& prescribed_pitch, T& constraint_moment) {
+  return accelerations(body, m, wrench, gyroscopic_moment(body, m), prescribed_pitch, constraint_moment);
 }
 
 }  // namespace rollerrig

@@ -66,8 +66,7 @@ struct ForceElement {
   int body_b{-1};
   Vec3<double> r_b{};                 ///< point of action P_b from b's centre of mass, body frame at design [m]
   std::array<DirectionLaw, 6> law{};  ///< per Coordinate
-  std::array<int, 6> node{-1, -1, -1, -1, -1, -1};  ///< index of s among the element states
-  bool carries_load{false};                         ///< its vertical preload comes from the static solution
+  std::array<int, 6> node{-1, -1, -1, -1, -1, -1};  ///< index of s among the element states; set by ModelBuilder
   bool clamped{false};                              ///< half of the force acts in the axes of b, at P_a
 };
 

@@ -184,7 +184,6 @@ class TestBench {
   void take_commands();
   void step();
   void move_machines();
-  void tie_axles();
   void move_train();
   void spend_energy();
   void protect();

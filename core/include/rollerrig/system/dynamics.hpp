@@ -7,6 +7,7 @@
 // each sweep evaluates only what its bodies touch.
 #pragma once
 #include <limits>
+#include <memory>
 #include <vector>
 
 #include "rollerrig/geometry/search.hpp"
@@ -41,9 +42,9 @@ struct Workspace {
   std::vector<T> node_rate;
   BodyMotion<T> ground_motion;
   std::array<T, account_count> power;
-  std::vector<AxleCreep<T>> axle_creep;  ///< per tied axle
+  std::vector<AxleCreep<T>> axle_creep;  ///< per rolling constraint
   std::vector<Vec3<T>> gyroscopic;       ///< per body, body components [N m]
-  std::vector<T> link_load;              ///< per link
+  std::vector<T> coupling_load;          ///< per coupling
 
   Travel<T> travel;
   std::vector<RailOffset<T>> offset;  ///< per contact, of the irregularity
@@ -57,7 +58,7 @@ class Dynamics {
  public:
   static constexpr int max_patches = ContactSearch::max_minima;
 
-  explicit Dynamics(Model const& model);
+  explicit Dynamics(std::shared_ptr<Model const> model);
   Dynamics(Dynamics const&) = delete;
   Dynamics& operator=(Dynamics const&) = delete;
 
@@ -79,12 +80,10 @@ class Dynamics {
   /// Evaluate anew next time: to be called after a change of the model.
   void forget() { evaluated_time_ = std::numeric_limits<double>::quiet_NaN(); }
 
-  /// Ties axles to their rollers, in place of their mean longitudinal creep: a study of what the creep does.
-  void set_rolling_constraints(std::vector<RollingConstraint> ties);
-  /// Longitudinal slip of a tied axle at its nominal radii, in the last evaluation [m/s].
-  double rolling_slip(int tie) const;
-  /// Force of the tie less the creep forces it replaces, on the wheelset, forward, in the last evaluation [N].
-  double rolling_force(int tie) const { return rolling_force_[static_cast<std::size_t>(tie)]; }
+  /// Longitudinal slip at nominal radii of the axle of a rolling constraint, in the last evaluation [m/s].
+  double rolling_slip(int constraint) const;
+  /// Force of a rolling constraint less the creep forces it replaces, on the wheelset, forward, in the last evaluation [N].
+  double rolling_force(int constraint) const { return rolling_force_[static_cast<std::size_t>(constraint)]; }
 
   /// The contact search of every wheel alone, for benchmarks.
   void search_contacts(double t, double const* x);
@@ -164,7 +163,7 @@ class Dynamics {
   template <Scalar T>
   ContactPlacement<T> placement(int index, Workspace<T> const& w) const;
   template <Scalar T>
-  Vec3<T> carried_wrench(Workspace<T>& w, std::size_t b) const;
+  Vec3<T> moving_frame_wrench(Workspace<T>& w, std::size_t b) const;
   void plan_sweeps();
   template <Scalar T>
   void evaluate_forces(Workspace<T>& w, T const& t, Sweep const* sweep);
@@ -177,15 +176,14 @@ class Dynamics {
   template <Scalar T>
   void hold(Workspace<T>& w, std::size_t axle_torque, Vec3<T> const& moment);
   template <Scalar T>
-  void apply_links(Workspace<T>& w, Sweep const* sweep);
-  void plan_links();
+  void apply_couplings(Workspace<T>& w, Sweep const* sweep);
   template <Scalar T>
   void apply_contact(Workspace<T>& w, T const& t, int index);
   void store_sweep(Sweep const& sweep, JacobianData& j) const;
   void time_derivative(double t, JacobianData& j);
 
-  Model const* model_;
-  StateMap map_;
+  std::shared_ptr<Model const> model_;
+  StateMap const& map_;
   Workspace<double> work_;
   Workspace<JacobianDual> dual_;
   std::vector<Sweep> sweeps_;
@@ -200,13 +198,9 @@ class Dynamics {
   std::vector<char> element_rotates_;
   std::vector<double> relaxation_rate_;  ///< of the elements' inner nodes, c s' = k_s (d - s): k_s / c [1/s]
   std::vector<CreepGroup> creep_groups_;
-  std::vector<double> rotor_inertia_;  ///< that geared rotors add to each body's turning [kg m^2]
+  std::vector<double> rotor_inertia_;  ///< that geared rotors add to the pitch inertia of each body [kg m^2]
   std::vector<double> brake_torque_;
-  std::vector<RollingConstraint> ties_;
-  std::vector<int> tie_of_contact_;  ///< -1: not tied
   std::vector<double> rolling_force_;
-  std::vector<Link> links_;  ///< the model's rotors, then the ties
-  Eigen::MatrixXd link_matrix_;
   double longitudinal_force_{0.0};
   bool has_adhesion_maps_{false};
   std::vector<double> off_since_;

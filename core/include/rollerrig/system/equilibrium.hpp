@@ -34,11 +34,4 @@ struct Equilibrium {
 Equilibrium solve_equilibrium(Dynamics& dynamics, double speed, double t, std::vector<HeldCoordinate> const& held = {},
                               std::vector<double> const& near = {});
 
-/// Vertical preloads that hold the design position: smallest forces (least squares) in the elements that carry load for
-/// which every body but the wheelsets (which stand on their wheels) is in balance, locks ignored.
-///
-/// @return one force per element on its end b [N]; zero for elements that carry no load
-std::vector<double> static_preloads(std::vector<Body> const& bodies, std::vector<ForceElement> const& elements,
-                                    double gravity, double& worst_imbalance);
-
 }  // namespace rollerrig

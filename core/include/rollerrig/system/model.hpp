@@ -1,18 +1,18 @@
-// system/model.hpp - the assembled model: constant data that any number of simulations share.
+// system/model.hpp - the assembled model: constant data that any number of runs share, in any number of threads.
+//
+//   ModelBuilder -> [Model] -> Dynamics, equilibrium, static contact, recorder
 //
 // Nothing here knows whether it is a rig or a track, a wheelset or a vehicle: rollers are bodies, a rail is a contact
 // whose surface runs backwards and whose inverse radius is zero; it lies on the ground or is a body on springs.
+// Only ModelBuilder makes one. A copy shares the tables, so that it may outlive the original.
 #pragma once
-#include <deque>
 #include <memory>
 #include <vector>
 
-#include "rollerrig/contact/normal/strip_kernel.hpp"
 #include "rollerrig/contact/patch.hpp"
-#include "rollerrig/geometry/interpenetration.hpp"
 #include "rollerrig/mechatronics/pneumatic_brake.hpp"
 #include "rollerrig/multibody/force_element.hpp"
-#include "rollerrig/system/links.hpp"
+#include "rollerrig/system/couplings.hpp"
 #include "rollerrig/track/irregularity.hpp"
 #include "rollerrig/track/line.hpp"
 
@@ -25,28 +25,34 @@ struct WheelContact {
   int wheelset{0};
   int roller{ground};                  ///< body of the roller or of an elastic rail; ground: a rigid rail
   bool right{false};                   ///< right wheel: mirrored before and after
-  bool rail{false};                    ///< the surface runs backwards with the drive speed and does not turn
-  double along{0.0};                   ///< design position along the vehicle: the rail is read at s + along [m]
+  bool rail{false};                    ///< the surface runs backwards with the running speed and does not turn
+  double distance_ahead{0.0};          ///< of the wheelset from the vehicle's reference point, along the line [m]
   Vec3<double> wheelset_from_crown{};  ///< design position of the wheelset's centre from the origin of b, world [m]
   Vec3<double> crown_in_roller{};      ///< origin of b from the roller's centre of mass, roller frame [m]
   WheelRollerPair pair{};
   ContactLaws laws{};
+
+  double roller_radius() const { return crown_in_roller.z; }  ///< at the crown [m]
 };
 
-/// Torque about the axle, positive when it drives forward; reacts on another body or on nothing.
+/// Torque about an axle, positive when it drives forward: of a traction motor, or one that a test prescribes.
 struct AxleTorque {
   int wheelset{0};
-  int reaction{ground};
-  TimeTable torque{};  ///< [N m]
-  /// Of an axle-hung motor: from the axle to the link by which it holds on to the reaction body, along x [m]; 0: a moment.
+  int reaction{ground};  ///< body that takes the opposite
+  TimeTable torque{};    ///< [N m], beside that of the inputs
+  /// Axle-hung motor: x of the link by which it hangs on the reaction body, from the axle [m]; 0: the reaction is a moment.
   double link{0.0};
-  double link_on_reaction{0.0};  ///< place of that link from the reaction body's centre of mass, along x [m]
+  double gear_ratio{1.0};        ///< rotor over axle; negative: they turn against each other
+  double rotor_inertia{0.0};     ///< [kg m^2]
+  double link_on_reaction{0.0};  ///< x of the link from the reaction body's centre of mass [m]; set by ModelBuilder
 };
 
 /// Torque on a roller about its axle, positive when it drives the wheel forward (turns the roller backwards).
 struct RollerTorque {
   int roller{0};
-  TimeTable torque{};  ///< [N m]
+  TimeTable torque{};         ///< [N m], beside that of the inputs
+  double gear_ratio{1.0};     ///< of the drive's rotor over the roller
+  double rotor_inertia{0.0};  ///< [kg m^2]
 };
 
 /// A friction brake between an axle and the body that carries its callipers or blocks.
@@ -56,9 +62,9 @@ struct AxleBrake {
   PneumaticBrake brake{};
 };
 
-/// What resists running: Davis' formula on one body, and the gradient on all that travel.
+/// Running resistance by Davis' formula on one body, and the gradient on all bodies in moving track frames.
 struct RunningResistance {
-  int body{ground};       ///< that feels it; ground: nobody
+  int body{ground};       ///< on which it acts; ground: on none
   double constant{0.0};   ///< [N]
   double linear{0.0};     ///< [N s/m]
   double quadratic{0.0};  ///< [N s^2/m^2]
@@ -70,31 +76,12 @@ struct RunningResistance {
   }
 };
 
-struct Model {
-  std::vector<Body> bodies;
-  std::vector<ForceElement> elements;
-  std::vector<WheelContact> contacts;
-  std::vector<AxleTorque> axle_torques;
-  std::vector<RollerTorque> roller_torques;
-  std::vector<AxleBrake> brakes;
-  std::vector<Link> rotors;  ///< geared to axles and rollers
-  RunningResistance resistance{};
-  TimeTable speed{};                          ///< running speed V(t) [m/s] of driven rollers (crown speed) and of rails
-  double start{0.0};                          ///< arc length of the vehicle's reference point at time 0 [m]
-  Line line{};                                ///< curves and cant; empty: straight and level
-  Irregularity irregularity{};                ///< of the rails, or of what rollers stand for; empty: perfect
-  std::vector<double> driven_inverse_radius;  ///< per body: 1/R of a driven roller [1/m], else 0
-  double gravity{9.81};                       ///< [m/s^2]
-  double contact_loss_limit{0.2};             ///< a wheel may be off its roller for this long [s]
-
-  // Shared tables; a deque keeps their addresses.
-  std::deque<UniformSpline> profiles;
-  std::deque<KalkerTable> kalker_tables;
-  std::deque<AdhesionMap> adhesion_maps;
-  std::shared_ptr<HertzTable const> hertz;
-  std::shared_ptr<StripKernel const> strip_kernel;
-  std::deque<ArcLength> wheel_arcs;
-  std::vector<std::shared_ptr<CreepTable const>> creep_tables;  ///< kept for the laws that read them
+/// An axle that rolls on its roller without slip: r w = R W, system/rolling_constraint.hpp.
+struct RollingConstraint {
+  int wheelset{0}, roller{0};  ///< bodies
+  double wheel_radius{0.0};    ///< r, nominal [m]
+  double roller_radius{0.0};   ///< R [m]
+  double rate{20.0};           ///< 1/tau at which slip that rounding adds up to decays [1/s]
 };
 
 /// Where each body's coordinates stand in x = [coordinates, rates, element nodes], and what z holds.
@@ -108,13 +95,40 @@ struct StateMap {
   int nodes{0};
   int angles{0};
 
-  explicit StateMap(Model const& model);
+  StateMap() = default;
+  StateMap(std::vector<Body> const& bodies, std::vector<ForceElement> const& elements);
   int states() const { return coordinates + rates + nodes; }
+};
+
+struct Model {
+  std::vector<Body> bodies;
+  std::vector<ForceElement> elements;
+  std::vector<WheelContact> contacts;
+  std::vector<AxleTorque> axle_torques;
+  std::vector<RollerTorque> roller_torques;
+  std::vector<AxleBrake> brakes;
+  std::vector<RollingConstraint> rolling_constraints;
+  std::vector<std::shared_ptr<AdhesionMap const>> adhesion_maps;
+  RunningResistance resistance{};
+  TimeTable speed{};               ///< running speed V(t) [m/s] of speed-controlled rollers (at the crown) and of rails
+  double start{0.0};               ///< arc length of the vehicle's reference point at time 0 [m]
+  Line line{};                     ///< curves and cant; empty: straight and level
+  Irregularity irregularity{};     ///< of the rails, or of what rollers stand for; empty: perfect
+  double gravity{0.0};             ///< [m/s^2]
+  double contact_loss_limit{0.2};  ///< a wheel may be off its roller for this long [s]
+
+  // Derived by ModelBuilder.
+  StateMap map{};
+  std::vector<Coupling> couplings;                  ///< geared rotors, then rolling constraints
+  std::size_t rotors{0};                            ///< of the couplings
+  Eigen::MatrixXd coupling_matrix;                  ///< inverse of G, system/couplings.hpp
+  std::vector<int> constraint_of_contact;           ///< rolling constraint of the axle; -1: none
+  std::vector<std::shared_ptr<void const>> tables;  ///< keeps what the contacts point to
 };
 
 /// Energies that accumulate over a run, in this order behind the angles in z [J].
 enum Account : int {
-  work_of_drive,        ///< by roller drives, moving rails and the travelling frames
+  work_of_drive,        ///< by roller drives, moving rails and the moving track frames
   work_of_torque,       ///< by axle torques
   dissipated_elements,  ///< in suspension dampers
   dissipated_normal,    ///< in the contacts' normal damping

@@ -1,30 +1,18 @@
-// system/rolling_constraint.hpp - wheel and roller of an axle tied by r w = R W: the hypothesis of the rig's control law.
+// system/rolling_constraint.hpp - an axle that rolls on its roller without slip, r w = R W: the hypothesis of the rig's control law.
 //
-//   wrenches of wheelset and roller, creep forces along the track -> [tie] -> one force T at the crown instead of them
+//   wrenches of wheelset and roller, creep forces along the track -> [constraint] -> one force T at the crown instead of them
 //
 // The patches keep normal forces, lateral creep and what differs between left and right (yaw). What they do together along
 // the track and about the two axles is taken out, and T keeps the mean longitudinal slip at nominal radii at nothing:
 //
 //   s = v_x - V_x - r Omega - R Omega_r        s' = -s / tau        (D13)
 //
-// with Omega about the body's own axle (of a roller negative in forward running), V_x of a roller on springs. It is a link of
-// system/links.hpp: alone, T = -(s'_0 + s / tau) / (1/m + r^2/I + 1/m_r + R^2/I_r).
+// with Omega about the body's own axle (of a roller negative in forward running), V_x of a roller on springs. It is a coupling
+// of system/couplings.hpp: alone, T = -(s'_0 + s / tau) / (1/m + r^2/I + 1/m_r + R^2/I_r).
 #pragma once
-#include <array>
-
 #include "rollerrig/system/contact_placement.hpp"
-#include "rollerrig/system/links.hpp"
 
 namespace rollerrig {
-
-/// One axle on its rollers.
-struct RollingConstraint {
-  int wheelset{0}, roller{0};  ///< bodies
-  double wheel_radius{0.46};   ///< r, nominal [m]
-  double roller_radius{1.0};   ///< R [m]
-  std::array<int, 2> contact{-1, -1};
-  double rate{20.0};  ///< 1/tau [1/s]: against what rounding adds up to
-};
 
 /// Creep force of both wheels on the wheelset along the track [N], and their moments on wheelset and roller about the axles.
 template <Scalar T>
@@ -61,15 +49,10 @@ AxleCreep<T> axle_creep(WheelContact const& contact, ContactPlacement<T> const& 
   return {force.x, dot(on_wheelset, axle), on_roller};
 }
 
-/// The tie: u is the mean longitudinal slip at nominal radii.
-inline Link link_of(RollingConstraint const& tie) {
-  return {{{{tie.wheelset, 1.0, 0.0, -tie.wheel_radius}, {tie.roller, -1.0, 0.0, -tie.roller_radius}}}, 0.0, tie.rate};
-}
-
 /// Takes the mean creep out of the wrenches; returns the power it did, which no longer dissipates [W].
 template <Scalar T>
-T take_out(AxleCreep<T> const& creep, BodyMotion<T> const& wheelset, BodyMotion<T> const& roller,
-           Wrench<T>& on_wheelset, Wrench<T>& on_roller) {
+T remove_mean_creep(AxleCreep<T> const& creep, BodyMotion<T> const& wheelset, BodyMotion<T> const& roller,
+                    Wrench<T>& on_wheelset, Wrench<T>& on_roller) {
   on_wheelset.force.x -= creep.force;
   on_roller.force.x += creep.force;
   on_wheelset.moment -= creep.on_wheelset * wheelset.R.ey;

@@ -17,9 +17,9 @@ import xarray as xr
 from numpy.typing import NDArray
 from scipy.signal import butter, sosfiltfilt, welch
 
+from rollerrig.actuators import assemble_with_actuators
 from rollerrig.analysis.parallel import run_jobs
 from rollerrig.analysis.tracking import slip, tracking
-from rollerrig.assembly import assemble
 from rollerrig.bench import BenchRun
 from rollerrig.config import Case, ConfigError, ConfigProblem, Rig
 from rollerrig.config.errors import nearest
@@ -213,7 +213,7 @@ def variants(case: Case, families: Sequence[Family], user: str | None) -> tuple[
     references = dict(REFERENCES) | ({USER: own} if user else {})
     plain = [Variant("references", label, math.nan, case.with_changes(c), True) for label, c in references.items()]
     if user:
-        BenchRun(assemble(plain[-1].case))  # refused now rather than in a worker
+        BenchRun(assemble_with_actuators(plain[-1].case))  # refused now rather than in a worker
     found = []
     for family in families:
         curves = dict(family.curves) | ({USER: own} if user and family.user else {})

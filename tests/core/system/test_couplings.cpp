@@ -3,11 +3,10 @@
 
 #include <random>
 
-#include "rollerrig/system/motor_mounting.hpp"
 #include "system/models.hpp"
 
 using namespace rollerrig;
-using test::wheelset_model;
+using test::wheelset_parts;
 
 namespace {
 
@@ -16,14 +15,13 @@ constexpr double gear = -3.5, inertia = 4.0, torque = 2500.0;
 
 /// A wheelset on rollers, a frame over it on springs, a motor between the two.
 struct Driven {
-  std::unique_ptr<Model> model;
+  test::Parts model;
   std::unique_ptr<Dynamics> dynamics;
   std::vector<double> x;
 
   Driven(Mounting mounting, unsigned seed, double size, double rotor = inertia)
-      : model(wheelset_model({.driven = false})) {
-    model->bodies.push_back({3000.0, {1500.0, 2000.0, 2500.0}, {1.2, 0.0, 0.6}, false, {}, false});
-    model->driven_inverse_radius.push_back(0.0);
+      : model(wheelset_parts({.driven = false})) {
+    model.bodies.push_back({3000.0, {1500.0, 2000.0, 2500.0}, {1.2, 0.0, 0.6}});
     for (bool on_axle : {true, false}) {
       ForceElement
           e;  // one spring at the wheelset's centre, which cannot carry a moment about its axle; one to the ground
@@ -32,11 +30,12 @@ struct Driven {
       for (std::size_t c = 0; c < 6; ++c)
         if (c != coord_pitch && (c < 3 || !on_axle)) e.law[c] = {.stiffness = 2e6, .damping = 1e4};
       e.law[coord_z].preload = (on_axle ? -1500.0 : 1500.0) * 9.81;
-      model->elements.push_back(e);
+      model.elements.push_back(e);
     }
-    model->axle_torques.push_back({0, mounting == Mounting::ground ? ground : 2, {{{0.0}, {torque}}}});
-    mount_motor(*model, 0, mounting == Mounting::axle ? 0.9 : 0.0, gear, rotor);
-    dynamics = std::make_unique<Dynamics>(*model);
+    double const link = mounting == Mounting::axle ? 0.9 : 0.0;
+    model.axle_torques.push_back(
+        {0, mounting == Mounting::ground ? ground : 2, {{{0.0}, {torque}}}, link, gear, rotor});
+    dynamics = std::make_unique<Dynamics>(model);
     x = solve_equilibrium(*dynamics, 20.0, 0.0).x;
     std::mt19937 random(seed);
     std::uniform_real_distribution<double> any(-1.0, 1.0);
@@ -75,12 +74,12 @@ TEST_CASE("what a motor does to axle and frame leaves the angular momentum of bo
   for (auto mounting : {Mounting::frame, Mounting::axle}) {
     Driven with(mounting, 0, 0.0);
     Driven without(mounting, 0, 0.0, 0.0);
-    without.model->axle_torques[0].torque = {{{0.0}, {0.0}}};
+    without.model.axle_torques[0].torque = {{{0.0}, {0.0}}};
     // A state in motion, but upright: Euler's equations about y are then those of plane motion.
     with.x[static_cast<std::size_t>(with.dynamics->map().rate[0][coord_pitch])] += 0.5;
     with.x[static_cast<std::size_t>(with.dynamics->map().rate[2][coord_pitch])] += 0.02;
     std::vector<double> z;
-    Dynamics bare(*without.model);
+    Dynamics bare(without.model);
     auto const a = with.derivative(with.x, z);
     std::vector<double> b(a.size());
     REQUIRE(bare.derivative(0.0, with.x.data(), b.data(), nullptr) == Status::ok);
@@ -127,8 +126,9 @@ TEST_CASE("power put in by a motor is power stored and dissipated, rotor include
 TEST_CASE("the Jacobian with a rotor and an ideal axle, which share a wheelset, is that of differences") {
   for (auto mounting : {Mounting::frame, Mounting::axle}) {
     Driven driven(mounting, 3, 2e-5);
+    driven.model.rolling_wheelsets = {0};
+    driven.dynamics = std::make_unique<Dynamics>(driven.model);
     Dynamics& dynamics = *driven.dynamics;
-    dynamics.set_rolling_constraints({{0, 1, 0.46, 0.725, {0, 1}}});
     JacobianData j(dynamics.sizes());
     REQUIRE(dynamics.jacobian(0.0, driven.x.data(), j) == Status::ok);
     for (std::size_t k = 0; k < driven.x.size(); ++k) {

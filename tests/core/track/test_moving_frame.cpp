@@ -52,14 +52,14 @@ double size(Vec3<double> const& v) { return std::sqrt(dot(v, v)); }
 TEST_CASE("free bodies fly straight on and keep their angular momentum while the track curves and cants under them") {
   // Two wheelsets (spinning) and a frame, in the air and without springs or weight, through transitions and a reverse
   // curve, at a speed that changes.
-  auto const model = test::vehicle_model({});
-  model->elements.clear();
-  for (auto& b : model->bodies) b.locked = {};
-  model->gravity = 0.0;
-  model->contact_loss_limit = 1e9;
-  model->line = curved_line();
-  model->speed = {{{0.0, 2.0, 5.0}, {20.0, 30.0, 25.0}}};
-  Dynamics d(*model);
+  auto model = test::vehicle_parts({});
+  model.elements.clear();
+  for (auto& b : model.bodies) b.locked = {};
+  model.gravity = 0.0;
+  model.contact_loss_limit = 1e9;
+  model.line = curved_line();
+  model.speed = {{{0.0, 2.0, 5.0}, {20.0, 30.0, 25.0}}};
+  Dynamics d(model);
   std::vector<double> x(static_cast<std::size_t>(d.sizes().states), 0.0);
   auto const set = [&](int body, int c, double q, double rate) {
     auto const b = static_cast<std::size_t>(body), k = static_cast<std::size_t>(c);
@@ -99,7 +99,7 @@ TEST_CASE("free bodies fly straight on and keep their angular momentum while the
 
 TEST_CASE("at rest on level track an accelerometer feels 1 g, in a curve it feels the uncompensated acceleration") {
   auto const model = test::vehicle_model({.speed = 0.0});
-  Dynamics d(*model);
+  Dynamics d(model);
   auto const e = solve_equilibrium(d, 0.0, 0.0);
   REQUIRE(e.converged);
   d.evaluate(0.0, e.x.data());
@@ -108,11 +108,11 @@ TEST_CASE("at rest on level track an accelerometer feels 1 g, in a curve it feel
     CHECK(d.felt_acceleration(b).z == doctest::Approx(9.81).epsilon(1e-6));
   }
   // A frame that is held to a track of 100 mm cant and 500 m radius.
-  auto const held = test::vehicle_model({.speed = 30.0});
-  held->bodies[2].locked = {true, true, true, true, true, true};
-  held->line.curvature = {{0.0}, {{{1.0 / 500.0, 0, 0, 0}}}};
-  held->line.cant = {{0.0}, {{{0.1, 0, 0, 0}}}};
-  Dynamics h(*held);
+  auto held = test::vehicle_parts({.speed = 30.0});
+  held.bodies[2].locked = {true, true, true, true, true, true};
+  held.line.curvature = {{0.0}, {{{1.0 / 500.0, 0, 0, 0}}}};
+  held.line.cant = {{0.0}, {{{0.1, 0, 0, 0}}}};
+  Dynamics h(held);
   std::vector<double> const x(static_cast<std::size_t>(h.sizes().states), 0.0);
   h.evaluate(0.0, x.data());
   double const angle = std::asin(0.1 / 1.5);

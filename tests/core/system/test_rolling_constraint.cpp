@@ -1,4 +1,4 @@
-// Axles tied to their rollers: no slip, the balance of torques of the control law, energy, Jacobian.
+// Rolling constraints: no slip, the balance of torques of the control law, energy, Jacobian.
 #include <doctest/doctest.h>
 
 #include <random>
@@ -6,31 +6,32 @@
 #include "system/models.hpp"
 
 using namespace rollerrig;
-using test::wheelset_model;
+using test::wheelset_parts;
 
 namespace {
 
-struct Tied {
-  std::unique_ptr<Model> model;
+struct Constrained {
   std::unique_ptr<Dynamics> dynamics;
   std::vector<double> x;
 
-  /// A state near the equilibrium of the untied wheelset, with torques on axle and roller.
-  Tied(bool elastic, unsigned seed, double size) : model(wheelset_model({.driven = false})) {
-    model->axle_torques.push_back({0, ground, {{{0.0}, {-3000.0}}}});
-    model->roller_torques.push_back({1, {{{0.0}, {1200.0}}}});
+  /// A state near the equilibrium of the unconstrained wheelset, with torques on axle and roller.
+  Constrained(bool elastic, unsigned seed, double size) {
+    auto parts = wheelset_parts({.driven = false});
+    parts.axle_torques.push_back({0, ground, {{{0.0}, {-3000.0}}}});
+    parts.roller_torques.push_back({1, {{{0.0}, {1200.0}}}});
     if (elastic) {
-      model->bodies[1].locked = {false, false, false, false, false, false};
+      parts.bodies[1].locked = {false, false, false, false, false, false};
       ForceElement e;
       e.body_a = ground, e.body_b = 1;
       for (std::size_t c = 0; c < 6; ++c)
         if (c != coord_pitch) e.law[c].stiffness = 5e7;
       e.law[coord_z].preload = (2980.0 + 11000.0) * 9.81;
-      model->elements.push_back(e);
+      parts.elements.push_back(e);
     }
-    dynamics = std::make_unique<Dynamics>(*model);
-    x = solve_equilibrium(*dynamics, 20.0, 0.0).x;
-    dynamics->set_rolling_constraints({{0, 1, 0.46, 0.725, {0, 1}}});
+    Dynamics unconstrained(parts);
+    x = solve_equilibrium(unconstrained, 20.0, 0.0).x;
+    parts.rolling_wheelsets = {0};
+    dynamics = std::make_unique<Dynamics>(parts);
     std::mt19937 random(seed);
     std::uniform_real_distribution<double> any(-1.0, 1.0);
     auto const& map = dynamics->map();
@@ -49,51 +50,51 @@ struct Tied {
 
 }  // namespace
 
-TEST_CASE("a tied axle does not slip: whatever slip there is decays with its rate") {
+TEST_CASE("an axle that rolls does not slip: whatever slip there is decays with its rate") {
   for (bool elastic : {false, true}) {
-    Tied tied(elastic, 5, 3e-5);
+    Constrained axle(elastic, 5, 3e-5);
     std::vector<double> z;
-    auto const f = tied.derivative(tied.x, z);
-    double const slip = tied.dynamics->rolling_slip(0);
-    auto up = tied.x, down = tied.x;
+    auto const f = axle.derivative(axle.x, z);
+    double const slip = axle.dynamics->rolling_slip(0);
+    auto up = axle.x, down = axle.x;
     double const h = 1e-6;
     for (std::size_t i = 0; i < f.size(); ++i) up[i] += h * f[i], down[i] -= h * f[i];
-    tied.dynamics->evaluate(0.0, up.data());
-    double const after = tied.dynamics->rolling_slip(0);
-    tied.dynamics->evaluate(0.0, down.data());
-    double const before = tied.dynamics->rolling_slip(0);
+    axle.dynamics->evaluate(0.0, up.data());
+    double const after = axle.dynamics->rolling_slip(0);
+    axle.dynamics->evaluate(0.0, down.data());
+    double const before = axle.dynamics->rolling_slip(0);
     CHECK(std::abs(slip) > 1e-5);
     // speeds of 20 m/s are known to 4e-15 m/s, the difference over 2e-6 s to 1e-8 m/s^2
     CHECK((after - before) / (2 * h) == doctest::Approx(-20.0 * slip).epsilon(1e-5).scale(1e-3));
   }
 }
 
-TEST_CASE("a tied axle in its middle position keeps the balance of torques of the control law") {
-  Tied tied(false, 0, 0.0);
+TEST_CASE("an axle that rolls in its middle position keeps the balance of torques of the control law") {
+  Constrained axle(false, 0, 0.0);
   std::vector<double> z;
-  auto const f = tied.derivative(tied.x, z);
-  double const wheel = f[tied.spin(0)], roller = -f[tied.spin(1)];
+  auto const f = axle.derivative(axle.x, z);
+  double const wheel = f[axle.spin(0)], roller = -f[axle.spin(1)];
   double const force = (705.0 * roller - 1200.0) / 0.725;                         // (D1)
   CHECK(112.0 * wheel == doctest::Approx(-3000.0 - 0.46 * force).epsilon(1e-9));  // (D2)
-  double on_wheelset = tied.dynamics->rolling_force(0);
+  double on_wheelset = axle.dynamics->rolling_force(0);
   for (int c : {0, 1})
-    for (int k = 0; k < tied.dynamics->patch_count(c); ++k) {
-      auto const& patch = tied.dynamics->patch(c, k);  // its normal force, off the crown, turns nothing
+    for (int k = 0; k < axle.dynamics->patch_count(c); ++k) {
+      auto const& patch = axle.dynamics->patch(c, k);  // its normal force, off the crown, turns nothing
       on_wheelset += patch.force.x - patch.normal.total() * patch.point.n.x;
     }
   CHECK(on_wheelset == doctest::Approx(force).epsilon(1e-9));
 }
 
-TEST_CASE("power put in is power stored and dissipated with a tie in place of creep") {
+TEST_CASE("power put in is power stored and dissipated with a rolling constraint in place of creep") {
   for (bool elastic : {false, true})
     for (unsigned seed = 0; seed < 5; ++seed) {
-      Tied tied(elastic, seed, 3e-5);
-      Dynamics& dynamics = *tied.dynamics;
+      Constrained axle(elastic, seed, 3e-5);
+      Dynamics& dynamics = *axle.dynamics;
       std::vector<double> z;
-      auto const f = tied.derivative(tied.x, z);
+      auto const f = axle.derivative(axle.x, z);
       auto const account = [&](Account a) { return z[static_cast<std::size_t>(dynamics.map().angles + a)]; };
       double const h = 1e-8;
-      auto up = tied.x, down = tied.x;
+      auto up = axle.x, down = axle.x;
       for (std::size_t i = 0; i < f.size(); ++i) up[i] += h * f[i], down[i] -= h * f[i];
       auto const energy = [&](std::vector<double> const& state) {
         dynamics.evaluate(0.0, state.data());
@@ -106,21 +107,21 @@ TEST_CASE("power put in is power stored and dissipated with a tie in place of cr
     }
 }
 
-TEST_CASE("the Jacobian of a tied axle is that of differences") {
+TEST_CASE("the Jacobian of an axle that rolls is that of differences") {
   for (bool elastic : {false, true}) {
-    Tied tied(elastic, 3, 2e-5);
-    Dynamics& dynamics = *tied.dynamics;
+    Constrained axle(elastic, 3, 2e-5);
+    Dynamics& dynamics = *axle.dynamics;
     JacobianData j(dynamics.sizes());
-    REQUIRE(dynamics.jacobian(0.0, tied.x.data(), j) == Status::ok);
-    for (std::size_t k = 0; k < tied.x.size(); ++k) {
+    REQUIRE(dynamics.jacobian(0.0, axle.x.data(), j) == Status::ok);
+    for (std::size_t k = 0; k < axle.x.size(); ++k) {
       double const h = static_cast<int>(k) < dynamics.map().coordinates ? 1e-9 : 2e-6;
-      auto up = tied.x, down = tied.x;
+      auto up = axle.x, down = axle.x;
       up[k] += h, down[k] -= h;
       std::vector<double> z;
-      auto const f_up = tied.derivative(up, z), f_down = tied.derivative(down, z);
+      auto const f_up = axle.derivative(up, z), f_down = axle.derivative(down, z);
       auto const column = static_cast<Eigen::Index>(k);
       double const scale = j.a.col(column).cwiseAbs().maxCoeff();
-      for (std::size_t i = 0; i < tied.x.size(); ++i)
+      for (std::size_t i = 0; i < axle.x.size(); ++i)
         CHECK(j.a(static_cast<Eigen::Index>(i), column) ==
               doctest::Approx((f_up[i] - f_down[i]) / (2 * h)).epsilon(1e-5).scale(10.0 * scale + 10.0));
     }

@@ -1,0 +1,74 @@
+// system/model_builder.hpp - the one way to make a Model: typed descriptions in, checked once, a constant model out.
+//
+//   bodies, elements, profiles, contacts, actuators, track -> [ModelBuilder] -> shared_ptr<Model const>
+//
+// Every index, size and number is checked where it is added; a mistake throws std::invalid_argument that names it. What
+// follows from other data (positions of contacts from those of bodies, inner nodes, couplings, tables) is derived here.
+#pragma once
+#include <map>
+#include <memory>
+#include <string>
+
+#include "rollerrig/system/model.hpp"
+
+namespace rollerrig {
+
+/// One wheel on one roller or rail. Where they lie follows from the bodies: the crown is at z = 0, below the wheelset's centre.
+struct ContactDescription {
+  int wheelset{0};
+  int roller{ground};         ///< body of the roller or of an elastic rail; ground: a rigid rail
+  double roller_radius{0.0};  ///< at the crown [m]; 0: a rail
+  bool right{false};
+  int wheel_profile{0}, rail_profile{0};
+  double wheel_radius{0.0};   ///< at the tape circle [m]
+  double tape_circle_y{0.0};  ///< lateral position of the tape circle on the wheelset [m]
+  double rail_origin_y{0.0};  ///< lateral position of the highest point of the left roller or rail [m]
+  double size{1.0};           ///< over a full-scale wheel and rail [-]
+  ContactLaws laws{};         ///< without the tables that it points to: those of the creep law excepted
+  std::shared_ptr<CreepTable const> creep_table{};  ///< what laws.creep points to, if anything
+};
+
+class ModelBuilder {
+ public:
+  /// @param gravity  [m/s^2]
+  explicit ModelBuilder(double gravity);
+
+  // Each returns the index of what was added.
+  int add_body(Body const& body);
+  int add_element(ForceElement const& element);
+  int add_profile(UniformSpline const& profile);
+  int add_adhesion_map(AdhesionMap const& map);
+  int add_contact(ContactDescription const& contact);
+  int add_axle_torque(AxleTorque const& torque);
+  int add_roller_torque(RollerTorque const& torque);
+  int add_brake(AxleBrake const& brake);
+  /// The axle whose two wheels stand on one roller rolls on it without slip.
+  int add_rolling_constraint(int wheelset);
+
+  /// The friction of a contact by one of the maps, in place of that of its laws.
+  void set_adhesion_map(int contact, int map);
+  void set_resistance(RunningResistance const& resistance);
+  void set_speed(TimeTable const& speed);
+  /// @param start  arc length of the vehicle's reference point at time 0 [m]
+  void set_line(Line const& line, double start = 0.0);
+  void set_irregularity(Irregularity const& irregularity);
+  /// @param duration  for which a wheel may be off its roller [s]
+  void set_contact_loss_limit(double duration);
+  void set_gravity(double gravity);
+
+  /// The model so far. The builder may go on: what it adds later is in the next model only.
+  std::shared_ptr<Model const> finish() const;
+
+ private:
+  void check_body(int body, std::string const& what, bool may_be_ground = false) const;
+
+  Model model_;
+  std::vector<std::shared_ptr<UniformSpline const>> profiles_;
+  std::map<double, std::shared_ptr<KalkerTable const>> kalker_;  ///< over Poisson's ratio
+  std::map<int, std::shared_ptr<ArcLength const>> arcs_;         ///< over the wheel's profile
+};
+
+/// A model that differs only in the running speed; the tables are shared.
+std::shared_ptr<Model const> with_speed(Model const& model, TimeTable const& speed);
+
+}  // namespace rollerrig

@@ -1,0 +1,37 @@
+// system/statics.hpp - how a vehicle stands on its wheels in the design position.
+//
+//   masses and load-carrying springs -> [least squares] -> preload of each spring, load of each axle
+#pragma once
+#include <vector>
+
+#include "rollerrig/math/vector.hpp"
+
+namespace rollerrig {
+
+/// A body of a vehicle at rest.
+struct StandingBody {
+  double mass{0.0};         ///< [kg]
+  Vec3<double> position{};  ///< of its centre of mass [m]
+  bool on_wheels{false};    ///< a wheelset: whatever presses on it, the track carries
+};
+
+/// An element that carries load in the design position.
+struct LoadSpring {
+  int body_a{0}, body_b{0};
+  Vec3<double> point{};  ///< where its force acts [m]
+};
+
+struct StaticLoads {
+  std::vector<double> preload;  ///< per spring: vertical force on its body b [N]
+  std::vector<double> on_body;  ///< per body: weight and what the springs press on it; of a wheelset the axle load [N]
+  double imbalance{0.0};        ///< largest force [N] or moment [N m] that no spring balances
+};
+
+/// Preloads that hold the design position: the smallest forces (least squares) for which every body but the wheelsets is in
+/// balance, locks ignored.
+///
+/// Throws std::invalid_argument where a spring names a body that is not there.
+StaticLoads static_loads(std::vector<StandingBody> const& bodies, std::vector<LoadSpring> const& springs,
+                         double gravity);
+
+}  // namespace rollerrig

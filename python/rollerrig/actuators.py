@@ -1,0 +1,105 @@
+"""A plant with what acts on it: brakes, traction motors, roller drives, adhesion of the rails, running resistance.
+
+    Case -> [Assembly] -> plant -> [actuators] -> AssembledModel with the indices of its actuators
+
+How they are driven during a run is the matter of `rollerrig.bench`.
+"""
+
+from __future__ import annotations
+
+import math
+
+from rollerrig import _core
+from rollerrig.assembly import ABSENT, GROUND, AssembledModel, Assembly, AxleActuators
+from rollerrig.config import Brake, Case, Condition, Track, Traction
+
+
+def assemble_with_actuators(case: Case) -> AssembledModel:
+    """Build the compiled model of a case with its actuators.
+
+    Running resistance, gradient and rolling constraints are not on the model of the start (`start_core`): a train starts
+    on level track, coasting, and its axles roll as creep lets them.
+    """
+    assembly = Assembly(case)
+    adhesion_map = _add_adhesion(assembly)
+    axles = tuple(_add_axle(assembly, number, name) for number, name in enumerate(assembly.wheelsets))
+    start_core = assembly.builder.finish()
+    _add_resistance(assembly)
+    if case.bench.pure_rolling:
+        for name in assembly.wheelsets:
+            assembly.builder.add_rolling_constraint(assembly.index(name))
+    return assembly.finish(start_core=start_core, axles=axles, adhesion_map=adhesion_map)
+
+
+def _add_adhesion(assembly: Assembly) -> int:
+    """The adhesion of the case's rails: on the wheels on track; on a rig for the virtual train alone."""
+    adhesion = assembly.case.adhesion
+    if adhesion is None:
+        return ABSENT
+    rails = [adhesion.rail, *(piece.rail for piece in adhesion.piece)]
+    rows = [[*_condition(rail), *_condition(adhesion.recovered), adhesion.recovery_constant] for rail in rails]
+    borders = [float((piece.time if adhesion.over_time else piece.distance) or 0.0) for piece in adhesion.piece]
+    number = assembly.builder.add_adhesion_map(rows, borders, adhesion.blend, adhesion.over_time)
+    for wheel in assembly.wheels if isinstance(assembly.support, Track) else ():
+        assembly.builder.set_adhesion_map(wheel.contact, number)
+    return number
+
+
+def _condition(rail: Condition) -> list[float]:
+    return [rail.mu_0, rail.A, rail.B, rail.k_A, rail.k_S]
+
+
+def _add_axle(assembly: Assembly, number: int, name: str) -> AxleActuators:
+    case, builder = assembly.case, assembly.builder
+    wheelset, frame = assembly.index(name), assembly.frame_of(name)
+    contacts = tuple(wheel.contact for wheel in assembly.wheels if wheel.wheelset == name)
+    brake = axle_torque = roller = roller_torque = ABSENT
+    if case.brake is not None and not case.brake.motors_stand_in:
+        brake = _core.add_brake(builder, wheelset, frame, brake_numbers(case.brake))
+    if case.traction is not None:
+        axle_torque = builder.add_axle_torque(_traction_motor(assembly, name, frame, case.traction))
+    if assembly.rollers:
+        roller = assembly.index(assembly.rollers[number])
+    if assembly.rollers and case.rig_control is not None:
+        motor = case.rig_control.motor
+        drive = _core.RollerTorque(
+            roller=roller, torque=[], gear_ratio=motor.gear_ratio, rotor_inertia=motor.rotor_inertia
+        )
+        roller_torque = builder.add_roller_torque(drive)
+    return AxleActuators(wheelset, contacts, assembly.positions[name][0], brake, axle_torque, roller, roller_torque)
+
+
+def _traction_motor(assembly: Assembly, name: str, frame: int, traction: Traction) -> _core.AxleTorque:
+    """The motor of one axle: where its moment goes, and its rotor."""
+    link = 0.0
+    if traction.suspension == "axle" and frame != GROUND:
+        ahead = assembly.positions[assembly.bodies[frame]][0] - assembly.positions[name][0]
+        link = math.copysign(traction.link or 0.0, ahead)
+    return _core.AxleTorque(
+        wheelset=assembly.index(name),
+        reaction=GROUND if traction.suspension == "ground" else frame,
+        torque=[],
+        link=link,
+        gear_ratio=traction.motor.gear_ratio,
+        rotor_inertia=traction.motor.rotor_inertia,
+    )
+
+
+def brake_numbers(brake: Brake) -> dict[str, object]:
+    """The friction brake as the core takes it."""
+    numbers = brake.model_dump(exclude={"demand", "motors_stand_in"})
+    return {**numbers, "friction": [list(row) for row in numbers["friction"]]}
+
+
+def _add_resistance(assembly: Assembly) -> None:
+    train, fixed = assembly.case.train, assembly.cut.fixed
+    body = fixed[0] if fixed else max(assembly.vehicle_bodies, key=lambda name: assembly.masses[name])
+    assembly.builder.set_resistance(
+        _core.RunningResistance(
+            body=assembly.index(body),
+            constant=train.resistance_constant,
+            linear=train.resistance_linear,
+            quadratic=train.resistance_quadratic,
+            gradient=train.gradient,
+        )
+    )
