@@ -53,10 +53,15 @@ def house_style() -> Iterator[None]:
 
 def new_figure(rows: int = 1, width: float = 7.2, height: float = 3.4, **options: Any) -> tuple[Figure, list[Axes]]:
     """A figure with axes one above the other [inches]; needs no display."""
+    figure, axes = new_grid(rows, 1, width, height, **options)
+    return figure, list(axes[:, 0])
+
+
+def new_grid(rows: int, columns: int, width: float = 7.2, height: float = 3.4, **options: Any) -> tuple[Figure, Any]:
+    """A figure with a grid of axes, shape (row, column) [inches]; needs no display."""
     figure = Figure(figsize=(width, height), layout="constrained")
     FigureCanvasAgg(figure)
-    axes = figure.subplots(rows, 1, squeeze=False, **options)
-    return figure, list(axes[:, 0])
+    return figure, figure.subplots(rows, columns, squeeze=False, **options)
 
 
 @contextmanager

@@ -6,7 +6,13 @@ analysis, plot -> [study] -> summary.json, data, figures, report.html
 from importlib import import_module
 from typing import Any
 
-_HOME = {"RunStudy": "run", "AdhesionStudy": "adhesion", "CreepStudy": "creep"}
+_HOME = {
+    "RunStudy": "run",
+    "AdhesionStudy": "adhesion",
+    "ControlStudy": "control",
+    "LateralStudy": "lateral",
+    "CreepStudy": "creep",
+}
 """Study -> its module, in the order of the reference page."""
 
 

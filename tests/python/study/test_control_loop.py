@@ -9,31 +9,40 @@ import numpy as np
 import pytest
 
 from rollerrig import load_case
-from rollerrig.studies.control.loop import (
-    Loop,
-    Wheel,
-    creep_slope,
-    default_gains,
+from rollerrig.analysis.control_loop import Loop, Wheel, controller_settings, creep_slope, loop_of, margins, wheel_of
+from rollerrig.analysis.loop_stability import (
+    ABOVE,
     gain_limit,
     growth,
-    ideal_margin,
-    loop_of,
-    margins,
+    growth_of,
     rolling_plant,
     sampled_matrix,
     vehicle_plant,
-    wheel_of,
 )
-from rollerrig.studies.control.ring import RING_ABOVE, quiet_case, ring_jobs, ring_run, ringing
+from rollerrig.config import Case
+from rollerrig.study.control_stability import excited_case, loop_jobs
+from rollerrig.study.jobs import call
 
 WHEEL = Wheel(wheelset_inertia=112.0, roller_inertia=705.0, wheel_radius=0.46, roller_radius=0.725)
 ROLLING = 1e9  # creep so stiff that wheel and roller are one [N s/m]
 HZ = 2.0 * math.pi
+INERTIA = WHEEL.wheelset_inertia + WHEEL.roller_inertia * WHEEL.ratio**2
+
+
+def gains(bandwidth: float, damping: float) -> tuple[float, float]:
+    """(D6), an independent copy: for wheel and roller as one inertia and a bandwidth [rad/s]."""
+    return 2.0 * damping * bandwidth * INERTIA / WHEEL.ratio, bandwidth**2 * INERTIA / WHEEL.ratio
+
+
+def points(case: Case, *factors: float) -> list[dict[str, float]]:
+    """Excited runs over the gains, with the factors nearest to those asked for."""
+    jobs = [work for work in loop_jobs(case).values() if any(abs(work.arguments[0] / f - 1.0) < 0.02 for f in factors)]
+    return [call(work, lambda _fraction, _text: None) for work in jobs]
 
 
 def loop(**changes: object) -> Loop:
     """A PI loop of 0.7 Hz whose estimator filters force and acceleration alike, so that feed-forward sees no drive."""
-    gains = default_gains(WHEEL, 0.7 * HZ, 0.7)
+    proportional, integral = gains(0.7 * HZ, 0.7)
     made = Loop(
         real=WHEEL,
         assumed=WHEEL,
@@ -44,8 +53,8 @@ def loop(**changes: object) -> Loop:
         step=1e-3,
         sample=1e-3,
         delay=0.0,
-        proportional=gains[0],
-        integral=gains[1],
+        proportional=proportional,
+        integral=integral,
         estimator="filtered_derivative",
         bandwidth=20.0 * HZ,
         damping=0.8,
@@ -56,24 +65,26 @@ def loop(**changes: object) -> Loop:
 def test_margins_are_those_of_the_closed_form() -> None:
     found, made = margins(loop()), loop()
     lag = 1.0 / made.drive_bandwidth + 0.5 * made.sample
-    crossover, phase = ideal_margin(0.7 * HZ, 0.7, lag)
+    w, zeta = 0.7 * HZ, 0.7
+    crossover = w * math.sqrt(2.0 * zeta**2 + math.sqrt(4.0 * zeta**4 + 1.0))  # (Q2)
+    phase = math.atan(2.0 * zeta * crossover / w) - crossover * lag
     # A lag of first order is a delay but for (w/w_d)^3/3, here 3e-6; the table of frequencies is 0.4 % fine.
     assert found.crossover == pytest.approx(crossover, rel=1e-3)
     assert found.phase == pytest.approx(phase, abs=1e-3)
 
 
-def test_slow_drives_ring_where_routh_says() -> None:
+def test_slow_drives_are_unstable_where_routh_says() -> None:
     """s^2 (1 + s/w_d) + 2 zeta w s + w^2 is stable where w_d > w / (2 zeta): 0.5 Hz here."""
     limit = 0.7 / (2.0 * 0.7) * HZ
     fine = {"step": 1e-4, "sample": 1e-4}  # sampling adds half a sample of delay: 0.03 % of the margin
-    for factor, rings in ((0.95, True), (1.05, False)):
+    for factor, unstable in ((0.95, True), (1.05, False)):
         slow = loop(drive_bandwidth=factor * limit, **fine)
-        assert (growth(slow, rolling_plant(WHEEL, 1e7))[0] > 0.0) == rings, factor
+        assert (growth(slow, rolling_plant(WHEEL, 1e7))[0] > 0.0) == unstable, factor
 
 
 @pytest.mark.parametrize("delay", [0.0, 4e-3])
-def test_the_sampled_loop_rings_at_the_gain_margin(delay: float) -> None:
-    """Sampling as a delay of half a sample holds while the ring, 60 to 130 Hz, is slow against 1 kHz: within 3 %."""
+def test_the_sampled_loop_is_unstable_from_the_gain_margin_on(delay: float) -> None:
+    """Sampling as a delay of half a sample holds while the oscillation, 60 to 130 Hz, is slow against 1 kHz: within 3 %."""
     creep = 657600.0
     made = loop(delay=delay, creep=creep)
     assert gain_limit(made, rolling_plant(WHEEL, creep)) == pytest.approx(margins(made).gain, rel=0.03)
@@ -87,42 +98,48 @@ def test_poles_of_the_sampled_loop_are_those_that_the_gains_were_made_for() -> N
     assert abs(nearest - wanted) < 2e-3 * abs(wanted)  # lag of 0.13 ms at 4.4 rad/s
 
 
-def test_an_inertia_believed_too_large_rings_by_feed_forward() -> None:
+def test_an_inertia_assumed_too_large_is_unstable_by_feed_forward() -> None:
     """Feed-forward over assumed less real inertia is a loop of its own, of gain (J^/J - 1) J_r rho^2 / J_w: 1 at 39 %."""
-    limit = WHEEL.wheelset_inertia / (WHEEL.roller_inertia * WHEEL.ratio**2) * WHEEL.inertia
-    for factor, rings in ((0.8, False), (1.2, True)):
+    limit = WHEEL.wheelset_inertia / (WHEEL.roller_inertia * WHEEL.ratio**2) * INERTIA
+    for factor, unstable in ((0.8, False), (1.2, True)):
         # Given to the wheelset alone, so that force and roller torque stay right.
         heavy = replace(WHEEL, wheelset_inertia=WHEEL.wheelset_inertia + factor * limit)
         made = loop(assumed=heavy, proportional=0.0, integral=0.0)
-        assert (growth(made, rolling_plant(WHEEL, 1e7))[0] > 1e-3) == rings, factor
+        assert (growth(made, rolling_plant(WHEEL, 1e7))[0] > 1e-3) == unstable, factor
 
 
 @pytest.mark.parametrize("kind", ["observer", "filtered_derivative", "kalman"])
-def test_computed_growth_is_that_of_quiet_runs(kind: str) -> None:
-    """The bogie's longitudinal spring-mass mode near 27 Hz rings from 13 times the gains on; wheel and roller alone do not."""
+def test_computed_growth_is_that_of_excited_runs(kind: str) -> None:
+    """The bogie's longitudinal spring-mass mode near 27 Hz grows from 13 times the gains on; wheel and roller alone do not."""
     case = load_case("adhesion_brake").with_changes({"rig_control.estimator.kind": kind})
-    jobs = {round(job.factor, 1): job for job in ring_jobs(case)}
-    for factor in (32.0, 50.8):
-        point = ring_run(jobs[factor])
+    stable, *unstable = points(case, 8.0, 32.0, 50.8)
+    assert len(unstable) == 2
+    for point in unstable:
         # The two axles' loads, and so their creep, differ once the brake pitches the frame; speed falls by 0.1 %.
-        assert point.measured[0] == pytest.approx(point.vehicle[0], abs=0.5), factor
-        assert point.measured[1] == pytest.approx(point.vehicle[1], rel=0.01), factor
-        assert not point.rolling[0] > 0.0
-    calm = ring_run(jobs[8.0])
-    assert calm.vehicle[0] < 0.0
-    assert not calm.rang
+        assert point["measured_rate"] == pytest.approx(point["vehicle_rate"], abs=0.5), point["factor"]
+        assert point["measured_hz"] == pytest.approx(point["vehicle_hz"], rel=0.01), point["factor"]
+        assert not point["rolling_rate"] > 0.0
+    assert stable["vehicle_rate"] < 0.0
+    assert not stable["unstable"]
 
 
-def test_the_limit_lies_between_calm_and_ringing_runs() -> None:
-    case = quiet_case(load_case("adhesion_brake"))
-    creep = creep_slope(case)
-    made = loop_of(case, creep, sliding=False)
+def test_the_limit_lies_between_stable_and_unstable_runs() -> None:
+    case = excited_case(load_case("adhesion_brake"))
+    made = loop_of(case, creep_slope(case), sliding=False)
     assert made is not None
     limit = gain_limit(made, vehicle_plant(case))
-    points = [ring_run(job) for job in ring_jobs(case) if 0.7 * limit < job.factor < 1.6 * limit]
-    assert len(points) >= 3
-    assert {p.rang for p in points} == {True, False}
-    assert all(p.rang == (p.factor > limit) for p in points)
+    near = [f for f in (work.arguments[0] for work in loop_jobs(case).values()) if 0.7 * limit < f < 1.6 * limit]
+    assert len(near) >= 3
+    found = points(case, *near)
+    assert {point["unstable"] for point in found} == {0.0, 1.0}
+    assert all(bool(point["unstable"]) == (point["factor"] > limit) for point in found)
+
+
+def test_the_core_is_given_the_gains_of_the_closed_form() -> None:
+    """(D6) for the shipped case, from its own numbers: 0.7 Hz, damping 0.7."""
+    found = controller_settings(load_case("adhesion_brake"))["feedback"]
+    assert wheel_of(load_case("adhesion_brake")) == WHEEL
+    assert (found["proportional"], found["integral"]) == pytest.approx(gains(0.7 * HZ, 0.7), rel=1e-12)
 
 
 def test_a_users_controller_has_no_equations_here() -> None:
@@ -131,14 +148,14 @@ def test_a_users_controller_has_no_equations_here() -> None:
 
 
 @pytest.mark.parametrize("rate", [3.0, 8.0])
-def test_rate_and_frequency_of_a_ring(rate: float) -> None:
+def test_rate_and_frequency_of_a_growing_oscillation(rate: float) -> None:
     time = np.arange(0.0, 4.0, 1e-3)
-    ring = 1e-9 * np.exp(rate * time) * np.sin(HZ * 27.0 * time)
+    growing = 1e-9 * np.exp(rate * time) * np.sin(HZ * 27.0 * time)
     slow = 1e-4 * np.exp(-time) * np.sin(HZ * 1.0 * time)
-    found, _ = ringing(time, (ring + slow)[:, None] * [1.0, 0.5])
+    found, _ = growth_of(time, (growing + slow)[:, None] * [1.0, 0.5], 0.3)
     assert found[0] == pytest.approx(rate, abs=0.1)  # tenths of a second hold no whole number of periods
     assert found[1] == pytest.approx(27.0, abs=0.1)
-    assert found[1] > RING_ABOVE
+    assert found[1] > ABOVE
 
 
 def test_a_rotor_counts_in_the_gains_but_the_plant_has_none() -> None:

@@ -1,7 +1,8 @@
-"""`rollerrig control`: variants, where a curve breaks, the files, and what is refused."""
+"""`rollerrig control`: variants, failure thresholds, the files, and what is refused."""
 
 from __future__ import annotations
 
+import csv
 import json
 import math
 from dataclasses import replace
@@ -12,29 +13,14 @@ import numpy as np
 import pytest
 
 from rollerrig import ConfigError, load_case
+from rollerrig.analysis.torque_ripple import torque_ripple
 from rollerrig.config import Case
 from rollerrig.config.schema.rig_control import Estimator, Feedback
-from rollerrig.studies.control import (
-    FAMILIES,
-    Study,
-    chosen_families,
-    compare_controllers,
-    lead,
-    study_case,
-    write_control,
-)
-from rollerrig.studies.control.compute import (
-    LOST,
-    LOST_RIPPLE,
-    RESULT_KEYS,
-    Result,
-    Variant,
-    breaks,
-    ranking,
-    ripple_of,
-    run_variant,
-)
-from rollerrig.studies.control.families import USER, Family
+from rollerrig.study import control
+from rollerrig.study.control import ControlStudy, Found, run_variant, study_case
+from rollerrig.study.control_ranking import RIPPLE_LIMIT, TRACKING_LIMIT, Result, thresholds
+from rollerrig.study.control_variants import FAMILIES, USER, Family
+from rollerrig.study.frame import Outcome
 
 MINE = """
 class FeedForward:
@@ -54,17 +40,29 @@ def family(name: str, values: tuple[float, ...], *curves: str) -> Family:
     return replace(found, values=values, curves={key: found.curves[key] for key in curves or found.curves})
 
 
+def compared(families: list[Family], duration: float, **options: Any) -> Outcome[Found] | None:
+    """A study of these families in place of the shipped ones."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(control, "FAMILIES", families)
+        progress = options.pop("progress", None)
+        return ControlStudy(brake(duration), loop=False, **options).run(progress=progress)
+
+
 @pytest.fixture(scope="module")
-def study(tmp_path_factory: pytest.TempPathFactory) -> Study:
+def outcome(tmp_path_factory: pytest.TempPathFactory) -> Outcome[Found]:
     file = tmp_path_factory.mktemp("mine") / "mine.py"
     file.write_text(MINE)
     families = [
         family("drive_bandwidth", (0.2, 5.0, 50.0), "PI", "no feedback"),
-        family("wrong_belief", (-5.0, 0.0, 5.0), "wheel radius", "roller inertia"),
+        family("assumed_parameters", (-5.0, 0.0, 5.0), "wheel radius", "roller inertia"),
     ]
-    found = compare_controllers(brake(5.0), families=families, user=f"{file}:FeedForward", limits=False, processes=1)
+    found = compared(families, 5.0, user=f"{file}:FeedForward")
     assert found is not None
     return found
+
+
+def curve(outcome: Outcome[Found], family: str, label: str) -> list[Result]:
+    return [r for r in outcome.results.results if (r.family, r.curve) == (family, label)]
 
 
 def test_families_change_what_they_say() -> None:
@@ -87,32 +85,55 @@ def test_every_estimator_and_feedback_of_the_case_file_is_compared() -> None:
         assert kinds == set(get_args(table.model_fields["kind"].annotation)), name
 
 
-def test_a_users_feed_forward_is_ours_without_feedback(study: Study) -> None:
-    """The user is given our feed-forward: posting it is `no feedback`, as long as no limit of torque is met."""
-    ours, mine = study.curve("drive_bandwidth", "no feedback"), study.curve("drive_bandwidth", USER)
-    assert len(mine) == len(ours) == 3
-    for a, b in zip(ours[1:], mine[1:], strict=True):
+def test_a_users_feed_forward_is_the_built_in_one_without_feedback(outcome: Outcome[Found]) -> None:
+    """The user is given the feed-forward torque: posting it is `no feedback`, as long as no limit of torque is met."""
+    built_in, mine = curve(outcome, "drive_bandwidth", "no feedback"), curve(outcome, "drive_bandwidth", USER)
+    assert len(mine) == len(built_in) == 3
+    for a, b in zip(built_in[1:], mine[1:], strict=True):
         assert a.numbers["roller_torque_largest_nm"] < 2e4
         assert b.numbers["tracking_rms"] == pytest.approx(a.numbers["tracking_rms"], rel=1e-9)
-    assert any(r.curve == USER for r in study.references)
+    assert any(r.curve == USER for r in outcome.results.references)
 
 
-def test_feedback_and_fast_drives_help(study: Study) -> None:
-    curves = {name: study.curve("drive_bandwidth", name) for name in ("PI", "no feedback")}
+def test_feedback_and_fast_drives_help(outcome: Outcome[Found]) -> None:
+    curves = {name: curve(outcome, "drive_bandwidth", name) for name in ("PI", "no feedback")}
     errors = {name: [r.numbers["tracking_rms"] for r in points] for name, points in curves.items()}
     assert errors["PI"] == sorted(errors["PI"], reverse=True)
     assert all(a <= b for a, b in zip(errors["PI"][1:], errors["no feedback"][1:], strict=True))
-    assert errors["PI"][0] > LOST > errors["PI"][1]
+    assert errors["PI"][0] > TRACKING_LIMIT > errors["PI"][1]
 
 
-def test_the_ranking_begins_with_what_ended_early(study: Study) -> None:
-    ranks = ranking(study)
-    assert (ranks[0].family.name, ranks[0].curve) == ("wrong_belief", "wheel radius")
-    assert [b.cause for b in ranks[0].breaks] == ["rollers_protected"] * 2
-    assert "roller inertia" in {r.curve for r in ranks if not r.breaks}
-    slow = next(r for r in ranks if (r.family.name, r.curve) == ("drive_bandwidth", "PI"))
-    assert 0.2 < slow.breaks[0].value < 5.0
-    assert slow.breaks[0].cause == "tracking"
+def test_the_ranking_begins_with_what_ended_early(outcome: Outcome[Found]) -> None:
+    ranks = outcome.numbers["ranking"]
+    assert (ranks[0]["family"], ranks[0]["curve"]) == ("assumed_parameters", "wheel radius")
+    assert [t["cause"] for t in ranks[0]["thresholds"]] == ["rollers_protected"] * 2
+    assert "roller inertia" in {r["curve"] for r in ranks if not r["thresholds"]}
+    slow = next(r for r in ranks if (r["family"], r["curve"]) == ("drive_bandwidth", "PI"))
+    assert 0.2 < slow["thresholds"][0]["value"] < 5.0
+    assert slow["thresholds"][0]["cause"] == "tracking"
+
+
+def test_the_course_of_the_worst_run_of_each_cause_is_kept(outcome: Outcome[Found]) -> None:
+    """Of this study: tracking alone; the run in the figure is the one whose error the numbers have."""
+    worst = max((r for r in outcome.results.results if r.cause == "tracking"), key=lambda r: r.numbers["tracking_rms"])
+    shipped, *others = outcome.results.courses.items()
+    assert shipped[0] == "as shipped"
+    ((label, run),) = others
+    assert worst.curve in label
+    error = 0.46 * (run["axle_speed"] - run["virtual_speed"]) / run["train_speed"]
+    assert float(np.sqrt((error.where(run["train_speed"] > 2.0) ** 2).mean())) == pytest.approx(
+        worst.numbers["tracking_rms"]
+    )
+
+
+def test_distances_are_compared_at_the_same_time(outcome: Outcome[Found]) -> None:
+    """A test that the protection ends early has not run less far for it."""
+    assert outcome.results.references[0].numbers["distance_relative"] == 0.0
+    ended = [r for r in outcome.results.results if not r.completed]
+    assert ended
+    for result in ended:
+        assert result.numbers["distance_m"] < 0.9 * outcome.results.references[0].numbers["distance_m"]
+        assert abs(result.numbers["distance_relative"]) < 0.01
 
 
 @pytest.mark.parametrize(("percent", "ends"), [(2.9, False), (-2.9, False), (-3.1, True)])
@@ -121,46 +142,44 @@ def test_a_wrong_radius_trips_the_protection_where_it_should(percent: float, end
     case = brake(1.0).with_changes({"rig_control.assumed.wheel_radius": 0.46 * (1 + 0.01 * percent)})
     assert case.rig_control is not None
     assert (abs(0.01 * percent) * case.motion.speed > case.rig_control.protection.slip) == ends
-    numbers = run_variant(Variant("", "", percent, case)).numbers
+    numbers = run_variant(case, False)["numbers"]
     assert (numbers["status"] == "rollers_protected") == ends
     assert numbers["real_sliding_largest_mps"] < 0.05
 
 
 def result(value: float, rms: float, ripple: float = 1.0, status: str = "ok") -> Result:
-    numbers: dict[str, Any] = dict.fromkeys(RESULT_KEYS, 0.0)
-    numbers |= {"status": status, "tracking_rms": rms, "ripple_nm": ripple, "ended_s": 1.0}
-    return Result("f", "c", value, numbers)
+    return Result("f", "c", value, {"status": status, "tracking_rms": rms, "ripple_nm": ripple, "ended_s": 1.0})
 
 
-def test_breaks_are_interpolated_from_the_cases_own_value_outwards() -> None:
+def test_thresholds_are_interpolated_from_the_cases_own_value_outwards() -> None:
     log = family("drive_bandwidth", (1.0,))
     points = [result(1.0, 0.1), result(10.0, 0.001), result(100.0, 0.0005), result(1000.0, 0.0005, 1e6, "contact_lost")]
-    low, high = breaks(log, points, 100.0)
+    low, high = thresholds(log, points, 100.0)
     assert low.value == pytest.approx(math.sqrt(10.0))  # 0.01 is halfway between 0.1 and 0.001 in logarithms
-    assert (low.good, low.cause) == (10.0, "tracking")
-    assert (high.value, high.good, high.cause) == (1000.0, 100.0, "contact_lost")
+    assert (low.last_good, low.cause) == (10.0, "tracking")
+    assert (high.value, high.last_good, high.cause) == (1000.0, 100.0, "contact_lost")
 
-    linear = family("wrong_belief", (0.0,))
-    points = [result(0.0, 0.001), result(4.0, 0.001, LOST_RIPPLE**2)]  # ripple from 1 to its limit's square
-    (only,) = breaks(linear, points, 0.0)
+    linear = family("assumed_parameters", (0.0,))
+    points = [result(0.0, 0.001), result(4.0, 0.001, RIPPLE_LIMIT**2)]  # ripple from 1 to its limit's square
+    (only,) = thresholds(linear, points, 0.0)
     assert only.value == pytest.approx(2.0)
     assert only.cause == "ripple"
 
-    assert breaks(linear, [result(0.0, 0.001), result(1.0, 0.002)], 0.0) == []
-    (nowhere,) = breaks(linear, [result(0.0, 0.1), result(1.0, 0.2)], None)
-    assert math.isnan(nowhere.good)
+    assert thresholds(linear, [result(0.0, 0.001), result(1.0, 0.002)], 0.0) == []
+    (nowhere,) = thresholds(linear, [result(0.0, 0.1), result(1.0, 0.2)], None)
+    assert math.isnan(nowhere.last_good)
 
 
-def test_ripple_is_what_never_ceases() -> None:
+def test_ripple_is_what_persists() -> None:
     time = np.arange(0.0, 5.0, 2e-3)
-    ring = 100.0 * np.sin(2 * np.pi * 27.0 * time)
+    fast = 100.0 * np.sin(2 * np.pi * 27.0 * time)
     slow = 5000.0 * np.sin(2 * np.pi * 1.0 * time)
-    ripple, frequency = ripple_of(time, np.stack([slow, slow + ring], axis=1))
+    ripple, frequency = torque_ripple(time, np.stack([slow, slow + fast], axis=1))
     assert ripple == pytest.approx(100.0 / math.sqrt(2.0), rel=0.03)  # a quarter second holds 6.75 periods
     assert frequency == pytest.approx(27.0, abs=1.0)  # resolution of one second
-    burst = np.where((time > 1.0) & (time < 2.0), ring, 0.0)
-    assert ripple_of(time, burst[:, None])[0] < 1.0
-    assert math.isnan(ripple_of(time[:100], ring[:100, None])[0])
+    burst = np.where((time > 1.0) & (time < 2.0), fast, 0.0)
+    assert torque_ripple(time, burst[:, None])[0] < 1.0
+    assert math.isnan(torque_ripple(time[:100], fast[:100, None])[0])
 
 
 def test_half_a_run_is_no_result() -> None:
@@ -168,7 +187,7 @@ def test_half_a_run_is_no_result() -> None:
         raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        run_variant(Variant("", "", 0.0, brake()), pressed)
+        run_variant(brake(), False, pressed)
 
 
 def test_ctrl_c_keeps_what_is_there() -> None:
@@ -180,30 +199,26 @@ def test_ctrl_c_keeps_what_is_there() -> None:
             raise KeyboardInterrupt
 
     families = [family("drive_bandwidth", (5.0, 20.0, 50.0, 100.0, 200.0), "PI")]
-    found = compare_controllers(brake(1.0), families=families, limits=False, processes=1, progress=pressed)
+    found = compared(families, 1.0, progress=pressed)
     assert calls
     assert found is not None
     assert found.interrupted
-    assert found.references[0].curve == "as shipped"
-    assert len(found.results) < 5
-    assert "Interrupted" in lead(found)
+    assert found.results.references[0].curve == "as shipped"
+    assert len(found.results.results) < 5
+    assert found.statuses == ["interrupted"]
 
 
-def test_files(study: Study, tmp_path: Path) -> None:
-    files = write_control(study, tmp_path)
-    assert [f.name for f in files] == ["variants.csv", "summary.json", "report.html"]
-    rows = (tmp_path / "variants.csv").read_text().splitlines()
-    assert len(rows) == 1 + len(study.references) + len(study.results)
-    numbers = json.loads((tmp_path / "summary.json").read_text())
-    assert numbers["references"]["as shipped"]["tracking_rms"] < LOST
-    assert len(numbers["results"]) == len(study.results)
-    assert numbers["ranking"][0]["breaks"][0]["cause"] == "rollers_protected"
-    page = (tmp_path / "report.html").read_text()
-    assert "What breaks first" in page
-    assert "http://" not in page
-    said = lead(study)
-    assert "Wrong numbers in the controller (shipped: 0 %)" in said
-    assert "tracking lost below" in said
+def test_files_hold_every_run_and_every_number_is_explained(outcome: Outcome[Found], tmp_path: Path) -> None:
+    files = {path.name for path in outcome.write(tmp_path)}
+    assert {"variants.csv", "summary.json", "report.html", "drive_bandwidth.png", "ranges.png"} <= files
+    with (tmp_path / "variants.csv").open() as lines:
+        rows = list(csv.DictReader(lines))
+    runs = [*outcome.results.references, *outcome.results.results]
+    assert [(r["family"], r["curve"]) for r in rows] == [(r.family, r.curve) for r in runs]
+    assert [float(r["tracking_rms"]) for r in rows] == pytest.approx(
+        [r.numbers["tracking_rms"] for r in runs], rel=1e-8
+    )
+    assert outcome.study.quantities.unexplained(json.loads((tmp_path / "summary.json").read_text())) == []
 
 
 @pytest.mark.parametrize(
@@ -221,9 +236,9 @@ def test_cases_without_a_controller_to_compare_are_refused(name: str, changes: d
 
 def test_unknown_families_and_controllers_are_refused() -> None:
     with pytest.raises(ConfigError, match="did you mean 'drive_bandwidth'"):
-        chosen_families(["drive_bandwith"], "adhesion_brake")
+        ControlStudy(brake(), ("drive_bandwith",))
     with pytest.raises(ConfigError, match="nowhere"):
-        compare_controllers(brake(1.0), families=[], user="nowhere.py:Mine", limits=False)
+        ControlStudy(brake(), user="nowhere.py:Mine")
 
 
 def test_the_duration_only_shortens() -> None:

@@ -7,53 +7,42 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import xarray as xr
 
-from rollerrig import ConfigError, load_case
-from rollerrig.studies.control.lateral import (
-    KEYS,
-    WORDS,
-    LateralStudy,
-    amplitude,
-    compare_lateral,
-    envelope,
-    guidance,
-    lateral_cases,
-    lateral_stiffness,
-    numbers,
-    slide_begins,
-)
-from rollerrig.studies.control.lateral_page import lead, write_lateral
+from rollerrig import ConfigError, load_case, load_run
+from rollerrig.analysis.lateral_guidance import amplitude, amplitudes_over_time, slide_begins
+from rollerrig.study.frame import Outcome
+from rollerrig.study.lateral import LABELS, LateralStudy, run_numbers
+
+Found = Outcome[dict[str, xr.Dataset]]
 
 
 @pytest.fixture(scope="module")
-def study() -> LateralStudy:
+def outcome() -> Found:
     case = load_case("adhesion_lateral").with_changes({"time.duration": "6 s"})
-    found = compare_lateral(case, processes=1)
+    found = LateralStudy(case).run()
     assert found is not None
-    assert set(found.runs) == set(WORDS)
+    assert set(found.results) == set(LABELS)
     return found
 
 
-def test_a_sliding_wheel_is_guided_by_viscous_friction_alone(study: LateralStudy) -> None:
+def test_a_sliding_wheel_is_guided_by_viscous_friction_alone(outcome: Found) -> None:
     """Friction opposes sliding: F_y = -F v_y / w. The exact theory gets there; Kalker's saturated by length keeps f22 / f11."""
-    exact = study.runs["track_exact"]
-    left = guidance(exact, lateral_stiffness(study.case, exact))
-    assert left is not None
+    exact, paper = (outcome.numbers["guidance"][key] for key in ("track_exact", "track"))
     # The table is within 2 % of the friction limit; at w > 1 m/s creepage is 20 times that of saturation.
-    assert left.slope == pytest.approx(1.0, abs=0.02)
-    assert left.correlation > 0.999
-    assert left.sliding < 0.02 * left.rolling  # that is what it means to be guided no more
-
-    paper = guidance(study.runs["track"], lateral_stiffness(study.case, study.runs["track"]))
-    assert paper is not None
-    assert 0.78 < paper.slope < 0.95  # f22 / f11 is 0.80 for the whole wheel, and differs from patch to patch
-    assert guidance(study.runs["track_dry"], 1e7) is None
+    assert exact["slope"] == pytest.approx(1.0, abs=0.02)
+    assert exact["correlation"] > 0.999
+    assert exact["sliding_ns_per_m"] < 0.02 * exact["rolling_ns_per_m"]  # weak guidance
+    assert 0.78 < paper["slope"] < 0.95  # f22 / f11 is 0.80 for the whole wheel, and differs from patch to patch
+    assert isinstance(outcome.study, LateralStudy)
+    assert outcome.study.guidance_of(outcome.results["track_dry"]) is None
 
 
-def test_hunting_dies_on_the_degraded_track_and_goes_on_on_the_rig(study: LateralStudy) -> None:
-    begin = slide_begins(study.runs["track"])
+def test_hunting_decays_on_the_degraded_track_and_persists_on_the_rig(outcome: Found) -> None:
+    begin = slide_begins(outcome.results["track"])
     assert 3.0 < begin < 4.5  # low adhesion begins at 3 s
-    found = {key: numbers(run, begin) for key, run in study.runs.items()}
+    found = outcome.numbers["runs"]
+    assert outcome.numbers["slide_begins_s"] == begin
     assert found["track"]["amplitude_before_mm"] > 1.0
     assert found["track"]["amplitude_in_slide_mm"] < 0.2
     assert found["track_dry"]["amplitude_in_slide_mm"] > 1.0
@@ -63,36 +52,49 @@ def test_hunting_dies_on_the_degraded_track_and_goes_on_on_the_rig(study: Latera
     assert found["rig_rigid"]["roller_lateral_mm"] == 0.0
 
 
-def test_hunting_disturbs_the_control(study: LateralStudy) -> None:
-    errors = {key: numbers(study.runs[key], 4.0)["tracking_rms"] for key in ("rig", "rig_rigid", "rig_centred")}
+def test_hunting_disturbs_the_control(outcome: Found) -> None:
+    errors = {key: outcome.numbers["runs"][key]["tracking_rms"] for key in ("rig", "rig_rigid", "rig_centred")}
     assert errors["rig"] > 2.0 * errors["rig_rigid"] > 4.0 * errors["rig_centred"] > 0.0
     assert errors["rig"] < 0.01  # and yet stays within the project's aim
 
 
-def test_a_bogie_in_the_middle_stays_there(study: LateralStudy) -> None:
+def test_slip_on_the_rig_is_that_of_the_virtual_wheels(outcome: Found) -> None:
+    """Real wheels that strike with their flanges slide on the rollers: that is no slip of the train."""
+    run = outcome.results["rig"]
+    for name, compare in (("virtual_speed", pytest.approx), ("axle_speed", lambda x: pytest.approx(x, rel=1e-4))):
+        slip = abs(0.46 * run[name] / run["train_speed"] - 1.0).where(run["train_speed"] > 2.0)
+        assert (float(slip.max()) == compare(outcome.numbers["runs"]["rig"]["largest_slip"])) == (
+            name == "virtual_speed"
+        )
+
+
+def test_a_bogie_in_the_middle_stays_there(outcome: Found) -> None:
     """Left and right are alike: rounding alone moves it, whatever the wheels do along the track."""
     for key in ("rig_centred", "rig_rigid_centred"):
-        assert numbers(study.runs[key], 4.0)["largest_lateral_mm"] < 1e-6
+        assert run_numbers(outcome.results[key], 4.0)["largest_lateral_mm"] < 1e-6
 
 
 def test_amplitudes() -> None:
     time = np.arange(0.0, 4.0, 1e-3)
     values = np.exp(-time) * np.sin(2.0 * np.pi * 5.0 * time)
     assert amplitude(time, 3.0 + np.sin(2.0 * np.pi * 5.0 * time), 1.0, 2.0) == pytest.approx(1.0, abs=1e-4)
-    middle, size = envelope(time, values)
+    middle, size = amplitudes_over_time(time, values)
     # A window of 0.4 s holds two waves: its largest extrema stand 0.15 to 0.2 s before its middle.
     assert np.allclose(size * np.exp(middle), 1.0, atol=0.22)
     assert np.isnan(amplitude(time, values, 10.0, 11.0))
 
 
-def test_files(study: LateralStudy, tmp_path: Path) -> None:
-    files = write_lateral(study, tmp_path)
-    assert files[-1].name == "report.html"
-    found = json.loads((tmp_path / "summary.json").read_text())
-    assert set(found["runs"]["rig"]) == set(KEYS)
-    assert set(found["runs"]) == set(WORDS)
-    assert "hunt no more" in lead(study)
-    assert "http://" not in files[-1].read_text()
+def test_files_hold_every_run_and_every_number_is_explained(outcome: Found, tmp_path: Path) -> None:
+    files = {path.name for path in outcome.write(tmp_path)}
+    assert {f"{key}.nc" for key in LABELS} | {
+        "summary.json",
+        "report.html",
+        "motion.png",
+        "guidance_track.png",
+    } <= files
+    numbers = json.loads((tmp_path / "summary.json").read_text())
+    assert outcome.study.quantities.unexplained(numbers) == []
+    assert run_numbers(load_run(tmp_path / "rig.nc"), numbers["slide_begins_s"]) == numbers["runs"]["rig"]
 
 
 @pytest.mark.parametrize(
@@ -106,4 +108,4 @@ def test_files(study: LateralStudy, tmp_path: Path) -> None:
 )
 def test_cases_that_say_nothing_about_it_are_refused(changes: dict[str, object], key: str) -> None:
     with pytest.raises(ConfigError, match=key):
-        lateral_cases(load_case("adhesion_lateral").with_changes(changes))
+        LateralStudy(load_case("adhesion_lateral").with_changes(changes))

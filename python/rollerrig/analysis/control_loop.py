@@ -1,0 +1,239 @@
+"""The rig's control loop, linearised: its parameters from a case, and its gain and phase margin in closed form.
+
+Case -> [loop_of] -> Loop -> [margins]                      one axle in continuous time, (Q1) and (Q2)
+                          -> analysis.loop_stability        eigenvalues of the sampled loop, with or without the vehicle
+
+Small motion about steady running: no limits, constant friction. Equations: docs/theory/rig_control.md.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import solve_discrete_are
+
+from rollerrig.actuators import assemble_with_actuators
+from rollerrig.analysis.contact_state import rolling_state
+from rollerrig.bench.settings import fit
+from rollerrig.cases import wheelsets, without_actuators
+from rollerrig.config import Case, Motor, Rig
+
+Array = NDArray[np.float64]
+
+ESTIMATORS = ("observer", "filtered_derivative", "kalman")
+"""Kinds of estimator that the linear loop has equations for."""
+
+
+@dataclass(frozen=True)
+class Wheel:
+    """Wheelset and roller: inertias J_w, J_r [kg m^2] and radii r, R [m]."""
+
+    wheelset_inertia: float
+    roller_inertia: float
+    wheel_radius: float
+    roller_radius: float
+
+    @property
+    def ratio(self) -> float:
+        """r/R."""
+        return self.wheel_radius / self.roller_radius
+
+
+@dataclass(frozen=True)
+class Loop:
+    """What closes around one axle.
+
+    Attributes:
+        real, assumed: wheelset and roller, and what the controller assumes of them.
+        creep: slope of the real contact's force over sliding, both wheels [N s/m].
+        virtual_creep: the same of the virtual rail; 0 while its wheel slides.
+        drive_bandwidth: of the roller drive's torque loop [rad/s].
+        drive_damping: of a second-order one; 0: first order.
+        step, sample, delay: bench step, sample time, delay of the command [s].
+        proportional, integral: gains on virtual minus measured axle speed [N m s/rad, N m/rad].
+        estimator: its kind.
+        bandwidth, damping: of the estimator [rad/s, 1].
+        kalman_gain: of a Kalman filter, rows W, w, T, C over the innovations of W and w.
+    """
+
+    real: Wheel
+    assumed: Wheel
+    creep: float
+    virtual_creep: float
+    drive_bandwidth: float
+    drive_damping: float
+    step: float
+    sample: float
+    delay: float
+    proportional: float
+    integral: float
+    estimator: str
+    bandwidth: float
+    damping: float
+    kalman_gain: Array | None = None
+
+    def scaled(self, factor: float) -> Loop:
+        """With both gains times a factor."""
+        return replace(self, proportional=factor * self.proportional, integral=factor * self.integral)
+
+
+def wheel_of(case: Case) -> Wheel:
+    """Wheelset and roller of a rig's case, each with the rotor of its motor."""
+    rig, control = case.support.data, case.rig_control
+    assert isinstance(rig, Rig)
+    wheelset = wheelsets(case)[0].inertia[1]
+    wheelset += geared_inertia(case.traction.motor if case.traction is not None else None)
+    roller = rig.roller_inertia[1] + geared_inertia(control.motor if control is not None else None)
+    return Wheel(wheelset, roller, case.vehicle.data.wheel.radius, rig.roller_radius)
+
+
+def controller_settings(case: Case) -> dict[str, Any]:
+    """What the core is given of a rig's controller: tables `estimator` and `feedback` with all absent numbers filled in."""
+    return fit(assemble_with_actuators(case), {}).settings
+
+
+def creep_slope(case: Case) -> float:
+    """Slope of an axle's creep force over sliding at small creepage [N s/m]: sum of f11 over both wheels, over speed.
+
+    Raises:
+        StartError: no rolling equilibrium was found.
+    """
+    stiffness = rolling_state(without_actuators(case), case.motion.speed).creep_stiffness
+    return 2.0 * sum(stiffness.values()) / len(stiffness) / case.motion.speed
+
+
+def loop_of(case: Case, creep: float, *, sliding: bool) -> Loop | None:
+    """The loop of a case with [rig_control].
+
+    Args:
+        case: of a rig.
+        creep: see `creep_slope`.
+        sliding: whether the virtual wheel slides; else it rolls, on the creep slope of the real one as far as the condition
+            of the virtual rail leaves it.
+
+    Returns:
+        The loop; None where the linear loop has no equations: a user's controller, another estimator or measurement of
+        torque, motors with rotors.
+    """
+    control = case.rig_control
+    if control is None or control.user is not None or control.estimator.kind not in ESTIMATORS:
+        return None
+    if control.estimator.torque != "measured" or case.sensors.roller_torque is not None:
+        return None
+    motors = (control.motor, *((case.traction.motor,) if case.traction is not None else ()))
+    if any(motor.rotor_inertia for motor in motors):  # the plant has none
+        return None
+    settings = controller_settings(case)
+    estimator, feedback = settings["estimator"], settings["feedback"]
+    gains = {
+        "proportional_integral": (feedback["proportional"], feedback["integral"]),
+        "sliding_mode": (feedback["switching"] / feedback["boundary_layer"], 0.0),  # within its boundary layer
+    }.get(control.feedback.kind, (0.0, 0.0))
+    kalman = control.estimator.kind == "kalman"
+    return Loop(
+        real=wheel_of(case),
+        assumed=Wheel(*(estimator[name] for name in Wheel.__dataclass_fields__)),
+        creep=creep,
+        virtual_creep=0.0 if sliding else creep * _virtual_creep_share(case),
+        drive_bandwidth=2.0 * math.pi * control.motor.bandwidth,
+        drive_damping=control.motor.damping_ratio,
+        step=case.bench.step,
+        sample=control.sample_time,
+        delay=control.delay,
+        proportional=gains[0],
+        integral=gains[1],
+        estimator=control.estimator.kind,
+        bandwidth=estimator["bandwidth"],
+        damping=estimator["damping_ratio"],
+        kalman_gain=kalman_gain(estimator, control.sample_time) if kalman else None,
+    )
+
+
+def geared_inertia(motor: Motor | None) -> float:
+    """Of a motor's rotor, on the driven axle [kg m^2]; 0 without a motor."""
+    return motor.rotor_inertia * motor.gear_ratio**2 if motor is not None else 0.0
+
+
+def _virtual_creep_share(case: Case) -> float:
+    """What the condition of the virtual rail leaves of the creep curve's slope, (A4)."""
+    rail = case.adhesion.rail if case.adhesion is not None else None
+    return 0.5 * (rail.k_A + rail.k_S) if rail is not None else 1.0
+
+
+def kalman_gain(estimator: Mapping[str, float], h: float) -> Array:
+    """Stationary gain of the Kalman filter for a sample time h [s], (D10) to (D12): rows W, w, T, C over the innovations."""
+    J_r, R, J_w, r = (
+        estimator[name] for name in ("roller_inertia", "roller_radius", "wheelset_inertia", "wheel_radius")
+    )
+    noise = estimator["speed_noise"]
+    scale = estimator["bandwidth"] ** 2 * noise * math.sqrt(h)
+    force = estimator["force_change"] or scale * J_r / R
+    torque = estimator["torque_change"] or scale * (J_w + J_r * r / R)
+    rates = np.zeros((4, 4))
+    rates[0, 2], rates[1, 2:] = R / J_r, (-r / J_w, 1.0 / J_w)
+    walk = np.diag([0.0, 0.0, force**2, torque**2])
+    disturbance = walk * h + (rates @ walk + walk @ rates.T) * h**2 / 2.0 + rates @ walk @ rates.T * h**3 / 3.0
+    step, reads = np.eye(4) + h * rates, np.eye(2, 4)
+    spread = solve_discrete_are(step.T, reads.T, disturbance, noise**2 * np.eye(2))
+    return np.asarray(spread @ reads.T @ np.linalg.inv(reads @ spread @ reads.T + noise**2 * np.eye(2)))
+
+
+@dataclass(frozen=True)
+class Margins:
+    """How far the feedback loop is from instability.
+
+    Attributes:
+        crossover: where its gain is 1 [rad/s]; NaN if nowhere.
+        phase: phase margin there [rad].
+        turnover: where its phase passes -180 degrees on the way down [rad/s]; NaN if nowhere.
+        gain: gain margin there, a factor.
+    """
+
+    crossover: float
+    phase: float
+    turnover: float
+    gain: float
+
+
+def open_loop(loop: Loop, frequency: Array) -> NDArray[np.complex128]:
+    """Frequency response of the feedback's open loop, (Q1), over angular frequency [rad/s]."""
+    s = 1j * np.asarray(frequency)
+    wheel, w = loop.real, loop.drive_bandwidth
+    turning = wheel.roller_radius**2 * wheel.wheelset_inertia + wheel.wheel_radius**2 * wheel.roller_inertia
+    both = wheel.wheelset_inertia * wheel.roller_inertia / loop.creep
+    plant = wheel.wheel_radius * wheel.roller_radius / (s * (turning + both * s))
+    lag = s / w + 1.0 if loop.drive_damping == 0.0 else (s / w) ** 2 + 2.0 * loop.drive_damping * s / w + 1.0
+    dead_time = np.exp(-s * (loop.delay + 0.5 * loop.sample))
+    return np.asarray((loop.proportional + loop.integral / s) * plant / lag * dead_time)
+
+
+def margins(loop: Loop) -> Margins:
+    """Gain and phase margin of the feedback loop of one axle alone."""
+    frequency = np.geomspace(1e-3, math.pi / loop.step, 4000)
+    response = open_loop(loop, frequency)
+    size, angle = np.log(np.abs(response) + 1e-300), np.unwrap(np.angle(response))
+    angle -= (
+        2.0 * math.pi * np.round((angle[0] + 0.5 * math.pi) / (2.0 * math.pi) - 0.25)
+    )  # starts at -180 or -90 degrees
+    crossover = _first_fall(frequency, size)
+    phase = float(np.interp(math.log(crossover), np.log(frequency), angle)) + math.pi if crossover else math.nan
+    above = angle + math.pi
+    start = int(np.argmax(above > 1e-3)) if (above > 1e-3).any() else len(above)
+    turnover = _first_fall(frequency[start:], above[start:])
+    gain = math.exp(-float(np.interp(math.log(turnover), np.log(frequency), size))) if turnover else math.nan
+    return Margins(crossover or math.nan, phase, turnover or math.nan, gain)
+
+
+def _first_fall(frequency: Array, values: Array) -> float | None:
+    """Where values first fall through zero, linear in the logarithm of the frequency."""
+    down = np.flatnonzero((values[:-1] > 0.0) & (values[1:] <= 0.0))
+    if not down.size:
+        return None
+    k = int(down[0])
+    part = values[k] / (values[k] - values[k + 1])
+    return float(frequency[k] * (frequency[k + 1] / frequency[k]) ** part)

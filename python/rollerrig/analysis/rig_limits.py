@@ -1,0 +1,251 @@
+"""Closed forms for the limits of a rig that reproduces a degraded rail, (V1) to (V6) of docs/theory/envelope.md.
+
+Case of a rig with [rig_control] -> [rig_limits] -> RigLimits -> limits over adhesion, magnitudes per axle [N m]
+Case, adhesion of its rail       -> [creep_peak] -> peak of the virtual rail's creep curve, from the core's laws
+
+Rolling without sliding, steady forces, no lag of drives and estimator. An adhesion may be an array.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rollerrig import _core
+from rollerrig.analysis.control_loop import geared_inertia
+from rollerrig.assembly import AssembledModel, assemble
+from rollerrig.bench.virtual_train import load_transfer, rail_contact, train_mass
+from rollerrig.config import Case, Condition, Rig, SlideProtection, WheelSlipControl
+from rollerrig.config.schema.contact_law import PolachReduction
+from rollerrig.creep import creep_law, creep_law_of
+
+Array = NDArray[np.float64]
+
+LINES = {
+    "line_grip": "the wheel on the degraded rail begins to slide, (V2)",
+    "line_contact": "a wheel that grips on the rail slides on its roller, (V3)",
+    "line_drive_grip": "largest force of the rail that the roller drive can reproduce, (V4)",
+    "line_drive_slide": "the roller drive follows no further into the slide, (V5)",
+    "line_drive_recovery": "torque that must remain for the roller drive to follow out of the slide, (V6)",
+    "line_vehicle": "largest torque of the vehicle's own brake or motor",
+}
+"""Closed form -> meaning; magnitudes [N m]."""
+
+SLIDES = (1.2, 0.005)
+"""A wheel slides on the virtual rail beyond so many times the slip at the creep curve's peak, plus so much [-]."""
+
+_SLIPS = np.geomspace(1e-4, 0.5, 160)
+
+
+@dataclass(frozen=True)
+class RigLimits:
+    """Closed forms of one rig, vehicle and load.
+
+    Attributes:
+        wheel_radius, roller_radius: r, R [m].
+        wheelset_inertia, roller_inertia: J_w, J_r of an axle with its rotor [kg m^2].
+        axle_load: N [N].
+        train_mass: M that these axles brake or pull [kg].
+        axles: n.
+        friction: mu_r between wheel and roller [-].
+        drive_torque: U_m of a roller drive [N m]; infinite: not limited.
+        load_transfer: kappa: load that one axle loses and another gains, over the contact force of an axle [-].
+        virtual_transfer: kappa_v: the same of the virtual train [-].
+    """
+
+    wheel_radius: float
+    roller_radius: float
+    wheelset_inertia: float
+    roller_inertia: float
+    axle_load: float
+    train_mass: float
+    axles: int
+    friction: float
+    drive_torque: float
+    load_transfer: float
+    virtual_transfer: float
+
+    @property
+    def _lever(self) -> float:
+        """lambda: excess of axle torque that a roller drive can follow over its own torque, J_w R / (J_r r)."""
+        return self.wheelset_inertia * self.roller_radius / (self.roller_inertia * self.wheel_radius)
+
+    @property
+    def _contact_share(self) -> float:
+        """Largest mean force of the axles over their load, (V3)."""
+        return self.friction / (1.0 + self.friction * self.load_transfer)
+
+    def torque_of_force(self, force: Array | float) -> Array:
+        """Axle torque for a contact force where the wheels grip, (V1)."""
+        inertia_share = self.axles * self.wheelset_inertia / (self.train_mass * self.wheel_radius**2)
+        return np.asarray(self.wheel_radius * force * (1.0 + inertia_share), dtype=np.float64)
+
+    def grip(self, adhesion: Array | float) -> Array:
+        """Beyond it a wheel on the degraded rail slides, (V2)."""
+        mu = np.asarray(adhesion)
+        return self.torque_of_force(mu / (1.0 + mu * self.virtual_transfer) * self.axle_load)
+
+    def contact(self) -> float:
+        """Beyond it a wheel that grips on the rail slides on its roller, (V3)."""
+        return float(self.torque_of_force(self._contact_share * self.axle_load))
+
+    def contact_adhesion(self) -> float:
+        """On a rail with more adhesion than this a wheel that slides on it slides on its roller as well: (V2) with (V3)."""
+        return self._contact_share / (1.0 - self._contact_share * self.virtual_transfer)
+
+    def drive_grip(self) -> float:
+        """Beyond it a roller drive cannot reproduce the force of a rail on which the wheel grips, (V4)."""
+        arm = self.roller_radius - self.axles * self.roller_inertia / (self.roller_radius * self.train_mass)
+        return float(self.torque_of_force(self.drive_torque / arm)) if arm > 0.0 else np.inf
+
+    def drive_slide(self, adhesion: Array | float) -> Array:
+        """Beyond it a roller drive cannot follow a wheel into its slide, (V5); adhesion is that at the slip of the slide."""
+        mu = np.asarray(adhesion)
+        force = mu * (1.0 - mu * self.virtual_transfer) * self.axle_load
+        return np.asarray(self.wheel_radius * force + self._lever * (self.drive_torque + self.roller_radius * force))
+
+    def drive_recovery(self, adhesion: Array | float) -> Array:
+        """Below it a roller drive cannot follow a wheel out of its slide, (V6): torque that must remain on the axle."""
+        mu = np.asarray(adhesion)
+        return self.recovery_at(mu * (1.0 + mu * self.virtual_transfer) * self.axle_load)
+
+    def recovery_at(self, force: Array | float) -> Array:
+        """The same for a force of the rail on the axle."""
+        spare = self.drive_torque - self.roller_radius * np.asarray(force)
+        return np.asarray(self.wheel_radius * force - self._lever * spare)
+
+
+def rig_limits(case: Case) -> RigLimits:
+    """The closed forms of a case of a rig with [rig_control].
+
+    Raises:
+        StartError: the vehicle has no equilibrium on track.
+    """
+    rig, control, model = case.support.data, case.rig_control, assemble(case)
+    assert isinstance(rig, Rig)
+    assert control is not None
+    largest = np.inf if control.user is not None else control.feedback.largest
+    if control.motor.envelope is not None:
+        speeds, torques = np.array(control.motor.envelope).T
+        largest = min(largest, float(np.interp(case.motion.speed / rig.roller_radius, speeds, torques)))
+    loads, mass = [model.axle_loads[name] for name in model.wheelsets], train_mass(model)
+    own = case.model_copy(update={"rig_control": control.model_copy(update={"load_transfer": "quasi_static"})})
+    drive = geared_inertia(case.traction.motor if case.traction is not None else None)
+    return RigLimits(
+        wheel_radius=case.vehicle.data.wheel.radius,
+        roller_radius=rig.roller_radius,
+        wheelset_inertia=model.inertias[model.wheelsets[0]][1] + drive,
+        roller_inertia=rig.roller_inertia[1] + geared_inertia(control.motor),
+        axle_load=sum(loads) / len(loads),
+        train_mass=mass,
+        axles=len(loads),
+        friction=case.contact.friction,
+        drive_torque=float(largest),
+        load_transfer=_per_force(load_transfer(assemble(own)), mass),
+        virtual_transfer=_per_force(load_transfer(model), mass),
+    )
+
+
+def _per_force(per_acceleration: Sequence[float], mass: float) -> float:
+    """Largest change of load [kg per acceleration] over the contact force of an axle, of n that move the train."""
+    return len(per_acceleration) * max(map(abs, per_acceleration)) / mass
+
+
+def closed_forms(case: Case, adhesion: Array) -> dict[str, Any]:
+    """The closed forms of LINES by name where each of them applies, NaN elsewhere [N m], and `contact_adhesion` [-].
+
+    Args:
+        case: with the load; brakes if it has [brake], otherwise pulls: sets the slip of a slide.
+        adhesion: of the rail at no slip, ascending.
+    """
+    rig, patch = rig_limits(case), patch_of(assemble(case))
+    peak = np.array([creep_peak(case, patch, float(mu))[1] for mu in adhesion])
+    held = np.array([protection_slip(case)])
+    at_protection = np.array([creep_curve(case, patch, float(mu), held)[0][0] for mu in adhesion])
+    grip, slide = rig.grip(peak), rig.drive_slide(at_protection)
+    recovery = rig.drive_recovery(peak)  # at the end of it, where adhesion is back
+    contact, drive = rig.contact(), rig.drive_grip()
+    return {
+        "axle_load": rig.axle_load,
+        "contact_adhesion": float(np.interp(rig.contact_adhesion(), peak, adhesion, right=np.nan)),
+        "line_grip": grip,
+        "line_contact": np.where(contact <= grip, contact, np.nan),
+        "line_drive_grip": np.where(drive <= grip, drive, np.nan),
+        "line_drive_slide": np.where(slide >= grip, slide, np.nan),
+        "line_drive_recovery": np.where((recovery > 0.0) & (recovery < grip), recovery, np.nan),
+    }
+
+
+def protection_slip(case: Case) -> float:
+    """Slip that slide protection, of a case with [brake], or wheel-slip control lets a wheel reach before it acts [-]."""
+    if case.brake is not None:
+        return (case.slide_protection or SlideProtection()).vent_slip
+    return (case.wheel_slip_control or WheelSlipControl()).slip
+
+
+# ------------------------------------------------------------------------------------------------- the virtual rail
+
+
+@dataclass(frozen=True)
+class Patch:
+    """One ellipse that stands for all patches of a wheel on the rail: semi-axes [m] and load [N]."""
+
+    a: float
+    b: float
+    load: float
+
+
+def patch_of(model: AssembledModel) -> Patch:
+    """The patch of the virtual train's wheels.
+
+    Raises:
+        StartError: the vehicle has no equilibrium on track.
+    """
+    found = rail_contact(model)
+    return Patch(found["a"], found["b"], found["wheel_load"])
+
+
+def rail_shape(case: Case) -> Condition:
+    """The condition of the virtual rail; clean without [adhesion]."""
+    return Condition(mu_0=1.0) if case.adhesion is None else case.adhesion.rail
+
+
+def creep_curve(case: Case, patch: Patch, adhesion: float, slip: Array) -> tuple[Array, Array]:
+    """Friction (A1) and longitudinal force over load of a wheel on the virtual rail, both [-], as the core computes them.
+
+    Args:
+        case: whose rail, creep law and speed it is.
+        patch: of a wheel.
+        adhesion: at no slip [-].
+        slip: over the train's speed [-].
+    """
+    rail, contact, slip = rail_shape(case), case.contact, np.asarray(slip, dtype=np.float64)
+    friction = adhesion * ((1.0 - rail.A) * np.exp(-rail.B * slip * case.motion.speed) + rail.A)
+    if contact.creep == "polach":
+        law, left = creep_law("polach", polach=PolachReduction(k_A=rail.k_A, k_S=rail.k_S)), 1.0
+    else:  # as stiff as a creepage smaller by (A4)
+        law, left = creep_law_of(contact), 0.5 * (rail.k_A + rail.k_S)
+    shear, poisson = contact.material.shear_modulus, contact.material.poisson_ratio
+    rows = [
+        _core.creep_forces(
+            np.array([[-left * s, 0.0, 0.0]]), patch.a, patch.b, patch.load, max(m, 1e-6), shear, poisson, law
+        )
+        for s, m in zip(slip, friction, strict=True)
+    ]
+    return friction, np.array([float(row[0, 0]) for row in rows]) / patch.load
+
+
+def creep_peak(case: Case, patch: Patch, adhesion: float) -> tuple[float, float]:
+    """Slip from which on the adhesion is used up, and the largest force over load of the virtual rail's creep curve [-]."""
+    forces = creep_curve(case, patch, adhesion, _SLIPS)[1]
+    largest = float(forces.max())
+    return float(_SLIPS[np.flatnonzero(forces >= (1.0 - 1e-6) * largest)[0]]), largest
+
+
+def grip_slip(case: Case, patch: Patch, adhesion: float) -> float:
+    """Slip of a virtual wheel up to which it grips [-]: somewhat beyond that of the peak, where no equilibrium is stable."""
+    return SLIDES[0] * creep_peak(case, patch, adhesion)[0] + SLIDES[1]

@@ -1,0 +1,134 @@
+"""Stability of the roller drives' loop over its gains: eigenvalues of the linear loop, and lightly excited runs beside them.
+
+Case -> [loop_jobs] -> points: growth rate computed with and without the vehicle, and measured -> numbers, figure
+
+An excited run rolls on a dry virtual rail; a light brake application excites the loop. What then grows above ABOVE is compared
+with the least damped eigenvalue there; what decays soon is hidden by the slow motions that the excitation leaves.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from rollerrig.analysis.control_loop import Loop, creep_slope, loop_of, margins
+from rollerrig.analysis.loop_stability import (
+    ABOVE,
+    LINEAR_RANGE,
+    gain_limit,
+    growth,
+    measured_growth,
+    rolling_plant,
+    vehicle_plant,
+)
+from rollerrig.config import Case
+from rollerrig.plot.control import loop_growth
+from rollerrig.study.jobs import Progress, Round, job, whole_run
+from rollerrig.study.quantities import Numbers, Quantity
+from rollerrig.study.report import Block, Picture, Text
+
+FACTORS = tuple(float(f) for f in np.geomspace(1.0, 256.0, 25))
+"""On the gains of the PI controller, in the runs that measure its stability."""
+
+EXCITED_AT, EXCITED_DURATION = 0.2, 4.0  # [s]
+
+LOOP_QUANTITIES = (
+    Quantity("loop", "stability of the PI loop; null: not computed"),
+    Quantity("loop.crossover_hz", "of the PI feedback of one axle alone", "Hz"),
+    Quantity("loop.phase_margin_deg", "of the same", "°"),
+    Quantity("loop.gain_margin", "of the same, a factor", "1"),
+    Quantity("loop.unstable_from_factor_alone", "factor on the gains from which wheel and roller are unstable, sampled", "1"),
+    Quantity("loop.unstable_from_factor", "the same with the vehicle on its springs, the virtual wheel rolling", "1"),
+    Quantity("loop.unstable_from_factor_sliding", "the same while the virtual wheel slides", "1"),
+    Quantity("loop.points.*.factor", "on the gains", "1"),
+    *(Quantity(f"loop.points.*.{of}_{end}", f"{meaning}, {what}", unit) for of, what in (("rolling", "wheel and roller alone"),
+      ("vehicle", "with the vehicle"), ("measured", "in a lightly excited run")) for end, meaning, unit in
+      (("rate", "growth rate of the least damped motion above 10 Hz", "1/s"), ("hz", "its frequency", "Hz"))),
+    Quantity("loop.points.*.unstable", "1 where the excited run grew"),
+)  # fmt: skip
+
+
+def excited_case(case: Case) -> Case:
+    """A short run at speed on a dry virtual rail, lightly excited by the brake or the drive."""
+    changes: dict[str, object] = {
+        "adhesion": {"rail": "dry"},
+        "rig_control.feedback.kind": "proportional_integral",
+        "slide_protection": None,
+        "wheel_slip_control": None,
+        "time.duration": EXCITED_DURATION,
+        "time.output_step": max(1e-3, case.bench.step),
+    }
+    if case.brake is not None:
+        changes["brake.demand"] = [[0.0, 0.0], [EXCITED_AT, 0.0], [EXCITED_AT + 0.01, "0.2 bar"]]
+    if case.traction is not None:
+        push = 0.0 if case.brake is not None else 200.0
+        changes["traction.demand"] = [[0.0, 0.0], [EXCITED_AT, 0.0], [EXCITED_AT + 0.01, push]]
+    return case.with_changes(changes)
+
+
+def loop_jobs(case: Case) -> Round:
+    """Excited runs over FACTORS; none where the linear loop has no equations."""
+    excited = excited_case(case)
+    creep = creep_slope(excited)
+    loop = loop_of(excited, creep, sliding=False)
+    if loop is None:
+        return {}
+    scaled = {factor: loop.scaled(factor) for factor in FACTORS}
+    gains = {factor: {f"rig_control.feedback.{name}": getattr(one, name) for name in ("proportional", "integral")}
+             for factor, one in scaled.items()}  # fmt: skip
+    return {
+        f"gains times {f:.4g}": job(loop_point, f, excited.with_changes(gains[f]), scaled[f], creep) for f in FACTORS
+    }
+
+
+def loop_point(
+    factor: float, case: Case, loop: Loop, creep: float, progress: Progress | None = None
+) -> dict[str, float]:
+    """One excited run beside the eigenvalues of its loop, by name of LOOP_QUANTITIES."""
+    measured, amplitude = measured_growth(whole_run(case, progress), EXCITED_AT + 0.1)
+    found = {
+        "rolling": growth(loop, rolling_plant(loop.real, creep), above=ABOVE),
+        "vehicle": growth(loop, vehicle_plant(case), above=ABOVE),
+        "measured": measured,
+    }
+    point = {
+        f"{of}_{end}": value for of, pair in found.items() for end, value in zip(("rate", "hz"), pair, strict=True)
+    }
+    unstable = math.isfinite(measured[0]) or amplitude > 0.1 * LINEAR_RANGE[1]  # or saturated from the start
+    return {"factor": factor, **point, "unstable": float(unstable)}
+
+
+def loop_numbers(case: Case, points: list[dict[str, float]]) -> dict[str, Any] | None:
+    """Margins and gain limits of the PI loop as shipped."""
+    excited = excited_case(case)
+    creep = creep_slope(excited)
+    loop, sliding = (loop_of(excited, creep, sliding=slides) for slides in (False, True))
+    if loop is None or sliding is None:
+        return None
+    found, vehicle = margins(loop), vehicle_plant(excited)
+    return {
+        "crossover_hz": found.crossover / (2.0 * math.pi),
+        "phase_margin_deg": math.degrees(found.phase),
+        "gain_margin": found.gain,
+        "unstable_from_factor_alone": gain_limit(loop, rolling_plant(loop.real, creep)),
+        "unstable_from_factor": gain_limit(loop, vehicle),
+        "unstable_from_factor_sliding": gain_limit(sliding, vehicle),
+        "points": points,
+    }
+
+
+def loop_blocks(loop: Numbers, points: list[dict[str, float]]) -> list[Block]:
+    """Text and figure of the report."""
+    shown = {key: "–" if not isinstance(value, float) else f"{value:.3g}" for key, value in loop.items()}
+    text = (
+        f"The PI loop crosses over at {shown['crossover_hz']} Hz with a phase margin of {shown['phase_margin_deg']}° and a gain "
+        f"margin of {shown['gain_margin']}, closed form for one axle. As it is sampled, wheel and roller alone are unstable from "
+        f"{shown['unstable_from_factor_alone']} times its gains on; with the vehicle on its springs the loop is unstable from "
+        f"{shown['unstable_from_factor']} times on while the virtual wheel rolls on a dry rail, and from "
+        f"{shown['unstable_from_factor_sliding']} times while it slides. Computed is the least damped motion above 10 Hz, from "
+        "the core's exact linearisation of the vehicle and the linear controller; measured: lightly excited runs on a dry rail."
+    )
+    picture = loop_growth({key: [point[key] for point in points] for key in points[0]})
+    return [Text(text), Picture("loop_growth", picture, "Growth rate and frequency of the loop over its gains.")]

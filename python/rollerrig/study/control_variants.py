@@ -1,0 +1,190 @@
+"""What is varied in a comparison of controllers, as data: a family is one entry of FAMILIES.
+
+A family has an axis of values and one or more curves: fixed changes under which the whole axis is run. Changes are dotted keys
+of the case with their new values.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Literal, get_args
+
+from rollerrig.analysis.control_loop import Wheel, controller_settings, wheel_of
+from rollerrig.config import Case
+from rollerrig.config.schema.rig_control import Estimator
+
+Changes = Mapping[str, object]
+Vary = Callable[[Case, float], Changes]
+
+BENCH_STEP = 1e-3
+"""Of the plant under slow controllers [s]."""
+
+
+@dataclass(frozen=True)
+class Family:
+    """One thing that is varied.
+
+    Attributes:
+        name: for files and the command line.
+        title: for the report.
+        axis: label of the axis, with its unit.
+        unit: of a value in a text.
+        values: along the axis, in ascending order.
+        vary: changes of a case for one value.
+        curves: label -> changes that hold for all values, or a function as `vary` beside it.
+        scale: of the axis.
+        base: value of the case as it is, where it stands on the axis.
+        user: whether a user's own controller is run here too; not where the axis is a property of the built-in one.
+    """
+
+    name: str
+    title: str
+    axis: str
+    unit: str
+    values: tuple[float, ...]
+    vary: Vary
+    curves: Mapping[str, Changes | Vary]
+    scale: Literal["log", "linear"] = "log"
+    base: Callable[[Case], float] | None = None
+    user: bool = False
+
+    def changes(self, case: Case, curve: Changes | Vary, value: float) -> Changes:
+        """What one variant changes."""
+        return {**(curve(case, value) if callable(curve) else curve), **self.vary(case, value)}
+
+    def text(self, value: float) -> str:
+        """A value of the axis with its unit."""
+        if self.unit == "s":
+            return f"{1e3 * value:.3g} ms"
+        if self.unit == "%":
+            return f"{value:+.3g} %" if value else "0 %"
+        unit = self.unit if self.unit == "×" else f" {self.unit}"
+        return (f"{value:,.0f}".replace(",", "\u202f") if value >= 1000 else f"{value:.3g}") + unit
+
+
+def label(key: str) -> str:
+    """A key of the case as a label."""
+    return key.replace("_", " ")
+
+
+ESTIMATORS: dict[str, Changes | Vary] = {
+    label(kind): {"rig_control.estimator.kind": kind} for kind in get_args(Estimator.model_fields["kind"].annotation)
+}
+"""Every kind of estimator that the case file knows."""
+
+FEEDBACKS: dict[str, Changes | Vary] = {
+    "PI": {"rig_control.feedback.kind": "proportional_integral"},
+    "sliding mode": {"rig_control.feedback.kind": "sliding_mode"},
+    "no feedback": {"rig_control.feedback.kind": "none"},
+}
+
+USER = "user's controller"
+"""Label of the user's own controller."""
+
+
+def _set(key: str) -> Vary:
+    return lambda _case, value: {key: value}
+
+
+def _as_it_is(key: str) -> Callable[[Case], float]:
+    """The number at a dotted key of a case."""
+
+    def read(case: Case) -> float:
+        value: object = case
+        for part in key.split("."):
+            value = getattr(value, part)
+        assert isinstance(value, int | float)
+        return float(value)
+
+    return read
+
+
+def _gain(case: Case, factor: float) -> Changes:
+    """Gains of all kinds of feedback times a factor."""
+    gains = controller_settings(case)["feedback"]
+    return {f"rig_control.feedback.{key}": factor * gains[key] for key in ("proportional", "integral", "switching")}
+
+
+def _sample_time(_case: Case, value: float) -> Changes:
+    """A fast controller needs a finer grid."""
+    return {"rig_control.sample_time": value, "bench.step": min(value, BENCH_STEP)}
+
+
+def _encoders(**values: float) -> Changes:
+    """The same encoder on axles and rollers."""
+    return {f"sensors.{where}.{key}": value for where in ("axles", "rollers") for key, value in values.items()}
+
+
+def _wrong(name: str) -> Vary:
+    """A controller that assumes a number of wheelset or roller so many per cent larger than it is."""
+    return lambda case, percent: {f"rig_control.assumed.{name}": getattr(wheel_of(case), name) * (1.0 + 0.01 * percent)}
+
+
+COUNTS, WINDOW = 4096.0, 8
+"""Of an encoder where another property of it is varied."""
+
+_PERCENT = (-5.0, -4.0, -3.0, -2.0, -1.0, -0.5, 0.0, 0.5, 1.0, 2.0, 3.0, 4.0, 5.0)
+_FAST_DRIVES = {"rig_control.motor.bandwidth": 400.0}
+_FAST_ESTIMATOR = {"rig_control.estimator.bandwidth": 100.0}
+_ROLLING = {"bench.pure_rolling": True}
+
+REFERENCES: dict[str, Changes] = {
+    "as shipped": {},
+    "roller drives with 400 Hz": _FAST_DRIVES,
+    "estimator with 100 Hz": _FAST_ESTIMATOR,
+    "both": {**_FAST_DRIVES, **_FAST_ESTIMATOR},
+    "both, sampled each 0.2 ms": {
+        **_FAST_DRIVES, **_FAST_ESTIMATOR, "rig_control.sample_time": 2e-4, "bench.step": 2e-4
+    },
+    "as shipped, rolling without sliding": _ROLLING,
+    "both, rolling without sliding": {**_FAST_DRIVES, **_FAST_ESTIMATOR, **_ROLLING},
+}  # fmt: skip
+"""Runs that show where the tracking error of the case itself comes from."""
+
+
+def _key_family(name: str, title: str, axis: str, unit: str, key: str, values: tuple[float, ...],
+                curves: Mapping[str, Changes | Vary], *, scale: Literal["log", "linear"] = "log", user: bool = False,
+                vary: Vary | None = None) -> Family:  # fmt: skip
+    """A family along one number of the case."""
+    return Family(name, title, axis, unit, values, vary or _set(key), curves, scale, _as_it_is(key), user)
+
+
+FAMILIES: tuple[Family, ...] = (
+    _key_family("estimator_bandwidth", "Estimators and their bandwidth", "bandwidth of the estimator [Hz]", "Hz",
+                "rig_control.estimator.bandwidth", (1, 2, 5, 10, 20, 50, 100, 200), ESTIMATORS),
+    Family("feedback_gain", "Gains of the feedback", "factor on the gains [-]", "×",
+           (0.1, 0.25, 0.5, 1, 2, 4, 8, 16, 32, 64, 128, 256), _gain,
+           {key: FEEDBACKS[key] for key in ("PI", "sliding mode")}, base=lambda _case: 1.0),
+    _key_family("feedback_bandwidth", "Bandwidth of the PI loop", "bandwidth of the loop [Hz]", "Hz",
+                "rig_control.feedback.bandwidth", (0.05, 0.1, 0.2, 0.35, 0.7, 1.4, 2.8, 5.6, 11.2), {"PI": FEEDBACKS["PI"]}),
+    _key_family("sample_time", "Sample time", "sample time of the controller [s]", "s", "rig_control.sample_time",
+                (1e-4, 2e-4, 5e-4, 1e-3, 2e-3, 5e-3, 1e-2),
+                {**FEEDBACKS, **{f"PI, {key}": fixed for key, fixed in ESTIMATORS.items() if key != "observer"}},
+                vary=_sample_time),
+    _key_family("drive_bandwidth", "Bandwidth of the roller drives", "bandwidth of the roller drives [Hz]", "Hz",
+                "rig_control.motor.bandwidth", (1, 2, 5, 10, 20, 50, 100, 200),
+                {**FEEDBACKS, "PI, torque as commanded": {"rig_control.estimator.torque": "commanded"}}, user=True),
+    _key_family("delay", "Delay of the command", "delay from sample to torque command [s]", "s", "rig_control.delay",
+                (0.0, 1e-3, 2e-3, 5e-3, 1e-2, 2e-2), FEEDBACKS, scale="linear", user=True),
+    Family("assumed_parameters", "Wrong assumed parameters", "error of the assumed parameter [%]", "%", _PERCENT,
+           lambda _case, _value: {}, {label(name): _wrong(name) for name in Wheel.__dataclass_fields__}, "linear",
+           lambda _case: 0.0),
+    Family("assumed_radii_unprotected", "Wrong assumed radii, without protection of the rollers",
+           "error of the assumed parameter [%]", "%", _PERCENT, lambda _case, _value: {"rig_control.protection.slip": 100.0},
+           {label(name): _wrong(name) for name in ("wheel_radius", "roller_radius")}, "linear", lambda _case: 0.0),
+    Family("encoder_counts", f"Counts of the encoders, differenced over {WINDOW} samples",
+           "counts per turn, axles and rollers [-]", "counts", (256, 512, 1024, 2048, 4096, 8192, 16384, 65536),
+           lambda _case, value: _encoders(counts=value, window=WINDOW), ESTIMATORS, user=True),
+    Family("encoder_window", f"Samples over which an encoder of {COUNTS:g} counts is differenced", "samples [-]", "samples",
+           (1, 2, 4, 8, 16), lambda _case, value: _encoders(counts=COUNTS, window=int(value)), ESTIMATORS),
+    Family("encoder_jitter", f"Jitter of encoders of {COUNTS:g} counts, differenced over {WINDOW} samples",
+           "standard deviation of the edges [counts]", "counts", (0.0, 0.1, 0.2, 0.5, 1.0, 2.0),
+           lambda _case, value: _encoders(counts=COUNTS, window=WINDOW, jitter=value), ESTIMATORS, "linear"),
+    Family("estimator_bandwidth_encoders",
+           f"Bandwidth of the estimators behind encoders of {COUNTS:g} counts, differenced over {WINDOW} samples",
+           "bandwidth of the estimator [Hz]", "Hz", (1, 2, 5, 10, 20, 50, 100),
+           lambda _case, value: {**_encoders(counts=COUNTS, window=WINDOW), "rig_control.estimator.bandwidth": value},
+           ESTIMATORS),
+)  # fmt: skip
+"""Everything that `rollerrig control` varies."""

@@ -1,0 +1,290 @@
+"""Lateral motion during a slide: does it disturb the control of the rig, and does the rig show what a sliding train does?
+
+Case on elastic rollers with a disturbance -> [LateralStudy] -> runs displaced and centred, elastic and rigid, rig and track
+-> tracking, real sliding, hunting before and in the slide; lateral creep of sliding wheels against its closed form, (Q6)
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from rollerrig.analysis.lateral_guidance import (
+    Guidance,
+    amplitude,
+    amplitudes_over_time,
+    creep_force,
+    guidance,
+    hunting_frequency,
+    lateral_creep_coefficient,
+    leading_lateral,
+    on_rig,
+    slide_begins,
+    train_slip,
+)
+from rollerrig.analysis.tracking import largest, rms, tracking, wheel_radius
+from rollerrig.config import Case, ConfigError, ConfigProblem, Rig
+from rollerrig.plot import lateral as figures
+from rollerrig.study.adhesion import percent, track_case
+from rollerrig.study.frame import Study
+from rollerrig.study.jobs import Done, Round, job, whole_run
+from rollerrig.study.quantities import Numbers, Quantities, Quantity
+from rollerrig.study.report import Block, Picture, Section, Text
+
+LABELS = {
+    "rig": "rig as it is, displaced",
+    "rig_centred": "rig as it is, centred",
+    "rig_rigid": "rigid rollers, displaced",
+    "rig_rigid_centred": "rigid rollers, centred",
+    "rig_dry": "rig as it is, displaced, dry virtual rail",
+    "track": "track, displaced",
+    "track_dry": "track, displaced, dry rail",
+    "track_exact": "track, displaced, exact creep theory",
+}
+"""Key of a run -> its label; displaced: by the case's disturbance."""
+
+GUIDED = ("track", "track_exact")
+"""Runs whose lateral creep is compared with the closed form."""
+
+RUN = (
+    Quantity("runs.*.status", "how the run ended"),
+    Quantity("runs.*.tracking_rms", "wheel less virtual wheel over train speed, RMS; on track null", "1", digits=3),
+    Quantity("runs.*.tracking_largest", "largest of the same", "1", digits=3),
+    Quantity("runs.*.real_sliding_rms_mps", "wheel against roller along the track; on track wheel against rail", "m/s", digits=3),
+    Quantity("runs.*.real_sliding_largest_mps", "largest of the same", "m/s", digits=3),
+    Quantity("runs.*.largest_slip", "of the wheels against the train, over its speed", "1", digits=3),
+    Quantity("runs.*.amplitude_before_mm", "leading wheelset, half peak to peak in the second before the slide", "mm", digits=3),
+    Quantity("runs.*.amplitude_in_slide_mm", "largest of the same over seconds, from 1 s into the slide on", "mm", digits=3),
+    Quantity("runs.*.amplitude_end_mm", "of the last second", "mm", digits=3),
+    Quantity("runs.*.frequency_hz", "of the half-waves in the second before the slide; null: none", "Hz", digits=3),
+    Quantity("runs.*.largest_lateral_mm", "displacement of the leading wheelset", "mm", digits=3),
+    Quantity("runs.*.roller_lateral_mm", "largest displacement of a roller axle", "mm", digits=3),
+    Quantity("runs.*.lateral_creep_largest_kn", "of one wheel", "kN", digits=3),
+)  # fmt: skip
+GUIDANCE = (
+    Quantity(
+        "guidance.*.slope", "lateral creep force of fully sliding axles over -F v_y / w; 1: Coulomb", "1", digits=3
+    ),
+    Quantity("guidance.*.correlation", "of the two", "1", digits=3),
+    Quantity("guidance.*.rolling_ns_per_m", "damping of a rolling wheel, f22 / V", "N s/m", "rolling f22/V", 3),
+    Quantity("guidance.*.sliding_ns_per_m", "of a sliding one, median of F / w", "N s/m", "sliding F/w", 3),
+)
+QUANTITIES = Quantities(
+    Quantity("case", "name of the case"),
+    Quantity("slide_begins_s", "on track, the time that divides all runs; null: never", "s"),
+    RUN,
+    GUIDANCE,
+)
+
+
+@dataclass(frozen=True)
+class LateralStudy(Study[dict[str, xr.Dataset]]):
+    """The runs of LABELS of one case, on elastic rollers with a lateral disturbance."""
+
+    case: Case
+
+    command = "lateral"
+    quantities = QUANTITIES
+
+    def __post_init__(self) -> None:
+        """Refuse a case that says nothing about lateral motion in a slide.
+
+        Raises:
+            ConfigError: it has no rig controller, no elastic rollers, no disturbance or no degraded rail.
+        """
+        track_case(self.case)
+        rig = self.case.support.data
+        needed = {
+            "support.mounting": "the elastic support of the roller axles, which this study also makes rigid",
+            "disturbance": "an offset in lateral or yaw, e.g. body = 'wheelset_1', lateral = '4 mm'",
+            "adhesion": "the degraded rail on which the wheels slide",
+        }
+        there = {
+            "support.mounting": isinstance(rig, Rig) and rig.mounting is not None,
+            "disturbance": any(d.lateral or d.yaw for d in self.case.disturbance),
+            "adhesion": self.case.adhesion is not None,
+        }
+        problems = [
+            ConfigProblem(self.case.name, k, "missing", f"needed: {needed[k]}") for k, on in there.items() if not on
+        ]
+        if problems:
+            raise ConfigError(problems)
+
+    @property
+    def title(self) -> str:
+        return f"{self.case.name}: lateral motion during a slide"
+
+    def cases(self) -> Mapping[str, Case]:
+        return {"rig": self.case, "track": track_case(self.case)}
+
+    def rounds(self, done: Done) -> Iterator[Round]:
+        yield {key: job(whole_run, case) for key, case in self.runs().items()}
+
+    def runs(self) -> dict[str, Case]:
+        """The cases that are run, by key of LABELS."""
+        track = track_case(self.case)
+        rigid: dict[str, object] = {"support.mounting": None, "support.changes": None}
+        centred: dict[str, object] = {"disturbance": []}
+        dry: dict[str, object] = {"adhesion.rail": "dry", "adhesion.piece": []}
+        return {
+            "rig": self.case,
+            "rig_centred": self.case.with_changes(centred),
+            "rig_rigid": self.case.with_changes(rigid),
+            "rig_rigid_centred": self.case.with_changes({**rigid, **centred}),
+            "rig_dry": self.case.with_changes(dry),
+            "track": track,
+            "track_dry": track.with_changes(dry),
+            "track_exact": track.with_changes({"contact.creep": "table", "contact.polach": None}),
+        }
+
+    def collect(self, done: Done) -> dict[str, xr.Dataset] | None:
+        return {key: done[key] for key in LABELS if key in done} if "rig" in done else None
+
+    def statuses(self, results: dict[str, xr.Dataset]) -> Sequence[str]:
+        return [run.attrs["status"] for run in results.values()]
+
+    # --------------------------------------------------------------------------------------------------- numbers
+
+    def numbers(self, results: dict[str, xr.Dataset]) -> dict[str, Any]:
+        begin = _slide(results)
+        left = {key: self.guidance_of(results[key]) for key in GUIDED if key in results}
+        return {
+            "case": self.case.name,
+            "slide_begins_s": begin,
+            "runs": {key: run_numbers(run, begin) for key, run in results.items()},
+            "guidance": {key: _guidance_numbers(found) for key, found in left.items() if found is not None},
+        }
+
+    def guidance_of(self, run: xr.Dataset) -> Guidance | None:
+        """Lateral creep of the sliding axles of a run; None where no wheel slid while it moved sideways."""
+        return guidance(run, lateral_creep_coefficient(self.case, run))
+
+    def summary(self, results: dict[str, xr.Dataset], numbers: Numbers) -> list[str]:
+        runs, lines = numbers["runs"], []
+        errors = {key: runs[key]["tracking_rms"] for key in ("rig", "rig_centred", "rig_rigid") if key in runs}
+        if len(errors) == 3 and all(errors.values()):
+            sliding = {key: f"{runs[key]['real_sliding_largest_mps']:.2g} m/s" for key in errors}
+            lines.append(
+                f"Tracking error, RMS of train speed: {percent(errors['rig_centred'])} while the bogie stays centred, "
+                f"{percent(errors['rig_rigid'])} where it hunts on rigid rollers, {percent(errors['rig'])} on elastic ones "
+                f"({errors['rig'] / errors['rig_centred']:.2g} times as much): wheels then slide on the rollers at up to "
+                f"{sliding['rig']}, rigid {sliding['rig_rigid']}, centred {sliding['rig_centred']}."
+            )
+        if "track" in runs and None not in (
+            runs["track"]["amplitude_in_slide_mm"],
+            runs["rig"]["amplitude_in_slide_mm"],
+        ):
+            sizes = {key: f"{runs[key]['amplitude_before_mm']:.2g} and {runs[key]['amplitude_in_slide_mm']:.2g} mm"
+                     for key in ("track", "rig")}  # fmt: skip
+            lines.append(
+                "Hunting, amplitude of the leading wheelset before the slide and later than 1 s into it: on track "
+                f"{sizes['track']}, on the rig {sizes['rig']}. Lateral guidance of the wheels is weak on low adhesion and "
+                "weakest while they slide, so that hunting decays; the rig's real wheels keep rolling on dry rollers, and hunt."
+            )
+        if "track" in numbers["guidance"]:
+            left, exact = numbers["guidance"]["track"], numbers["guidance"].get("track_exact")
+            lines.append(
+                f"What remains of lateral creep on a sliding wheel is viscous, {left['sliding_ns_per_m']:.3g} N s/m instead of "
+                f"{left['rolling_ns_per_m']:.3g}. Against -F v_y/w its slope is {left['slope']:.2f} with the case's creep law"
+                + (f", {exact['slope']:.2f} with the exact theory." if exact is not None else ".")
+            )
+        ended = {key: run for key, run in results.items() if run.attrs["status"] != "ok"}
+        return lines + [f"{LABELS[key]}: {run.attrs['status_message']}" for key, run in ended.items()]
+
+    def files(self, results: dict[str, xr.Dataset], numbers: Numbers) -> Mapping[str, Any]:
+        return {f"{key}.nc": run for key, run in results.items()}
+
+    def sections(self, results: dict[str, xr.Dataset], numbers: Numbers) -> list[Section]:
+        # A centred bogie stays in the middle to 1e-10 mm: tables show no rounding.
+        shown = {LABELS[key]: {name: round(v, 6) if isinstance(v, float) else v for name, v in run.items()}
+                 for key, run in numbers["runs"].items()}  # fmt: skip
+        table = QUANTITIES.list_table(shown, [quantity.name for quantity in RUN])
+        sections = [Section("Numbers", [table])]
+        sections += [Section(title, [Picture(*picture)]) for title, *picture in _pictures(results)]
+        return [*sections, Section("Lateral guidance of a sliding wheel", self._guidance_blocks(results, numbers))]
+
+    def _guidance_blocks(self, results: dict[str, xr.Dataset], numbers: Numbers) -> list[Block]:
+        text = (
+            "On a wheel that slides along the track at a speed w far above its lateral speed v_y, friction opposes the sliding: "
+            "F_y = -F v_y / w, viscous and weak, where a rolling wheel has f22 / V. Kalker's theory saturated by its length "
+            "keeps the direction of the linear force, so that its slope is near f22 / f11; the exact theory and FASTSIM turn to "
+            "Coulomb's. The parts of spin on left and right cancel in an axle."
+        )
+        found = {key: self.guidance_of(results[key]) for key in numbers["guidance"]}
+        if not found:
+            return [Text(text), Text("No wheel slid while it moved sideways.")]
+        entries = {LABELS[key]: numbers["guidance"][key] for key in found}
+        pictures = [
+            Picture(f"guidance_{key}", figures.viscous(one.expected, one.force, one.slope),
+                    f"{LABELS[key]}: axles whose wheels slide faster than 1 m/s, each sample.")
+            for key, one in found.items() if one is not None
+        ]  # fmt: skip
+        return [Text(text), QUANTITIES.table(entries, [q.name for q in GUIDANCE], head="run"), *pictures]
+
+
+def run_numbers(run: xr.Dataset, slide: float) -> dict[str, Any]:
+    """The numbers of one run by name of RUN; NaN where not defined.
+
+    Args:
+        run: of the study.
+        slide: when the wheels begin to slide, the same for all runs [s]; NaN: they do not.
+    """
+    error, largest_error = tracking(run) if on_rig(run) else (math.nan, math.nan)
+    time, lateral = run["time"].to_numpy(), leading_lateral(run)
+    begin = slide if math.isfinite(slide) else float(time[-1])
+    later = [amplitude(time, lateral, t, t + 1.0) for t in np.arange(begin + 1.0, time[-1] - 0.999)]
+    rollers = [body for body in map(str, run["body"].to_numpy()) if "roller" in body]
+    return {
+        "status": run.attrs["status"],
+        "tracking_rms": error,
+        "tracking_largest": largest_error,
+        "real_sliding_rms_mps": rms(run["real_sliding"]),
+        "real_sliding_largest_mps": float(np.abs(run["real_sliding"]).max()),
+        "largest_slip": largest(train_slip(run)),
+        "amplitude_before_mm": amplitude(time, lateral, begin - 1.0, begin),
+        "amplitude_in_slide_mm": max(later, default=math.nan),
+        "amplitude_end_mm": amplitude(time, lateral, time[-1] - 1.0, time[-1]),
+        "frequency_hz": hunting_frequency(time, lateral, begin - 1.0, begin),
+        "largest_lateral_mm": float(np.abs(lateral).max()),
+        "roller_lateral_mm": 1e3 * float(np.abs(run["lateral"].sel(body=rollers)).max()) if rollers else math.nan,
+        "lateral_creep_largest_kn": 1e-3 * float(np.abs(creep_force(run, "y")).max()),
+    }
+
+
+def _slide(results: Mapping[str, xr.Dataset]) -> float:
+    """When the wheels begin to slide, on track where that was run [s]."""
+    return slide_begins(results.get("track", results["rig"]))
+
+
+def _guidance_numbers(found: Guidance) -> dict[str, float]:
+    values = (found.slope, found.correlation, found.rolling, found.sliding)
+    return dict(zip((q.name for q in GUIDANCE), values, strict=True))
+
+
+def _pictures(results: Mapping[str, xr.Dataset]) -> list[tuple[str, str, Any, str]]:
+    """Title of the section, and what a Picture takes."""
+    shown = {LABELS[k]: results[k] for k in ("rig", "rig_rigid", "rig_dry", "track", "track_dry") if k in results}
+    motion = {label: (run["time"].to_numpy(), leading_lateral(run)) for label, run in shown.items()}
+    sizes = {label: amplitudes_over_time(*series) for label, series in motion.items()}
+    slips = {label: (run["time"], 100.0 * train_slip(run).isel(axle=0)) for label, run in shown.items()}
+    rigs = {LABELS[key]: results[key] for key in ("rig", "rig_rigid", "rig_centred") if key in results}
+    forces = {
+        LABELS[key]: (run["time"], 1e-3 * creep_force(run, "x")[:, 0], 1e-3 * creep_force(run, "y")[:, 0])
+        for key, run in results.items()
+        if key in ("rig", "track")
+    }
+    return [
+        ("Disturbance of the control", "disturbed_control", figures.disturbed_control(rigs, wheel_radius(results["rig"])),
+         "Leading wheelset: tracking error, and sliding of the real wheel on its roller."),
+        ("Lateral motion", "motion", figures.motions(motion, _slide(results)),
+         "Displacement of the leading wheelset; dashed: the wheels of the train on track begin to slide."),
+        ("Hunting and slide", "amplitudes", figures.amplitudes(sizes, slips),
+         "Half of peak to peak in windows of 0.4 s, and slip against the train; on the rig that of the virtual wheels."),
+        ("Creep forces", "creep_forces", figures.creep_forces(forces),
+         "Leading left wheel: along and across the track. Sliding uses up the friction along the track."),
+    ]  # fmt: skip
