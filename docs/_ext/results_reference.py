@@ -33,7 +33,7 @@ ATTRIBUTES = {
     "stopped_quotient_wheel": "wheel that had it; empty if none",
     "solver_statistics": "counts of the integrator, JSON",
     "contact_counters": "counts of the contacts, JSON; the table below",
-    "vehicle_bodies": "names of the bodies that belong to the vehicle and are not held, JSON",
+    "run_info": "bodies, wheels, loads, laws and actuators of the case, JSON; `RunInfo.of(run)` reads it",
     "sources": "publications that the model and its data come from, JSON",
     "config_toml": "the whole configuration; `rollerrig run` takes it as a file",
     "rollerrig_version": "version of the program",

@@ -8,7 +8,6 @@ depends on that size, and it can lie below the linear one.
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -20,6 +19,7 @@ from rollerrig.analysis.parallel import Progress
 from rollerrig.analysis.signals import Ending, ending, half_waves
 from rollerrig.cases import at_speed, displaced, leading_wheelset
 from rollerrig.config import Case
+from rollerrig.results import RunInfo
 from rollerrig.simulation import simulate
 
 LEAST_AMPLITUDE = 2e-5
@@ -114,7 +114,7 @@ def hunting_run(job: tuple[Case, float, HuntingSettings], progress: Progress | N
     if run.attrs["status"] == "interrupted":
         raise KeyboardInterrupt
     body = observed_body(case)
-    moving = json.loads(run.attrs["vehicle_bodies"])
+    moving = RunInfo.of(run).moving
     motion = run[list(SIGNALS)].sel(body=moving).copy(deep=True)
     lateral = motion["lateral"].sel(body=body).to_numpy()
     return HuntingRun(speed, body, motion, ending(motion["time"].to_numpy(), lateral))

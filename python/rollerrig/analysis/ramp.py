@@ -22,7 +22,7 @@ from rollerrig import _core
 from rollerrig.analysis.hunting import HuntingSettings, hunting_case
 from rollerrig.assembly import AssembledModel, assemble
 from rollerrig.config import Case
-from rollerrig.results import Outcome, add_energy_audit, run_dataset
+from rollerrig.results import Outcome, RunInfo, add_energy_audit, run_dataset
 from rollerrig.simulation import absolute_tolerances
 from rollerrig.starting_state import starting_state
 
@@ -153,7 +153,7 @@ def _segment(
         status, _core.status_sentence(code), simulation.time, "", simulation.statistics(), simulation.counters()
     )
     audited = add_energy_audit(run_dataset(model, times[:filled], rows[:filled], outcome))
-    moving = json.loads(audited.attrs["vehicle_bodies"])
+    moving = RunInfo.of(audited).moving
     kept: xr.Dataset = audited[["lateral", "yaw", "speed"]].sel(body=moving).copy(deep=True)
     return kept.assign_attrs(largest_residual_j=float(np.abs(audited["energy_residual"]).max()))
 

@@ -25,7 +25,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from rollerrig.analysis.filters import band_pass, low_pass, sampling_rate
-from rollerrig.analysis.recorded import recorded_vehicle
+from rollerrig.results.run_info import RunInfo
 
 Rows = NDArray[np.float64]
 
@@ -54,23 +54,22 @@ def accelerations(run: xr.Dataset, *, floor_height: float | None = None) -> xr.D
         coordinate `of_body`, and `on_wheelsets` says whether wheelsets carry it. No points if all bodies above the
         wheelsets are held.
     """
-    recorded = recorded_vehicle(run)
+    info = RunInfo.of(run)
     names, bodies, framed, rows = [], [], [], []
-    for body in recorded.sprung:
-        x, _, z = recorded.place(body)
-        carriers = recorded.carriers(body)
-        on_wheelsets = any(carrier in recorded.wheelsets for carrier, _ in carriers)
-        motion = with_turning_track(run.sel(body=body), run, x)
-        points = {f"{body}, centre": (0.0, 0.0, 0.0)}
-        for carrier, height in carriers:
-            level = height if floor_height is None else floor_height
-            arm = (recorded.place(carrier)[0] - x, 0.0, 0.0 if on_wheelsets else level - z)
-            points[f"{body} over {carrier}"] = arm
+    for body in info.sprung:
+        x, _, z = body.position
+        on_wheelsets = any(info.body(carrier.body).role == "wheelset" for carrier in body.carriers)
+        motion = with_turning_track(run.sel(body=body.name), run, x)
+        points = {f"{body.name}, centre": (0.0, 0.0, 0.0)}
+        for carrier in body.carriers:
+            level = carrier.height if floor_height is None else floor_height
+            arm = (info.body(carrier.body).position[0] - x, 0.0, 0.0 if on_wheelsets else level - z)
+            points[f"{body.name} over {carrier.body}"] = arm
         for name, arm in points.items():
             names.append(name)
-            bodies.append(body)
+            bodies.append(body.name)
             framed.append(on_wheelsets)
-            rows.append(_at_point(motion, np.array(arm), recorded.gravity))
+            rows.append(_at_point(motion, np.array(arm), info.gravity))
     values = np.stack(rows, axis=1) if rows else np.zeros((run.sizes["time"], 0, len(DIRECTIONS)))
     coordinates = {
         "time": run["time"],

@@ -17,6 +17,7 @@ from rollerrig.analysis.linearise import DIRECTIONS
 from rollerrig.analysis.mode_names import roles
 from rollerrig.analysis.speed_map import ModesOverSpeed, modes_over_speed
 from rollerrig.config import Case
+from rollerrig.results.run_info import describe
 
 
 def stability(
@@ -64,6 +65,7 @@ def stability(
         diverging=json.dumps(diverging(modes)),
         hunting_mode=_hunting(modes),
         interrupted=int(modes.followed.interrupted),
+        run_info=describe(modes.lineariser.model).to_json(),
         config_toml=modes.lineariser.case.to_toml(),
         rollerrig_version=__version__,
     )

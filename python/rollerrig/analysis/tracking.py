@@ -8,12 +8,13 @@ Equations: docs/theory/rig_control.md. A ratio to the speed of a train slower th
 from __future__ import annotations
 
 import math
-import tomllib
 from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 import xarray as xr
+
+from rollerrig.results.run_info import RunInfo
 
 LEAST_SPEED = 2.0
 """Below this a train is too slow for errors relative to its speed [m/s]."""
@@ -21,7 +22,7 @@ LEAST_SPEED = 2.0
 
 def wheel_radius(run: xr.Dataset) -> float:
     """Nominal radius of the wheels [m], of the run's own case."""
-    return float(tomllib.loads(run.attrs["config_toml"])["vehicle"]["data"]["wheel"]["radius"])
+    return RunInfo.of(run).wheel_radius
 
 
 def slip(run: xr.Dataset) -> xr.DataArray:

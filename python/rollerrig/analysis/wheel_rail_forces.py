@@ -28,8 +28,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from rollerrig.analysis.filters import low_pass, sliding_mean
-from rollerrig.analysis.recorded import recorded_vehicle
-from rollerrig.profiles import ProfileTable, profile_from_spec
+from rollerrig.results.run_info import RunInfo
 
 FORCE_CUTOFF = 20.0
 """Low pass of Y, Q, Y/Q and ΣY [Hz]."""
@@ -73,13 +72,6 @@ def prudhomme_limit(wheel_load: float, factor: float = PRUDHOMME_FACTOR) -> floa
     return factor * (10e3 + 2.0 * wheel_load / 3.0)
 
 
-def flange_angle(wheel: ProfileTable) -> float:
-    """Steepest slope of a wheel profile towards the flange, as an angle [rad]."""
-    low, high = wheel.domain
-    abscissa = low + wheel.step * np.arange(len(wheel.coefficients) + 1)
-    return math.atan(float(np.max(-wheel.evaluate(np.minimum(abscissa, high), 1))))
-
-
 def wheel_forces(run: xr.Dataset, *, prudhomme_factor: float = PRUDHOMME_FACTOR) -> xr.Dataset:
     """Forces, quotients, unloading and wear number of every wheel of a run, unfiltered.
 
@@ -103,8 +95,9 @@ def wheel_forces(run: xr.Dataset, *, prudhomme_factor: float = PRUDHOMME_FACTOR)
         >>> bool(abs(read["guiding_force_sum"]).max() < 1.0)  # centred: both wheels push outwards alike
         True
     """
-    recorded = recorded_vehicle(run)
-    wheelsets, loads = recorded.wheelsets, recorded.wheel_loads()
+    info = RunInfo.of(run)
+    loads = {body.name: body.wheel_load or 0.0 for body in info.wheelsets}
+    wheelsets = list(loads)
     wheels = [str(wheel) for wheel in run["wheel"].to_numpy()]
     sides = xr.DataArray([1.0 if wheel.endswith("_left") else -1.0 for wheel in wheels], {"wheel": wheels}, "wheel")
     static = xr.DataArray([loads[wheel.rpartition("_")[0]] for wheel in wheels], {"wheel": wheels}, "wheel")
@@ -121,14 +114,13 @@ def wheel_forces(run: xr.Dataset, *, prudhomme_factor: float = PRUDHOMME_FACTOR)
     variables["guiding_force_sum_limit"] = _named(
         xr.DataArray(limits, {"wheelset": wheelsets}, "wheelset"), "N", "Prud'homme's limit of ΣY"
     )
-    angle = flange_angle(profile_from_spec(recorded.vehicle.wheel.profile.arguments(), "wheel"))
-    limit = nadal_limit(angle, recorded.friction)
+    limit = nadal_limit(info.flange_angle, info.friction)
     variables["nadal_limit"] = _named(xr.DataArray(limit), "1", "Nadal's limit of Y/Q")
     attributes = {
         "title": run.attrs["title"],
         "case": run.attrs["case"],
-        "flange_angle_rad": angle,
-        "friction": recorded.friction,
+        "flange_angle_rad": info.flange_angle,
+        "friction": info.friction,
         "prudhomme_factor": prudhomme_factor,
     }
     return xr.Dataset(variables, attrs=attributes)

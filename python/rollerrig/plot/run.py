@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import json
-
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from rollerrig.plot.style import COLOURS, STYLES, calm, house_style, legend_above, new_figure, wheel_lines
+from rollerrig.results import RunInfo
 
 STEADY = 1e-3
 """A speed that changes by no more than this part is not worth a panel."""
@@ -17,7 +16,7 @@ STEADY = 1e-3
 
 def motion_over_time(run: xr.Dataset) -> Figure:
     """Lateral displacement and yaw of the vehicle's bodies, and the running speed where it changes."""
-    bodies = json.loads(run.attrs["vehicle_bodies"])
+    bodies = RunInfo.of(run).moving
     speed = run["speed"].to_numpy()
     changes = float(np.ptp(speed)) > STEADY * float(np.abs(speed).max())
     with house_style():

@@ -5,7 +5,7 @@ published definitions, measured files -> ProfileTable -> contact geometry
 
 from .errors import ProfileError
 from .registry import CATALOGUE, SHAPES, profile_from_spec
-from .table import DEFAULT_STEP, STEEPEST_SLOPE, ProfileKind, ProfileTable, gauge_point, tabulate
+from .table import DEFAULT_STEP, STEEPEST_SLOPE, ProfileKind, ProfileTable, flange_angle, gauge_point, tabulate
 
 __all__ = [
     "CATALOGUE",
@@ -15,6 +15,7 @@ __all__ = [
     "ProfileError",
     "ProfileKind",
     "ProfileTable",
+    "flange_angle",
     "gauge_point",
     "profile_from_spec",
     "tabulate",

@@ -13,6 +13,7 @@ Units   metres throughout.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Literal
@@ -242,3 +243,10 @@ def gauge_point(table: ProfileTable, depth: float = 14e-3) -> float:
 
 def _first_bad(values: FloatArray) -> int:
     return int(np.flatnonzero(~np.isfinite(values))[0] // (values.shape[1] if values.ndim == 2 else 1))
+
+
+def flange_angle(wheel: ProfileTable) -> float:
+    """Steepest slope of a wheel profile towards the flange, as an angle [rad]."""
+    low, high = wheel.domain
+    abscissa = low + wheel.step * np.arange(len(wheel.coefficients) + 1)
+    return math.atan(float(np.max(-wheel.evaluate(np.minimum(abscissa, high), 1))))

@@ -5,7 +5,17 @@ rows of the core -> [results] -> xarray.Dataset -> run.nc, summary.json, CSV
 
 from rollerrig.results.dataset import Outcome, run_dataset
 from rollerrig.results.energy import add_energy_audit
-from rollerrig.results.files import OutputError, load_run, output_file, output_folder, save_run, write_bytes, write_text
+from rollerrig.results.files import (
+    OutputError,
+    ResultsError,
+    load_run,
+    output_file,
+    output_folder,
+    save_run,
+    write_bytes,
+    write_text,
+)
+from rollerrig.results.run_info import RunInfo
 from rollerrig.results.summary import summarise
 from rollerrig.results.tables import motion_table, wheel_table
 from rollerrig.results.termination import add_termination
@@ -13,6 +23,8 @@ from rollerrig.results.termination import add_termination
 __all__ = [
     "Outcome",
     "OutputError",
+    "ResultsError",
+    "RunInfo",
     "add_energy_audit",
     "add_termination",
     "load_run",

@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 
 from rollerrig import __version__, _core
 from rollerrig.assembly import AssembledModel
+from rollerrig.results import run_info
 
 Field = tuple[str, str, str]
 """Name, unit, meaning."""
@@ -137,7 +138,7 @@ def _attributes(model: AssembledModel, outcome: Outcome) -> dict[str, Any]:
         "stopped_wheel": outcome.wheel,
         "solver_statistics": json.dumps(_finite(outcome.statistics), sort_keys=True),
         "contact_counters": json.dumps(dict(outcome.counters), sort_keys=True),
-        "vehicle_bodies": json.dumps(list(model.lateral_bodies)),
+        run_info.ATTRIBUTE: run_info.describe(model).to_json(),
         "sources": json.dumps(sources, ensure_ascii=False, sort_keys=True),
         "config_toml": case.to_toml(),
         "rollerrig_version": __version__,

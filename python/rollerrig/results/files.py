@@ -16,6 +16,9 @@ from pathlib import Path
 
 import xarray as xr
 
+FORMAT = 2
+"""Version of the files' layout; raised when variables, attributes or their meaning change."""
+
 COMPRESSION_LEVEL = 1  # of zlib; higher levels take longer and save little on vibrating floats
 
 _REMEDIES = {
@@ -31,6 +34,10 @@ _REMEDIES = {
     errno.ENOENT: "the folder does not exist; create it or choose another",
     errno.ENAMETOOLONG: "the name is too long; choose a shorter one",
 }
+
+
+class ResultsError(ValueError):
+    """A file holds results that this version cannot read."""
 
 
 class OutputError(Exception):
@@ -148,7 +155,7 @@ def netcdf_bytes(run: xr.Dataset) -> memoryview:
             outer = [str(c) for c in variable.coords if c not in run.dims and str(c) != name]
             if outer and name in run.data_vars:
                 file.variables[str(name)].attrs["coordinates"] = " ".join(outer)
-        for key, value in run.attrs.items():
+        for key, value in (run.attrs | {"format": FORMAT}).items():
             file.attrs[key] = value
     return buffer.getbuffer()
 
@@ -158,10 +165,19 @@ def load_run(path: str | Path) -> xr.Dataset:
 
     Raises:
         FileNotFoundError: no such file.
+        ResultsError: it was written by another version of rollerrig, or by another program.
     """
     if not Path(path).is_file():
         raise FileNotFoundError(f"{path}: no such file")
-    return xr.load_dataset(path, engine="h5netcdf")
+    run = xr.load_dataset(path, engine="h5netcdf")
+    found = run.attrs.pop("format", None)
+    if found is None or int(found) != FORMAT:
+        writer = run.attrs.get("rollerrig_version", "another program")
+        raise ResultsError(
+            f"{path}: results of another version (rollerrig {writer}, format {'none' if found is None else found}); this one "
+            f"reads format {FORMAT}: run the case again"
+        )
+    return run
 
 
 def _umask() -> int:

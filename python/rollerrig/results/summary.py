@@ -9,6 +9,8 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from rollerrig.results.run_info import RunInfo
+
 
 def summarise(run: xr.Dataset) -> dict[str, Any]:
     """The numbers of a run by name; None where a number does not exist.
@@ -28,7 +30,7 @@ def summarise(run: xr.Dataset) -> dict[str, Any]:
         "energy_turned_over_j": attributes["energy_turned_over_j"],
         "energy_relative_residual": attributes["energy_relative_residual"],
         "warnings": attributes["warnings"],
-        "bodies": {body: _body(run.sel(body=body)) for body in json.loads(attributes["vehicle_bodies"])},
+        "bodies": {body: _body(run.sel(body=body)) for body in RunInfo.of(run).moving},
         "wheels": {str(wheel): _wheel(run.sel(wheel=wheel)) for wheel in run["wheel"].to_numpy()},
         "solver": json.loads(attributes["solver_statistics"]),
         "contact": json.loads(attributes["contact_counters"]),

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import json
-
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
+
+from rollerrig.results.run_info import RunInfo
 
 MOTION = ("longitudinal", "lateral", "vertical", "roll", "pitch", "yaw")
 WHEEL = (
@@ -27,7 +27,7 @@ Table = tuple[list[str], NDArray[np.float64]]
 
 def motion_table(run: xr.Dataset) -> Table:
     """Displacements and angles of the vehicle's bodies over time, and the running speed."""
-    bodies = json.loads(run.attrs["vehicle_bodies"])
+    bodies = RunInfo.of(run).moving
     columns = {"time_s": run["time"], "speed_mps": run["speed"]}
     for body in bodies:
         for name in MOTION:

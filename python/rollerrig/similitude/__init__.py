@@ -5,7 +5,7 @@ Case, strategy -> [similitude] -> Case of the model -> run -> map_back -> result
 
 from rollerrig.similitude.factors import FACTORS, STRATEGIES, Similitude, similitude
 from rollerrig.similitude.map_back import map_back
-from rollerrig.similitude.scale_case import factors_of, full_scale_case, scale_case
+from rollerrig.similitude.scale_case import factors_of, scale_case
 from rollerrig.similitude.violations import ContactAtRest, Requirement, contact_at_rest, distortion, requirements
 
 __all__ = [
@@ -17,7 +17,6 @@ __all__ = [
     "contact_at_rest",
     "distortion",
     "factors_of",
-    "full_scale_case",
     "map_back",
     "requirements",
     "scale_case",

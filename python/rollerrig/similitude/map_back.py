@@ -10,9 +10,9 @@ from typing import Any
 
 import xarray as xr
 
-from rollerrig.config import case_from_toml
+from rollerrig.config import ConfigError, ConfigProblem
+from rollerrig.results.run_info import ATTRIBUTE, RunInfo
 from rollerrig.similitude.factors import Similitude
-from rollerrig.similitude.scale_case import factors_of, full_scale_case
 
 _SUFFIXES = {"_s": "s", "_m": "m", "_j": "J", "_kmh": "m/s", "_mps": "m/s", "_hz": "Hz", "_n": "N", "_per_s": "1/s"}
 """Endings of attributes and JSON keys that carry their unit in the name; the longest that fits counts."""
@@ -22,26 +22,29 @@ def map_back(run: xr.Dataset) -> xr.Dataset:
     """A run, or modes over speed, of a scaled case at full scale.
 
     Args:
-        run: with the scaled case in its attribute `config_toml`; variables with `units`.
+        run: results of a scaled case; variables with `units`.
 
     Returns:
-        The same names and units. The case in it is the one that the model stands for, what was kept included: where
-        gravity was kept it is another one at full scale.
+        The same names and units, also in the metadata (`RunInfo`): those of what the model stands for, where gravity that was
+        kept is another one at full scale. The attribute `config_toml` still holds the model's own case.
 
     Raises:
-        ConfigError: the case has no table [similitude].
+        ConfigError: the case is no model of another one.
+        ValueError: no metadata.
         UnknownUnitError: a variable has a unit that is not made of kg, m and s.
     """
-    case = case_from_toml(run.attrs["config_toml"], str(run.attrs.get("case", "case")))
-    factors = factors_of(case)
+    info = RunInfo.of(run)
+    record = info.scaled_from
+    if record is None:
+        needed = "needed: a case made by `rollerrig scale`"
+        raise ConfigError([ConfigProblem(info.case, "similitude", "missing", needed)])
+    factors = Similitude(record.length, record.time, record.density)
     scaled = {name: _mapped(variable, factors) for name, variable in run.variables.items()}
     coordinates = {name: scaled.pop(name) for name in run.coords}
     mapped = xr.Dataset(scaled, coordinates)
     attributes = {str(key): _attribute(str(key), value, factors) for key, value in run.attrs.items()}
-    record = case.similitude
-    assert record is not None
     of = f"{record.case} by a 1:{record.length:g} model, {record.strategy}"
-    return mapped.assign_attrs({**attributes, "config_toml": full_scale_case(case).to_toml(), "mapped_back": of})
+    return mapped.assign_attrs({**attributes, ATTRIBUTE: info.mapped(factors.factor).to_json(), "mapped_back": of})
 
 
 def _mapped(variable: xr.Variable, factors: Similitude) -> xr.Variable:

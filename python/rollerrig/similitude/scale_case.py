@@ -78,17 +78,6 @@ def scale_case(
     return checked.with_changes(changes) if changes else checked
 
 
-def full_scale_case(case: Case) -> Case:
-    """What a scaled case stands for: all its values mapped back, also those that were kept.
-
-    A model that keeps gravity has, seen from full scale, another one. The case is not checked: it is for reading results.
-
-    Raises:
-        ConfigError: the case has no table [similitude].
-    """
-    return _scaled(case, factors_of(case).inverse, {}).model_copy(update={"similitude": None})
-
-
 def factors_of(case: Case) -> Similitude:
     """The factors in a scaled case.
 
@@ -242,4 +231,4 @@ def units_of(annotation: Any, where: str) -> list[str]:
     return [unit for part in get_args(annotation) for unit in units_of(part, where)]
 
 
-__all__ = ["SPECIAL", "NoUnitError", "factors_of", "full_scale_case", "scale_case", "units_of"]
+__all__ = ["SPECIAL", "NoUnitError", "factors_of", "scale_case", "units_of"]

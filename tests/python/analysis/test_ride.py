@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import json
-
 import numpy as np
 import pytest
 import xarray as xr
@@ -11,6 +9,8 @@ import xarray as xr
 import rollerrig as rr
 from rollerrig.analysis.assessment import assess, table
 from rollerrig.analysis.ride import accelerations, ride, weight, weighted_rms
+from rollerrig.assembly import assemble
+from rollerrig.results.run_info import describe
 
 CASE = rr.load_case("bogie_track").with_changes({"vehicle.cut": "vehicle", "time.duration": "0.01 s"})
 GRAVITY = 9.81
@@ -35,8 +35,7 @@ def rolling(step: float = 1e-3, duration: float = 4.0) -> xr.Dataset:
         data[name] = size * np.sin(angle)
         data[f"{name}_rate" if angular else f"{name}_velocity"] = size * w * np.cos(angle)
         data[f"{name}_acceleration"] = -size * w * w * np.sin(angle)
-    attributes = {"config_toml": CASE.to_toml(), "case": "rolling", "title": "rolling"}
-    attributes["vehicle_bodies"] = json.dumps(bodies)
+    attributes = {"run_info": describe(assemble(CASE)).to_json(), "case": "rolling", "title": "rolling"}
     run = xr.Dataset({n: (("time", "body"), v) for n, v in data.items()}, {"time": time, "body": bodies}, attributes)
     for name in ("distance", "curvature", "speed"):
         run[name] = ("time", np.zeros_like(time))

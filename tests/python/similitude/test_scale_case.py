@@ -16,7 +16,8 @@ from rollerrig.analysis import linear_critical_speed
 from rollerrig.config import ConfigError, case_from_toml
 from rollerrig.config.schema.adhesion import Adhesion
 from rollerrig.config.schema.base import Table
-from rollerrig.similitude import STRATEGIES, factors_of, full_scale_case, map_back, scale_case, similitude
+from rollerrig.results import RunInfo
+from rollerrig.similitude import STRATEGIES, factors_of, map_back, scale_case, similitude
 from rollerrig.similitude.scale_case import SPECIAL, NoUnitError, units_of
 
 NO_DIMENSION = ("window", "seed")
@@ -183,13 +184,19 @@ def test_the_model_is_an_ordinary_case() -> None:
     assert factors_of(model).length == 5.0
 
 
-def test_mapped_back_the_case_shows_what_was_kept() -> None:
-    model = scale_case(rr.load_case("adhesion_brake"), similitude("inrets"), strategy="inrets")
-    seen = full_scale_case(model)
-    assert seen.gravity == pytest.approx(9.81 / 4)
-    assert seen.contact.material.young_modulus == pytest.approx(210e9)
-    assert seen.vehicle.data.wheel.radius == pytest.approx(0.46)
-    assert seen.vehicle.data.wheel.profile.length_scale == pytest.approx(1.0)
+def test_mapped_back_the_metadata_show_what_was_kept() -> None:
+    case = rr.load_case("bogie_rollers_constant")
+    model = scale_case(case, similitude("inrets"), strategy="inrets").with_changes({"time.duration": "10 ms"})
+    info = RunInfo.of(map_back(rr.simulate(model)))
+    assert info.gravity == pytest.approx(9.81 / 4)
+    assert info.wheel_radius == pytest.approx(0.46)
+    assert info.roller_radius == pytest.approx(0.725)
+    assert info.speed == pytest.approx(case.motion.speed)
+    assert info.friction == case.contact.friction
+    body = next(body for body in case.vehicle.data.body if body.name == "front_frame")
+    assert info.body("front_frame").position[2] == pytest.approx(body.position[2])
+    assert info.scaled_from is not None
+    assert info.scaled_from.case == case.name
 
 
 @pytest.mark.parametrize(

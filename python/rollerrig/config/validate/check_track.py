@@ -15,7 +15,7 @@ from rollerrig.config.schema.irregularity import MeasuredIrregularity, rails_of_
 from rollerrig.config.schema.support import Rig
 from rollerrig.config.schema.track import Curve, Track, Transition, layout
 from rollerrig.irregularity import IrregularityError, read_measured_track
-from rollerrig.profiles import profile_from_spec
+from rollerrig.profiles import flange_angle, profile_from_spec
 from rollerrig.track import Segment, highest_speed, limit_of_lateral_force, plane_acceleration
 
 FLATTEST_FLANGE = math.radians(45)
@@ -168,13 +168,7 @@ def lateral_force_limit(case: CaseTables) -> tuple[float, str]:
     bodies = vehicle.bodies_in(cut)
     mass = sum(body.mass for body in bodies)
     height = sum(body.mass * body.position[2] for body in bodies) / mass
-    slope = steepest_flange(case)
-    flange = math.atan(slope) if slope > math.tan(FLATTEST_FLANGE) else None
+    steepest = flange_angle(profile_from_spec(vehicle.wheel.profile.arguments(), "wheel"))
+    flange = steepest if steepest > FLATTEST_FLANGE else None
     base = case.support.data.cant_base if isinstance(case.support.data, Track) else 1.5
     return limit_of_lateral_force(height, base, flange, case.contact.friction)
-
-
-def steepest_flange(case: CaseTables) -> float:
-    """Largest slope of the wheel's profile towards the flange [-]."""
-    table = profile_from_spec(case.vehicle.data.wheel.profile.arguments(), "wheel")
-    return -float(table.evaluate(np.linspace(*table.domain, 2001), 1).min())

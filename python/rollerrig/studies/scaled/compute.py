@@ -18,8 +18,10 @@ import xarray as xr
 
 from rollerrig.analysis import linear_critical_speed
 from rollerrig.analysis.parallel import run_jobs
+from rollerrig.analysis.tracking import wheel_radius
 from rollerrig.cases import at_speed
 from rollerrig.config import Case
+from rollerrig.results import RunInfo
 from rollerrig.similitude import (
     ContactAtRest,
     Requirement,
@@ -318,11 +320,6 @@ def at_times_of(full: xr.Dataset, other: xr.Dataset) -> xr.Dataset:
     return other[names].interp(time=np.minimum(times, float(other["time"][-1])), assume_sorted=True)
 
 
-def wheel_radius(run: xr.Dataset) -> float:
-    """Nominal radius of the wheels [m], of the run's own case."""
-    return float(_case(run)["vehicle"]["data"]["wheel"]["radius"])
-
-
 def motor_limited(results: ScaledComparison) -> float | None:
     """Part of the time in which the brake's or the demanded torque is beyond the model's motors."""
     traction = results.model.traction
@@ -333,25 +330,18 @@ def motor_limited(results: ScaledComparison) -> float | None:
     speeds, torques = (np.array(column) for column in zip(*traction.motor.envelope, strict=True))
     limit = factors.factor("N m") * np.interp(np.abs(run["axle_speed"]) / factors.factor("rad/s"), speeds, torques)
     asked = run["torque_factor"] * run["traction_demand"]
-    if _stands_in(run):
+    if RunInfo.of(run).motors_reproduce_brakes:
         asked = asked + run["brake_torque"]
     return float((np.abs(asked) > limit * (1 + 1e-9)).mean())
 
 
 def axle_torque(run: xr.Dataset) -> xr.DataArray:
     """Torque of brake and motor on each axle, positive forward [N m]."""
-    return run["traction_torque"] if _stands_in(run) else run["brake_torque"] + run["traction_torque"]
-
-
-def _stands_in(run: xr.Dataset) -> bool:
-    """Whether the motor's torque holds the brake's."""
-    return bool((_case(run).get("brake") or {}).get("motors_stand_in", False))
-
-
-def _case(run: xr.Dataset) -> dict[str, Any]:
-    import tomllib
-
-    return tomllib.loads(run.attrs["config_toml"])
+    return (
+        run["traction_torque"]
+        if RunInfo.of(run).motors_reproduce_brakes
+        else run["brake_torque"] + run["traction_torque"]
+    )
 
 
 def _wheelsets(run: xr.Dataset) -> np.ndarray[Any, np.dtype[np.float64]]:

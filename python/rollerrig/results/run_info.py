@@ -1,0 +1,222 @@
+"""What results say about the case they came from, typed: names, positions, loads, laws, actuators.
+
+    AssembledModel -> [describe] -> RunInfo -> attribute `run_info` of the Dataset, JSON -> RunInfo.of(run)
+
+Numbers carry their unit in the field's metadata, so that results of a scaled model can be mapped back to full scale.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, fields, is_dataclass, replace
+from functools import cache
+from typing import Any, Literal
+
+import xarray as xr
+from pydantic import TypeAdapter, ValidationError
+
+from rollerrig.assembly import AssembledModel
+from rollerrig.cases import ACTUATORS
+from rollerrig.config import Case, Rig, ScaledFrom
+from rollerrig.profiles import flange_angle
+
+ATTRIBUTE = "run_info"
+
+
+def _in(unit: str) -> Any:
+    return field(metadata={"unit": unit})
+
+
+@dataclass(frozen=True)
+class Carrier:
+    """A body that carries another one.
+
+    Attributes:
+        body: its name.
+        height: at which its springs act on the carried body [m].
+    """
+
+    body: str
+    height: float = _in("m")
+
+
+@dataclass(frozen=True)
+class BodyInfo:
+    """A body of the run.
+
+    Attributes:
+        name: as in the coordinate `body`.
+        role: what it is.
+        fixed: whether it is kept at its design position.
+        position: design position of its centre of mass from the origin of the run [m].
+        carriers: lower bodies joined to it by elements that carry load, foremost first.
+        wheel_load: of a wheelset, static load of each of its wheels [N].
+    """
+
+    name: str
+    role: Literal["wheelset", "vehicle body", "roller", "rail"]
+    fixed: bool
+    position: tuple[float, float, float] = _in("m")
+    carriers: tuple[Carrier, ...] = ()
+    wheel_load: float | None = field(default=None, metadata={"unit": "N"})
+
+
+@dataclass(frozen=True)
+class RunInfo:
+    """Metadata of a run.
+
+    Attributes:
+        case: name of the case.
+        part: of the vehicle that was run.
+        support: kind of the support.
+        bodies, wheels: in the order of the coordinates.
+        normal_contact, creep_law: as in the case.
+        actuators: tables of the case that act on the vehicle.
+        motors_reproduce_brakes: whether the traction motors give the torque of the brakes.
+        scaled_from: of a scaled model, the full-scale case and the factors; None at full scale.
+        speed: at the start [m/s].
+        gravity: [m/s^2].
+        wheel_radius: nominal [m].
+        roller_radius: at the crown [m]; None on track.
+        friction: coefficient of friction of the contacts [-].
+        flange_angle: steepest slope of the wheel profile towards the flange [rad].
+    """
+
+    case: str
+    part: str
+    support: Literal["rig", "track"]
+    bodies: tuple[BodyInfo, ...]
+    wheels: tuple[str, ...]
+    normal_contact: str
+    creep_law: str
+    actuators: tuple[str, ...]
+    motors_reproduce_brakes: bool
+    scaled_from: ScaledFrom | None
+    speed: float = _in("m/s")
+    gravity: float = _in("m/s^2")
+    wheel_radius: float = _in("m")
+    roller_radius: float | None = _in("m")
+    friction: float = _in("1")
+    flange_angle: float = _in("rad")
+
+    @classmethod
+    def of(cls, results: xr.Dataset) -> RunInfo:
+        """The metadata of a run, or of what was computed from it.
+
+        Raises:
+            ValueError: there is none, or that of another version.
+        """
+        text = results.attrs.get(ATTRIBUTE)
+        if text is None:
+            raise ValueError("these results do not say which case they came from: no attribute run_info")
+        try:
+            return _adapter().validate_json(text)
+        except ValidationError:
+            raise ValueError("results of another version of rollerrig: run the case again") from None
+
+    def to_json(self) -> str:
+        """As the attribute holds it."""
+        return _adapter().dump_json(self).decode()
+
+    def mapped(self, factor: Callable[[str], float]) -> RunInfo:
+        """With every number times the factor of its unit."""
+        return _mapped(self, factor)  # type: ignore[no-any-return]
+
+    def body(self, name: str) -> BodyInfo:
+        """The body of that name.
+
+        Raises:
+            KeyError: no such body.
+        """
+        return {body.name: body for body in self.bodies}[name]
+
+    @property
+    def wheelsets(self) -> tuple[BodyInfo, ...]:
+        """In the order of the vehicle."""
+        return tuple(body for body in self.bodies if body.role == "wheelset")
+
+    @property
+    def sprung(self) -> tuple[BodyInfo, ...]:
+        """Free bodies above the wheelsets."""
+        return tuple(body for body in self.bodies if body.role == "vehicle body" and not body.fixed)
+
+    @property
+    def moving(self) -> list[str]:
+        """Names of the vehicle's bodies that can move."""
+        return [body.name for body in self.bodies if body.role in ("wheelset", "vehicle body") and not body.fixed]
+
+
+def describe(model: AssembledModel) -> RunInfo:
+    """Metadata of the runs of a model."""
+    case, support = model.case, model.case.support.data
+    return RunInfo(
+        case=case.name,
+        part=case.vehicle.cut,
+        support=support.kind,
+        bodies=tuple(_body(model, name) for name in model.bodies),
+        wheels=tuple(wheel.name for wheel in model.wheels),
+        normal_contact=case.contact.normal,
+        creep_law=case.contact.creep,
+        actuators=tuple(key for key in ACTUATORS if getattr(case, key) is not None),
+        motors_reproduce_brakes=case.brake is not None and case.brake.motors_stand_in,
+        scaled_from=case.similitude,
+        speed=case.motion.speed,
+        gravity=case.gravity,
+        wheel_radius=case.vehicle.data.wheel.radius,
+        roller_radius=support.roller_radius if isinstance(support, Rig) else None,
+        friction=case.contact.friction,
+        flange_angle=flange_angle(model.wheel_profile),
+    )
+
+
+def _body(model: AssembledModel, name: str) -> BodyInfo:
+    role: Literal["wheelset", "vehicle body", "roller", "rail"] = "vehicle body"
+    if name in model.rollers:
+        role = "roller"
+    elif name in model.rails:
+        role = "rail"
+    elif name in model.wheelsets:
+        role = "wheelset"
+    load = model.axle_loads.get(name)
+    return BodyInfo(
+        name=name,
+        role=role,
+        fixed=name in model.fixed,
+        position=model.positions[name],
+        carriers=_carriers(model, name) if role == "vehicle body" else (),
+        wheel_load=None if load is None else 0.5 * load,
+    )
+
+
+def _carriers(model: AssembledModel, name: str) -> tuple[Carrier, ...]:
+    case: Case = model.case
+    heights: dict[str, float] = {}
+    for element in case.vehicle.data.elements_in(case.vehicle.part):
+        if element.carries_load and name in element.between:
+            other = element.between[1 - element.between.index(name)]
+            if model.positions[other][2] < model.positions[name][2]:
+                heights[other] = element.end_b[2]
+    foremost_first = sorted(heights, key=lambda other: -model.positions[other][0])
+    return tuple(Carrier(other, heights[other]) for other in foremost_first)
+
+
+@cache
+def _adapter() -> TypeAdapter[RunInfo]:
+    return TypeAdapter(RunInfo)
+
+
+def _mapped(value: Any, factor: Callable[[str], float]) -> Any:
+    if isinstance(value, tuple):
+        return tuple(_mapped(item, factor) for item in value)
+    if not is_dataclass(value) or isinstance(value, type):
+        return value
+    changes: dict[str, Any] = {}
+    for one in fields(value):
+        old, unit = getattr(value, one.name), one.metadata.get("unit")
+        if unit is None or old is None:
+            changes[one.name] = _mapped(old, factor)
+        elif isinstance(old, tuple):
+            changes[one.name] = tuple(factor(unit) * number for number in old)
+        else:
+            changes[one.name] = factor(unit) * old
+    return replace(value, **changes)
