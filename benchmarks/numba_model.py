@@ -1,6 +1,7 @@
-"""The model of scipy_model.py as a user of Numba would write it: the same right-hand side in scalar loops, compiled.
+"""The bogie of tests/validation/independent_model as a user of Numba would write it: the same right-hand side in scalar
+loops, compiled.
 
-State and conventions: see scipy_model.py; parameters: bogie_data.py. `pack(parameters)` gives what the compiled functions take.
+State and conventions: bogie.py there. `pack(parameters)` gives what the compiled functions take.
 """
 
 from __future__ import annotations
@@ -10,8 +11,9 @@ from collections import namedtuple
 from dataclasses import fields
 
 import numpy as np
-from bogie_data import GRAVITY, Parameters
 from numba import njit
+
+from validation.independent_model.parameters import GRAVITY, Parameters, kalker_spline
 
 Packed = namedtuple(
     "Packed",
@@ -26,7 +28,7 @@ Numbers = namedtuple("Numbers", _SCALARS + _TUPLES)
 
 def pack(p: Parameters) -> Packed:
     """Parameters as nested tuples of floats and arrays, which Numba takes."""
-    knots, coefficients = p.kalker_spline()
+    knots, coefficients = kalker_spline(p.poisson)
     number = Numbers(
         *[float(getattr(p, name)) for name in _SCALARS],
         *[tuple(float(v) for v in getattr(p, name)) for name in _TUPLES],
@@ -62,7 +64,7 @@ def spline(start, step, c, y):
 
 @njit(cache=True, error_model="numpy")
 def gap_and_mismatch(s, side, o, m, P, newton, g):
-    """Reduced contact problem (see scipy_model). o centre, m axes of the wheelset (3, 3); fills g, returns gap and mismatch."""
+    """Reduced contact problem (see contact.py). o centre, m axes of the wheelset (3, 3); fills g, returns gap and mismatch."""
     n = P.number
     z, dz, ddz = spline(P.wheel_start, P.wheel_step, P.wheel, s)
     r, dr = n.wheel_radius + z, side * dz
@@ -257,7 +259,7 @@ def wheel_patches(x, wheel, P, records):
 
 @njit(cache=True, error_model="numpy")
 def rhs(t, x, P):
-    """x_dot of the whole model; state as in scipy_model."""
+    """x_dot of the whole model; state as in bogie.py."""
     n = P.number
     x_dot = np.empty(52)
     for j in range(6):

@@ -2,13 +2,14 @@
 
     python benchmarks/run.py [--json FILE] [--repeat N]
 
-Model   bogie of Manchester Benchmark vehicle 1, four wheels on two roller pairs, full contact (see scipy_model.py).
+Model   bogie of Manchester Benchmark vehicle 1, four wheels on two roller pairs, full contact.
 Study   traction: 60 km/h, rollers free, torque on each wheelset 0 until 1 s, then linear to 4 kN m at 5 s, constant to 10 s.
 Error   largest difference to a tight reference, over the largest value of that signal; signals: absolute sliding, longitudinal
         and vertical force of every wheel, every 5 ms. A run counts only if it stays below 0.1 %.
 
-The SciPy side is what somebody who knows SciPy well would do: Radau, with a difference Jacobian of sensible steps. With
-solve_ivp's own Jacobian, or with RK45 or LSODA as they come, the same study takes tens of times as many evaluations.
+The SciPy side, tests/validation/independent_model, is what somebody who knows SciPy well would do: Radau, with a difference
+Jacobian of sensible steps. With solve_ivp's own Jacobian, or with RK45 or LSODA as they come, the same study takes tens of
+times as many evaluations.
 """
 
 from __future__ import annotations
@@ -26,12 +27,15 @@ from pathlib import Path
 os.environ.setdefault("OMP_NUM_THREADS", "1")  # one core, as the comparison says
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
-import bogie_data
 import numpy as np
-import scipy_model
 from rich.console import Console
 from rich.table import Table
 from scipy.integrate import solve_ivp
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
+from validation.independent_model import bogie as numpy_bogie
+from validation.independent_model import contact as numpy_contact
+from validation.independent_model.parameters import Parameters
 
 DURATION = 10.0  # [s]
 START_SPEED = 60 / 3.6  # [m/s]
@@ -104,7 +108,7 @@ def integrate(function, x0, relative, absolute):
             rtol=relative,
             atol=absolute,
             t_eval=np.clip(times, begin, end),
-            jac=lambda t, y: scipy_model.jacobian(counted, t, y),
+            jac=lambda t, y: numpy_bogie.jacobian(counted, t, y),
         )
         if not solution.success:
             raise RuntimeError(f"solve_ivp stopped: {solution.message}")
@@ -126,18 +130,18 @@ def error_against(reference: np.ndarray, signals: np.ndarray) -> float:
 
 def measure_scipy(p, x0, reference, repeat: int) -> Measurement:
     """The NumPy model."""
-    study = lambda t, x: scipy_model.rhs(t, x, p)  # noqa: E731
+    study = lambda t, x: numpy_bogie.rhs(t, x, p)  # noqa: E731
     m = Measurement("NumPy + SciPy", study_method="Radau, rtol 1e-3")
     m.rhs_us = 1e6 * best_time(lambda: study(3.0, x0), repeat)
-    o, rot, _, _ = scipy_model.wheelset_motion(x0)
+    o, rot, _, _ = numpy_bogie.wheelset_motion(x0)
     o = o + np.array([0.0, 0.0, p.roller_radius + p.wheel_radius])
-    m.contact_exhaustive_us = 1e6 / 4 * best_time(lambda: scipy_model.contact_points(o, rot, p), repeat)
+    m.contact_exhaustive_us = 1e6 / 4 * best_time(lambda: numpy_contact.contact_points(o, rot, p), repeat)
     start = time.process_time()
-    states, m.evaluations = integrate(study, x0, 1e-3, scipy_model.absolute_tolerances())
+    states, m.evaluations = integrate(study, x0, 1e-3, numpy_bogie.absolute_tolerances())
     m.study_s = time.process_time() - start
 
     def outputs(x):
-        out = scipy_model.wheel_outputs(x, p)
+        out = numpy_bogie.wheel_outputs(x, p)
         return np.stack([out[name] for name in SIGNALS])
 
     every = slice(None, None, 10)  # the outputs of 200 of the 2001 times: this model is slow
@@ -160,9 +164,9 @@ def measure_numba(p, x0, repeat: int) -> tuple[Measurement, np.ndarray]:
     search = lambda: numba_model.find_contacts(1.0, centre, axes, packed, found, geometry)  # noqa: E731
     m.contact_exhaustive_us = 1e6 * best_time(search, repeat)
 
-    reference = plotted(integrate(study, x0, 1e-8, 1e-3 * scipy_model.absolute_tolerances())[0], outputs)
+    reference = plotted(integrate(study, x0, 1e-8, 1e-3 * numpy_bogie.absolute_tolerances())[0], outputs)
     start = time.process_time()
-    states, m.evaluations = integrate(study, x0, 1e-3, scipy_model.absolute_tolerances())
+    states, m.evaluations = integrate(study, x0, 1e-3, numpy_bogie.absolute_tolerances())
     m.study_s = time.process_time() - start
     m.error = error_against(reference, plotted(states, outputs))
     return m, reference
@@ -320,10 +324,10 @@ def main() -> int:
     )
     arguments = parser.parse_args()
     console = Console()
-    p = bogie_data.Parameters()
+    p = Parameters()
 
     with console.status("equilibrium"):
-        x0 = scipy_model.equilibrium(START_SPEED, p)
+        x0 = numpy_bogie.equilibrium(START_SPEED, p)
     with console.status("Numba"):
         numba, reference = measure_numba(p, x0, arguments.repeat)
     with console.status("NumPy"):

@@ -1,17 +1,11 @@
-"""Models and reference tables that the validation tests share.
-
-The reference tables are not part of the repository: a folder `shared` beside it, or ROLLERRIG_SHARED, may hold them.
-They were computed with CONTACT (Vollebregt, Kalker) and with independent codes; each test names its file.
-"""
+"""Models and reference tables that the validation tests share; what the tables are: data/README.md."""
 
 from __future__ import annotations
 
 import csv
-import os
 from pathlib import Path
 
 import numpy as np
-import pytest
 
 from rollerrig import _core
 from rollerrig.assembly import AssembledModel, assemble
@@ -21,9 +15,7 @@ from rollerrig.profiles import ProfileTable, gauge_point, profile_from_spec
 
 mm = 1e-3
 kmh = 1 / 3.6
-SHARED = Path(os.environ.get("ROLLERRIG_SHARED", Path(__file__).parents[2].parent / "shared"))
-FOLDER = SHARED / "reference"
-needs_reference = pytest.mark.skipif(not FOLDER.is_dir(), reason="the reference tables are not here")
+DATA = Path(__file__).with_name("data")
 
 #: The steel of the reference tables.
 SHEAR_MODULUS, POISSON_RATIO = 82e9, 0.28
@@ -38,7 +30,7 @@ def rows(file: str) -> list[dict[str, float | str]]:
         except ValueError:
             return text
 
-    with (FOLDER / file).open() as lines:
+    with (DATA / file).open() as lines:
         return [{key: value(text) for key, text in row.items()} for row in csv.DictReader(lines)]
 
 

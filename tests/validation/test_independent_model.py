@@ -1,4 +1,4 @@
-"""The right-hand side against the same bogie written independently in NumPy (benchmarks/scipy_model.py).
+"""The right-hand side against the same bogie written independently in NumPy (independent_model).
 
 Both models get the same profiles, Kalker's table by the same spline and the same suspension points; the rest, from the
 geometry of the contact to the Euler equations, is separate code. Two conventions differ and are kept out of the
@@ -8,19 +8,18 @@ nearly zero), and our rolling speed is that past a contact point that travels wi
 
 from __future__ import annotations
 
-import importlib
-from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from scipy.interpolate import CubicSpline
 
 from rollerrig import _core
 from rollerrig.profiles import ProfileTable
+from validation.independent_model.bogie import contact_of, rhs
+from validation.independent_model.parameters import Parameters, Table
 from validation.reference import bogie, equilibrium
 
-STANDSTILL_SPEED = 1e-6  # [m/s]
+REGULARISATION_SPEED = 1e-6  # [m/s]
 SPEED = 60.0  # [m/s]
 
 #: For each state of the NumPy model ours. Theirs: positions and rates body by body, dampers side by side.
@@ -32,37 +31,30 @@ LONGITUDINAL_RATES, LATERAL = [22, 28], [7, 12]  # of the wheelsets
 
 
 @pytest.fixture(scope="module")
-def models():
-    with pytest.MonkeyPatch.context() as patch:
-        patch.syspath_prepend(str(Path(__file__).parents[2] / "benchmarks"))
-        data, numpy_model, kalker = (importlib.import_module(n) for n in ("bogie_data", "scipy_model", "kalker_table"))
-        ours = bogie(contact__merging_criterion=0.0, contact__creepage_regularisation_speed=STANDSTILL_SPEED)
-        simulation = _core.Simulation(ours.core)
+def models() -> SimpleNamespace:
+    ours = bogie(contact__merging_criterion=0.0, contact__creepage_regularisation_speed=REGULARISATION_SPEED)
+    simulation = _core.Simulation(ours.core)
 
-        def table(profile: ProfileTable):
-            return data.Table(profile.start, profile.step, np.asarray(profile.coefficients))
+    def table(profile: ProfileTable) -> Table:
+        return Table(profile.start, profile.step, np.asarray(profile.coefficients))
 
-        parameters = data.Parameters(
-            hold_rollers=True,
-            torque=0.0,
-            wheel=table(ours.wheel_profile),
-            rail=table(ours.rail_profile),
-            rail_origin=ours.rail_origin_y,
-            secondary_top=0.8275,
-            secondary_bottom=0.8275,
-            lateral_damper_y=0.2,
-            creepage_regularisation_speed=STANDSTILL_SPEED,
-        )
-        nu = parameters.poisson
-        spline = CubicSpline(np.log(kalker.AXIS_RATIO), kalker.coefficients_at_poisson(nu), bc_type="natural")
-        pieces = np.ascontiguousarray(np.transpose(spline.c[::-1], (1, 2, 0)))
-        patch.setitem(numpy_model._kalker_cache, nu, (spline.x, pieces))
-        yield SimpleNamespace(
-            simulation=simulation,
-            theirs=lambda x: numpy_model.rhs(0.0, x, parameters),
-            patches=lambda x: len(numpy_model.contact_of(x, parameters)["s"]),
-            start=equilibrium(simulation, SPEED),
-        )
+    parameters = Parameters(
+        hold_rollers=True,
+        torque=0.0,
+        wheel=table(ours.wheel_profile),
+        rail=table(ours.rail_profile),
+        rail_origin=ours.rail_origin_y,
+        secondary_top=0.8275,
+        secondary_bottom=0.8275,
+        lateral_damper_y=0.2,
+        creepage_regularisation_speed=REGULARISATION_SPEED,
+    )
+    return SimpleNamespace(
+        simulation=simulation,
+        theirs=lambda x: rhs(0.0, x, parameters),
+        patches=lambda x: len(contact_of(x, parameters)["s"]),
+        start=equilibrium(simulation, SPEED),
+    )
 
 
 def random_state(start: np.ndarray, seed: int) -> np.ndarray:

@@ -13,9 +13,7 @@ from dataclasses import dataclass
 import pytest
 
 from rollerrig import _core
-from validation.reference import benchmark_press, mm, needs_reference, rows
-
-pytestmark = needs_reference
+from validation.reference import benchmark_press, mm, rows
 
 #: The wheel's contact angle beyond which a contact counts as one of the flange.
 FLANGE_ANGLE = 0.25

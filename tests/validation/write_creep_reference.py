@@ -1,9 +1,9 @@
-"""Writes creep_reference.csv: solutions of the exact theory at random points, which the table law is held against.
+"""Writes data/creep_reference.csv: solutions of the exact theory at random points, which the table law is held against.
 
     python tests/validation/write_creep_reference.py
 
 The solver runs on its full grid, finer than the one the table is made with. Reduced units: core/include/rollerrig/contact/
-rolling_reference.hpp.
+creep/rolling_reference.hpp.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ import numpy as np
 
 from rollerrig import _core
 
-FILE = Path(__file__).with_name("creep_reference.csv")
+FILE = Path(__file__).with_name("data") / "creep_reference.csv"
 POINTS = 500
 COLUMNS = ("a_over_b", "poisson_ratio", "xi", "eta", "chi", "longitudinal", "lateral", "spin_moment")
 

@@ -1,8 +1,6 @@
 """Writes docs/validation.md: every number on that page comes from here.
 
-    python tests/validation/write_tables.py
-
-Needs the reference tables (folder `shared` beside the repository, or ROLLERRIG_SHARED).
+python tests/validation/write_tables.py
 """
 
 from __future__ import annotations
@@ -33,8 +31,9 @@ What the simulator is compared with, and how far apart the two are. This page is
 `python tests/validation/write_tables.py`; the tests in `tests/validation` and `tests/core` assert the same comparisons with
 tolerances that carry their reasons.
 
-References: CONTACT (Vollebregt, Kalker: exact half-space theory), independent codes for rigid contact points and Hertz
-ellipses, a bogie model written separately in NumPy (`benchmarks/scipy_model.py`), and closed forms.
+References, all in `tests/validation/data` with their origin: CONTACT (Vollebregt, Kalker: exact half-space theory),
+independent codes for rigid contact points and Hertz ellipses. Besides these: a bogie model written separately in NumPy
+(`tests/validation/independent_model`), and closed forms.
 """
 
 

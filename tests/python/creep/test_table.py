@@ -13,7 +13,7 @@ from rollerrig import _core
 from rollerrig.creep import CreepTableError, creep_law, read_table, shipped_table
 
 TABLE = Path(_core.__file__).parent / "catalog" / "tables" / "creep_table.npz"
-REFERENCE = Path(__file__).parents[2] / "validation" / "creep_reference.csv"
+REFERENCE = Path(__file__).parents[2] / "validation" / "data" / "creep_reference.csv"
 
 
 def reduced(

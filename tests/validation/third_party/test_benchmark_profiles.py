@@ -1,9 +1,8 @@
 """The point files of the Manchester contact benchmark against the same profiles from their definitions.
 
-The files are not part of the repository: a folder `shared` beside it, or ROLLERRIG_SHARED, may hold them.
+    pytest tests/validation/third_party --shared FOLDER      FOLDER/data/profiles: the files of the benchmark
 """
 
-import os
 from pathlib import Path
 
 import numpy as np
@@ -14,18 +13,19 @@ from rollerrig.profiles.point_file import read_point_file
 from rollerrig.profiles.s1002 import SEGMENTS
 
 mm = 1e-3
-SHARED = Path(os.environ.get("ROLLERRIG_SHARED", Path(__file__).parents[3].parent / "shared"))
-FOLDER = SHARED / "data" / "profiles"
-pytestmark = pytest.mark.skipif(not FOLDER.is_dir(), reason="the benchmark's point files are not here")
-
 WHEEL, RAIL = "MBench_S1002_v3.prw", "MBench_UIC60_v3.prr"
 #: The origin of the rail file lies this far on the gauge side of its highest point: so say the centres of circles
 #: fitted to its arcs (residual below 1e-6 mm), which otherwise agree with the drawing.
 RAIL_ORIGIN = 0.005957
 
 
-def test_the_points_of_the_wheel_lie_on_s1002():
-    s, increase = read_point_file(FOLDER / WHEEL).points.T
+@pytest.fixture(scope="module")
+def folder(shared: Path) -> Path:
+    return shared / "data" / "profiles"
+
+
+def test_the_points_of_the_wheel_lie_on_s1002(folder):
+    s, increase = read_point_file(folder / WHEEL).points.T
     inside = (s >= -60 * mm) & (s <= 60 * mm)
     error = increase[inside] - profile_from_spec("s1002", "wheel").evaluate(s[inside])
     # The file keeps the gaps of the printed polynomial between -35 and -26 mm, 1.2e-4 mm, which ours closes.
@@ -34,8 +34,8 @@ def test_the_points_of_the_wheel_lie_on_s1002():
     assert np.median(np.abs(error[elsewhere])) < 1e-7 * mm  # eight digits of the file
 
 
-def test_the_points_of_the_rail_lie_on_the_benchmark_variant():
-    y, down = read_point_file(FOLDER / RAIL).points.T
+def test_the_points_of_the_rail_lie_on_the_benchmark_variant(folder):
+    y, down = read_point_file(folder / RAIL).points.T
     table = profile_from_spec("uic60_benchmark_1_40", "rail")
     y = y - RAIL_ORIGIN * mm
     inside = (y > -42 * mm) & (y < 28 * mm) & (down < 20 * mm)
@@ -51,8 +51,8 @@ def test_the_points_of_the_rail_lie_on_the_benchmark_variant():
         (RAIL, "uic60_benchmark_1_40", "rail", [-33.421, -17.990, 3.004, 18.539]),
     ],
 )
-def test_a_file_read_as_measured_becomes_the_profile_of_the_definition(file, name, kind, junctions):
-    measured = profile_from_spec({"kind": "file", "path": file}, kind, FOLDER)
+def test_a_file_read_as_measured_becomes_the_profile_of_the_definition(folder, file, name, kind, junctions):
+    measured = profile_from_spec({"kind": "file", "path": file}, kind, folder)
     exact = profile_from_spec(name, kind)
     low, high = np.maximum(measured.domain[0], exact.domain[0]), np.minimum(measured.domain[1], exact.domain[1])
     y = np.linspace(low + mm, high - mm, 6001)
@@ -65,8 +65,8 @@ def test_a_file_read_as_measured_becomes_the_profile_of_the_definition(file, nam
     assert np.max(np.abs(measured.curvature(y) - exact.curvature(y))[calm]) < 0.5
 
 
-def test_the_gauge_of_the_rail_file_is_that_of_the_definition():
-    measured = profile_from_spec({"kind": "file", "path": RAIL}, "rail", FOLDER)
+def test_the_gauge_of_the_rail_file_is_that_of_the_definition(folder):
+    measured = profile_from_spec({"kind": "file", "path": RAIL}, "rail", folder)
     exact = profile_from_spec("uic60_benchmark_1_40", "rail")
     # On the flank the file has points every millimetre, and the top of an R300 arc is known to 0.1 um / 300 um.
     assert gauge_point(measured) == pytest.approx(gauge_point(exact), abs=1e-3 * mm)

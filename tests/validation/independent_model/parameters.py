@@ -1,24 +1,25 @@
-"""Numbers of the benchmark model: the bogie of Manchester Benchmark vehicle 1 on a full-scale roller rig.
+"""Numbers of the independent model: the bogie of Manchester Benchmark vehicle 1 on a full-scale roller rig.
 
-Shared by the NumPy and the Numba model. Nothing here depends on the simulator this is a benchmark of.
-
-    profiles, masses, springs, material  ->  Parameters  ->  scipy_model.rhs / numba_model.rhs
+    profiles, masses, springs, material  ->  Parameters  ->  bogie.rhs, benchmarks/numba_model.py
 
 Frames  rig frame: x forward, y left, z up; x = 0 mid-way between the wheelsets, z = 0 at the crown of the rollers.
         Profile abscissae point outward (away from the track centre) on both sides.
 Units   SI throughout.
 Source  vehicle: S. Iwnicki (ed.), The Manchester Benchmarks for Rail Vehicle Simulators (1999); S1002: EN 13715;
-        UIC60: EN 13674-1 geometry as used by the Manchester contact benchmark.
+        UIC60: EN 13674-1, and as the Manchester contact benchmark has it.
 """
 
 from __future__ import annotations
 
+import functools
+import itertools
 from dataclasses import dataclass, field
 
 import numpy as np
-from kalker_table import AXIS_RATIO, coefficients_at_poisson
 from scipy.interpolate import CubicSpline
 from scipy.special import ellipe, ellipk, elliprd
+
+from .kalker_table import AXIS_RATIO, coefficients_at_poisson
 
 GRAVITY = 9.81  # [m/s^2]
 
@@ -103,14 +104,20 @@ def s1002(s_mm: np.ndarray) -> np.ndarray:
     return np.select([where for where, _ in pieces], [value for _, value in pieces])
 
 
-def uic60(y_mm: np.ndarray, inclination: float = 1 / 40) -> np.ndarray:
-    """Height of the canted UIC60 head (benchmark variant) below its highest point, both in mm.
+#: Junctions of the arcs R300/R80 and R80/R13 on the upright head [mm]: Manchester contact benchmark, and EN 13674-1.
+UIC60_BENCHMARK, EN_60E1 = (10.5, 25.98803), (10.228, 26.0265)
+
+
+def uic60(
+    y_mm: np.ndarray, inclination: float = 1 / 40, junctions: tuple[float, float] = UIC60_BENCHMARK
+) -> np.ndarray:
+    """Height of the canted UIC60 head below its highest point, both in mm.
 
     The abscissa is 0 at the highest point and negative towards the gauge side. Arcs R300, R80, R13 only: the sides are
     left out (they are steeper than any contact).
     """
     tilt = np.arctan(inclination)  # of the head towards the gauge side
-    y1, y2 = 10.5, 25.98803  # upright junctions R300/R80 and R80/R13
+    y1, y2 = junctions
     a1 = np.arcsin(y1 / 300)
     y80, z80 = 220 * np.sin(a1), -300 + 220 * np.cos(a1)
     a2 = np.arcsin((y2 - y80) / 80)
@@ -119,16 +126,19 @@ def uic60(y_mm: np.ndarray, inclination: float = 1 / 40) -> np.ndarray:
     def turned(y, z):  # positions from the centre of the crown's arc, after canting
         return (y * np.cos(tilt) - (z + 300) * np.sin(tilt), y * np.sin(tilt) + (z + 300) * np.cos(tilt))
 
-    y = np.asarray(y_mm, dtype=float)
-    height = np.full_like(y, np.nan)
     left1, left2 = turned(-y1, -300 + 300 * np.cos(a1))[0], turned(-y2, z80 + 80 * np.cos(a2))[0]
     right1, right2 = turned(y1, -300 + 300 * np.cos(a1))[0], turned(y2, z80 + 80 * np.cos(a2))[0]
     edges = [-np.inf, left2, left1, right1, right2, np.inf]
-    arcs = [(-y13, z13, 13), (-y80, z80, 80), (0, -300, 300), (y80, z80, 80), (y13, z13, 13)]
-    for (yc, zc, radius), low, high in zip(arcs, edges[:-1], edges[1:], strict=True):
-        y0, z0 = turned(yc, zc)
+    centres = [(-y13, z13, 13), (-y80, z80, 80), (0, -300, 300), (y80, z80, 80), (y13, z13, 13)]
+    arcs = [
+        (*turned(y, z), radius, *ends) for (y, z, radius), ends in zip(centres, itertools.pairwise(edges), strict=True)
+    ]
+    top_y, top_z = next((y0, z0 + radius) for y0, z0, radius, low, high in arcs if low <= y0 < high)
+    y = np.asarray(y_mm, dtype=float) + top_y
+    height = np.full_like(y, np.nan)
+    for y0, z0, radius, low, high in arcs:
         here = (y >= low) & (y < high)
-        height[here] = z0 + np.sqrt(radius**2 - (y[here] - y0) ** 2) - 300
+        height[here] = z0 + np.sqrt(radius**2 - (y[here] - y0) ** 2) - top_z
     return height
 
 
@@ -155,6 +165,13 @@ def hertz_table() -> Table:
     lam = -limit + step * np.arange(n + 1)
     spline = CubicSpline(lam, columns(lam))  # c: (4, n, 3)
     return Table(-limit, step, np.ascontiguousarray(np.moveaxis(spline.c[::-1], 0, -1).reshape(n, 12)))
+
+
+@functools.cache
+def kalker_spline(poisson: float) -> tuple[np.ndarray, np.ndarray]:
+    """Natural spline of Kalker's table: knots ln(a/b), shape (19,); coefficients, shape (18, 4 coefficients, 4 powers)."""
+    spline = CubicSpline(np.log(AXIS_RATIO), coefficients_at_poisson(poisson), bc_type="natural")
+    return spline.x, np.ascontiguousarray(np.transpose(spline.c[::-1], (1, 2, 0)))
 
 
 @dataclass(frozen=True)
@@ -229,11 +246,6 @@ class Parameters:
     def shear_modulus(self) -> float:
         """G [Pa]."""
         return self.youngs_modulus / 2 / (1 + self.poisson)
-
-    def kalker_spline(self) -> tuple[np.ndarray, np.ndarray]:
-        """Knots ln(a/b), shape (19,), and coefficients, shape (18, 4 coefficients, 4 powers)."""
-        spline = CubicSpline(np.log(AXIS_RATIO), coefficients_at_poisson(self.poisson))
-        return spline.x, np.ascontiguousarray(np.transpose(spline.c[::-1], (1, 2, 0)))
 
     def torque_at(self, t: float) -> float:
         """Torque on each wheelset at time t [N m]."""
