@@ -34,23 +34,23 @@ ATTRIBUTES = {
     "solver_statistics": "counts of the integrator, JSON",
     "contact_counters": "counts of the contacts, JSON; the table below",
     "run_info": "bodies, wheels, loads, laws and actuators of the case, JSON; `RunInfo.of(run)` reads it",
-    "sources": "publications that the model and its data come from, JSON",
+    "sources": "sources of model and data, JSON",
     "config_toml": "the whole configuration; `rollerrig run` takes it as a file",
     "rollerrig_version": "version of the program",
     "energy_turned_over_j": "half the sum of the total variations of all energy accounts [J]",
     "energy_relative_residual": "largest energy residual over the energy turned over",
-    "warnings": "what to know before believing the run, one line each; empty if nothing",
+    "warnings": "restrictions of the validity of the run, one line each; empty if none",
 }
 
 COUNTERS = {
-    "checked": "wheels looked at: wheels times accepted steps",
+    "checked": "wheels evaluated: wheels times accepted steps",
     "several_patches": "wheels with more than one patch",
     "overlapping": "neighbouring patches of one wheel whose ellipses overlap",
-    "faded": "patches whose share, (F4) or (S8), was below 1",
+    "faded": "patches whose blending weight, (F4) or (S8), was below 1",
     "limited_curvature": "patches whose curvatures were outside Hertz' theory and were limited",
     "clamped_aspect": "patches with a/b outside Kalker's table",
     "lost": "wheels without contact",
-    "negative_dissipation": "patches whose creep force fed energy in",
+    "negative_dissipation": "patches whose creep force added energy",
 }
 
 
