@@ -20,7 +20,7 @@ Source: O. Polach, On non-linear methods of bogie stability assessment, Proc. IM
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Literal
 
@@ -273,11 +273,9 @@ def critical_speeds_by_disturbance(
     chosen = settings or HuntingSettings()
     report: Progress = progress or (lambda _fraction, _text: None)
     runs: dict[str, list[HuntingRun]] = {label: [] for label in cases}
-    # The fastest take longest and come first, so that no process waits at the end.
-    wanted = [(label, v / 3.6) for v in sorted(speeds_kmh, reverse=True) for label in cases]
     found: dict[str, CriticalSpeedByDisturbance] = {}
-    number = 0
-    while wanted:
+    speeds = dict.fromkeys(cases, speeds_kmh)
+    for number, wanted in enumerate(rounds_by_disturbance(speeds, bracket_kmh, runs, chosen.disturbance)):
         done = run_jobs(
             hunting_run,
             [(cases[label], speed, chosen) for label, speed in wanted],
@@ -290,9 +288,29 @@ def critical_speeds_by_disturbance(
         found = {label: bracket(runs[label], chosen.disturbance) for label in cases}
         if done.interrupted:
             return {label: replace(one, interrupted=True) for label, one in found.items()}
-        wanted = [(label, v) for label, one in found.items() for v in one.further_speeds(bracket_kmh / 3.6)]
-        number += 1
     return found
+
+
+def rounds_by_disturbance(
+    speeds_kmh: Mapping[str, Sequence[float]],
+    width_kmh: float,
+    runs: Mapping[str, list[HuntingRun]],
+    disturbance: float,
+) -> Iterator[list[tuple[str, float]]]:
+    """Rounds of runs that narrow critical speeds by disturbance down: label and speed [m/s] of each run.
+
+    Args:
+        speeds_kmh: label -> speeds of the first round [km/h].
+        width_kmh: to which the brackets are narrowed down [km/h].
+        runs: label -> finished runs; the caller adds those of a round before it asks for the next one.
+        disturbance: lateral offset of the leading wheelset [m].
+    """
+    first = [(label, v / 3.6) for label, speeds in speeds_kmh.items() for v in speeds]
+    yield sorted(first, key=lambda run: -run[1])  # the fastest take longest: no process shall wait for them at the end
+    while wanted := [
+        (label, v) for label in runs for v in bracket(runs[label], disturbance).further_speeds(width_kmh / 3.6)
+    ]:
+        yield wanted
 
 
 def _share_done(finished_rounds: int, fraction: float) -> float:

@@ -16,6 +16,7 @@ RigCaseName = Annotated[
     typer.Argument(metavar="CASE", help="Case on rollers with [rig_control]: a name of the catalogue or a TOML file."),
 ]
 Out = Annotated[Path, typer.Option(help="Folder for the results; made if it does not exist.")]
+SpeedsKmh = Annotated[str, typer.Option(help="Speeds [km/h] as start:stop:step, or a list with commas.")]
 Processes = Annotated[int, typer.Option(min=1, max=64, help="Runs at a time.")]
 
 

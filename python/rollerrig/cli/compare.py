@@ -7,20 +7,17 @@ from typing import Annotated
 
 import typer
 
-from rollerrig.cli.progress import progress_bar
-from rollerrig.cli.ranges import read_range
-from rollerrig.cli.termination import INTERRUPTED, say
+from rollerrig.cli.command import Out, Processes, SpeedsKmh, carry_out
+from rollerrig.cli.ranges import read_range, read_speeds
 
 
 def command(
     vehicle: Annotated[str, typer.Argument(help="Vehicle or case: a name of the catalogue or a TOML file.")],
-    out: Annotated[Path, typer.Option(help="Folder for the results; made if it does not exist.")],
+    out: Out,
     on: Annotated[
         str, typer.Option(help="Supports, with commas: rig, track, names of the catalogue or files.")
     ] = "rig,track",
-    speeds_kmh: Annotated[
-        str, typer.Option(help="Speeds [km/h] as start:stop:step, or a list with commas.")
-    ] = "60:300:20",
+    speeds_kmh: SpeedsKmh = "60:300:20",
     cut: Annotated[
         str | None, typer.Option(help="Part of the vehicle; by default all of it, or what the case has.")
     ] = None,
@@ -31,18 +28,14 @@ def command(
         float, typer.Option(min=0.01, max=20.0, help="Lateral offset of the leading wheelset in the runs [mm].")
     ] = 3.0,
     duration: Annotated[float, typer.Option(min=1.0, max=600.0, help="Length of each of these runs [s].")] = 6.0,
-    processes: Annotated[int, typer.Option(min=1, max=64, help="Runs at a time.")] = 2,
+    processes: Processes = 2,
 ) -> None:
-    """One vehicle on several supports side by side: modes, critical speeds, limit cycles, forces, and what a rig changes."""
+    """One vehicle on several supports side by side: modes, critical speeds, limit cycles, forces, effects of the rollers."""
     from rollerrig.analysis import HuntingSettings
-    from rollerrig.results import output_folder
-    from rollerrig.studies.compare import ComparePlan, compared_cases, compute, write_comparison
-    from rollerrig.studies.compare.page import lead
+    from rollerrig.study.compare import CompareStudy
+    from rollerrig.study.compared_cases import compared_cases
 
-    speeds = read_range(speeds_kmh, "--speeds-kmh")
-    if speeds[0] <= 0 or any(b <= a for a, b in zip(speeds, speeds[1:], strict=False)):
-        raise typer.BadParameter(f"'{speeds_kmh}': speeds must be positive and rise", param_hint="--speeds-kmh")
-    radii = read_range(radii_m, "--radii-m")
+    speeds, radii = read_speeds(speeds_kmh), read_range(radii_m, "--radii-m")
     if any(not 0.05 <= radius <= 1e6 for radius in radii):
         raise typer.BadParameter(f"'{radii_m}': radii must lie between 0.05 and 1e6 m", param_hint="--radii-m")
     supports = [name.strip() for name in on.split(",")]
@@ -51,12 +44,5 @@ def command(
     cases = compared_cases(vehicle, supports, cut)
     parts = next(iter(cases.values())).vehicle.data.cut_names()[::-1]
     settings = HuntingSettings(disturbance=1e-3 * disturbance_mm, duration=duration)
-    plan = ComparePlan(cases, tuple(speeds), parts, tuple(sorted(set(radii))), hunting=settings)
-    folder = output_folder(out)
-    with progress_bar(f"compare {' and '.join(cases)}") as progress:
-        results = compute(plan, processes=processes, progress=progress)
-    written = write_comparison(results, folder)
-    say(lead(results))
-    typer.echo(written[-1])
-    if results.interrupted:
-        raise typer.Exit(INTERRUPTED)
+    study = CompareStudy(cases, speeds, tuple(parts), tuple(sorted(set(radii))), hunting=settings)
+    carry_out(study, out, processes)

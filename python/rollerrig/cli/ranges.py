@@ -41,6 +41,18 @@ def read_range(text: str, option: str) -> list[float]:
     return [float(start + i * step) for i in range(count)]
 
 
+def read_speeds(text: str) -> tuple[float, ...]:
+    """The speeds of `--speeds-kmh`, positive and rising [km/h].
+
+    Raises:
+        typer.BadParameter: they are not.
+    """
+    speeds = read_range(text, "--speeds-kmh")
+    if speeds[0] <= 0 or any(b <= a for a, b in zip(speeds, speeds[1:], strict=False)):
+        raise _bad("--speeds-kmh", f"'{text}': speeds must be positive and rise")
+    return tuple(speeds)
+
+
 def check_finite(value: float | None, option: str) -> None:
     """Refuse `nan` and `inf`, which the parser of the command line takes for numbers.
 

@@ -2,22 +2,18 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from rollerrig.cli.progress import progress_bar
-from rollerrig.cli.ranges import read_range
-from rollerrig.cli.termination import INTERRUPTED, say
+from rollerrig.cli.command import CaseName, Out, SpeedsKmh, carry_out
+from rollerrig.cli.ranges import read_speeds
 
 
 def command(
-    case: Annotated[str, typer.Argument(help="Case: a name of the catalogue or a TOML file.")],
-    out: Annotated[Path, typer.Option(help="Folder for the results; made if it does not exist.")],
-    speeds_kmh: Annotated[
-        str, typer.Option(help="Speeds [km/h] as start:stop:step, or a list with commas.")
-    ] = "60:300:20",
+    case: CaseName,
+    out: Out,
+    speeds_kmh: SpeedsKmh = "60:300:20",
     limit_cycles: Annotated[
         bool, typer.Option(help="Also run at up to 20 of the speeds, stepped up and down, for limit cycles.")
     ] = True,
@@ -45,36 +41,14 @@ def command(
     """Eigenvalues, damping, frequency and mode shapes over speed; limit cycles; critical speeds."""
     from rollerrig.analysis import LimitCycleSettings
     from rollerrig.config import load_case
-    from rollerrig.results import output_folder
-    from rollerrig.studies.stability import stability_study, with_contact_effects, write_study
-    from rollerrig.studies.stability_page import lead
+    from rollerrig.study.stability import StabilityStudy
 
-    option = "--speeds-kmh"
-    speeds = read_range(speeds_kmh, option)
-    if speeds[0] <= 0 or any(b <= a for a, b in zip(speeds, speeds[1:], strict=False)):
-        raise typer.BadParameter(f"'{speeds_kmh}': speeds must be positive and rise", param_hint=option)
-    chosen = load_case(case)
-    folder = output_folder(out)
     settings = LimitCycleSettings(
         disturbance=1e-3 * disturbance_mm,
         perturbation=1e-3 * perturbation_mm,
         longest=longest,
         tolerance_kmh=tolerance_kmh,
     )
-    with progress_bar(chosen.name) as progress:
-        study = stability_study(
-            chosen,
-            speeds,
-            with_limit_cycles=limit_cycles,
-            settings=settings,
-            processes=processes,
-            progress=progress,
-        )
-    if contacts_kmh is not None and not study.interrupted:
-        with progress_bar("contact models") as progress:
-            study = with_contact_effects(study, speeds, contacts_kmh, progress=progress)
-    for path in write_study(study, folder):
-        typer.echo(path)
-    say(lead(study.modes, study.cycles))
-    if study.interrupted:
-        raise typer.Exit(INTERRUPTED)
+    speeds = read_speeds(speeds_kmh)
+    study = StabilityStudy(load_case(case), speeds, limit_cycles, settings, contacts_kmh, processes)
+    carry_out(study, out, processes)

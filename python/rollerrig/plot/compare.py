@@ -118,7 +118,7 @@ def critical_over_radius(speeds: Mapping[str, tuple[Sequence[float], Sequence[fl
         return figure
 
 
-def causes_bars(off: Mapping[str, float], alone: Mapping[str, float], loss: float) -> Figure:
+def effect_bars(off: Mapping[str, float], alone: Mapping[str, float], loss: float) -> Figure:
     """What each effect of a roller costs: left out of the rig, and alone on the track.
 
     Args:

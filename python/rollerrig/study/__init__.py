@@ -7,7 +7,10 @@ from importlib import import_module
 from typing import Any
 
 _HOME = {
+    "PaperStudy": "paper",
     "RunStudy": "run",
+    "StabilityStudy": "stability",
+    "CompareStudy": "compare",
     "AdhesionStudy": "adhesion",
     "ControlStudy": "control",
     "LateralStudy": "lateral",

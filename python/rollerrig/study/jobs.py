@@ -60,7 +60,8 @@ def whole_run(case: Case, progress: Progress | None = None) -> xr.Dataset:
 def is_partial(result: Any) -> bool:
     """Whether Ctrl-C cut a job short that hands back what it has."""
     attributes = getattr(result, "attrs", {})
-    return attributes.get("status") == "interrupted" or bool(attributes.get("interrupted", False))
+    flag = attributes.get("interrupted", getattr(result, "interrupted", False))
+    return attributes.get("status") == "interrupted" or bool(flag)
 
 
 def call(work: Job, progress: Progress) -> Any:
@@ -91,13 +92,16 @@ def run_rounds(
     report: Progress = progress or (lambda _fraction, _text: None)
     done: Done = {} if journal is None else dict(journal.done)
     begin = 0.0
-    for count, jobs in enumerate(rounds(done)):
-        end = round_ends[count] if count < len(round_ends) else begin + 0.5 * (1.0 - begin)
-        wanted = {name: work for name, work in jobs.items() if name not in done}
-        if _run_round(wanted, done, journal, processes, _part(report, begin, end)):
-            return done, True
-        report(end, "")
-        begin = end
+    try:
+        for count, jobs in enumerate(rounds(done)):
+            end = round_ends[count] if count < len(round_ends) else begin + 0.5 * (1.0 - begin)
+            wanted = {name: work for name, work in jobs.items() if name not in done}
+            if _run_round(wanted, done, journal, processes, _part(report, begin, end)):
+                return done, True
+            report(end, "")
+            begin = end
+    except KeyboardInterrupt:  # between two jobs
+        return done, True
     return done, False
 
 
@@ -108,12 +112,14 @@ def _run_round(jobs: Round, done: Done, journal: Journal | None, processes: int,
     names = list(jobs)
 
     def keep(number: int, result: Any) -> None:
-        first = names[number] not in done  # one that Ctrl-C brings here again is kept already
-        done[names[number]] = result
-        if first and is_partial(result):
+        name = names[number]
+        if name in done:  # one that Ctrl-C brings here again is kept already
+            return
+        if journal is not None and not is_partial(result):
+            journal.add(name, result)
+        done[name] = result
+        if is_partial(result):
             raise KeyboardInterrupt
-        if first and journal is not None:
-            journal.add(names[number], result)
 
     finished = run_jobs(call, list(jobs.values()), processes=processes, progress=report, names=names, keep=keep)
     return finished.interrupted or any(is_partial(done.get(name)) for name in names)

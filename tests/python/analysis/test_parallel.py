@@ -33,12 +33,12 @@ def test_ctrl_c_keeps_what_is_done() -> None:
 def test_several_processes_give_the_same() -> None:
     # a function of the package: a fresh process cannot import this test module by name
     from rollerrig.analysis.signals import half_waves  # noqa: F401 - the import that each process pays for
-    from rollerrig.studies.paper.compute import paper_job
-    from rollerrig.studies.paper.plan import QUICK, traction_case
+    from rollerrig.study.jobs import call, job, whole_run
+    from rollerrig.study.paper_plan import QUICK, traction_case
 
     short = traction_case(QUICK).with_changes({"time.duration": "0.2 s"})
-    jobs = [("traction", "", short)] * 2
-    one, two = run_jobs(paper_job, jobs[:1]), run_jobs(paper_job, jobs, processes=2)
+    jobs = [job(whole_run, short)] * 2
+    one, two = run_jobs(call, jobs[:1]), run_jobs(call, jobs, processes=2)
     assert all(result is not None and result.identical(one.results[0]) for result in two.results)
 
 

@@ -12,12 +12,12 @@ from typer.testing import CliRunner
 from rollerrig.analysis import HuntingSettings
 from rollerrig.analysis.critical_speed import LinearCriticalSpeed
 from rollerrig.analysis.crossings import Crossing
+from rollerrig.analysis.roller_effects import EFFECTS, TRACK, CriticalSpeedOverRadius, EffectSplit
 from rollerrig.cli.app import build_app
 from rollerrig.config import ConfigError, Rig, Track, load_case, load_support
-from rollerrig.studies.compare import ComparePlan, compared_cases, compute, write_comparison
-from rollerrig.studies.compare.critical import EFFECTS, TRACK, Causes, CriticalTable, order_sentences, table_rows
-from rollerrig.studies.compare.page import lead
-from rollerrig.studies.compare.write import COMPARE_KEYS
+from rollerrig.study.compare import QUANTITIES, CompareStudy
+from rollerrig.study.compared_cases import compared_cases
+from rollerrig.study.critical_speeds import radius_sentences, radius_table
 
 runner = CliRunner()
 BOGIE = "leading_bogie"
@@ -54,23 +54,29 @@ def numbers(folder) -> dict:
 
 def test_everything_is_written(folder) -> None:
     names = {path.name for path in folder.iterdir()}
-    tables = {"modes.csv", "runs.csv", "wheels.csv", "critical_speeds.csv", "causes.csv"}
-    assert {"report.html", "summary.json", "disturbed_rig.nc", "disturbed_track.nc", "figures", *tables} <= names
-    drawn = {path.stem for path in (folder / "figures").glob("*.svg")}
-    assert drawn == {"modes", "hunting", "amplitude", "radius", "causes", "disturbed", "characteristics"}
-
-
-def test_the_report_is_one_file_with_both_supports(folder) -> None:
+    tables = {"modes.csv", "runs.csv", "wheels.csv", "critical_speeds.csv", "roller_effects.csv"}
+    assert {"report.html", "summary.json", "disturbed_rig.nc", "disturbed_track.nc", "figures", *tables} == names
+    for kind in ("svg", "png"):
+        drawn = {path.stem for path in (folder / "figures").glob(f"*.{kind}")}
+        assert drawn == {"modes", "hunting", "amplitude", "radius", "roller_effects", "disturbed", "characteristics"}
     page = (folder / "report.html").read_text()
     assert "http://" not in page.replace("http://www.w3.org", "")
-    assert "rig and track side by side" in page
     assert page.count("<figure>") == 7
 
 
-def test_summary_keys_are_documented(numbers) -> None:
-    assert set(numbers) - {"keys"} == {key.split(".")[0] for key in COMPARE_KEYS}
-    for support in numbers["supports"].values():
-        assert {f"supports.*.{key}" for key in support} <= set(COMPARE_KEYS)
+def test_every_number_is_registered_and_every_registered_quantity_reported(numbers) -> None:
+    assert QUANTITIES.unexplained(numbers) == []
+    assert QUANTITIES.unreported(numbers) == ["roller_effects"]  # null where it is not computed
+
+
+def test_tables_hold_what_the_summary_says(folder, numbers) -> None:
+    rows = [line.split(",") for line in (folder / "wheels.csv").read_text().splitlines()]
+    first = dict(zip(rows[0], rows[1], strict=True))
+    own = numbers["supports"][first["on"]]["wheels"][first["wheel"]]
+    assert {key: float(first[key]) for key in own} == pytest.approx(own, rel=1e-8)
+    header, *runs = (folder / "runs.csv").read_text().splitlines()
+    assert header.startswith("on,speed_kmh,amplitude_mm")
+    assert len(runs) == sum(len(one["by_disturbance"]["runs"]) for one in numbers["supports"].values())
 
 
 def test_rollers_come_below_the_track_and_the_smaller_the_lower(numbers) -> None:
@@ -84,7 +90,7 @@ def test_rollers_come_below_the_track_and_the_smaller_the_lower(numbers) -> None
 
 
 def test_the_split_adds_up_and_its_ends_are_rig_and_track(numbers) -> None:
-    causes = numbers["causes"]
+    causes = numbers["roller_effects"]
     loss = causes["track_kmh"] - causes["rig_kmh"]
     off, alone = (sum(causes[key].values()) for key in ("gain_switched_off_kmh", "loss_alone_kmh"))
     assert off + causes["interaction_switched_off_kmh"] == pytest.approx(loss, abs=1e-9)
@@ -94,7 +100,8 @@ def test_the_split_adds_up_and_its_ends_are_rig_and_track(numbers) -> None:
 
 
 def test_static_loads_do_not_depend_on_the_support(numbers) -> None:
-    rig, track = (list(numbers["supports"][name]["static_wheel_load_kn"].values()) for name in ("rig", "track"))
+    wheels = (numbers["supports"][name]["wheels"].values() for name in ("rig", "track"))
+    rig, track = ([wheel["vertical_force_kn"] for wheel in one] for one in wheels)
     assert rig == pytest.approx(
         track, rel=1e-3
     )  # rollers press the wheels in deeper, which lowers the held bogie a little
@@ -127,46 +134,54 @@ def scan(kmh: float) -> LinearCriticalSpeed:
     return LinearCriticalSpeed(Crossing(kmh / 3.6, 5.0, "hunting"))
 
 
-def test_the_order_is_told_as_it_is() -> None:
+def test_the_order_is_stated_as_it_is() -> None:
     found = {("bogie", 0.5): scan(200), ("bogie", 1.0): scan(190), ("bogie", TRACK): scan(300)}
-    table = CriticalTable(("bogie", "wheelset"), (0.5, 1.0, TRACK), found)
-    assert not table.falls_with_radius("bogie")
-    bogie, wheelset = order_sentences(table)
-    assert bogie.endswith("not in the order of the radii.")
-    assert wheelset.startswith("Wheelset: no critical speed")
-    _, rows = table_rows(table)
+    table = CriticalSpeedOverRadius(("bogie", "wheelset"), (0.5, 1.0, TRACK), found)
+    assert not table.rises_with_radius("bogie")
+    bogie, wheelset = radius_sentences(table)
+    assert bogie.endswith("not monotonic in the radius.")
+    assert wheelset.startswith("Wheelset: no critical speeds")
+    rows = radius_table(table, "").rows
     assert rows[0] == ["track", "300.0", "", "not computed", ""]
     assert rows[2] == ["rollers of 0.5 m", "200.0", "-33.3 %", "not computed", ""]
+    rising = CriticalSpeedOverRadius(("bogie",), (0.5, 1.0, TRACK), found | {("bogie", 1.0): scan(210)})
+    assert rising.rises_with_radius("bogie")
 
 
-def test_a_loss_of_independent_effects_leaves_no_remainder() -> None:
+def test_a_loss_of_independent_effects_leaves_no_interaction() -> None:
     cost = dict(zip(EFFECTS, (-5.0, 30.0, 10.0, 1.0), strict=True))
     every = frozenset(EFFECTS)
     sets = [every, frozenset(), *(every - {e} for e in EFFECTS), *(frozenset({e}) for e in EFFECTS)]
-    causes = Causes({on: scan(300.0 - sum(cost[e] for e in on)) for on in sets})
-    assert causes.loss == pytest.approx(36.0)
-    for effect, value in cost.items():
-        assert causes.when_switched_off(effect) == pytest.approx(value)
-        assert causes.alone(effect) == pytest.approx(value)
-    assert causes.remainder(list(cost.values())) == pytest.approx(0.0, abs=1e-9)
-    assert math.isnan(Causes({}).loss)
+    split = EffectSplit({on: scan(300.0 - sum(cost[e] for e in on)) for on in sets})
+    assert split.loss == pytest.approx(36.0)
+    assert split.switched_off == pytest.approx(cost)
+    assert split.alone == pytest.approx(cost)
+    assert split.interaction(cost) == pytest.approx(0.0, abs=1e-9)
+    assert math.isnan(EffectSplit({}).loss)
 
 
 def test_ctrl_c_keeps_what_is_done(tmp_path) -> None:
     cases = compared_cases("manchester_vehicle_1", ["rig", "track"], "leading_wheelset")
-    plan = ComparePlan(cases, (60.0, 100.0), (), (0.725,), hunting=HuntingSettings(duration=1.0))
+    study = CompareStudy(cases, (60.0, 100.0), (), (0.725,), hunting=HuntingSettings(duration=1.0))
 
     def press(fraction: float, _text: str) -> None:
         if fraction > 0.24:
             raise KeyboardInterrupt
 
-    results = compute(plan, processes=1, progress=press)
-    assert results.interrupted
-    assert results.modes
-    assert not results.disturbed
-    assert lead(results).startswith("Interrupted")
-    assert write_comparison(results, tmp_path)[-1].name == "report.html"
+    outcome = study.run(folder=tmp_path, progress=press)
+    assert outcome is not None
+    assert outcome.interrupted
+    assert outcome.results.modes
+    assert not outcome.results.disturbed
+    assert outcome.write(tmp_path)[-1].name == "report.html"
     assert json.loads((tmp_path / "summary.json").read_text())["interrupted"] is True
+    kept = study.run(folder=tmp_path, progress=press)
+    assert kept is not None
+    assert kept.taken_over == len(outcome.results.modes) + len(outcome.results.states) + len(
+        outcome.results.shifts
+    ) + len(outcome.results.linear) + sum(
+        len(one.found) for one in (outcome.results.effects, outcome.results.over_radius) if one is not None
+    )
 
 
 @pytest.mark.parametrize(

@@ -1,13 +1,18 @@
-"""What the paper study computes: cases, speeds, lengths of runs."""
+"""What the paper study computes: cases, speeds, lengths of runs, and what comes of them."""
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 
-from rollerrig.analysis import HuntingSettings, RampSettings
+import xarray as xr
+
+from rollerrig.analysis import CriticalSpeedByDisturbance, HuntingSettings, LinearCriticalSpeed, RampSettings
+from rollerrig.analysis.contact_state import ContactState
+from rollerrig.analysis.roller_effects import RADII, CriticalSpeedOverRadius, EffectSplit
 from rollerrig.cases import restrained_along_track
 from rollerrig.config import Case, load_case
-from rollerrig.studies.compare.critical import RADII
+from rollerrig.study.report import Check
 
 MATERIALS = ("steel", "paper")
 """Names in the catalogue; `paper` has the G = 10 GPa of the paper."""
@@ -22,13 +27,13 @@ VARIANTS = {
 }
 """What is linearised: label -> case, cut."""
 
-VEHICLE = "vehicle on track"
-"""The variant that figure 7b compares the bogie on the rig with."""
+RIG, VEHICLE = "bogie on the rig", "vehicle on track"
+"""The variants that figure 7b compares."""
 
 TABLE_PARTS = ("leading_bogie", "vehicle")
 """Parts in the table of critical speeds over the rollers' radius."""
 
-BARRIERS = (0.0, 0.005, 0.01, 0.015, 0.02, 0.05)
+MERGING_CRITERIA = (0.0, 0.005, 0.01, 0.015, 0.02, 0.05)
 """Values of contact.merging_criterion for which the sensitivity of the critical speed is shown."""
 
 
@@ -44,7 +49,7 @@ class PaperPlan:
         hunting: disturbance, length and tolerances of the runs.
         traction_case: name of the case in the catalogue.
         traction_changes: changes to it.
-        barriers: values of the merge barrier for the sensitivity.
+        criteria: values of contact.merging_criterion for the sensitivity.
         radii: of the rollers in the table of critical speeds [m].
     """
 
@@ -55,7 +60,7 @@ class PaperPlan:
     hunting: HuntingSettings = field(default_factory=HuntingSettings)
     traction_case: str = "bogie_rollers_traction"
     traction_changes: dict[str, object] = field(default_factory=dict)
-    barriers: tuple[float, ...] = BARRIERS
+    criteria: tuple[float, ...] = MERGING_CRITERIA
     radii: tuple[float, ...] = RADII
 
 
@@ -79,7 +84,7 @@ QUICK = PaperPlan(
     bracket_kmh=1000.0,
     ramps={"steel": _kmh(140, 180, 40, 20), "paper": _kmh(100, 140, 40, 20)},
     hunting=HuntingSettings(duration=1.0, output_step=1e-2),
-    barriers=(0.0, 0.01),
+    criteria=(0.0, 0.01),
     radii=(0.725,),
 )
 
@@ -92,9 +97,49 @@ def case_of(variant: str, material: str) -> Case:
 
 def rig_case(material: str) -> Case:
     """The bogie on the rig."""
-    return case_of("bogie on the rig", material)
+    return case_of(RIG, material)
 
 
 def traction_case(plan: PaperPlan) -> Case:
     """The case of figure 8."""
     return load_case(plan.traction_case).with_changes(plan.traction_changes)
+
+
+@dataclass
+class Results:
+    """What was computed, by material; parts that Ctrl-C cut off are missing.
+
+    Attributes:
+        modes: material -> variant -> Dataset of `stability`.
+        merging: material -> merging criterion -> linear critical speed on the rig.
+        contact: the wheels' contact in steady rolling on the rig.
+        ramps: Datasets of `ramp_run`.
+        runs: critical speed by disturbance on the rig, with its runs.
+        vehicle_runs: the same of the whole vehicle on track.
+        over_radius: critical speeds over the rollers' radius.
+        effects: of the rollers on the bogie's critical speed.
+        traction: the traction run, all signals.
+        theory: the same wheels beside the closed forms.
+    """
+
+    modes: dict[str, dict[str, xr.Dataset]]
+    merging: dict[str, dict[float, LinearCriticalSpeed]]
+    contact: dict[str, ContactState]
+    ramps: dict[str, xr.Dataset]
+    runs: dict[str, CriticalSpeedByDisturbance]
+    vehicle_runs: dict[str, CriticalSpeedByDisturbance]
+    over_radius: dict[str, CriticalSpeedOverRadius]
+    effects: dict[str, EffectSplit]
+    traction: xr.Dataset | None
+    theory: xr.Dataset | None
+    checks: list[Check]
+
+    def linear_kmh(self, material: str, variant: str = RIG) -> float:
+        """Linear critical speed [km/h]; NaN if there is none or it was not computed."""
+        modes = self.modes.get(material, {}).get(variant)
+        return math.nan if modes is None else float(modes.attrs["linear_critical_speed_kmh"])
+
+    def by_disturbance_kmh(self, material: str, variant: str = RIG) -> float:
+        """Critical speed by disturbance [km/h]; NaN if there is none or it was not computed."""
+        found = (self.runs if variant == RIG else self.vehicle_runs).get(material)
+        return math.nan if found is None else 3.6 * found.speed

@@ -34,7 +34,7 @@ def compared_cases(vehicle: str, on: Sequence[str], cut: str | None = None) -> d
 
     Returns:
         Label (as the user named the support, without folder and ending) -> case at a constant speed, without torques and
-        disturbances; the vehicle is held along the track.
+        disturbances; the vehicle is restrained along the track.
 
     Raises:
         ConfigError: all mistakes found.
