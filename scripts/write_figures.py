@@ -5,8 +5,9 @@
     python scripts/write_figures.py NAME ...    some of them
     python scripts/write_figures.py --from DIR  from the folders DIR/NAME of earlier runs
 
-A [[figure]] names the page, the command, the places of its values in summary.json (`100 * a.b` is scaled) and the text of the
-page with a format for each value. `tests/python/docs/test_figures.py` says when page and file, or file and program, disagree.
+A [[figure]] names the page, the command, the places of its values in summary.json (`100 * a.b` is scaled; a/b where names have
+dots) and the text of the page with a format for each value. `tests/python/docs/test_figures.py` says when page and file, or
+file and program, disagree.
 """
 
 from __future__ import annotations
@@ -71,7 +72,7 @@ def update(figure: dict[str, Any], numbers: dict[str, Any]) -> None:
 def value(numbers: Any, key: str) -> float | str:
     """A value of summary.json, times a factor."""
     factor, _, path = key.rpartition(" * ")
-    for part in path.split("."):
+    for part in path.split("/" if "/" in path else "."):
         numbers = numbers[int(part)] if isinstance(numbers, list) else numbers[part]
     return float(factor) * numbers if factor else numbers
 
