@@ -1,26 +1,42 @@
 """rollerrig: a roller rig for railway bogies, in software.
 
-    load_case -> Case -> simulate  -> xarray.Dataset -> save_run, figures, report
-                      -> stability -> xarray.Dataset
+    load_case -> Case -> simulate -> xarray.Dataset -> save_run, plot
+                      -> stability, critical_speed, limit_cycle -> xarray.Dataset
     run -> wheel_forces -> Y, Q, Y/Q, wear number
+    adhesion, control, lateral, compare, envelope, scale -> Outcome -> write(folder)
 
-Names are loaded when first used, so that `import rollerrig` costs nothing.
+Every command of the command line is a function here, under the same name; `plot` draws what they return. Names are loaded when
+first used, so that `import rollerrig` costs nothing. No public object has the name of a module.
 """
 
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from rollerrig.analysis.stability import stability
-    from rollerrig.analysis.wheel_rail_forces import wheel_forces
-    from rollerrig.assembly import assemble
-    from rollerrig.catalog import catalog_entries, catalog_text
-    from rollerrig.config import Case, ConfigError, load_case
-    from rollerrig.contact_table import contact_table
-    from rollerrig.results import OutputError, load_run, save_run
-    from rollerrig.simulation import simulate
-    from rollerrig.starting_state import StartError
-    from rollerrig.studies.envelope import envelope
+    from rollerrig import plot as plot
+    from rollerrig.analysis.critical_speed import critical_speed as critical_speed
+    from rollerrig.analysis.mode_table import stability as stability
+    from rollerrig.analysis.wheel_rail_forces import wheel_forces as wheel_forces
+    from rollerrig.assembly import assemble as assemble
+    from rollerrig.catalog import catalog_entries as catalog_entries
+    from rollerrig.catalog import catalog_text as catalog_text
+    from rollerrig.commands import adhesion as adhesion
+    from rollerrig.commands import contact as contact
+    from rollerrig.commands import control as control
+    from rollerrig.commands import creep as creep
+    from rollerrig.commands import lateral as lateral
+    from rollerrig.commands import limit_cycle as limit_cycle
+    from rollerrig.config import Case as Case
+    from rollerrig.config import ConfigError as ConfigError
+    from rollerrig.config import load_case as load_case
+    from rollerrig.results import OutputError as OutputError
+    from rollerrig.results import ResultsError as ResultsError
+    from rollerrig.results import RunInfo as RunInfo
+    from rollerrig.results import load_run as load_run
+    from rollerrig.results import save_run as save_run
+    from rollerrig.simulation import simulate as simulate
+    from rollerrig.starting_state import StartError as StartError
+    from rollerrig.studies.envelope import envelope as envelope
 
 __version__ = "0.1.0"
 
@@ -28,47 +44,40 @@ _HOME = {
     "Case": "config",
     "ConfigError": "config",
     "OutputError": "results",
+    "ResultsError": "results",
+    "RunInfo": "results",
     "StartError": "starting_state",
+    "adhesion": "commands",
     "assemble": "assembly",
     "catalog_entries": "catalog",
     "catalog_text": "catalog",
-    "contact_table": "contact_table",
+    "contact": "commands",
+    "control": "commands",
+    "creep": "commands",
+    "critical_speed": "analysis.critical_speed",
     "envelope": "studies.envelope",
+    "lateral": "commands",
+    "limit_cycle": "commands",
     "load_case": "config",
     "load_run": "results",
-    "wheel_forces": "analysis",
     "save_run": "results",
     "simulate": "simulation",
-    "stability": "analysis",
+    "stability": "analysis.mode_table",
+    "wheel_forces": "analysis.wheel_rail_forces",
 }
-"""Module that defines each public name."""
+"""Public name -> module that defines it."""
 
-__all__ = [
-    "Case",
-    "ConfigError",
-    "OutputError",
-    "StartError",
-    "__version__",
-    "assemble",
-    "catalog_entries",
-    "catalog_text",
-    "contact_table",
-    "envelope",
-    "load_case",
-    "load_run",
-    "save_run",
-    "simulate",
-    "stability",
-    "wheel_forces",
-]
+__all__ = ["__version__", "plot", *_HOME]
 
 
 def __getattr__(name: str) -> Any:
     """A public name, from the module that defines it."""
+    if name == "plot":
+        return import_module("rollerrig.plot")
     if name not in _HOME:
         raise AttributeError(f"module 'rollerrig' has no attribute {name!r}")
     value = getattr(import_module(f"rollerrig.{_HOME[name]}"), name)
-    globals()[name] = value  # also where a submodule of the same name has just been bound
+    globals()[name] = value
     return value
 
 

@@ -75,7 +75,7 @@ def contact_table(case: Case, positions: Iterable[tuple[float, float]], *, roll:
         result, as a sentence each; empty if all went well.
 
     Example:
-        >>> from rollerrig import contact_table, load_case
+        >>> from rollerrig import load_case
         >>> table = contact_table(load_case("contact_benchmark_track"), [(0.0, 0.0)])
         >>> round(float(table["normal"].sum()), -2)
         20000.0

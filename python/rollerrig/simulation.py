@@ -21,6 +21,7 @@ from rollerrig import _core
 from rollerrig.actuators import assemble_with_actuators
 from rollerrig.assembly import AssembledModel, assemble
 from rollerrig.bench import BenchRun, users_controllers
+from rollerrig.cases import as_case
 from rollerrig.config import Case, ConfigError, ConfigProblem
 from rollerrig.results import Outcome, add_energy_audit, add_termination, run_dataset
 from rollerrig.starting_state import StartError, starting_state
@@ -43,12 +44,12 @@ _SLICE_SECONDS = 0.2
 
 
 def simulate(
-    case: Case, *, progress: Progress | None = None, controllers: Mapping[str, Any] | None = None
+    case: Case | str, *, progress: Progress | None = None, controllers: Mapping[str, Any] | None = None
 ) -> xr.Dataset:
     """Run a case.
 
     Args:
-        case: what to run; method, tolerances and output interval are those of `case.time`.
+        case: what to run, or its name in the catalogue; method, tolerances and output interval are those of `case.time`.
         progress: called several times a second with the fraction done and a short text.
         controllers: your own objects in place of the case's controllers, by table: 'slide_protection', 'wheel_slip_control',
             'rig_control' (docs/how_to/controller.md).
@@ -68,6 +69,7 @@ def simulate(
         >>> simulate(case)["lateral"].sel(body="wheelset_1").sizes["time"]
         51
     """
+    case = as_case(case)
     if case.on_bench:
         return _simulate_on_bench(BenchRun(assemble_with_actuators(case), controllers), progress)
     model = assemble(case)

@@ -133,6 +133,7 @@ PYTHON_LAYERS = [
     {"report"},
     {"study"},
     {"studies"},
+    {"commands"},
     {"cli"},
 ]
 """From left to right; what `rollerrig/__init__.py` itself defines is open to all."""

@@ -24,10 +24,10 @@ from rollerrig.analysis.hunting import (
 from rollerrig.analysis.limit_cycle import CyclePoint, Diagram
 from rollerrig.analysis.limit_cycle_runs import LimitCycleSettings, limit_cycle_table, limit_cycles
 from rollerrig.analysis.linearise import Linearisation, Lineariser, linearise
+from rollerrig.analysis.mode_table import stability
 from rollerrig.analysis.ramp import RampSettings, end_of_hunting, ramp_run
 from rollerrig.analysis.ride import accelerations, ride, weighted_rms
 from rollerrig.analysis.signals import ending, growth_rate, half_waves
-from rollerrig.analysis.stability import stability
 from rollerrig.analysis.wheel_rail_forces import filtered, nadal_limit, prudhomme_limit, statistics, wheel_forces
 
 __all__ = [

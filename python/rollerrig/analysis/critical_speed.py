@@ -32,15 +32,12 @@ from rollerrig.analysis.hunting import HuntingRun, HuntingSettings, hunting_run
 from rollerrig.analysis.limit_cycle_runs import LimitCycleSettings, limit_cycles
 from rollerrig.analysis.linearise import Lineariser
 from rollerrig.analysis.parallel import Progress, run_jobs
-from rollerrig.analysis.speed_map import modes_over_speed
+from rollerrig.analysis.speed_map import SPEEDS_KMH, modes_over_speed
 from rollerrig.cases import as_case
 from rollerrig.config import Case
 from rollerrig.starting_state import StartError
 
 Method = Literal["linear", "disturbance", "continuation"]
-SPEEDS_KMH = tuple(float(v) for v in range(60, 301, 20))
-"""Range in which critical speeds are looked for unless another one is given [km/h]."""
-
 FIRST_ROUND = 0.75
 """Fraction of the whole at which the first round of runs ends, for the progress bar."""
 

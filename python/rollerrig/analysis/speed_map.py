@@ -18,6 +18,9 @@ from rollerrig.config import Case
 
 Matrix = NDArray[np.float64]
 
+SPEEDS_KMH = tuple(float(v) for v in range(60, 301, 20))
+"""Speeds of a stability analysis unless others are given [km/h]."""
+
 FINEST_STEP = 10.0 / 3.6
 """Between two speeds no crossing of zero growth is looked for twice: steps are no longer than this [m/s]."""
 

@@ -3,25 +3,44 @@
 Datasets of run and analysis -> [plot] -> Figure -> report, files
 """
 
+from rollerrig.plot.contact import comparison_figure, contact_figure, creep_comparison_figure
+from rollerrig.plot.creep import creep_figure
 from rollerrig.plot.hunting import amplitude_over_speed, hunting_over_time, ramp_over_speed
 from rollerrig.plot.limit_cycle import limit_cycle_diagram
 from rollerrig.plot.modes import damping_map, damping_over_speed, frequency_over_speed, root_locus
-from rollerrig.plot.shapes import mode_shape, mode_shapes
+from rollerrig.plot.run import energy_over_time, motion_over_time, sliding_over_time
+from rollerrig.plot.shapes import mode_shape, mode_shapes, shape_speed
 from rollerrig.plot.style import figure_bytes
 from rollerrig.plot.traction import traction_forces, traction_sliding
+from rollerrig.plot.wheel_rail_forces import accelerations_along, line_and_response, quotient, track_shifting, wear
+from rollerrig.plot.wheel_rail_forces import wheel_forces as wheel_forces_over_time
 
 __all__ = [
+    "accelerations_along",
     "amplitude_over_speed",
+    "comparison_figure",
+    "contact_figure",
+    "creep_comparison_figure",
+    "creep_figure",
     "damping_map",
     "damping_over_speed",
+    "energy_over_time",
     "figure_bytes",
     "frequency_over_speed",
     "hunting_over_time",
     "limit_cycle_diagram",
+    "line_and_response",
     "mode_shape",
     "mode_shapes",
+    "motion_over_time",
+    "quotient",
     "ramp_over_speed",
     "root_locus",
+    "shape_speed",
+    "sliding_over_time",
+    "track_shifting",
     "traction_forces",
     "traction_sliding",
+    "wear",
+    "wheel_forces_over_time",
 ]

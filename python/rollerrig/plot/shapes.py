@@ -26,15 +26,17 @@ REACH = {"plan": 0.5, "side": 0.5, "end": 0.35}
 HALF_GAUGE, WHEEL_RADIUS = 0.75, 0.46
 
 
-def mode_shape(modes: xr.Dataset, name: str, speed_kmh: float) -> Figure:
+def mode_shape(modes: xr.Dataset, name: str = "", speed_kmh: float = math.nan) -> Figure:
     """One mode from above and from behind, now and a quarter of a period later.
 
     Args:
         modes: Dataset of `stability`.
-        name: of the mode.
-        speed_kmh: the shape is that of the nearest speed in the table [km/h].
+        name: of the mode; by default the one that becomes unstable first, else the least damped hunting mode.
+        speed_kmh: the shape is that of the nearest speed in the table [km/h]; NaN: see `shape_speed`.
     """
-    one = modes.sel(mode=name).sel(speed=speed_kmh, method="nearest")
+    chosen = name or modes.attrs["linear_critical_mode"] or modes.attrs["hunting_mode"] or str(modes["mode"][0].item())
+    speed = speed_kmh if math.isfinite(speed_kmh) else shape_speed(modes)
+    one = modes.sel(mode=chosen).sel(speed=speed, method="nearest")
     views = ("plan", "end") if view_of(one) != "side" else ("side", "end")
     with house_style():
         figure = Figure(figsize=(7.2, 3.6), layout="constrained")
@@ -77,6 +79,12 @@ def mode_shapes(modes: xr.Dataset, names: Sequence[str], speed_kmh: float, colum
             axes.set_ylabel(f"{up} [m]", fontsize=7.5, labelpad=1)
             axes.tick_params(labelsize=7)
         return figure
+
+
+def shape_speed(modes: xr.Dataset) -> float:
+    """Speed at which shapes are drawn unless another one is asked for: the linear critical speed, else the highest [km/h]."""
+    critical, speeds = float(modes.attrs["linear_critical_speed_kmh"]), modes["speed"].to_numpy()
+    return float(speeds[-1] if math.isnan(critical) else speeds[np.argmin(np.abs(speeds - critical))])
 
 
 def view_of(mode: xr.Dataset) -> str:

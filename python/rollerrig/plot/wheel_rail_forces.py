@@ -19,13 +19,14 @@ LIMIT_IN_SIGHT = 2.5
 """A limit up to this many times the largest value is drawn; a further one is only named, and the values fill the axes."""
 
 
-def wheel_forces(read: xr.Dataset, along: xr.DataArray) -> Figure:
+def wheel_forces(read: xr.Dataset, along: xr.DataArray | None = None) -> Figure:
     """Wheel load Q and guiding force Y of every wheel.
 
     Args:
-        read: what `readings` or `filtered` returns.
-        along: time or distance, with the attributes long_name and units; over `time`.
+        read: what `wheel_forces` or `filtered` of the analysis returns.
+        along: time or distance, with the attributes long_name and units; over `time`. None: time.
     """
+    along = _over_time(read) if along is None else along
     with house_style():
         figure, (load, guiding) = new_figure(2, height=5.2, sharex=True)
         wheel_lines(load, along, 1e-3 * read["wheel_load"])
@@ -38,25 +39,28 @@ def wheel_forces(read: xr.Dataset, along: xr.DataArray) -> Figure:
         return _finished(figure, along, load, guiding)
 
 
-def quotient(read: xr.Dataset, along: xr.DataArray, limits: dict[str, float]) -> Figure:
+def quotient(read: xr.Dataset, along: xr.DataArray | None = None, limits: dict[str, float] | None = None) -> Figure:
     """Y/Q of every wheel against its limits.
 
     Args:
         read: as in `wheel_forces`.
         along: as there.
-        limits: what it is -> largest Y/Q [-]; NaN: there is none.
+        limits: what it is -> largest Y/Q [-]; NaN: there is none. None: Nadal's.
     """
+    along = _over_time(read) if along is None else along
     with house_style():
         figure, (axes,) = new_figure(1, height=3.4)
         wheel_lines(axes, along, read["derailment_quotient"])
         axes.set_ylabel("Y/Q [-]")
-        _limits(axes, read["derailment_quotient"], limits, "", both=False)
+        chosen = {"Nadal": float(read["nadal_limit"])} if limits is None else limits
+        _limits(axes, read["derailment_quotient"], chosen, "", both=False)
         _say(axes, _filter_of(read["derailment_quotient"]))
         return _finished(figure, along, axes)
 
 
-def track_shifting(read: xr.Dataset, along: xr.DataArray) -> Figure:
+def track_shifting(read: xr.Dataset, along: xr.DataArray | None = None) -> Figure:
     """Sum of guiding forces of every wheelset against Prud'homme's limit; arguments as in `wheel_forces`."""
+    along = _over_time(read) if along is None else along
     with house_style():
         figure, (axes,) = new_figure(1, height=3.4)
         for number, wheelset in enumerate(_names(read["wheelset"])):
@@ -74,8 +78,9 @@ def track_shifting(read: xr.Dataset, along: xr.DataArray) -> Figure:
         return _finished(figure, along, axes)
 
 
-def wear(read: xr.Dataset, along: xr.DataArray) -> Figure:
+def wear(read: xr.Dataset, along: xr.DataArray | None = None) -> Figure:
     """Wear number of every wheel; arguments as in `wheel_forces`."""
+    along = _over_time(read) if along is None else along
     with house_style():
         figure, (axes,) = new_figure(1, height=3.2)
         wheel_lines(axes, along, read["wear_number"])
@@ -85,13 +90,14 @@ def wear(read: xr.Dataset, along: xr.DataArray) -> Figure:
         return _finished(figure, along, axes)
 
 
-def accelerations_along(points: xr.Dataset, along: xr.DataArray) -> Figure:
+def accelerations_along(points: xr.Dataset, along: xr.DataArray | None = None) -> Figure:
     """Lateral and vertical acceleration at the points of one or more bodies.
 
     Args:
         points: what `accelerations` or `ride` returns, cut down to the points of interest.
         along: as in `wheel_forces`.
     """
+    along = _over_time(points) if along is None else along
     with house_style():
         figure, panels = new_figure(2, height=4.8, sharex=True)
         for axes, direction in zip(panels, ("lateral", "vertical"), strict=True):
@@ -106,7 +112,7 @@ def accelerations_along(points: xr.Dataset, along: xr.DataArray) -> Figure:
         return _finished(figure, along, *panels)
 
 
-def line_and_response(run: xr.Dataset, along: xr.DataArray) -> Figure:
+def line_and_response(run: xr.Dataset, along: xr.DataArray | None = None) -> Figure:
     """Curvature and cant of the line, the irregularity under the foremost wheelset, and how the wheelsets follow.
 
     Args:
@@ -114,6 +120,7 @@ def line_and_response(run: xr.Dataset, along: xr.DataArray) -> Figure:
         along: as in `wheel_forces`.
     """
     drawn = [draw for draw, worth in ((_layout, curved(run)), (_irregularity, irregular(run))) if worth]
+    along = _over_time(run) if along is None else along
     with house_style():
         figure, panels = new_figure(len(drawn) + 1, height=1.2 + 1.7 * (len(drawn) + 1), sharex=True)
         for axes, draw in zip(panels, drawn, strict=False):
@@ -124,6 +131,10 @@ def line_and_response(run: xr.Dataset, along: xr.DataArray) -> Figure:
             panels[-1].plot(_values(along), _values(lateral), style, color=colour, label=_spoken(body), **_LOOK)
         panels[-1].set_ylabel("wheelsets,\nto the left [mm]")
         return _finished(figure, along, panels[-1], above=panels[:-1])
+
+
+def _over_time(results: xr.Dataset) -> xr.DataArray:
+    return results["time"].assign_attrs(long_name="time", units="s")
 
 
 def curved(run: xr.Dataset) -> bool:

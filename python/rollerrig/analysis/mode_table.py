@@ -15,18 +15,22 @@ from rollerrig import __version__
 from rollerrig.analysis.crossings import diverging, first_onset, growing_at_start, zero_crossings
 from rollerrig.analysis.linearise import DIRECTIONS
 from rollerrig.analysis.mode_names import roles
-from rollerrig.analysis.speed_map import ModesOverSpeed, modes_over_speed
+from rollerrig.analysis.speed_map import SPEEDS_KMH, ModesOverSpeed, modes_over_speed
+from rollerrig.cases import as_case
 from rollerrig.config import Case
 from rollerrig.results.run_info import describe
 
 
 def stability(
-    case: Case, speeds_kmh: Sequence[float], *, progress: Callable[[float, str], None] | None = None
+    case: Case | str,
+    speeds_kmh: Sequence[float] = SPEEDS_KMH,
+    *,
+    progress: Callable[[float, str], None] | None = None,
 ) -> xr.Dataset:
     """Eigenvalues, frequency, damping and shapes of all oscillatory modes over speed.
 
     Args:
-        case: what runs; its rollers or rails are held at each speed.
+        case: what runs, or its name in the catalogue; its rollers or rails are speed-controlled.
         speeds_kmh: running speeds [km/h], rising.
         progress: called with the fraction done and a short text.
 
@@ -42,6 +46,7 @@ def stability(
         StartError: no rolling equilibrium at one of the speeds.
         KeyboardInterrupt: Ctrl-C came before the first speed was done.
     """
+    case = as_case(case)
     modes = modes_over_speed(case, [v / 3.6 for v in speeds_kmh], progress)
     crossings = zero_crossings(modes)
     critical = first_onset(crossings)

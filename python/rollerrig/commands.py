@@ -1,0 +1,185 @@
+"""What the commands of `rollerrig` do, as functions: the same names, from Python.
+
+case -> [commands] -> Dataset with units, or Outcome of a study -> rollerrig.plot, Outcome.write(folder)
+
+A case is a `Case` or a name of the catalogue or file. An `Outcome` has `results` (Datasets), `numbers` (those of summary.json),
+`summary` (the findings as text) and `write(folder)` (the files of the command). Modules are loaded by the function that needs
+them: `import rollerrig` costs nothing.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import xarray as xr
+
+from rollerrig.analysis.parallel import Progress
+from rollerrig.analysis.speed_map import SPEEDS_KMH
+from rollerrig.cases import as_case
+from rollerrig.config import Case
+
+if TYPE_CHECKING:
+    from rollerrig.study.frame import Outcome, Study
+
+
+def _outcome(study: Study[Any], processes: int, progress: Progress | None) -> Outcome[Any]:
+    found = study.run(processes=processes, progress=progress)
+    if found is None:
+        raise KeyboardInterrupt
+    return found
+
+
+# ------------------------------------------------------------------------------------------------- one case, Datasets
+
+
+def limit_cycle(
+    case: Case | str,
+    speeds_kmh: Sequence[float] = SPEEDS_KMH,
+    *,
+    linear_critical_kmh: float = math.nan,
+    processes: int = 2,
+    progress: Progress | None = None,
+    **settings: float,
+) -> xr.Dataset:
+    """The limit-cycle diagram: what the vehicle ends in at each speed, stepped up and down.
+
+    Args:
+        case: the case; its rollers or rails are speed-controlled.
+        speeds_kmh: speeds of the runs [km/h].
+        linear_critical_kmh: linear critical speed, which decides how the bifurcation is called [km/h]; NaN: unknown.
+        processes: with 2, the two ways run at a time.
+        progress: called with the fraction done and a short text.
+        **settings: of `LimitCycleSettings`, such as disturbance [m] and tolerance_kmh.
+
+    Returns:
+        Dataset over `cycle_point`, see `limit_cycle_table`; attributes `critical_speed_by_continuation_kmh`, `bifurcation`.
+
+    Raises:
+        StartError: no state was found from which a run can start.
+    """
+    from rollerrig.analysis import LimitCycleSettings, limit_cycle_table, limit_cycles
+
+    chosen = LimitCycleSettings(**settings)
+    found = limit_cycles(as_case(case), speeds_kmh, linear_critical_kmh, chosen, processes=processes, progress=progress)
+    return limit_cycle_table(found)
+
+
+def contact(
+    case: Case | str, positions: Sequence[tuple[float, float]] | None = None, *, roll: float | None = None
+) -> xr.Dataset:
+    """Contact patches of the leading wheelset under its static axle load.
+
+    Args:
+        case: vehicle, support and contact; its motion does not matter.
+        positions: lateral position [m] and yaw [rad] of the wheelset; by default from -8 to 8 mm without yaw.
+        roll: roll angle to hold [rad]; None: free to roll.
+
+    Returns:
+        One entry per contact patch along dimension `row`, see `contact_table`.
+
+    Example:
+        >>> import rollerrig as rr
+        >>> table = rr.contact("contact_benchmark_track", [(0.0, 0.0)])
+        >>> round(float(table["normal"].sum()), -2)
+        20000.0
+    """
+    from rollerrig.contact_table import contact_table
+
+    chosen = [(float(y), 0.0) for y in np.linspace(-8e-3, 8e-3, 33)] if positions is None else positions
+    return contact_table(as_case(case), chosen, roll=roll)
+
+
+def creep(
+    a_over_b: float = 1.0,
+    laws: Sequence[str] = ("kalker_saturated", "fastsim", "modified_fastsim", "table"),
+    **options: Any,
+) -> xr.Dataset:
+    """Forces and spin moment of creep laws beside the exact theory on one ellipse.
+
+    Args:
+        a_over_b: semi-axis along the rolling direction over the one across it, 0.1 to 10.
+        laws: names that `contact.creep` knows.
+        **options: of `CreepStudy`: poisson_ratio, demands, parameters of laws.
+
+    Returns:
+        Dataset over (law, direction, demand), see `compare_laws`.
+
+    Raises:
+        ValueError: a number outside its range, or no law.
+    """
+    from rollerrig.study.creep import CreepStudy
+
+    results: xr.Dataset = _outcome(CreepStudy(a_over_b, tuple(laws), **options), 1, None).results
+    return results
+
+
+# ------------------------------------------------------------------------------------------------------------ studies
+
+
+def adhesion(
+    case: Case | str, *, error_budget: bool = True, processes: int = 2, progress: Progress | None = None
+) -> Outcome[Any]:
+    """A brake or traction test on degraded track and on the dry rig that reproduces it.
+
+    Args:
+        case: on rollers with [rig_control].
+        error_budget: also run the rig without one imperfection after the other, and repeated tests.
+        processes: runs at a time.
+        progress: called with the fraction done and a short text.
+
+    Raises:
+        ConfigError: the case is no such test.
+        StartError: a case finds no equilibrium to start from.
+    """
+    from rollerrig.study.adhesion import AdhesionStudy
+
+    return _outcome(AdhesionStudy(as_case(case), error_budget), processes, progress)
+
+
+def control(
+    case: Case | str,
+    *,
+    duration: float = 10.0,
+    families: Sequence[str] = (),
+    controller: str | None = None,
+    loop: bool = True,
+    processes: int = 2,
+    progress: Progress | None = None,
+) -> Outcome[Any]:
+    """Controllers of the roller drives compared: which limit each of them reaches first.
+
+    Args:
+        case: on rollers with [rig_control].
+        duration: of each run [s].
+        families: what is varied, by name; none: everything.
+        controller: 'file.py:Class' of a controller of your own, compared with the built-in ones.
+        loop: also find where the loop becomes unstable, computed and measured.
+        processes: runs at a time.
+        progress: called with the fraction done and a short text.
+
+    Raises:
+        ConfigError: the case has no controller to be compared, or a name is unknown.
+    """
+    from rollerrig.study.control import ControlStudy, study_case
+
+    study = ControlStudy(study_case(as_case(case), duration), tuple(families), controller, loop)
+    return _outcome(study, processes, progress)
+
+
+def lateral(case: Case | str, *, processes: int = 2, progress: Progress | None = None) -> Outcome[Any]:
+    """Lateral motion during a slide, on the rig and on the track.
+
+    Args:
+        case: on elastic rollers with [rig_control] and a lateral disturbance.
+        processes: runs at a time.
+        progress: called with the fraction done and a short text.
+
+    Raises:
+        ConfigError: the case says nothing about lateral motion in a slide.
+    """
+    from rollerrig.study.lateral import LateralStudy
+
+    return _outcome(LateralStudy(as_case(case)), processes, progress)

@@ -1,0 +1,112 @@
+"""The names of `rollerrig`: each is what it should be, whatever was imported before, and none is a module too."""
+
+from __future__ import annotations
+
+import inspect
+import random
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from matplotlib.figure import Figure
+
+import rollerrig as rr
+from rollerrig.cli.app import COMMANDS
+
+PACKAGE = Path(rr.__file__).parent
+MODULES = sorted(
+    ".".join(("rollerrig", *path.relative_to(PACKAGE).with_suffix("").parts)).removesuffix(".__init__")
+    for path in PACKAGE.rglob("*.py")
+    if path.name != "__main__.py"
+)
+OBJECTS = [name for name in rr.__all__ if name not in ("__version__", "plot")]
+
+CHECK = """
+import sys, types
+from importlib import import_module
+for module in sys.argv[1:]:
+    import_module(module)
+import rollerrig
+for name in rollerrig.__all__:
+    value = getattr(rollerrig, name)
+    is_module = isinstance(value, types.ModuleType)
+    assert is_module == (name == "plot"), f"{name} is a {type(value).__name__}"
+    assert name in ("plot", "__version__") or callable(value), name
+"""
+
+
+def test_no_public_object_has_the_name_of_a_module() -> None:
+    assert not {name for name in OBJECTS if (PACKAGE / name).is_dir() or (PACKAGE / f"{name}.py").is_file()}
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_names_are_the_same_whatever_is_imported_first(seed: int) -> None:
+    order = random.Random(seed).sample(MODULES, len(MODULES))
+    done = subprocess.run([sys.executable, "-c", CHECK, *order], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+
+
+def test_import_costs_nothing() -> None:
+    text = (
+        "import sys, rollerrig; print(*sorted(m for m in sys.modules if m.split('.')[0] in ('numpy', 'xarray', 'scipy',"
+    )
+    text += " 'matplotlib', 'pydantic') or m.startswith('rollerrig.')))"
+    done = subprocess.run([sys.executable, "-c", text], capture_output=True, text=True, check=True)
+    assert done.stdout.split() == []
+
+
+def test_every_command_is_a_function() -> None:
+    elsewhere = {"run": "simulate", "check": "load_case", "catalog": "catalog_entries"}
+    assert {elsewhere.get(command, command) for command in COMMANDS} <= set(rr.__all__)
+
+
+def test_every_public_name_is_documented() -> None:
+    assert [name for name in OBJECTS if not inspect.getdoc(getattr(rr, name))] == []
+
+
+def test_an_unknown_name_is_no_attribute() -> None:
+    with pytest.raises(AttributeError, match="no attribute 'nonsense'"):
+        rr.nonsense  # noqa: B018
+
+
+# -------------------------------------------------------------------------------------- results drawn with defaults
+
+
+def drawn(figure: Figure) -> int:
+    return sum(len(axes.lines) + len(axes.collections) + len(axes.patches) for axes in figure.axes)
+
+
+@pytest.fixture(scope="module")
+def run():
+    case = rr.load_case("wheelset_rollers")
+    return rr.simulate(case.with_changes({"time.duration": "0.3 s", "time.output_step": "5 ms"}))
+
+
+def test_a_run_and_its_wheel_forces_are_drawn(run) -> None:
+    forces = rr.wheel_forces(run)
+    for draw in (rr.plot.motion_over_time, rr.plot.sliding_over_time, rr.plot.energy_over_time):
+        assert drawn(draw(run)) > 0
+    for draw in (rr.plot.wheel_forces_over_time, rr.plot.quotient, rr.plot.track_shifting, rr.plot.wear):
+        assert drawn(draw(forces)) > 0
+
+
+def test_modes_are_drawn() -> None:
+    modes = rr.stability("wheelset_rollers", [100.0, 150.0])
+    figures = (rr.plot.damping_over_speed, rr.plot.frequency_over_speed, rr.plot.root_locus, rr.plot.mode_shape)
+    for draw in (*figures, rr.plot.damping_map):
+        assert drawn(draw(modes)) > 0
+
+
+def test_contact_is_drawn() -> None:
+    assert drawn(rr.plot.contact_figure(rr.contact("contact_benchmark_track"))) > 0
+
+
+def test_creep_is_drawn() -> None:
+    assert drawn(rr.plot.creep_figure(rr.creep(laws=["fastsim"], demands=(0.5, 2.0)))) > 0
+
+
+def test_the_limit_cycle_diagram_is_drawn() -> None:
+    cycles = rr.limit_cycle("wheelset_rollers", [100.0], processes=1, longest=1.6)
+    assert cycles.attrs["bifurcation"] == "none"
+    assert drawn(rr.plot.limit_cycle_diagram(cycles)) > 0
