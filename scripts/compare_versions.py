@@ -60,6 +60,8 @@ RENAMED: dict[str, str] = {
     "held": "speed_controlled",
     "spent_energy": "dissipated_energy_density",
     "vent_cycles": "dump_cycles",
+    "felt_lateral_acceleration": "lateral_specific_force",
+    "felt_vertical_acceleration": "vertical_specific_force",
 }
 """Old name -> new name of a case, a key of TOML ('key' or 'table.key'), a word as a value, or a variable."""
 

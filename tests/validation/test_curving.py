@@ -35,7 +35,7 @@ def mass_of(case: Case) -> float:
 
 def test_at_the_equilibrium_speed_the_sum_of_lateral_forces_vanishes() -> None:
     """1e-3 of the weight: the bodies of a long vehicle lie 0.1 % beside the line's own direction and cant."""
-    speed = equilibrium_speed(1 / RADIUS, CANT, BASE)
+    speed = equilibrium_speed(1 / RADIUS, CANT, BASE, 9.81)
     found = steady(speed)
     weight = 9.81 * mass_of(in_the_curve(speed))
     assert abs(float(found["lateral_force"].sum())) < 1e-3 * weight
@@ -49,7 +49,7 @@ def test_what_the_cant_leaves_acts_on_the_rails(speed_kmh: float) -> None:
     speed = speed_kmh / 3.6
     found = steady(speed)
     mass, phi = mass_of(in_the_curve(speed)), math.asin(CANT / BASE)
-    left_over = plane_acceleration(speed, 1 / RADIUS, CANT, BASE)
+    left_over = plane_acceleration(speed, 1 / RADIUS, CANT, BASE, 9.81)
     normal = 9.81 * math.cos(phi) + speed**2 / RADIUS * math.sin(phi)
     assert float(found["lateral_force"].sum()) == pytest.approx(mass * left_over, rel=5e-3, abs=50.0)
     assert float(found["vertical_force"].sum()) == pytest.approx(mass * normal, rel=1e-3)
@@ -65,7 +65,7 @@ def test_the_load_moves_to_the_outer_rail_by_statics(speed_kmh: float) -> None:
     speed = speed_kmh / 3.6
     case = in_the_curve(speed)
     found = steady(speed)
-    left_over = plane_acceleration(speed, 1 / RADIUS, CANT, BASE)
+    left_over = plane_acceleration(speed, 1 / RADIUS, CANT, BASE, 9.81)
     phi = math.asin(CANT / BASE)
     normal = 9.81 * math.cos(phi) + speed**2 / RADIUS * math.sin(phi)
     model = assemble(case)

@@ -28,10 +28,10 @@ constexpr Field body_table[] = {
     {"pitch_acceleration", "rad/s^2", "second derivative of the pitch angle"},
     {"yaw_acceleration", "rad/s^2", "second derivative of the yaw angle"},
     {"drive_torque", "N m", "torque about +y that a speed-held roller takes from its drive"},
-    {"felt_lateral_acceleration", "m/s^2",
+    {"lateral_specific_force", "m/s^2",
      "what an accelerometer at the centre of mass feels to the left of the body; in a curve with the uncompensated "
      "part"},
-    {"felt_vertical_acceleration", "m/s^2", "the same upwards; +g at rest"},
+    {"vertical_specific_force", "m/s^2", "the same upwards; +g at rest"},
 };
 
 constexpr Field wheel_table[] = {

@@ -28,7 +28,7 @@ from rollerrig.analysis.mode_table import stability
 from rollerrig.analysis.ramp import RampSettings, end_of_hunting, ramp_run
 from rollerrig.analysis.ride import accelerations, ride, weighted_rms
 from rollerrig.analysis.signals import ending, growth_rate, half_waves
-from rollerrig.analysis.wheel_rail_forces import filtered, nadal_limit, prudhomme_limit, statistics, wheel_forces
+from rollerrig.analysis.wheel_rail_forces import filtered, prudhomme_limit, statistics, wheel_forces
 
 __all__ = [
     "Assessment",
@@ -59,7 +59,6 @@ __all__ = [
     "linear_critical_speed",
     "linear_critical_speeds",
     "linearise",
-    "nadal_limit",
     "prudhomme_limit",
     "ramp_run",
     "ride",

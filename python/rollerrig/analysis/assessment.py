@@ -35,7 +35,7 @@ class Assessment:
         readings: what `wheel_forces` returns.
         assessed: what `filtered` makes of it, or the unfiltered readings where the run cannot be filtered.
         points: accelerations at points of the bodies, filtered where the run can be.
-        felt: the same, unfiltered.
+        unfiltered: the same, unfiltered.
         weighted: weighted r.m.s. accelerations; None where the run cannot be filtered.
         notes: why something is not filtered, a sentence each.
     """
@@ -43,7 +43,7 @@ class Assessment:
     readings: xr.Dataset
     assessed: xr.Dataset
     points: xr.Dataset
-    felt: xr.Dataset
+    unfiltered: xr.Dataset
     weighted: xr.DataArray | None
     notes: tuple[str, ...]
 
@@ -82,18 +82,18 @@ def assess(run: xr.Dataset) -> Assessment:
         run: results of `simulate` or `load_run`.
     """
     notes: list[str] = []
-    read, felt = wheel_forces(run), accelerations(run)
-    points, assessed, weighted = felt, read.drop_vars("patch_wear_number"), None
+    read, unfiltered = wheel_forces(run), accelerations(run)
+    points, assessed, weighted = unfiltered, read.drop_vars("patch_wear_number"), None
     try:
         assessed = filtered(read)
     except ValueError as cause:
         notes.append(f"Wheel forces are not filtered: {cause}.")
-    if felt.sizes["point"]:
+    if unfiltered.sizes["point"]:
         try:
-            points, weighted = ride(felt), weighted_rms(felt)
+            points, weighted = ride(unfiltered), weighted_rms(unfiltered)
         except ValueError as cause:
             notes.append(f"Accelerations are not filtered: {cause}.")
-    return Assessment(read, assessed, points, felt, weighted, tuple(notes))
+    return Assessment(read, assessed, points, unfiltered, weighted, tuple(notes))
 
 
 def table(assessment: Assessment) -> list[Row]:
@@ -112,13 +112,14 @@ def table(assessment: Assessment) -> list[Row]:
 
 def _acceleration_rows(assessment: Assessment, direction: str) -> list[Row]:
     """One direction at all points; a band pass takes the quasi-static value away, so that is the unfiltered signal's."""
-    values, felt = (
-        points["acceleration"].sel(direction=direction, drop=True) for points in (assessment.points, assessment.felt)
+    values, unfiltered = (
+        points["acceleration"].sel(direction=direction, drop=True)
+        for points in (assessment.points, assessment.unfiltered)
     )
     filters = values.coords["filter"].to_numpy() if "filter" in values.coords else None
     rows = []
     for k, ((place, numbers, limit), (_, before, _)) in enumerate(
-        zip(_places(values, {}), _places(felt, {}), strict=True)
+        zip(_places(values, {}), _places(unfiltered, {}), strict=True)
     ):
         done = UNFILTERED if filters is None else str(filters[k])
         numbers = numbers | {"quasi_static": before["quasi_static"]}

@@ -124,7 +124,7 @@ def _at_point(motion: xr.Dataset, arm: Rows, gravity: float) -> Rows:
     spin_up = about("yaw_acceleration", e_z) + about("roll_acceleration", e_1) + about("pitch_acceleration", e_2)
     spin_up += np.cross(yawing, rolling) + np.cross(yawing + rolling, pitching)
     relative = np.cross(spin_up, rho) + np.cross(turn, np.cross(turn, rho))
-    at_centre = np.stack([motion[f"felt_{direction}_acceleration"] for direction in DIRECTIONS], axis=1)
+    at_centre = np.stack([motion[f"{direction}_specific_force"] for direction in DIRECTIONS], axis=1)
     body_axes = np.stack([e_2, upward], axis=1)  # (time, direction, 3)
     return np.asarray(at_centre - [0.0, gravity] + np.einsum("tdi,ti->td", body_axes, relative))
 

@@ -22,7 +22,6 @@ from rollerrig.creep import creep_law_of
 
 Series = NDArray[np.float64]
 
-GRAVITY = 9.81
 ITERATIONS = 60
 """Of the fixed point for the shifts; each gains about a digit."""
 
@@ -45,6 +44,7 @@ class Bogie:
         secondary_height: at which the carried load acts on the frame [m].
         clamped: share of the carried load on springs clamped at both ends, which lean by half of the frame's pitch and shift.
         pitch_stiffness: of the elements between frame and car body [N m/rad].
+        gravity: its acceleration [m/s^2].
         primary: longitudinal and vertical stiffness of one axle's suspension [N/m].
         primary_height: of its springs [m].
     """
@@ -62,6 +62,7 @@ class Bogie:
     secondary_height: float
     clamped: float
     pitch_stiffness: float
+    gravity: float
     primary: tuple[float, float]
     primary_height: float
 
@@ -105,7 +106,7 @@ def bogie_of(case: Case, axle_load: float) -> Bogie:
             if element.carries_load:
                 heights.append(end[2])
                 clamped.append(element.clamped)
-    carried = 2 * axle_load - (2 * wheelsets[0].mass + frame.mass) * GRAVITY
+    carried = 2 * axle_load - (2 * wheelsets[0].mass + frame.mass) * case.gravity
     return Bogie(
         half_base=0.5 * abs(wheelsets[0].position[0] - wheelsets[1].position[0]),
         wheel_radius=vehicle.wheel.radius,
@@ -120,6 +121,7 @@ def bogie_of(case: Case, axle_load: float) -> Bogie:
         secondary_height=float(np.mean(heights)) if heights else frame.position[2],
         clamped=float(np.mean(clamped)) if clamped else 0.0,
         pitch_stiffness=pitch,
+        gravity=case.gravity,
         primary=(kx, kz),
         primary_height=primary_height,
     )
@@ -170,7 +172,7 @@ def balance(bogie: Bogie, torque: Series, axle_load: float) -> Balance:
         for height, stiffness in zip(z, k, strict=True):
             moment = moment + (height + bogie.frame_height) * stiffness * (frame_x + pitch * height)
         carried_x = frame_x + pitch * (bogie.secondary_height - bogie.frame_height)
-        moment = moment - GRAVITY * (2 * bogie.wheelset_mass * shift + bogie.frame_mass * frame_x)
+        moment = moment - bogie.gravity * (2 * bogie.wheelset_mass * shift + bogie.frame_mass * frame_x)
         carried = (bogie.carried - lean) * carried_x - lean * bogie.secondary_height * pitch
         transfer = (moment - carried) / (2 * base)
         pitch = -transfer / (bogie.primary[1] * base)

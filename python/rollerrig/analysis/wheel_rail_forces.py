@@ -29,6 +29,7 @@ from numpy.typing import NDArray
 
 from rollerrig.analysis.filters import low_pass, sliding_mean
 from rollerrig.results.run_info import RunInfo
+from rollerrig.track import nadal_limit
 
 FORCE_CUTOFF = 20.0
 """Low pass of Y, Q, Y/Q and ΣY [Hz]."""
@@ -38,24 +39,6 @@ PRUDHOMME_FACTOR = 1.0
 
 QUOTIENT_LIMIT = 0.8
 """Largest sliding mean of Y/Q that EN 14363 allows, whatever flange and friction [-]."""
-
-
-def nadal_limit(flange_angle: float, friction: float) -> float:
-    """Largest Y/Q at which a flange that slides down its rail keeps sliding (R1).
-
-    Args:
-        flange_angle: steepest angle of the flange δ [rad].
-        friction: coefficient of friction μ [-].
-
-    Returns:
-        The limit [-]; NaN where friction alone holds the wheel, tan δ <= μ: no flange.
-
-    Example:
-        >>> round(nadal_limit(math.radians(70.0), 0.36), 3)
-        1.2
-    """
-    slope = math.tan(flange_angle)
-    return (slope - friction) / (1.0 + friction * slope) if slope > friction else math.nan
 
 
 def prudhomme_limit(wheel_load: float, factor: float = PRUDHOMME_FACTOR) -> float:

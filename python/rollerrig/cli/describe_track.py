@@ -4,13 +4,11 @@ from __future__ import annotations
 
 import math
 
-from rollerrig.config import Case, Rig, Track
+from rollerrig.config import GRAVITY, Case, Rig, Track
 from rollerrig.config.schema.irregularity import SpectrumIrregularity, rails_of_run
 from rollerrig.config.validate.check_track import highest_speed_on, speeds_on
 from rollerrig.irregularity import RailIrregularity
 from rollerrig.track import Segment, equilibrium_speed, plane_acceleration
-
-GRAVITY = 9.81  # [m/s^2]
 
 Rows = list[list[str]]
 
@@ -22,19 +20,24 @@ def line_rows(track: Track, case: Case | None = None) -> Rows:
         return []
     heading = ["segment", "from m", "to m", "radius m", "cant mm", "equilibrium km/h"]
     heading += ["speed km/h", "cant deficiency mm", "at most km/h"] if case else []
-    rows = [heading]
+    rows, gravity = [heading], case.gravity if case else GRAVITY
     for i, segment in enumerate(line.segments):
-        row = [f"{i} {segment.kind}", f"{segment.start:g}", f"{segment.end:g}", *_curve(segment, track.cant_base)]
+        row = [
+            f"{i} {segment.kind}",
+            f"{segment.start:g}",
+            f"{segment.end:g}",
+            *_curve(segment, track.cant_base, gravity),
+        ]
         rows.append(row + (_run(case, track, segment) if case else []))
     return rows
 
 
-def _curve(segment: Segment, base: float) -> list[str]:
+def _curve(segment: Segment, base: float, gravity: float) -> list[str]:
     if segment.kind != "curve":
         return [segment.shape if segment.kind == "transition" else "", "", ""]
     curvature, cant = segment.curvature[0], segment.cant[0]
     side = "left" if curvature > 0 else "right"
-    balanced = equilibrium_speed(curvature, cant, base)
+    balanced = equilibrium_speed(curvature, cant, base, gravity)
     outer = math.copysign(1.0, curvature) * cant
     return [
         f"{1 / abs(curvature):g} {side}",
@@ -51,9 +54,10 @@ def _run(case: Case, track: Track, segment: Segment) -> list[str]:
     if segment.kind != "curve":
         return [f"{3.6 * speeds[1]:.1f}", "", ""]
     curvature, cant = segment.curvature[0], segment.cant[0]
-    outward = math.copysign(1.0, curvature) * plane_acceleration(speeds[1], curvature, cant, track.cant_base)
+    left_over = plane_acceleration(speeds[1], curvature, cant, track.cant_base, case.gravity)
+    outward = math.copysign(1.0, curvature) * left_over
     highest = highest_speed_on(case, track, segment)
-    return [f"{3.6 * speeds[1]:.1f}", f"{1e3 * track.cant_base * outward / GRAVITY:.0f}", f"{3.6 * highest:.0f}"]
+    return [f"{3.6 * speeds[1]:.1f}", f"{1e3 * track.cant_base * outward / case.gravity:.0f}", f"{3.6 * highest:.0f}"]
 
 
 def irregularity_lines(support: Rig | Track, rails: RailIrregularity | None = None) -> list[str]:

@@ -30,6 +30,7 @@ from rollerrig.config.schema.actuators import (
 )
 from rollerrig.config.schema.adhesion import CONDITIONS, Adhesion, Condition, Piece
 from rollerrig.config.schema.case import (
+    GRAVITY,
     AxleTorque,
     Contact,
     Disturbance,
@@ -63,6 +64,7 @@ from rollerrig.config.write.reference import json_schema, reference_markdown
 
 __all__ = [
     "CONDITIONS",
+    "GRAVITY",
     "S1002",
     "Adhesion",
     "AngularLaw",

@@ -106,7 +106,7 @@ def measured_irregularity(
     coefficients = {}
     for rail in RAILS:
         values = scale * CubicSpline(track.distance, track.rails[rail])(np.clip(s + start, first, last))
-        # de Boor-Fix weights: local, fourth order, so that the wrap is felt nowhere else
+        # de Boor-Fix weights: local, fourth order, so that the wrap has no effect elsewhere
         weights = (-np.roll(values, 1) + 8 * values - np.roll(values, -1)) / 6
         coefficients[rail] = periodic_spline(weights, step)
     return RailIrregularity(step, coefficients, fade_in)

@@ -4,17 +4,16 @@ segments as an engineer lists them -> [line] -> piecewise cubics over the distan
 """
 
 from rollerrig.track.curving import (
-    GRAVITY,
     equilibrium_speed,
     highest_speed,
     limit_of_lateral_force,
+    nadal_limit,
     plane_acceleration,
 )
 from rollerrig.track.line import Line, Segment, build_line
 from rollerrig.track.piecewise import PiecewiseCubic
 
 __all__ = [
-    "GRAVITY",
     "Line",
     "PiecewiseCubic",
     "Segment",
@@ -22,5 +21,6 @@ __all__ = [
     "equilibrium_speed",
     "highest_speed",
     "limit_of_lateral_force",
+    "nadal_limit",
     "plane_acceleration",
 ]

@@ -12,10 +12,8 @@ from __future__ import annotations
 
 import math
 
-GRAVITY = 9.81  # [m/s^2], as the core's
 
-
-def plane_acceleration(speed: float, curvature: float, cant: float, cant_base: float) -> float:
+def plane_acceleration(speed: float, curvature: float, cant: float, cant_base: float, gravity: float) -> float:
     """Lateral acceleration in the plane of the track that the cant leaves, outward of a curve to the left [m/s^2].
 
     Args:
@@ -23,18 +21,19 @@ def plane_acceleration(speed: float, curvature: float, cant: float, cant_base: f
         curvature: positive in a curve to the left [1/m].
         cant: height of the right rail over the left one [m].
         cant_base: distance over which the cant is measured [m].
+        gravity: its acceleration [m/s^2].
     """
     phi = math.asin(cant / cant_base)
-    return speed**2 * curvature * math.cos(phi) - GRAVITY * math.sin(phi)
+    return speed**2 * curvature * math.cos(phi) - gravity * math.sin(phi)
 
 
-def equilibrium_speed(curvature: float, cant: float, cant_base: float) -> float:
+def equilibrium_speed(curvature: float, cant: float, cant_base: float, gravity: float) -> float:
     """Speed at which no lateral acceleration is left [m/s]; NaN where there is none."""
     ratio = math.tan(math.asin(cant / cant_base)) / curvature if curvature else math.nan
-    return math.sqrt(GRAVITY * ratio) if ratio >= 0 else math.nan
+    return math.sqrt(gravity * ratio) if ratio >= 0 else math.nan
 
 
-def highest_speed(curvature: float, cant: float, cant_base: float, limit: float) -> float:
+def highest_speed(curvature: float, cant: float, cant_base: float, limit: float, gravity: float) -> float:
     """Speed at which the lateral force per load reaches a limit on the outer side [m/s].
 
     Args:
@@ -42,6 +41,7 @@ def highest_speed(curvature: float, cant: float, cant_base: float, limit: float)
         cant: height of the right rail over the left one [m].
         cant_base: distance over which the cant is measured [m].
         limit: lateral force per load [-].
+        gravity: its acceleration [m/s^2].
 
     Returns:
         The speed; infinite where the cant carries any.
@@ -49,7 +49,25 @@ def highest_speed(curvature: float, cant: float, cant_base: float, limit: float)
     angle = math.copysign(1.0, curvature) * math.asin(cant / cant_base) + math.atan(limit)
     if angle >= math.pi / 2:
         return math.inf
-    return math.sqrt(max(GRAVITY * math.tan(angle) / abs(curvature), 0.0))
+    return math.sqrt(max(gravity * math.tan(angle) / abs(curvature), 0.0))
+
+
+def nadal_limit(flange_angle: float, friction: float) -> float:
+    """Largest Y/Q at which a flange that slides down its rail keeps sliding (R1).
+
+    Args:
+        flange_angle: steepest angle of the flange δ [rad].
+        friction: coefficient of friction μ [-].
+
+    Returns:
+        The limit [-]; NaN where friction alone holds the wheel, tan δ <= μ: no flange.
+
+    Example:
+        >>> round(nadal_limit(math.radians(70.0), 0.36), 3)
+        1.2
+    """
+    slope = math.tan(flange_angle)
+    return (slope - friction) / (1.0 + friction * slope) if slope > friction else math.nan
 
 
 def limit_of_lateral_force(
@@ -74,7 +92,8 @@ def limit_of_lateral_force(
     overturning = base / (2 * height)
     if flange_angle is None:
         return overturning, "overturning"
-    nadal = (math.tan(flange_angle) - friction) / (1 + friction * math.tan(flange_angle))
+    nadal = nadal_limit(flange_angle, friction)
+    nadal = 0.0 if math.isnan(nadal) else nadal  # friction lifts the wheel at any lateral force
     share = 2 - nadal * 2 * height / base
     climb = nadal / share if share > 0 else math.inf
     if climb < overturning:

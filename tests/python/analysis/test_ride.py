@@ -51,7 +51,7 @@ def with_felt(run: xr.Dataset) -> xr.Dataset:
             )
             for body in run["body"].to_numpy()
         ]
-        run[f"felt_{direction}_acceleration"] = (("time", "body"), np.stack(felt, axis=1))
+        run[f"{direction}_specific_force"] = (("time", "body"), np.stack(felt, axis=1))
     return run
 
 
@@ -103,7 +103,7 @@ def test_over_its_bogies_a_body_feels_a_transition_sooner_and_later() -> None:
     way = speed * run["time"]
     run = run.assign(distance=way, curvature=growth * way)
     centre = np.broadcast_to((speed**2 * growth * way).to_numpy()[:, None], run["roll"].shape)
-    run["felt_lateral_acceleration"] = (("time", "body"), centre)
+    run["lateral_specific_force"] = (("time", "body"), centre)
     run["speed"] = ("time", np.full(len(way), speed))
     lateral = accelerations(run)["acceleration"].sel(direction="lateral").isel(time=1000)
     at = {str(point): float(lateral.sel(point=point)) for point in lateral["point"].to_numpy()}
@@ -127,7 +127,7 @@ def test_a_held_car_body_has_no_points() -> None:
 def test_the_quasi_static_acceleration_is_that_before_the_band_pass() -> None:
     case = CASE.with_changes({"time.duration": "3 s", "time.output_step": "5 ms", "disturbance": []})
     run = rr.simulate(case)
-    run["felt_lateral_acceleration"] = run["felt_lateral_acceleration"] + 0.65
+    run["lateral_specific_force"] = run["lateral_specific_force"] + 0.65
     row = next(row for row in table(assess(run)) if row.place == "car_body, centre")
     assert row.filter == "0.4 to 10 Hz"
     assert row.statistics["quasi_static"] == pytest.approx(0.65, abs=1e-6)

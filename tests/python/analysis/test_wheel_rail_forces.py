@@ -16,13 +16,13 @@ from rollerrig.analysis.assessment import assess, table
 from rollerrig.analysis.ride import accelerations
 from rollerrig.analysis.wheel_rail_forces import (
     filtered,
-    nadal_limit,
     prudhomme_limit,
     statistics,
     wheel_forces,
 )
 from rollerrig.assembly import assemble
 from rollerrig.profiles import flange_angle, profile_from_spec
+from rollerrig.track import nadal_limit
 
 GRAVITY = 9.81
 

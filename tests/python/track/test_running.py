@@ -45,7 +45,7 @@ def test_in_a_steady_curve_the_wheels_carry_the_uncompensated_force() -> None:
     uncompensated = SPEED**2 / RADIUS * np.cos(angle) - 9.81 * np.sin(angle)
     # Bodies stand up the canted plane and off the middle: 2 m of 1200 m.
     assert float(run["lateral_force"].sum()) == pytest.approx(mass * uncompensated, rel=5e-3)
-    assert float(run["felt_lateral_acceleration"].sel(body="wheelset_1")) == pytest.approx(uncompensated, abs=0.02)
+    assert float(run["lateral_specific_force"].sel(body="wheelset_1")) == pytest.approx(uncompensated, abs=0.02)
     assert float(run["curvature"]) == pytest.approx(1 / RADIUS)
     assert float(run["longitudinal"].sel(body="car_body")) == 0.0  # hauled along
     leading = float(run["lateral"].sel(body="wheelset_1"))

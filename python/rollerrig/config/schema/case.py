@@ -17,6 +17,9 @@ from rollerrig.config.schema.train import Train
 from rollerrig.config.schema.units import Angle, Damping, Length, PositiveLength, PositiveTime, Quantity, Torque
 from rollerrig.config.schema.vehicle import Cut, Name, Vehicle
 
+GRAVITY = 9.81
+"""Standard acceleration of gravity, that of a case which gives none [m/s^2]."""
+
 
 class VehicleChoice(Table):
     """Which vehicle, and which part of it."""
@@ -266,7 +269,7 @@ class CaseTables(Table):
     name: Name = Field(description="name of the case")
     description: str = Field(default="", description="one line about the case")
     gravity: Annotated[float, Quantity("m/s^2", gt=0, le=1e3)] = Field(
-        default=9.81, description="acceleration of gravity; another one only in ideal similitude"
+        default=GRAVITY, description="acceleration of gravity; another one only in ideal similitude"
     )
     vehicle: VehicleChoice = Field(description="the vehicle")
     support: SupportChoice = Field(description="the rig or the track")

@@ -142,7 +142,7 @@ def speeds_on(case: CaseTables, segment: Segment) -> tuple[float, float] | None:
 def highest_speed_on(case: CaseTables, track: Track, curve: Segment) -> float:
     """Speed beyond which the vehicle overturns on a curve or climbs its outer rail, by statics [m/s]."""
     limit, _ = lateral_force_limit(case)
-    return highest_speed(curve.curvature[0], curve.cant[0], track.cant_base, limit)
+    return highest_speed(curve.curvature[0], curve.cant[0], track.cant_base, limit, case.gravity)
 
 
 def _speed_in_curves(case: CaseTables, track: Track, file: str) -> Iterator[ConfigProblem]:
@@ -154,7 +154,7 @@ def _speed_in_curves(case: CaseTables, track: Track, file: str) -> Iterator[Conf
         curvature, cant = segment.curvature[0], segment.cant[0]
         highest = highest_speed_on(case, track, segment)
         if speeds[1] > highest:
-            left = abs(plane_acceleration(speeds[1], curvature, cant, track.cant_base))
+            left = abs(plane_acceleration(speeds[1], curvature, cant, track.cant_base, case.gravity))
             allowed = (
                 f"speed beyond {what} on support.data.segment[{i}], radius {curve.radius:g} m, cant {1e3 * curve.cant:g} mm: "
                 f"{left:.2f} m/s^2 are left in the plane of the track; allowed there: at most {3.6 * highest:.0f} km/h"
