@@ -21,11 +21,12 @@ if TYPE_CHECKING:
     from rollerrig.catalog import catalog_entries as catalog_entries
     from rollerrig.catalog import catalog_text as catalog_text
     from rollerrig.commands import adhesion as adhesion
+    from rollerrig.commands import compare as compare
     from rollerrig.commands import contact as contact
     from rollerrig.commands import control as control
-    from rollerrig.commands import creep as creep
     from rollerrig.commands import lateral as lateral
     from rollerrig.commands import limit_cycle as limit_cycle
+    from rollerrig.commands import paper as paper
     from rollerrig.config import Case as Case
     from rollerrig.config import ConfigError as ConfigError
     from rollerrig.config import load_case as load_case
@@ -51,15 +52,16 @@ _HOME = {
     "assemble": "assembly",
     "catalog_entries": "catalog",
     "catalog_text": "catalog",
+    "compare": "commands",
     "contact": "commands",
     "control": "commands",
-    "creep": "commands",
     "critical_speed": "analysis.critical_speed",
     "envelope": "studies.envelope",
     "lateral": "commands",
     "limit_cycle": "commands",
     "load_case": "config",
     "load_run": "results",
+    "paper": "commands",
     "save_run": "results",
     "simulate": "simulation",
     "stability": "analysis.mode_table",

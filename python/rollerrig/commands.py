@@ -183,3 +183,55 @@ def lateral(case: Case | str, *, processes: int = 2, progress: Progress | None =
     from rollerrig.study.lateral import LateralStudy
 
     return _outcome(LateralStudy(as_case(case)), processes, progress)
+
+
+def compare(
+    vehicle: str,
+    on: Sequence[str] = ("rig", "track"),
+    *,
+    speeds_kmh: Sequence[float] = SPEEDS_KMH,
+    cut: str | None = None,
+    radii: Sequence[float] | None = None,
+    processes: int = 2,
+    progress: Progress | None = None,
+    **hunting: float,
+) -> Outcome[Any]:
+    """One vehicle on several supports side by side.
+
+    Args:
+        vehicle: vehicle or case, of the catalogue or a TOML file.
+        on: supports: 'rig', 'track', names of the catalogue or files.
+        speeds_kmh: of the modes [km/h].
+        cut: part of the vehicle; None: all of it, or what the case has.
+        radii: of the rollers in the table of critical speeds [m].
+        processes: runs at a time.
+        progress: called with the fraction done and a short text.
+        **hunting: of `HuntingSettings`, such as disturbance [m] and duration [s] of the runs.
+
+    Raises:
+        ConfigError: a vehicle or support is unknown or cannot be used.
+    """
+    from rollerrig.analysis import HuntingSettings
+    from rollerrig.analysis.roller_effects import RADII
+    from rollerrig.study.compare import CompareStudy
+    from rollerrig.study.compared_cases import compared_cases
+
+    cases = compared_cases(vehicle, on, cut)
+    parts = tuple(next(iter(cases.values())).vehicle.data.cut_names()[::-1])
+    chosen = tuple(sorted(set(radii or RADII)))
+    study = CompareStudy(cases, tuple(speeds_kmh), parts, chosen, hunting=HuntingSettings(**hunting))
+    return _outcome(study, processes, progress)
+
+
+def paper(*, quick: bool = False, processes: int = 2, progress: Progress | None = None) -> Outcome[Any]:
+    """The paper's two studies: figures 7 and 8, checks against theory.
+
+    Args:
+        quick: few and short runs, to see that everything works.
+        processes: runs at a time.
+        progress: called with the fraction done and a short text.
+    """
+    from rollerrig.study.paper import PaperStudy
+    from rollerrig.study.paper_plan import FULL, QUICK
+
+    return _outcome(PaperStudy(QUICK if quick else FULL), processes, progress)

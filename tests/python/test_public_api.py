@@ -12,7 +12,6 @@ import pytest
 from matplotlib.figure import Figure
 
 import rollerrig as rr
-from rollerrig.cli.app import COMMANDS
 
 PACKAGE = Path(rr.__file__).parent
 MODULES = sorted(
@@ -56,11 +55,6 @@ def test_import_costs_nothing() -> None:
     assert done.stdout.split() == []
 
 
-def test_every_command_is_a_function() -> None:
-    elsewhere = {"run": "simulate", "check": "load_case", "catalog": "catalog_entries"}
-    assert {elsewhere.get(command, command) for command in COMMANDS} <= set(rr.__all__)
-
-
 def test_every_public_name_is_documented() -> None:
     assert [name for name in OBJECTS if not inspect.getdoc(getattr(rr, name))] == []
 
@@ -100,10 +94,6 @@ def test_modes_are_drawn() -> None:
 
 def test_contact_is_drawn() -> None:
     assert drawn(rr.plot.contact_figure(rr.contact("contact_benchmark_track"))) > 0
-
-
-def test_creep_is_drawn() -> None:
-    assert drawn(rr.plot.creep_figure(rr.creep(laws=["fastsim"], demands=(0.5, 2.0)))) > 0
 
 
 def test_the_limit_cycle_diagram_is_drawn() -> None:

@@ -25,6 +25,7 @@ from rollerrig.plot import (
     mode_shape,
     mode_shapes,
     root_locus,
+    shape_speed,
 )
 from rollerrig.plot.modes import shown_modes
 from rollerrig.study import contact_effects
@@ -366,12 +367,6 @@ def _mode_table(modes: xr.Dataset) -> Table:
         )
     header = ["mode", *(f"{modes['speed'][k]:g} km/h: f [Hz], damping [%]" for k in picks)]
     return Table(header, rows, "Frequency and damping; all modes at all speeds are in modes.csv.")
-
-
-def shape_speed(modes: xr.Dataset) -> float:
-    """Speed of the table at which shapes are shown: the nearest to the linear critical one, else the highest [km/h]."""
-    critical, speed = float(modes.attrs["linear_critical_speed_kmh"]), modes["speed"].to_numpy()
-    return float(speed[np.argmin(np.abs(speed - critical))] if math.isfinite(critical) else speed[-1])
 
 
 def _shapes(modes: xr.Dataset) -> list[Block]:
