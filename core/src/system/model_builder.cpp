@@ -64,7 +64,7 @@ Coupling rotor_of(AxleTorque const& torque) {
   return {{axle, casing}, torque.rotor_inertia, 0.0};
 }
 
-/// u is the mean longitudinal slip at nominal radii, (D9).
+/// u is the mean longitudinal slip at nominal radii, (D13).
 Coupling coupling_of(RollingConstraint const& c) {
   return {{{{c.wheelset, 1.0, 0.0, -c.wheel_radius}, {c.roller, -1.0, 0.0, -c.roller_radius}}}, 0.0, c.rate};
 }
