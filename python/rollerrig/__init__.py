@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from rollerrig.results import save_run as save_run
     from rollerrig.simulation import simulate as simulate
     from rollerrig.starting_state import StartError as StartError
-    from rollerrig.studies.envelope import envelope as envelope
+    from rollerrig.study.envelope import envelope as envelope
 
 __version__ = "0.1.0"
 
@@ -56,7 +56,7 @@ _HOME = {
     "contact": "commands",
     "control": "commands",
     "critical_speed": "analysis.critical_speed",
-    "envelope": "studies.envelope",
+    "envelope": "study.envelope",
     "lateral": "commands",
     "limit_cycle": "commands",
     "load_case": "config",

@@ -1,25 +1,18 @@
-"""`rollerrig envelope CASE --torques-knm -18:-1.5:1.5 --out DIR`."""
+"""`rollerrig envelope CASE --out DIR`."""
 
 from __future__ import annotations
 
-import time
-from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from rollerrig.cli.progress import progress_bar
+from rollerrig.cli.command import Out, Processes, RigCaseName, carry_out
 from rollerrig.cli.ranges import check_finite, read_range
-from rollerrig.cli.termination import INTERRUPTED, say, stop
 
 
 def command(
-    case: Annotated[
-        str, typer.Argument(help="Case on rollers with [rig_control]: a name of the catalogue or a TOML file.")
-    ],
-    out: Annotated[
-        Path, typer.Option(help="Folder for the results; runs that an earlier command finished there are taken over.")
-    ],
+    case: RigCaseName,
+    out: Out,
     torques_knm: Annotated[
         str | None,
         typer.Option(
@@ -38,41 +31,26 @@ def command(
     refine: Annotated[
         int, typer.Option(min=0, max=4, help="How many times cells between different regions are halved.")
     ] = 1,
-    processes: Annotated[int, typer.Option(min=1, max=64, help="Runs at a time.")] = 2,
+    processes: Processes = 2,
 ) -> None:
-    """Where the rig can reproduce a degraded rail: regions over torque, adhesion and axle load, and what limits each.
+    """Operating envelope: where the rig reproduces a degraded rail over torque, adhesion and axle load, and what limits it.
 
-    Ctrl-C keeps all finished runs; the same command goes on with the rest.
+    Ctrl-C keeps all finished runs; the same command goes on with the rest, and another grid takes over those it shares.
     """
     from rollerrig.config import load_case
-    from rollerrig.results import output_folder
-    from rollerrig.studies.envelope import make_plan, run_plan
-    from rollerrig.studies.envelope.write import example_runs, lead, write_envelope
+    from rollerrig.study.envelope import EnvelopeStudy
 
     check_finite(speed_kmh, "--speed-kmh")
     check_finite(duration, "--duration")
     chosen = load_case(case)
     if speed_kmh is not None:
         chosen = chosen.with_changes({"motion.speed": speed_kmh / 3.6})
-    plan = make_plan(
-        chosen,
-        torques=None if torques_knm is None else [1e3 * t for t in sorted(read_range(torques_knm, "--torques-knm"))],
-        adhesions=None if adhesions is None else sorted(read_range(adhesions, "--adhesions")),
-        loads=None if loads is None else sorted(read_range(loads, "--loads")),
-        duration=duration,
-        refine=refine,
-    )
-    folder, begun = output_folder(out), time.monotonic()
-    with progress_bar(chosen.name) as progress:
-        found = run_plan(plan, folder=folder, processes=processes, progress=progress)
-        if found.attrs["interrupted"]:
-            stop(f"interrupted; {found.attrs['runs']} finished runs are kept: the same command goes on", INTERRUPTED)
-        progress(1.0, "runs over time")
-        examples = example_runs(plan, found)
-    written = write_envelope(chosen, found, examples, folder)
-    say(lead(found))
-    runs, before = found.attrs["runs"], found.attrs["runs_from_before"]
-    each = found.attrs["processor_seconds"] / max(1, runs)
-    taken = f", {before} of them from before" if before else ""
-    say(f"{runs} runs{taken} in {time.monotonic() - begun:.0f} s; {each:.2f} s of processor time for each.")
-    typer.echo(written[-1])
+    texts = {"torques": (torques_knm, 1e3), "adhesions": (adhesions, 1.0), "loads": (loads, 1.0)}
+    ranges = {
+        name: tuple(
+            factor * value for value in sorted(read_range(text, f"--{name}{'-knm' if name == 'torques' else ''}"))
+        )
+        for name, (text, factor) in texts.items()
+        if text is not None
+    }
+    carry_out(EnvelopeStudy(chosen, duration=duration, refine=refine, **ranges), out, processes)

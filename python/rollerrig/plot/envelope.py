@@ -15,7 +15,7 @@ from matplotlib.patches import Patch, Rectangle
 from matplotlib.tri import Triangulation
 from numpy.typing import NDArray
 
-from rollerrig.plot.style import COLOURS, house_style
+from rollerrig.plot.style import house_style, line, new_figure, new_grid
 
 FILLS: Mapping[str, tuple[str, str]] = {
     "grip": ("#e3f1e3", ""),
@@ -25,7 +25,7 @@ FILLS: Mapping[str, tuple[str, str]] = {
     "drive_recovery": ("#f4dd8f", "|||"),
     "drive_power": ("#c9b3dc", "---"),
     "contact": ("#c9504a", "xxx"),
-    "slow": ("#a9c4e4", "++"),
+    "tracking": ("#a9c4e4", "++"),
     "failed": ("#555555", ""),
 }
 """Region -> colour and hatching: told apart without colour too."""
@@ -63,29 +63,27 @@ def region_map(found: xr.Dataset, load: float, names: Mapping[str, str]) -> Figu
     """
     here = found.sel(load=load)
     with house_style():
-        figure = Figure(figsize=(7.2, 5.0), layout="constrained")
-        axes: Axes = figure.subplots()
+        figure, (axes,) = new_figure(1, height=5.0)
         shown = _regions(axes, here)
         _errors(axes, here)
         lines = _closed_forms(axes, here)
-        _run_dots(axes, here)
+        rows, columns = np.nonzero(here["region"].to_numpy() != "")
+        torques, adhesions = _map_unit(here)[1] * here["torque"].to_numpy(), here["adhesion"].to_numpy()
+        axes.plot(torques[columns], adhesions[rows], ".", markersize=2.0, color="#333333", zorder=4)
+        look: dict[str, Any] = {"edgecolor": "#444444", "linewidth": 0.4}
         handles: list[Any] = [
-            Patch(facecolor=FILLS[name][0], hatch=FILLS[name][1], edgecolor="#444444", linewidth=0.4, label=names[name])
-            for name in FILLS
-            if name in shown
+            *(Patch(facecolor=FILLS[n][0], hatch=FILLS[n][1], label=names[n], **look) for n in FILLS if n in shown),
+            *(
+                Line2D([], [], color=LINES[n][0], linestyle=LINES[n][1], linewidth=1.6, label=LINES[n][2])
+                for n in lines
+            ),
+            Line2D([], [], color="#0b3d91", linewidth=0.9, label="tracking error, RMS of train speed"),
+            Line2D([], [], color="#333333", marker=".", markersize=3, linestyle="", label="a run"),
         ]
-        handles += [
-            Line2D([], [], color=LINES[name][0], linestyle=LINES[name][1], linewidth=1.6, label=LINES[name][2])
-            for name in lines
-        ]
-        handles += [Line2D([], [], color="#0b3d91", linewidth=0.9, label="tracking error, RMS of train speed")]
-        handles += [Line2D([], [], color="#333333", marker=".", markersize=3, linestyle="", label="a run")]
         figure.legend(handles=handles, loc="outside lower center", ncols=2)
         axes.set_title(f"axle load {1e-3 * float(here['axle_load']):.4g} kN ({load:g} of the case's own)", loc="left")
-        axes.set_xlabel(
-            f"torque on each axle [{_map_unit(here)[0]}]"
-            + (", negative brakes" if float(found["torque"][0]) < 0 else "")
-        )
+        side = ", negative brakes" if float(found["torque"][0]) < 0 else ""
+        axes.set_xlabel(f"torque on each axle [{_map_unit(here)[0]}]{side}")
         axes.set_ylabel("adhesion of the reproduced rail [-]")
         axes.grid(False)
         return figure
@@ -123,15 +121,12 @@ def _regions(axes: Axes, here: xr.Dataset) -> set[str]:
     regions = _nearest(here["region"].to_numpy())
     for j, row in enumerate(regions):
         ends = [0, *(np.flatnonzero(row[1:] != row[:-1]) + 1), len(row)]
-        for a, b in zip(ends, ends[1:], strict=False):
-            if str(row[a]) in FILLS:
-                colour, hatch = FILLS[str(row[a])]
-                corner, size = (x[a], y[j]), (x[b] - x[a], y[j + 1] - y[j])
-                axes.add_patch(Rectangle(corner, *size, facecolor=colour, edgecolor="none", linewidth=0))
-                if hatch:
-                    axes.add_patch(
-                        Rectangle(corner, *size, fill=False, hatch=hatch, edgecolor="#00000055", linewidth=0)
-                    )
+        for a, b in ((a, b) for a, b in zip(ends, ends[1:], strict=False) if str(row[a]) in FILLS):
+            colour, hatch = FILLS[str(row[a])]
+            place: Any = ((x[a], y[j]), x[b] - x[a], y[j + 1] - y[j])
+            axes.add_patch(Rectangle(*place, facecolor=colour, edgecolor="none", linewidth=0))
+            if hatch:
+                axes.add_patch(Rectangle(*place, fill=False, hatch=hatch, edgecolor="#00000055", linewidth=0))
     axes.set_xlim(x[0], x[-1])
     axes.set_ylim(max(0.0, y[0]), y[-1])
     if here["torque"][-1] <= 0:
@@ -160,36 +155,27 @@ def _errors(axes: Axes, here: xr.Dataset) -> None:
 def _closed_forms(axes: Axes, here: xr.Dataset) -> list[str]:
     shown = []
     low, high = sorted(axes.get_xlim())
-    adhesion = here["line_adhesion"].to_numpy()
-    for name, (colour, style, _) in LINES.items():
-        for side in here["side"].to_numpy():
-            torque = _map_unit(here)[1] * here[name].sel(side=side).to_numpy() * (-1.0 if side == "brake" else 1.0)
-            if np.any(np.isfinite(torque) & (torque > low) & (torque < high)):
-                axes.plot(torque, adhesion, color="white", linewidth=3.0, alpha=0.8)
-                axes.plot(torque, adhesion, color=colour, linestyle=style, linewidth=1.6)
-                shown.append(name)
-    _contact_on_the_right(axes, here)
-    return list(dict.fromkeys(shown))
-
-
-def _contact_on_the_right(axes: Axes, here: xr.Dataset) -> None:
-    """The border of sliding on the roller where the wheel slides on the rail: a level of adhesion."""
-    colour, style, _ = LINES["line_contact"]
+    adhesion, scale = here["line_adhesion"].to_numpy(), _map_unit(here)[1]
     for side in here["side"].to_numpy():
-        torques = _map_unit(here)[1] * here["line_contact"].sel(side=side).to_numpy()
-        if np.isfinite(torques).any():
-            begin, level = float(np.nanmin(torques)), float(here["contact_adhesion"].sel(side=side))
-            end = max(abs(limit) for limit in axes.get_xlim())
-            if end > begin:
-                sign = -1.0 if side == "brake" else 1.0
-                axes.plot([sign * begin, sign * end], [level, level], color="white", linewidth=3.0, alpha=0.8)
-                axes.plot([sign * begin, sign * end], [level, level], color=colour, linestyle=style, linewidth=1.6)
+        sign = -1.0 if side == "brake" else 1.0
+        for name in LINES:
+            torque = sign * scale * here[name].sel(side=side).to_numpy()
+            if np.any(np.isfinite(torque) & (torque > low) & (torque < high)):
+                _highlighted(axes, torque, adhesion, name)
+                shown.append(name)
+        contact = scale * here["line_contact"].sel(side=side).to_numpy()
+        end = max(abs(limit) for limit in axes.get_xlim())
+        if np.isfinite(contact).any() and end > np.nanmin(contact):
+            # Where the wheel slides on the rail, sliding on the roller begins at a level of adhesion.
+            level = float(here["contact_adhesion"].sel(side=side))
+            _highlighted(axes, sign * np.array([np.nanmin(contact), end]), np.array([level, level]), "line_contact")
+    return [name for name in LINES if name in shown]
 
 
-def _run_dots(axes: Axes, here: xr.Dataset) -> None:
-    rows, columns = np.nonzero(here["region"].to_numpy() != "")
-    x, y = _map_unit(here)[1] * here["torque"].to_numpy()[columns], here["adhesion"].to_numpy()[rows]
-    axes.plot(x, y, linestyle="", marker=".", markersize=2.0, color="#333333", zorder=4)
+def _highlighted(axes: Axes, x: Array, y: Array, name: str) -> None:
+    """A line of LINES on a light ground, to stand out from the regions."""
+    axes.plot(x, y, color="white", linewidth=3.0, alpha=0.8)
+    axes.plot(x, y, color=LINES[name][0], linestyle=LINES[name][1], linewidth=1.6)
 
 
 def runs_over_time(runs: Sequence[tuple[str, xr.Dataset]], radius: float, friction: float) -> Figure:
@@ -200,18 +186,16 @@ def runs_over_time(runs: Sequence[tuple[str, xr.Dataset]], radius: float, fricti
         radius: of the wheels [m].
         friction: between wheel and roller [-].
     """
-    largest = max(float(np.abs(run["roller_torque"]).max()) for _, run in runs)
-    unit, scale = _unit(largest)
+    unit, scale = _unit(max(float(np.abs(run["roller_torque"]).max()) for _, run in runs))
     with house_style():
-        figure = Figure(figsize=(7.2, 7.0), layout="constrained")
-        panels = figure.subplots(4, len(runs), squeeze=False, sharex="col", sharey="row")
-        for column, (title, run) in zip(panels.T, runs, strict=True):
+        figure, grid = new_grid(4, len(runs), height=7.0, sharex="col", sharey="row")
+        for column, (title, run) in zip(grid.T, runs, strict=True):
             _one_run(column, _one_axle(run), radius, friction, scale)
             column[0].set_title("\n".join(wrap(title, 34)), fontsize=8.0, loc="left")
             column[-1].set_xlabel("time [s]")
-        for axes, label in zip(panels[:, 0], _PANELS, strict=True):
+        for axes, label in zip(grid[:, 0], _PANELS, strict=True):
             axes.set_ylabel(label.format(unit=unit))
-        handles, labels = zip(*(panel.get_legend_handles_labels() for panel in panels[:2, 0]), strict=True)
+        handles, labels = zip(*(panel.get_legend_handles_labels() for panel in grid[:2, 0]), strict=True)
         figure.legend([*handles[0], *handles[1]], [*labels[0], *labels[1]], loc="outside upper center", ncols=3)
         return figure
 
@@ -226,29 +210,16 @@ def _one_axle(run: xr.Dataset) -> xr.Dataset:
 
 
 def _one_run(column: Any, run: xr.Dataset, radius: float, friction: float, scale: float) -> None:
-    time = run["time"].to_numpy()
-
-    def line(axes: Axes, values: Any, number: int, style: str, label: str) -> None:
-        axes.plot(
-            time,
-            np.asarray(values),
-            color=COLOURS[number],
-            linestyle=style,
-            linewidth=1.0,
-            label=label,
-            rasterized=True,
-        )
-
-    speed, torque, used, error = column
-    line(speed, 3.6 * run["train_speed"], 5, "-", "train, virtual")
-    line(speed, 3.6 * radius * run["virtual_speed"], 1, "--", "wheel, virtual")
-    line(speed, 3.6 * radius * run["axle_speed"], 0, "-", "wheel, rig")
-    line(torque, scale * (run["brake_torque"] + run["traction_torque"]), 4, "-", "torque on the axle")
-    line(torque, scale * run["roller_torque"], 3, "-", "of the roller's drive")
-    line(torque, scale * run["roller_command"], 2, ":", "asked of it")
+    time, (speed, torque, used, error) = run["time"], column
+    line(speed, time, 3.6 * run["train_speed"], 5, "-", "train, virtual")
+    line(speed, time, 3.6 * radius * run["virtual_speed"], 1, "--", "wheel, virtual")
+    line(speed, time, 3.6 * radius * run["axle_speed"], 0, "-", "wheel, rig")
+    line(torque, time, scale * (run["brake_torque"] + run["traction_torque"]), 4, "-", "torque on the axle")
+    line(torque, time, scale * run["roller_torque"], 3, "-", "of the roller drive")
+    line(torque, time, scale * run["roller_command"], 2, ":", "its command")
     normal, force = (run[name].sum(("wheel", "patch")) for name in ("patch_normal", "patch_creep_force_x"))
-    line(used, force / np.maximum(friction * normal, 1.0), 0, "-", "")
+    line(used, time, force / np.maximum(friction * normal, 1.0))
     for limit in (-1.0, 1.0):
         used.axhline(limit, color="#777777", linewidth=0.8, linestyle="--")
     fast = np.where(run["train_speed"] > 2.0, run["train_speed"], np.nan)
-    line(error, 100 * radius * (run["axle_speed"] - run["virtual_speed"]) / fast, 0, "-", "")
+    line(error, time, 100 * radius * (run["axle_speed"] - run["virtual_speed"]) / fast)

@@ -14,6 +14,7 @@ _HOME = {
     "AdhesionStudy": "adhesion",
     "ControlStudy": "control",
     "LateralStudy": "lateral",
+    "EnvelopeStudy": "envelope",
     "CreepStudy": "creep",
 }
 """Study -> its module, in the order of the reference page."""

@@ -1,0 +1,367 @@
+"""Operating envelope: up to which torque, on which rail and at which load the rig reproduces the track, and what limits it.
+
+Case of a rig with [rig_control] -> runs over torque, adhesion and load, refined where regions meet -> [EnvelopeStudy]
+-> map of the limits reached first, and the closed forms (V1) to (V6) beside it
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from rollerrig.analysis.envelope_borders import Border, borders, slides
+from rollerrig.analysis.rig_limits import LINES, SLIDES
+from rollerrig.analysis.run_limits import (
+    FULL_SLIDING,
+    LEAST_DURATION,
+    REGIONS,
+    REPRODUCED,
+    TRACKING_LIMIT,
+)
+from rollerrig.config import Case, ConfigError, ConfigProblem, Rig
+from rollerrig.plot import envelope as figures
+from rollerrig.study.envelope_map import map_dataset, middles
+from rollerrig.study.envelope_points import (
+    ADHESIONS,
+    BEGIN,
+    LOADS,
+    RISE,
+    OnTrack,
+    Point,
+    between,
+    check,
+    default_torques,
+    find_on_track,
+    point_case,
+    run_point,
+    torque_text,
+)
+from rollerrig.study.envelope_tables import deviations_table, reach_table, run_rows
+from rollerrig.study.frame import Study
+from rollerrig.study.jobs import Done, Progress, Round, job, whole_run
+from rollerrig.study.quantities import Numbers, Quantities, Quantity
+from rollerrig.study.report import Block, Picture, Section, Table, Text
+
+METHOD = (
+    f"Each point is a run of the whole rig, {{duration:g}} s long, from {{speed:.4g}} km/h: the torque rises from {BEGIN:g} s to "
+    f"{BEGIN + RISE:g} s and stays; slide protection or wheel-slip control lets the wheels slide and regain speed. A region is "
+    f"named after the limit that is reached first for at least {1e3 * LEAST_DURATION:g} ms: creep force of {FULL_SLIDING:g} of "
+    "the friction between wheel and roller, or the whole torque of a roller drive. Where no limit is reached the tracking error "
+    f"decides: {100 * TRACKING_LIMIT:g} % of train speed, RMS. Wheels slide where the virtual slip exceeds {SLIDES[0]:g} times "
+    f"that of the creep curve's peak by {100 * SLIDES[1]:g} %. Cells between different regions are halved; colours between runs "
+    "are those of the nearest one."
+)
+CLOSED_FORMS = (
+    "Lines are closed forms, not fits: rolling without sliding, steady forces, no lag of drives and estimator. Load transfer is "
+    "that of the vehicle at rest under a steady force; (V2) and (V6) take the peak of the creep curve of the rail, (V5) the "
+    "adhesion at the slip where the protection acts. The torque in (V6) is that which the protection leaves on the axle, not "
+    "the one asked for: a run to the right of (V2) is limited out of its slide if the protection takes off more than that. "
+    "Where the protection takes torque off before all of it acts, as wheel-slip control does, the rig reaches beyond (V5). A "
+    "border agrees if its line passes within a cell of the map."
+)
+LEFT_OUT = (
+    "The torque comes at once, from ideal cylinders or motors: the vehicle's own would be slower and slide more gently. Runs are "
+    "short: heat and wear of rollers and drives do not limit them. The rail does not change along the way."
+)
+QUANTITIES = Quantities(
+    Quantity("case", "name of the case"),
+    Quantity("speed_kmh", "of the train at the start of each run", "km/h"),
+    Quantity("runs", "on the map"),
+    *(Quantity(f"regions.{name}", f"number of runs: {meaning}", "", meaning) for name, meaning in REGIONS.items()),
+    Quantity("reproduced", "part of the runs in which the rig reproduces the rail: no limit reached, RMS below 1 %", "1"),
+    Quantity("vehicle_torque_nm.*", "largest torque of the vehicle's own brake or motor; null: no limit is known", "N m"),
+    Quantity("vehicle_reproduced.*", "whether all runs up to that torque reproduce the rail; null: no limit is known"),
+    Quantity("borders.*.side", "brake or traction"),
+    Quantity("borders.*.load", "axle load over the case's own", "1"),
+    Quantity("borders.*.adhesion", "of the rail", "1"),
+    Quantity("borders.*.reproduced_up_to_nm", "largest torque up to which every run reproduces the rail", "N m"),
+    Quantity("borders.*.beyond_nm", "the next torque run; null: the map ends", "N m"),
+    Quantity("borders.*.limit", "reached there; null: none"),
+    Quantity("borders.*.predicted_nm", "where the closed forms put the border; null: not predicted", "N m"),
+    Quantity("borders.*.agrees", "whether both agree within a cell of the map; null: not to be compared"),
+    Quantity("agreement.*.agree", "borders of the limits, and of sliding (V2), that agree with the closed form"),
+    Quantity("agreement.*.of", "how many were compared"),
+)  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Envelope:
+    """The map over load, adhesion and torque, and a run of each region over time with its place."""
+
+    map: xr.Dataset
+    examples: Mapping[str, tuple[Point, xr.Dataset]]
+
+
+@dataclass(frozen=True)
+class EnvelopeStudy(Study[Envelope]):
+    """The map of one rig.
+
+    Attributes:
+        case: of a rig with [rig_control]; its speed, controllers, drives and rollers are those of every run.
+        torques: on each axle, ascending; negative brakes [N m]. Empty: to beyond what dry rollers carry.
+        adhesions: of the virtual rail at no slip, ascending [-].
+        loads: axle loads over the case's own, ascending [-].
+        duration: of each run [s].
+        refine: how many times cells between different regions are halved.
+    """
+
+    case: Case
+    torques: tuple[float, ...] = ()
+    adhesions: tuple[float, ...] = ADHESIONS
+    loads: tuple[float, ...] = LOADS
+    duration: float = 3.0
+    refine: int = 1
+
+    command = "envelope"
+    quantities = QUANTITIES
+    keeps_jobs = True
+    irrelevant = ("description", "time.duration", "time.output_step", "torques", "adhesions", "loads", "refine")
+
+    def __post_init__(self) -> None:
+        """Fill in the torques, and refuse what cannot be run.
+
+        Raises:
+            ConfigError: all mistakes found; the case is not that of a rig with [rig_control].
+        """
+        if not isinstance(self.case.support.data, Rig) or self.case.rig_control is None:
+            needed = "needed: a case on rollers with [rig_control], which reproduces a track; see adhesion_* of the catalogue"
+            raise ConfigError([ConfigProblem(self.case.name, "rig_control", "missing", needed)])
+        object.__setattr__(self, "torques", self.torques or tuple(default_torques(self.case)))
+        check(self.case, self.torques, self.adhesions, self.loads, self.duration, self.refine)
+
+    @property
+    def title(self) -> str:
+        return f"{self.case.name}: operating envelope of the rig"
+
+    def cases(self) -> Mapping[str, Case]:
+        return {"the case": self.case}
+
+    def limitations(self) -> list[str]:
+        return [*super().limitations(), LEFT_OUT]
+
+    # ------------------------------------------------------------------------------------------------------ jobs
+
+    @cached_property
+    def lattice(self) -> tuple[tuple[float, ...], tuple[float, ...]]:
+        """Torques and adhesions with all that refining may add."""
+        return between(self.torques, 2**self.refine), between(self.adhesions, 2**self.refine)
+
+    def rounds(self, done: Done) -> Iterator[Round]:
+        on_track: dict[tuple[float, bool], OnTrack] = {}
+        for stride in (2**level for level in range(self.refine, -1, -1)):
+            points = [point for point in self._points_at(done, stride) if _name(point) not in done]
+            for point in points:
+                key = (point.load, point.torque < 0.0)
+                on_track[key] = on_track.get(key) or find_on_track(point_case(self.case, point, self.duration))
+            yield {
+                _name(point): job(run_point, point_case(self.case, point, self.duration), point,
+                                  on_track[point.load, point.torque < 0.0])
+                for point in points
+            }  # fmt: skip
+        yield {
+            _example(region, point): job(whole_run, point_case(self.case, point, self.duration))
+            for region, point in middles(self._map(done)).items()
+        }
+
+    def _points_at(self, done: Done, stride: int) -> list[Point]:
+        """The first grid, or what halving the cells of twice this stride adds where their corners differ."""
+        torques, adhesions = self.lattice
+        if stride == 2**self.refine:
+            return [Point(*p) for p in itertools.product(self.loads, torques[::stride], adhesions[::stride])]
+        found: dict[Point, None] = {}
+        whole = 2 * stride
+        cells = itertools.product(self.loads, range(0, len(torques) - 1, whole), range(0, len(adhesions) - 1, whole))
+        for load, i, j in cells:
+            names = [_name(Point(load, torques[a], adhesions[b])) for a in (i, i + whole) for b in (j, j + whole)]
+            if any(name not in done for name in names) or len({done[name]["region"] for name in names}) == 1:
+                continue
+            for a, b in itertools.product((i, i + stride, i + whole), (j, j + stride, j + whole)):
+                found[Point(load, torques[a], adhesions[b])] = None
+        return list(found)
+
+    def _map(self, done: Done) -> xr.Dataset:
+        torques, adhesions = self.lattice
+        points = map(Point._make, itertools.product(self.loads, torques, adhesions))
+        records = {point: done[_name(point)] for point in points if _name(point) in done}
+        found = map_dataset(self.case, self.loads, adhesions, torques, records)
+        return found.assign_attrs(duration_s=self.duration, refine=self.refine)
+
+    def collect(self, done: Done) -> Envelope | None:
+        found = self._map(done)
+        places = {region: point for region, point in middles(found).items() if _example(region, point) in done}
+        examples = {region: (point, done[_example(region, point)]) for region, point in places.items()}
+        return Envelope(found, examples) if found.attrs["runs"] else None
+
+    # --------------------------------------------------------------------------------------------------- numbers
+
+    def numbers(self, results: Envelope) -> dict[str, Any]:
+        found = results.map
+        regions = found["region"].to_numpy()
+        counts = {name: int((regions == name).sum()) for name in REGIONS}
+        reach, begin = borders(found), slides(found)
+        lines = found["line_vehicle"].isel(load=0, line_adhesion=0)
+        own = {str(side): float(lines.sel(side=side)) for side in found["side"].to_numpy()}
+        return {
+            "case": self.case.name,
+            "speed_kmh": found.attrs["speed_kmh"],
+            "runs": found.attrs["runs"],
+            "regions": counts,
+            "reproduced": sum(counts[name] for name in REPRODUCED) / max(1, found.attrs["runs"]),
+            "vehicle_torque_nm": own,
+            "vehicle_reproduced": {side: _vehicle_reproduced(found, side, torque) for side, torque in own.items()},
+            "agreement": {"borders": _agreement(reach), "slides": _agreement(begin)},
+            "borders": [_border_numbers(border) for border in reach],
+        }
+
+    def summary(self, results: Envelope, numbers: Numbers) -> list[str]:
+        counts = numbers["regions"]
+        share = f"{100 * numbers['reproduced']:.0f} %"
+        lines = [
+            f"{numbers['runs']} runs at {numbers['speed_kmh']:.4g} km/h: the rig reproduces the rail in {share} of them."
+        ]
+        limits = sorted((n for n in REGIONS if counts[n] and n not in REPRODUCED), key=lambda n: -counts[n])
+        if limits:
+            listed = (f"{REGIONS[n]} ({counts[n]} run{'s' if counts[n] > 1 else ''})" for n in limits)
+            lines.append(f"Limits reached first in the others: {'; '.join(listed)}.")
+        for side, torque in numbers["vehicle_torque_nm"].items():
+            if torque is not None:
+                machine, most = "brake" if side == "brake" else "motor", torque_text(float(f"{torque:.3g}"))
+                assessment = {True: "reproduced on every rail and load", None: "below the map"}
+                found = assessment.get(numbers["vehicle_reproduced"][side], "not reproduced everywhere, see the table")
+                lines.append(f"Torque of the vehicle's own {machine}, up to {most} per axle: {found}.")
+        names = {"borders": "borders of the limits", "slides": "borders of sliding"}
+        agreement = {names[key]: one for key, one in numbers["agreement"].items() if one["of"]}
+        told = [f"{one['agree']} of {one['of']} {what}" for what, one in agreement.items()]
+        if told:
+            lines.append(f"Closed forms and runs agree within a cell of the map on {' and '.join(told)}.")
+        return lines
+
+    def files(self, results: Envelope, numbers: Numbers) -> Mapping[str, Any]:
+        return {"envelope.nc": results.map, "envelope.csv": run_rows(results.map)}
+
+    def sections(self, results: Envelope, numbers: Numbers) -> list[Section]:
+        found = results.map
+        maps: list[Block] = [
+            Picture(f"map_{load:g}", figures.region_map(found, float(load), REGIONS),
+                    f"Regions at an axle load of {1e-3 * float(found['axle_load'].sel(load=load)):.4g} kN.")
+            for load in found["load"].to_numpy()
+        ]  # fmt: skip
+        method = METHOD.format(duration=self.duration, speed=found.attrs["speed_kmh"])
+        counts = [[meaning, numbers["regions"][name]] for name, meaning in REGIONS.items()]
+        lines = Table(("line", "meaning"), list(LINES.items()))
+        return [
+            Section("Map", [Text(method), *maps]),
+            Section("Torque that is reproduced", [reach_table(found)]),
+            Section("Closed forms", [Text(CLOSED_FORMS), lines, deviations_table(found)]),
+            Section("Runs over time", self._examples(results.examples)),
+            Section("Runs by region", [Table(("region", "runs"), counts)]),
+        ]
+
+    def _examples(self, examples: Mapping[str, tuple[Point, xr.Dataset]]) -> list[Block]:
+        radius, friction = self.case.vehicle.data.wheel.radius, self.case.contact.friction
+        names = list(examples)
+        blocks: list[Block] = []
+        for group in (names[begin : begin + 3] for begin in range(0, len(names), 3)):
+            runs = [(f"{REGIONS[name]}: {examples[name][0].label}", examples[name][1]) for name in group]
+            caption = (
+                f"The axle that uses most friction, in a run of each region: {'; '.join(REGIONS[n] for n in group)}."
+            )
+            blocks.append(Picture(f"runs_{'_'.join(group)}", figures.runs_over_time(runs, radius, friction), caption))
+        return blocks
+
+
+def envelope(
+    case: Case,
+    *,
+    torques: Sequence[float] | None = None,
+    adhesions: Sequence[float] | None = None,
+    loads: Sequence[float] | None = None,
+    duration: float = 3.0,
+    refine: int = 1,
+    folder: str | Path | None = None,
+    processes: int = 1,
+    progress: Progress | None = None,
+) -> xr.Dataset:
+    """Up to where a rig reproduces a degraded rail: regions over axle torque, adhesion and axle load.
+
+    Args:
+        case: of a rig with [rig_control]; its speed, controllers, drives and rollers are those of every run.
+        torques: on each axle, ascending, negative brakes [N m]; by default to beyond what dry rollers carry.
+        adhesions: of the virtual rail at no slip, ascending [-].
+        loads: axle loads over the case's own, ascending [-].
+        duration: of each run [s].
+        refine: how many times cells between different regions are halved.
+        folder: where finished runs are kept and looked for; None: nowhere.
+        processes: runs at a time.
+        progress: called with the fraction done and a short text.
+
+    Returns:
+        Dataset over `load`, `adhesion`, `torque`: `region` ("" where refining needed no run), the numbers of NUMBERS, the limits
+        reached as text, and the closed forms of LINES. Attribute `interrupted` says whether Ctrl-C left some undone,
+        `jobs_taken_over` how many were finished before.
+
+    Raises:
+        ConfigError: the case reproduces nothing, a range is unusable, or `folder` has the runs of another case.
+
+    Example:
+        >>> from rollerrig import envelope, load_case
+        >>> case = load_case("adhesion_brake")
+        >>> map = envelope(case, torques=[-4e3, -2e3], adhesions=[0.05, 0.3], loads=[1.0], duration=1.0, refine=0)
+        >>> [str(region) for region in map["region"].sel(load=1.0, torque=-4e3)]
+        ['slide', 'grip']
+    """
+    ranges = {"torques": torques, "adhesions": adhesions, "loads": loads}
+    chosen = {name: tuple(map(float, values)) for name, values in ranges.items() if values is not None}
+    study = EnvelopeStudy(case, duration=duration, refine=refine, **chosen)
+    outcome = study.run(folder=folder, processes=processes, progress=progress)
+    if outcome is None:
+        raise KeyboardInterrupt
+    return outcome.results.map.assign_attrs(interrupted=int(outcome.interrupted), jobs_taken_over=outcome.taken_over)
+
+
+# -------------------------------------------------------------------------------------------------------------- jobs
+
+
+def _name(point: Point) -> str:
+    """Of a point's job."""
+    return f"load {point.load!r}, torque {point.torque!r} N m, adhesion {point.adhesion!r}"
+
+
+def _example(region: str, point: Point) -> str:
+    return f"example of {region}: {_name(point)}"
+
+
+# ------------------------------------------------------------------------------------------------- numbers and tables
+
+
+def _vehicle_reproduced(found: xr.Dataset, side: str, torque: float) -> bool | None:
+    """Whether all runs up to the vehicle's own torque reproduce the rail; None: that torque is not known, or below the map."""
+    signed = (-1.0 if side == "brake" else 1.0) * found["torque"].to_numpy()
+    regions = found["region"].to_numpy()[..., (signed > 0.0) & (signed <= torque)]
+    run = regions[regions != ""]
+    return bool(np.isin(run, REPRODUCED).all()) if run.size else None
+
+
+def _agreement(rows: Sequence[Border]) -> dict[str, int]:
+    compared = [row.agrees for row in rows if row.agrees is not None]
+    return {"agree": sum(compared), "of": len(compared)}
+
+
+def _border_numbers(border: Border) -> dict[str, Any]:
+    return {
+        "side": border.side,
+        "load": border.load,
+        "adhesion": border.adhesion,
+        "reproduced_up_to_nm": border.reached,
+        "beyond_nm": border.beyond,
+        "limit": border.limit or None,
+        "predicted_nm": border.predicted,
+        "agrees": border.agrees,
+    }
