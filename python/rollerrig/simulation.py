@@ -60,7 +60,7 @@ def simulate(
 
     Raises:
         ConfigError: the results would not fit in memory, the fixed step is unstable, or a disturbance moves what is
-            held.
+            locked.
         StartError: no equilibrium was found to start from.
 
     Example:
@@ -163,7 +163,7 @@ def absolute_tolerances(simulation: _core.Simulation, displacement: float) -> li
 
 
 def _with_warnings(run: xr.Dataset) -> xr.Dataset:
-    """The run with the attribute `warnings`: what a reader must know before believing it, one line each, or empty."""
+    """The run with the attribute `warnings`: what limits its validity, one line each, or empty."""
     warnings = []
     if run.attrs["energy_relative_residual"] > ENERGY_WARNING:
         warnings.append(

@@ -29,23 +29,23 @@ class StartError(Exception):
 
 
 def starting_state(simulation: _core.Simulation, model: AssembledModel) -> Vector:
-    """Equilibrium at the starting speed, with the case's disturbances held at their offsets.
+    """Equilibrium at the starting speed, with the disturbed coordinates prescribed at their offsets.
 
     An offset counts from the undisturbed equilibrium. A disturbed body keeps its equilibrium yaw unless the
     disturbance says otherwise; everything else is in equilibrium with the disturbed bodies. Where there is no such
     equilibrium (on a flange), everything else stays at the undisturbed one, and the disturbed bodies are set down.
 
     Raises:
-        ConfigError: a disturbance moves a coordinate that is held.
+        ConfigError: a disturbance moves a coordinate that is locked.
         StartError: no equilibrium was found, or no support for a disturbed body.
     """
     case = model.case
     rest = equilibrium(simulation, model)
-    held = list(_held_coordinates(simulation, model, rest))
-    if not held:
+    prescribed = list(_prescribed_coordinates(simulation, model, rest))
+    if not prescribed:
         return rest
     # Far from equilibrium the others may have none: leave them where they were, and set the disturbed bodies down.
-    disturbed = {body for body, _, _ in held}
+    disturbed = {body for body, _, _ in prescribed}
     others = [
         (body, direction, float(rest[index]))
         for body, row in enumerate(simulation.coordinate_index)
@@ -53,16 +53,18 @@ def starting_state(simulation: _core.Simulation, model: AssembledModel) -> Vecto
         if index >= 0 and body not in disturbed
     ]
     for more in ([], others):
-        found = simulation.equilibrium(case.motion.speed, 0.0, [*held, *more])
+        found = simulation.equilibrium(case.motion.speed, 0.0, [*prescribed, *more])
         state = _state(found)
         # The core stands a wheelset on its rollers to begin with, even where a disturbance lifts it.
-        kept = all(state[simulation.coordinate_index[body][direction]] == value for body, direction, value in held)
+        kept = all(
+            state[simulation.coordinate_index[body][direction]] == value for body, direction, value in prescribed
+        )
         if found["converged"] and kept:
             return state
-    for body, direction, value in held:
+    for body, direction, value in prescribed:
         rest[simulation.coordinate_index[body][direction]] = value
     vertical = DIRECTIONS.index("z")
-    for body in sorted(disturbed - {b for b, d, _ in held if d == vertical}):
+    for body in sorted(disturbed - {b for b, d, _ in prescribed if d == vertical}):
         _set_down(simulation, model, rest, body)
     return rest
 
@@ -111,7 +113,7 @@ def _state(found: dict[str, object]) -> Vector:
     return np.ascontiguousarray(found["x"], dtype=np.float64)
 
 
-def _held_coordinates(
+def _prescribed_coordinates(
     simulation: _core.Simulation, model: AssembledModel, rest: Vector
 ) -> Iterator[tuple[int, int, float]]:
     offsets: dict[tuple[int, int], float] = {}

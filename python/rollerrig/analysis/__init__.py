@@ -27,7 +27,7 @@ from rollerrig.analysis.linearise import Linearisation, Lineariser, linearise
 from rollerrig.analysis.mode_table import stability
 from rollerrig.analysis.ramp import RampSettings, end_of_hunting, ramp_run
 from rollerrig.analysis.ride import accelerations, ride, weighted_rms
-from rollerrig.analysis.signals import ending, growth_rate, half_waves
+from rollerrig.analysis.signals import final_motion, growth_rate, half_waves
 from rollerrig.analysis.wheel_rail_forces import filtered, prudhomme_limit, statistics, wheel_forces
 
 __all__ = [
@@ -48,8 +48,8 @@ __all__ = [
     "assess",
     "critical_speeds_by_disturbance",
     "end_of_hunting",
-    "ending",
     "filtered",
+    "final_motion",
     "growth_rate",
     "half_waves",
     "hunting_run",

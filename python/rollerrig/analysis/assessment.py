@@ -1,4 +1,4 @@
-"""A run's readings as a table: every quantity at every place with its statistics, its filter and its limit.
+"""A run's wheel-rail forces and accelerations as a table: every quantity with its statistics, its filter and its limit.
 
 run -> readings, accelerations -> [assessment] -> rows -> running_safety.csv, summary.json, report
 """
@@ -128,7 +128,7 @@ def _acceleration_rows(assessment: Assessment, direction: str) -> list[Row]:
 
 
 def limits(assessed: xr.Dataset, name: str) -> dict[str, float]:
-    """Limit of a quantity by place; nothing where it has none.
+    """Limit of a quantity by wheel or wheelset; nothing where it has none.
 
     Of Y/Q the lower one of Nadal's and EN 14363's 0.8.
     """

@@ -151,7 +151,7 @@ def creep_csv(comparison: xr.Dataset) -> str:
 
 
 class _Rolling:
-    """A wheelset held in a pose while it rolls, as the core sees it."""
+    """A wheelset fixed in a pose while it rolls, as the core computes it."""
 
     def __init__(self, case: Case) -> None:
         self.model = assemble(case)

@@ -1,4 +1,4 @@
-"""Creep laws held against the exact theory, on one ellipse, over the size of the creepage in several directions.
+"""Creep laws compared with the exact theory, on one ellipse, over the size of the creepage in several directions.
 
     a/b, laws -> [compare_laws] -> forces and moments of each law and of the exact solver, in mu N and mu N c
 

@@ -98,13 +98,13 @@ def sampling_rate(time: Series, cutoff: float) -> float:
 
 
 def sliding_mean(signal: xr.DataArray, distance: xr.DataArray, length: float = SLIDING_LENGTH) -> xr.DataArray:
-    """Mean of a signal over a length of way centred at each sample.
+    """Mean of a signal over a distance centred at each sample.
 
         mean(s) = 1/L ∫ f ds  from s - L/2 to s + L/2,  f straight between samples
 
     Args:
         signal: values with the dimension `time`.
-        distance: way run at each time [m], never falling.
+        distance: at each time [m], never falling.
         length: L [m].
 
     Returns:
@@ -130,13 +130,13 @@ def sliding_mean(signal: xr.DataArray, distance: xr.DataArray, length: float = S
 
 def _over_window(f: Series, s: Series, length: float) -> Series:
     """Mean of f over s - length/2 to s + length/2, exact for straight lines between samples."""
-    way = np.diff(s)
-    total = np.concatenate(([0.0], np.cumsum(0.5 * (f[1:] + f[:-1]) * way)))
+    interval = np.diff(s)
+    total = np.concatenate(([0.0], np.cumsum(0.5 * (f[1:] + f[:-1]) * interval)))
 
     def integral(at: Series) -> Series:
         k = np.clip(np.searchsorted(s, at, side="right") - 1, 0, len(s) - 2)
-        part = np.clip(at - s[k], 0.0, way[k])
-        slope = np.divide(f[k + 1] - f[k], way[k], out=np.zeros_like(part), where=way[k] > 0.0)
+        part = np.clip(at - s[k], 0.0, interval[k])
+        slope = np.divide(f[k + 1] - f[k], interval[k], out=np.zeros_like(part), where=interval[k] > 0.0)
         return np.asarray(total[k] + part * (f[k] + 0.5 * slope * part))
 
     return (integral(s + 0.5 * length) - integral(s - 0.5 * length)) / length

@@ -16,7 +16,7 @@ import numpy as np
 import xarray as xr
 
 from rollerrig.analysis.parallel import Progress
-from rollerrig.analysis.signals import Ending, ending, half_waves
+from rollerrig.analysis.signals import FinalMotion, final_motion, half_waves
 from rollerrig.cases import at_speed, displaced, leading_wheelset
 from rollerrig.config import Case
 from rollerrig.results import RunInfo
@@ -26,7 +26,7 @@ LEAST_AMPLITUDE = 2e-5
 """A limit cycle below 0.02 mm is not counted as one [m]."""
 
 SLOWEST_DECAY = 0.2
-"""An oscillation that decays faster than this at the end of its run is on its way to nothing [1/s]."""
+"""An oscillation that decays faster than this at the end of its run counts as decaying [1/s]."""
 
 SIGNALS = ("lateral", "yaw")
 
@@ -56,15 +56,15 @@ class HuntingRun:
 
     Attributes:
         speed: running speed [m/s].
-        body: whose lateral motion was judged.
+        body: whose lateral motion decides.
         motion: Dataset over time and body, with the run's attributes.
-        ending: what the motion is at the end.
+        final: the motion at the end of the run.
     """
 
     speed: float
     body: str
     motion: xr.Dataset
-    ending: Ending
+    final: FinalMotion
 
     @property
     def valid(self) -> bool:
@@ -74,7 +74,7 @@ class HuntingRun:
     @property
     def persists(self) -> bool:
         """Whether the run ends in an oscillation that persists, or leaves the model's validity by growing."""
-        return not self.valid or self.ending.persists(LEAST_AMPLITUDE, SLOWEST_DECAY)
+        return not self.valid or self.final.persists(LEAST_AMPLITUDE, SLOWEST_DECAY)
 
 
 def hunting_case(case: Case, speed: float, settings: HuntingSettings) -> Case:
@@ -117,7 +117,7 @@ def hunting_run(job: tuple[Case, float, HuntingSettings], progress: Progress | N
     moving = RunInfo.of(run).moving
     motion = run[list(SIGNALS)].sel(body=moving).copy(deep=True)
     lateral = motion["lateral"].sel(body=body).to_numpy()
-    return HuntingRun(speed, body, motion, ending(motion["time"].to_numpy(), lateral))
+    return HuntingRun(speed, body, motion, final_motion(motion["time"].to_numpy(), lateral))
 
 
 DECAY_SHARE = 0.1
@@ -140,11 +140,11 @@ def decay_frequency(run: HuntingRun) -> float:
 def hunting_table(runs: Sequence[HuntingRun], disturbance: float) -> xr.Dataset:
     """Runs as a Dataset over speed: amplitude, frequency, growth rate at the end, and whether it persists."""
     ordered = sorted(runs, key=lambda run: run.speed)
-    amplitude = np.array([run.ending.amplitude if run.persists or run.ending.amplitude else 0.0 for run in ordered])
+    amplitude = np.array([run.final.amplitude if run.persists or run.final.amplitude else 0.0 for run in ordered])
     persists = np.array([run.persists for run in ordered], dtype=np.int8)
-    frequency = np.array([run.ending.frequency for run in ordered])
+    frequency = np.array([run.final.frequency for run in ordered])
     decaying = np.array([decay_frequency(run) for run in ordered])
-    rate = np.array([run.ending.rate for run in ordered])
+    rate = np.array([run.final.rate for run in ordered])
     body = ordered[0].body if ordered else ""
     return xr.Dataset(
         {

@@ -39,7 +39,7 @@ Carried = tuple[float, Vector]
 
 PITCH = 4
 DECAY = 0.1
-"""What decays faster than this when the longest time is over is on its way to rest [1/s]."""
+"""An oscillation that decays faster than this when the longest time is over counts as at rest [1/s]."""
 
 SAMPLES_BY = 8
 """Rows of results beyond those a window needs."""
@@ -85,7 +85,7 @@ def limit_cycles(
     """The limit-cycle diagram of a case.
 
     Args:
-        case: the case; rollers or rails are held at each speed.
+        case: the case; rollers or rails are speed-controlled.
         speeds_kmh: at least one speed, each positive [km/h].
         linear_critical_kmh: linear critical speed, from `stability` or `linear_critical_speed` [km/h]; NaN if there is none.
         settings: disturbances, tolerances, longest time.
@@ -270,7 +270,7 @@ def limit_cycle_table(found: Diagram) -> xr.Dataset:
         "cycle_frequency": ([p.frequency for _, p in points], "Hz", "frequency; NaN at rest"),
         "cycle_guiding_force": ([p.guiding_force for _, p in points], "N", "largest |Y| of a wheel, unfiltered"),
         "cycle_rate": ([p.rate for _, p in points], "1/s", "growth rate of the amplitude at the end"),
-        "cycle_settled": ([float(p.settled) for _, p in points], "1", "1: the amplitude had come to stay"),
+        "cycle_settled": ([float(p.settled) for _, p in points], "1", "1: the amplitude had settled"),
         "cycle_duration": ([p.duration for _, p in points], "s", "simulated time"),
     }
     variables: dict[str, object] = {

@@ -2,7 +2,7 @@
 
     Case, running speed -> [linearise] -> A of x' = A x around steady rolling, names of the states
 
-The rollers (or the rails) run at a held speed: the rates of driven rollers are inputs, not states, and are taken out of A.
+The rollers (or the rails) are speed-controlled: the rates of driven rollers are inputs, not states, and are taken out of A.
 Equations: docs/theory/equilibrium_and_linearisation.md, (L3)-(L4).
 """
 
@@ -98,7 +98,7 @@ def linearise(case: Case, speed: float) -> Linearisation:
     """Linearise a case at one running speed; see `Lineariser` for many.
 
     Args:
-        case: the case; its drive is taken as speed-held.
+        case: the case; its rollers or rails are speed-controlled.
         speed: running speed [m/s].
 
     Raises:

@@ -52,7 +52,7 @@ def accelerations(run: xr.Dataset, *, floor_height: float | None = None) -> xr.D
         acceleration [m/s^2] over time, point and direction (lateral, vertical), unfiltered, as an accelerometer fixed to
         the body feels it: lateral with gravity's part in a roll, vertical less g at rest. The body of each point is the
         coordinate `of_body`, and `on_wheelsets` says whether wheelsets carry it. No points if all bodies above the
-        wheelsets are held.
+        wheelsets are fixed.
     """
     info = RunInfo.of(run)
     names, bodies, framed, rows = [], [], [], []
@@ -94,10 +94,10 @@ def with_turning_track(motion: xr.Dataset, run: xr.Dataset, ahead: float) -> xr.
         run: the run; its curvature is that at the vehicle's reference point.
         ahead: how far the body is ahead of that point [m].
     """
-    way, time = run["distance"].to_numpy(), run["time"].to_numpy()
+    distance, time = run["distance"].to_numpy(), run["time"].to_numpy()
     if len(time) < 2 or not run["curvature"].any():
         return motion
-    rate = run["speed"].to_numpy() * np.interp(way + ahead, way, run["curvature"].to_numpy())
+    rate = run["speed"].to_numpy() * np.interp(distance + ahead, distance, run["curvature"].to_numpy())
     turning = {"yaw_rate": rate, "yaw_acceleration": np.gradient(rate, time)}
     return motion.assign(
         {name: (motion[name].dims, motion[name].to_numpy() + values) for name, values in turning.items()}

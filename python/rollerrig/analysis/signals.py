@@ -81,7 +81,7 @@ def growth_rate(signal: xr.DataArray, least_amplitude: float = LEAST_AMPLITUDE) 
 
 
 @dataclass(frozen=True)
-class Ending:
+class FinalMotion:
     """What is left at the end of a run.
 
     Attributes:
@@ -103,7 +103,9 @@ RIPPLE = 0.25
 """Half-waves smaller than this part of the amplitude are ripples on larger waves: they count for no frequency [1]."""
 
 
-def ending(time: Series, signal: Series, part: float = 1 / 3, least_amplitude: float = LEAST_AMPLITUDE) -> Ending:
+def final_motion(
+    time: Series, signal: Series, part: float = 1 / 3, least_amplitude: float = LEAST_AMPLITUDE
+) -> FinalMotion:
     """Amplitude, frequency and growth rate in the last part of a run.
 
     The rate compares the ranges of the two halves of that part: it is exact for an exponential, and an irregular limit
@@ -121,7 +123,7 @@ def ending(time: Series, signal: Series, part: float = 1 / 3, least_amplitude: f
     amplitude = 0.5 * float(np.ptp(y)) if len(y) else 0.0
     waves = half_waves(t, y, max(least_amplitude, RIPPLE * amplitude))
     if amplitude < least_amplitude or len(waves.time) < 2:
-        return Ending(0.0, float("nan"), float("nan"))
+        return FinalMotion(0.0, float("nan"), float("nan"))
     early, late = (0.5 * float(np.ptp(half)) for half in np.array_split(y, 2))
     rate = float(np.log(late / early)) / (0.5 * float(t[-1] - t[0])) if late > 0 < early else float("-inf")
-    return Ending(amplitude, 0.5 * len(waves.duration) / float(waves.duration.sum()), rate)
+    return FinalMotion(amplitude, 0.5 * len(waves.duration) / float(waves.duration.sum()), rate)

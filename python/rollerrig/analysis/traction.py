@@ -228,7 +228,7 @@ def with_theory(run: xr.Dataset, case: Case) -> xr.Dataset:
     """
     time = run["time"].to_numpy()
     torque = torque_over_time(case, time)
-    # The car body is held in its design position: the frame settles on the contacts and feels a little less of it.
+    # The car body is fixed: the frame settles on the contacts and carries a little less of its weight.
     axle_load = 0.5 * float(run["vertical_force"].isel(time=0).sum())
     forces = balance(bogie_of(case, axle_load), torque, axle_load)
     names = [str(w) for w in run["wheel"].to_numpy()]

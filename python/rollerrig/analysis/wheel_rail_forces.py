@@ -10,7 +10,7 @@ On a rig the rollers are the rails.
 
     Y/Q  ≤  (tan δ - μ) / (1 + μ tan δ)        Nadal: the flange, steepest at δ, does not climb          (R1)
     |ΣY| ≤  k (10 kN + 2 Q0 / 3)               Prud'homme: the track does not shift, Q0 per wheel         (R2)
-    Tγ   =  -(T_x ν_x + T_y ν_y + M φ)         per patch [N]: heat per metre of way                       (R3)
+    Tγ   =  -(T_x ν_x + T_y ν_y + M φ)         per patch [N]: heat per metre                              (R3)
 
 with creep forces T, spin moment M on the wheel and creepages ν, φ of the wheel against the rail. Tγ V is the power that the
 creep forces turn into heat, V the rolling speed that creepages are divided by.
@@ -65,7 +65,7 @@ def wheel_forces(run: xr.Dataset, *, prudhomme_factor: float = PRUDHOMME_FACTOR)
     Returns:
         Over time and wheel: guiding_force Y, wheel_load Q [N], derailment_quotient Y/Q (NaN where unloaded),
         wheel_unloading (Q0 - Q)/Q0, wear_number Tγ [N]; over time, wheel and patch: patch_wear_number [N]; over time and
-        wheelset: guiding_force_sum ΣY [N]; over time: distance [m], the way run (on a rig that of the rollers' surface).
+        wheelset: guiding_force_sum ΣY [N]; over time: distance [m] (on a rig that of the rollers' surface).
         Without time: static_wheel_load Q0 [N] per wheel, guiding_force_sum_limit [N] per wheelset, nadal_limit [-].
         Signs: see the module's text.
 
@@ -136,7 +136,7 @@ def _wear(run: xr.Dataset) -> dict[str, xr.DataArray]:
 def filtered(read: xr.Dataset) -> xr.Dataset:
     """The readings as EN 14363 assesses them.
 
-    Y, Q and the wear number: low pass 20 Hz. Y/Q and ΣY: low pass 20 Hz, then the sliding mean over 2 m of way, which is NaN
+    Y, Q and the wear number: low pass 20 Hz. Y/Q and ΣY: low pass 20 Hz, then the sliding mean over 2 m, which is NaN
     within 1 m of both ends. Wheel unloading is that of the filtered load.
 
     Args:
@@ -148,7 +148,7 @@ def filtered(read: xr.Dataset) -> xr.Dataset:
     Raises:
         ValueError: the run's output_step is too coarse, or the run too short.
     """
-    kept, way = read.drop_vars(["patch_wear_number"]), read["distance"]
+    kept, distance = read.drop_vars(["patch_wear_number"]), read["distance"]
     out = {name: low_pass(kept[name], FORCE_CUTOFF) for name in ("guiding_force", "wheel_load", "wear_number")}
     static, load = read["static_wheel_load"], out["wheel_load"]
     out["wheel_unloading"] = read["wheel_unloading"].copy(data=1.0 - load / static)
@@ -157,7 +157,7 @@ def filtered(read: xr.Dataset) -> xr.Dataset:
     quotient = read["derailment_quotient"].copy(data=(out["guiding_force"] / load).where(load > 0.0))
     forces = low_pass(read["guiding_force_sum"], FORCE_CUTOFF)
     for name, values in (("derailment_quotient", quotient), ("guiding_force_sum", forces)):
-        out[name] = sliding_mean(values, way)
+        out[name] = sliding_mean(values, distance)
         out[name].attrs["filter"] = f"{FORCE_CUTOFF:g} Hz, mean over 2 m"
     return kept.assign(out)
 

@@ -14,7 +14,7 @@ WORK_IN = ("energy_work_of_drive", "energy_work_of_torque")
 """Accounts of work put in since the start [J]."""
 
 STORED = ("energy_kinetic", "energy_gravity", "energy_elements", "energy_stored_contacts")
-"""Accounts of energy held; only their change counts [J]."""
+"""Accounts of stored energy; only their change counts [J]."""
 
 DISSIPATED = (
     "energy_dissipated_elements",

@@ -100,7 +100,7 @@ def requirements(full: Case, model: Case) -> list[Requirement]:
         ConfigError: the model has no table [similitude].
     """
     factors, wrong = factors_of(model), distortion(full, model)
-    return [*_of_contact(full, model, factors, wrong), *_of_machines(full, model, factors)]
+    return [*_of_contact(full, model, factors, wrong), *_of_actuators(full, model, factors)]
 
 
 def _of_contact(full: Case, model: Case, factors: Similitude, wrong: Distortion) -> Iterator[Requirement]:
@@ -155,7 +155,7 @@ def _of_contact(full: Case, model: Case, factors: Similitude, wrong: Distortion)
         )
 
 
-def _of_machines(full: Case, model: Case, factors: Similitude) -> Iterator[Requirement]:
+def _of_actuators(full: Case, model: Case, factors: Similitude) -> Iterator[Requirement]:
     for key, name in (
         ("slide_protection", "slide protection"),
         ("wheel_slip_control", "wheel-slip control"),

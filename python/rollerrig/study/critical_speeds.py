@@ -111,9 +111,9 @@ def disturbance_numbers(found: CriticalSpeedByDisturbance) -> dict[str, Any]:
         "runs": [
             {
                 "speed_kmh": round(3.6 * run.speed, 6),
-                "amplitude_mm": 1e3 * run.ending.amplitude,
-                "frequency_hz": run.ending.frequency,
-                "growth_rate_at_end_per_s": run.ending.rate,
+                "amplitude_mm": 1e3 * run.final.amplitude,
+                "frequency_hz": run.final.frequency,
+                "growth_rate_at_end_per_s": run.final.rate,
                 "persists": run.persists,
                 "status": run.motion.attrs["status"],
                 "energy_relative_residual": run.motion.attrs["energy_relative_residual"],

@@ -129,7 +129,7 @@ def frequency_differences(results: Results, material: str) -> list[float]:
 
     def frequencies(found: CriticalSpeedByDisturbance | None) -> dict[float, float]:
         known = {
-            round(3.6 * run.speed, 3): run.ending.frequency if run.persists else decay_frequency(run)
+            round(3.6 * run.speed, 3): run.final.frequency if run.persists else decay_frequency(run)
             for run in (found.runs if found else [])
         }
         return {speed: value for speed, value in known.items() if math.isfinite(value)}
@@ -189,7 +189,7 @@ def onset_wavelength(results: Results, material: str) -> float:
     """Wavelength of the limit cycle at the lowest speed at which it was found [m]; NaN if there is none."""
     found = results.runs.get(material)
     lasting = [run for run in found.runs if run.persists and run.valid] if found else []
-    return lasting[0].speed / lasting[0].ending.frequency if lasting else math.nan
+    return lasting[0].speed / lasting[0].final.frequency if lasting else math.nan
 
 
 def _effect_of_the_material(results: Results) -> str:

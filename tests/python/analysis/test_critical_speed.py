@@ -10,12 +10,14 @@ import xarray as xr
 
 from rollerrig.analysis.critical_speed import bracket, critical_speed
 from rollerrig.analysis.hunting import HuntingRun
-from rollerrig.analysis.signals import Ending
+from rollerrig.analysis.signals import FinalMotion
 
 
 def run(speed: float, persists: bool) -> HuntingRun:
     motion = xr.Dataset(attrs={"status": "ok"})
-    return HuntingRun(speed, "frame", motion, Ending(1e-3, 5.0, 0.0) if persists else Ending(0.0, math.nan, math.nan))
+    return HuntingRun(
+        speed, "frame", motion, FinalMotion(1e-3, 5.0, 0.0) if persists else FinalMotion(0.0, math.nan, math.nan)
+    )
 
 
 def test_the_bracket_is_the_lowest_onset_whatever_the_order_of_the_runs() -> None:

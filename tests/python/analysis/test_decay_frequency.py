@@ -9,14 +9,14 @@ import pytest
 import xarray as xr
 
 from rollerrig.analysis.hunting import HuntingRun, decay_frequency
-from rollerrig.analysis.signals import ending
+from rollerrig.analysis.signals import final_motion
 
 
 def run_of(lateral: np.ndarray, time: np.ndarray) -> HuntingRun:
     motion = xr.Dataset(
         {"lateral": (("time", "body"), lateral[:, None])}, {"time": time, "body": ["frame"]}, {"status": "ok"}
     )
-    return HuntingRun(30.0, "frame", motion, ending(time, lateral))
+    return HuntingRun(30.0, "frame", motion, final_motion(time, lateral))
 
 
 @pytest.mark.parametrize("damping", [0.05, 0.2, 0.4])

@@ -8,7 +8,7 @@ import xarray as xr
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from rollerrig.analysis import ending, growth_rate, half_waves
+from rollerrig.analysis import final_motion, growth_rate, half_waves
 
 TIME = np.linspace(0.0, 6.0, 1201)
 
@@ -34,25 +34,25 @@ def test_growth_rate_knows_no_offset_and_no_scale(rate: float, frequency: float,
 
 
 def test_frequency_and_amplitude_of_a_steady_wave() -> None:
-    found = ending(TIME, spiral(0.0))
+    found = final_motion(TIME, spiral(0.0))
     assert found.frequency == pytest.approx(2.5, rel=1e-5)
     assert found.amplitude == pytest.approx(1e-3, rel=1e-5)
     assert found.persists(least_amplitude=1e-5, slowest_decay=0.2)
 
 
 def test_a_dying_signal_leaves_nothing() -> None:
-    found = ending(TIME, spiral(-8.0))
+    found = final_motion(TIME, spiral(-8.0))
     assert found.amplitude == 0.0
     assert np.isnan(found.frequency)
     assert not found.persists(1e-5, 0.2)
 
 
 def test_a_slowly_dying_signal_is_not_sustained() -> None:
-    assert not ending(TIME, spiral(-0.5)).persists(1e-5, 0.2)
+    assert not final_motion(TIME, spiral(-0.5)).persists(1e-5, 0.2)
 
 
 def test_rest_and_short_signals_do_not_trouble() -> None:
-    assert ending(TIME, np.zeros_like(TIME)).amplitude == 0.0
+    assert final_motion(TIME, np.zeros_like(TIME)).amplitude == 0.0
     assert len(half_waves(TIME[:3], TIME[:3]).time) == 0
     assert np.isnan(growth_rate(xr.DataArray(TIME, {"time": TIME}, ["time"])))
 

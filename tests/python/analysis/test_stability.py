@@ -87,7 +87,7 @@ def test_below_the_critical_speed_a_run_dies_out_and_above_it_goes_on(bogie) -> 
     assert [run.persists for run in found.runs] == [False, True]
     assert 3.6 * found.decays == pytest.approx(100.0)
     assert 3.6 * found.persists == pytest.approx(220.0)
-    limit_cycle = found.runs[1].ending
+    limit_cycle = found.runs[1].final
     assert 2e-3 < limit_cycle.amplitude < 6e-3  # within the flangeway
     assert 3.0 < limit_cycle.frequency < 7.0
 

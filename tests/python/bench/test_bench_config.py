@@ -71,7 +71,7 @@ from rollerrig.config import case_from_toml
         ({"train.mass": "6 t"}, "train.mass: 6000 kg; allowed: at least what is under test, 6241 kg"),
         (
             {"train.mass": "100 t", "vehicle.cut": "vehicle"},
-            "train.mass: 100000 kg; allowed where a body of the vehicle is held; 'vehicle' is the train itself",
+            "train.mass: 100000 kg; allowed where a body of the vehicle is fixed; 'vehicle' is the train itself",
         ),
         (
             {"rig_control.load_transfer": "dynamic"},

@@ -78,5 +78,5 @@ def test_ideal_rolling_is_free_of_slip() -> None:
 def test_ideal_rolling_is_refused_where_it_means_nothing() -> None:
     case = load_case("adhesion_brake").with_changes({"bench.pure_rolling": True})
     assert not track_case(case).bench.pure_rolling
-    with pytest.raises(ConfigError, match=r"bench\.pure_rolling: true; allowed with machines"):
+    with pytest.raises(ConfigError, match=r"bench\.pure_rolling: true; allowed with actuators"):
         load_case("bogie_rollers_constant").with_changes({"bench.pure_rolling": True})

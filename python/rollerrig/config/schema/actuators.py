@@ -1,4 +1,4 @@
-"""The machines around a vehicle under test: friction brake, traction drive, encoders, and what protects the wheels."""
+"""Actuators and sensors of a vehicle under test: friction brake, traction drive, encoders, and what protects the wheels."""
 
 from typing import Annotated, Literal
 

@@ -141,7 +141,7 @@ class Motion(Table):
     )
     drive: Literal["speed_controlled", "free", "torque"] = Field(
         default="speed_controlled",
-        description="rollers (or track): speed held to speed_table or constant, free to turn, or given a torque",
+        description="rollers (or track): speed controlled to speed_table or constant, free to turn, or given a torque",
     )
     speed_table: SpeedTable | None = Field(
         default=None, description="rows [time, speed] for drive = 'speed_controlled'; linear between, constant beyond"
@@ -288,7 +288,7 @@ class CaseTables(Table):
     wheel_slip_control: WheelSlipControl | None = Field(default=None, description="of the traction drives")
     sensors: Sensors = Field(default=Sensors(), description="what the controllers see")
     rig_control: RigControl | None = Field(default=None, description="controller of the roller drives")
-    bench: BenchSettings = Field(default=BenchSettings(), description="time grid of machines and controllers")
+    bench: BenchSettings = Field(default=BenchSettings(), description="time grid of actuators and controllers")
 
     similitude: ScaledFrom | None = Field(
         default=None, description="the full-scale case of which this one is a model; absent: at full scale"
@@ -296,5 +296,5 @@ class CaseTables(Table):
 
     @property
     def on_bench(self) -> bool:
-        """Whether machines or controllers act on the vehicle: then the bench steps, not a method of [time]."""
+        """Whether actuators or controllers act on the vehicle: then the bench steps, not a method of [time]."""
         return any((self.adhesion, self.brake, self.traction, self.rig_control))

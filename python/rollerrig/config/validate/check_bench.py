@@ -1,4 +1,4 @@
-"""Checks of what stands around the vehicle: machines that fit each other, samples that fall on the bench's grid.
+"""Checks of what stands around the vehicle: actuators that fit each other, samples that fall on the bench's grid.
 
 Case -> [check_bench] -> problems
 """
@@ -14,7 +14,7 @@ MOST_AXLES = 8
 
 
 def check_bench(case: CaseTables, file: str) -> list[ConfigProblem]:
-    """What machines, controllers and support ask of each other."""
+    """What actuators, controllers and support ask of each other."""
     return [*_without_bench(case, file)] if not case.on_bench else [*_tables(case, file), *_times(case, file)]
 
 
@@ -23,7 +23,7 @@ def _without_bench(case: CaseTables, file: str) -> Iterator[ConfigProblem]:
         if getattr(case, key) is not None:
             yield ConfigProblem(file, key, "a table", f"allowed only with {of}, on which it acts")
     if case.bench.pure_rolling:
-        allowed = "allowed with machines: [brake], [traction] or [rig_control]"
+        allowed = "allowed with actuators: [brake], [traction] or [rig_control]"
         yield ConfigProblem(file, "bench.pure_rolling", "true", allowed)
 
 
@@ -41,7 +41,7 @@ def _tables(case: CaseTables, file: str) -> Iterator[ConfigProblem]:
     yield from _train(case, len(wheelsets), file)
     if case.axle_torque:
         yield ConfigProblem(
-            file, "axle_torque", "given", "allowed beside machines: [traction], which drives every axle"
+            file, "axle_torque", "given", "allowed beside actuators: [traction], which drives every axle"
         )
     if isinstance(support, Track):
         if control is not None:
@@ -59,7 +59,7 @@ def _tables(case: CaseTables, file: str) -> Iterator[ConfigProblem]:
 def _train(case: CaseTables, axles: int, file: str) -> Iterator[ConfigProblem]:
     part, mass = case.vehicle.part, case.train.mass
     if mass is not None and not part.fixed:
-        allowed = f"allowed where a body of the vehicle is held; '{case.vehicle.cut}' is the train itself"
+        allowed = f"allowed where a body of the vehicle is fixed; '{case.vehicle.cut}' is the train itself"
         yield ConfigProblem(file, "train.mass", f"{mass:g} kg", allowed)
     moving = sum(body.mass for body in case.vehicle.data.bodies_in(part))
     if mass is not None and part.fixed and mass < moving:
@@ -72,7 +72,7 @@ def _train(case: CaseTables, axles: int, file: str) -> Iterator[ConfigProblem]:
 
 def _on_rollers(case: CaseTables, support: Rig, file: str) -> Iterator[ConfigProblem]:
     if support.coupling != "axle":
-        allowed = "allowed with machines: 'axle', one drive for each pair of rollers"
+        allowed = "allowed with actuators: 'axle', one drive for each pair of rollers"
         yield ConfigProblem(file, "support.data.coupling", show_value(support.coupling), allowed)
     if case.adhesion is not None and case.rig_control is None:
         allowed = "allowed on rollers with [rig_control], which reproduces it: the rollers themselves are dry"

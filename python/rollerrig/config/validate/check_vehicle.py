@@ -105,10 +105,10 @@ def _cut(vehicle: Vehicle, name: str, cut: Cut, file: str) -> Iterable[ConfigPro
             allowed = "allowed: wheelsets, and bodies that an element of the cut holds up"
             yield ConfigProblem(file, f"{key}.bodies", show_value(body.name), allowed)
     for body_name in sorted(set(cut.bodies) & set(cut.fixed)):
-        yield ConfigProblem(file, f"{key}.held", show_value(body_name), "allowed: bodies that are not also kept free")
+        yield ConfigProblem(file, f"{key}.fixed", show_value(body_name), "allowed: bodies that are not also kept free")
     for body_name in cut.fixed:
         if vehicle.body_named(body_name).kind == "wheelset":
-            yield ConfigProblem(file, f"{key}.held", show_value(body_name), "allowed: bodies that are not wheelsets")
+            yield ConfigProblem(file, f"{key}.fixed", show_value(body_name), "allowed: bodies that are not wheelsets")
     for field, names in (("bodies", cut.bodies), ("fixed", cut.fixed)):
         for body_name in sorted({n for n in names if names.count(n) > 1}):
             yield ConfigProblem(file, f"{key}.{field}", show_value(body_name), "allowed: each body once")
