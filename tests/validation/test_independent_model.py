@@ -16,6 +16,7 @@ import pytest
 from rollerrig import _core
 from rollerrig.profiles import ProfileTable
 from validation.independent_model.bogie import contact_of, rhs
+from validation.independent_model.kalker_table import AXIS_RATIO, COEFFICIENTS, POISSON
 from validation.independent_model.parameters import Parameters, Table
 from validation.reference import bogie, equilibrium
 
@@ -28,6 +29,12 @@ OURS_OF_THEIRS = np.r_[
 ]
 COORDINATES, RATES, NODES = np.r_[0:16], np.r_[16:34], np.r_[36:52]
 LONGITUDINAL_RATES, LATERAL = [22, 28], [7, 12]  # of the wheelsets
+
+
+def test_kalkers_table_is_the_same_number_by_number() -> None:
+    for row, ratio in zip(COEFFICIENTS, AXIS_RATIO, strict=True):
+        for printed, nu in zip(row.T, POISSON, strict=True):
+            assert _core.kalker_coefficients(ratio, nu) == pytest.approx(printed, rel=1e-12), (ratio, nu)
 
 
 @pytest.fixture(scope="module")

@@ -220,16 +220,16 @@ TEST_CASE("a wheelset lifted off its rollers is reported lost after the limit, w
   CHECK(dynamics.accept(0.3, x.data()) == Status::ok);
 }
 
-TEST_CASE("a wheel pushed over its flange tip is a derailment") {
+TEST_CASE("a wheel is off its profile at the end of the rail's flank, and derailed with its flange tip on the head") {
   auto const model = wheelset_model({});
   Dynamics dynamics(model);
   auto x = solve_equilibrium(dynamics, 20.0, 0.0).x;
   auto const at = [&](int c) {
     return static_cast<std::size_t>(dynamics.map().coordinate[0][static_cast<std::size_t>(c)]);
   };
-  Status status = Status::ok;
-  for (double y = 0.0; y < 40e-3 && status == Status::ok; y += 0.5e-3) {
-    x[at(coord_y)] = y;  // to the left, wheels just loaded
+  /// The left wheel just loaded, so far to the left [m].
+  auto const status_at = [&](double y) {
+    x[at(coord_y)] = y;
     double low = -5e-3, high = 40e-3;
     for (int i = 0; i < 50; ++i) {
       x[at(coord_z)] = 0.5 * (low + high);
@@ -237,10 +237,20 @@ TEST_CASE("a wheel pushed over its flange tip is a derailment") {
       (dynamics.patch_count(0) > 0 ? low : high) = x[at(coord_z)];
     }
     x[at(coord_z)] = low - 1e-6;
-    status = dynamics.accept(y, x.data());
-  }
-  CHECK((status == Status::derailed || status == Status::off_profile));
+    return dynamics.accept(y, x.data());
+  };
+  auto const first_failure = [&](double from) {
+    double y = from;
+    while (y < from + 40e-3 && status_at(y) == Status::ok) y += 0.25e-3;
+    return status_at(y);
+  };
+  CHECK(first_failure(0.0) ==
+        Status::off_profile);  // on the steepest of the flange; the table of the head ends at -42.8
   CHECK(dynamics.failed_contact() == 0);
+  CHECK(std::abs(dynamics.patch(0, 0).point.rail_y - -42.3e-3) < 0.1e-3);
+  CHECK(first_failure(20e-3) == Status::derailed);  // climbed: the wheel stands on its flange, whose tip is at -55 mm
+  CHECK(dynamics.failed_contact() == 0);
+  CHECK(std::abs(dynamics.patch(0, 0).point.wheel_s - -54e-3) < 0.05e-3);
 }
 
 TEST_CASE("evaluating twice gives the same to round-off, and an accepted run counts what it saw") {

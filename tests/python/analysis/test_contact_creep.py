@@ -17,7 +17,6 @@ from rollerrig.analysis.contact_creep import (
     creep_text,
 )
 from rollerrig.contact_table import contact_table
-from rollerrig.plot import figure_bytes
 from rollerrig.plot.contact import creep_comparison_figure
 
 PLACES = [(1e-3 * y, 2e-3) for y in (-4.0, -2.0, 0.5, 2.0, 4.0)]
@@ -66,12 +65,36 @@ def test_the_mirror_image_has_mirrored_forces() -> None:
         np.testing.assert_allclose(left, sign * right, atol=1e-5)  # of the press, in mu N
 
 
-def test_table_rows_and_picture(comparison: xr.Dataset) -> None:
-    rows = creep_csv(comparison).splitlines()
-    solved = 2  # positions
-    assert len(rows) == 1 + 2 * (6 * len(PLACES) + solved) * 2
-    assert "kalker_saturated" in creep_text(comparison)
-    assert len(figure_bytes(creep_comparison_figure(comparison))) > 5000
+def test_a_row_for_every_force_that_is_known(comparison: xr.Dataset) -> None:
+    rows = [row.split(",") for row in creep_csv(comparison).splitlines()]
+    table = {(normal, law, float(y), side): values for normal, law, y, _, side, *values in rows[1:]}
+    assert len(table) == len(rows) - 1 == 2 * (6 * len(PLACES) + 2) * 2  # the exact solver at two positions
+    errors = creep_errors(comparison)
+    for (normal, law, y, side), texts in table.items():
+        at = {"normal": normal, "side": side, "position": [y for y, _ in PLACES].index(pytest.approx(1e-3 * y))}
+        if law == "exact":
+            expected = [comparison["exact_x"].sel(at), comparison["exact_y"].sel(at), 0.0]
+        else:
+            at["law"] = law
+            expected = [comparison["force_x"].sel(at), comparison["force_y"].sel(at), errors.sel(at)]
+        found = [float(text) if text else np.nan for text in texts]
+        assert found == pytest.approx([100 * float(e) for e in expected], rel=1e-5, nan_ok=True)  # six digits
+    assert set(comparison["law"].to_numpy()) <= {
+        line.split()[0] for line in creep_text(comparison).splitlines() if line
+    }
+
+
+def test_the_picture_shows_the_forces(comparison: xr.Dataset) -> None:
+    axes = creep_comparison_figure(comparison, side="right").axes
+    assert len(axes) == 4
+    for (name, normal), panel in zip([(n, c) for n in "xy" for c in ("hertz", "strips")], axes, strict=True):
+        shown = comparison.sel(normal=normal, side="right")
+        lines = {line.get_label(): line for line in panel.get_lines()}
+        assert lines.keys() == {*comparison["law"].to_numpy(), "exact solver"}
+        for law in comparison["law"].to_numpy():
+            np.testing.assert_array_equal(lines[law].get_ydata(), 100 * shown[f"force_{name}"].sel(law=law))
+        np.testing.assert_array_equal(lines["exact solver"].get_ydata(), 100 * shown[f"exact_{name}"])
+        np.testing.assert_allclose(lines["exact solver"].get_xdata(), [1e3 * y for y, _ in PLACES])
 
 
 def test_a_case_that_stands_still_is_refused() -> None:
