@@ -13,7 +13,19 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import FixedLocator, NullFormatter
 
 from rollerrig.plot.modes import shown_modes
-from rollerrig.plot.style import COLOURS, GREY, MARKERS, STYLES, critical_line, house_style, new_figure
+from rollerrig.plot.style import (
+    COLOURS,
+    GREY,
+    MARKERS,
+    STYLES,
+    colour,
+    critical_line,
+    house_style,
+    legend_beside,
+    look,
+    new_figure,
+    panels,
+)
 
 MOST_MODES = 7
 """Modes in one figure; the others are in the table."""
@@ -55,33 +67,24 @@ def modes_side_by_side(modes: Mapping[str, xr.Dataset]) -> Figure:
         modes: label -> Dataset of `stability`.
     """
     names = telling_modes(modes)
-    with house_style():
-        figure, (frequency, damping) = new_figure(2, height=6.2, sharex=True)
-        for number, name in enumerate(names):
-            colour = COLOURS[(1, 0, 2, 3, 4, 5, 6, 7)[number % 8]]
+    labels = ("frequency [Hz]", "damping ratio [%], unstable below 0")
+    colours = [COLOURS[(1, 0, 2, 3, 4, 5, 6, 7)[number % 8]] for number in range(len(names))]
+    with panels(labels, "speed [km/h]", 6.2, legend=False) as (figure, (frequency, damping)):
+        for name, one in zip(names, colours, strict=True):
             for style, dataset in zip(STYLES, modes.values(), strict=False):
                 mode = dataset.sel(mode=name)
-                going = mode["frequency"] > 0.0
-                width = 2.0 if name.startswith("hunting") else 1.2
-                line: dict[str, Any] = {"color": colour, "linestyle": style, "linewidth": width}
-                frequency.plot(dataset["speed"], mode["frequency"].where(going), **line)
-                damping.plot(dataset["speed"], 100 * mode["damping"].where(going), **line)
+                oscillates, width = mode["frequency"] > 0.0, 2.0 if name.startswith("hunting") else 1.2
+                drawn: dict[str, Any] = {"color": one, "linestyle": style, "linewidth": width}
+                frequency.plot(dataset["speed"], mode["frequency"].where(oscillates), **drawn)
+                damping.plot(dataset["speed"], 100 * mode["damping"].where(oscillates), **drawn)
         damping.axhline(0.0, color=GREY, linewidth=1.0)
         low, high = damping.get_ylim()
         damping.set_ylim(max(low, -25.0), min(high, 65.0))
         frequency.set_ylim(bottom=0.0)
-        frequency.set_ylabel("frequency [Hz]")
-        damping.set_ylabel("damping ratio [%], unstable below 0")
-        damping.set_xlabel("speed [km/h]")
-        by_name = [
-            Line2D([], [], color=COLOURS[(1, 0, 2, 3, 4, 5, 6, 7)[k % 8]], label=name) for k, name in enumerate(names)
-        ]
-        by_style = [
-            Line2D([], [], color="black", linestyle=s, label=label)  # type: ignore[arg-type]
-            for s, label in zip(STYLES, modes, strict=False)
-        ]
-        frequency.legend(handles=by_name, loc="center left", bbox_to_anchor=(1.0, 0.5), title="mode")
-        damping.legend(handles=by_style, loc="center left", bbox_to_anchor=(1.0, 0.5), title="on")
+        by_name = [Line2D([], [], color=one, label=name) for one, name in zip(colours, names, strict=True)]
+        by_style = [Line2D([], [], label=n, **{**look(k), "color": "black"}) for k, n in enumerate(modes)]
+        legend_beside(frequency, handles=by_name, title="mode")
+        legend_beside(damping, handles=by_style, title="on")
         return figure
 
 
@@ -92,29 +95,22 @@ def critical_over_radius(speeds: Mapping[str, tuple[Sequence[float], Sequence[fl
         speeds: label -> radii [m], critical speeds [km/h], that on track [km/h].
         marked: radius of the rig compared [m].
     """
-    with house_style():
-        figure, (axes,) = new_figure(height=3.6)
-        ticks: set[float] = set()
+    with panels(["linear critical speed [km/h]"], "radius of the rollers [m]", 3.6, legend=False) as (figure, (axes,)):
+        ticks = sorted({radius for radii, _, _ in speeds.values() for radius in radii})
         for number, (label, (radii, values, track)) in enumerate(speeds.items()):
-            colour, marker = COLOURS[number % len(COLOURS)], MARKERS[number % len(MARKERS)]
-            axes.plot(
-                radii, values, marker=marker, color=colour, linestyle="-", markersize=5, label=f"{label}, on rollers"
-            )
-            ticks |= set(radii)
+            one, marker = colour(number), MARKERS[number % len(MARKERS)]
+            axes.plot(radii, values, marker=marker, color=one, markersize=5, label=f"{label}, on rollers")
             if math.isfinite(track):
-                axes.axhline(
-                    track, color=colour, linestyle=STYLES[1 + number % 3], linewidth=1.1, label=f"{label}, on track"
-                )
+                style = STYLES[1 + number % 3]
+                axes.axhline(track, color=one, linestyle=style, linewidth=1.1, label=f"{label}, on track")
         axes.set_xscale("log")
-        axes.xaxis.set_major_locator(FixedLocator(sorted(ticks)))
+        axes.xaxis.set_major_locator(FixedLocator(ticks))
         axes.xaxis.set_minor_formatter(NullFormatter())
-        axes.set_xticklabels([f"{tick:g}" for tick in sorted(ticks)])
+        axes.set_xticklabels([f"{tick:g}" for tick in ticks])
         axes.minorticks_off()
         if math.isfinite(marked):
             critical_line(axes, marked, f"this rig, {marked:g} m")
-        axes.set_xlabel("radius of the rollers [m]")
-        axes.set_ylabel("linear critical speed [km/h]")
-        axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
+        legend_beside(axes)
         return figure
 
 
@@ -154,24 +150,20 @@ def disturbed_over_time(runs: Mapping[str, xr.Dataset]) -> Figure:
     """The leading wheelset after a disturbance: its motion, guiding force, sum of guiding forces, longitudinal creep force.
 
     Args:
-        runs: label -> readings over time with `lateral` and `longitudinal_force`.
+        runs: label -> wheel-rail forces over time with `lateral` and `longitudinal_force`.
     """
-    with house_style():
-        figure, (motion, guiding, total, creep) = new_figure(4, height=8.0, sharex=True)
+    labels = ("lateral [mm]", "Y, left wheel [kN]", "ΣY, 2 m mean [kN]", "longitudinal force,\nleft wheel [kN]")
+    with panels(labels, "time [s]", 8.0, legend=False) as (figure, axes):
         for number, (label, run) in enumerate(runs.items()):
             leading = str(run.attrs["leading"])
-            wheel = f"{leading}_left"
-            look = {"color": COLOURS[number % len(COLOURS)], "linestyle": STYLES[number % len(STYLES)], "label": label}
-            time = run["time"]
-            motion.plot(time, 1e3 * run["lateral"], **look)  # type: ignore[arg-type]
-            guiding.plot(time, 1e-3 * run["guiding_force"].sel(wheel=wheel), **look)  # type: ignore[arg-type]
-            total.plot(time, 1e-3 * run["guiding_force_sum"].sel(wheelset=leading), **look)  # type: ignore[arg-type]
-            creep.plot(time, 1e-3 * run["longitudinal_force"].sel(wheel=wheel), **look)  # type: ignore[arg-type]
-        motion.set_ylabel("lateral [mm]")
-        guiding.set_ylabel("Y, left wheel [kN]")
-        total.set_ylabel("ΣY, 2 m mean [kN]")
-        creep.set_ylabel("longitudinal force,\nleft wheel [kN]")
-        creep.set_xlabel("time [s]")
-        motion.set_xlim(0.0, float(next(iter(runs.values()))["time"][-1]))
-        motion.legend(loc="upper right", ncols=len(runs))
+            signals = (
+                1e3 * run["lateral"],
+                1e-3 * run["guiding_force"].sel(wheel=f"{leading}_left"),
+                1e-3 * run["guiding_force_sum"].sel(wheelset=leading),
+                1e-3 * run["longitudinal_force"].sel(wheel=f"{leading}_left"),
+            )
+            for panel, values in zip(axes, signals, strict=True):
+                panel.plot(run["time"], values, label=label, **look(number))
+        axes[0].set_xlim(0.0, float(next(iter(runs.values()))["time"][-1]))
+        axes[0].legend(loc="upper right", ncols=len(runs))
         return figure

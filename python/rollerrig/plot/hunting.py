@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from rollerrig.plot.style import COLOURS, critical_line, house_style, new_figure
+from rollerrig.plot.style import colour, critical_lines, line, panels
 
 
 def ramp_over_speed(ramps: Mapping[str, xr.Dataset], body: str, critical: Mapping[str, Mapping[str, float]]) -> Figure:
@@ -20,34 +21,22 @@ def ramp_over_speed(ramps: Mapping[str, xr.Dataset], body: str, critical: Mappin
         body: whose displacement.
         critical: label -> name -> speed [km/h], marked by a vertical line.
     """
-    with house_style():
-        figure, panels = new_figure(len(ramps), height=0.6 + 2.6 * len(ramps))
-        for axes, (label, ramp) in zip(panels, ramps.items(), strict=True):
+    labels = ["lateral displacement [mm]"] * len(ramps)
+    height = 0.6 + 2.6 * len(ramps)
+    with panels(labels, "speed [km/h]", height, legend=False, sharex=False) as (figure, found):
+        for axes, (label, ramp) in zip(found, ramps.items(), strict=True):
             speed, lateral = 3.6 * ramp["speed"].to_numpy(), 1e3 * ramp["lateral"].sel(body=body).to_numpy()
             top = int(np.argmax(speed))
-            axes.plot(speed[top:], lateral[top:], color="#e6a29a", linewidth=0.7, label="slowing down", rasterized=True)
-            axes.plot(
-                speed[: top + 1],
-                lateral[: top + 1],
-                color=COLOURS[0],
-                linewidth=0.7,
-                label="speeding up",
-                rasterized=True,
-            )
+            line(axes, speed[top:], lateral[top:], label="slowing down", color="#e6a29a", linewidth=0.7)
+            line(axes, speed[: top + 1], lateral[: top + 1], label="speeding up", linewidth=0.7)
             perturbations = np.array(json.loads(ramp.attrs["perturbation_times_s"]))
             if perturbations.size:
-                at = np.interp(perturbations, ramp["time"].to_numpy(), speed)
-                place = axes.get_xaxis_transform()
-                axes.plot(
-                    at, np.full_like(at, 0.02), "^", color="black", markersize=4, label="perturbation", transform=place
-                )
-            for name, value in critical.get(label, {}).items():
-                if np.isfinite(value):
-                    critical_line(axes, value, f"{name} {value:.0f} km/h")
+                at, bottom = np.interp(perturbations, ramp["time"].to_numpy(), speed), axes.get_xaxis_transform()
+                marks = {"color": "black", "markersize": 4, "label": "perturbation", "transform": bottom}
+                axes.plot(at, np.full_like(at, 0.02), "^", **marks)  # type: ignore[arg-type]
+            critical_lines(axes, critical.get(label, {}))
             axes.set_title(label, loc="left")
-            axes.set_ylabel("lateral displacement [mm]")
             axes.legend(loc="upper left", ncols=1)
-        panels[-1].set_xlabel("speed [km/h]")
         return figure
 
 
@@ -59,16 +48,13 @@ def hunting_over_time(runs: Sequence[tuple[float, xr.Dataset]], body: str, title
         body: whose displacement.
         title: of the figure.
     """
-    with house_style():
-        figure, panels = new_figure(len(runs), height=0.7 + 1.25 * len(runs), sharex=True, sharey=True)
-        for axes, (speed, run) in zip(panels, runs, strict=True):
-            lateral = 1e3 * run["lateral"].sel(body=body).to_numpy()
-            axes.plot(run["time"].to_numpy(), lateral, color=COLOURS[0], linewidth=0.9)
+    height = 0.7 + 1.25 * len(runs)
+    with panels(["[mm]"] * len(runs), "time [s]", height, legend=False, sharey=True) as (figure, found):
+        for axes, (speed, run) in zip(found, runs, strict=True):
+            line(axes, run["time"], 1e3 * run["lateral"].sel(body=body), rasterized=False)
             axes.set_title(f"{speed:.0f} km/h", loc="right", fontsize=8, weight="bold", pad=2)
             axes.set_xlim(0.0, float(run["time"][-1]))
-            axes.set_ylabel("[mm]")
-        panels[0].set_title(title, loc="left")
-        panels[-1].set_xlabel("time [s]")
+        found[0].set_title(title, loc="left")
         figure.supylabel(f"lateral displacement of {body.replace('_', ' ')}", fontsize=9)
         return figure
 
@@ -76,37 +62,24 @@ def hunting_over_time(runs: Sequence[tuple[float, xr.Dataset]], body: str, title
 def amplitude_over_speed(
     tables: Mapping[str, xr.Dataset], critical: Mapping[str, float] | None = None, title: str = ""
 ) -> Figure:
-    """Amplitude at the end of runs over speed: zero where the disturbance died out, else that of the limit cycle.
+    """Amplitude at the end of runs over speed: zero where the disturbance decayed, else that of the limit cycle.
 
     Args:
         tables: label -> Dataset of `hunting_table`.
         critical: name -> speed [km/h], marked by a vertical line.
         title: of the figure.
     """
-    with house_style():
-        figure, (axes,) = new_figure()
+    with panels(["lateral amplitude at the end [mm]"], "speed [km/h]", 3.4, legend=False) as (figure, (axes,)):
         for number, (label, table) in enumerate(tables.items()):
             speed, amplitude = table["speed"].to_numpy(), 1e3 * table["amplitude"].to_numpy()
-            going = table["persists"].to_numpy() == 1
-            colour, marker = COLOURS[number % len(COLOURS)], "os^Dv"[number % 5]
-            axes.plot(
-                speed[going], amplitude[going], marker + "-", color=colour, markersize=4.5, label=f"{label}: goes on"
-            )
-            axes.plot(
-                speed[~going],
-                np.zeros(int((~going).sum())),
-                marker,
-                color=colour,
-                markerfacecolor="none",
-                markersize=4.5 + 2.5 * (len(tables) - 1 - number),  # those of several tables lie upon each other
-                label=f"{label}: dies out",
-            )
-        for name, value in (critical or {}).items():
-            if np.isfinite(value):
-                critical_line(axes, value, f"{name} {value:.0f} km/h")
+            persists, marker = table["persists"].to_numpy() == 1, "os^Dv"[number % 5]
+            drawn: dict[str, Any] = {"color": colour(number), "marker": marker}
+            size = 4.5 + 2.5 * (len(tables) - 1 - number)  # those of several tables lie upon each other
+            axes.plot(speed[persists], amplitude[persists], "-", markersize=4.5, label=f"{label}: persists", **drawn)
+            drawn |= {"linestyle": "none", "markerfacecolor": "none", "markersize": size, "label": f"{label}: decays"}
+            axes.plot(speed[~persists], np.zeros(int((~persists).sum())), **drawn)
+        critical_lines(axes, critical or {})
         axes.set_ylim(bottom=-0.15)
-        axes.set_xlabel("speed [km/h]")
-        axes.set_ylabel("lateral amplitude at the end [mm]")
         axes.set_title(title, loc="left")
         axes.legend(loc="upper left")
         return figure

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 import xarray as xr
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from rollerrig.plot.style import COLOURS, GREY, critical_line, house_style, new_figure
+from rollerrig.plot.style import COLOURS, GREY, critical_line, panels
 
 LOOKS: dict[str, dict[str, Any]] = {
     "up": {"color": COLOURS[0], "marker": "^", "linestyle": "-"},
@@ -24,32 +26,16 @@ def limit_cycle_diagram(cycles: xr.Dataset, modes: xr.Dataset | None = None) -> 
         cycles: Dataset of `limit_cycle_table`.
         modes: Dataset of `stability`: its linear critical speed, and the frequency of its hunting mode for comparison.
     """
-    with house_style():
-        figure, panels = new_figure(3, height=7.0, sharex=True, gridspec_kw={"height_ratios": (2.2, 1, 1)})
-        amplitude, frequency, force = panels
-        for way, look in LOOKS.items():
-            one = cycles.isel(cycle_point=cycles["cycle_way"].to_numpy() == way)
-            speed, size = one["cycle_speed"].to_numpy(), 1e3 * one["cycle_amplitude"].to_numpy()
-            style = {**look, "markersize": 5, "markerfacecolor": "white" if way == "down" else look["color"]}
-            amplitude.plot(speed, size, label=f"way {way}", zorder=4 if way == "down" else 3, **style)
-            frequency.plot(speed, one["cycle_frequency"].to_numpy(), **style)
-            force.plot(speed, 1e-3 * one["cycle_guiding_force"].to_numpy(), **style)
-            open_end = (one["cycle_settled"].to_numpy() == 0) & (size > 0)
-            amplitude.plot(speed[open_end], size[open_end], "o", color=GREY, markersize=10, markerfacecolor="none")
-            for v, status in zip(speed, one["cycle_status"].to_numpy(), strict=True):
-                if status != "ok":
-                    amplitude.annotate(
-                        str(status).replace("_", " "),
-                        (v, 0.5),
-                        xycoords=("data", "axes fraction"),
-                        rotation=90,
-                        fontsize=7.5,
-                    )
+    labels = ("lateral amplitude of wheelsets [mm]", "frequency [Hz]", "largest |Y| [kN]")
+    ratios = {"height_ratios": (2.2, 1, 1)}
+    with panels(labels, "speed [km/h]", 7.0, legend=False, gridspec_kw=ratios) as (figure, axes):
+        amplitude, frequency, force = axes
+        for way, drawn in LOOKS.items():
+            _way(axes, cycles.isel(cycle_point=cycles["cycle_way"].to_numpy() == way), way, drawn)
         if modes is not None and modes.attrs["hunting_mode"]:
             hunting = modes["frequency"].sel(mode=modes.attrs["hunting_mode"])
-            frequency.plot(
-                modes["speed"], hunting.where(hunting > 0), color=GREY, linewidth=1.0, label="linear hunting mode"
-            )
+            linear = {"color": GREY, "linewidth": 1.0, "label": "linear hunting mode"}
+            frequency.plot(modes["speed"], hunting.where(hunting > 0), **linear)  # type: ignore[arg-type]
             frequency.legend(loc="best")
         critical = {"critical speed by continuation": float(cycles.attrs["critical_speed_by_continuation_kmh"])}
         if modes is not None:
@@ -57,21 +43,31 @@ def limit_cycle_diagram(cycles: xr.Dataset, modes: xr.Dataset | None = None) -> 
         for name, value in critical.items():
             if math.isfinite(value):
                 critical_line(amplitude, value, f"{name} {value:.1f} km/h")
-                for axes in (frequency, force):
-                    axes.axvline(value, color=GREY, linewidth=1.0, linestyle=(0, (4, 2)))
-        speeds = cycles["cycle_speed"].to_numpy()
+                for panel in (frequency, force):
+                    panel.axvline(value, color=GREY, linewidth=1.0, linestyle=(0, (4, 2)))
+        speeds, sizes = cycles["cycle_speed"].to_numpy(), np.nan_to_num(1e3 * cycles["cycle_amplitude"].to_numpy())
         margin = 0.03 * float(np.ptp(speeds)) + 1.0
         amplitude.set_xlim(float(speeds.min()) - margin, float(speeds.max()) + margin)
-        amplitude.set_ylim(
-            bottom=-0.03 * max(1.0, float(np.nan_to_num(1e3 * cycles["cycle_amplitude"].to_numpy()).max(initial=0.0)))
-        )
-        amplitude.set_ylabel("lateral amplitude of wheelsets [mm]")
+        amplitude.set_ylim(bottom=-0.03 * max(1.0, float(sizes.max(initial=0.0))))
         amplitude.legend(loc="upper left")
         frequency.set_ylim(bottom=0.0)
-        frequency.set_ylabel("frequency [Hz]")
-        force.set_ylabel("largest |Y| [kN]")
-        force.set_xlabel("speed [km/h]")
-        top = float(np.nan_to_num(1e-3 * cycles["cycle_guiding_force"].to_numpy()).max(initial=0.0))
-        if top > 100.0:
+        if float(np.nan_to_num(1e-3 * cycles["cycle_guiding_force"].to_numpy()).max(initial=0.0)) > 100.0:
             force.set_yscale("log")
         return figure
+
+
+def _way(axes: Sequence[Axes], one: xr.Dataset, way: str, drawn: dict[str, Any]) -> None:
+    """Amplitude, frequency and force on one way through the speeds; runs that have not settled are marked."""
+    amplitude, frequency, force = axes
+    down = way == "down"
+    style = {**drawn, "markersize": 5, "markerfacecolor": "white" if down else drawn["color"]}
+    speed, size = one["cycle_speed"].to_numpy(), 1e3 * one["cycle_amplitude"].to_numpy()
+    amplitude.plot(speed, size, label=f"way {way}", zorder=4 if down else 3, **style)
+    frequency.plot(speed, one["cycle_frequency"].to_numpy(), **style)
+    force.plot(speed, 1e-3 * one["cycle_guiding_force"].to_numpy(), **style)
+    unsettled = (one["cycle_settled"].to_numpy() == 0) & (size > 0)
+    amplitude.plot(speed[unsettled], size[unsettled], "o", color=GREY, markersize=10, markerfacecolor="none")
+    for v, status in zip(speed, one["cycle_status"].to_numpy(), strict=True):
+        if status != "ok":
+            place: dict[str, Any] = {"xycoords": ("data", "axes fraction"), "rotation": 90, "fontsize": 7.5}
+            amplitude.annotate(str(status).replace("_", " "), (v, 0.5), **place)

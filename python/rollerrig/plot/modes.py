@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -11,7 +12,19 @@ from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
-from rollerrig.plot.style import COLOURS, GREY, MARKERS, STYLES, critical_line, house_style, new_figure
+from rollerrig.plot.style import (
+    COLOURS,
+    GREY,
+    MARKERS,
+    STYLES,
+    colour,
+    critical_line,
+    house_style,
+    legend_beside,
+    look,
+    new_figure,
+    panels,
+)
 
 HIGHEST_FREQUENCY = 30.0
 """Modes above are those of wheels on their Hertz springs; they say nothing about stability and squeeze the rest [Hz]."""
@@ -33,7 +46,7 @@ def shown_modes(modes: xr.Dataset) -> list[str]:
     return [str(name) for name in modes["mode"].to_numpy()[kept.to_numpy()]]
 
 
-def _look(name: str, number: int) -> dict[str, object]:
+def _look(name: str, number: int) -> dict[str, Any]:
     if name.startswith("hunting"):
         style = (0, (1.5, 1)) if name.endswith(("out of phase", "rear bogie")) else "-"
         return {"color": COLOURS[1], "linewidth": 2.2, "linestyle": style, "zorder": 5}
@@ -63,24 +76,30 @@ def root_locus(modes: xr.Dataset) -> Figure:
     Args:
         modes: Dataset of `stability`.
     """
-    with house_style():
-        figure, (axes,) = new_figure(height=_height(modes, 4.4))
+    with panels(["frequency Im λ / 2π [Hz]"], "growth rate Re λ [1/s]", _height(modes, 4.4), legend=False) as (
+        figure,
+        (axes,),
+    ):
         for number, name in enumerate(shown_modes(modes)):
             mode = modes.sel(mode=name)
             going = mode["frequency"].to_numpy() > 0.0
             real, imaginary = mode["growth_rate"].to_numpy()[going], mode["frequency"].to_numpy()[going]
-            look = _look(name, number)
-            axes.plot(real, imaginary, marker=".", markersize=4, label=name, **look)  # type: ignore[arg-type]
-            marker = {"marker": "o", "markersize": 5, "color": look["color"], "linestyle": "none", "zorder": 6}
-            axes.plot(real[:1], imaginary[:1], markerfacecolor="white", **marker)  # type: ignore[arg-type]
-            axes.plot(real[-1:], imaginary[-1:], **marker)  # type: ignore[arg-type]
+            drawn = _look(name, number)
+            axes.plot(real, imaginary, marker=".", markersize=4, label=name, **drawn)
+            marker: dict[str, Any] = {
+                "marker": "o",
+                "markersize": 5,
+                "color": drawn["color"],
+                "linestyle": "none",
+                "zorder": 6,
+            }
+            axes.plot(real[:1], imaginary[:1], markerfacecolor="white", **marker)
+            axes.plot(real[-1:], imaginary[-1:], **marker)
         axes.axvline(0.0, color=GREY, linewidth=1.0)
         low, high = (float(modes["speed"][k]) for k in (0, -1))
         axes.set_title(f"open: {low:g} km/h, filled: {high:g} km/h; unstable right of 0", loc="left")
-        axes.set_xlabel("growth rate Re λ [1/s]")
-        axes.set_ylabel("frequency Im λ / 2π [Hz]")
         axes.set_xlim(right=max(2.0, 1.08 * axes.get_xlim()[1]))
-        axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
+        legend_beside(axes)
         return figure
 
 
@@ -90,16 +109,14 @@ def damping_over_speed(modes: xr.Dataset) -> Figure:
     Args:
         modes: Dataset of `stability`.
     """
-    with house_style():
-        figure, (axes,) = new_figure(height=_height(modes, 3.4))
+    with panels(["damping ratio [%]"], "speed [km/h]", _height(modes, 3.4), legend=False) as (figure, (axes,)):
         for number, name in enumerate(shown_modes(modes)):
-            look = _look(name, number)
-            axes.plot(modes["speed"], 100 * _where_it_oscillates(modes, "damping", name), label=name, **look)  # type: ignore[arg-type]
+            axes.plot(
+                modes["speed"], 100 * _where_it_oscillates(modes, "damping", name), label=name, **_look(name, number)
+            )
         axes.axhline(0.0, color=GREY, linewidth=1.0)
         _mark_critical(axes, modes)
-        axes.set_xlabel("speed [km/h]")
-        axes.set_ylabel("damping ratio [%]")
-        axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
+        legend_beside(axes)
         return figure
 
 
@@ -147,19 +164,15 @@ def frequency_over_speed(modes: xr.Dataset, cycles: xr.Dataset | None = None) ->
         modes: Dataset of `stability`.
         cycles: Dataset of `limit_cycle_table`.
     """
-    with house_style():
-        figure, (axes,) = new_figure(height=_height(modes, 4.0))
+    with panels(["frequency [Hz]"], "speed [km/h]", _height(modes, 4.0), legend=False) as (figure, (axes,)):
         for number, name in enumerate(shown_modes(modes)):
-            look = _look(name, number)
-            axes.plot(modes["speed"], _where_it_oscillates(modes, "frequency", name), label=name, **look)  # type: ignore[arg-type]
+            axes.plot(modes["speed"], _where_it_oscillates(modes, "frequency", name), label=name, **_look(name, number))
         if cycles is not None and bool((cycles["cycle_amplitude"] > 0).any()):
             speed, frequency = cycles["cycle_speed"].to_numpy(), cycles["cycle_frequency"].to_numpy()
             axes.plot(speed, frequency, "ks", markersize=4, markerfacecolor="none", label="limit cycles (runs)")
         _mark_critical(axes, modes)
         axes.set_ylim(bottom=0.0)
-        axes.set_xlabel("speed [km/h]")
-        axes.set_ylabel("frequency [Hz]")
-        axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
+        legend_beside(axes)
         return figure
 
 
@@ -171,34 +184,35 @@ def hunting_frequencies(linear: dict[str, xr.Dataset], runs: dict[str, xr.Datase
         runs: label -> Dataset of `hunting_table`; in the colour of the line with the same label, if there is one.
         title: of the figure.
     """
-    with house_style():
-        figure, (axes,) = new_figure(height=3.6)
+    with panels(["frequency of lateral oscillation [Hz]"], "speed [km/h]", 3.6, legend=False) as (figure, (axes,)):
         for number, (label, modes) in enumerate(linear.items()):
-            colour, style = COLOURS[number % len(COLOURS)], STYLES[number % len(STYLES)]
             if not modes.attrs["hunting_mode"]:
                 continue
             frequency = modes["frequency"].sel(mode=modes.attrs["hunting_mode"])
             frequency = frequency.where(frequency > 0)
-            axes.plot(modes["speed"], frequency, color=colour, linestyle=style, label=f"linear, {label}")
+            axes.plot(modes["speed"], frequency, label=f"linear, {label}", **look(number))
             critical = float(modes.attrs["linear_critical_speed_kmh"])
             if math.isfinite(critical):
                 at = np.interp(critical, modes["speed"].to_numpy(), frequency.to_numpy())
-                axes.plot([critical], [at], marker="x", color=colour, markersize=8, markeredgewidth=2)
+                axes.plot([critical], [at], marker="x", color=colour(number), markersize=8, markeredgewidth=2)
         for number, (label, table) in enumerate(runs.items()):
             going = table["persists"].to_numpy() == 1
             speed, marker = table["speed"].to_numpy(), MARKERS[number % len(MARKERS)]
-            colour = COLOURS[list(linear).index(label) % len(COLOURS)] if label in linear else "black"
+            own = colour(list(linear).index(label)) if label in linear else "black"
             for ends, kept, variable, face in (
-                ("limit cycle", going, "oscillation_frequency", colour),
-                ("dying out", ~going, "decay_frequency", "none"),
+                ("limit cycle", going, "oscillation_frequency", own),
+                ("decaying", ~going, "decay_frequency", "none"),
             ):
                 values = table[variable].to_numpy()[kept]
                 if np.isfinite(values).any():
-                    look = {"color": colour, "markerfacecolor": face, "markersize": 5, "label": f"{ends}, {label}"}
-                    axes.plot(speed[kept], values, marker, **look)  # type: ignore[arg-type]
+                    drawn: dict[str, Any] = {
+                        "color": own,
+                        "markerfacecolor": face,
+                        "markersize": 5,
+                        "label": f"{ends}, {label}",
+                    }
+                    axes.plot(speed[kept], values, marker, **drawn)
         axes.set_ylim(bottom=0.0)
-        axes.set_xlabel("speed [km/h]")
-        axes.set_ylabel("frequency of lateral oscillation [Hz]")
         axes.set_title(title, loc="left")
-        axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
+        legend_beside(axes)
         return figure

@@ -1,14 +1,14 @@
-"""Figures of one run over time: how the bodies move, how the wheels pull and slide, whether energy is kept."""
+"""Figures of one run over time: motion of the bodies, force and sliding of the wheels, energy balance."""
 
 from __future__ import annotations
 
+import json
+
 import numpy as np
 import xarray as xr
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from rollerrig.plot.style import COLOURS, STYLES, calm, house_style, legend_above, new_figure, wheel_lines
-from rollerrig.results import RunInfo
+from rollerrig.plot.style import STYLES, calm, line, panels, wheel_lines
 
 STEADY = 1e-3
 """A speed that changes by no more than this part is not worth a panel."""
@@ -16,73 +16,48 @@ STEADY = 1e-3
 
 def motion_over_time(run: xr.Dataset) -> Figure:
     """Lateral displacement and yaw of the vehicle's bodies, and the running speed where it changes."""
-    bodies = RunInfo.of(run).moving
     speed = run["speed"].to_numpy()
     changes = float(np.ptp(speed)) > STEADY * float(np.abs(speed).max())
-    with house_style():
-        figure, panels = new_figure(3 if changes else 2, height=5.6 if changes else 4.4, sharex=True)
-        lateral, yaw = panels[:2]
-        for number, body in enumerate(bodies):
-            _line(lateral, run["time"], 1e3 * run["lateral"].sel(body=body), number, body)
-            _line(yaw, run["time"], 1e3 * run["yaw"].sel(body=body), number, body)
+    labels = ["lateral [mm]", "yaw [mrad]", *(["speed [km/h]"] if changes else [])]
+    with panels(labels, "time [s]", 5.6 if changes else 4.4) as (figure, axes):
+        for number, body in enumerate(json.loads(run.attrs["vehicle_bodies"])):
+            style = STYLES[number // 2 % len(STYLES)]
+            for panel, name in zip(axes, ("lateral", "yaw"), strict=False):
+                line(panel, run["time"], 1e3 * run[name].sel(body=body), number, style, body)
         if changes:
-            _line(panels[2], run["time"], 3.6 * run["speed"], 0, "running speed")
-            panels[2].set_ylabel("speed [km/h]")
-        lateral.set_ylabel("lateral [mm]")
-        yaw.set_ylabel("yaw [mrad]")
-        panels[-1].set_xlabel("time [s]")
-        calm(lateral, 1e-2)
-        calm(yaw, 1e-2)
-        legend_above(figure, lateral)
+            line(axes[2], run["time"], 3.6 * run["speed"], label="running speed")
+        for panel in axes[:2]:
+            calm(panel, 1e-2)
         return figure
 
 
 def sliding_over_time(run: xr.Dataset) -> Figure:
     """Longitudinal force and sliding of the wheels, and where they touch on their profiles."""
-    with house_style():
-        figure, (force, sliding, place) = new_figure(3, height=5.6, sharex=True)
-        wheel_lines(force, run["time"], 1e-3 * run["longitudinal_force"])
-        wheel_lines(sliding, run["time"], 1e3 * run["longitudinal_sliding"])
-        wheel_lines(place, run["time"], 1e3 * run["contact_abscissa"])
-        force.set_ylabel("longitudinal\nforce [kN]")
-        sliding.set_ylabel("longitudinal\nsliding [mm/s]")
-        place.set_ylabel("contact on\nthe wheel S [mm]")
-        place.set_xlabel("time [s]")
-        for axes, least in ((force, 1e-2), (sliding, 1e-2), (place, 1e-1)):
-            calm(axes, least)
-        legend_above(figure, force)
+    signals = {
+        "longitudinal\nforce [kN]": (1e-3 * run["longitudinal_force"], 1e-2),
+        "longitudinal\nsliding [mm/s]": (1e3 * run["longitudinal_sliding"], 1e-2),
+        "contact on\nthe wheel S [mm]": (1e3 * run["contact_abscissa"], 1e-1),
+    }
+    with panels(list(signals), "time [s]", 5.6) as (figure, axes):
+        for panel, (values, least) in zip(axes, signals.values(), strict=True):
+            wheel_lines(panel, run["time"], values)
+            calm(panel, least)
         return figure
 
 
 def energy_over_time(run: xr.Dataset) -> Figure:
     """Work put in, heat, change of what is stored, and the residual of their balance."""
     accounts = {
-        "work in": run["energy_work_of_drive"] + run["energy_work_of_torque"],
-        "heat": run["energy_dissipated_elements"] + run["energy_dissipated_normal"] + run["energy_dissipated_creep"],
-        "stored": run["energy_kinetic"]
-        + run["energy_gravity"]
-        + run["energy_elements"]
-        + run["energy_stored_contacts"],
+        "work in": ("work_of_drive", "work_of_torque"),
+        "heat": ("dissipated_elements", "dissipated_normal", "dissipated_creep"),
+        "stored": ("kinetic", "gravity", "elements", "stored_contacts"),
     }
-    with house_style():
-        figure, (balance, residual) = new_figure(2, height=4.2, sharex=True)
-        for number, (label, account) in enumerate(accounts.items()):
-            _line(balance, run["time"], 1e-3 * (account - account[:1].to_numpy()), number, label)
-        _line(residual, run["time"], run["energy_residual"], 0, "residual")
-        balance.set_ylabel("change since the start [kJ]")
-        residual.set_ylabel("residual [J]")
-        residual.set_xlabel("time [s]")
+    labels = ("change since the start [kJ]", "residual [J]")
+    with panels(labels, "time [s]", 4.2, legend=False) as (figure, (balance, residual)):
+        for number, (label, parts) in enumerate(accounts.items()):
+            account = run[[f"energy_{part}" for part in parts]].to_array().sum("variable")
+            change = 1e-3 * (account - account[:1].to_numpy())
+            line(balance, run["time"], change, number, STYLES[number // 2 % len(STYLES)], label)
+        line(residual, run["time"], run["energy_residual"], label="residual")
         balance.legend(loc="upper left")
         return figure
-
-
-def _line(axes: Axes, time: xr.DataArray, values: xr.DataArray, number: int, label: str) -> None:
-    axes.plot(
-        np.asarray(time),
-        np.asarray(values),
-        color=COLOURS[number % len(COLOURS)],
-        linestyle=STYLES[number // 2 % len(STYLES)],
-        linewidth=0.9,
-        label=label.replace("_", " "),
-        rasterized=True,
-    )

@@ -8,11 +8,10 @@ from collections.abc import Sequence
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from rollerrig.plot.style import COLOURS, GREY, house_style
+from rollerrig.plot.style import COLOURS, GREY, house_style, new_grid
 
 Points = NDArray[np.float64]
 
@@ -39,9 +38,7 @@ def mode_shape(modes: xr.Dataset, name: str = "", speed_kmh: float = math.nan) -
     one = modes.sel(mode=chosen).sel(speed=speed, method="nearest")
     views = ("plan", "end") if view_of(one) != "side" else ("side", "end")
     with house_style():
-        figure = Figure(figsize=(7.2, 3.6), layout="constrained")
-        FigureCanvasAgg(figure)
-        panels = figure.subplots(2, 2, squeeze=False, gridspec_kw={"width_ratios": (3.2, 1)})
+        figure, panels = new_grid(2, 2, height=3.6, gridspec_kw={"width_ratios": (3.2, 1)})
         for row, (phase, label) in enumerate(((0.0, "at its largest"), (90.0, "a quarter of a period later"))):
             for axes, view in zip(panels[row], views, strict=True):
                 _draw(axes, one, view, phase)
@@ -63,9 +60,8 @@ def mode_shapes(modes: xr.Dataset, names: Sequence[str], speed_kmh: float, colum
     """
     rows = max(1, math.ceil(len(names) / columns))
     with house_style():
-        figure = Figure(figsize=(7.2, 0.2 + 1.55 * rows), layout="constrained")
-        FigureCanvasAgg(figure)
-        panels = figure.subplots(rows, columns, squeeze=False).ravel()
+        figure, grid = new_grid(rows, columns, height=0.2 + 1.55 * rows)
+        panels = grid.ravel()
         for axes in panels[len(names) :]:
             axes.set_visible(False)
         for axes, name in zip(panels, names, strict=False):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import Any, Literal
 
@@ -71,7 +71,7 @@ def panels(
     """Within it, axes one above the other are drawn into; then they are labelled.
 
     Args:
-        labels: of the ordinates, from the top.
+        labels: of the ordinates, from the top; empty: set within.
         xlabel: of the common abscissa.
         height: of the figure [inches].
         legend: whether the first panel's legend stands above all.
@@ -81,16 +81,26 @@ def panels(
         figure, axes = new_figure(len(labels), height=height, **{"sharex": True, **options})
         yield figure, axes
         for one, label in zip(axes, labels, strict=True):
-            one.set_ylabel(label)
+            one.set_ylabel(label or one.get_ylabel())
         axes[-1].set_xlabel(xlabel)
         if legend:
             legend_above(figure, axes[0])
 
 
-def line(axes: Axes, along: Any, values: Any, number: int = 0, style: Any = "-", label: str = "", **look: Any) -> None:
+def colour(number: int) -> str:
+    """The colour of the curve of a number."""
+    return COLOURS[number % len(COLOURS)]
+
+
+def look(number: int) -> dict[str, Any]:
+    """Colour and line style of the curve of a number."""
+    return {"color": colour(number), "linestyle": STYLES[number % len(STYLES)]}
+
+
+def line(axes: Axes, along: Any, values: Any, number: int = 0, style: Any = "-", label: str = "", **more: Any) -> None:
     """A thin line, rasterised since it has many points; colour by number, blanks for underscores in the label."""
-    look = {"linewidth": 0.9, "rasterized": True, "color": COLOURS[number % len(COLOURS)], "linestyle": style, **look}
-    axes.plot(np.asarray(along), np.asarray(values), label=label.replace("_", " "), **look)
+    options = {"linewidth": 0.9, "rasterized": True, "color": colour(number), "linestyle": style, **more}
+    axes.plot(np.asarray(along), np.asarray(values), label=label.replace("_", " "), **options)
 
 
 def calm(axes: Axes, least: float) -> None:
@@ -110,6 +120,11 @@ def legend_above(figure: Figure, axes: Axes) -> None:
     figure.legend(handles, labels, loc="outside upper center", ncols=columns)
 
 
+def legend_beside(axes: Axes, **options: Any) -> None:
+    """A legend to the right of the axes."""
+    axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), **options)
+
+
 def wheel_lines(axes: Axes, along: xr.DataArray, values: xr.DataArray) -> None:
     """A line per wheel: each wheelset its colour, left wheels full and right ones dashed.
 
@@ -122,15 +137,8 @@ def wheel_lines(axes: Axes, along: xr.DataArray, values: xr.DataArray) -> None:
     wheelsets = list(dict.fromkeys(wheel.rpartition("_")[0] for wheel in wheels))
     for wheel in wheels:
         wheelset, _, side = wheel.rpartition("_")
-        axes.plot(
-            along.to_numpy(),
-            values.sel(wheel=wheel).to_numpy(),
-            linestyle="-" if side == "left" else (0, (4, 2)),
-            linewidth=0.9,
-            color=COLOURS[wheelsets.index(wheelset) % len(COLOURS)],
-            label=wheel.replace("_", " "),
-            rasterized=True,
-        )
+        number, style = wheelsets.index(wheelset), "-" if side == "left" else (0, (4, 2))
+        line(axes, along, values.sel(wheel=wheel), number, style, wheel)
 
 
 def critical_line(axes: Axes, speed_kmh: float, label: str) -> None:
@@ -150,6 +158,13 @@ def critical_line(axes: Axes, speed_kmh: float, label: str) -> None:
         zorder=10,
         bbox={"boxstyle": "square,pad=0.1", "facecolor": "white", "edgecolor": "none", "alpha": 0.85},
     )
+
+
+def critical_lines(axes: Axes, speeds_kmh: Mapping[str, float]) -> None:
+    """Lines at all critical speeds that are known: name -> speed [km/h]."""
+    for name, speed in speeds_kmh.items():
+        if np.isfinite(speed):
+            critical_line(axes, speed, f"{name} {speed:.0f} km/h")
 
 
 def figure_bytes(figure: Figure, kind: Literal["svg", "png"] = "svg", dpi: int = 150) -> bytes:

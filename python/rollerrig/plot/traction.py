@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import Any
 
 import xarray as xr
 from matplotlib.figure import Figure
 
-from rollerrig.plot.style import COLOURS, STYLES, house_style, new_figure
+from rollerrig.plot.style import COLOURS, look, panels
 
 
 def traction_sliding(study: xr.Dataset, wheels: Mapping[str, str]) -> Figure:
@@ -17,32 +18,22 @@ def traction_sliding(study: xr.Dataset, wheels: Mapping[str, str]) -> Figure:
         study: `sliding` and `sliding_theory` [m/s] over time and wheel, `torque` [N m] and `speed` [m/s] over time.
         wheels: wheel -> label.
     """
-    with house_style():
-        figure, (top, bottom) = new_figure(2, height=4.6, sharex=True, height_ratios=[2.2, 1])
+    labels = ("absolute sliding [mm/s]", "torque [kN m]")
+    with panels(labels, "time [s]", 4.6, legend=False, height_ratios=[2.2, 1]) as (figure, (top, bottom)):
         time = study["time"].to_numpy()
         for number, (wheel, label) in enumerate(wheels.items()):
-            own = study.sel(wheel=wheel)
-            top.plot(time, 1e3 * own["sliding"], color=COLOURS[number], linestyle=STYLES[number], label=label)
-        first = next(iter(wheels))
-        theory = 1e3 * study["sliding_theory"].sel(wheel=first)
-        top.plot(
-            time,
-            theory,
-            color="black",
-            linestyle=":",
-            linewidth=1.6,
-            label="slope of the creep law at the start × force × speed",
-        )
+            top.plot(time, 1e3 * study["sliding"].sel(wheel=wheel), label=label, **look(number))
+        theory = 1e3 * study["sliding_theory"].sel(wheel=next(iter(wheels)))
+        name = "slope of the creep law at the start × force × speed"
+        top.plot(time, theory, color="black", linestyle=":", linewidth=1.6, label=name)
         top.set_ylim(bottom=0.0)
-        top.set_ylabel("absolute sliding [mm/s]")
         top.legend(loc="upper left")
         bottom.plot(time, 1e-3 * study["torque"], color=COLOURS[2], label="torque per wheelset [kN m]")
-        bottom.set_ylabel("torque [kN m]", color=COLOURS[2])
+        bottom.yaxis.label.set_color(COLOURS[2])
         other = bottom.twinx()
         other.plot(time, 3.6 * study["speed"], color=COLOURS[4], linestyle="--")
         other.set_ylabel("speed [km/h]", color=COLOURS[4])
         other.grid(visible=False)
-        bottom.set_xlabel("time [s]")
         return figure
 
 
@@ -54,22 +45,18 @@ def traction_forces(study: xr.Dataset, wheels: Mapping[str, str]) -> Figure:
             wheel.
         wheels: wheel -> label.
     """
-    with house_style():
-        figure, (top, bottom) = new_figure(2, height=4.8, sharex=True)
+    labels = ("longitudinal force\non the wheel [kN]", "vertical force\non the wheel [kN]")
+    theory: dict[str, Any] = {"color": "black", "linestyle": ":", "linewidth": 1.2}
+    with panels(labels, "time [s]", 4.8, legend=False) as (figure, (top, bottom)):
         time = study["time"].to_numpy()
         for number, (wheel, label) in enumerate(wheels.items()):
             own = study.sel(wheel=wheel)
-            look = {"color": COLOURS[number], "linestyle": STYLES[number]}
-            top.plot(time, 1e-3 * own["longitudinal_force"], label=label, **look)  # type: ignore[arg-type]
-            bottom.plot(time, 1e-3 * own["vertical_force"], label=label, **look)  # type: ignore[arg-type]
-            theory = {"color": "black", "linestyle": ":", "linewidth": 1.2}
+            top.plot(time, 1e-3 * own["longitudinal_force"], label=label, **look(number))
+            bottom.plot(time, 1e-3 * own["vertical_force"], label=label, **look(number))
             named = "closed form" if number == 0 else None
-            bottom.plot(time, 1e-3 * own["vertical_force_theory"], label=named, **theory)  # type: ignore[arg-type]
+            bottom.plot(time, 1e-3 * own["vertical_force_theory"], label=named, **theory)
             if number == 0:
-                top.plot(time, 1e-3 * own["longitudinal_force_theory"], label=named, **theory)  # type: ignore[arg-type]
-        top.set_ylabel("longitudinal force\non the wheel [kN]")
-        bottom.set_ylabel("vertical force\non the wheel [kN]")
-        bottom.set_xlabel("time [s]")
+                top.plot(time, 1e-3 * own["longitudinal_force_theory"], label=named, **theory)
         top.legend(loc="lower right")
         bottom.legend(loc="center right")
         return figure

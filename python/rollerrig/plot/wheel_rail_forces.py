@@ -1,93 +1,78 @@
-"""Figures of what engineers read off a run: wheel forces, quotients against their limits, wear, accelerations.
+"""Figures of wheel-rail forces and running safety: forces, quotients against their limits, wear, accelerations.
 
-readings, accelerations, axis along the run -> [plot] -> Figure
+wheel-rail forces, accelerations, axis along the run -> [plot] -> Figure
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Any
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from rollerrig.plot.style import COLOURS, GREY, STYLES, calm, house_style, legend_above, new_figure, wheel_lines
+from rollerrig.plot.style import COLOURS, GREY, STYLES, calm, legend_above, line, panels, wheel_lines
 
 LIMIT_IN_SIGHT = 2.5
 """A limit up to this many times the largest value is drawn; a further one is only named, and the values fill the axes."""
 
 
-def wheel_forces(read: xr.Dataset, along: xr.DataArray | None = None) -> Figure:
+def wheel_forces(forces: xr.Dataset, along: xr.DataArray | None = None) -> Figure:
     """Wheel load Q and guiding force Y of every wheel.
 
     Args:
-        read: what `wheel_forces` or `filtered` of the analysis returns.
+        forces: what `analysis.wheel_forces` or `filtered` returns.
         along: time or distance, with the attributes long_name and units; over `time`. None: time.
     """
-    along = _over_time(read) if along is None else along
-    with house_style():
-        figure, (load, guiding) = new_figure(2, height=5.2, sharex=True)
-        wheel_lines(load, along, 1e-3 * read["wheel_load"])
-        wheel_lines(guiding, along, 1e-3 * read["guiding_force"])
-        calm(load, 1e-1)
-        calm(guiding, 1e-1)
-        load.set_ylabel("wheel load Q [kN]")
-        guiding.set_ylabel("guiding force Y,\noutwards [kN]")
-        _say(load, _filter_of(read["wheel_load"]))
-        return _finished(figure, along, load, guiding)
+    labels = ("wheel load Q [kN]", "guiding force Y,\noutwards [kN]")
+    with _along(labels, forces, along, 5.2) as (figure, axes, along):
+        for panel, name in zip(axes, ("wheel_load", "guiding_force"), strict=True):
+            wheel_lines(panel, along, 1e-3 * forces[name])
+            calm(panel, 1e-1)
+        _note(axes[0], _filter_of(forces["wheel_load"]))
+        return figure
 
 
-def quotient(read: xr.Dataset, along: xr.DataArray | None = None, limits: dict[str, float] | None = None) -> Figure:
+def quotient(forces: xr.Dataset, along: xr.DataArray | None = None, limits: dict[str, float] | None = None) -> Figure:
     """Y/Q of every wheel against its limits.
 
     Args:
-        read: as in `wheel_forces`.
+        forces: as in `wheel_forces`.
         along: as there.
         limits: what it is -> largest Y/Q [-]; NaN: there is none. None: Nadal's.
     """
-    along = _over_time(read) if along is None else along
-    with house_style():
-        figure, (axes,) = new_figure(1, height=3.4)
-        wheel_lines(axes, along, read["derailment_quotient"])
-        axes.set_ylabel("Y/Q [-]")
-        chosen = {"Nadal": float(read["nadal_limit"])} if limits is None else limits
-        _limits(axes, read["derailment_quotient"], chosen, "", both=False)
-        _say(axes, _filter_of(read["derailment_quotient"]))
-        return _finished(figure, along, axes)
+    with _along(["Y/Q [-]"], forces, along, 3.4) as (figure, (axes,), along):
+        wheel_lines(axes, along, forces["derailment_quotient"])
+        chosen = {"Nadal": float(forces["nadal_limit"])} if limits is None else limits
+        _limits(axes, forces["derailment_quotient"], chosen, "", both=False)
+        _note(axes, _filter_of(forces["derailment_quotient"]))
+        return figure
 
 
-def track_shifting(read: xr.Dataset, along: xr.DataArray | None = None) -> Figure:
+def track_shifting(forces: xr.Dataset, along: xr.DataArray | None = None) -> Figure:
     """Sum of guiding forces of every wheelset against Prud'homme's limit; arguments as in `wheel_forces`."""
-    along = _over_time(read) if along is None else along
-    with house_style():
-        figure, (axes,) = new_figure(1, height=3.4)
-        for number, wheelset in enumerate(_names(read["wheelset"])):
-            force = 1e-3 * read["guiding_force_sum"].sel(wheelset=wheelset)
-            style = STYLES[number % len(STYLES)]
-            axes.plot(_values(along), _values(force), style, color=COLOURS[number % len(COLOURS)], **_LOOK)
-            axes.lines[-1].set_label(_spoken(wheelset))
-        axes.set_ylabel("sum of guiding forces ΣY,\nto the left [kN]")
+    with _along(["sum of guiding forces ΣY,\nto the left [kN]"], forces, along, 3.4) as (figure, (axes,), along):
+        for number, wheelset in enumerate(_names(forces["wheelset"])):
+            force = 1e-3 * forces["guiding_force_sum"].sel(wheelset=wheelset)
+            line(axes, along, force, number, STYLES[number % len(STYLES)], wheelset)
         calm(axes, 1e-1)
-        limit = float(read["guiding_force_sum_limit"].min())
-        factor = read.attrs["prudhomme_factor"]
+        limit = float(forces["guiding_force_sum_limit"].min())
+        factor = forces.attrs["prudhomme_factor"]
         name = "Prud'homme, " + (f"{factor:g} " if factor != 1.0 else "") + "(10 kN + 2 Q0/3)"
-        _limits(axes, 1e-3 * read["guiding_force_sum"], {name: 1e-3 * limit}, " kN", both=True)
-        _say(axes, _filter_of(read["guiding_force_sum"]))
-        return _finished(figure, along, axes)
+        _limits(axes, 1e-3 * forces["guiding_force_sum"], {name: 1e-3 * limit}, " kN", both=True)
+        _note(axes, _filter_of(forces["guiding_force_sum"]))
+        return figure
 
 
-def wear(read: xr.Dataset, along: xr.DataArray | None = None) -> Figure:
+def wear(forces: xr.Dataset, along: xr.DataArray | None = None) -> Figure:
     """Wear number of every wheel; arguments as in `wheel_forces`."""
-    along = _over_time(read) if along is None else along
-    with house_style():
-        figure, (axes,) = new_figure(1, height=3.2)
-        wheel_lines(axes, along, read["wear_number"])
-        axes.set_ylabel("wear number Tγ [N]")
+    with _along(["wear number Tγ [N]"], forces, along, 3.2) as (figure, (axes,), along):
+        wheel_lines(axes, along, forces["wear_number"])
         axes.set_ylim(bottom=0.0)
-        _say(axes, _filter_of(read["wear_number"]))
-        return _finished(figure, along, axes)
+        _note(axes, _filter_of(forces["wear_number"]))
+        return figure
 
 
 def accelerations_along(points: xr.Dataset, along: xr.DataArray | None = None) -> Figure:
@@ -97,19 +82,16 @@ def accelerations_along(points: xr.Dataset, along: xr.DataArray | None = None) -
         points: what `accelerations` or `ride` returns, cut down to the points of interest.
         along: as in `wheel_forces`.
     """
-    along = _over_time(points) if along is None else along
-    with house_style():
-        figure, panels = new_figure(2, height=4.8, sharex=True)
-        for axes, direction in zip(panels, ("lateral", "vertical"), strict=True):
+    directions = ("lateral", "vertical")
+    with _along([f"{direction} [m/s²]" for direction in directions], points, along, 4.8) as (figure, axes, along):
+        for panel, direction in zip(axes, directions, strict=True):
             for number, point in enumerate(_names(points["point"])):
                 values = points["acceleration"].sel(point=point, direction=direction)
-                colour, style = COLOURS[number % len(COLOURS)], STYLES[number % len(STYLES)]
-                axes.plot(_values(along), _values(values), style, color=colour, label=_spoken(point), **_LOOK)
-            axes.set_ylabel(f"{direction} [m/s²]")
-            calm(axes, 1e-3)
+                line(panel, along, values, number, STYLES[number % len(STYLES)], point)
+            calm(panel, 1e-3)
         bands = sorted(set(map(str, points["filter"].to_numpy()))) if "filter" in points.coords else []
-        _say(panels[0], " and ".join(bands) if bands else "unfiltered")
-        return _finished(figure, along, *panels)
+        _note(axes[0], " and ".join(bands) if bands else "unfiltered")
+        return figure
 
 
 def line_and_response(run: xr.Dataset, along: xr.DataArray | None = None) -> Figure:
@@ -120,21 +102,13 @@ def line_and_response(run: xr.Dataset, along: xr.DataArray | None = None) -> Fig
         along: as in `wheel_forces`.
     """
     drawn = [draw for draw, worth in ((_layout, curved(run)), (_irregularity, irregular(run))) if worth]
-    along = _over_time(run) if along is None else along
-    with house_style():
-        figure, panels = new_figure(len(drawn) + 1, height=1.2 + 1.7 * (len(drawn) + 1), sharex=True)
-        for axes, draw in zip(panels, drawn, strict=False):
-            draw(axes, run, along)
+    labels = [*[""] * len(drawn), "wheelsets,\nto the left [mm]"]
+    with _along(labels, run, along, 1.2 + 1.7 * len(labels), legend=-1) as (figure, axes, along):
+        for panel, draw in zip(axes, drawn, strict=False):
+            draw(panel, run, along)
         for number, body in enumerate(_wheelsets(run)):
-            style, colour = STYLES[number % len(STYLES)], COLOURS[number % len(COLOURS)]
-            lateral = 1e3 * run["lateral"].sel(body=body)
-            panels[-1].plot(_values(along), _values(lateral), style, color=colour, label=_spoken(body), **_LOOK)
-        panels[-1].set_ylabel("wheelsets,\nto the left [mm]")
-        return _finished(figure, along, panels[-1], above=panels[:-1])
-
-
-def _over_time(results: xr.Dataset) -> xr.DataArray:
-    return results["time"].assign_attrs(long_name="time", units="s")
+            line(axes[-1], along, 1e3 * run["lateral"].sel(body=body), number, STYLES[number % len(STYLES)], body)
+        return figure
 
 
 def curved(run: xr.Dataset) -> bool:
@@ -148,10 +122,10 @@ def irregular(run: xr.Dataset) -> bool:
 
 
 def _layout(axes: Axes, run: xr.Dataset, along: xr.DataArray) -> None:
-    axes.plot(_values(along), 1e3 * _values(run["curvature"]), color=COLOURS[0], **_LOOK)
+    line(axes, along, 1e3 * run["curvature"])
     axes.set_ylabel("curvature,\nto the left [1/km]", color=COLOURS[0])
     other = axes.twinx()
-    other.plot(_values(along), 1e3 * _values(run["cant"]), "--", color=COLOURS[1], **_LOOK)
+    line(other, along, 1e3 * run["cant"], 1, "--")
     other.set_ylabel("cant,\nright rail up [mm]", color=COLOURS[1])
     other.grid(visible=False)
     other.margins(y=0.3)  # in proportion to each other, as usual, the two would lie on one line
@@ -159,22 +133,17 @@ def _layout(axes: Axes, run: xr.Dataset, along: xr.DataArray) -> None:
 
 def _irregularity(axes: Axes, run: xr.Dataset, along: xr.DataArray) -> None:
     wheels = [wheel for wheel in _names(run["wheel"]) if wheel.startswith(f"{_wheelsets(run)[0]}_")]
-    looks = {"rail_lateral": ("lateral", "-"), "rail_vertical": ("vertical", "--")}
     for number, wheel in enumerate(wheels):
-        for name, (word, style) in looks.items():
+        for word, style in (("lateral", "-"), ("vertical", "--")):
             label = f"{word}, {'left' if wheel.endswith('left') else 'right'}"
-            values = 1e3 * _values(run[name].sel(wheel=wheel))
-            axes.plot(_values(along), values, style, color=COLOURS[number], label=label, **_LOOK)
+            line(axes, along, 1e3 * run[f"rail_{word}"].sel(wheel=wheel), number, style, label)
     axes.set_ylabel("irregularity\nof the rails [mm]")
-    _say(axes, f"under {_spoken(_wheelsets(run)[0])}")
+    _note(axes, f"under {_wheelsets(run)[0].replace('_', ' ')}")
     axes.legend(loc="upper right", ncols=4, fontsize=7)
 
 
 def _wheelsets(run: xr.Dataset) -> list[str]:
     return list(dict.fromkeys(wheel.rpartition("_")[0] for wheel in _names(run["wheel"])))
-
-
-_LOOK: dict[str, Any] = {"linewidth": 0.9, "rasterized": True}
 
 
 def _limits(axes: Axes, values: xr.DataArray, limits: dict[str, float], unit: str, *, both: bool) -> None:
@@ -195,7 +164,7 @@ def _limits(axes: Axes, values: xr.DataArray, limits: dict[str, float], unit: st
         axes.set_title(text, loc="right", fontsize=7.5, color="#444444")
 
 
-def _say(axes: Axes, text: str) -> None:
+def _note(axes: Axes, text: str) -> None:
     axes.set_title(text, loc="left", fontsize=7.5, color="#444444")
 
 
@@ -203,25 +172,22 @@ def _filter_of(values: xr.DataArray) -> str:
     return str(values.attrs.get("filter", "unfiltered"))
 
 
-def _finished(figure: Figure, along: xr.DataArray, *panels: Axes, above: Sequence[Axes] = ()) -> Figure:
-    """Axis along the run below, one legend for all panels above."""
-    panels[-1].set_xlabel(f"{along.attrs['long_name']} [{along.attrs['units']}]")
-    for axes in (*above, *panels):
-        low, high = axes.get_ylim()
-        if low < 0.0 < high:
-            axes.axhline(0.0, color=GREY, linewidth=0.5, zorder=0.5)
-        axes.margins(x=0.01)
-    legend_above(figure, panels[0])
-    return figure
+@contextmanager
+def _along(
+    labels: Sequence[str], results: xr.Dataset, along: xr.DataArray | None, height: float, legend: int = 0
+) -> Iterator[tuple[Figure, list[Axes], xr.DataArray]]:
+    """Panels along the run, by default over time, with a line at zero, and the legend of one of them above all."""
+    chosen = results["time"].assign_attrs(long_name="time", units="s") if along is None else along
+    xlabel = f"{chosen.attrs['long_name']} [{chosen.attrs['units']}]"
+    with panels(labels, xlabel, height, legend=False) as (figure, axes):
+        yield figure, axes, chosen
+        for panel in axes:
+            low, high = panel.get_ylim()
+            if low < 0.0 < high:
+                panel.axhline(0.0, color=GREY, linewidth=0.5, zorder=0.5)
+            panel.margins(x=0.01)
+        legend_above(figure, axes[legend])
 
 
 def _names(coordinate: xr.DataArray) -> list[str]:
     return [str(name) for name in coordinate.to_numpy()]
-
-
-def _spoken(name: str) -> str:
-    return name.replace("_", " ")
-
-
-def _values(values: xr.DataArray) -> np.ndarray:
-    return np.asarray(values.to_numpy())
