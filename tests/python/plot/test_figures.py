@@ -174,3 +174,33 @@ def test_limits_in_sight_are_drawn_and_others_named() -> None:
 
 def test_png_is_the_same_too() -> None:
     assert figure_bytes(root_locus(modes()), "png") == figure_bytes(root_locus(modes()), "png")
+
+
+def drawn(name: str, panel: int, label: str) -> np.ndarray:
+    """Ordinates of a labelled line."""
+    lines = [line for line in FIGURES[name]().axes[panel].lines if line.get_label() == label]
+    assert len(lines) == 1
+    return np.asarray(lines[0].get_ydata(), dtype=float)
+
+
+def test_figures_draw_their_data_in_the_units_of_their_axes() -> None:
+    forces = read_off()["wheel_load"].sel(wheel="wheelset_1_right").to_numpy()
+    assert drawn("wheel_forces", 0, "wheelset 1 right") == pytest.approx(1e-3 * forces)
+    assert drawn("track_shifting", 0, "wheelset 1") == pytest.approx(1e-3 * forces)
+    assert drawn("wear", 0, "wheelset 1 left") == pytest.approx(forces)
+    assert drawn("root_locus", 0, "hunting") == pytest.approx([2.0, 4.0, 5.0])
+    assert drawn("damping", 0, "hunting") == pytest.approx(100 * modes()["damping"].sel(mode="hunting").to_numpy())
+    assert drawn("frequency", 0, "frame pitch") == pytest.approx([10.0, 10.0, 10.0])
+    assert drawn("amplitude", 0, "steel: persists") == pytest.approx([1.0, 2.0])
+    assert drawn("amplitude", 0, "steel: decays") == pytest.approx([0.0])
+    assert drawn("limit_cycles", 0, "way up") == pytest.approx([0.0, 1.0])
+    assert drawn("limit_cycles", 0, "way down") == pytest.approx([2.0])
+    assert drawn("sliding", 0, "front") == pytest.approx(np.full(len(TIME), 1e3))
+    assert drawn("forces", 1, "closed form") == pytest.approx(np.full(len(TIME), 1e-3))
+    lateral = 1e3 * motion()["lateral"].to_numpy()[:, 0]
+    top = int(np.argmax(motion()["speed"].to_numpy()))
+    assert drawn("ramp", 0, "speeding up") == pytest.approx(lateral[: top + 1])
+    assert drawn("line", 1, "lateral, left") == pytest.approx(1e3 * on_track()["rail_lateral"].to_numpy()[:, 0])
+    assert FIGURES["time"]().axes[1].lines[0].get_ydata() == pytest.approx(lateral)
+    (across,) = (line for line in FIGURES["ramp"]().axes[0].lines if list(line.get_xdata()) == [80.0, 80.0])
+    assert across.get_linestyle() == "--"  # the critical speed that is known, not the other
