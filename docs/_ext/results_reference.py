@@ -67,7 +67,6 @@ def reference() -> list[str]:
     """The whole reference as lines of MyST Markdown."""
     from rollerrig import load_case, simulate
     from rollerrig.contact_table import _COLUMNS, _VARIABLES
-    from rollerrig.studies.conicity import CONICITY_KEYS
     from rollerrig.study import STUDIES
 
     run = simulate(load_case("wheelset_rollers").with_changes({"time.duration": "0.01 s"}))
@@ -76,7 +75,6 @@ def reference() -> list[str]:
         *described("Attributes of a run", "attribute", run.attrs, ATTRIBUTES),
         *described("Counters of the contacts", "counter", json.loads(run.attrs["contact_counters"]), COUNTERS),
         *columns({column: _VARIABLES[variable][1] for column, (variable, _) in _COLUMNS.items()}),
-        *keys("rollerrig conicity", CONICITY_KEYS),
         *(line for study in STUDIES for line in keys(f"rollerrig {study.command}", study.quantities.described())),
     ]
 

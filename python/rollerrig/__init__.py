@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from rollerrig.catalog import catalog_text as catalog_text
     from rollerrig.commands import adhesion as adhesion
     from rollerrig.commands import compare as compare
+    from rollerrig.commands import conicity as conicity
     from rollerrig.commands import contact as contact
     from rollerrig.commands import control as control
     from rollerrig.commands import lateral as lateral
@@ -53,6 +54,7 @@ _HOME = {
     "catalog_entries": "catalog",
     "catalog_text": "catalog",
     "compare": "commands",
+    "conicity": "commands",
     "contact": "commands",
     "control": "commands",
     "critical_speed": "analysis.critical_speed",

@@ -116,6 +116,38 @@ def creep(
     return results
 
 
+def conicity(
+    wheel: str, rail: str, *, roller_radius: float | None = None, yaw: float = 0.0, **options: Any
+) -> xr.Dataset:
+    """Contact characteristics of a pair of profiles: rolling radii, angles, positions, equivalent conicity.
+
+    Args:
+        wheel: wheel profile: a name of the catalogue or a file.
+        rail: rail profile, also the generatrix of a roller: likewise.
+        roller_radius: of rollers of this head, beside the rails [m]; None: rails only.
+        yaw: of the wheelset [rad].
+        **options: of `ConicityStudy`: amplitudes, largest, step [m], free_to_roll, lengths.
+
+    Returns:
+        Dataset over support, lateral shift, side and amplitude, see `shift_table` and `conicity_table`.
+
+    Raises:
+        ConfigError: a profile or a length cannot be used.
+        ValueError: the wheels do not touch.
+
+    Example:
+        >>> import rollerrig as rr
+        >>> found = rr.conicity("s1002", "en_60e1_1_40")
+        >>> round(float(found["conicity"].sel(support="rail", amplitude=3e-3, method="nearest")), 3)
+        0.174
+    """
+    from rollerrig.study.conicity import Characteristics, ConicityStudy
+
+    study = ConicityStudy(wheel, rail, roller_radius=roller_radius, yaw=yaw, **options)
+    results: Characteristics = _outcome(study, 1, None).results
+    return results.dataset()
+
+
 # ------------------------------------------------------------------------------------------------------------ studies
 
 

@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Annotated
 
 import typer
 
+from rollerrig.cli.command import Out, carry_out
 from rollerrig.cli.ranges import read_range
-from rollerrig.cli.termination import LEFT_VALIDITY, say, stop
+from rollerrig.cli.termination import stop
 
 
 def command(
     wheel: Annotated[str, typer.Argument(help="Wheel profile: a name of the catalogue or a file of points.")],
     rail: Annotated[str, typer.Argument(help="Rail profile, also the generatrix of a roller: likewise.")],
-    out: Annotated[Path, typer.Option(help="Folder for the results; made if it does not exist.")],
+    out: Out,
     gauge: Annotated[str, typer.Option(help="Distance between the gauge sides.")] = "1435mm",
     gauge_depth: Annotated[str, typer.Option(help="Depth below the highest point where it is taken.")] = "14mm",
     back_to_back: Annotated[str, typer.Option(help="Distance between the flange backs.")] = "1360mm",
@@ -33,8 +33,7 @@ def command(
     ] = False,
 ) -> None:
     """Rolling radius difference, contact angles and positions, and equivalent conicity of a pair of profiles."""
-    from rollerrig.results import output_folder
-    from rollerrig.studies.conicity import conicity_study, lead, write_study
+    from rollerrig.study.conicity import ConicityStudy
 
     lengths = {
         "gauge": _length(gauge, "--gauge"),
@@ -47,26 +46,21 @@ def command(
     if min(amplitudes) <= 0 or max(amplitudes) > shift_mm:
         allowed = f"amplitudes must lie above 0 and up to --shift-mm, {shift_mm:g}"
         raise typer.BadParameter(f"'{amplitudes_mm}': {allowed}", param_hint="--amplitudes-mm")
-    folder = output_folder(out)
     try:
-        study = conicity_study(
+        study = ConicityStudy(
             wheel,
             rail,
-            [1e-3 * a for a in sorted(set(amplitudes))],
-            roller_radius=roller,
-            largest=1e-3 * shift_mm,
-            step=1e-3 * min(step_mm, shift_mm),
-            free_to_roll=with_roll,
-            yaw=1e-3 * yaw_mrad,
-            **lengths,
+            tuple(1e-3 * a for a in sorted(set(amplitudes))),
+            roller,
+            1e-3 * shift_mm,
+            1e-3 * min(step_mm, shift_mm),
+            with_roll,
+            1e-3 * yaw_mrad,
+            lengths,
         )
     except ValueError as error:
         stop(f"{wheel} on {rail}: {error}")
-    for path in write_study(study, folder):
-        typer.echo(path)
-    say(lead(study))
-    if any(table.attrs["ended"] for table in study.shifts.values()):
-        raise typer.Exit(LEFT_VALIDITY)
+    carry_out(study, out, refused=(ValueError,))
 
 
 def _length(text: str, option: str) -> float:

@@ -16,6 +16,7 @@ _HOME = {
     "LateralStudy": "lateral",
     "EnvelopeStudy": "envelope",
     "CreepStudy": "creep",
+    "ConicityStudy": "conicity",
 }
 """Study -> its module, in the order of the reference page."""
 

@@ -10,8 +10,16 @@ import pytest
 from typer.testing import CliRunner, Result
 
 from rollerrig.cli.app import build_app
+from rollerrig.study.conicity import QUANTITIES
 
-FILES = {"shift.csv", "conicity.csv", "characteristics.png", "summary.json", "report.html"}
+FILES = {
+    "shift.csv",
+    "conicity.csv",
+    "figures/characteristics.svg",
+    "figures/characteristics.png",
+    "summary.json",
+    "report.html",
+}
 QUICK = ("--shift-mm", "4", "--step-mm", "0.5", "--amplitudes-mm", "1:4:1")
 
 
@@ -31,7 +39,8 @@ def outputs(tmp_path_factory: pytest.TempPathFactory) -> list[Path]:
 
 
 def test_rail_and_roller_stand_side_by_side(outputs: list[Path]) -> None:
-    assert {path.name for path in outputs[0].iterdir()} == FILES
+    files = {path.relative_to(outputs[0]).as_posix() for path in outputs[0].rglob("*") if path.is_file()}
+    assert files == FILES
     supports = json.loads((outputs[0] / "summary.json").read_text())["supports"]
     rail, roller = supports["rail"], supports["roller R = 500 mm"]
     assert rail["conicity_3mm"] < roller["conicity_3mm"]
@@ -43,10 +52,10 @@ def test_rail_and_roller_stand_side_by_side(outputs: list[Path]) -> None:
     assert [(row["support"], row["amplitude_mm"]) for row in rows[::4]] == [("rail", "1"), ("roller R = 500 mm", "1")]
 
 
-def test_every_key_of_the_summary_is_explained(outputs: list[Path]) -> None:
+def test_every_key_of_the_summary_is_explained_and_reported(outputs: list[Path]) -> None:
     summary = json.loads((outputs[0] / "summary.json").read_text())
-    inner = {f"supports.*.{key}" for support in summary["supports"].values() for key in support}
-    assert summary["keys"].keys() == (summary.keys() - {"keys"}) | inner
+    assert QUANTITIES.unexplained(summary) == []
+    assert QUANTITIES.unreported(summary) == []
 
 
 @pytest.mark.parametrize("name", sorted(FILES))

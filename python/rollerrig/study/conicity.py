@@ -1,0 +1,285 @@
+"""The contact characteristics of one pair of profiles, on rails and, where asked, on rollers beside them.
+
+wheel, rail -> [ConicityStudy] -> tables over lateral shift and amplitude, equivalent conicity
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from rollerrig.characteristics import conicity_table, pair_case, shift_table
+from rollerrig.config import Case
+from rollerrig.plot.characteristics import characteristics_figure
+from rollerrig.study.frame import Study
+from rollerrig.study.jobs import Done, Round, job
+from rollerrig.study.quantities import Numbers, Quantities, Quantity
+from rollerrig.study.report import Block, Picture, Section, Table, Text
+
+REFERENCE_AMPLITUDE = 3e-3
+"""At which conicities are quoted [m]."""
+
+JUMP = 1e-3
+"""A contact that moves further between two rows of the table jumps [m]."""
+
+METHOD = (
+    "integration of the kinematic motion y'' + Δr(y)/(e r0) = 0 over a wave; EN 15302:2021, clause 9 and annex E "
+    "(EN 15302:2008, annex B)"
+)
+ROLLERS = (
+    "A roller's generatrix is the rail's head, so without yaw the wheels touch both in the same points. On rollers the rolling "
+    "radius difference includes the rollers' radii, Δr - (r0/R0) ΔR, and the wavelength is measured along the rollers' surface. "
+    "The contribution of the rollers to the conicity stands beside that of the wheels."
+)
+QUANTITIES = Quantities(
+    Quantity("wheel", "wheel profile as asked for"),
+    Quantity("rail", "rail profile as asked for"),
+    Quantity("gauge_mm", "distance between the gauge sides", "mm"),
+    Quantity("back_to_back_mm", "distance between the flange backs", "mm"),
+    Quantity("wheel_radius_mm", "radius at the tape circle", "mm"),
+    Quantity(
+        "roll", "'neglected': each wheel is lowered on its own; 'free': the wheelset rolls until both wheels touch"
+    ),
+    Quantity("yaw_mrad", "yaw angle at which the wheelset is shifted", "mrad"),
+    Quantity("method", "how the conicity is computed, and after which standard"),
+    Quantity("supports.*.roller_radius_mm", "radius at the crown; null: a rail", "mm"),
+    Quantity(
+        "supports.*.conicity_3mm", "equivalent conicity at 3 mm of amplitude; null: none, or out of the range", "1"
+    ),
+    Quantity("supports.*.conicity_of_wheels_3mm", "its part from the radii of the wheels; null: none", "1"),
+    Quantity(
+        "supports.*.conicity_of_rollers_3mm", "its part from the radii of the rollers, 0 on rails; null: none", "1"
+    ),
+    Quantity("supports.*.wavelength_3mm_m", "wavelength of the kinematic motion there", "m"),
+    Quantity("supports.*.nonlinearity_per_mm", "change of the conicity from 2 to 4 mm, per millimetre", "1/mm"),
+    Quantity("supports.*.largest_shift_mm", "end of the table of lateral shifts", "mm"),
+    Quantity("supports.*.ended", "why the table ends earlier than asked, empty if it does not"),
+    Quantity("supports.*.jumps_mm", "lateral shifts to the left at which a contact jumps by more than 1 mm", "mm"),
+)
+
+PARTS = {"of_wheels": "of the wheels", "of_rollers": "of the rollers", "conicity": "together"}
+SIDE_COLUMNS = {
+    "rolling_radius": ("mm", 1e3),
+    "wheel_abscissa": ("mm", 1e3),
+    "rail_abscissa": ("mm", 1e3),
+    "rail_height": ("mm", 1e3),
+    "contact_angle": ("rad", 1.0),
+    "longitudinal": ("mm", 1e3),
+}
+
+
+@dataclass(frozen=True)
+class Characteristics:
+    """Tables by label of the support.
+
+    Attributes:
+        shifts: what `shift_table` returns.
+        conicity: what `conicity_table` returns.
+    """
+
+    shifts: dict[str, xr.Dataset]
+    conicity: dict[str, xr.Dataset]
+
+    def dataset(self) -> xr.Dataset:
+        """All of it over `support`, lateral shift, side and amplitude."""
+        tables = [
+            xr.merge([self.shifts[label], self.conicity[label]], combine_attrs="override") for label in self.shifts
+        ]
+        labels = xr.DataArray(list(self.shifts), dims="support", name="support")
+        return xr.concat(tables, labels, join="outer", combine_attrs="override")
+
+
+@dataclass(frozen=True)
+class ConicityStudy(Study[Characteristics]):
+    """Characteristics of a pair on rails, and on rollers of the same head.
+
+    Attributes:
+        wheel: wheel profile: a name of the catalogue or a file.
+        rail: rail profile, likewise.
+        amplitudes: of the conicity [m]; those beyond the end of the table of shifts are left out.
+        roller_radius: radius at the crown of the rollers [m]; None: rails only.
+        largest: lateral shift to both sides [m].
+        step: distance of the rows [m].
+        free_to_roll, yaw: see `shift_table` [-, rad].
+        lengths: gauge, gauge_depth, back_to_back, radius of `pair_case` [m].
+    """
+
+    wheel: str
+    rail: str
+    amplitudes: tuple[float, ...] = tuple(round(1e-4 * k, 6) for k in range(5, 71))
+    roller_radius: float | None = None
+    largest: float = 8e-3
+    step: float = 1e-4
+    free_to_roll: bool = False
+    yaw: float = 0.0
+    lengths: Mapping[str, float] = field(default_factory=dict)
+
+    command = "conicity"
+    quantities = QUANTITIES
+    formats = ("svg", "png")
+    resumable = False
+
+    def __post_init__(self) -> None:
+        """Refuse profiles and lengths that cannot be used.
+
+        Raises:
+            ConfigError: they cannot.
+        """
+        self.cases()
+
+    @property
+    def title(self) -> str:
+        return f"Contact characteristics: {self.cases()['rail'].description}"
+
+    def cases(self) -> Mapping[str, Case]:
+        found = {"rail": pair_case(self.wheel, self.rail, **self.lengths)}
+        if self.roller_radius is not None:
+            rollers = pair_case(self.wheel, self.rail, roller_radius=self.roller_radius, **self.lengths)
+            found[f"roller R = {1e3 * self.roller_radius:g} mm"] = rollers
+        return found
+
+    def limitations(self) -> list[str]:
+        return ["Profiles are rigid and do not wear; the conicity is that of a free wheelset in pure rolling."]
+
+    def rounds(self, done: Done) -> Iterator[Round]:
+        yield {label: job(shifts_of, self, case) for label, case in self.cases().items()}
+
+    def collect(self, done: Done) -> Characteristics | None:
+        if len(done) < len(self.cases()):
+            return None
+        conicity = {}
+        for label, table in done.items():
+            end = float(table["lateral"][-1]) * (1 + 1e-12)
+            conicity[label] = conicity_table(table, [a for a in self.amplitudes if a <= end])
+        return Characteristics(dict(done), conicity)
+
+    def statuses(self, results: Characteristics) -> Sequence[str]:
+        return ["ended early" if table.attrs["ended"] else "ok" for table in results.shifts.values()]
+
+    def numbers(self, results: Characteristics) -> dict[str, Any]:
+        first = next(iter(results.shifts.values())).attrs
+        return {
+            "wheel": self.wheel,
+            "rail": self.rail,
+            "gauge_mm": 1e3 * first["gauge_m"],
+            "back_to_back_mm": 1e3 * first["back_to_back_m"],
+            "wheel_radius_mm": 1e3 * first["wheel_radius_m"],
+            "roll": first["roll"],
+            "yaw_mrad": 1e3 * first["yaw_rad"],
+            "method": METHOD,
+            "supports": {label: support_numbers(table) for label, table in results.shifts.items()},
+        }
+
+    def summary(self, results: Characteristics, numbers: Numbers) -> list[str]:
+        return [line for label, values in numbers["supports"].items() for line in _findings(label, values)]
+
+    def files(self, results: Characteristics, numbers: Numbers) -> Mapping[str, Any]:
+        return {"shift.csv": shift_rows(results.shifts), "conicity.csv": conicity_rows(results.conicity)}
+
+    def sections(self, results: Characteristics, numbers: Numbers) -> list[Section]:
+        figure = characteristics_figure(results.shifts, results.conicity)
+        caption = "Contact characteristics over lateral shift and amplitude; all supports in one picture."
+        yaw = f"yaw {numbers['yaw_mrad']:g} mrad" if numbers["yaw_mrad"] else "no yaw"
+        conicities = {label: table["conicity"] for label, table in results.conicity.items()}
+        parts: list[Block] = [
+            _amplitude_table(
+                {words: table[name] for name, words in PARTS.items()}, f"Parts of the conicity: {label}", "part"
+            )
+            for label, table in results.conicity.items()
+            if results.shifts[label].attrs["support"] != "track"
+        ]
+        blocks: list[Block] = [
+            Picture("characteristics", figure, caption),
+            _amplitude_table(conicities, "Equivalent conicity over the amplitude of the motion", "support"),
+            *parts,
+            Text(f"Conicity: {METHOD}. Roll of the wheelset: {numbers['roll']}. Rigid profiles, {yaw}."),
+            Text(ROLLERS),
+        ]
+        return [Section("Characteristics", blocks)]
+
+
+def shifts_of(study: ConicityStudy, case: Case) -> xr.Dataset:
+    """The table over lateral shift of one support.
+
+    Raises:
+        ValueError: the wheels do not touch.
+    """
+    return shift_table(case, study.largest, study.step, free_to_roll=study.free_to_roll, yaw=study.yaw)
+
+
+def support_numbers(table: xr.Dataset) -> dict[str, Any]:
+    """What is reported of one support, without the ends of the keys' names."""
+    end = float(table["lateral"][-1])
+    at = conicity_table(table, [REFERENCE_AMPLITUDE] if end >= REFERENCE_AMPLITUDE else [])
+    names = {"conicity_3mm": "conicity", "conicity_of_wheels_3mm": "of_wheels", "conicity_of_rollers_3mm": "of_rollers"}
+    found = {key: at[name] for key, name in {**names, "wavelength_3mm_m": "wavelength"}.items()}
+    y = table["lateral"].to_numpy()
+    moved = np.abs(np.diff(table["wheel_abscissa"].to_numpy(), axis=0)).max(axis=1)
+    return {
+        "roller_radius_mm": 1e3 * table.attrs["roller_radius_m"],
+        **{key: float(values[0]) if values.size else math.nan for key, values in found.items()},
+        "nonlinearity_per_mm": at.attrs["nonlinearity_per_mm"],
+        "largest_shift_mm": round(1e3 * end, 9),
+        "ended": table.attrs["ended"],
+        "jumps_mm": [round(1e3 * float(at), 3) for at in (0.5 * (y[1:] + y[:-1]))[moved > JUMP] if at > 0],
+    }
+
+
+def _findings(label: str, values: Numbers) -> Iterator[str]:
+    conicity, wave = values["conicity_3mm"], values["wavelength_3mm_m"]
+    if conicity is None:
+        text = "no equivalent conicity at 3 mm: no restoring rolling radius difference, or the table ends before"
+    elif wave is None:
+        text = "equivalent conicity 0 at 3 mm: the rolling radii do not differ"
+    else:
+        text = f"equivalent conicity {conicity:.4f} at 3 mm, wavelength {wave:.2f} m"
+        if values["roller_radius_mm"] is not None:
+            wheels, rollers = values["conicity_of_wheels_3mm"], values["conicity_of_rollers_3mm"]
+            text += f"; {wheels:.4f} from the wheels' radii, {rollers:+.4f} from the rollers'"
+    yield f"{label}: {text}."
+    if values["ended"]:
+        yield f"{label}: {values['ended']}."
+
+
+def _amplitude_table(rows: Mapping[str, xr.DataArray], caption: str, head: str) -> Table:
+    """Values at the amplitudes nearest to whole millimetres, a row each."""
+    first = next(iter(rows.values()))["amplitude"].to_numpy()
+    quoted = [float(a) for a in first if abs(1e3 * a - round(1e3 * a)) < 1e-6 and a > 0.5e-3]
+    cells = [(label, *(float(v.sel(amplitude=a, method="nearest")) for a in quoted)) for label, v in rows.items()]
+    return Table((head, *(f"{1e3 * a:g} mm" for a in quoted)), cells, caption)
+
+
+def shift_rows(shifts: Mapping[str, xr.Dataset]) -> list[list[object]]:
+    """Table over lateral shift, header first."""
+    header = ["support", "lateral_mm", "roll_mrad", "rolling_radius_difference_mm", "effective_difference_mm"]
+    header += [f"{name}_{side}_{unit}" for side in ("left", "right") for name, (unit, _) in SIDE_COLUMNS.items()]
+    rows: list[list[object]] = [list(header)]
+    for label, table in shifts.items():
+        common = ("lateral", "roll", "rolling_radius_difference", "effective_difference")
+        columns = [1e3 * table[name].to_numpy() for name in common]
+        for side in ("left", "right"):
+            columns += [factor * table[name].sel(side=side).to_numpy() for name, (_, factor) in SIDE_COLUMNS.items()]
+        rows += [[label, *(float(v) + 0.0 for v in values)] for values in zip(*columns, strict=True)]
+    return rows
+
+
+def conicity_rows(conicity: Mapping[str, xr.Dataset]) -> list[list[object]]:
+    """Table over amplitude, header first."""
+    header = [
+        "support",
+        "amplitude_mm",
+        "equivalent_conicity",
+        "conicity_of_wheels",
+        "conicity_of_rollers",
+        "wavelength_m",
+    ]
+    rows: list[list[object]] = [list(header)]
+    for label, table in conicity.items():
+        columns = (1e3 * table["amplitude"], *(table[n] for n in ("conicity", "of_wheels", "of_rollers", "wavelength")))
+        rows += [[label, *map(float, values)] for values in zip(*(c.to_numpy() for c in columns), strict=True)]
+    return rows
