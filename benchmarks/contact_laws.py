@@ -21,18 +21,18 @@ from rich.table import Table
 
 import rollerrig as rr
 from rollerrig import _core
-from rollerrig.config.schema.contact_law import CREEP_LAWS, PolachReduction
-from rollerrig.creep import creep_law
+from rollerrig.config.schema.contact_law import CREEP_LAWS
+from rollerrig.contact_laws import creep_law
 
 BUDGET = {"kalker_saturated": 0.1, "table": 0.5, "fastsim": 3.0, "modified_fastsim": 3.0}
 """What a call may cost [us]."""
-DRY = {"k_A": 1.0, "k_S": 0.4}
+PARAMETERS = {"polach": {"k_A": 1.0, "k_S": 0.4}}
 CASE = "bogie_rollers_traction"
 
 
 def per_call(name: str, calls: int) -> float:
     """Seconds of processor time."""
-    law = creep_law(name, polach=PolachReduction(**DRY))
+    law = creep_law(name, **PARAMETERS.get(name, {}))
     creepage = np.random.default_rng(1).normal(size=(calls, 3)) * [3e-3, 3e-3, 0.5]
     best = np.inf
     for _ in range(7):
@@ -44,10 +44,7 @@ def per_call(name: str, calls: int) -> float:
 
 def run_time(name: str) -> tuple[float, float]:
     """Seconds of processor time of the traction case, and simulated seconds."""
-    changes: dict[str, object] = {"contact.creep": name}
-    if name == "polach":
-        changes["contact.polach"] = DRY
-    case = rr.load_case(CASE).with_changes(changes)
+    case = rr.load_case(CASE).with_changes({"contact.creep": {"kind": name, **PARAMETERS.get(name, {})}})
     rr.simulate(case.with_changes({"time.duration": "0.1 s"}))
     best = np.inf
     for _ in range(3):

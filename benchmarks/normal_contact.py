@@ -15,7 +15,8 @@ import time
 import numpy as np
 
 from rollerrig import load_case, simulate
-from rollerrig.contact_comparison import NORMAL_CONTACTS, compare_contacts
+from rollerrig.config.schema.contact_law import NORMAL_LAWS
+from rollerrig.contact_comparison import compare_contacts
 
 
 def per_wheel() -> None:
@@ -23,13 +24,13 @@ def per_wheel() -> None:
     positions = [(1e-3 * y, 0.0) for y in np.arange(-5.0, 5.1, 1.0)]
     for name in ("contact_benchmark_track", "bogie_rollers_constant"):
         rounds = [compare_contacts(load_case(name), positions)["cost"].to_numpy() for _ in range(5)]
-        for model, cost in zip(NORMAL_CONTACTS, np.min(rounds, axis=0), strict=True):
+        for model, cost in zip(NORMAL_LAWS, np.min(rounds, axis=0), strict=True):
             print(f"{name:24s} {model:8s} {1e6 * cost:6.2f} us per wheel")
 
 
 def traction() -> None:
     """Print how many times faster than real time the traction study runs with each normal contact and creep law."""
-    for normal in NORMAL_CONTACTS:
+    for normal in NORMAL_LAWS:
         for creep in ("kalker_saturated", "table"):
             case = load_case("bogie_rollers_traction").with_changes({"contact.normal": normal, "contact.creep": creep})
             best = np.inf

@@ -10,6 +10,7 @@
 #include <memory>
 #include <vector>
 
+#include "rollerrig/fields.hpp"
 #include "rollerrig/math/piecewise_linear.hpp"
 #include "rollerrig/math/vector.hpp"
 
@@ -67,25 +68,31 @@ struct type_caster<rollerrig::TimeTable>
 
 }  // namespace nanobind::detail
 
-/// A field of a record, under its name in Python.
+using rollerrig::Member;
+using rollerrig::OptionalMember;
+
 template <class Record, class Value>
-struct Member {
-  char const* name;
-  Value Record::* member;
-};
+auto keyword(Member<Record, Value> const& field) {
+  return nb::arg(field.name);
+}
+template <class Record, class Value>
+auto keyword(OptionalMember<Record, Value> const& field) {
+  return nb::arg(field.name).none();
+}
 
 /// Binds a struct whose fields Python gives by name, every one of them, and may read: defaults live in Python.
-template <class Record, class... Values>
+template <class Record, template <class, class> class... Members, class... Values>
 nb::class_<Record> bind_description(nb::module_& m, char const* name, char const* doc,
-                                    Member<Record, Values>... fields) {
+                                    Members<Record, Values>... fields) {
   nb::class_<Record> type(m, name, doc);
-  type.def(
-      "__init__",
-      [fields...](Record* self, Values... values) {
-        new (self) Record{};
-        ((self->*fields.member = std::move(values)), ...);
-      },
-      nb::kw_only(), nb::arg(fields.name)...);
+  auto const make = [fields...](Record* self, Values... values) {
+    new (self) Record{};
+    ((self->*fields.member = std::move(values)), ...);
+  };
+  if constexpr (sizeof...(fields) == 0)
+    type.def("__init__", make);
+  else
+    type.def("__init__", make, nb::kw_only(), keyword(fields)...);
   (type.def_ro(fields.name, fields.member), ...);
   return type;
 }

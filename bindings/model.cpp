@@ -4,7 +4,6 @@
 #include <nanobind/stl/shared_ptr.h>
 
 #include "convert.hpp"
-#include "creep_law.hpp"
 #include "rollerrig/system/model_builder.hpp"
 #include "rollerrig/system/statics.hpp"
 
@@ -32,16 +31,6 @@ PiecewiseCubic piecewise_cubic(BreakRows const& rows) {
   return curve;
 }
 
-int add_adhesion_map(ModelBuilder& builder, std::vector<std::array<double, 11>> const& pieces,
-                     std::vector<double> const& from, double blend, bool over_time) {
-  AdhesionMap map;
-  map.piece.clear();
-  for (auto const& p : pieces)
-    map.piece.push_back({{{p[0], p[1], p[2]}, p[3], p[4]}, {{p[5], p[6], p[7]}, p[8], p[9]}, p[10]});
-  map.from = from, map.blend = blend, map.over_time = over_time;
-  return builder.add_adhesion_map(map);
-}
-
 void bind_bodies(nb::module_& m) {
   using D = DirectionLaw;
   using E = ForceElement;
@@ -60,23 +49,6 @@ void bind_bodies(nb::module_& m) {
 
 void bind_contacts(nb::module_& m) {
   using C = ContactDescription;
-  using L = ContactLaws;
-  nb::enum_<NormalContactKind>(m, "NormalContact")
-      .value("hertz", NormalContactKind::hertz)
-      .value("strips", NormalContactKind::strips);
-  nb::class_<Material>(m, "Material").def(nb::init<double, double>(), "shear_modulus"_a, "poisson_ratio"_a);
-  nb::class_<NormalDamping>(m, "NormalDamping").def(nb::init<double, double>(), "damping"_a, "smoothing_speed"_a);
-  nb::class_<RollerEffects>(m, "RollerEffects")
-      .def(nb::init<bool, bool, bool, bool>(), "curvature"_a, "conicity"_a, "spin"_a, "yaw"_a);
-  nb::class_<Friction>(m, "Friction")
-      .def(
-          "__init__", [](Friction* self, double mu_0, double a, double b) { new (self) Friction{mu_0, a, b}; },
-          "mu_0"_a, "A"_a, "B"_a);
-  bind_description(m, "ContactLaws", "What a contact is made of, but for its creep law.",
-                   Member{"material", &L::material}, Member{"normal", &L::normal}, Member{"damping", &L::damping},
-                   Member{"friction", &L::friction},
-                   Member{"creepage_regularisation_speed", &L::creepage_regularisation_speed},
-                   Member{"merging_criterion", &L::merging_criterion}, Member{"roller", &L::roller});
   bind_description(m, "ContactDescription", "One wheel on one roller or rail; SI.", Member{"wheelset", &C::wheelset},
                    Member{"roller", &C::roller}, Member{"roller_radius", &C::roller_radius}, Member{"right", &C::right},
                    Member{"wheel_profile", &C::wheel_profile}, Member{"rail_profile", &C::rail_profile},
@@ -130,20 +102,11 @@ void bind_model(nb::module_& m) {
             return builder.add_profile(uniform_spline(start, step, pieces));
           },
           "start"_a, "step"_a, "pieces"_a)
-      .def(
-          "add_contact",
-          [](ModelBuilder& builder, ContactDescription contact, NamedCreepLaw const& creep) {
-            contact.laws.creep = creep.law;
-            contact.creep_table = creep.table;
-            return builder.add_contact(contact);
-          },
-          "contact"_a, "creep"_a)
+      .def("add_contact", &ModelBuilder::add_contact, "contact"_a)
       .def("add_axle_torque", &ModelBuilder::add_axle_torque, "torque"_a)
       .def("add_roller_torque", &ModelBuilder::add_roller_torque, "torque"_a)
       .def("add_rolling_constraint", &ModelBuilder::add_rolling_constraint, "wheelset"_a)
-      .def("add_adhesion_map", &add_adhesion_map, "pieces"_a, "from_"_a, "blend"_a, "over_time"_a,
-           "Rows of pieces: mu0, A, B, k_A, k_S degraded, the same recovered, tau.")
-      .def("set_adhesion_map", &ModelBuilder::set_adhesion_map, "contact"_a, "map"_a)
+      .def("set_adhesion", &ModelBuilder::set_adhesion, "contact"_a, "map"_a)
       .def("set_resistance", &ModelBuilder::set_resistance, "resistance"_a)
       .def("set_gravity", &ModelBuilder::set_gravity, "gravity"_a)
       .def("set_speed", &ModelBuilder::set_speed, "speed"_a)

@@ -3,6 +3,7 @@
 
 namespace nb = nanobind;
 
+void bind_contact_laws(nb::module_& m);
 void bind_model(nb::module_& m);
 void bind_contact(nb::module_& m);
 void bind_simulation(nb::module_& m);
@@ -10,6 +11,7 @@ void bind_bench(nb::module_& m);
 
 NB_MODULE(_core, m) {
   m.doc() = "Compiled core of rollerrig: model, contact, simulation. SI units throughout.";
+  bind_contact_laws(m);
   bind_model(m);
   bind_contact(m);
   bind_simulation(m);

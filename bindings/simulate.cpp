@@ -130,8 +130,8 @@ VirtualRail virtual_rail(nb::dict const& d, Model const& model, int contact) {
   rail.creep = laws.creep;
   rail.creepage_regularisation_speed = laws.creepage_regularisation_speed;
   rail.friction = laws.friction;
-  if (int const map = get<int>(d, "adhesion_map"); map >= 0)
-    rail.friction.map = model.adhesion_maps.at(static_cast<std::size_t>(map)).get();
+  rail.friction.map = get<std::shared_ptr<AdhesionMap const>>(d, "adhesion");
+  if (rail.friction.map) rail.friction.map->check();
   rail.wheel_load = get<double>(d, "wheel_load"), rail.a = get<double>(d, "a"), rail.b = get<double>(d, "b");
   rail.width = get<double>(d, "width");
   rail.log_aspect = std::log(rail.a / rail.b);

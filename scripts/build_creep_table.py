@@ -19,7 +19,7 @@ from scipy.sparse.linalg import spsolve
 from scipy.stats import qmc
 
 from rollerrig import _core
-from rollerrig.creep import write_table
+from rollerrig.contact_laws import write_table
 
 Array = NDArray[np.float64]
 

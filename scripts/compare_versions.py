@@ -54,6 +54,10 @@ RENAMED: dict[str, str] = {
     "stick_reduction": "k_A",
     "slip_reduction": "k_S",
     "merge_barrier": "merging_criterion",
+    "share": "weight",
+    "initial": "k_0",
+    "ultimate": "k_inf",
+    "stiffness_reduction.decay": "beta",
     "cleaning": "recovery_constant",
     "ideal_rolling": "pure_rolling",
     "believed": "assumed",
@@ -228,7 +232,7 @@ def changed(case: Any, changes: dict[str, Any], factor: float) -> Any:
         try:
             case = case.with_changes(changes)
         except ConfigError:
-            case = case.with_changes(translated(changes))
+            case = case.with_changes(laws_with_parameters(translated(changes), case))
     if factor == 1.0:
         return case
     table = case.motion.speed_table
@@ -243,6 +247,21 @@ def translated(value: Any, table: str = "") -> Any:
     if isinstance(value, dict):
         return {new_key(f"{table}.{key}"): translated(item, key.rpartition(".")[2]) for key, item in value.items()}
     return renamed(value) if isinstance(value, str) else value
+
+
+def laws_with_parameters(changes: dict[str, Any], case: Any) -> dict[str, Any]:
+    """Parameters in the table of their law, where they stood beside its name."""
+    changes = dict(changes)
+    for key in ("polach", "stiffness_reduction"):
+        if f"contact.{key}" in changes:
+            changes["contact.creep"] = {"kind": changes["contact.creep"], **changes.pop(f"contact.{key}")}
+    if "contact.friction_fall" in changes:
+        fall = changes.pop("contact.friction_fall")
+        changes["contact.friction"] = {"kind": "falling", "mu_0": case.contact.friction.mu_0, **fall}
+    for old, new in (("saturate_spin_moment", "creep"), ("merging_criterion", "normal")):
+        if f"contact.{old}" in changes:
+            changes[f"contact.{new}.{old}"] = changes.pop(f"contact.{old}")
+    return changes
 
 
 def new_key(key: str) -> str:

@@ -11,7 +11,8 @@ import math
 
 from rollerrig import _core
 from rollerrig.assembly import ABSENT, GROUND, AssembledModel, Assembly, AxleActuators
-from rollerrig.config import Brake, Case, Condition, Track, Traction
+from rollerrig.config import Brake, Case, Track, Traction
+from rollerrig.contact_laws import adhesion_map
 
 
 def assemble_with_actuators(case: Case) -> AssembledModel:
@@ -21,32 +22,24 @@ def assemble_with_actuators(case: Case) -> AssembledModel:
     on level track, coasting, and its axles roll as creep lets them.
     """
     assembly = Assembly(case)
-    adhesion_map = _add_adhesion(assembly)
+    adhesion = _add_adhesion(assembly)
     axles = tuple(_add_axle(assembly, number, name) for number, name in enumerate(assembly.wheelsets))
     start_core = assembly.builder.finish()
     _add_resistance(assembly)
     if case.bench.pure_rolling:
         for name in assembly.wheelsets:
             assembly.builder.add_rolling_constraint(assembly.index(name))
-    return assembly.finish(start_core=start_core, axles=axles, adhesion_map=adhesion_map)
+    return assembly.finish(start_core=start_core, axles=axles, adhesion=adhesion)
 
 
-def _add_adhesion(assembly: Assembly) -> int:
+def _add_adhesion(assembly: Assembly) -> _core.AdhesionMap | None:
     """The adhesion of the case's rails: on the wheels on track; on a rig for the virtual train alone."""
-    adhesion = assembly.case.adhesion
-    if adhesion is None:
-        return ABSENT
-    rails = [adhesion.rail, *(piece.rail for piece in adhesion.piece)]
-    rows = [[*_condition(rail), *_condition(adhesion.recovered), adhesion.recovery_constant] for rail in rails]
-    borders = [float((piece.time if adhesion.over_time else piece.distance) or 0.0) for piece in adhesion.piece]
-    number = assembly.builder.add_adhesion_map(rows, borders, adhesion.blend, adhesion.over_time)
+    if assembly.case.adhesion is None:
+        return None
+    adhesion = adhesion_map(assembly.case.adhesion)
     for wheel in assembly.wheels if isinstance(assembly.support, Track) else ():
-        assembly.builder.set_adhesion_map(wheel.contact, number)
-    return number
-
-
-def _condition(rail: Condition) -> list[float]:
-    return [rail.mu_0, rail.A, rail.B, rail.k_A, rail.k_S]
+        assembly.builder.set_adhesion(wheel.contact, adhesion)
+    return adhesion
 
 
 def _add_axle(assembly: Assembly, number: int, name: str) -> AxleActuators:

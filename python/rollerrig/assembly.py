@@ -10,14 +10,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 from rollerrig import _core
 from rollerrig.config import AngularSupport, Case, Foundation, LinearSupport, Mounting, Rig, Track, Vehicle
 from rollerrig.config.schema.irregularity import rails_of_run
 from rollerrig.config.schema.vehicle import DIRECTIONS, AngularLaw, Body, Element, LinearLaw
 from rollerrig.config.validate.check_track import distance_run, foremost_wheelset
-from rollerrig.creep import creep_law_of, friction_of
+from rollerrig.contact_laws import contact_laws
 from rollerrig.irregularity import RAILS, RailIrregularity
 from rollerrig.profiles import ProfileTable, gauge_point, profile_from_spec
 from rollerrig.track import Line
@@ -87,8 +86,8 @@ class AssembledModel:
     """Times at which an input has a corner [s]."""
     axles: tuple[AxleActuators, ...]
     """Actuators of each axle; empty where the model was assembled without."""
-    adhesion_map: int
-    """Index of the rails' adhesion in the core's model."""
+    adhesion: _core.AdhesionMap | None
+    """Adhesion of the case's rails; None without [adhesion], and where the model was assembled without actuators."""
 
     def body_index(self, name: str) -> int:
         """Index of a body in the core.
@@ -167,7 +166,7 @@ class Assembly:
         *,
         start_core: _core.Model | None = None,
         axles: tuple[AxleActuators, ...] = (),
-        adhesion_map: int = ABSENT,
+        adhesion: _core.AdhesionMap | None = None,
     ) -> AssembledModel:
         """The model with what has been added so far; by custom a run starts from the equilibrium of this very model."""
         core = self.builder.finish()
@@ -194,7 +193,7 @@ class Assembly:
             irregularity=self.irregularity,
             breakpoints=self.breakpoints,
             axles=axles,
-            adhesion_map=adhesion_map,
+            adhesion=adhesion,
         )
 
     def _add_plant(self) -> None:
@@ -353,7 +352,7 @@ class Assembly:
             self.builder.add_profile(profile.start, profile.step, profile.coefficients)
             for profile in (self.wheel_profile, self.rail_profile)
         )
-        laws, creep = contact_laws(self.case.contact), creep_law_of(self.case.contact)
+        laws = contact_laws(self.case.contact)
         for body in wheelsets:
             for side in ("left", "right"):
                 contact = _core.ContactDescription(
@@ -369,7 +368,7 @@ class Assembly:
                     size=self.vehicle.wheel.profile.length_scale,
                     laws=laws,
                 )
-                index = self.builder.add_contact(contact, creep)
+                index = self.builder.add_contact(contact)
                 self.wheels.append(WheelInfo(f"{body.name}_{side}", body.name, side, index))
 
     def _add_track_geometry(self) -> tuple[Line | None, RailIrregularity | None]:
@@ -415,20 +414,6 @@ def axle_torque(wheelset: int, reaction: int, table: Rows) -> _core.AxleTorque:
     """A torque about an axle over time [N m], of no motor; its opposite acts on the body `reaction`, or on nothing."""
     return _core.AxleTorque(
         wheelset=wheelset, reaction=reaction, torque=table, link=0.0, gear_ratio=1.0, rotor_inertia=0.0
-    )
-
-
-def contact_laws(contact: Any) -> _core.ContactLaws:
-    """Material, normal contact, friction and regularisation of a case's contact, as the core takes them."""
-    effects, friction = contact.roller_effects, friction_of(contact)
-    return _core.ContactLaws(
-        material=_core.Material(contact.material.shear_modulus, contact.material.poisson_ratio),
-        normal=_core.NormalContact[contact.normal],
-        damping=_core.NormalDamping(contact.normal_damping, contact.damping_onset),
-        friction=_core.Friction(*friction),
-        creepage_regularisation_speed=contact.creepage_regularisation_speed,
-        merging_criterion=contact.merging_criterion,
-        roller=_core.RollerEffects(effects.curvature, effects.conicity, effects.spin, effects.yaw),
     )
 
 

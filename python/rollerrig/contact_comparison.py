@@ -8,21 +8,19 @@ Left of the running direction is positive. What each model is: `docs/theory/cont
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, get_args
+from typing import Any
 
 import numpy as np
 import xarray as xr
 
 from rollerrig import _core
 from rollerrig.assembly import assemble
-from rollerrig.config import Case, Contact
+from rollerrig.config import Case
+from rollerrig.config.schema.contact_law import NORMAL_LAWS
 from rollerrig.contact_table import contact_table, leading_wheelset
 
-NORMAL_CONTACTS: tuple[str, ...] = get_args(Contact.model_fields["normal"].annotation)
-"""Names for `contact.normal`."""
-
 QUANTITIES = {
-    "patches": ("1", "patches under load, each counted with its share"),
+    "patches": ("1", "patches under load, each counted with its weight"),
     "normal": ("N", "sum of the normal forces"),
     "centre": ("m", "EN abscissa S of the centre of the pressures on the wheel, negative towards the flange"),
     "width": ("m", "loaded width across the rolling direction"),
@@ -49,12 +47,12 @@ def compare_contacts(
         balance; `lateral` [m] and `yaw` [rad] over `position`; `cost` [s] over `model`: search and normal contact of one
         wheel, mean over the positions. The attribute `failed_positions` as of `contact_table`, named by model.
     """
-    shape = (len(NORMAL_CONTACTS), len(positions), 2)
+    shape = (len(NORMAL_LAWS), len(positions), 2)
     data = {name: np.full(shape, np.nan) for name in QUANTITIES}
-    cost = np.full(len(NORMAL_CONTACTS), np.nan)
+    cost = np.full(len(NORMAL_LAWS), np.nan)
     failed: list[str] = []
     title: dict[str, Any] = {}
-    for i, model in enumerate(NORMAL_CONTACTS):
+    for i, model in enumerate(NORMAL_LAWS):
         chosen = case.with_changes({"contact.normal": model})
         table = contact_table(chosen, positions, roll=roll)
         title = {key: table.attrs[key] for key in ("title", "case", "wheelset", "load_n")}
@@ -69,7 +67,7 @@ def compare_contacts(
         if timed:
             cost[i] = _cost(chosen, table, positions)
     coordinates = {
-        "model": list(NORMAL_CONTACTS),
+        "model": list(NORMAL_LAWS),
         "side": ["left", "right"],
         "lateral": ("position", [lateral for lateral, _ in positions], {"units": "m"}),
         "yaw": ("position", [yaw for _, yaw in positions], {"units": "rad"}),
@@ -121,14 +119,14 @@ def comparison_text(comparison: xr.Dataset) -> str:
 
 
 def _of_wheel(rows: xr.Dataset) -> dict[str, float]:
-    """All patches of one wheel as one: sums with their shares, the centre weighted with force, the largest pressure."""
-    normal, share = rows["normal"].to_numpy(), rows["share"].to_numpy()
+    """All patches of one wheel as one: sums with their weights, the centre weighted with force, the largest pressure."""
+    normal, weight = rows["normal"].to_numpy(), rows["weight"].to_numpy()
     return {
-        "patches": float(share.sum()),
+        "patches": float(weight.sum()),
         "normal": float(normal.sum()),
         "centre": float(rows["wheel_abscissa"].to_numpy() @ normal / normal.sum()),
-        "width": float(rows["width"].to_numpy() @ share),
-        "area": float(rows["area"].to_numpy() @ share),
+        "width": float(rows["width"].to_numpy() @ weight),
+        "area": float(rows["area"].to_numpy() @ weight),
         "approach": float(rows["approach"].max()),
         "peak_pressure": float(rows["peak_pressure"].max()),
     }

@@ -25,14 +25,14 @@ _VARIABLES = {
     "patch": ("1", "number of the patch on its wheel, from the flange outwards"),
     "wheel_abscissa": ("m", "EN abscissa S on the wheel profile, negative towards the flange"),
     "angle": ("rad", "slope of the wheel profile at the contact, as an angle"),
-    "a": ("m", "semi-axis along the rolling direction; of the equivalent ellipse if the patch is none"),
+    "a": ("m", "semi-axis along the rolling direction; of the equivalent ellipse of a non-elliptical contact patch"),
     "b": ("m", "semi-axis across the rolling direction"),
     "approach": ("m", "elastic approach of the surfaces"),
     "normal": ("N", "normal force"),
     "roll": ("rad", "roll angle of the wheelset"),
     "height": ("m", "height of the wheelset"),
     "peak_pressure": ("Pa", "largest pressure"),
-    "share": ("1", "share of the patch that counts where two patches become one"),
+    "weight": ("1", "blending weight of the patch where two patches merge"),
     "rolling_radius": ("m", "wheel radius at the contact"),
     "width": ("m", "loaded width across the rolling direction"),
     "area": ("m^2", "loaded area"),
@@ -54,7 +54,7 @@ _COLUMNS = {
     "roll_mrad": ("roll", 1e3),
     "height_mm": ("height", 1e3),
     "peak_pressure_mpa": ("peak_pressure", 1e-6),
-    "share": ("share", 1.0),
+    "weight": ("weight", 1.0),
     "rolling_radius_mm": ("rolling_radius", 1e3),
     "width_mm": ("width", 1e3),
     "area_mm2": ("area", 1e6),
@@ -101,7 +101,7 @@ def contact_table(case: Case, positions: Iterable[tuple[float, float]], *, roll:
                 shape = tuple(patch[key] for key in ("wheel_s", "angle", "a", "b", "approach", "normal"))
                 pose = (found["roll"], found["z"] - unloaded)
                 rest = tuple(
-                    patch[key] for key in ("peak_pressure", "share", "wheel_radius", "width", "area", "rail_y")
+                    patch[key] for key in ("peak_pressure", "weight", "wheel_radius", "width", "area", "rail_y")
                 )
                 rows.append((lateral, yaw, side, number, *shape, *pose, *rest))
     columns = list(zip(*rows, strict=True)) if rows else [()] * len(_VARIABLES)

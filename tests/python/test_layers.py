@@ -1,7 +1,7 @@
 """The arrow of the data is a test: a folder may use only what stands to its left.
 
 core:    scalar -> math -> integrate -> track -> multibody -> geometry -> contact -> mechatronics -> system -> simulate
-Python:  profiles, track, irregularity -> config -> catalog -> cases -> creep -> assembly -> actuators -> results
+Python:  profiles, track, irregularity -> config -> catalog -> cases -> contact_laws -> assembly -> actuators -> results
          -> starting_state -> bench -> simulation -> similitude -> characteristics -> analysis -> plot -> report -> study
          -> studies -> cli
 """
@@ -21,13 +21,13 @@ CORE_SOURCES = ROOT / "core" / "src"
 PACKAGE = ROOT / "python" / "rollerrig"
 
 CORE_LAYERS = [
-    {"scalar.hpp", "status.hpp"},
+    {"scalar.hpp", "status.hpp", "fields.hpp"},
     {"math"},
     {"integrate"},
     {"track"},
     {"multibody"},
     {"geometry"},
-    {"contact/material.hpp"},
+    {"contact/material.hpp", "contact/regularisation.hpp"},
     {"contact/normal", "contact/adhesion"},
     {"contact/creep"},
     {"contact"},
@@ -118,7 +118,7 @@ PYTHON_LAYERS = [
     {"config"},
     {"catalog"},
     {"cases"},
-    {"creep"},
+    {"contact_laws"},
     {"assembly"},
     {"actuators"},
     {"results"},

@@ -12,7 +12,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from rollerrig import _core
-from rollerrig.creep import creep_law
+from rollerrig.contact_laws import creep_law
 from validation.reference import POISSON_RATIO, SHEAR_MODULUS, benchmark_press, mm, rows
 
 FRICTION = 0.3
@@ -46,12 +46,12 @@ class Comparison:
 
     @property
     def area(self) -> float:
-        return float(sum(patch["share"] * patch["area"] for patch in self.patches) / mm**2)
+        return float(sum(patch["weight"] * patch["area"] for patch in self.patches) / mm**2)
 
     @property
     def width(self) -> float:
         """Loaded width of all patches."""
-        return float(sum(patch["share"] * patch["width"] for patch in self.patches) / mm)
+        return float(sum(patch["weight"] * patch["width"] for patch in self.patches) / mm)
 
     @property
     def pressure(self) -> float:

@@ -10,7 +10,7 @@ import numpy as np
 from rollerrig import _core
 from rollerrig.assembly import AssembledModel, assemble
 from rollerrig.config import load_case
-from rollerrig.creep import creep_law
+from rollerrig.contact_laws import creep_law
 from rollerrig.profiles import ProfileTable, gauge_point, profile_from_spec
 
 mm = 1e-3
@@ -60,13 +60,13 @@ def add_wheels(
     wheel_index = builder.add_profile(wheel.start, wheel.step, wheel.coefficients)
     rail_index = builder.add_profile(rail.start, rail.step, rail.coefficients)
     laws = _core.ContactLaws(
-        material=_core.Material(shear_modulus, POISSON_RATIO),
-        normal=_core.NormalContact[normal],
-        damping=_core.NormalDamping(normal_damping, 1e-4),
-        friction=_core.Friction(friction, 1.0, 0.0),
+        material=_core.Material(shear_modulus=shear_modulus, poisson_ratio=POISSON_RATIO),
+        normal=_core.Hertz(merging_criterion=merging_criterion) if normal == "hertz" else _core.Strips(),
+        damping=_core.NormalDamping(damping=normal_damping, smoothing_speed=1e-4),
+        creep=creep_law("kalker_saturated"),
+        friction=_core.Friction(law=_core.Constant(mu_0=friction), map=None),
         creepage_regularisation_speed=0.1,
-        merging_criterion=merging_criterion,
-        roller=_core.RollerEffects(True, True, True, True),
+        roller=_core.RollerEffects(curvature=True, conicity=True, spin=True, yaw=True),
     )
     left, right = (
         builder.add_contact(
@@ -82,8 +82,7 @@ def add_wheels(
                 rail_origin_y=origin,
                 size=1.0,
                 laws=laws,
-            ),
-            creep_law("kalker_saturated"),
+            )
         )
         for roller, right in zip(rollers, (False, True), strict=True)
     )

@@ -35,7 +35,7 @@ VARIANTS: dict[str, dict[str, object]] = {
         "motion.speed_table": [[0.0, 20.0], [1.0, 25.0]],
         "motion.speed": 20.0,
     },
-    "spin moment saturated": {"contact.saturate_spin_moment": True},
+    "spin moment saturated": {"contact.creep.saturate_spin_moment": True},
     "whole vehicle": {"vehicle.cut": "vehicle"},
     "whole vehicle on track": {"vehicle.cut": "vehicle", "support.use": "uic60_track"},
     "one wheelset": {"vehicle.cut": "leading_wheelset"},

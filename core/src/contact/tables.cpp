@@ -100,6 +100,11 @@ HertzTable::HertzTable() {
   log_aspect = build(&HertzFunctions::log_aspect);
 }
 
+HertzTable const& hertz_table() {
+  static HertzTable const table;
+  return table;
+}
+
 KalkerTable::KalkerTable(double nu) {
   std::array<std::array<double, knots>, 4> c{};
   for (std::size_t i = 0; i < knots; ++i) {

@@ -80,15 +80,15 @@ UniformSpline hermite(double start, double step, std::vector<double> const& valu
 
 }  // namespace
 
-int find_islands(WheelRollerPair const& pair, RelativePose<double> const& pose, ContactSearch const& search,
-                 std::array<Island, max_islands>& islands) {
+int find_regions(WheelRollerPair const& pair, RelativePose<double> const& pose, ContactSearch const& search,
+                 std::array<InterpenetrationRegion, max_regions>& regions) {
   int const n = search.count();
   if (n == 0) return 0;
-  // Which rises between neighbouring minima part two islands: those above the other surface; the highest ones if too many.
+  // Which rises between neighbouring minima part two regions: those above the other surface; the highest ones if too many.
   std::array<char, ContactSearch::max_minima> parts{};
   int count = 1;
   for (int i = 0; i + 1 < n; ++i) count += parts[at(i)] = search.barrier(i).gap > 0.0;
-  for (; count > max_islands; --count) {
+  for (; count > max_regions; --count) {
     int lowest = -1;
     for (int i = 0; i + 1 < n; ++i)
       if (parts[at(i)] && (lowest < 0 || search.barrier(i).gap < search.barrier(lowest).gap)) lowest = i;
@@ -102,7 +102,7 @@ int find_islands(WheelRollerPair const& pair, RelativePose<double> const& pose, 
     double const highest = last + 1 < n ? search.barrier(last).s : pair.wheel->end();
     End const left = find_end(pair, pose, search[first], lowest);
     End const right = find_end(pair, pose, search[last], highest);
-    islands[at(found++)] = {left.s, right.s, left.is_root, right.is_root, first, last};
+    regions[at(found++)] = {left.s, right.s, left.is_root, right.is_root, first, last};
     first = last + 1;
   }
   return found;

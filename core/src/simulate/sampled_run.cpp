@@ -84,7 +84,7 @@ TestBench::TestBench(Dynamics& dynamics, BenchSetup const& setup)
   in.axle_torque.assign(model.axle_torques.size(), {});
   in.roller_torque.assign(model.roller_torques.size(), {});
   in.cylinder.assign(model.brakes.size(), {});
-  in.spent.assign(model.contacts.size(), 0.0);
+  in.dissipated_energy.assign(model.contacts.size(), 0.0);
   if (setup.estimator.kind == EstimatorKind::kalman)
     solve_kalman_gain(setup_.estimator, setup.step * std::max(1, setup.rig_sampling.every));
 }
@@ -155,9 +155,9 @@ void TestBench::step() {
   move_machines();
   in.speed = {time(), speed_, in.travels ? acceleration_ : 0.0};
   in.distance = distance_;
-  spend_energy();
+  dissipate_energy();
   // Inputs are straight lines that join: the slope at the end of the last step is that at the start of this one. What
-  // does jump, V' and the energy spent, shifts a velocity by less than step / 6 times the jump, and the next jump back.
+  // does jump, V' and the dissipated energy, shifts a velocity by less than step / 6 times the jump, and the next jump back.
   method_.prepare(plant_, time(), y_);
   status_ =
       method_.attempt(plant_, {time(), setup_.step, setup_.step * static_cast<double>(step_count_ + 1)}, y_, y_new_);
@@ -249,11 +249,10 @@ void TestBench::move_machines() {
   }
 }
 
-/// Energy that the wheels spend on the rail under them, and what they leave for those behind.
-void TestBench::spend_energy() {
+/// Energy that the wheels dissipate on the rail under them, and what they leave for those behind.
+void TestBench::dissipate_energy() {
   auto& in = dynamics_->inputs;
   Model const& model = dynamics_->model();
-  if (model.adhesion_maps.empty()) return;
   double const way = setup_.step * std::max(0.0, speed_);
   double const per_length_of_rail =
       1.0 / std::max(0.1, speed_);  // rail passes at the train's speed, however wheels slide
@@ -270,8 +269,9 @@ void TestBench::spend_energy() {
       }
       double const own = width > 0.0 ? per_length / width : 0.0;
       double const wanted = rail_[at(side)].before(place) + 0.5 * own;
-      in.spent[at(c)] += 0.2 * (wanted - in.spent[at(c)]);  // friction and energy act on each other: five steps' memory
-      rail_[at(side)].spend(place, place + way, own);
+      in.dissipated_energy[at(c)] +=
+          0.2 * (wanted - in.dissipated_energy[at(c)]);  // friction and energy act on each other: five steps' memory
+      rail_[at(side)].dissipate(place, place + way, own);
     }
 }
 
@@ -328,8 +328,8 @@ void TestBench::fill_row(double* axles, double* train) const {
                           r * wheel - surface - work.motion[at(a.wheelset)].v.x,
                           axle.measured_torque,
                           axle.measured_load,
-                          reproduces          ? axle.virtual_spent
-                          : a.contact[0] >= 0 ? in.spent[at(a.contact[0])]
+                          reproduces          ? axle.virtual_energy
+                          : a.contact[0] >= 0 ? in.dissipated_energy[at(a.contact[0])]
                                               : 0.0};
     static_assert(std::size(row) == std::size(axle_table));
     axles = std::copy(std::begin(row), std::end(row), axles);

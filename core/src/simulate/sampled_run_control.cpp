@@ -153,7 +153,7 @@ void TestBench::control_rig() {
     double const now = time();
     double const from = train_.distance();
     auto const law = [&](int i, double slip, double speed, double load) {
-      return setup_.rail.force(slip, speed, load, now, from + setup_.place[at(i)], axle_[at(i)].virtual_spent);
+      return setup_.rail.force(slip, speed, load, now, from + setup_.place[at(i)], axle_[at(i)].virtual_energy);
     };
     VirtualTrain train = setup_.train;
     for (int i = 0; i < axles && setup_.measured_loads; ++i) {
@@ -161,15 +161,15 @@ void TestBench::control_rig() {
       train.load_transfer[at(i)] = 0.0;
     }
     train_.step(train, torque.data(), period, law);
-    for (int i = 0; i < axles; ++i) {  // front to back: the leading axle cleans for the following ones
+    for (int i = 0; i < axles; ++i) {  // front to back: the following ones run on what the leading axle leaves
       Axle& axle = axle_[at(i)];
       double const place = setup_.place[at(i)];
       double const slip = setup_.train.wheel_radius * train_.axle_speed(i) - train_.speed();
       double const speed = std::max(train_.speed(), 0.1);
       double const own = std::fabs(train_.force(i) * slip) / (2.0 * speed * setup_.rail.width);
       double const found = virtual_rail_.before(from + place);
-      axle.virtual_spent = found + 0.5 * own;  // half of it is spent behind the patch's middle
-      virtual_rail_.spend(from + place, train_.distance() + place, own);
+      axle.virtual_energy = found + 0.5 * own;  // half of it is dissipated behind the patch's middle
+      virtual_rail_.dissipate(from + place, train_.distance() + place, own);
       double const feed_forward = e.roller_inertia * setup_.train.wheel_radius / e.roller_radius * train_.axle_rate(i) -
                                   e.roller_radius * train_.force(i);  // (D5)
       axle.feed_forward = feed_forward;

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "rollerrig/contact/wheel_patches.hpp"
-
 namespace rollerrig {
 namespace {
 
@@ -201,8 +199,8 @@ ContactPlacement<T> Dynamics::placement(int index, Workspace<T> const& w) const 
   }
   if (contact.right) mirror(p);
   if (contact.laws.friction.map != nullptr) {
-    p.motion.place = w.travel.s + contact.distance_ahead;
-    p.motion.spent = inputs.spent.empty() ? 0.0 : inputs.spent[at(index)];
+    p.motion.arc_length = w.travel.s + contact.distance_ahead;
+    p.motion.dissipated_energy = inputs.dissipated_energy.empty() ? 0.0 : inputs.dissipated_energy[at(index)];
   }
   return p;
 }

@@ -27,11 +27,11 @@ Status Dynamics::accept(double t, double const* x) {
     }
     for (int k = 0; k < n; ++k) {
       Patch<double> const& p = patch(static_cast<int>(i), k);
-      counters_.limited_curvature += p.hertz.limited;
-      counters_.faded += p.share < 1.0;
-      counters_.clamped_aspect += !contact.laws.kalker->covers(p.hertz.log_aspect);
+      counters_.limited_curvature += p.limited;
+      counters_.faded += p.weight < 1.0;
+      counters_.clamped_aspect += !contact.laws.kalker->covers(p.log_aspect);
       counters_.negative_dissipation += p.creep_dissipation() < -1e-6;
-      if (k > 0 && contact.laws.normal == NormalContactKind::hertz) {
+      if (k > 0 && std::holds_alternative<HertzEllipses>(contact.laws.normal)) {
         Patch<double> const& left = patch(static_cast<int>(i), k - 1);
         double const distance = std::hypot(p.point.p.y - left.point.p.y, p.point.p.z - left.point.p.z);
         counters_.overlapping += distance < p.b + left.b;

@@ -88,10 +88,9 @@ RelaxingDirections Dynamics::relaxing_directions() const {
 std::array<double, 2> Dynamics::viscosity(int contact, int k) const {
   ContactLaws const& laws = model_->contacts[at(contact)].laws;
   auto const& own = patch(contact, k);
-  auto const f =
-      kalker_stiffness(laws.kalker->at(own.hertz.log_aspect), laws.material.shear_modulus, own.a, own.b, 1.0);
+  auto const f = kalker_stiffness(laws.kalker->at(own.log_aspect), laws.material.shear_modulus, own.a, own.b, 1.0);
   double const v = std::hypot(own.rolling_speed, laws.creepage_regularisation_speed);
-  double const left = own.share * own.creep.saturation / v;
+  double const left = own.weight * own.creep.saturation / v;
   return {left * f.f11, left * f.f22};
 }
 

@@ -3,7 +3,6 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "rollerrig/contact/normal/strip_kernel.hpp"
 #include "rollerrig/geometry/interpenetration.hpp"
 
 namespace rollerrig {
@@ -36,16 +35,6 @@ void need_increasing(PiecewiseCubic const& curve, std::string const& what) {
   need(curve.start.size() == curve.coefficient.size(), what + " must have one row per break");
   for (std::size_t i = 1; i < curve.start.size(); ++i)
     need(curve.start[i - 1] < curve.start[i], what + ": breaks must increase");
-}
-
-/// The same for every model: made once.
-HertzTable const& hertz_table() {
-  static HertzTable const table;
-  return table;
-}
-StripKernel const& strip_kernel() {
-  static StripKernel const kernel;
-  return kernel;
 }
 
 std::string number(std::string const& what, std::size_t i) { return what + " " + std::to_string(i); }
@@ -143,12 +132,6 @@ int ModelBuilder::add_profile(UniformSpline const& profile) {
   return static_cast<int>(profiles_.size()) - 1;
 }
 
-int ModelBuilder::add_adhesion_map(AdhesionMap const& map) {
-  need(map.piece.size() == map.from.size() + 1, "adhesion map: one border less than pieces");
-  model_.adhesion_maps.push_back(std::make_shared<AdhesionMap const>(map));
-  return static_cast<int>(model_.adhesion_maps.size()) - 1;
-}
-
 int ModelBuilder::add_contact(ContactDescription const& d) {
   std::string const what = number("contact", model_.contacts.size());
   check_body(d.wheelset, what + ": wheelset");
@@ -180,22 +163,13 @@ int ModelBuilder::add_contact(ContactDescription const& d) {
             d.size};
   c.laws = d.laws;
   auto& kalker = kalker_[d.laws.material.poisson_ratio];
-  if (!kalker) {
-    kalker = std::make_shared<KalkerTable const>(d.laws.material.poisson_ratio);
-    model_.tables.push_back(kalker);
-  }
-  c.laws.kalker = kalker.get();
-  c.laws.hertz = &hertz_table();
-  if (d.laws.normal == NormalContactKind::strips) {
+  if (!kalker) kalker = std::make_shared<KalkerTable const>(d.laws.material.poisson_ratio);
+  c.laws.kalker = kalker;
+  if (std::holds_alternative<ElasticStrips>(d.laws.normal)) {
     auto& arc = arcs_[d.wheel_profile];
-    if (!arc) {
-      arc = std::make_shared<ArcLength const>(*c.pair.wheel);
-      model_.tables.push_back(arc);
-    }
-    c.laws.strip_kernel = &strip_kernel();
-    c.laws.wheel_arc = arc.get();
+    if (!arc) arc = std::make_shared<ArcLength const>(*c.pair.wheel);
+    c.laws.wheel_arc = arc;
   }
-  if (d.creep_table) model_.tables.push_back(d.creep_table);
   model_.contacts.push_back(c);
   return static_cast<int>(model_.contacts.size()) - 1;
 }
@@ -243,12 +217,11 @@ int ModelBuilder::add_rolling_constraint(int wheelset) {
   return static_cast<int>(model_.rolling_constraints.size()) - 1;
 }
 
-void ModelBuilder::set_adhesion_map(int contact, int map) {
+void ModelBuilder::set_adhesion(int contact, std::shared_ptr<AdhesionMap const> const& map) {
   need(contact >= 0 && contact < static_cast<int>(model_.contacts.size()),
        "adhesion map: there is no contact " + std::to_string(contact));
-  need(map >= 0 && map < static_cast<int>(model_.adhesion_maps.size()),
-       "contact " + std::to_string(contact) + ": there is no adhesion map " + std::to_string(map));
-  model_.contacts[at(contact)].laws.friction.map = model_.adhesion_maps[at(map)].get();
+  map->check();
+  model_.contacts[at(contact)].laws.friction.map = map;
 }
 
 void ModelBuilder::set_contact_loss_limit(double duration) {

@@ -2,8 +2,6 @@
 
 #include <cmath>
 
-#include "rollerrig/contact/wheel_patches.hpp"
-
 namespace rollerrig {
 namespace {
 
@@ -30,17 +28,24 @@ double root_between(F const& f, double low, double high, double resolution) {
   return 0.5 * (low + high);
 }
 
-/// Where a patch lies; the right side is computed in its mirror image.
-void set_place(WheelContact const& contact, double wheel_s, double rail_y, Vec3<double> const& point,
-               Vec3<double> const& direction, PressedPatch& out) {
-  double const side = out.right ? -1.0 : 1.0;
-  auto const profile = contact.pair.wheel->at(wheel_s);
-  out.wheel_s = wheel_s;
-  out.rail_y = rail_y;
+/// One patch with its weight applied; the right side is computed in its mirror image.
+PressedPatch seen(WheelContact const& contact, NormalPatch<double> const& patch) {
+  double const side = contact.right ? -1.0 : 1.0;
+  auto const& point = patch.point;
+  auto const profile = contact.pair.wheel->at(point.wheel_s);
+  PressedPatch out;
+  out.right = contact.right;
+  out.wheel_s = point.wheel_s;
+  out.rail_y = point.rail_y;
   out.angle = std::atan(profile.slope);
   out.wheel_radius = contact.pair.wheel_radius + profile.value;
-  out.point = {point.x, side * point.y, point.z};
-  out.direction = {direction.x, side * direction.y, direction.z};
+  out.point = {point.p.x, side * point.p.y, point.p.z};
+  out.direction = {point.n.x, side * point.n.y, point.n.z};
+  out.a = patch.a, out.b = patch.b, out.area = pi * patch.a * patch.b;
+  out.approach = -point.gap, out.width = patch.width, out.peak_pressure = patch.peak_pressure;
+  out.weight = patch.weight, out.normal = patch.weight * patch.elastic;
+  out.limited = patch.limited;
+  return out;
 }
 
 }  // namespace
@@ -74,78 +79,30 @@ WheelsetPress::Load WheelsetPress::load_at(WheelsetPosition const& p) {
   return load;
 }
 
-PressedPatch WheelsetPress::patch_of(WheelsetPosition const& p, bool right, GapMinimum const& root) const {
-  WheelContact const& contact = *contact_[right];
-  auto const point = contact_point(contact.pair, pose(p, right), root.s, root.gradient);
-  double const d1 = 0.5 * (point.wheel_curvature_along + point.rail_curvature_along);
-  double const d2 = 0.5 * (point.wheel_curvature_across + point.rail_curvature_across);
-  auto const hertz = hertz_contact(*contact.laws.hertz, contact.laws.material, d1, d2);
-  double const depth = std::max(0.0, -point.gap);
-  PressedPatch out;
-  out.right = right;
-  out.a = hertz.a_per_root * std::sqrt(depth);
-  out.b = hertz.b_per_root * std::sqrt(depth);
-  out.approach = -point.gap;
-  out.normal = hertz.stiffness * depth * std::sqrt(depth);
-  out.area = pi * out.a * out.b;
-  out.width = 2.0 * out.b;
-  out.peak_pressure = depth > 0.0 ? 1.5 * out.normal / out.area : 0.0;
-  set_place(contact, point.wheel_s, point.rail_y, point.p, point.n, out);
-  out.limited = hertz.limited;
-  return out;
-}
-
-/// The indented minima of one side, each with the share of its force that counts.
-std::vector<PressedPatch> WheelsetPress::hertz_patches(WheelsetPosition const& p, bool right) {
-  WheelContact const& contact = *contact_[right];
-  ContactSearch& search = search_[right];
-  auto const at = pose(p, right);
-  search.find_indented(at);
-  std::vector<ContactPoint<double>> points;
-  for (int k = 0; k < search.count(); ++k)
-    points.push_back(contact_point(contact.pair, at, search[k].s, search[k].gradient));
-  auto const share = patch_shares(contact.pair, at, search, points.data(), contact.laws.merging_criterion);
-  std::vector<PressedPatch> list;
-  for (int k = 0; k < search.count(); ++k) {
-    list.push_back(patch_of(p, right, search[k]));
-    list.back().share = share[static_cast<std::size_t>(k)];
-    list.back().normal *= list.back().share;
-  }
-  return list;
-}
-
-/// What overlaps on one side, as strips.
-std::vector<PressedPatch> WheelsetPress::strip_patches(WheelsetPosition const& p, bool right) {
-  WheelContact const& contact = *contact_[right];
-  ContactSearch& search = search_[right];
-  auto const at = pose(p, right);
-  search.find_indented(at);
-  ContactLaws const& laws = contact.laws;
-  auto const found =
-      strip_contact(contact.pair, {laws.strip_kernel, laws.hertz, laws.wheel_arc}, laws.material, at, search);
-  std::vector<PressedPatch> list;
-  for (std::size_t k = 0; k < static_cast<std::size_t>(found.count); ++k) {
-    auto const& patch = found.patch[k];
-    PressedPatch out;
-    out.right = right;
-    out.a = patch.a, out.b = patch.b, out.area = pi * patch.a * patch.b;
-    out.approach = patch.approach, out.width = patch.width, out.peak_pressure = patch.peak_pressure;
-    out.share = patch.share, out.normal = patch.share * patch.normal;
-    set_place(contact, patch.wheel_s, patch.rail_y, patch.point, patch.direction, out);
-    list.push_back(out);
-  }
-  return list;
-}
-
 std::vector<PressedPatch> WheelsetPress::patches(WheelsetPosition const& p, bool right) {
-  return contact_[right]->laws.normal == NormalContactKind::strips ? strip_patches(p, right) : hertz_patches(p, right);
+  WheelContact const& contact = *contact_[right];
+  ContactSearch& search = search_[right];
+  auto const at = pose(p, right);
+  search.find_indented(at);
+  NormalSetting const wheel{contact.pair, contact.laws.material, contact.laws.wheel_arc.get()};
+  PatchList<NormalPatch<double>> found;
+  int const count = normal_patches(contact.laws.normal, wheel, at, search, found);
+  std::vector<PressedPatch> list;
+  for (int k = 0; k < count; ++k) list.push_back(seen(contact, found[static_cast<std::size_t>(k)]));
+  return list;
 }
 
 std::vector<PressedPatch> WheelsetPress::minima(WheelsetPosition const& position, bool right, double reach) {
   ContactSearch& search = search_[right];
-  search.find_all(pose(position, right), reach);
+  auto const at = pose(position, right);
+  search.find_all(at, reach);
   std::vector<PressedPatch> list;
-  for (int k = 0; k < search.count(); ++k) list.push_back(patch_of(position, right, search[k]));
+  for (int k = 0; k < search.count(); ++k) {
+    NormalPatch<double> patch;
+    patch.point = contact_point(contact_[right]->pair, at, search[k].s, search[k].gradient);
+    hertz_patch(contact_[right]->laws.material, patch);
+    list.push_back(seen(*contact_[right], patch));
+  }
   return list;
 }
 

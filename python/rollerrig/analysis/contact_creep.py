@@ -19,11 +19,10 @@ from rollerrig import _core
 from rollerrig.analysis.creep_laws import ASPECTS, creepage_units, seconds_per_call
 from rollerrig.assembly import assemble
 from rollerrig.config import Case
-from rollerrig.config.schema.contact_law import CREEP_LAWS
+from rollerrig.config.schema.contact_law import CREEP_LAWS, NORMAL_LAWS
 from rollerrig.config.schema.vehicle import DIRECTIONS
-from rollerrig.contact_comparison import NORMAL_CONTACTS
+from rollerrig.contact_laws import core_law
 from rollerrig.contact_table import contact_table, leading_wheelset
-from rollerrig.creep import creep_law_of
 from rollerrig.starting_state import equilibrium
 
 Array = NDArray[np.float64]
@@ -60,18 +59,18 @@ def compare_creep(
             f"{case.name}: motion.speed: {case.motion.speed:g} m/s; creep forces of steady rolling are compared from "
             f"{LEAST_SPEED:g} m/s"
         )
-    shape = (len(NORMAL_CONTACTS), len(positions), 2, 2)
+    shape = (len(NORMAL_LAWS), len(positions), 2, 2)
     force, exact = np.full((len(CREEP_LAWS), *shape), np.nan), np.full(shape, np.nan)
     cost = np.full(len(CREEP_LAWS), np.nan)
     load = 0.0
-    for n, normal in enumerate(NORMAL_CONTACTS):
+    for n, normal in enumerate(NORMAL_LAWS):
         table = contact_table(case.with_changes({"contact.normal": normal}), positions, roll=roll)
         load = table.attrs["load_n"]
         for i, law in enumerate(CREEP_LAWS):
             chosen = _with_law(case, normal, law)
             if timed and not n:
                 nu = chosen.contact.material.poisson_ratio
-                cost[i] = seconds_per_call(1.0, nu, creep_law_of(chosen.contact), creepage_units(1.0, nu))
+                cost[i] = seconds_per_call(1.0, nu, core_law(chosen.contact.creep), creepage_units(1.0, nu))
             rolling = _Rolling(chosen)
             for j, (lateral, yaw) in enumerate(positions):
                 here = ((table["lateral"] == lateral) & (table["yaw"] == yaw)).to_numpy()
@@ -80,7 +79,7 @@ def compare_creep(
                 rows = table.isel(row=here)
                 wheels = rolling.patches(lateral, yaw, float(rows["roll"][0]), float(rows["height"][0]))
                 for k, patches in enumerate(wheels):
-                    limit = chosen.contact.friction * patches[:, _FIELDS.index("normal")].sum()
+                    limit = chosen.contact.friction.mu_0 * patches[:, _FIELDS.index("normal")].sum()
                     if not limit > 0.0:
                         continue
                     x, y = (patches[:, _FIELDS.index(f"creep_force_{d}")].sum() for d in "xy")
@@ -97,12 +96,12 @@ def compare_creep(
         },
         {
             "law": list(CREEP_LAWS),
-            "normal": list(NORMAL_CONTACTS),
+            "normal": list(NORMAL_LAWS),
             "side": list(SIDES),
             "lateral": ("position", [lateral for lateral, _ in positions], {"units": "m"}),
             "yaw": ("position", [yaw for _, yaw in positions], {"units": "rad"}),
         },
-        {"case": case.name, "load_n": load, "speed": case.motion.speed, "friction": case.contact.friction},
+        {"case": case.name, "load_n": load, "speed": case.motion.speed, "friction": case.contact.friction.mu_0},
     )
 
 
@@ -203,10 +202,9 @@ def _mean_creepage(wheels: Sequence[Array]) -> float:
 
 
 def _with_law(case: Case, normal: str, law: str) -> Case:
-    changes: dict[str, Any] = {"contact.normal": normal, "contact.creep": law}
-    if law == "polach" and case.contact.polach is None:
-        changes["contact.polach"] = {"k_A": 1.0, "k_S": 1.0}
-    return case.with_changes(changes)
+    clean: dict[str, Any] = {"kind": law, **({"k_A": 1.0, "k_S": 1.0} if law == "polach" else {})}
+    own = case.contact.creep
+    return case.with_changes({"contact.normal": normal, "contact.creep": own if own.kind == law else clean})
 
 
 def _exact(case: Case, patches: Array, pressed: xr.Dataset) -> tuple[float, float]:
@@ -216,7 +214,7 @@ def _exact(case: Case, patches: Array, pressed: xr.Dataset) -> tuple[float, floa
     for patch, normal in zip(patches, normals, strict=True):
         value = dict(zip(_FIELDS, patch, strict=True))
         nearest = int(np.argmin(np.abs(pressed["wheel_abscissa"].to_numpy() - value["wheel_abscissa"])))
-        limit = case.contact.friction * normal / float(pressed["share"][nearest])
+        limit = case.contact.friction.mu_0 * normal / float(pressed["weight"][nearest])
         if not ASPECTS[0] <= value["a"] / value["b"] <= ASPECTS[1]:
             return np.nan, np.nan
         c = np.sqrt(value["a"] * value["b"])

@@ -78,8 +78,7 @@ def rolling_state(case: Case | Lineariser, speed: float) -> RollingState:
         wheel, total = wheels.sel(wheel=name), 0.0
         for k in range(int(wheel["patch_count"])):
             a, b = float(wheel["patch_a"][k]), float(wheel["patch_b"][k])
-            c11 = _core.kalker_coefficients(a / b, material.poisson_ratio)[0]
-            total += material.shear_modulus * a * b * c11
+            total += _core.kalker_stiffness(a, b, material.shear_modulus, material.poisson_ratio)[0]
         stiffness[name] = total
     return RollingState(speed, wheels, stiffness)
 

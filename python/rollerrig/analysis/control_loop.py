@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import solve_discrete_are
 
+from rollerrig import _core
 from rollerrig.actuators import assemble_with_actuators
 from rollerrig.analysis.contact_state import rolling_state
 from rollerrig.bench.settings import fit
@@ -162,7 +163,7 @@ def geared_inertia(motor: Motor | None) -> float:
 def _virtual_creep_share(case: Case) -> float:
     """What the condition of the virtual rail leaves of the creep curve's slope, (A4)."""
     rail = case.adhesion.rail if case.adhesion is not None else None
-    return 0.5 * (rail.k_A + rail.k_S) if rail is not None else 1.0
+    return _core.mean_reduction(rail.k_A, rail.k_S) if rail is not None else 1.0
 
 
 def kalman_gain(estimator: Mapping[str, float], h: float) -> Array:

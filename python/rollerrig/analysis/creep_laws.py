@@ -15,6 +15,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from rollerrig import _core
+from rollerrig.contact_laws import CoreLaw
 
 Array = NDArray[np.float64]
 
@@ -46,14 +47,12 @@ def creepage_units(a_over_b: float, poisson_ratio: float) -> Array:
         a_over_b: ratio of the semi-axes, a along the rolling direction.
         poisson_ratio: [-].
     """
-    c11, c22, c23, c33 = _core.kalker_coefficients(a_over_b, poisson_ratio)
-    friction_moment = 3 * np.pi / 16 * np.sqrt(0.5 * (a_over_b + 1 / a_over_b))
-    return 1.0 / np.array([c11, c22, np.hypot(c23, c33 / friction_moment)])
+    return np.array(_core.creepage_units(a_over_b, poisson_ratio))
 
 
 def compare_laws(
     a_over_b: float,
-    laws: Mapping[str, _core.CreepLaw],
+    laws: Mapping[str, CoreLaw],
     *,
     poisson_ratio: float = 0.28,
     demands: Sequence[float] = DEMANDS,
@@ -144,7 +143,7 @@ def error_table(comparison: xr.Dataset) -> list[tuple[str, str, float, float, fl
     return rows  # type: ignore[return-value]
 
 
-def seconds_per_call(a_over_b: float, poisson_ratio: float, law: _core.CreepLaw, units: Array) -> float:
+def seconds_per_call(a_over_b: float, poisson_ratio: float, law: CoreLaw, units: Array) -> float:
     """Processor time of one evaluation in plain numbers, best of three [s]; creepages from stick to full sliding."""
     random = np.random.default_rng(1)
     creepage = random.normal(size=(CALLS, 3)) * units * 1.5
@@ -160,7 +159,7 @@ def _percentile_95(values: Array) -> float:
     return float(np.percentile(values, 95))
 
 
-def _law(a_over_b: float, poisson_ratio: float, law: _core.CreepLaw, creepage: Array) -> Array:
+def _law(a_over_b: float, poisson_ratio: float, law: CoreLaw, creepage: Array) -> Array:
     """In reduced units: c, mu N and G are one."""
     a = float(np.sqrt(a_over_b))
     forces: Array = _core.creep_forces(creepage, a, 1 / a, 1.0, 1.0, 1.0, poisson_ratio, law)

@@ -82,7 +82,7 @@ def lateral_creep_coefficient(case: Case, run: xr.Dataset) -> float:
     first, material, total = run.isel(time=0), case.contact.material, 0.0
     for a, b in zip(first["patch_a"].to_numpy().ravel(), first["patch_b"].to_numpy().ravel(), strict=True):
         if a > 0.0 and b > 0.0:
-            total += material.shear_modulus * a * b * _core.kalker_coefficients(a / b, material.poisson_ratio)[1]
+            total += _core.kalker_stiffness(a, b, material.shear_modulus, material.poisson_ratio)[1]
     return float(total / first.sizes["wheel"])
 
 

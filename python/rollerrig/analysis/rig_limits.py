@@ -20,8 +20,8 @@ from rollerrig.analysis.control_loop import geared_inertia
 from rollerrig.assembly import AssembledModel, assemble
 from rollerrig.bench.virtual_train import load_transfer, rail_contact, train_mass
 from rollerrig.config import Case, Condition, Rig, SlideProtection, WheelSlipControl
-from rollerrig.config.schema.contact_law import PolachReduction
-from rollerrig.creep import creep_law, creep_law_of
+from rollerrig.config.schema.contact_law import ConstantFriction
+from rollerrig.contact_laws import core_law
 
 Array = NDArray[np.float64]
 
@@ -143,7 +143,7 @@ def rig_limits(case: Case) -> RigLimits:
         axle_load=sum(loads) / len(loads),
         train_mass=mass,
         axles=len(loads),
-        friction=case.contact.friction,
+        friction=case.contact.friction.mu_0,
         drive_torque=float(largest),
         load_transfer=_per_force(load_transfer(assemble(own)), mass),
         virtual_transfer=_per_force(load_transfer(model), mass),
@@ -211,7 +211,8 @@ def patch_of(model: AssembledModel) -> Patch:
 
 def rail_shape(case: Case) -> Condition:
     """The condition of the virtual rail; clean without [adhesion]."""
-    return Condition(mu_0=1.0) if case.adhesion is None else case.adhesion.rail
+    clean = Condition(friction=ConstantFriction(kind="constant", mu_0=1.0))
+    return clean if case.adhesion is None else case.adhesion.rail
 
 
 def creep_curve(case: Case, patch: Patch, adhesion: float, slip: Array) -> tuple[Array, Array]:
@@ -224,16 +225,14 @@ def creep_curve(case: Case, patch: Patch, adhesion: float, slip: Array) -> tuple
         slip: over the train's speed [-].
     """
     rail, contact, slip = rail_shape(case), case.contact, np.asarray(slip, dtype=np.float64)
-    friction = adhesion * ((1.0 - rail.A) * np.exp(-rail.B * slip * case.motion.speed) + rail.A)
-    if contact.creep == "polach":
-        law, left = creep_law("polach", polach=PolachReduction(k_A=rail.k_A, k_S=rail.k_S)), 1.0
-    else:  # as stiff as a creepage smaller by (A4)
-        law, left = creep_law_of(contact), 0.5 * (rail.k_A + rail.k_S)
+    friction = _core.friction_at(
+        core_law(rail.friction.model_copy(update={"mu_0": adhesion})), slip * case.motion.speed
+    )
+    law, reduction = core_law(contact.creep), (rail.k_A, rail.k_S)
     shear, poisson = contact.material.shear_modulus, contact.material.poisson_ratio
+    ellipse = (patch.a, patch.b, patch.load)
     rows = [
-        _core.creep_forces(
-            np.array([[-left * s, 0.0, 0.0]]), patch.a, patch.b, patch.load, max(m, 1e-6), shear, poisson, law
-        )
+        _core.creep_forces(np.array([[-s, 0.0, 0.0]]), *ellipse, max(m, 1e-6), shear, poisson, law, reduction=reduction)
         for s, m in zip(slip, friction, strict=True)
     ]
     return friction, np.array([float(row[0, 0]) for row in rows]) / patch.load

@@ -70,7 +70,7 @@ def assess_limits(run: xr.Dataset, case: Case, torque: float, grip_slip: float) 
         with their times [s]; the numbers of NUMBERS, None where not defined; `status` and `message` of the run.
     """
     slip = np.abs(virtual_slip(run).to_numpy())
-    used = friction_used(run, case.contact.friction)
+    used = friction_used(run, case.contact.friction.mu_0)
     limits = {**_contact_limit(run, used), **_drive_limits(run, case, torque, slip > grip_slip)}
     rms, largest = tracking(run)
     slip_largest = float(np.nanmax(slip)) if np.isfinite(slip).any() else 0.0

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from rollerrig import _core
 from rollerrig.config import Case, Rig
-from rollerrig.creep import creep_law_of
+from rollerrig.contact_laws import core_law
 
 Series = NDArray[np.float64]
 
@@ -194,10 +194,10 @@ def creep_slope(run: xr.Dataset, case: Case, wheel: str) -> float:
             a,
             b,
             load,
-            contact.friction,
+            contact.friction.mu_0,
             material.shear_modulus,
             material.poisson_ratio,
-            creep_law_of(contact),
+            core_law(contact.creep),
         )
         slope -= float(forces[1, 0] - forces[0, 0]) / (2 * step)
     return slope

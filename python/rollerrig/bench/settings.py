@@ -89,7 +89,7 @@ def fit(model: AssembledModel, controllers: Mapping[str, UserController]) -> Fit
         "held_mass": max(0.0, mass - free) if rig is None and model.fixed else 0.0,
         **_rig_control(model, control or RigControl(), rig),
     }
-    settings["rail"] = {"adhesion_map": model.adhesion_map, **(rail_contact(model) if control else _NO_RAIL)}
+    settings["rail"] = {"adhesion": model.adhesion, **(rail_contact(model) if control else _NO_RAIL)}
     return Fitted(settings, rig is None)
 
 

@@ -28,27 +28,19 @@ def command(
     k_S: Annotated[float | None, typer.Option("--k-s", help="polach: k_S; dry 0.4, wet 0.1.")] = None,
 ) -> None:
     """Forces and spin moment of creep laws beside the exact theory, with their errors and cost."""
-    from pydantic import ValidationError
-
-    from rollerrig.config.schema.contact_law import PolachReduction
     from rollerrig.study.creep import CreepStudy
 
     for value, option in ((a_over_b, "--a-over-b"), (poisson_ratio, "--poisson-ratio")):
         check_finite(value, option)
     if (k_A is None) != (k_S is None):
         stop("--k-a and --k-s belong together")
-    polach = None
-    if k_A is not None:
-        try:
-            polach = PolachReduction.model_validate({"k_A": k_A, "k_S": k_S})
-        except ValidationError:
-            stop("--k-a and --k-s must lie above 0 and up to 1")
     laws = law or ["kalker_saturated", "fastsim", "modified_fastsim", "table"]
-    if polach is not None and "polach" not in laws:
+    polach = {"k_A": k_A, "k_S": k_S} if k_A is not None and k_S is not None else {}
+    if polach and "polach" not in laws:
         stop("--k-a and --k-s are for --law polach")
     sizes = tuple(read_range(demands, "--demands"))
     try:
-        study = CreepStudy(a_over_b, tuple(laws), poisson_ratio, sizes, polach)
+        study = CreepStudy(a_over_b, tuple(laws), poisson_ratio, sizes, {"polach": polach})
     except ValueError as error:
         stop(error)
     carry_out(study, out, refused=(ValueError, RuntimeError))

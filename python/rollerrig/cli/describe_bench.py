@@ -74,8 +74,9 @@ def _adhesion(case: Case) -> list[str]:
     if case.adhesion is None:
         return []
     rails = [case.adhesion.rail, *(piece.rail for piece in case.adhesion.piece)]
-    parts = [f"{rail.mu_0:g} falling to {rail.mu_0 * rail.A:g} with slip" for rail in rails]
-    cleaned = "; wheels clean it" if case.adhesion.recovery_constant > 0.0 else ""
+    laws = [rail.friction for rail in rails]
+    parts = [f"{law.mu_0:g} falling to {law.mu_0 * getattr(law, 'A', 1.0):g} with slip" for law in laws]
+    cleaned = "; it recovers under sliding wheels" if case.adhesion.recovery_constant > 0.0 else ""
     return [f"adhesion of the rail: {', then '.join(parts)}{cleaned}"]
 
 

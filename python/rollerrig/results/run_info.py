@@ -155,8 +155,8 @@ def describe(model: AssembledModel) -> RunInfo:
         support=support.kind,
         bodies=tuple(_body(model, name) for name in model.bodies),
         wheels=tuple(wheel.name for wheel in model.wheels),
-        normal_contact=case.contact.normal,
-        creep_law=case.contact.creep,
+        normal_contact=case.contact.normal.kind,
+        creep_law=case.contact.creep.kind,
         actuators=tuple(key for key in ACTUATORS if getattr(case, key) is not None),
         motors_reproduce_brakes=case.brake is not None and case.brake.motors_stand_in,
         scaled_from=case.similitude,
@@ -164,7 +164,7 @@ def describe(model: AssembledModel) -> RunInfo:
         gravity=case.gravity,
         wheel_radius=case.vehicle.data.wheel.radius,
         roller_radius=support.roller_radius if isinstance(support, Rig) else None,
-        friction=case.contact.friction,
+        friction=case.contact.friction.mu_0,
         flange_angle=flange_angle(model.wheel_profile),
     )
 

@@ -19,8 +19,7 @@ from rollerrig.config.errors import nearest, one_of, show_value
 from rollerrig.config.schema.actuators import BenchSettings, Controller, Motor
 from rollerrig.config.schema.adhesion import Adhesion
 from rollerrig.config.schema.base import quantity_of
-from rollerrig.config.schema.case import SupportChoice, TimeSettings, VehicleChoice
-from rollerrig.config.schema.contact_law import FrictionFall
+from rollerrig.config.schema.case import Contact, SupportChoice, TimeSettings, VehicleChoice
 from rollerrig.config.schema.irregularity import Deviation
 from rollerrig.config.schema.material import Material
 from rollerrig.config.schema.profile import ProfileSpec
@@ -123,7 +122,7 @@ def _exceptions(kept: tuple[str, ...]) -> Exceptions:
     """Fields that stay as they are because a real model cannot, or does not, scale them."""
     fields: dict[str, tuple[tuple[type[BaseModel], str], ...]] = {
         "gravity": ((Case, "gravity"),),
-        "material": ((Material, "young_modulus"), (Material, "shear_modulus"), (FrictionFall, "decay")),
+        "material": ((Material, "young_modulus"), (Material, "shear_modulus"), (Contact, "friction")),
         "clock": ((Controller, "sample_time"), (Controller, "delay"), (BenchSettings, "step")),
         "drives": ((Motor, "bandwidth"),),
     }

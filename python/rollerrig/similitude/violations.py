@@ -15,6 +15,7 @@ import numpy as np
 
 from rollerrig.assembly import assemble
 from rollerrig.config import Case, Rig
+from rollerrig.config.schema.contact_law import FallingFriction
 from rollerrig.similitude.factors import Similitude
 from rollerrig.similitude.scale_case import factors_of
 from rollerrig.starting_state import equilibrium_dataset
@@ -141,13 +142,17 @@ def _of_contact(full: Case, model: Case, factors: Similitude, wrong: Distortion)
         "the knee of the creep curve lies elsewhere",
     )
     yield Requirement(
-        "friction", "coefficient of friction of wheel on roller", "1", full.contact.friction, model.contact.friction
+        "friction",
+        "coefficient of friction of wheel on roller",
+        "1",
+        full.contact.friction.mu_0,
+        model.contact.friction.mu_0,
     )
-    fall, own = full.contact.friction_fall, model.contact.friction_fall
-    if fall is not None and own is not None and fall.B:
+    fall, own = full.contact.friction, model.contact.friction
+    if isinstance(fall, FallingFriction) and isinstance(own, FallingFriction) and fall.B:
         yield Requirement(
             "friction over slip velocity",
-            "decay",
+            "B",
             "s/m",
             fall.B * factors.speed,
             own.B,

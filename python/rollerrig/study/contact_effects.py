@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 from rollerrig.analysis import LimitCycleSettings, limit_cycles, linear_critical_speed
 from rollerrig.config import Case
-from rollerrig.contact_comparison import NORMAL_CONTACTS
+from rollerrig.config.schema.contact_law import NORMAL_LAWS
 from rollerrig.study.jobs import Job, job
 from rollerrig.study.quantities import Quantity
 
@@ -57,7 +57,7 @@ def contact_effect_jobs(
     case: Case,
     speeds_kmh: Sequence[float],
     run_speed_kmh: float,
-    normals: Sequence[str] = NORMAL_CONTACTS,
+    normals: Sequence[str] = NORMAL_LAWS,
     creeps: Sequence[str] = CREEP_LAWS,
 ) -> dict[str, Job]:
     """A job per combination, on the case's own support and on the catalogue's of the other kind.

@@ -6,14 +6,13 @@ a/b, names of laws -> [CreepStudy] -> forces, errors and cost of each law
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import xarray as xr
 
 from rollerrig.analysis.creep_laws import COMPONENTS, DEMANDS, REFERENCE, compare_laws, error_table
-from rollerrig.config.schema.contact_law import PolachReduction, StiffnessReduction
-from rollerrig.creep import creep_law
+from rollerrig.contact_laws import creep_law
 from rollerrig.plot.creep import creep_figure
 from rollerrig.study.frame import Study
 from rollerrig.study.jobs import Done, Round, job
@@ -43,16 +42,14 @@ class CreepStudy(Study[xr.Dataset]):
         laws: names that `contact.creep` knows, each once.
         poisson_ratio: [-].
         demands: sizes of the creepage; 1 demands about mu N.
-        polach: needed where `polach` is among the laws.
-        stiffness: for `modified_fastsim`.
+        parameters: law -> its parameters, as in a case's `contact.creep`; `polach` needs k_A and k_S.
     """
 
     a_over_b: float
     laws: tuple[str, ...]
     poisson_ratio: float = 0.28
     demands: tuple[float, ...] = DEMANDS
-    polach: PolachReduction | None = None
-    stiffness: StiffnessReduction | None = None
+    parameters: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
 
     command = "creep"
     quantities = QUANTITIES
@@ -132,8 +129,7 @@ def compare(study: CreepStudy) -> xr.Dataset:
     Raises:
         ValueError: an unknown law, one that lacks a parameter, a number outside its range.
     """
-    parameters = {"saturate_spin_moment": False, "polach": study.polach, "stiffness": study.stiffness}
-    laws = {name: creep_law(name, **parameters) for name in study.laws}  # type: ignore[arg-type]
+    laws = {name: creep_law(name, **study.parameters.get(name, {})) for name in study.laws}
     return compare_laws(study.a_over_b, laws, poisson_ratio=study.poisson_ratio, demands=study.demands)
 
 

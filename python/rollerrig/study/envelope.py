@@ -265,7 +265,7 @@ class EnvelopeStudy(Study[Envelope]):
         ]
 
     def _examples(self, examples: Mapping[str, tuple[Point, xr.Dataset]]) -> list[Block]:
-        radius, friction = self.case.vehicle.data.wheel.radius, self.case.contact.friction
+        radius, friction = self.case.vehicle.data.wheel.radius, self.case.contact.friction.mu_0
         names = list(examples)
         blocks: list[Block] = []
         for group in (names[begin : begin + 3] for begin in range(0, len(names), 3)):

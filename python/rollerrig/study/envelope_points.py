@@ -94,11 +94,17 @@ def point_case(case: Case, point: Point, duration: float) -> Case:
     changes: dict[str, object] = {
         "time.duration": duration,
         "time.output_step": 5.0 * case.bench.step,
-        "adhesion": {"rail": {**_plain(rail_shape(case)), "mu_0": point.adhesion}},
+        "adhesion": {"rail": _rail(case, point.adhesion)},
         **_load_changes(case, point.load),
         **(_braking(case, -point.torque) if point.torque < 0.0 else _pulling(case, point.torque)),
     }
     return case.with_changes(changes)
+
+
+def _rail(case: Case, adhesion: float) -> dict[str, Any]:
+    """The case's condition of the rail with another friction at no slip."""
+    shape = _plain(rail_shape(case))
+    return {**shape, "friction": {**shape["friction"], "mu_0": adhesion}}
 
 
 def _load_changes(case: Case, load: float) -> dict[str, object]:

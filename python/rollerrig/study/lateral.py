@@ -139,7 +139,7 @@ class LateralStudy(Study[dict[str, xr.Dataset]]):
             "rig_dry": self.case.with_changes(dry),
             "track": track,
             "track_dry": track.with_changes(dry),
-            "track_exact": track.with_changes({"contact.creep": "table", "contact.polach": None}),
+            "track_exact": track.with_changes({"contact.creep": "table"}),
         }
 
     def collect(self, done: Done) -> dict[str, xr.Dataset] | None:

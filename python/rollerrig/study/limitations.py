@@ -8,23 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from rollerrig.config import Case, Rig
-
-NORMAL = {
-    "hertz": "Each contact patch is a Hertzian ellipse, also where two patches of a wheel lie close together or the curvature "
-    "changes within a patch.",
-    "strips": "The normal contact is that of elastic strips: non-elliptical patches, whose pressures are approximate.",
-}
-"""Normal contact -> what it leaves out."""
-
-CREEP = {
-    "kalker_linear": "The creep force follows Kalker's linear theory without a friction limit: it is valid for small creepage.",
-    "kalker_saturated": "The creep force follows Kalker's linear theory, saturated by friction with a heuristic law.",
-    "fastsim": "The creep force follows Kalker's simplified theory (FASTSIM) on an elliptical patch.",
-    "modified_fastsim": "The creep force follows the modified FASTSIM, with an empirical reduction of the initial stiffness.",
-    "polach": "The creep force follows Polach's law: an elliptical patch, and spin by an approximate closed form.",
-    "table": "The creep force is interpolated in a table of Kalker's exact theory for elliptical patches.",
-}
-"""Creep law -> what it leaves out."""
+from rollerrig.config.schema.contact_law import KalkerLinear, KalkerSaturated
 
 
 def limitations(case: Case) -> list[str]:
@@ -73,9 +57,11 @@ def _geometry(case: Case) -> Iterator[str]:
 
 def _contact(case: Case) -> Iterator[str]:
     contact = case.contact
-    yield NORMAL[contact.normal]
-    yield f"{CREEP[contact.creep]} Rolling contact is quasi-steady: each patch has its steady force at once."
-    if contact.creep in ("kalker_linear", "kalker_saturated") and not contact.saturate_spin_moment:
+    yield contact.normal.limitation
+    yield f"{contact.creep.limitation} Rolling contact is quasi-steady: each patch has its steady force at once."
+    if isinstance(contact.creep, KalkerLinear | KalkerSaturated) and not getattr(
+        contact.creep, "saturate_spin_moment", False
+    ):
         yield "The spin moment is not limited by friction."
     off = [name for name, on in contact.roller_effects.model_dump().items() if not on]
     if off and isinstance(case.support.data, Rig):
@@ -84,11 +70,7 @@ def _contact(case: Case) -> Iterator[str]:
 
 def _adhesion(case: Case) -> Iterator[str]:
     if case.adhesion is None:
-        fall = case.contact.friction_fall
-        if fall is None or fall.A == 1.0 or fall.B == 0.0:
-            yield "The coefficient of friction is constant."
-        else:
-            yield "Friction depends on the slip velocity alone, not on temperature or contamination."
+        yield case.contact.friction.limitation
         return
     recovery = (
         "recovers by the dissipated energy alone"

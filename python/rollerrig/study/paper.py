@@ -52,7 +52,7 @@ ALL, BY = "materials.*", speeds.by_disturbance_quantities
 QUANTITIES = Quantities(
     Quantity(f"{ALL}.linear.*.critical_speed_kmh", "linear, of the bogie on rig and track and the vehicle; null: none", "km/h"),
     Quantity(f"{ALL}.linear.*.frequency_hz", "its frequency", "Hz"),
-    Quantity(f"{ALL}.merging_criterion.*", "linear critical speed of the bogie on the rig per contact.merging_criterion", "km/h"),
+    Quantity(f"{ALL}.merging_criterion.*", "linear critical speed of the bogie on the rig per merging criterion", "km/h"),
     Quantity(f"{ALL}.onset_wavelength_m", "of the limit cycle at the lowest speed at which it was found", "m"),
     Quantity(f"{ALL}.contact.patches", "per wheel in steady rolling on the rig", "", "patches per wheel"),
     Quantity(f"{ALL}.contact.approach_um", "of the deepest patch", "µm", "deepest approach", 3),
@@ -127,7 +127,7 @@ class PaperStudy(Study[Results]):
                 jobs[f"modes {material}, {variant}"] = job(whole_modes, case_of(variant, material), plan.linear_kmh)
             jobs[f"contact {material}"] = job(contact_state, rig)
             for value in plan.criteria:
-                changed = rig.with_changes({"contact.merging_criterion": value})
+                changed = rig.with_changes({"contact.normal.merging_criterion": value})
                 jobs[f"merging {material} {value:g}"] = job(scan_linear, (changed, scanned))
             jobs |= speeds.roller_jobs(rig, TABLE_PARTS, plan.radii, plan.linear_kmh, f" {material}")
             first[f"ramp {material}"] = job(ramp_run, (rig, plan.ramps[material], plan.hunting))
@@ -318,7 +318,9 @@ class PaperStudy(Study[Results]):
                 [f"{b:g}", *(speeds.linear_cell(results.merging[m].get(b)) for m in MATERIALS)]
                 for b in self.chosen.criteria
             ]
-            caption = "Linear critical speed [km/h] of the bogie on the rig over contact.merging_criterion, for adjacent patches."
+            caption = (
+                "Linear critical speed [km/h] of the bogie on the rig over the merging criterion of adjacent patches."
+            )
             blocks.append(Table(("merging criterion", *(text.NAMES[m] for m in MATERIALS)), rows, caption))
         return blocks
 
@@ -486,9 +488,9 @@ def parameters(plan: PaperPlan) -> list[Block]:
         ("roller", roller),
         ("steel", f"G = {1e-9 * steel.shear_modulus:.2f} GPa, ν = {steel.poisson_ratio:g}"),
         ("paper's material", f"G = {1e-9 * soft.shear_modulus:.2f} GPa, ν = {soft.poisson_ratio:g}; {soft.source}"),
-        ("friction", f"{case.contact.friction:g}"),
-        ("creep law, normal law", f"{case.contact.creep}, {case.contact.normal}"),
-        ("merging criterion", f"{case.contact.merging_criterion:g}"),
+        ("friction", f"{case.contact.friction.mu_0:g}"),
+        ("creep law, normal law", f"{case.contact.creep.kind}, {case.contact.normal.kind}"),
+        ("merging criterion", f"{getattr(case.contact.normal, 'merging_criterion', 0.0):g}"),
         ("runs of figure 7", f"rodas4, {runs}, {plan.hunting.duration:g} s"),
         ("run of figure 8", f"{method}, from {3.6 * traction.motion.speed:g} km/h"),
     ]

@@ -34,7 +34,7 @@ TABLE_PARTS = ("leading_bogie", "vehicle")
 """Parts in the table of critical speeds over the rollers' radius."""
 
 MERGING_CRITERIA = (0.0, 0.005, 0.01, 0.015, 0.02, 0.05)
-"""Values of contact.merging_criterion for which the sensitivity of the critical speed is shown."""
+"""Values of contact.normal.merging_criterion for which the sensitivity of the critical speed is shown."""
 
 
 @dataclass(frozen=True)
@@ -49,7 +49,7 @@ class PaperPlan:
         hunting: disturbance, length and tolerances of the runs.
         traction_case: name of the case in the catalogue.
         traction_changes: changes to it.
-        criteria: values of contact.merging_criterion for the sensitivity.
+        criteria: values of contact.normal.merging_criterion for the sensitivity.
         radii: of the rollers in the table of critical speeds [m].
     """
 

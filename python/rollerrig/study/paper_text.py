@@ -231,7 +231,7 @@ def _sensitivity(results: Results) -> str:
         "Accuracy of these numbers: near its centred position S1002 on UIC60 1:40 touches in two patches per wheel, "
         "and the method of "
         "the paper treats each as a Hertzian contact of its own. How two patches merge is a modelling choice "
-        "(contact.merging_criterion). Over the values in the table the linear critical speed is "
+        "(contact.normal.merging_criterion). Over the values in the table the linear critical speed is "
         f"{' and '.join(parts)}. The exact solution has a single patch there, so the linear critical speed of this "
         "pair should not be read more accurately than that."
     )

@@ -35,8 +35,8 @@ double magnitude(CreepForce<double> const& force) { return std::hypot(force.long
 }  // namespace
 
 TEST_CASE("no creepage, no force") {
-  for (CreepLawKind kind : {CreepLawKind::kalker_linear, CreepLawKind::kalker_saturated}) {
-    auto const force = creep_force({kind, false}, query({0.0, 0.0, 0.0}));
+  for (CreepLaw const& law : {CreepLaw{KalkerLinear{}}, CreepLaw{KalkerSaturated{}}}) {
+    auto const force = creep_force(law, query({0.0, 0.0, 0.0}));
     CHECK(force.longitudinal == 0.0);
     CHECK(force.lateral == 0.0);
     CHECK(force.spin_moment == 0.0);
@@ -125,8 +125,8 @@ TEST_CASE("linear creep with spin dissipates: the antisymmetric f23 does no work
 TEST_CASE("the spin moment is saturated only when asked for") {
   Creepage<double> const e{5e-3, 2e-3, 0.5};
   auto const linear = KalkerLinear{}(query(e));
-  auto const paper = creep_force({CreepLawKind::kalker_saturated, false}, query(e));
-  auto const scaled = creep_force({CreepLawKind::kalker_saturated, true}, query(e));
+  auto const paper = creep_force(KalkerSaturated{false}, query(e));
+  auto const scaled = creep_force(KalkerSaturated{true}, query(e));
   CHECK(paper.spin_moment == linear.spin_moment);
   CHECK(scaled.spin_moment == doctest::Approx(paper.saturation * linear.spin_moment));
   CHECK(scaled.saturation < 1.0);
@@ -158,12 +158,12 @@ TEST_CASE("creep laws and friction hold for a scalar with no implicit conversion
   using E = ExplicitReal;
   Creepage<E> const e{E(1e-3), E(-2e-3), E(0.2)};
   auto const stiffness = kalker_stiffness(kalker.at(E(std::log(a / b))), G, E(a), E(b), E(1.0));
-  for (CreepLawKind kind : {CreepLawKind::kalker_linear, CreepLawKind::kalker_saturated}) {
-    auto const force = creep_force({kind, true}, query(e, stiffness, E(adhesion)));
-    auto const plain = creep_force({kind, true}, query({1e-3, -2e-3, 0.2}));
+  for (CreepLaw const& law : {CreepLaw{KalkerLinear{}}, CreepLaw{KalkerSaturated{true}}}) {
+    auto const force = creep_force(law, query(e, stiffness, E(adhesion)));
+    auto const plain = creep_force(law, query({1e-3, -2e-3, 0.2}));
     CHECK(force.longitudinal.x == plain.longitudinal);
     CHECK(force.lateral.x == plain.lateral);
     CHECK(force.spin_moment.x == plain.spin_moment);
   }
-  CHECK(Friction{0.25}(E(0.0), E(0.0), E(0.0), 0.0).friction.x == 0.25);
+  CHECK(Friction{ConstantFriction{0.25}}(E(0.0), E(0.0), E(0.0), 0.0).friction.x == 0.25);
 }

@@ -17,6 +17,11 @@ double const stiffness = 1e11;  // [N/m^1.5]
 NormalDamping const undamped{0.0, 1e-4};
 NormalDamping const damped{1e5, 1e-4};
 
+template <class T>
+NormalForce<T> normal_force(NormalDamping const& law, T const& k, T const& gap, T const& gap_rate) {
+  return rollerrig::normal_force(elastic_force(k, gap), law.force(gap_rate));
+}
+
 double force(NormalDamping const& law, double gap, double rate) {
   return normal_force(law, stiffness, gap, rate).total();
 }

@@ -5,7 +5,6 @@
 
 #include "explicit_real.hpp"
 #include "profiles.hpp"
-#include "rollerrig/contact/normal/blending_weight.hpp"
 #include "rollerrig/contact/patch.hpp"
 #include "rollerrig/geometry/search.hpp"
 #include "rollerrig/math/dual.hpp"
@@ -17,14 +16,20 @@ using test::pose_of;
 
 namespace {
 
-HertzTable const hertz;
-KalkerTable const kalker(0.28);
-
 ContactLaws laws() {
   ContactLaws l;
-  l.hertz = &hertz;
-  l.kalker = &kalker;
+  l.kalker = std::make_shared<KalkerTable const>(l.material.poisson_ratio);
   return l;
+}
+
+template <class T>
+Patch<T> patch_force(ContactLaws const& laws, ContactPoint<T> const& point, RelativePose<T> const& pose,
+                     ContactMotion<T> const& motion, T const& time) {
+  Patch<T> patch;
+  patch.point = point;
+  hertz_patch<T>(laws.material, patch);
+  add_creep_force(laws, pose, motion, time, patch);
+  return patch;
 }
 
 /// A wheel on a roller of radius R, both cylinders' crowns touching at the origin of b, 0.08 mm deep.
@@ -152,7 +157,7 @@ TEST_CASE("the power of the force on both bodies is elastic, damping and creep p
 
 TEST_CASE("the patch is Hertz' ellipse at this approach") {
   auto const p = patch_force(laws(), on_the_crown(1 / R), above, rolling(V), 0.0);
-  auto const h = hertz_contact(hertz, Material{}, 0.5 * (1 / 0.46 + 1 / R), 0.5 / 0.3);
+  auto const h = hertz_contact(Material{}, 0.5 * (1 / 0.46 + 1 / R), 0.5 / 0.3);
   CHECK(p.a == doctest::Approx(h.a_per_root * std::sqrt(0.08e-3)));
   CHECK(p.b == doctest::Approx(h.b_per_root * std::sqrt(0.08e-3)));
   CHECK(p.normal.elastic == doctest::Approx(h.stiffness * std::pow(0.08e-3, 1.5)));
@@ -180,11 +185,11 @@ TEST_CASE("a patch holds for a scalar with no implicit conversions") {
   CHECK(p.force.z.x == plain.force.z);
 }
 
-// ---------------------------------------------------------------------------------------------------- shares of patches
+// ---------------------------------------------------------------------------------------------------- blending weights
 namespace {
 
-/// Shares of all patches of the benchmark wheel at one lateral position.
-std::vector<double> shares(double y, double height, double barrier, std::vector<double>* gaps = nullptr) {
+/// Weights of all patches of the benchmark wheel at one lateral position.
+std::vector<double> weights(double y, double height, double barrier, std::vector<double>* gaps = nullptr) {
   static BenchmarkPair const benchmark(1.0 / R);
   ContactSearch search(benchmark.pair);
   auto const pose = pose_of(0.0, y, height, 0.0, 0.0);
@@ -192,7 +197,7 @@ std::vector<double> shares(double y, double height, double barrier, std::vector<
   std::vector<ContactPoint<double>> points;
   for (int k = 0; k < search.count(); ++k)
     points.push_back(contact_point(benchmark.pair, pose, search[k].s, search[k].gradient));
-  auto const s = patch_shares(benchmark.pair, pose, search, points.data(), barrier);
+  auto const s = blending_weights(benchmark.pair, pose, search, points.data(), barrier);
   std::vector<double> out;
   for (int k = 0; k < search.count(); ++k) {
     out.push_back(s[static_cast<std::size_t>(k)]);
@@ -204,35 +209,36 @@ std::vector<double> shares(double y, double height, double barrier, std::vector<
 }  // namespace
 
 TEST_CASE("a lone patch and well separated patches count in full") {
-  auto const lone = shares(3e-3, 0.46, 0.02);
+  auto const lone = weights(3e-3, 0.46, 0.02);
   REQUIRE(lone.size() == 1);
   CHECK(lone[0] == 1.0);
-  for (double share : shares(0.0, 0.45975, 0.0)) CHECK(share == 1.0);
+  for (double weight : weights(0.0, 0.45975, 0.0)) CHECK(weight == 1.0);
 }
 
-TEST_CASE("shares stay between zero and one, one patch always counts in full, and they change continuously") {
+TEST_CASE("weights stay between zero and one, one patch always counts in full, and they change continuously") {
   // 4e-5 m/s of lateral drift past the fold where the tread patch of S1002 on UIC60 disappears.
   double const height = 0.45978, step = 0.2e-6;
-  double faded = 1.0;
+  double least = 1.0;
   std::vector<double> last;
   for (double y = 0.0; y < 0.7e-3; y += step) {
-    auto const s = shares(y, height, 0.05);
+    auto const s = weights(y, height, 0.05);
     REQUIRE(!s.empty());
     CHECK(*std::max_element(s.begin(), s.end()) == doctest::Approx(1.0));
-    for (double share : s) {
-      CHECK(share >= 0.0);
-      CHECK(share <= 1.0);
-      faded = std::min(faded, share);
+    for (double weight : s) {
+      CHECK(weight >= 0.0);
+      CHECK(weight <= 1.0);
+      least = std::min(least, weight);
     }
     if (s.size() == last.size())
       for (std::size_t k = 0; k < s.size(); ++k) CHECK(std::abs(s[k] - last[k]) < 0.1);
     last = s;
   }
-  CHECK(faded < 0.05);  // at the fold itself the share is zero
+  CHECK(least < 0.05);  // at the fold itself the weight is zero
 }
 
 TEST_CASE(
-    "each of a roller's peculiarities can be left out, and the power on the roller stays what the velocities say") {
+    "each of a roller's differences from a rail can be left out, and the power on the roller stays what the velocities "
+    "say") {
   double const delta = 0.05;
   auto point = on_the_crown(1 / R, delta);
   point.p = {2e-3, 0.75, -1e-3};  // off the crown, where all of them show

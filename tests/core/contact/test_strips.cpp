@@ -1,4 +1,4 @@
-// Contact without ellipses: Hertz as a special case, derivatives, smoothness, and what overlaps is one patch.
+// Non-elliptical contact patches: Hertz as a special case, derivatives, smoothness, and what overlaps is one patch.
 #include <doctest/doctest.h>
 
 #include "profiles.hpp"
@@ -10,14 +10,13 @@ using test::pose_of;
 
 namespace {
 
-HertzTable const hertz;
-StripKernel const kernel;
+StripKernel const& kernel = strip_kernel();
 Material const steel{};
 
 /// Strips over the interpenetration of two bodies with half-curvatures A along and B across.
 Strips<double> parabola(double a_curvature, double b_curvature, double approach) {
   Strips<double> s;
-  s.islands = 1;
+  s.regions = 1;
   double const half = std::sqrt(approach / b_curvature);
   int const n = s.count();
   s.width[0] = 2.0 * half / n;
@@ -27,7 +26,7 @@ Strips<double> parabola(double a_curvature, double b_curvature, double approach)
     s.interpenetration[k] = approach - b_curvature * s.position[k] * s.position[k];
     s.curvature[k] = a_curvature;
   }
-  solve_strips(kernel, hertz, steel, s);
+  solve_strips(steel, s);
   return s;
 }
 
@@ -50,22 +49,20 @@ struct Wheel {
   BenchmarkPair profiles;
   ArcLength arc;
   ContactSearch search;
-  StripTables tables;
 
-  explicit Wheel(double inverse_radius)
-      : profiles(inverse_radius), arc(profiles.wheel), search(profiles.pair), tables{&kernel, &hertz, &arc} {}
-  StripContact<double> at(double y, double depth, double roll = 0.0, double yaw = 0.0, double x = 0.0) {
+  explicit Wheel(double inverse_radius) : profiles(inverse_radius), arc(profiles.wheel), search(profiles.pair) {}
+  StripSolution<double> at(double y, double depth, double roll = 0.0, double yaw = 0.0, double x = 0.0) {
     auto const pose = pose_of(x, y, 0.46 - depth, roll, yaw);
     search.find_all(pose, 0.0);
-    return strip_contact(profiles.pair, tables, steel, pose, search);
+    return strip_contact({profiles.pair, steel, &arc}, pose, search);
   }
 };
 
-Vec3<double> total(StripContact<double> const& c) {
+Vec3<double> total(StripSolution<double> const& c) {
   Vec3<double> sum{};
   for (int k = 0; k < c.count; ++k) {
     auto const& p = c.patch[static_cast<std::size_t>(k)];
-    sum += p.share * p.normal * p.direction;
+    sum += p.weight * p.normal * p.direction;
   }
   return sum;
 }
@@ -96,7 +93,7 @@ TEST_CASE("kernel: slope of its integral is Boussinesq's strip, far away a point
 TEST_CASE("a parabolic gap gives Hertz' ellipse") {
   for (double ratio : {0.02, 0.2, 1.0, 5.0, 20.0}) {
     double const across = 5.0, along_x = across * ratio, approach = 40e-6;
-    auto const exact = hertz_contact(hertz, steel, along_x, across);
+    auto const exact = hertz_contact(steel, along_x, across);
     double const root = std::sqrt(approach);
     double const force = exact.stiffness * approach * root;
     double const a = exact.a_per_root * root, b = exact.b_per_root * root;
@@ -133,11 +130,11 @@ TEST_CASE("derivatives of the patches are those of differences, along every dire
       auto const seed = [&](int i) { return D::variable(q0[static_cast<std::size_t>(i)], i); };
       auto const pose = pose_of(seed(0), seed(1), 0.46 - seed(2), seed(3), seed(4));
       wheel.at(y, depth, roll0, yaw0, x0);
-      auto const c = strip_contact_of(wheel.profiles.pair, wheel.tables, steel, pose, wheel.search);
+      auto const c = strip_contact_of(NormalSetting{wheel.profiles.pair, steel, &wheel.arc}, pose, wheel.search);
       Vec3<D> sum{};
       for (int k = 0; k < c.count; ++k) {
         auto const& p = c.patch[static_cast<std::size_t>(k)];
-        sum += p.share * p.normal * p.direction;
+        sum += p.weight * p.normal * p.direction;
       }
       auto const& p = c.patch[0];
       std::array const exact{sum.x, sum.y, sum.z, p.point.x, p.point.y, p.a, p.b, p.moment.x};
@@ -175,11 +172,11 @@ TEST_CASE("the force has no step in the shift, through merging and vanishing dip
       double load = 0.0;
       for (int k = 0; k < c.count; ++k) {
         auto const& p = c.patch[static_cast<std::size_t>(k)];
-        now += p.share * p.normal * p.point;
-        load += p.share * p.normal;
+        now += p.weight * p.normal * p.point;
+        load += p.weight * p.normal;
       }
       now = (1.0 / load) * now;
-      // Kinks of the discrete problem where strips come and go, and a new division where islands join: below 1e-3.
+      // Kinks of the discrete problem where strips come and go, and a new division where regions join: below 1e-3.
       if (i > 1) CHECK(std::abs(force - 2.0 * last + before) < 1e-3 * force);
       if (i > 0) largest = std::max(largest, std::abs(now.y - centre.y));
       before = last, last = force, centre = now;

@@ -5,7 +5,7 @@
 #include <numeric>
 #include <vector>
 
-#include "rollerrig/contact/adhesion/adhesion.hpp"
+#include "rollerrig/contact/adhesion/adhesion_map.hpp"
 #include "rollerrig/contact/adhesion/recovered_rail.hpp"
 #include "rollerrig/math/dual.hpp"
 #include "rollerrig/mechatronics/motor.hpp"
@@ -16,65 +16,68 @@
 
 using namespace rollerrig;
 
-TEST_CASE("falling friction starts at mu0, ends at A mu0, and cleaning leads from one curve to the other") {
+TEST_CASE("falling friction starts at mu_0, ends at A mu_0, and recovery leads from one curve to the other") {
   FallingFriction const curve{0.3, 0.4, 0.2};
-  CHECK(curve.at(0.0) == doctest::Approx(0.3).epsilon(1e-14));
-  CHECK(curve.at(1e3) == doctest::Approx(0.12).epsilon(1e-14));
-  CHECK(curve.at(5.0) == doctest::Approx(0.3 * (0.6 * std::exp(-1.0) + 0.4)).epsilon(1e-14));
-  RailAdhesion const rail{{0.06, 0.4, 0.2}, {0.28, 0.4, 0.6}, 1.9e-4};
+  CHECK(curve(0.0) == doctest::Approx(0.3).epsilon(1e-14));
+  CHECK(curve(1e3) == doctest::Approx(0.12).epsilon(1e-14));
+  CHECK(curve(5.0) == doctest::Approx(0.3 * (0.6 * std::exp(-1.0) + 0.4)).epsilon(1e-14));
+  RailAdhesion const rail{{FallingFriction{0.06, 0.4, 0.2}}, {FallingFriction{0.28, 0.4, 0.6}}, 1.9e-4};
   CHECK(rail.at(2.0, 0.0).friction == doctest::Approx(rail.degraded.at(2.0).friction).epsilon(1e-14));
   CHECK(rail.at(2.0, 1e6).friction == doctest::Approx(rail.recovered.at(2.0).friction).epsilon(1e-14));
-  double const half = std::log(2.0) / rail.cleaning;
+  double const half = std::log(2.0) / rail.recovery_constant;
   CHECK(rail.at(2.0, half).friction ==
         doctest::Approx(0.5 * (rail.degraded.at(2.0).friction + rail.recovered.at(2.0).friction)).epsilon(1e-14));
 }
 
-TEST_CASE("the recovery is the integral of its rate: each joule cleans the same part of what is still contaminated") {
-  RailAdhesion const rail{{0.06, 0.4, 0.2}, {0.28, 0.4, 0.6}, 1.9e-4};
-  double contaminated = 1.0, energy = 0.0;  // d(1 - lambda) = -tau (1 - lambda) dW
+TEST_CASE("the recovery is the integral of its rate: each joule recovers the same part of what is still degraded") {
+  RailAdhesion const rail{{FallingFriction{0.06, 0.4, 0.2}}, {FallingFriction{0.28, 0.4, 0.6}}, 1.9e-4};
+  double degraded = 1.0, energy = 0.0;  // d(1 - lambda) = -tau (1 - lambda) dW
   int const steps = 200000;
   for (int k = 0; k < steps; ++k) {
-    double const spent = 3e4 * (1.0 + std::sin(1e-4 * k)) / steps;
-    contaminated -= rail.cleaning * (contaminated - 0.5 * rail.cleaning * contaminated * spent) * spent;  // midpoint
-    energy += spent;
+    double const dissipated = 3e4 * (1.0 + std::sin(1e-4 * k)) / steps;
+    degraded -= rail.recovery_constant * (degraded - 0.5 * rail.recovery_constant * degraded * dissipated) *
+                dissipated;  // midpoint
+    energy += dissipated;
   }
-  double const clean = rail.recovered.at(3.0).friction, dirty = rail.degraded.at(3.0).friction;
-  CHECK(contaminated < 0.02);  // it has come to something
-  CHECK(rail.at(3.0, energy).friction == doctest::Approx(clean + contaminated * (dirty - clean)).epsilon(1e-8));
+  double const recovered = rail.recovered.at(3.0).friction, worst = rail.degraded.at(3.0).friction;
+  CHECK(degraded < 0.02);  // it has come to something
+  CHECK(rail.at(3.0, energy).friction == doctest::Approx(recovered + degraded * (worst - recovered)).epsilon(1e-8));
 }
 
-TEST_CASE("a half cleaned rail is half as weak: reductions of the creep curve mix like the friction") {
+TEST_CASE("reductions of the creep curve of a half recovered rail are blended like the friction") {
   AdhesionMap map;
-  map.piece = {{{{0.3}, 0.3, 0.1}, {{0.5}, 1.0, 0.4}, 1e-4}, {{{0.1}, 0.2, 0.2}, {{0.5}, 1.0, 0.4}, 1e-4}};
-  map.from = {100.0}, map.blend = 4.0;
+  RailCondition const recovered{ConstantFriction{0.5}, 1.0, 0.4};
+  map.pieces = {{{ConstantFriction{0.3}, 0.3, 0.1}, recovered, 1e-4},
+                {{ConstantFriction{0.1}, 0.2, 0.2}, recovered, 1e-4}};
+  map.borders = {100.0}, map.blend = 4.0;
   double const half = std::log(2.0) / 1e-4;
-  CHECK(map.at(0.0, 0.0, half).k_A == doctest::Approx(0.65).epsilon(1e-12));
-  CHECK(map.at(0.0, 0.0, half).k_S == doctest::Approx(0.25).epsilon(1e-12));
-  CHECK(map.at(102.0, 0.0, 0.0).k_A == doctest::Approx(0.25).epsilon(1e-12));
-  CHECK(map.at(102.0, 0.0, 0.0).k_S == doctest::Approx(0.15).epsilon(1e-12));
-  CHECK(map.at(102.0, 0.0, 0.0).friction == doctest::Approx(0.2).epsilon(1e-12));
+  CHECK(map(0.0, 0.0, half).k_A == doctest::Approx(0.65).epsilon(1e-12));
+  CHECK(map(0.0, 0.0, half).k_S == doctest::Approx(0.25).epsilon(1e-12));
+  CHECK(map(102.0, 0.0, 0.0).k_A == doctest::Approx(0.25).epsilon(1e-12));
+  CHECK(map(102.0, 0.0, 0.0).k_S == doctest::Approx(0.15).epsilon(1e-12));
+  CHECK(map(102.0, 0.0, 0.0).friction == doctest::Approx(0.2).epsilon(1e-12));
 }
 
 TEST_CASE("adhesion changes from piece to piece, smoothly where asked") {
   AdhesionMap map;
-  map.piece = {{{0.3}, {0.3}}, {{0.05}, {0.05}}, {{0.2}, {0.2}}};
-  map.from = {100.0, 200.0};
-  CHECK(map.at(99.9, 1.0, 0.0).friction == 0.3);
-  CHECK(map.at(100.0, 1.0, 0.0).friction == 0.05);
-  CHECK(map.at(250.0, 1.0, 0.0).friction == 0.2);
+  map.pieces.clear();
+  for (double mu : {0.3, 0.05, 0.2}) map.pieces.push_back({{ConstantFriction{mu}}, {ConstantFriction{mu}}});
+  map.borders = {100.0, 200.0};
+  CHECK(map(99.9, 1.0, 0.0).friction == 0.3);
+  CHECK(map(100.0, 1.0, 0.0).friction == 0.05);
+  CHECK(map(250.0, 1.0, 0.0).friction == 0.2);
   map.blend = 4.0;
-  CHECK(map.at(100.0, 1.0, 0.0).friction == doctest::Approx(0.3).epsilon(1e-12));
-  CHECK(map.at(102.0, 1.0, 0.0).friction == doctest::Approx(0.175).epsilon(1e-12));
-  CHECK(map.at(104.0, 1.0, 0.0).friction == doctest::Approx(0.05).epsilon(1e-12));
-  auto const slope = map.at(Dual<1>::variable(101.0, 0), Dual<1>(1.0), Dual<1>(0.0)).friction.d[0];
-  CHECK(
-      slope ==
-      doctest::Approx((map.at(101.001, 1.0, 0.0).friction - map.at(100.999, 1.0, 0.0).friction) / 0.002).epsilon(1e-6));
+  CHECK(map(100.0, 1.0, 0.0).friction == doctest::Approx(0.3).epsilon(1e-12));
+  CHECK(map(102.0, 1.0, 0.0).friction == doctest::Approx(0.175).epsilon(1e-12));
+  CHECK(map(104.0, 1.0, 0.0).friction == doctest::Approx(0.05).epsilon(1e-12));
+  auto const slope = map(Dual<1>::variable(101.0, 0), Dual<1>(1.0), Dual<1>(0.0)).friction.d[0];
+  CHECK(slope ==
+        doctest::Approx((map(101.001, 1.0, 0.0).friction - map(100.999, 1.0, 0.0).friction) / 0.002).epsilon(1e-6));
 }
 
-TEST_CASE("a wheel finds what the wheels ahead have spent, and nothing of its own") {
+TEST_CASE("a wheel finds what the wheels ahead have dissipated, and nothing of its own") {
   for (double step : {0.031, 0.004}) {
-    CleanedRail rail;
+    RecoveredRail rail;
     rail.reset();
     double const behind = 2.56;  // the next axle
     for (int k = 0; k * step < 20.0; ++k) {
@@ -82,27 +85,27 @@ TEST_CASE("a wheel finds what the wheels ahead have spent, and nothing of its ow
       CHECK(rail.before(x) == 0.0);
       CHECK(rail.before(x - behind) ==
             doctest::Approx(x < behind + 0.05 ? rail.before(x - behind) : 7.0).epsilon(1e-9));
-      rail.spend(x, x + step, 7.0);
-      rail.spend(x - behind, x - behind + step, 3.0);
+      rail.dissipate(x, x + step, 7.0);
+      rail.dissipate(x - behind, x - behind + step, 3.0);
     }
   }
 }
 
 TEST_CASE("a cleaned rail remembers each wheel's energy once, however small the steps") {
   auto const pass = [](double step) {
-    CleanedRail rail;
+    RecoveredRail rail;
     rail.reset();
-    for (int k = 0; k * step < 20.0 - 1e-9; ++k) rail.spend(k * step, (k + 1) * step, 7.0);
+    for (int k = 0; k * step < 20.0 - 1e-9; ++k) rail.dissipate(k * step, (k + 1) * step, 7.0);
     return rail;
   };
   for (double step : {0.5, 0.013}) {
     auto rail = pass(step);
     for (double s : {1.0, 7.3, 19.0}) CHECK(rail.at(s) == doctest::Approx(7.0).epsilon(1e-9));
     CHECK(rail.at(25.0) == 0.0);
-    rail.spend(3.0, 9.0, 2.0);  // a following wheel
+    rail.dissipate(3.0, 9.0, 2.0);  // a following wheel
     CHECK(rail.at(5.0) == doctest::Approx(9.0).epsilon(1e-9));
     CHECK(rail.at(12.0) == doctest::Approx(7.0).epsilon(1e-9));
-    rail.spend(20.0, 200.0, 1.0);  // far ahead: what is forgotten reads as untouched
+    rail.dissipate(20.0, 200.0, 1.0);  // far ahead: what is forgotten reads as untouched
     CHECK(rail.at(5.0) == 0.0);
   }
 }

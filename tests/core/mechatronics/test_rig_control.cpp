@@ -4,7 +4,7 @@
 #include <cmath>
 #include <vector>
 
-#include "rollerrig/contact/adhesion/adhesion.hpp"
+#include "rollerrig/contact/adhesion/adhesion_map.hpp"
 #include "rollerrig/mechatronics/contact_force_estimator.hpp"
 #include "rollerrig/mechatronics/rig_controller.hpp"
 #include "rollerrig/mechatronics/virtual_train.hpp"
@@ -28,7 +28,7 @@ VirtualTrain train_of_two_axles() {
 /// Falling friction, reached over a tenth of a metre per second: enough of a creep law for these tests.
 double degraded_force(int, double slip, double, double load) {
   FallingFriction const mu{0.08, 0.4, 0.2};
-  return mu.at(std::abs(slip)) * load * std::tanh(slip / 0.1);
+  return mu(std::abs(slip)) * load * std::tanh(slip / 0.1);
 }
 
 }  // namespace

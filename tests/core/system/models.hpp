@@ -71,7 +71,7 @@ inline Parts wheelset_parts(Setup const& setup) {
                          .wheel_radius = 0.46,
                          .tape_circle_y = 0.75,
                          .rail_origin_y = 0.7605385};
-    c.laws.friction.coefficient = setup.friction;
+    c.laws.friction.law = ConstantFriction{setup.friction};
     parts.contacts.push_back(c);
   }
   if (setup.lateral_spring > 0.0)

@@ -290,8 +290,8 @@ TEST_CASE("a random pose never gives a force that is not finite or pulls") {
         CHECK(p.point.gap <= 0.0);
         CHECK(model->contacts[0].pair.wheel->contains(p.point.wheel_s));
         CHECK(model->contacts[0].pair.rail->contains(p.point.rail_y));
-        CHECK(p.share >= 0.0);
-        CHECK(p.share <= 1.0);
+        CHECK(p.weight >= 0.0);
+        CHECK(p.weight <= 1.0);
         ++patches;
       }
   }

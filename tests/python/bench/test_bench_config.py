@@ -12,7 +12,10 @@ from rollerrig.config import case_from_toml
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"adhesion.rail": {"mu_0": 1.2}}, "adhesion.rail.mu_0: 1.2; allowed: a number, at least 0 and at most 1"),
+        (
+            {"adhesion.rail": {"friction": 1.6}},
+            "adhesion.rail.friction.mu_0: 1.6; allowed: a number, at least 0 and at most 1.5",
+        ),
         ({"adhesion.rail": "soapy"}, "allowed: dry, wet, low, very_low, or a table"),
         (
             {"adhesion.piece": [{"distance": "50 m", "rail": "dry"}, {"distance": "20 m", "rail": "low"}]},
@@ -29,7 +32,7 @@ from rollerrig.config import case_from_toml
             "begin at a time",
         ),
         (
-            {"adhesion.rail": {"mu_0": 0.1, "k_A": 0.3, "k_S": 0.4}},
+            {"adhesion.rail": {"friction": 0.1, "k_A": 0.3, "k_S": 0.4}},
             "adhesion.rail.k_S: 0.4; allowed: at most k_A, 0.3",
         ),
         (

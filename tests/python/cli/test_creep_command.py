@@ -12,7 +12,7 @@ from typer.testing import CliRunner, Result
 
 from rollerrig.analysis.creep_laws import REFERENCE, compare_laws, error_table
 from rollerrig.cli.app import build_app
-from rollerrig.creep import creep_law
+from rollerrig.contact_laws import creep_law
 from rollerrig.study.creep import QUANTITIES
 
 FILES = {"creep.csv", "figures/creep.svg", "figures/creep.png", "summary.json", "report.html"}
@@ -51,15 +51,18 @@ def test_every_key_of_the_summary_is_explained(output: Path) -> None:
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (("--law", "coulomb"), "no creep law named 'coulomb'; there are kalker_linear"),
-        (("--law", "polach"), "polach needs k_A and k_S"),
+        (("--law", "coulomb"), "kind: 'coulomb'; allowed: kalker_saturated, kalker_linear"),
+        (("--law", "polach"), "polach: k_A: missing; needed: a number, greater than 0"),
         (("--law", "table", "--law", "table"), "asked for more than once"),
         (("--a-over-b", "20"), "tabulated from 0.1 to 10"),
         (("--a-over-b", "nan"), "not a finite number"),
         (("--poisson-ratio", "0.7"), "allowed are 0 to 0.5"),
         (("--demands", "0,1"), "demands must be positive"),
         (("--k-a", "1"), "belong together"),
-        (("--law", "polach", "--k-a", "2", "--k-s", "1"), "above 0 and up to 1"),
+        (
+            ("--law", "polach", "--k-a", "2", "--k-s", "1"),
+            "polach: k_A: 2.0; allowed: a number, greater than 0 and at most 1",
+        ),
     ],
 )
 def test_bad_input_is_named(arguments: tuple[str, ...], message: str, tmp_path: Path) -> None:

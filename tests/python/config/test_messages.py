@@ -31,8 +31,8 @@ PRIMARY = 'between = ["front_frame", "wheelset_1"]\npoint = [10.78, 1.0, 0.46]'
          "at least 0 m/s and at most 200 m/s"),
         ("case", 'duration = "10 s"', "duration = true",
          "case.toml: time.duration: true; allowed: a number in s or a text with a unit like '10 ms', greater than 0 s"),
-        ("case", "[contact]", "[contact]\nsaturate_spin_moment = 'yes'",
-         "case.toml: contact.saturate_spin_moment: 'yes'; allowed: true or false"),
+        ("case", "[contact]", "[contact]\ncreep = { kind = 'kalker_saturated', saturate_spin_moment = 'yes' }",
+         "case.toml: contact.creep.saturate_spin_moment: 'yes'; allowed: true or false"),
         # negative mass, impossible inertia
         ("vehicle", 'mass = "32000 kg"', "mass = -32000",
          "vehicle.toml: body.car_body.mass: -32000; allowed: a number in kg or a text with a unit like '1813 kg', "
@@ -102,9 +102,9 @@ PRIMARY = 'between = ["front_frame", "wheelset_1"]\npoint = [10.78, 1.0, 0.46]'
         ("vehicle", 'radius = "460 mm"', 'radius = "450 mm"', None),
         # contact, time
         ("case", "friction = 0.3", "friction = -0.1",
-         "case.toml: contact.friction: -0.1; allowed: a number, at least 0 and at most 1.5"),
+         "case.toml: contact.friction.mu_0: -0.1; allowed: a number, at least 0 and at most 1.5"),
         ("case", "friction = 0.3", "friction = 1.6",
-         "case.toml: contact.friction: 1.6; allowed: a number, at least 0 and at most 1.5"),
+         "case.toml: contact.friction.mu_0: 1.6; allowed: a number, at least 0 and at most 1.5"),
         ("case", 'method = "rk4"', 'method = "rk5"',
          "case.toml: time.method: 'rk5'; allowed: rodas4, rk4, exponential_rk4, dormand_prince; did you mean 'rk4'?"),
         ("case", '\nstep = "0.25 ms"', "",
@@ -251,11 +251,13 @@ def test_a_damper_may_not_feed_energy(mistakes_of: MistakesOf) -> None:
 @pytest.mark.parametrize(
     ("new", "meant"),
     [
-        ("[contact]\nmerge_barrier = 0.01", "merging_criterion"),
+        ("[contact]\nmerge_barrier = 0.01", "normal"),
+        ("[contact.normal]\nkind = 'hertz'\nmerge_barrier = 0.01\n[contact]", "merging_criterion"),
+        ("[contact]\npolach = { stick_reduction = 1.0 }", "creep"),
         ("[contact]\nstandstill_speed = 0.1", "creepage_regularisation_speed"),
         ("[anti_slip]\n[contact]", "wheel_slip_control"),
         ("[bench]\nideal_rolling = true\n[contact]", "pure_rolling"),
-        ("[adhesion]\nrail = {start = 0.1}\n[contact]", "mu_0"),
+        ("[adhesion]\nrail = {start = 0.1}\n[contact]", "friction"),
     ],
 )
 def test_a_former_key_leads_to_the_present_one(mistakes_of: MistakesOf, new: str, meant: str) -> None:

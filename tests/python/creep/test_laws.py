@@ -1,40 +1,76 @@
-"""Laws by name: what they need, what is refused, and that runs use them."""
+"""Laws by name: the configuration and the core know the same ones, with the same parameters, and runs use them."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from typing import Any, get_args
+
 import pytest
+from pydantic import BaseModel
 
 import rollerrig as rr
+from rollerrig import _core
 from rollerrig.config import ConfigError
-from rollerrig.creep import CREEP_LAWS, creep_law
+from rollerrig.config.schema.contact_law import (
+    CREEP_LAWS,
+    FRICTION_LAWS,
+    NORMAL_LAWS,
+    AnyCreep,
+    AnyFriction,
+    AnyNormal,
+    kinds,
+)
+from rollerrig.contact_laws import creep_law
 
-POLACH = {"k_A": 0.3, "k_S": 0.1}
+POLACH = {"kind": "polach", "k_A": 0.3, "k_S": 0.1}
+FROM_PYTHON = {"table": {"table"}}
+"""Fields of a law that no configuration gives."""
+
+
+@pytest.mark.parametrize(
+    ("laws", "registry"),
+    [(AnyCreep, _core.creep_laws), (AnyNormal, _core.normal_laws), (AnyFriction, _core.friction_laws)],
+    ids=["creep", "normal", "friction"],
+)
+def test_configuration_and_core_agree_on_names_and_parameters(laws: Any, registry: Mapping[str, Any]) -> None:
+    assert set(kinds(laws)) == set(registry)
+    tables: tuple[type[BaseModel], ...] = get_args(get_args(laws)[0])
+    for name, table in zip(kinds(laws), tables, strict=True):
+        ours = set(registry[name].fields) - FROM_PYTHON.get(name, set())
+        assert table.model_fields.keys() - {"kind"} == ours, name
 
 
 def test_unknown_laws_and_missing_parameters_are_named() -> None:
-    with pytest.raises(ValueError, match="no creep law named 'coulomb'; there are kalker_linear"):
+    with pytest.raises(ValueError, match="kind: 'coulomb'; allowed: kalker_saturated"):
         creep_law("coulomb")
-    with pytest.raises(ValueError, match="polach needs k_A"):
+    with pytest.raises(ValueError, match="polach: k_A: missing"):
         creep_law("polach")
 
 
 def test_a_case_says_what_a_law_needs_and_what_another_does_not() -> None:
     case = rr.load_case("wheelset_rollers")
-    with pytest.raises(ConfigError, match=r"polach.*needed for creep = 'polach'"):
+    with pytest.raises(ConfigError, match=r"contact\.creep\.k_A: missing"):
         case.with_changes({"contact.creep": "polach"})
-    with pytest.raises(ConfigError, match=r"allowed only with creep = 'polach'"):
-        case.with_changes({"contact.polach": POLACH})
-    with pytest.raises(ConfigError, match=r"allowed only with creep = 'modified_fastsim'"):
-        case.with_changes({"contact.stiffness_reduction": {"initial": 0.5}})
-    with pytest.raises(ConfigError, match="kalker_linear"):
+    with pytest.raises(ConfigError, match=r"contact\.creep\.k_A: unknown key"):
+        case.with_changes({"contact.creep.k_A": 0.3})
+    with pytest.raises(ConfigError, match=r"contact\.normal\.merging_criterion: unknown key"):
+        case.with_changes({"contact.normal": {"kind": "strips", "merging_criterion": 0.1}})
+    with pytest.raises(ConfigError, match=r"contact\.creep: 'coulomb'; allowed: kalker_saturated"):
         case.with_changes({"contact.creep": "coulomb"})
+
+
+def test_a_law_is_its_name_or_a_table() -> None:
+    case = rr.load_case("wheelset_rollers")
+    for key, names in (("creep", CREEP_LAWS), ("normal", NORMAL_LAWS), ("friction", FRICTION_LAWS)):
+        own = getattr(case.contact, key)
+        assert own.kind in names
+        assert case.with_changes({f"contact.{key}": own.model_dump()}) == case
+    assert case.with_changes({"contact.friction": 0.2}).contact.friction.mu_0 == 0.2
 
 
 @pytest.mark.parametrize("law", CREEP_LAWS)
 def test_a_run_with_every_law_closes_its_energy(law: str) -> None:
-    changes: dict[str, object] = {"contact.creep": law, "time.duration": "0.3 s"}
-    if law == "polach":
-        changes["contact.polach"] = POLACH
+    changes: dict[str, object] = {"contact.creep": POLACH if law == "polach" else law, "time.duration": "0.3 s"}
     run = rr.simulate(rr.load_case("bogie_rollers_traction").with_changes(changes))
     assert run.attrs["status"] == "ok"
     assert run.attrs["energy_relative_residual"] < 1e-6  # the audit's own limit
@@ -61,9 +97,9 @@ def test_falling_friction_and_a_soft_surface_reach_the_core() -> None:
         return float(abs(run["longitudinal_sliding"].isel(time=-1)).mean())
 
     clean = sliding()
-    assert sliding(stiffness_reduction={"initial": 1 / 3}) == pytest.approx(
+    assert sliding(creep={"kind": "modified_fastsim", "k_0": 1 / 3}) == pytest.approx(
         3 * clean, rel=2e-3
     )  # the force is 1e-3 less
-    fallen = sliding(friction_fall={"A": 0.3, "B": 1e4})
+    fallen = sliding(friction={"kind": "falling", "mu_0": 0.3, "A": 0.3, "B": 1e4})
     assert fallen == pytest.approx(sliding(friction=0.3 * 0.3), rel=1e-6)
     assert fallen > 1.05 * clean

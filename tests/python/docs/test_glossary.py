@@ -43,6 +43,8 @@ def annotations(key: str) -> list[Any]:
 def literals(annotation: Any) -> list[str]:
     if get_origin(annotation) is Literal:
         return list(get_args(annotation))
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):  # a law: the name that asks for it
+        return literals(annotation.model_fields["kind"].annotation) if "kind" in annotation.model_fields else []
     return [name for part in get_args(annotation) for name in literals(part)]
 
 

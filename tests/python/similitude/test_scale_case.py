@@ -192,7 +192,7 @@ def test_mapped_back_the_metadata_show_what_was_kept() -> None:
     assert info.wheel_radius == pytest.approx(0.46)
     assert info.roller_radius == pytest.approx(0.725)
     assert info.speed == pytest.approx(case.motion.speed)
-    assert info.friction == case.contact.friction
+    assert info.friction == case.contact.friction.mu_0
     body = next(body for body in case.vehicle.data.body if body.name == "front_frame")
     assert info.body("front_frame").position[2] == pytest.approx(body.position[2])
     assert info.scaled_from is not None

@@ -28,7 +28,7 @@ from rollerrig.study.envelope import EnvelopeStudy
 from rollerrig.study.envelope_points import BEGIN, RISE, Point, point_case
 from rollerrig.study.journal import NAME
 
-COULOMB = {"adhesion": {"rail": {"mu_0": 0.1, "A": 1.0, "B": 0.0}}}
+COULOMB = {"adhesion": {"rail": {"friction": 0.1}}}
 SMALL = {"torques": [-4e3, -2e3], "adhesions": [0.05, 0.3], "loads": [1.0], "duration": 0.8, "refine": 0}
 
 
@@ -142,14 +142,14 @@ def test_a_wheel_slides_beyond_the_peak_of_the_creep_curve(case: Case) -> None:
     patch = Patch(6e-3, 5e-3, 5e4)
     stiffness = 79e9 * 30e-6 * _core.kalker_coefficients(6 / 5, 0.28)[0]
     for adhesion in (0.05, 0.3):
-        hard = case.with_changes({"adhesion.rail": {"mu_0": adhesion}, "contact.material": "steel"})
+        hard = case.with_changes({"adhesion.rail": {"friction": adhesion}, "contact.material": "steel"})
         slip, share = creep_peak(hard, patch, adhesion)
         shear = hard.contact.material.shear_modulus
         assert slip == pytest.approx(3 * adhesion * 5e4 / (stiffness * shear / 79e9), rel=0.06)  # steps of 5.5 %
         assert share == pytest.approx(adhesion, rel=1e-6)
-        weak = hard.with_changes({"adhesion.rail": {"mu_0": adhesion, "k_A": 0.3, "k_S": 0.1}})
+        weak = hard.with_changes({"adhesion.rail": {"friction": adhesion, "k_A": 0.3, "k_S": 0.1}})
         assert creep_peak(weak, patch, adhesion)[0] == pytest.approx(5 * slip, rel=0.06)
-        falls = {"mu_0": adhesion, "A": 0.4, "B": 0.2, "k_A": 0.3, "k_S": 0.1}
+        falls = {"friction": {"kind": "falling", "mu_0": adhesion, "A": 0.4, "B": 0.2}, "k_A": 0.3, "k_S": 0.1}
         falling = hard.with_changes({"adhesion.rail": falls})
         at, share = creep_peak(falling, patch, adhesion)
         assert at < 5 * slip

@@ -1,61 +1,55 @@
-// contact/patch.hpp - one contact patch: from the contact point and the motion of both bodies to the force on the wheel.
+// contact/patch.hpp - one contact patch: from its normal contact and the motion of both bodies to the force on the wheel.
 //
-//   contact point -> Hertz (12)-(19) -> creepages (21) -> Kalker and saturation (20)-(24) -> force and moment on the wheel
+//   normal patch (12)-(19) -> creepages (21) -> Kalker and saturation (20)-(24) -> force and moment on the wheel
 //
 // Frame b, left side (see geometry/pair.hpp). i: rolling direction in the contact plane, t = n x i: to the left, n: out of
 // the roller. Forces act on the wheel at the contact point on the roller; the roller takes the opposite.
 #pragma once
+#include <memory>
+
 #include "rollerrig/contact/adhesion/friction.hpp"
 #include "rollerrig/contact/creep/creep_law.hpp"
-#include "rollerrig/contact/normal/hertz.hpp"
-#include "rollerrig/contact/normal/normal_force.hpp"
-#include "rollerrig/geometry/contact_point.hpp"
+#include "rollerrig/contact/normal/normal_law.hpp"
 
 namespace rollerrig {
-
-class ArcLength;
-class StripKernel;
-
-/// How the surfaces carry normal load.
-enum class NormalContactKind : int {
-  hertz,  ///< one ellipse per indented minimum of the gap: the paper's
-  strips  ///< elastic strips over everything that overlaps, contact/normal/strip_contact.hpp
-};
 
 /// What a contact is made of.
 struct ContactLaws {
   Material material{};
-  NormalContactKind normal{NormalContactKind::hertz};
-  HertzTable const* hertz{nullptr};
-  StripKernel const* strip_kernel{nullptr};  ///< both for NormalContactKind::strips
-  ArcLength const* wheel_arc{nullptr};
-  KalkerTable const* kalker{nullptr};
+  NormalLaw normal{};
   NormalDamping damping{};
   CreepLaw creep{};
   Friction friction{};
-  double creepage_regularisation_speed{
-      0.1};  ///< V_s [m/s]: rolling speed below which creepage turns into viscous friction
-  double merging_criterion{
-      0.01};               ///< see contact/normal/blending_weight.hpp [-]; 0: patches appear and vanish at full force
-  RollerEffects roller{};  ///< which of the roller's peculiarities count
+  double creepage_regularisation_speed{0.1};  ///< V_s [m/s]: slower rolling turns creepage into viscous friction
+  RollerEffects roller{};                     ///< which of the roller's differences from a rail count
+  static constexpr auto fields() {
+    return std::tuple{Member{"material", &ContactLaws::material},
+                      Member{"normal", &ContactLaws::normal},
+                      Member{"damping", &ContactLaws::damping},
+                      Member{"creep", &ContactLaws::creep},
+                      Member{"friction", &ContactLaws::friction},
+                      Member{"creepage_regularisation_speed", &ContactLaws::creepage_regularisation_speed},
+                      Member{"roller", &ContactLaws::roller}};
+  }
+
+  // What follows from them and from the wheel's profile; set by system/model_builder.hpp.
+  std::shared_ptr<KalkerTable const> kalker{};
+  std::shared_ptr<ArcLength const> wheel_arc{};  ///< of ElasticStrips
 };
 
 /// Motion of wheel and roller, all in b components.
 template <Scalar T>
 struct ContactMotion {
-  Vec3<T> v_wheel;       ///< velocity of the wheelset's centre [m/s]
-  Vec3<T> omega_wheel;   ///< its angular velocity incl. spin [rad/s]
-  Vec3<T> v_roller;      ///< velocity of the roller's material point at the origin of b [m/s]
-  Vec3<T> omega_roller;  ///< its angular velocity incl. spin [rad/s]
-  T place{0.0};          ///< of the contact along the rail [m]
-  double spent{0.0};     ///< energy per area that wheels have spent there [J/m^2]
+  Vec3<T> v_wheel;                ///< velocity of the wheelset's centre [m/s]
+  Vec3<T> omega_wheel;            ///< its angular velocity incl. spin [rad/s]
+  Vec3<T> v_roller;               ///< velocity of the roller's material point at the origin of b [m/s]
+  Vec3<T> omega_roller;           ///< its angular velocity incl. spin [rad/s]
+  T arc_length{0.0};              ///< of the contact along the rail [m]
+  double dissipated_energy{0.0};  ///< per area, by the wheels that ran there [J/m^2]
 };
 
 template <Scalar T>
-struct Patch {
-  ContactPoint<T> point;
-  HertzContact<T> hertz;
-  T a, b;                 ///< semi-axes along and across the rolling direction [m], eq. (18)
+struct Patch : NormalPatch<T> {
   NormalForce<T> normal;  ///< eq. (12)
   T gap_rate;             ///< v_n [m/s]
   T slip_longitudinal;    ///< velocity of the wheel's point relative to the roller's along i [m/s]
@@ -64,24 +58,22 @@ struct Patch {
   T rolling_speed;        ///< signed, positive for forward running [m/s]
   Creepage<T> creepage;   ///< eq. (21)
   CreepForce<T> creep;    ///< eqs (20)-(24)
-  T share{1.0};           ///< of the force that counts, contact/normal/blending_weight.hpp
   Vec3<T> force;          ///< on the wheel, b components [N]
   Vec3<T> moment;   ///< on the wheel about the point, b components [N m]: spin moment, and of the pressures' normals
   T elastic_power;  ///< of the elastic pressures on the relative motion [W]
-  T peak_pressure;  ///< [Pa]
 
   T creep_dissipation() const {
     return -(creep.longitudinal * slip_longitudinal + creep.lateral * slip_lateral + creep.spin_moment * spin_rate);
   }
 
-  /// Scales every force of the patch.
-  void scale(T const& factor) {
-    share = factor;
-    normal = {factor * normal.elastic, factor * normal.damping};
-    creep = {factor * creep.longitudinal, factor * creep.lateral, factor * creep.spin_moment, creep.saturation};
-    force = factor * force;
-    moment = factor * moment;
-    elastic_power = factor * elastic_power;
+  /// Multiplies every force by the patch's blending weight.
+  void apply_weight() {
+    T const& w = this->weight;
+    normal = {w * normal.elastic, w * normal.damping};
+    creep = {w * creep.longitudinal, w * creep.lateral, w * creep.spin_moment, creep.saturation};
+    force = w * force;
+    moment = w * moment;
+    elastic_power = w * elastic_power;
   }
 };
 
@@ -114,30 +106,28 @@ Vec3<T> moment_about_crown(RollerEffects const& effects, Patch<T> const& patch) 
   return moment;
 }
 
-/// Creepages and forces of a patch whose normal contact is filled in by `carry`.
+/// Creepages and forces of a patch of which the normal contact is known, at full weight.
 ///
-/// @param time   [s], handed to the friction law
-/// @param carry  gets the patch with point and gap rate; sets hertz, a, b, normal, peak_pressure
-template <Scalar T, class Carry>
-Patch<T> patch_carried(ContactLaws const& laws, ContactPoint<T> const& point, RelativePose<T> const& pose,
-                       ContactMotion<T> const& motion, T const& time, Carry const& carry) {
+/// @param time  [s], handed to the friction law
+template <Scalar T>
+void add_creep_force(ContactLaws const& laws, RelativePose<T> const& pose, ContactMotion<T> const& motion,
+                     T const& time, Patch<T>& patch) {
   using std::sqrt;
-  Patch<T> patch;
-  patch.point = point;
-  Vec3<T> const& n = point.n;
+  Vec3<T> const& p = patch.point.p;
+  Vec3<T> const& n = patch.point.n;
   T const across = 1.0 / sqrt(n.y * n.y + n.z * n.z);
   Vec3<T> const t{T(0.0), n.z * across, -(n.y * across)};  // n x i_b, normalised
   Vec3<T> const i = cross(t, n);
 
-  Vec3<T> const v_on_wheel = motion.v_wheel + cross(motion.omega_wheel, point.p - pose.o);
-  Vec3<T> const v_on_roller = roller_surface_velocity(laws.roller, motion, point.p);
+  Vec3<T> const v_on_wheel = motion.v_wheel + cross(motion.omega_wheel, p - pose.o);
+  Vec3<T> const v_on_roller = roller_surface_velocity(laws.roller, motion, p);
   Vec3<T> const v = v_on_wheel - v_on_roller;  // errata to (12), (21): relative to the roller's point
+  Vec3<T> const omega = relative_turning(laws.roller, motion);
   patch.gap_rate = dot(v, n);
   patch.slip_longitudinal = dot(v, i);
   patch.slip_lateral = dot(v, t);
-  patch.spin_rate = dot(relative_turning(laws.roller, motion), n);
-
-  carry(patch);
+  patch.spin_rate = dot(omega, n);
+  patch.normal = normal_force(patch.elastic, patch.damper * laws.damping.force(patch.gap_rate));  // (12)
   T const load = patch.normal.total();
 
   // Rolling speed: mean of wheel and roller surface speed past the contact point, which travels with the wheelset.
@@ -147,38 +137,41 @@ Patch<T> patch_carried(ContactLaws const& laws, ContactPoint<T> const& point, Re
   patch.creepage = {patch.slip_longitudinal * inverse_speed, patch.slip_lateral * inverse_speed,
                     patch.spin_rate * inverse_speed};  // (21)
 
-  T const slip = sqrt(square(patch.slip_longitudinal) + square(patch.slip_lateral) + 1e-20);
-  auto const surface = laws.friction(time, motion.place, slip, motion.spent);
-  T const adhesion = surface.friction * load + 1e-9;
+  T const slip = regularisation::length(patch.slip_longitudinal, patch.slip_lateral, regularisation::slip);
+  auto const surface = laws.friction(time, motion.arc_length, slip, motion.dissipated_energy);
+  T const adhesion = surface.friction * load + regularisation::adhesion;
   T const direction = patch.rolling_speed * inverse_speed;
-  auto const stiffness = kalker_stiffness(laws.kalker->at(patch.hertz.log_aspect), laws.material.shear_modulus, patch.a,
+  auto const stiffness = kalker_stiffness(laws.kalker->at(patch.log_aspect), laws.material.shear_modulus, patch.a,
                                           patch.b, direction);  // (22)
-  CreepQuery<T> const query{patch.creepage, stiffness, adhesion, patch.a, patch.b, patch.hertz.log_aspect, direction};
-  patch.creep = laws.friction.map != nullptr ? creep_force(laws.creep, query, surface)
-                                             : creep_force(laws.creep, query);  // (20), (23), (24)
+  CreepQuery<T> const query{patch.creepage, stiffness, adhesion, patch.a, patch.b, patch.log_aspect, direction};
+  patch.creep =
+      laws.friction.map ? creep_force(laws.creep, query, surface) : creep_force(laws.creep, query);  // (20), (23), (24)
   patch.force = load * n + patch.creep.longitudinal * i + patch.creep.lateral * t;
   patch.moment = patch.creep.spin_moment * n;
   patch.elastic_power = patch.normal.elastic * patch.gap_rate;
-  return patch;
+  if (patch.tilts) {
+    patch.moment += patch.pressure_moment;
+    patch.elastic_power += dot(patch.pressure_moment, omega);
+  }
 }
 
-/// A patch of the paper: Hertz' ellipse at one contact point.
-///
-/// @param time  [s], handed to the friction law
 template <Scalar T>
-Patch<T> patch_force(ContactLaws const& laws, ContactPoint<T> const& point, RelativePose<T> const& pose,
-                     ContactMotion<T> const& motion, T const& time) {
-  return patch_carried(laws, point, pose, motion, time, [&](Patch<T>& patch) {
-    using std::sqrt;
-    T const d1 = 0.5 * (point.wheel_curvature_along + point.rail_curvature_along);    // (14)
-    T const d2 = 0.5 * (point.wheel_curvature_across + point.rail_curvature_across);  // (14)
-    patch.hertz = hertz_contact(*laws.hertz, laws.material, d1, d2);                  // (13), (16)
-    T const root_depth = sqrt(select(point.gap < 0.0, -point.gap, T(1e-30)));
-    patch.a = patch.hertz.a_per_root * root_depth;  // (17), (18)
-    patch.b = patch.hertz.b_per_root * root_depth;
-    patch.normal = normal_force(laws.damping, patch.hertz.stiffness, point.gap, patch.gap_rate);  // (12)
-    patch.peak_pressure = 1.5 / pi * patch.normal.elastic / (patch.a * patch.b);
-  });
+using WheelPatches = PatchList<Patch<T>>;
+
+/// All patches of one wheel: the normal law on the minima of the search, then the creep law on each patch.
+///
+/// @return  how many
+template <Scalar T>
+int wheel_patches(WheelRollerPair const& pair, ContactLaws const& laws, ContactSearch const& search,
+                  RelativePose<T> const& pose, ContactMotion<T> const& motion, T const& time,
+                  WheelPatches<T>& patches) {
+  NormalSetting const wheel{pair, laws.material, laws.wheel_arc.get()};
+  int const count = normal_patches(laws.normal, wheel, pose, search, patches);
+  for (std::size_t k = 0; k < static_cast<std::size_t>(count); ++k) {
+    add_creep_force(laws, pose, motion, time, patches[k]);
+    patches[k].apply_weight();
+  }
+  return count;
 }
 
 }  // namespace rollerrig

@@ -1,6 +1,6 @@
 // geometry/interpenetration.hpp - the stretches of a wheel profile along which the undeformed surfaces overlap.
 //
-//   indented minima of the search -> [islands: where the gap along the wheel's normals is negative] -> strips
+//   indented minima of the search -> [regions: where the gap along the wheel's normals is negative] -> strips
 //
 // The gap is that of the reduction: along the wheel's normal, in the plane of that normal and the roller's axis. So yaw and
 // longitudinal offset are in it, and curved (conformal) stretches are followed along the profile.
@@ -13,21 +13,21 @@
 namespace rollerrig {
 
 /// A stretch with negative gap; minima `first` to `last` of the search lie in it.
-struct Island {
+struct InterpenetrationRegion {
   double left{0.0}, right{0.0};                  ///< wheel abscissa of its ends [m]
   bool left_is_root{true}, right_is_root{true};  ///< false: a profile ends there
   int first{0}, last{0};
 };
 
-inline constexpr int max_islands = 3;
+inline constexpr int max_regions = 3;
 
-/// The islands in order of the abscissa. With more than max_islands, those with the lowest rise between them are joined.
-int find_islands(WheelRollerPair const& pair, RelativePose<double> const& pose, ContactSearch const& search,
-                 std::array<Island, max_islands>& islands);
+/// The regions in order of the abscissa. With more than max_regions, those with the lowest rise between them are joined.
+int find_regions(WheelRollerPair const& pair, RelativePose<double> const& pose, ContactSearch const& search,
+                 std::array<InterpenetrationRegion, max_regions>& regions);
 
-/// An island's end as a function of the pose: the root of the gap, by the implicit function theorem.
+/// An region's end as a function of the pose: the root of the gap, by the implicit function theorem.
 template <Scalar T>
-T island_end(WheelRollerPair const& pair, RelativePose<T> const& pose, double s, double gap_slope) {
+T region_end(WheelRollerPair const& pair, RelativePose<T> const& pose, double s, double gap_slope) {
   if constexpr (std::same_as<T, double>)
     return s;
   else

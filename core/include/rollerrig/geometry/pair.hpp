@@ -6,6 +6,7 @@
 //         r: wheelset frame of the paper (turns with yaw and roll, does not spin).
 // Side    everything here is written for a left wheel (y > 0). A right wheel is mirrored before and after.
 #pragma once
+#include "rollerrig/fields.hpp"
 #include "rollerrig/math/spline.hpp"
 #include "rollerrig/math/vector.hpp"
 
@@ -18,6 +19,10 @@ struct RollerEffects {
   bool conicity{true};   ///< the roller's surface speed follows its local radius; off: crown speed everywhere
   bool spin{true};       ///< the roller's turning counts in the spin creepage
   bool yaw{true};        ///< points and normals lie on a round roller; off: on a straight rail of the same head
+  static constexpr auto fields() {
+    return std::tuple{Member{"curvature", &RollerEffects::curvature}, Member{"conicity", &RollerEffects::conicity},
+                      Member{"spin", &RollerEffects::spin}, Member{"yaw", &RollerEffects::yaw}};
+  }
   bool all() const { return curvature && conicity && spin && yaw; }
 };
 

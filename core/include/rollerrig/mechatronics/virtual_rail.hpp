@@ -27,7 +27,7 @@ struct VirtualRail {
   /// @param slip   wheel surface speed less train speed [m/s]
   /// @param speed  of the train [m/s]
   /// @param load   of the axle [N]
-  double force(double slip, double speed, double load, double time, double place, double spent) const {
+  double force(double slip, double speed, double load, double time, double place, double energy_density) const {
     double const per_wheel = 0.5 * load;
     double const growth = std::cbrt(per_wheel / wheel_load);  // of the semi-axes
     double const rolling = speed + 0.5 * slip;
@@ -36,12 +36,12 @@ struct VirtualRail {
     double const grown = growth * growth;
     KalkerStiffness<double> const f{grown * stiffness.f11, grown * stiffness.f22, grown * growth * stiffness.f23,
                                     grown * grown * stiffness.f33};
-    auto const surface = friction(time, place, std::fabs(slip), spent);
-    double const adhesion = surface.friction * per_wheel + 1e-9;
+    auto const surface = friction(time, place, std::fabs(slip), energy_density);
+    double const adhesion = surface.friction * per_wheel + regularisation::adhesion;
     // Creepage is wheel over roller: a driving wheel's surface runs backwards.
     Creepage<double> const creepage{epsilon, 0.0, 0.0};
     CreepQuery<double> const query{creepage, f, adhesion, growth * a, growth * b, log_aspect, 1.0};
-    auto const force = friction.map != nullptr ? creep_force(creep, query, surface) : creep_force(creep, query);
+    auto const force = friction.map ? creep_force(creep, query, surface) : creep_force(creep, query);
     return 2.0 * force.longitudinal;
   }
 };

@@ -92,7 +92,7 @@ struct BenchSetup {
 
   double travelling_mass{0.0};  ///< on track: of the train that these axles brake [kg]; 0: on a rig
   double held_mass{0.0};        ///< of it, what is held in the frame [kg]
-  double rail_cell{0.05};       ///< energy spent is kept along the rail in cells of this length [m]
+  double rail_cell{0.05};       ///< dissipated energy is kept along the rail in cells of this length [m]
   bool pure_rolling{false};     ///< on rollers: system/rolling_constraint.hpp
 };
 
@@ -152,9 +152,9 @@ class TestBench {
     double measured_torque{0.0}, measured_load{0.0};  // as the sensors say
     double sampled_torque{0.0};                       // measured at the last sample of the rig's controller
     ForceReading torque_reading, load_reading;
-    double stand_in{0.0};    // brake torque that the motor stands in for [N m]
-    double spent_here{0.0};  // energy per area on the piece of rail under the axle now [J/m^2]
-    double virtual_spent{0.0};
+    double stand_in{0.0};        // brake torque that the motor stands in for [N m]
+    double energy_density{0.0};  // energy per area on the piece of rail under the axle now [J/m^2]
+    double virtual_energy{0.0};
     double slip_for{0.0};  // [s]
     double feed_forward{0.0}, wanted_torque{0.0}, command{0.0};
     int dump_cycles{0};
@@ -185,7 +185,7 @@ class TestBench {
   void step();
   void move_machines();
   void move_train();
-  void spend_energy();
+  void dissipate_energy();
   void protect();
   Sampling const& sampling(Role role) const;
 
@@ -200,8 +200,8 @@ class TestBench {
   WheelSlideProtectionState slide_;
   WheelSlipControlState wheel_slip_control_;
   VirtualTrainState train_;
-  std::array<CleanedRail, 2> rail_;  ///< left, right, under the 3-D wheels
-  CleanedRail virtual_rail_;
+  std::array<RecoveredRail, 2> rail_;  ///< left, right, under the 3-D wheels
+  RecoveredRail virtual_rail_;
   double speed_{0.0}, distance_{0.0}, acceleration_{0.0}, last_acceleration_{0.0};
   long step_count_{0};
   Status status_{Status::ok};

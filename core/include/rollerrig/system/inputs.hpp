@@ -23,13 +23,13 @@ struct HeldInput {
 };
 
 struct Inputs {
-  std::vector<HeldInput> axle_torque;    ///< per axle torque of the model, beside its table [N m]
-  std::vector<HeldInput> roller_torque;  ///< per roller torque of the model [N m]
-  std::vector<HeldInput> cylinder;       ///< per axle brake of the model, over the ambient [Pa]
-  std::vector<double> spent;             ///< per contact: energy per area on the rail under it [J/m^2]
-  bool travels{false};                   ///< the vehicle's frames move as the next three say, not as the table
-  HeldInput speed{};                     ///< [m/s]
-  double distance{0.0};                  ///< s at speed.time [m]
+  std::vector<HeldInput> axle_torque;     ///< per axle torque of the model, beside its table [N m]
+  std::vector<HeldInput> roller_torque;   ///< per roller torque of the model [N m]
+  std::vector<HeldInput> cylinder;        ///< per axle brake of the model, over the ambient [Pa]
+  std::vector<double> dissipated_energy;  ///< per contact: density on the rail under it [J/m^2]
+  bool travels{false};                    ///< the vehicle's frames move as the next three say, not as the table
+  HeldInput speed{};                      ///< [m/s]
+  double distance{0.0};                   ///< s at speed.time [m]
 };
 
 }  // namespace rollerrig

@@ -108,7 +108,6 @@ struct Model {
   std::vector<RollerTorque> roller_torques;
   std::vector<AxleBrake> brakes;
   std::vector<RollingConstraint> rolling_constraints;
-  std::vector<std::shared_ptr<AdhesionMap const>> adhesion_maps;
   RunningResistance resistance{};
   TimeTable speed{};               ///< running speed V(t) [m/s] of speed-controlled rollers (at the crown) and of rails
   double start{0.0};               ///< arc length of the vehicle's reference point at time 0 [m]

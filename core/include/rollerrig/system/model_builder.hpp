@@ -24,8 +24,7 @@ struct ContactDescription {
   double tape_circle_y{0.0};  ///< lateral position of the tape circle on the wheelset [m]
   double rail_origin_y{0.0};  ///< lateral position of the highest point of the left roller or rail [m]
   double size{1.0};           ///< over a full-scale wheel and rail [-]
-  ContactLaws laws{};         ///< without the tables that it points to: those of the creep law excepted
-  std::shared_ptr<CreepTable const> creep_table{};  ///< what laws.creep points to, if anything
+  ContactLaws laws{};         ///< without the tables that follow from them
 };
 
 class ModelBuilder {
@@ -37,7 +36,6 @@ class ModelBuilder {
   int add_body(Body const& body);
   int add_element(ForceElement const& element);
   int add_profile(UniformSpline const& profile);
-  int add_adhesion_map(AdhesionMap const& map);
   int add_contact(ContactDescription const& contact);
   int add_axle_torque(AxleTorque const& torque);
   int add_roller_torque(RollerTorque const& torque);
@@ -45,8 +43,8 @@ class ModelBuilder {
   /// The axle whose two wheels stand on one roller rolls on it without slip.
   int add_rolling_constraint(int wheelset);
 
-  /// The friction of a contact by one of the maps, in place of that of its laws.
-  void set_adhesion_map(int contact, int map);
+  /// The friction of a contact by a map, in place of that of its laws.
+  void set_adhesion(int contact, std::shared_ptr<AdhesionMap const> const& map);
   void set_resistance(RunningResistance const& resistance);
   void set_speed(TimeTable const& speed);
   /// @param start  arc length of the vehicle's reference point at time 0 [m]

@@ -23,7 +23,7 @@ struct PressedPatch {
   double angle{0.0};                     ///< contact angle: slope of the wheel profile as an angle, EN sense [rad]
   double a{0.0}, b{0.0}, approach{0.0};  ///< [m]
   double normal{0.0};                    ///< [N]
-  double share{1.0};          ///< that counts: contact/normal/blending_weight.hpp, contact/normal/strip_contact.hpp
+  double weight{1.0};         ///< blending weight: contact/normal/blending_weight.hpp, contact/normal/strip_contact.hpp
   double peak_pressure{0.0};  ///< [Pa]
   double width{0.0};          ///< across the rolling direction [m]
   double area{0.0};           ///< [m^2]
@@ -62,10 +62,7 @@ class WheelsetPress {
   };
   RelativePose<double> pose(WheelsetPosition const& p, bool right) const;
   Load load_at(WheelsetPosition const& p);
-  std::vector<PressedPatch> hertz_patches(WheelsetPosition const& p, bool right);
-  std::vector<PressedPatch> strip_patches(WheelsetPosition const& p, bool right);
   double height_for(WheelsetPosition p, double load);
-  PressedPatch patch_of(WheelsetPosition const& p, bool right, GapMinimum const& root) const;
 
   std::array<WheelContact const*, 2> contact_;
   std::array<ContactSearch, 2> search_;

@@ -5,7 +5,7 @@ namespace {
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
-constexpr int per_island = Strips<double>::per_island;
+constexpr int per_region = Strips<double>::per_region;
 
 /// What each strip is besides the elastic problem.
 template <Scalar T>
@@ -14,10 +14,10 @@ struct StripPlaces {
   std::array<Vec3<T>, Strips<T>::capacity> point, normal;
 };
 
-/// Lays the strips of one island, equally wide along the profile's arc.
+/// Lays the strips of one region, equally wide along the profile's arc.
 template <Scalar T>
-void lay_strips(WheelRollerPair const& pair, ArcLength const& arc, RelativePose<T> const& pose, Island const& island,
-                int index, Strips<T>& strips, StripPlaces<T>& places) {
+void lay_strips(WheelRollerPair const& pair, ArcLength const& arc, RelativePose<T> const& pose,
+                InterpenetrationRegion const& region, int index, Strips<T>& strips, StripPlaces<T>& places) {
   using std::sqrt;
   auto const end = [&](double s, bool is_root) {
     if constexpr (std::same_as<T, double>) return s;
@@ -25,15 +25,15 @@ void lay_strips(WheelRollerPair const& pair, ArcLength const& arc, RelativePose<
     RelativePose<Dual<1>> fixed;
     auto const constant = [](Vec3<T> const& v) { return lift<Dual<1>>({value_of(v.x), value_of(v.y), value_of(v.z)}); };
     fixed = {constant(pose.o), {constant(pose.R.ex), constant(pose.R.ey), constant(pose.R.ez)}};
-    return island_end(pair, pose, s, reduce(pair, fixed, Dual<1>::variable(s, 0)).gap.d[0]);
+    return region_end(pair, pose, s, reduce(pair, fixed, Dual<1>::variable(s, 0)).gap.d[0]);
   };
-  T const left = arc.length(end(island.left, island.left_is_root));
-  T const right = arc.length(end(island.right, island.right_is_root));
-  T const width = (right - left) / static_cast<double>(per_island);
+  T const left = arc.length(end(region.left, region.left_is_root));
+  T const right = arc.length(end(region.right, region.right_is_root));
+  T const width = (right - left) / static_cast<double>(per_region);
   strips.width[at(index)] = width;
   double const kappa = pair.hertz_curvature();
-  for (int k = 0; k < per_island; ++k) {
-    std::size_t const i = at(index * per_island + k);
+  for (int k = 0; k < per_region; ++k) {
+    std::size_t const i = at(index * per_region + k);
     T const length = left + (k + 0.5) * width;
     T const s = arc.abscissa(length);
     auto const here = reduce(pair, pose, s);
@@ -70,7 +70,7 @@ bool gather(Strips<T> const& strips, StripPlaces<T> const& places, int first, in
   for (int i = first; i < last; ++i) {
     double const load = value_of(strips.load[at(i)]);
     if (!(load > 0.0)) continue;
-    T const width = strips.width[at(i / per_island)];
+    T const width = strips.width[at(i / per_region)];
     T const f = strips.load[at(i)] * width;
     T const& a = strips.half_length[at(i)];
     sum += f;
@@ -97,7 +97,7 @@ bool gather(Strips<T> const& strips, StripPlaces<T> const& places, int first, in
     patch.approach = std::max(patch.approach, value_of(strips.interpenetration[at(i)]));
     double const load = value_of(strips.load[at(i)]);
     if (!(load > 0.0)) continue;
-    T const width = strips.width[at(i / per_island)];
+    T const width = strips.width[at(i / per_region)];
     T const f = strips.load[at(i)] * width;
     T const aside = strips.position[at(i)] - position;
     across += f * (aside * aside + width * width / 12.0);
@@ -118,9 +118,9 @@ bool gather(Strips<T> const& strips, StripPlaces<T> const& places, int first, in
   return true;
 }
 
-/// 1: two dips are one patch; 0: two patches; from how deep the rise between them lies in the material (S8).
+/// Weight of the reading that two minima are one patch; from how deep the rise between them lies in the material (S8).
 template <Scalar T>
-T oneness(T const& rise, T const& left_gap, T const& right_gap) {
+T merged_weight(T const& rise, T const& left_gap, T const& right_gap) {
   T const shallower = select(left_gap < right_gap, right_gap, left_gap);  // both negative
   T const t = (rise / shallower - 0.3) / 0.4;
   T const clipped = select(t < 0.0, T(0.0), select(t > 1.0, T(1.0), t));
@@ -130,42 +130,42 @@ T oneness(T const& rise, T const& left_gap, T const& right_gap) {
 }  // namespace
 
 template <Scalar T>
-StripContact<T> strip_contact(WheelRollerPair const& pair, StripTables const& tables, Material const& material,
-                              RelativePose<T> const& pose, ContactSearch const& search) {
+StripSolution<T> strip_contact(NormalSetting const& wheel, RelativePose<T> const& pose, ContactSearch const& search) {
   auto const constant = [](Vec3<T> const& v) { return Vec3<double>{value_of(v.x), value_of(v.y), value_of(v.z)}; };
   RelativePose<double> const here{constant(pose.o), {constant(pose.R.ex), constant(pose.R.ey), constant(pose.R.ez)}};
-  std::array<Island, max_islands> islands;
+  std::array<InterpenetrationRegion, max_regions> regions;
   Strips<T> strips;
   StripPlaces<T> places;
-  strips.islands = find_islands(pair, here, search, islands);
-  for (int k = 0; k < strips.islands; ++k) lay_strips(pair, *tables.arc, pose, islands[at(k)], k, strips, places);
-  solve_strips(*tables.kernel, *tables.hertz, material, strips);
+  strips.regions = find_regions(wheel.pair, here, search, regions);
+  for (int k = 0; k < strips.regions; ++k)
+    lay_strips(wheel.pair, *wheel.wheel_arc, pose, regions[at(k)], k, strips, places);
+  solve_strips(wheel.material, strips);
 
-  StripContact<T> out;
-  auto const add = [&](int first, int last, T const& share) {
-    if (out.count == StripContact<T>::capacity || !(share > 0.0)) return;
+  StripSolution<T> out;
+  auto const add = [&](int first, int last, T const& weight) {
+    if (out.count == StripSolution<T>::capacity || !(weight > 0.0)) return;
     auto& patch = out.patch[at(out.count)];
     if (!gather(strips, places, first, last, patch)) return;
-    patch.share = share;
+    patch.weight = weight;
     ++out.count;
   };
-  for (int k = 0; k < strips.islands; ++k) {
-    Island const& island = islands[at(k)];
-    int const first = k * per_island;
-    int const last = first + per_island;
+  for (int k = 0; k < strips.regions; ++k) {
+    InterpenetrationRegion const& region = regions[at(k)];
+    int const first = k * per_region;
+    int const last = first + per_region;
     T one(1.0);
     std::array<int, ContactSearch::max_minima + 1> cut{first};
     int cuts = 1;
-    for (int i = island.first; i < island.last; ++i) {
+    for (int i = region.first; i < region.last; ++i) {
       auto const gap = [&](GapMinimum const& g) {
         if constexpr (std::same_as<T, double>) return g.gap;
-        return contact_point(pair, pose, g.s, g.gradient).gap;
+        return contact_point(wheel.pair, pose, g.s, g.gradient).gap;
       };
       GapMinimum const& top = search.barrier(i);
-      T const m = oneness(gap(top), gap(search[i]), gap(search[i + 1]));
+      T const m = merged_weight(gap(top), gap(search[i]), gap(search[i + 1]));
       if (!(m < 1.0)) continue;
       one = select(m < one, m, one);
-      double const length = tables.arc->length(top.s);
+      double const length = wheel.wheel_arc->length(top.s);
       int next = cut[at(cuts - 1)];
       while (next < last && value_of(strips.position[at(next)]) < length) ++next;
       cut[at(cuts++)] = next;
@@ -178,9 +178,8 @@ StripContact<T> strip_contact(WheelRollerPair const& pair, StripTables const& ta
   return out;
 }
 
-template StripContact<double> strip_contact(WheelRollerPair const&, StripTables const&, Material const&,
-                                            RelativePose<double> const&, ContactSearch const&);
-template StripContact<StripDual> strip_contact(WheelRollerPair const&, StripTables const&, Material const&,
-                                               RelativePose<StripDual> const&, ContactSearch const&);
+template StripSolution<double> strip_contact(NormalSetting const&, RelativePose<double> const&, ContactSearch const&);
+template StripSolution<StripDual> strip_contact(NormalSetting const&, RelativePose<StripDual> const&,
+                                                ContactSearch const&);
 
 }  // namespace rollerrig

@@ -55,4 +55,9 @@ StripKernel::StripKernel() {
     }
 }
 
+StripKernel const& strip_kernel() {
+  static StripKernel const kernel;
+  return kernel;
+}
+
 }  // namespace rollerrig

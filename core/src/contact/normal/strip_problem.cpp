@@ -5,7 +5,7 @@
 namespace rollerrig {
 namespace {
 
-constexpr int per_island = Strips<double>::per_island;
+constexpr int per_region = Strips<double>::per_region;
 constexpr int capacity = Strips<double>::capacity;
 constexpr double smallest_length = 0.02;  // of the half-length over the strip's width: keeps the logarithm of a finite
 using Row = std::array<double, capacity>;
@@ -19,17 +19,17 @@ std::size_t at(int i) { return static_cast<std::size_t>(i); }
 template <Scalar T, class Read, class Store>
 void influences(Strips<T> const& s, std::array<T, capacity> const& a, std::array<char, capacity> const& wanted,
                 Read const& read, Store const& store) {
-  std::array<T, per_island> value;
-  for (int island = 0; island < s.islands; ++island) {
-    int const first = island * per_island;
-    int lowest = first, highest = first + per_island - 1;
+  std::array<T, per_region> value;
+  for (int region = 0; region < s.regions; ++region) {
+    int const first = region * per_region;
+    int lowest = first, highest = first + per_region - 1;
     while (lowest < highest && !wanted[at(lowest)]) ++lowest;
     while (highest > lowest && !wanted[at(highest)]) --highest;
     for (int i = lowest; i <= highest; ++i) {
       if (!wanted[at(i)]) continue;
       T const inverse = 1.0 / a[at(i)];
-      T const h = s.width[at(island)] * inverse;
-      // Strips of one island are equally wide: distances of the edges repeat.
+      T const h = s.width[at(region)] * inverse;
+      // Strips of one region are equally wide: distances of the edges repeat.
       T inner = read(0.5 * h);
       value[0] = inner + inner;
       int const farthest = std::max(i - lowest, highest - i);
@@ -40,8 +40,8 @@ void influences(Strips<T> const& s, std::array<T, capacity> const& a, std::array
       }
       for (int j = lowest; j < i; ++j) store(i, j, value[at(i - j)]);
       for (int j = i; j <= highest; ++j) store(i, j, value[at(j - i)]);
-      for (int j = 0; j < s.count() && s.islands > 1; ++j) {
-        if (!wanted[at(j)] || j / per_island == island) continue;
+      for (int j = 0; j < s.count() && s.regions > 1; ++j) {
+        if (!wanted[at(j)] || j / per_region == region) continue;
         T distance = (s.position[at(j)] - s.position[at(i)]) * inverse;
         if (distance < 0.0) distance = -distance;
         store(i, j, read(distance + 0.5 * h) - read(distance - 0.5 * h));
@@ -99,14 +99,14 @@ void solve_load(StripKernel const& kernel, double compliance, Strips<T>& s, std:
   int const n = s.count();
   std::array<double, capacity> a_value;
   Strips<double> plain;  // only what influences() reads
-  plain.islands = s.islands;
+  plain.regions = s.regions;
   std::array<char, capacity> all{};
   for (int i = 0; i < n; ++i) {
     all[at(i)] = value_of(s.interpenetration[at(i)]) > 0.0;
     a_value[at(i)] = value_of(a[at(i)]);
     plain.position[at(i)] = value_of(s.position[at(i)]);
   }
-  for (int k = 0; k < s.islands; ++k) plain.width[at(k)] = value_of(s.width[at(k)]);
+  for (int k = 0; k < s.regions; ++k) plain.width[at(k)] = value_of(s.width[at(k)]);
   std::array<Row, capacity> matrix;
   influences(
       plain, a_value, all, [&](double k) { return kernel.deflection(k); },
@@ -153,21 +153,21 @@ void solve_load(StripKernel const& kernel, double compliance, Strips<T>& s, std:
   }
 }
 
-/// The parabola of the island's width and mean depth, pressed after Hertz: conformity q/A and half-lengths to start from.
+/// The parabola of the region's width and mean depth, pressed after Hertz: conformity q/A and half-lengths to start from.
 template <Scalar T>
-void start_from_hertz(HertzTable const& hertz, Strips<T>& s, int island, std::array<T, capacity>& q,
+void start_from_hertz(HertzTable const& hertz, Strips<T>& s, int region, std::array<T, capacity>& q,
                       std::array<char, capacity>& loaded) {
   using std::log;
   using std::sqrt;
-  int const first = island * per_island;
+  int const first = region * per_region;
   T depth(0.0), along_x(0.0);
-  for (int i = first; i < first + per_island; ++i) {
+  for (int i = first; i < first + per_region; ++i) {
     depth += select(s.interpenetration[at(i)] > 0.0, s.interpenetration[at(i)], T(0.0));
     along_x += s.curvature[at(i)];
   }
-  depth = (1.5 / per_island) * depth;  // a parabola's height over its mean
-  along_x = (1.0 / per_island) * along_x;
-  T const half_width = (0.5 * per_island) * s.width[at(island)];
+  depth = (1.5 / per_region) * depth;  // a parabola's height over its mean
+  along_x = (1.0 / per_region) * along_x;
+  T const half_width = (0.5 * per_region) * s.width[at(region)];
   T const across = depth / (half_width * half_width);
   T const ratio = along_x / across;
   double const limit = HertzTable::limit;
@@ -177,9 +177,9 @@ void start_from_hertz(HertzTable const& hertz, Strips<T>& s, int island, std::ar
   T const sum = along_x + across;
   T const conformity = 1.5 / pi * hertz.stiffness.at(x).value * sum / (a * a * b * along_x);  // Q p0 / (a A)
   T const square_length = a * a / sum;                                                        // a^2 over the depth
-  T const floor = square(smallest_length * s.width[at(island)]);
+  T const floor = square(smallest_length * s.width[at(region)]);
   double const edge = value_of(depth) * (1.0 - value_of(b * b * across / sum));  // interpenetration at Hertz' edge
-  for (int i = first; i < first + per_island; ++i) {
+  for (int i = first; i < first + per_region; ++i) {
     T const d = select(s.interpenetration[at(i)] > 0.0, s.interpenetration[at(i)], T(0.0));
     loaded[at(i)] = value_of(d) > edge;
     s.half_length[at(i)] = sqrt(square_length * d + floor);
@@ -191,9 +191,9 @@ void start_from_hertz(HertzTable const& hertz, Strips<T>& s, int island, std::ar
 template <Scalar T>
 void lengths_from_load(double compliance, Strips<T>& s, std::array<T, capacity> const& q) {
   using std::sqrt;
-  for (int island = 0; island < s.islands; ++island) {
-    T const floor = square(smallest_length * s.width[at(island)]);
-    for (int i = island * per_island; i < (island + 1) * per_island; ++i)
+  for (int region = 0; region < s.regions; ++region) {
+    T const floor = square(smallest_length * s.width[at(region)]);
+    for (int i = region * per_region; i < (region + 1) * per_region; ++i)
       s.half_length[at(i)] = sqrt(2.0 * compliance * s.load[at(i)] / q[at(i)] + floor);
   }
 }
@@ -220,11 +220,13 @@ void update_lengths(StripKernel const& kernel, double compliance, Strips<T>& s,
 }  // namespace
 
 template <Scalar T>
-void solve_strips(StripKernel const& kernel, HertzTable const& hertz, Material const& material, Strips<T>& s) {
+void solve_strips(Material const& material, Strips<T>& s) {
+  StripKernel const& kernel = strip_kernel();
+  HertzTable const& hertz = hertz_table();
   double const compliance = material.compliance() / pi;  // Q/pi
   std::array<T, capacity> q;
   std::array<char, capacity> loaded{};
-  for (int island = 0; island < s.islands; ++island) start_from_hertz(hertz, s, island, q, loaded);
+  for (int region = 0; region < s.regions; ++region) start_from_hertz(hertz, s, region, q, loaded);
   solve_load(kernel, compliance, s, s.half_length, loaded);
   lengths_from_load(compliance, s, q);
   update_lengths(kernel, compliance, s, loaded, q);
@@ -233,7 +235,7 @@ void solve_strips(StripKernel const& kernel, HertzTable const& hertz, Material c
   update_lengths(kernel, compliance, s, loaded, q);
 }
 
-template void solve_strips(StripKernel const&, HertzTable const&, Material const&, Strips<double>&);
-template void solve_strips(StripKernel const&, HertzTable const&, Material const&, Strips<StripDual>&);
+template void solve_strips(Material const&, Strips<double>&);
+template void solve_strips(Material const&, Strips<StripDual>&);
 
 }  // namespace rollerrig

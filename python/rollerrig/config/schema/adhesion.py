@@ -8,32 +8,31 @@ from pydantic_core import PydanticCustomError
 
 from rollerrig.config.errors import nearest, show_value
 from rollerrig.config.schema.base import Table
+from rollerrig.config.schema.contact_law import AnyFriction, FallingFriction, Share
 from rollerrig.config.schema.units import Quantity
 
-CONDITIONS: Mapping[str, Mapping[str, float]] = {
-    "dry": {"mu_0": 0.55, "A": 0.40, "B": 0.60, "k_A": 1.0, "k_S": 0.4},
-    "wet": {"mu_0": 0.30, "A": 0.40, "B": 0.20, "k_A": 0.3, "k_S": 0.1},
-    "low": {"mu_0": 0.08, "A": 0.40, "B": 0.20, "k_A": 0.3, "k_S": 0.1},
-    "very_low": {"mu_0": 0.04, "A": 0.40, "B": 0.20, "k_A": 0.3, "k_S": 0.1},
+CONDITIONS: Mapping[str, Mapping[str, Any]] = {
+    name: {"friction": {"kind": "falling", "mu_0": mu_0, "A": 0.40, "B": b}, "k_A": k_a, "k_S": k_s}
+    for name, mu_0, b, k_a, k_s in (
+        ("dry", 0.55, 0.60, 1.0, 0.4),
+        ("wet", 0.30, 0.20, 0.3, 0.1),
+        ("low", 0.08, 0.20, 0.3, 0.1),
+        ("very_low", 0.04, 0.20, 0.3, 0.1),
+    )
 }
 """Named conditions; dry and wet after Polach (2005), low and very low engineering values with the shape of wet."""
 
-Fraction = Annotated[float, Quantity("1", ge=0, le=1)]
-Share = Annotated[float, Quantity("1", gt=0, le=1)]
-
 
 class Condition(Table):
-    """Friction of a rail that falls with slip velocity w: mu_0 ((1 - A) exp(-B w) + A)."""
+    """A rail's surface: friction, and what is left of the creep curve's stiffness."""
 
-    mu_0: Fraction = Field(description="friction at no slip")
-    A: Fraction = Field(default=1.0, description="friction at large slip over that at none; 1: Coulomb's law")
-    B: Annotated[float, Quantity("s/m", ge=0)] = Field(default=0.0, description="how fast it falls with slip")
+    friction: AnyFriction = Field(description="a number, or a law over slip velocity")
     k_A: Share = Field(
         default=1.0,
-        description="k_A: of the creep curve's stiffness where the patch sticks, in place of [contact]'s own",
+        description="of the creep curve's stiffness on the area of adhesion, in place of [contact]'s own",
     )
     k_S: Share = Field(
-        default=1.0, description="k_S: where it slides, at most k_A; laws without k_A and k_S take their mean"
+        default=1.0, description="on the area of slip, at most k_A; laws without k_A and k_S take their mean"
     )
 
     @model_validator(mode="after")
@@ -50,7 +49,7 @@ def _by_name(value: Any) -> Any:
     if value in CONDITIONS:
         return dict(CONDITIONS[value])
     guess = nearest(value, tuple(CONDITIONS))
-    allowed = f"allowed: {', '.join(CONDITIONS)}, or a table with mu_0, A, B, k_A, k_S"
+    allowed = f"allowed: {', '.join(CONDITIONS)}, or a table with friction, k_A, k_S"
     allowed += f"; did you mean {show_value(guess)}?" if guess else ""
     raise PydanticCustomError("condition", "{allowed}", {"allowed": allowed})
 
@@ -80,13 +79,14 @@ class Adhesion(Table):
     )
     recovery_constant: Annotated[float, Quantity("m^2/J", ge=0)] = Field(
         default=0.0,
-        description="tau: how fast energy spent per area cleans the rail, lambda = 1 - exp(-tau W); 0: nothing is cleaned",
+        description="tau of the recovery by dissipated energy per area, lambda = 1 - exp(-tau W); 0: no recovery",
     )
     cell_length: Annotated[float, Quantity("m", gt=0)] = Field(
-        default=0.05, description="energy spent is kept along the rail in cells of this length"
+        default=0.05, description="dissipated energy is kept along the rail in cells of this length"
     )
     recovered: AnyCondition = Field(
-        default=Condition(mu_0=0.70, A=0.40, B=0.60), description="condition of the rail once clean"
+        default=Condition(friction=FallingFriction(kind="falling", mu_0=0.70, A=0.40, B=0.60)),
+        description="condition of the rail once it has recovered",
     )
 
     @property

@@ -8,7 +8,14 @@ from pydantic_core import PydanticCustomError
 from rollerrig.config.schema.actuators import BenchSettings, Brake, Sensors, SlideProtection, Traction, WheelSlipControl
 from rollerrig.config.schema.adhesion import Adhesion
 from rollerrig.config.schema.base import SpeedTable, Table, TorqueTable, instead_of
-from rollerrig.config.schema.contact_law import CreepLawName, FrictionFall, PolachReduction, StiffnessReduction
+from rollerrig.config.schema.contact_law import (
+    AnyCreep,
+    AnyFriction,
+    AnyNormal,
+    ConstantFriction,
+    Hertz,
+    KalkerSaturated,
+)
 from rollerrig.config.schema.material import Material
 from rollerrig.config.schema.rig_control import RigControl
 from rollerrig.config.schema.similitude import ScaledFrom
@@ -79,23 +86,16 @@ class Contact(Table):
     """Laws and parameters of the contact between wheel and rail or roller."""
 
     material: Material = Field(description="material of both: a catalogue name, a file or a table")
-    friction: Annotated[float, Quantity("1", ge=0, le=1.5)] = Field(default=0.3, description="coefficient of friction")
-    friction_fall: FrictionFall | None = Field(
-        default=None, description="friction that falls with the slip velocity; constant if absent"
+    friction: AnyFriction = Field(
+        default=ConstantFriction(kind="constant", mu_0=0.3), description="a coefficient, or a law over slip velocity"
     )
-    creep: CreepLawName = Field(
-        default="kalker_saturated",
-        description="tangential force: Kalker's linear theory, without or with saturation by friction (the paper's); "
-        "Kalker's FASTSIM, classic or modified; Polach with spin; or Kalker's exact theory read from a table",
+    creep: AnyCreep = Field(
+        default=KalkerSaturated(kind="kalker_saturated"),
+        description="law of the tangential force: its name, or a table with `kind` and parameters",
     )
-    polach: PolachReduction | None = Field(default=None, description="parameters that creep = 'polach' needs")
-    stiffness_reduction: StiffnessReduction | None = Field(
-        default=None, description="for creep = 'modified_fastsim': wet or contaminated surface; clean if absent"
-    )
-    normal: Literal["hertz", "strips"] = Field(
-        default="hertz",
-        description="normal force: Hertz' ellipse at each indented minimum of the gap, or elastic strips over all that "
-        "overlaps, for patches that are no ellipses",
+    normal: AnyNormal = Field(
+        default=Hertz(kind="hertz"),
+        description="law of the normal force: its name, or a table with `kind` and parameters",
     )
     normal_damping: Damping = Field(default=1e5, description="damping of the normal force while the surfaces approach")
     damping_onset: Annotated[float, Quantity("m/s", gt=0)] = Field(
@@ -104,32 +104,10 @@ class Contact(Table):
     creepage_regularisation_speed: Annotated[float, Quantity("m/s", gt=0)] = Field(
         default=0.1, description="V_s in the rolling speed sqrt(V^2 + V_s^2) that creepages are divided by"
     )
-    merging_criterion: Annotated[float, Quantity("1", ge=0, le=1)] = Field(
-        default=0.01,
-        description="for normal = 'hertz': two indented dips of the gap hand over smoothly once the rise between them is "
-        "below this fraction of the approach; 0: the paper's bare rule, patches appear and vanish at full force",
-    )
-    saturate_spin_moment: StrictBool = Field(
-        default=False, description="scale the spin moment like the force; the paper does not"
-    )
-
     roller_effects: RollerEffects = Field(
         default=RollerEffects(),
         description="which of a roller's differences from a rail count; all, unless for a study",
     )
-
-    @model_validator(mode="after")
-    def _parameters_of_the_law(self) -> "Contact":
-        for key, law, needed in (("polach", "polach", True), ("stiffness_reduction", "modified_fastsim", False)):
-            given = getattr(self, key) is not None
-            if self.creep == law and needed and not given:
-                allowed = f"needed for creep = '{law}': k_A and k_S, dry 1.0 and 0.4, wet 0.3 and 0.1"
-            elif self.creep != law and given:
-                allowed = f"allowed only with creep = '{law}'"
-            else:
-                continue
-            raise PydanticCustomError("at_key", "{allowed}", {"allowed": allowed, "key": key})
-        return self
 
 
 class Motion(Table):

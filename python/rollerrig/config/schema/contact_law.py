@@ -1,37 +1,163 @@
-"""Names and parameters of the creep laws."""
+"""The laws of a contact: creep, normal contact, friction. Names and parameters are the core's; tests/python/creep compares.
 
-from typing import Annotated, Literal
+name, number, or table with `kind` and parameters -> [contact_law] -> one of the tables below
 
-from pydantic import Field
+`limitation` is what a law leaves out, for the reports. A new law is a class here, a member of its union and, in the core, a
+header: docs/how_to/contact_law.md.
+"""
+
+from collections.abc import Mapping
+from typing import Annotated, Any, ClassVar, Literal, get_args
+
+from pydantic import BeforeValidator, Discriminator, Field, RootModel, StrictBool
 
 from rollerrig.config.schema.base import Table
 from rollerrig.config.schema.units import Quantity
 
-CreepLawName = Literal["kalker_linear", "kalker_saturated", "fastsim", "modified_fastsim", "polach", "table"]
-CREEP_LAWS: tuple[str, ...] = ("kalker_linear", "kalker_saturated", "fastsim", "modified_fastsim", "polach", "table")
-
 Share = Annotated[float, Quantity("1", gt=0, le=1)]
+Fraction = Annotated[float, Quantity("1", ge=0, le=1)]
+Friction = Annotated[float, Quantity("1", ge=0, le=1.5)]
 
 
-class PolachReduction(Table):
-    """How contamination weakens Polach's law: dry 1.0 and 0.4, wet 0.3 and 0.1 (Polach 2005); 1 and 1: clean."""
-
-    k_A: Share = Field(description="k_A, on the area of adhesion")
-    k_S: Share = Field(description="k_S, on the area of slip; at most k_A")
+def _law(value: Any) -> Any:
+    """A name alone asks for the law with the defaults of its parameters."""
+    return {"kind": value} if isinstance(value, str) else value
 
 
-class StiffnessReduction(Table):
-    """Stiffness of a contaminated surface: initial (ultimate + (1 - ultimate)/(1 + decay tau)) times Kalker's."""
+def kinds(laws: Any) -> tuple[str, ...]:
+    """Names of the laws of a union, in its order."""
+    union = get_args(laws)[0]
+    return tuple(get_args(law.model_fields["kind"].annotation)[0] for law in get_args(union))
 
-    initial: Share = Field(default=1.0, description="share of Kalker's stiffness at small creepage")
-    ultimate: Share = Field(default=1.0, description="share of the initial one that is left at large creepage")
-    decay: Annotated[float, Quantity("1", ge=0)] = Field(
+
+# ------------------------------------------------------------------------------------------------------------- creep
+class KalkerSaturated(Table):
+    """The paper's creep law: Kalker's linear theory, saturated by friction with the cubic of Johnson and Vermeulen."""
+
+    limitation: ClassVar[str] = (
+        "The creep force follows Kalker's linear theory, saturated by friction with a heuristic law."
+    )
+    kind: Literal["kalker_saturated"] = Field(description="the paper's law, (20), (23), (24)")
+    saturate_spin_moment: StrictBool = Field(
+        default=False, description="scale the spin moment like the force; the paper does not"
+    )
+
+
+class KalkerLinear(Table):
+    """Kalker's linear theory: no limit of adhesion."""
+
+    limitation: ClassVar[str] = (
+        "The creep force follows Kalker's linear theory without a friction limit: it is valid for small creepage."
+    )
+    kind: Literal["kalker_linear"] = Field(description="Kalker's linear theory, (20)")
+
+
+class Fastsim(Table):
+    """Kalker's algorithm FASTSIM."""
+
+    limitation: ClassVar[str] = "The creep force follows Kalker's simplified theory (FASTSIM) on an elliptical patch."
+    kind: Literal["fastsim"] = Field(description="Kalker's simplified theory, three flexibilities")
+
+
+class ModifiedFastsim(Table):
+    """FASTSIM with flexibilities of its own for spin; of Kalker's stiffness k_0 (k_inf + (1 - k_inf)/(1 + beta tau)) is left."""
+
+    limitation: ClassVar[str] = (
+        "The creep force follows the modified FASTSIM, with an empirical reduction of the initial stiffness."
+    )
+    kind: Literal["modified_fastsim"] = Field(description="FASTSIM for clean, wet and contaminated surfaces")
+    k_0: Share = Field(default=1.0, description="what is left of Kalker's stiffness at small creepage")
+    k_inf: Share = Field(default=1.0, description="what is left of k_0 at large creepage")
+    beta: Annotated[float, Quantity("1", ge=0)] = Field(
         default=0.0, description="how fast it falls with tau, the force of linear theory over the friction limit"
     )
 
 
-class FrictionFall(Table):
-    """Friction that falls with slip velocity w: friction ((1 - A) exp(-B w) + A)."""
+class Polach(Table):
+    """Polach's creep law with spin: k_A, k_S are 1.0 and 0.4 on dry rails, 0.3 and 0.1 on wet ones (2005); 1 and 1: clean."""
 
-    A: Share = Field(default=1.0, description="what is left at high slip velocity")
-    B: Annotated[float, Quantity("s/m", ge=0)] = Field(default=0.0, description="how fast it falls")
+    limitation: ClassVar[str] = (
+        "The creep force follows Polach's law: an elliptical patch, and spin by an approximate closed form."
+    )
+    kind: Literal["polach"] = Field(description="Polach's closed form")
+    k_A: Share = Field(description="what is left of the stiffness on the area of adhesion")
+    k_S: Share = Field(description="what is left of it on the area of slip; at most k_A")
+
+
+class ExactTable(Table):
+    """Kalker's exact theory of rolling contact, read from the table that rollerrig ships."""
+
+    limitation: ClassVar[str] = (
+        "The creep force is interpolated in a table of Kalker's exact theory for elliptical patches."
+    )
+    kind: Literal["table"] = Field(description="the exact theory as a smooth function")
+
+
+AnyCreep = Annotated[
+    KalkerSaturated | KalkerLinear | Fastsim | ModifiedFastsim | Polach | ExactTable,
+    Discriminator("kind"),
+    BeforeValidator(_law),
+]
+CREEP_LAWS = kinds(AnyCreep)
+
+
+class CreepRoot(RootModel[AnyCreep]):
+    """A creep law alone."""
+
+
+# ------------------------------------------------------------------------------------------------------------ normal
+class Hertz(Table):
+    """The paper's normal contact: Hertz' ellipse at each indented minimum of the gap."""
+
+    limitation: ClassVar[str] = (
+        "Each contact patch is a Hertzian ellipse, also where two patches of a wheel lie close together or the curvature "
+        "changes within a patch."
+    )
+    kind: Literal["hertz"] = Field(description="one ellipse per indented minimum")
+    merging_criterion: Annotated[float, Quantity("1", ge=0, le=1)] = Field(
+        default=0.01,
+        description="two patches merge smoothly once the rise between them is below this fraction of the approach; 0: the "
+        "paper's bare rule, patches appear and vanish at full force",
+    )
+
+
+class Strips(Table):
+    """Elastic strips over everything that overlaps: non-elliptical contact patches."""
+
+    limitation: ClassVar[str] = (
+        "The normal contact is that of elastic strips: non-elliptical patches, whose pressures are approximate."
+    )
+    kind: Literal["strips"] = Field(description="non-elliptical contact patches")
+
+
+AnyNormal = Annotated[Hertz | Strips, Discriminator("kind"), BeforeValidator(_law)]
+NORMAL_LAWS = kinds(AnyNormal)
+
+
+# ---------------------------------------------------------------------------------------------------------- friction
+class ConstantFriction(Table):
+    """Coulomb's friction."""
+
+    limitation: ClassVar[str] = "The coefficient of friction is constant."
+    kind: Literal["constant"] = Field(description="one coefficient")
+    mu_0: Friction = Field(description="coefficient of friction")
+
+
+class FallingFriction(Table):
+    """Friction that falls with slip velocity w: mu_0 ((1 - A) exp(-B w) + A)."""
+
+    limitation: ClassVar[str] = "Friction depends on the slip velocity alone, not on temperature or contamination."
+    kind: Literal["falling"] = Field(description="Polach's friction")
+    mu_0: Friction = Field(description="coefficient of friction at no slip")
+    A: Fraction = Field(default=1.0, description="friction at large slip over mu_0; 1: Coulomb's law")
+    B: Annotated[float, Quantity("s/m", ge=0)] = Field(default=0.0, description="how fast it falls with slip")
+
+
+def _friction(value: Any) -> Any:
+    """A number alone is Coulomb's friction."""
+    is_table = isinstance(value, Mapping | Table)
+    return value if is_table else {"kind": "constant", "mu_0": value}
+
+
+AnyFriction = Annotated[ConstantFriction | FallingFriction, Discriminator("kind"), BeforeValidator(_friction)]
+FRICTION_LAWS = kinds(AnyFriction)

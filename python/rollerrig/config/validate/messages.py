@@ -22,16 +22,22 @@ _RENAMED: Mapping[str, tuple[str, ...]] = {
     "believed": ("assumed",),
     "cleaned": ("recovered",),
     "cleaning": ("recovery_constant",),
-    "decay": ("B",),
+    "decay": ("B", "beta", "friction"),
+    "friction_fall": ("friction",),
     "held": ("fixed", "speed_controlled"),
     "ideal_rolling": ("pure_rolling",),
-    "merge_barrier": ("merging_criterion",),
+    "initial": ("k_0",),
+    "merge_barrier": ("merging_criterion", "normal"),
+    "polach": ("creep",),
     "ratio": ("A",),
-    "remaining": ("A",),
+    "remaining": ("A", "friction"),
+    "saturate_spin_moment": ("creep",),
     "slip_reduction": ("k_S",),
     "standstill_speed": ("creepage_regularisation_speed", "friction_regularisation_speed"),
-    "start": ("mu_0",),
+    "start": ("mu_0", "friction"),
     "stick_reduction": ("k_A",),
+    "stiffness_reduction": ("creep",),
+    "ultimate": ("k_inf",),
 }
 """Former key or word -> what it may be called now."""
 
@@ -174,9 +180,11 @@ def _problem(model: type[BaseModel], raw: object, error: ErrorDetails, file: str
             return ConfigProblem(file, key, "missing" if at is None else show_value(at), str(context["allowed"]))
         case "union_tag_invalid" | "union_tag_not_found":
             tags = [tag_of(table) for table in place.choices]
-            kind = place.raw.get("kind") if isinstance(place.raw, Mapping) else None
+            by_name = isinstance(place.raw, str)
+            kind = place.raw if by_name else place.raw.get("kind") if isinstance(place.raw, Mapping) else None
             value = "missing" if kind is None else show_value(kind)
-            return ConfigProblem(file, join_key(place.key, "kind"), value, one_of(tags), nearest(kind, tags))
+            key = place.key if by_name else join_key(place.key, "kind")
+            return ConfigProblem(file, key, value, one_of(tags), nearest(kind, tags))
         case "literal_error":
             choices = [str(choice) for choice in get_args(_literal(place))]
             return ConfigProblem(

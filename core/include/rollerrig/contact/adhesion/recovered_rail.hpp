@@ -1,6 +1,6 @@
-// contact/adhesion/recovered_rail.hpp - what the leading wheels leave behind: energy spent on each piece of rail.
+// contact/adhesion/recovered_rail.hpp - what the leading wheels leave behind: energy dissipated on each piece of rail.
 //
-//   energy per area that a wheel spends -> [cells along the rail] -> what the following wheels find
+//   energy per area that a wheel dissipates -> [cells along the rail] -> what the following wheels find
 //
 // A ring of cells that reaches back from the leading wheel; rail that no wheel has touched yet is as contaminated as ever.
 #pragma once
@@ -11,7 +11,7 @@
 
 namespace rollerrig {
 
-class CleanedRail {
+class RecoveredRail {
  public:
   static constexpr int cells = 1024;
   /// @param cell  length of a cell [m]; 51 m of rail are remembered with 50 mm
@@ -21,23 +21,23 @@ class CleanedRail {
     head_ = none;
   }
 
-  /// Energy per area already spent at a place [J/m^2].
-  double at(double distance) const {
-    long const cell = cell_of(distance);
+  /// Energy per area already dissipated at an arc length [J/m^2].
+  double at(double arc_length) const {
+    long const cell = cell_of(arc_length);
     if (head_ == none || cell > head_ || cell <= head_ - cells) return 0.0;
     return energy_[slot(cell)];
   }
 
-  /// What a wheel finds at its place: read in the cell before it, in which nothing is its own yet.
-  double before(double distance) const { return at(distance + cell_length_); }
+  /// What a wheel finds: read in the cell ahead of it, in which nothing is its own yet.
+  double before(double arc_length) const { return at(arc_length + cell_length_); }
 
-  /// A wheel has run from one place to another (forward) and found and spent this energy per area.
-  void spend(double from, double to, double energy_per_area) {
+  /// A wheel has run from one arc length to another (forward) and dissipated this energy per area.
+  void dissipate(double from, double to, double energy_per_area) {
     long const first = cell_of(from);
     long const last = cell_of(to);
     for (long cell = head_ == none ? last : head_ + 1; cell <= last; ++cell) energy_[slot(cell)] = 0.0;
     head_ = head_ == none ? last : std::max(head_, last);
-    // Each cell gets its part of the way: a wheel that passes in many short steps spends the energy once.
+    // Each cell gets its part of the distance: a wheel that passes in many short steps dissipates the energy once.
     for (long cell = std::max(first, head_ - cells + 1); cell <= last; ++cell) {
       double const low = std::max(from, cell_length_ * static_cast<double>(cell));
       double const high = std::min(to, cell_length_ * static_cast<double>(cell + 1));
@@ -47,7 +47,7 @@ class CleanedRail {
 
  private:
   static constexpr long none = -(1L << 60);
-  long cell_of(double distance) const { return static_cast<long>(std::floor(distance / cell_length_)); }
+  long cell_of(double arc_length) const { return static_cast<long>(std::floor(arc_length / cell_length_)); }
   static std::size_t slot(long cell) { return static_cast<std::size_t>(((cell % cells) + cells) % cells); }
 
   std::array<double, cells> energy_{};

@@ -5,6 +5,7 @@
 // Source  Malvezzi, Meli, Pugi (2010), eqs (20)-(22); Kalker (1967).
 #pragma once
 #include "rollerrig/contact/creep/kalker.hpp"
+#include "rollerrig/contact/regularisation.hpp"
 
 namespace rollerrig {
 
@@ -56,17 +57,30 @@ struct CreepForce {
   T saturation;    ///< force over that of the linear theory: 1 in full adhesion, towards 0 in gross sliding
 };
 
+/// The same patch between surfaces that are so much more compliant: `factor` of Kalker's stiffness.
+template <Scalar T>
+CreepQuery<T> with_reduced_stiffness(CreepQuery<T> query, T const& factor) {
+  auto& f = query.stiffness;
+  f = {factor * f.f11, factor * f.f22, factor * f.f23, factor * f.f33};
+  return query;
+}
+
 /// Eq. (20).
 template <Scalar T>
 CreepForce<T> linear_creep_force(Creepage<T> const& e, KalkerStiffness<T> const& f) {
   return {-(f.f11 * e.longitudinal), -(f.f22 * e.lateral) - f.f23 * e.spin, f.f23 * e.lateral - f.f33 * e.spin, T(1.0)};
 }
 
-/// tau = demanded / available; the tiny term keeps the slope finite at zero creepage.
+/// tau = demanded / available.
 template <Scalar T>
 T demand(CreepForce<T> const& linear, T const& adhesion) {
-  using std::sqrt;
-  return sqrt(linear.longitudinal * linear.longitudinal + linear.lateral * linear.lateral + 1e-20) / adhesion;
+  return regularisation::length(linear.longitudinal, linear.lateral, regularisation::force) / adhesion;
+}
+
+/// Length of a force over that of the linear theory, tau mu N.
+template <Scalar T>
+T saturation(T const& longitudinal, T const& lateral, T const& linear) {
+  return regularisation::length(longitudinal, lateral, regularisation::force) / (linear + regularisation::force);
 }
 
 /// Eq. (23), the cubic of Johnson and Vermeulen: force over linear force.
@@ -82,12 +96,21 @@ T friction_moment(CreepQuery<T> const& query) {
   return query.adhesion * (3.0 * pi / 16.0) * sqrt(0.5 * (query.a * query.a + query.b * query.b));
 }
 
+/// What each creepage alone demands of mu N by the linear theory, per unit of it; spin by its force and its moment.
+template <Scalar T>
+std::array<T, 3> demand_per_creepage(CreepQuery<T> const& query) {
+  using std::sqrt;
+  auto const& f = query.stiffness;
+  T const torsion = f.f33 * query.adhesion / friction_moment(query);
+  return {f.f11 / query.adhesion, f.f22 / query.adhesion, sqrt(f.f23 * f.f23 + torsion * torsion) / query.adhesion};
+}
+
 /// Where approximations of force and moment together would feed energy in, the moment gives way: (C16).
 template <Scalar T>
 CreepForce<T> never_drives(CreepQuery<T> const& query, CreepForce<T> const& force) {
   auto const& e = query.creepage;
   T const power = -(force.longitudinal * e.longitudinal + force.lateral * e.lateral + force.spin_moment * e.spin);
-  bool const drives = power < 0.0 && !(e.spin * e.spin < 1e-20);
+  bool const drives = power < 0.0 && !(e.spin * e.spin < square(regularisation::spin));
   T const spin = select(drives, e.spin, T(1.0));
   return {force.longitudinal, force.lateral, select(drives, force.spin_moment + power / spin, force.spin_moment),
           force.saturation};

@@ -13,9 +13,11 @@
 #pragma once
 #include <array>
 #include <cstddef>
+#include <memory>
 #include <vector>
 
 #include "rollerrig/contact/creep/creep_query.hpp"
+#include "rollerrig/fields.hpp"
 
 namespace rollerrig {
 
@@ -48,7 +50,9 @@ void read_creep_table(CreepTable const& table, double log_aspect, std::array<dou
                       CreepTablePoint& out);
 
 struct TableLaw {
-  CreepTable const* table{nullptr};
+  static constexpr char const* name = "table";
+  std::shared_ptr<CreepTable const> table{};
+  static constexpr auto fields() { return std::tuple{Member{"table", &TableLaw::table}}; }
 
   template <Scalar T>
   CreepForce<T> operator()(CreepQuery<T> const& query) const {
@@ -56,10 +60,9 @@ struct TableLaw {
     auto const& e = query.creepage;
     auto const& f = query.stiffness;
     T const& adhesion = query.adhesion;
-    T const torsion = f.f33 * adhesion / friction_moment(query);
-    std::array<T, 3> const v{f.f11 * e.longitudinal / adhesion, f.f22 * e.lateral / adhesion,
-                             query.direction * e.spin * sqrt(f.f23 * f.f23 + torsion * torsion) / adhesion};
-    T const rho = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2] + 1e-20);
+    auto const unit = demand_per_creepage(query);
+    std::array<T, 3> const v{unit[0] * e.longitudinal, unit[1] * e.lateral, unit[2] * query.direction * e.spin};
+    T const rho = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2] + square(regularisation::demand));
     T const shrink = 1.0 / (table->rho_0 + rho);
     std::array<T, 3> const q{v[0] * shrink, v[1] * shrink, v[2] * shrink};
 
@@ -81,8 +84,7 @@ struct TableLaw {
     T const tx = fade * linear.longitudinal + gain * d(0);
     T const ty = fade * linear.lateral + gain * d(1);
     T const moment = fade * linear.spin_moment + query.direction * gain * sqrt(query.a * query.b) * d(2);
-    T const saturation = sqrt(tx * tx + ty * ty + 1e-20) / (adhesion * demand(linear, adhesion) + 1e-10);
-    return never_drives(query, CreepForce<T>{tx, ty, moment, saturation});
+    return never_drives(query, CreepForce<T>{tx, ty, moment, saturation(tx, ty, adhesion * demand(linear, adhesion))});
   }
 };
 

@@ -14,27 +14,16 @@
 #pragma once
 #include <array>
 
+#include "rollerrig/contact/adhesion/rail_surface.hpp"
 #include "rollerrig/contact/creep/creep_query.hpp"
+#include "rollerrig/fields.hpp"
 #include "rollerrig/math/dual.hpp"
 
 namespace rollerrig {
 
-/// k = k0 (k_inf + (1 - k_inf) / (1 + beta tau)) multiplies Kalker's stiffness; 1, 1, 0: none.
-struct StiffnessReduction {
-  double initial{1.0};   ///< k0: roughness and contamination at small creepage [-]
-  double ultimate{1.0};  ///< k_inf: share that is left at large creepage [-]
-  double decay{0.0};     ///< beta, per unit of tau = linear force over mu N [-]
-};
-
-struct Fastsim {
-  static constexpr int strips = 10;
-  static constexpr int elements = 10;
-  bool modified{false};
-  StiffnessReduction reduction{};
-
-  template <Scalar T>
-  CreepForce<T> operator()(CreepQuery<T> const& query) const;
-};
+/// Strips across the patch, and elements along each.
+constexpr int fastsim_strips = 10;
+constexpr int fastsim_elements = 10;
 
 /// What a solution depends on, tractions in units of the largest limit, lengths in a and b.
 template <class T>
@@ -50,7 +39,7 @@ struct FastsimSums {
   T along, across, along_y, across_x;
 };
 
-template <class T, int Strips = Fastsim::strips, int Elements = Fastsim::elements>
+template <class T, int Strips = fastsim_strips, int Elements = fastsim_elements>
 FastsimSums<T> fastsim_sums(FastsimDemand<T> const& d) {
   using std::sqrt;
   FastsimSums<T> sum{T(0.0), T(0.0), T(0.0), T(0.0)};
@@ -128,18 +117,16 @@ FastsimSums<T> fastsim_sums_of(FastsimDemand<T> const& d) {
   }
 }
 
+/// Force and moment with flexibilities from the creepage; `reduction` multiplies the stiffness. (C5)-(C9)
+///
+/// @param modified  whether spin has flexibilities of its own
 template <Scalar T>
-CreepForce<T> Fastsim::operator()(CreepQuery<T> const& query) const {
-  using std::sqrt;
+CreepForce<T> fastsim_force(CreepQuery<T> const& query, T const& tau, bool modified, T const& reduction) {
   auto const& e = query.creepage;
   auto const& f = query.stiffness;
-  auto const linear = linear_creep_force(e, f);
-  T const tau = demand(linear, query.adhesion);
   T const spin = query.direction * e.spin;
   T const friction_spin = f.f33 * e.spin / friction_moment(query);
-  T const reduced =
-      reduction.initial * (reduction.ultimate + (1.0 - reduction.ultimate) / (1.0 + reduction.decay * tau));
-  T const inverse = (modified ? reduced : T(1.0)) / query.adhesion;
+  T const inverse = reduction / query.adhesion;
   // Growth of traction by Kalker's coefficients, and by the slip alone; the first at small creepage, the second at large.
   double const k = 3.0 * pi / 16.0;
   T const true_along = k * f.f11 * query.b * spin * inverse;
@@ -151,11 +138,46 @@ CreepForce<T> Fastsim::operator()(CreepQuery<T> const& query) const {
                            true_along + weight * (kalker_along - true_along),
                            true_across + weight * (kalker_across - true_across), f.f11 / f.f22};
   auto const s = fastsim_sums_of(d);
-  T const saturation = sqrt(s.along * s.along + s.across * s.across + 1e-20) / (tau + 1e-10);
-  return never_drives(
-      query,
-      CreepForce<T>{query.adhesion * s.along, query.adhesion * s.across,
-                    query.adhesion * query.direction * (query.a * s.across_x - query.b * s.along_y), saturation});
+  T const tx = query.adhesion * s.along;
+  T const ty = query.adhesion * s.across;
+  T const moment = query.adhesion * query.direction * (query.a * s.across_x - query.b * s.along_y);
+  return never_drives(query, CreepForce<T>{tx, ty, moment, saturation(tx, ty, tau * query.adhesion)});
 }
+
+/// Kalker's algorithm with three flexibilities.
+struct Fastsim {
+  static constexpr char const* name = "fastsim";
+  static constexpr auto fields() { return std::tuple{}; }
+
+  template <Scalar T>
+  CreepForce<T> operator()(CreepQuery<T> const& query) const {
+    T const tau = demand(linear_creep_force(query.creepage, query.stiffness), query.adhesion);
+    return fastsim_force(query, tau, false, T(1.0));
+  }
+};
+
+/// Flexibilities of their own for spin, and a surface that gets more flexible with slip: k_0 (k_inf + (1 - k_inf)/(1 + beta
+/// tau)) multiplies Kalker's stiffness; 1, 1, 0: clean.
+struct ModifiedFastsim {
+  static constexpr char const* name = "modified_fastsim";
+  double k_0{1.0};    ///< of roughness and contamination at small creepage [-]
+  double k_inf{1.0};  ///< part of k_0 that is left at large creepage [-]
+  double beta{0.0};   ///< per unit of tau = linear force over mu N [-]
+  static constexpr auto fields() {
+    return std::tuple{Member{"k_0", &ModifiedFastsim::k_0}, Member{"k_inf", &ModifiedFastsim::k_inf},
+                      Member{"beta", &ModifiedFastsim::beta}};
+  }
+
+  template <Scalar T>
+  CreepForce<T> operator()(CreepQuery<T> const& query) const {
+    T const tau = demand(linear_creep_force(query.creepage, query.stiffness), query.adhesion);
+    return fastsim_force(query, tau, true, k_0 * (k_inf + (1.0 - k_inf) / (1.0 + beta * tau)));
+  }
+  /// The rail's reductions take the place of its own.
+  template <Scalar T>
+  CreepForce<T> operator()(CreepQuery<T> const& query, RailSurface<T> const& rail) const {
+    return ModifiedFastsim{}(with_reduced_stiffness(query, mean_reduction(rail)));
+  }
+};
 
 }  // namespace rollerrig

@@ -3,11 +3,15 @@
 // Source  Malvezzi, Meli, Pugi (2010), eqs (20)-(24); Kalker (1967); Vermeulen and Johnson (1964) for (23).
 #pragma once
 #include "rollerrig/contact/creep/creep_query.hpp"
+#include "rollerrig/fields.hpp"
 
 namespace rollerrig {
 
 /// Eq. (20): no limit of adhesion.
 struct KalkerLinear {
+  static constexpr char const* name = "kalker_linear";
+  static constexpr auto fields() { return std::tuple{}; }
+
   template <Scalar T>
   CreepForce<T> operator()(CreepQuery<T> const& query) const {
     return linear_creep_force(query.creepage, query.stiffness);
@@ -16,7 +20,11 @@ struct KalkerLinear {
 
 /// Eqs (20), (23), (24): the paper's law. The spin moment stays unsaturated as published unless asked otherwise.
 struct KalkerSaturated {
+  static constexpr char const* name = "kalker_saturated";
   bool saturate_spin_moment{false};
+  static constexpr auto fields() {
+    return std::tuple{Member{"saturate_spin_moment", &KalkerSaturated::saturate_spin_moment}};
+  }
 
   template <Scalar T>
   CreepForce<T> operator()(CreepQuery<T> const& query) const {

@@ -28,6 +28,8 @@ struct HertzTable {
   UniformSpline log_aspect;               ///< ln(a/b)
   HertzTable();
 };
+/// The table, built once for all.
+HertzTable const& hertz_table();
 
 /// The ellipse per unit of sqrt(approach), and the stiffness.
 template <Scalar T>
@@ -43,7 +45,8 @@ struct HertzContact {
 /// @param d2  (k_2r + k_2b)/2 [1/m]: across it; not positive where the surfaces conform. Rule: a d2 below d1/200 is
 ///            raised to it (a patch about 27 times as wide as long); the caller counts how often.
 template <Scalar T>
-HertzContact<T> hertz_contact(HertzTable const& table, Material const& material, T const& d1, T const& d2) {
+HertzContact<T> hertz_contact(Material const& material, T const& d1, T const& d2) {
+  HertzTable const& table = hertz_table();
   using std::log;
   using std::sqrt;
   T const low = d1 / HertzTable::limit;

@@ -3,7 +3,8 @@
 // Signs   gap < 0: the surfaces overlap. gap_rate < 0: they approach. N >= 0 always.
 // Source  Malvezzi, Meli, Pugi (2010), eq. (12).
 #pragma once
-#include "rollerrig/scalar.hpp"
+#include "rollerrig/contact/regularisation.hpp"
+#include "rollerrig/fields.hpp"
 
 namespace rollerrig {
 
@@ -11,6 +12,10 @@ namespace rollerrig {
 struct NormalDamping {
   double damping{1e5};           ///< k_v [N s/m]
   double smoothing_speed{1e-4};  ///< [m/s]
+  static constexpr auto fields() {
+    return std::tuple{Member{"damping", &NormalDamping::damping},
+                      Member{"smoothing_speed", &NormalDamping::smoothing_speed}};
+  }
 
   /// k_v max(0, -gap_rate) with its corner rounded: departs from (12) by at most k_v smoothing_speed / 2 (5 N), so that
   /// the slope at rest exists (k_v/2, the equivalent of the one-sided damper for small oscillations). Never adds energy.
@@ -30,15 +35,19 @@ struct NormalForce {
   T total() const { return elastic + damping; }
 };
 
-///     N = k_h |p|^(3/2) + k_v |p_dot| [p_dot < 0]     (12), for gap < 0; the caller drops contacts with gap >= 0.
+///     N = k_h |p|^(3/2) + k_v |p_dot| [p_dot < 0]     (12)
 ///
-/// The sum is never negative: a separating wheel is not pulled back.
+/// Elastic part, for gap < 0; a contact that is about to open has none.
 template <Scalar T>
-NormalForce<T> normal_force(NormalDamping const& law, T const& stiffness, T const& gap, T const& gap_rate) {
+T elastic_force(T const& stiffness, T const& gap) {
   using std::sqrt;
-  T const depth = select(gap < 0.0, -gap, T(1e-30));
-  T const elastic = stiffness * depth * sqrt(depth);
-  T const damping = law.force(gap_rate);
+  T const depth = select(gap < 0.0, -gap, T(regularisation::approach));
+  return stiffness * depth * sqrt(depth);
+}
+
+/// Both parts. The sum is never negative: a separating wheel is not pulled back.
+template <Scalar T>
+NormalForce<T> normal_force(T const& elastic, T const& damping) {
   return {elastic, select(elastic + damping > 0.0, damping, -elastic)};
 }
 

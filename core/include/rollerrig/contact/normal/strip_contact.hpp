@@ -1,14 +1,15 @@
-// contact/normal/strip_contact.hpp - the normal contact of one wheel without assuming ellipses: strips on every overlapping stretch.
+// contact/normal/strip_contact.hpp - the normal contact of one wheel with non-elliptical contact patches: elastic strips over
+// every interpenetration region.
 //
-//   indented minima -> islands -> strips -> [strip problem] -> patches: force, centre, equivalent ellipse
+//   indented minima -> interpenetration regions -> strips -> [strip problem] -> patches: force, centre, equivalent ellipse
 //
-// What overlaps is one patch. Two dips of one island are one patch where the rise between them is deep in the material and
-// two where it is not; in between both readings count with a smooth share, because the creep forces of one wide patch and
-// of two narrow ones differ: (S8) of docs/theory/non_elliptic_contact.md. The normal force is the same in both.
+// A region is one patch. Two minima of one region are one patch where the rise between them is deep in the material and two
+// where it is not; in between both readings count with smooth blending weights, because the creep forces of one wide patch
+// and of two narrow ones differ: (S8) of docs/theory/non_elliptic_contact.md. The normal force is the same in both.
 #pragma once
-#include "rollerrig/contact/normal/hertz.hpp"
+#include "rollerrig/contact/normal/normal_patch.hpp"
 #include "rollerrig/contact/normal/strip_problem.hpp"
-#include "rollerrig/geometry/interpenetration.hpp"
+#include "rollerrig/fields.hpp"
 #include "rollerrig/math/dual.hpp"
 
 namespace rollerrig {
@@ -16,17 +17,10 @@ namespace rollerrig {
 /// Seeds: the pose's translation and rotation. All derivatives of a contact go through them.
 using StripDual = Dual<6>;
 
-/// Tables of one wheel.
-struct StripTables {
-  StripKernel const* kernel{nullptr};
-  HertzTable const* hertz{nullptr};
-  ArcLength const* arc{nullptr};
-};
-
 /// Elastic part of one patch, frame b. Forces act on the wheel.
 template <Scalar T>
 struct StripPatch {
-  T share;                    ///< of this reading of the strips, 0 to 1
+  T weight;                   ///< blending weight of this reading of the strips, 0 to 1
   T normal;                   ///< resultant of the pressures [N]
   Vec3<T> direction;          ///< its direction, out of the roller
   Vec3<T> point;              ///< centre of the pressures on the roller [m]
@@ -39,7 +33,7 @@ struct StripPatch {
 };
 
 template <Scalar T>
-struct StripContact {
+struct StripSolution {
   static constexpr int capacity = ContactSearch::max_minima;
   int count{0};
   std::array<StripPatch<T>, capacity> patch;
@@ -47,15 +41,14 @@ struct StripContact {
 
 /// The contact of the search's indented minima; T: double or StripDual.
 template <Scalar T>
-StripContact<T> strip_contact(WheelRollerPair const& pair, StripTables const& tables, Material const& material,
-                              RelativePose<T> const& pose, ContactSearch const& search);
+StripSolution<T> strip_contact(NormalSetting const& wheel, RelativePose<T> const& pose, ContactSearch const& search);
 
 /// The same for any scalar: with derivatives, by the chain rule over the pose's six directions.
 template <Scalar T>
-StripContact<T> strip_contact_of(WheelRollerPair const& pair, StripTables const& tables, Material const& material,
-                                 RelativePose<T> const& pose, ContactSearch const& search) {
+StripSolution<T> strip_contact_of(NormalSetting const& wheel, RelativePose<T> const& pose,
+                                  ContactSearch const& search) {
   if constexpr (std::same_as<T, double>) {
-    return strip_contact(pair, tables, material, pose, search);
+    return strip_contact(wheel, pose, search);
   } else {
     auto const number = [](Vec3<T> const& v) { return Vec3<double>{v.x.value, v.y.value, v.z.value}; };
     Vec3<double> const o = number(pose.o);
@@ -70,7 +63,7 @@ StripContact<T> strip_contact_of(WheelRollerPair const& pair, StripTables const&
     };
     RelativePose<StripDual> seeded{lift<StripDual>(o), {turned(R.ex), turned(R.ey), turned(R.ez)}};
     seeded.o.x.d[0] = seeded.o.y.d[1] = seeded.o.z.d[2] = 1.0;
-    auto const found = strip_contact(pair, tables, material, seeded, search);
+    auto const found = strip_contact(wheel, seeded, search);
 
     // How the pose given moves along those six: (dR) R^T is the turn.
     auto const turn = [&](auto row, auto column) {
@@ -91,16 +84,55 @@ StripContact<T> strip_contact_of(WheelRollerPair const& pair, StripTables const&
       return out;
     };
     auto const chain3 = [&](Vec3<StripDual> const& v) { return Vec3<T>{chain(v.x), chain(v.y), chain(v.z)}; };
-    StripContact<T> out;
+    StripSolution<T> out;
     out.count = found.count;
     for (std::size_t k = 0; k < static_cast<std::size_t>(found.count); ++k) {
       auto const& p = found.patch[k];
-      out.patch[k] = {chain(p.share),   chain(p.normal),  chain3(p.direction), chain3(p.point),
+      out.patch[k] = {chain(p.weight),  chain(p.normal),  chain3(p.direction), chain3(p.point),
                       chain3(p.moment), chain(p.wheel_s), chain(p.rail_y),     chain(p.a),
                       chain(p.b),       p.approach,       p.peak_pressure,     p.width};
     }
     return out;
   }
 }
+
+/// Elastic strips over everything that overlaps; the creep law works on the equivalent ellipse at the pressures' centre. The
+/// wheel has one normal damper (12), which its patches share by their load, so that a patch comes and goes without a step.
+/// (S6)-(S9)
+struct ElasticStrips {
+  static constexpr char const* name = "strips";
+  static constexpr auto fields() { return std::tuple{}; }
+
+  template <Scalar T, std::derived_from<NormalPatch<T>> P>
+  int operator()(NormalSetting const& wheel, RelativePose<T> const& pose, ContactSearch const& search,
+                 PatchList<P>& patches) const {
+    using std::log;
+    auto const found = strip_contact_of(wheel, pose, search);
+    auto const n = static_cast<std::size_t>(found.count);
+    T total(0.0);
+    for (std::size_t k = 0; k < n; ++k) total += found.patch[k].weight * found.patch[k].normal;
+    for (std::size_t k = 0; k < n; ++k) {
+      auto const& strip = found.patch[k];
+      NormalPatch<T>& patch = patches[k];
+      patch.point = {};
+      patch.point.wheel_s = strip.wheel_s;
+      patch.point.rail_y = strip.rail_y;
+      patch.point.gap = T(-strip.approach);
+      patch.point.p = strip.point;
+      patch.point.n = strip.direction;
+      patch.elastic = strip.normal;
+      patch.a = strip.a;
+      patch.b = strip.b;
+      patch.log_aspect = log(strip.a / strip.b);
+      patch.weight = strip.weight;
+      patch.damper = strip.normal / total;
+      patch.tilts = true;
+      patch.pressure_moment = strip.moment;
+      patch.peak_pressure = strip.peak_pressure;
+      patch.width = strip.width;
+    }
+    return found.count;
+  }
+};
 
 }  // namespace rollerrig

@@ -69,4 +69,7 @@ class StripKernel {
   std::vector<Cell> cells_;  ///< the first one from zero
 };
 
+/// The kernel, built once for all.
+StripKernel const& strip_kernel();
+
 }  // namespace rollerrig

@@ -20,26 +20,26 @@
 
 namespace rollerrig {
 
-/// Islands of strips along one wheel. Within an island strips are equally wide and touch each other.
+/// Regions of strips along one wheel. Within an region strips are equally wide and touch each other.
 template <Scalar T>
 struct Strips {
-  static constexpr int per_island = 20;
-  static constexpr int max_islands = 3;
-  static constexpr int capacity = per_island * max_islands;
+  static constexpr int per_region = 20;
+  static constexpr int max_regions = 3;
+  static constexpr int capacity = per_region * max_regions;
 
-  int islands{0};
-  std::array<T, max_islands> width;          ///< of the strips of an island [m]
+  int regions{0};
+  std::array<T, max_regions> width;          ///< of the strips of an region [m]
   std::array<T, capacity> position;          ///< of the middle, along the profile's arc [m]
   std::array<T, capacity> interpenetration;  ///< d [m]; negative: the surfaces are apart
   std::array<T, capacity> curvature;         ///< A, half the sum of both curvatures along x [1/m]
   std::array<T, capacity> load;              ///< w [N/m]; result, not negative
   std::array<T, capacity> half_length;       ///< a [m]; result
 
-  int count() const { return islands * per_island; }
+  int count() const { return regions * per_region; }
 };
 
 /// Fills load and half_length. T: double or StripDual.
 template <Scalar T>
-void solve_strips(StripKernel const& kernel, HertzTable const& hertz, Material const& material, Strips<T>& strips);
+void solve_strips(Material const& material, Strips<T>& strips);
 
 }  // namespace rollerrig

@@ -1,7 +1,6 @@
-"""Creep laws by name, and the table that one of them reads.
+"""The table that the creep law `table` reads.
 
-    contact of a case, or a name -> [creep] -> law of the core
-                    creep_table.npz  /
+    creep_table.npz -> [table_file] -> CreepTable of the core
 
 The table is computed by `scripts/build_creep_table`; docs/theory/creep_laws.md says how and how accurate it is.
 """
@@ -22,7 +21,6 @@ import numpy as np
 import numpy.typing as npt
 
 from rollerrig import _core
-from rollerrig.config.schema.contact_law import CREEP_LAWS, FrictionFall, PolachReduction, StiffnessReduction
 
 TABLE_FORMAT = 1
 """Version of the layout; a file of another one is refused."""
@@ -121,48 +119,3 @@ def write_table(
 def checksum(coefficients: npt.NDArray[np.float32]) -> str:
     """SHA-256 of the coefficients as little-endian floats."""
     return hashlib.sha256(np.ascontiguousarray(coefficients, dtype="<f4").tobytes()).hexdigest()
-
-
-def creep_law(
-    name: str,
-    *,
-    saturate_spin_moment: bool = False,
-    polach: PolachReduction | None = None,
-    stiffness: StiffnessReduction | None = None,
-) -> _core.CreepLaw:
-    """A law of the core by its name.
-
-    Args:
-        name: one of CREEP_LAWS.
-        saturate_spin_moment: for kalker_saturated.
-        polach: needed by polach.
-        stiffness: for modified_fastsim.
-
-    Raises:
-        ValueError: no such law, or one that lacks a parameter.
-        CreepTableError: the table of the law `table` cannot be used.
-    """
-    if name not in CREEP_LAWS:
-        raise ValueError(f"no creep law named {name!r}; there are {', '.join(CREEP_LAWS)}")
-    if name == "polach" and polach is None:
-        raise ValueError("polach needs k_A and k_S: 1.0 and 0.4 dry, 0.3 and 0.1 wet (Polach 2005)")
-    k = stiffness or StiffnessReduction()
-    reduction = (k.initial, k.ultimate, k.decay)
-    areas = (polach.k_A, polach.k_S) if polach is not None else (1.0, 1.0)
-    return _core.CreepLaw(name, saturate_spin_moment, reduction, areas, shipped_table() if name == "table" else None)
-
-
-def creep_law_of(contact: Any) -> _core.CreepLaw:
-    """The law of a case's contact."""
-    return creep_law(
-        contact.creep,
-        saturate_spin_moment=contact.saturate_spin_moment,
-        polach=contact.polach,
-        stiffness=contact.stiffness_reduction,
-    )
-
-
-def friction_of(contact: Any) -> tuple[float, float, float]:
-    """Largest friction coefficient, ratio and decay [s/m] of a case's contact."""
-    fall = contact.friction_fall or FrictionFall()
-    return (contact.friction, fall.A, fall.B)

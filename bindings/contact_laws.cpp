@@ -1,0 +1,151 @@
+// bindings/contact_laws.cpp - the laws of a contact and their parameters, each law a class; and laws on their own.
+#include <nanobind/nanobind.h>
+#include <nanobind/stl/array.h>
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/shared_ptr.h>
+#include <nanobind/stl/variant.h>
+#include <nanobind/stl/vector.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "convert.hpp"
+#include "fields.hpp"
+#include "rollerrig/contact/creep/rolling_reference.hpp"
+#include "rollerrig/contact/patch.hpp"
+
+using namespace nb::literals;
+using namespace rollerrig;
+
+namespace {
+
+std::array<double, 5> hertz_ellipse(double load, double d1, double d2, double shear_modulus, double poisson_ratio) {
+  auto const h = hertz_contact(Material{shear_modulus, poisson_ratio}, d1, d2);
+  double const approach = std::pow(load / h.stiffness, 2.0 / 3.0);
+  double const a = h.a_per_root * std::sqrt(approach);
+  double const b = h.b_per_root * std::sqrt(approach);
+  return {a, b, approach, 1.5 * load / (pi * a * b), h.stiffness};
+}
+
+std::array<double, 4> kalker(double a_over_b, double poisson_ratio) {
+  auto const c = KalkerTable(poisson_ratio).at(std::log(a_over_b));
+  return {c.c11, c.c22, c.c23, c.c33};
+}
+
+/// One patch, rolling in a direction: what a creep law is asked besides creepage.
+CreepQuery<double> query_of(double a, double b, double adhesion, double shear_modulus, double poisson_ratio,
+                            double direction) {
+  double const log_aspect = std::log(a / b);
+  auto const f = kalker_stiffness(KalkerTable(poisson_ratio).at(log_aspect), shear_modulus, a, b, direction);
+  return {{0.0, 0.0, 0.0}, f, adhesion, a, b, log_aspect, direction};
+}
+
+std::array<double, 4> stiffness(double a, double b, double shear_modulus, double poisson_ratio) {
+  auto const f = query_of(a, b, 1.0, shear_modulus, poisson_ratio, 1.0).stiffness;
+  return {f.f11, f.f22, f.f23, f.f33};
+}
+
+/// On an ellipse of a b = 1 with mu N = G = 1: reduced units.
+std::array<double, 3> creepage_units(double a_over_b, double poisson_ratio) {
+  double const a = std::sqrt(a_over_b);
+  auto const demand = demand_per_creepage(query_of(a, 1.0 / a, 1.0, 1.0, poisson_ratio, 1.0));
+  return {1.0 / demand[0], 1.0 / demand[1], 1.0 / demand[2]};
+}
+
+using Rows3 = nb::ndarray<double const, nb::shape<-1, 3>, nb::c_contig, nb::device::cpu>;
+using Floats = nb::ndarray<float const, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
+
+std::shared_ptr<CreepTable> creep_table(double log_aspect_end, double rho_0, int aspects,
+                                        std::array<int, 3> const& cells, Floats const& coefficients) {
+  if (!(log_aspect_end > 0.0) || !(rho_0 > 0.0) || aspects < 1 || *std::min_element(cells.begin(), cells.end()) < 1)
+    throw nb::value_error("a creep table needs positive sizes");
+  auto table = std::make_shared<CreepTable>(CreepTable{log_aspect_end, rho_0, aspects, cells, {}});
+  if (coefficients.shape(0) != table->size())
+    throw nb::value_error("the creep table has not as many coefficients as its shape asks for");
+  table->coefficients.assign(coefficients.data(), coefficients.data() + coefficients.shape(0));
+  return table;
+}
+
+auto friction_over_slip(FrictionLaw const& law, Column const& slip) {
+  std::size_t const n = slip.shape(0);
+  std::vector<double> out(n);
+  for (std::size_t i = 0; i < n; ++i) out[i] = friction_at(law, slip(i));
+  return owned_array<nb::ndim<1>>(std::move(out), {n});
+}
+
+auto creep_forces(Rows3 const& creepage, double a, double b, double load, double friction, double shear_modulus,
+                  double poisson_ratio, CreepLaw const& law, double direction,
+                  std::optional<std::array<double, 2>> const& reduction) {
+  auto query = query_of(a, b, friction * load, shear_modulus, poisson_ratio, direction);
+  std::size_t const n = creepage.shape(0);
+  std::vector<double> out(4 * n);
+  for (std::size_t i = 0; i < n; ++i) {
+    query.creepage = {creepage(i, 0), creepage(i, 1), creepage(i, 2)};
+    auto const force = reduction
+                           ? creep_force(law, query, RailSurface<double>{friction, (*reduction)[0], (*reduction)[1]})
+                           : creep_force(law, query);
+    out[4 * i] = force.longitudinal;
+    out[4 * i + 1] = force.lateral;
+    out[4 * i + 2] = force.spin_moment;
+    out[4 * i + 3] = force.saturation;
+  }
+  return owned_array<nb::shape<-1, 4>>(std::move(out), {n, 4});
+}
+
+auto rolling_solutions(RollingReference& reference, Rows3 const& creepage) {
+  std::size_t const n = creepage.shape(0);
+  std::vector<double> out(6 * n);
+  for (std::size_t i = 0; i < n; ++i) {
+    auto const s = reference.solve({creepage(i, 0), creepage(i, 1), creepage(i, 2)});
+    double const row[] = {s.longitudinal,         s.lateral, s.spin_moment, s.adhesion, static_cast<double>(s.steps),
+                          s.converged ? 1.0 : 0.0};
+    std::copy(std::begin(row), std::end(row), &out[6 * i]);
+  }
+  return owned_array<nb::shape<-1, 6>>(std::move(out), {n, 6});
+}
+
+}  // namespace
+
+void bind_contact_laws(nb::module_& m) {
+  nb::class_<CreepTable>(m, "CreepTable", "The exact theory as a smooth function; see rollerrig.contact_analysis.")
+      .def_static("of", &creep_table, "log_aspect_end"_a, "rho_0"_a, "aspects"_a, "cells"_a, "coefficients"_a)
+      .def_ro("aspects", &CreepTable::aspects);
+  bind_laws<CreepLaw>(m, "creep_laws");
+  bind_laws<NormalLaw>(m, "normal_laws");
+  bind_laws<FrictionLaw>(m, "friction_laws");
+  bind_struct<RailCondition>(m, "RailCondition", "Friction over slip velocity, and k_A, k_S of the creep curve.");
+  bind_struct<RailAdhesion>(m, "RailAdhesion", "A rail that recovers by the energy dissipated on it.");
+  bind_struct<AdhesionMap>(m, "AdhesionMap", "Pieces along the rail [m] or over time [s], and where they begin.");
+  bind_struct<Friction>(m, "Friction", "One law, or a map in its place.");
+  bind_struct<Material>(m, "Material", "Elastic constants of both bodies.");
+  bind_struct<NormalDamping>(m, "NormalDamping", "Damper of eq. (12).");
+  bind_struct<RollerEffects>(m, "RollerEffects", "Which of a roller's differences from a rail count.");
+  bind_struct<ContactLaws>(m, "ContactLaws", "What a contact is made of.");
+
+  m.def("hertz_ellipse", &hertz_ellipse, "load"_a, "d1"_a, "d2"_a, "shear_modulus"_a, "poisson_ratio"_a,
+        "Semi-axes a, b [m], approach [m], peak pressure [Pa] and stiffness [N/m^1.5]; eqs (13)-(19).");
+  m.def("kalker_coefficients", &kalker, "a_over_b"_a, "poisson_ratio"_a, "C11, C22, C23, C33.");
+  m.def("kalker_stiffness", &stiffness, "a"_a, "b"_a, "shear_modulus"_a, "poisson_ratio"_a,
+        "f11, f22 [N], f23 [N m], f33 [N m^2] of an ellipse with semi-axes a, b [m]; eq. (22).");
+  m.def("creepage_units", &creepage_units, "a_over_b"_a, "poisson_ratio"_a,
+        "Reduced creepages xi, eta, chi that each demand about mu N of the linear theory.");
+  m.def("friction_at", &friction_over_slip, "law"_a, "slip"_a, "Friction coefficient per slip velocity [m/s], (A1).");
+  m.def("creep_forces", &creep_forces, "creepage"_a, "a"_a, "b"_a, "load"_a, "friction"_a, "shear_modulus"_a,
+        "poisson_ratio"_a, "law"_a, "direction"_a = 1.0, "reduction"_a = nb::none(),
+        "T_x, T_y [N], M_sp [N m] on the wheel and the saturation, per row of creepage; on a rail with a reduction "
+        "k_A, k_S.");
+  m.def(
+      "mean_reduction", [](double k_A, double k_S) { return mean_reduction(RailSurface<double>{0.0, k_A, k_S}); },
+      "k_A"_a, "k_S"_a, "What a rail's condition leaves of the slope of the creep curve, (A8).");
+  nb::class_<RollingReference>(m, "RollingReference", "Exact rolling contact on an elliptic patch; reduced units.")
+      .def(
+          "__init__",
+          [](RollingReference* self, double a_over_b, double poisson_ratio, double fineness) {
+            new (self) RollingReference(a_over_b, poisson_ratio, RollingGrid::for_ellipse(a_over_b, fineness));
+          },
+          "a_over_b"_a, "poisson_ratio"_a, "fineness"_a)
+      .def("solve", &rolling_solutions, "creepage"_a,
+           "Force along, across, moment, fraction of the patch that sticks, steps, converged; per row of xi, eta, chi.")
+      .def("kalker_coefficients", &RollingReference::kalker_coefficients, "C11, C22, C23, C33 of this grid.");
+}

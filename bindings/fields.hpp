@@ -1,0 +1,43 @@
+// bindings/fields.hpp - a Python class for any struct that names its fields, and for every law of a registry.
+#pragma once
+#include <cctype>
+#include <string>
+#include <string_view>
+#include <type_traits>
+
+#include "convert.hpp"
+
+/// Binds a struct by its own list of fields; the class has their names as `fields`.
+template <rollerrig::Described S>
+nb::class_<S> bind_struct(nb::module_& m, char const* name, char const* doc) {
+  return std::apply(
+      [&](auto... fields) {
+        auto type = bind_description<S>(m, name, doc, fields...);
+        nb::list names;
+        (names.append(fields.name), ...);
+        type.attr("fields") = names;
+        return type;
+      },
+      S::fields());
+}
+
+/// kalker_saturated -> KalkerSaturated
+inline std::string class_name(std::string_view name) {
+  std::string out;
+  bool start = true;
+  for (char const c : name) {
+    if (c != '_') out += start ? static_cast<char>(std::toupper(static_cast<unsigned char>(c))) : c;
+    start = c == '_';
+  }
+  return out;
+}
+
+/// Binds every law of a registry, and the registry itself: name in a configuration -> class.
+template <class Registry>
+void bind_laws(nb::module_& m, char const* registry) {
+  nb::dict classes;
+  [&]<class... Laws>(std::type_identity<std::variant<Laws...>>) {
+    ((classes[Laws::name] = bind_struct<Laws>(m, class_name(Laws::name).c_str(), Laws::name)), ...);
+  }(std::type_identity<Registry>{});
+  m.attr(registry) = classes;
+}

@@ -1,0 +1,86 @@
+// contact/adhesion/adhesion_map.hpp - how much friction a degraded rail offers, and how stiffly: over slip velocity, over the
+// energy that has been dissipated on it, and where or when.
+//
+//   arc length or time, slip velocity, dissipated energy density -> [adhesion map] -> surface -> creep law
+//
+// One implementation for the contact of the 3-D track and for the virtual rail in the rig's controller.
+// Source  Polach, Wear 258 (2005): (A1);
+//         Meacci, Rindi, Pugi et al., degraded adhesion with recovery by dissipated energy: (A2), (A3).
+#pragma once
+#include <algorithm>
+#include <stdexcept>
+#include <vector>
+
+#include "rollerrig/contact/adhesion/friction_laws.hpp"
+#include "rollerrig/contact/adhesion/rail_surface.hpp"
+
+namespace rollerrig {
+
+/// What lies on a rail.
+struct RailCondition {
+  FrictionLaw friction{};
+  double k_A{1.0};  ///< [-]; k_A = k_S = 1: as the creep law on a clean surface
+  double k_S{1.0};  ///< at most k_A [-]
+  static constexpr auto fields() {
+    return std::tuple{Member{"friction", &RailCondition::friction}, Member{"k_A", &RailCondition::k_A},
+                      Member{"k_S", &RailCondition::k_S}};
+  }
+
+  template <Scalar T>
+  RailSurface<T> at(T const& slip) const {
+    return {friction_at(friction, slip), T(k_A), T(k_S)};
+  }
+};
+
+/// A rail surface that recovers by the energy that sliding wheels dissipate on it.
+///
+///     mu = (1 - lambda) mu_degraded(w) + lambda mu_recovered(w),   lambda = 1 - exp(-tau W)   (A2), (A3)
+///
+/// and k_A, k_S likewise. W is the energy dissipated per unit of running surface [J/m^2].
+struct RailAdhesion {
+  RailCondition degraded{};
+  RailCondition recovered{};
+  double recovery_constant{0.0};  ///< tau [m^2/J]; 0: no recovery
+  static constexpr auto fields() {
+    return std::tuple{Member{"degraded", &RailAdhesion::degraded}, Member{"recovered", &RailAdhesion::recovered},
+                      Member{"recovery_constant", &RailAdhesion::recovery_constant}};
+  }
+
+  template <Scalar T>
+  RailSurface<T> at(T const& slip, T const& energy_density) const {
+    using std::exp;
+    return blended(recovered.at(slip), degraded.at(slip), exp(-recovery_constant * energy_density));
+  }
+};
+
+/// Which adhesion a rail has where, or when: pieces along the rail [m], or over time [s].
+///
+/// From one piece to the next the surface changes smoothly, t^2 (3 - 2 t), over `blend` behind the border.
+struct AdhesionMap {
+  std::vector<RailAdhesion> pieces{RailAdhesion{}};
+  std::vector<double> borders{};  ///< where piece k + 1 begins, ascending; one less than pieces
+  double blend{0.0};              ///< [m] or [s]; 0: a step
+  bool over_time{false};          ///< borders are times
+  static constexpr auto fields() {
+    return std::tuple{Member{"pieces", &AdhesionMap::pieces}, Member{"borders", &AdhesionMap::borders},
+                      Member{"blend", &AdhesionMap::blend}, Member{"over_time", &AdhesionMap::over_time}};
+  }
+
+  void check() const {
+    if (pieces.size() != borders.size() + 1) throw std::invalid_argument("adhesion map: one border less than pieces");
+  }
+
+  /// @param at  arc length along the rail [m], or time [s]
+  template <Scalar T>
+  RailSurface<T> operator()(T const& at, T const& slip, T const& energy_density) const {
+    auto const after = std::upper_bound(borders.begin(), borders.end(), value_of(at)) - borders.begin();
+    auto const k = static_cast<std::size_t>(after);
+    auto const here = pieces[k].at(slip, energy_density);
+    if (k == 0 || !(blend > 0.0)) return here;
+    T const t = (at - borders[k - 1]) / blend;
+    if (value_of(t) >= 1.0) return here;
+    return blended(pieces[k - 1].at(slip, energy_density), here, t * t * (3.0 - 2.0 * t));
+  }
+};
+
+}  // namespace rollerrig

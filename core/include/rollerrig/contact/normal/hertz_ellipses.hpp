@@ -1,0 +1,55 @@
+// contact/normal/hertz_ellipses.hpp - the paper's normal contact: Hertz' ellipse at each indented minimum of the gap.
+//
+//   minima of the search -> contact points -> Hertz (12)-(19) -> patches, weighted by (F4) where two merge
+#pragma once
+#include "rollerrig/contact/normal/blending_weight.hpp"
+#include "rollerrig/contact/normal/hertz.hpp"
+#include "rollerrig/contact/normal/normal_force.hpp"
+#include "rollerrig/contact/normal/normal_patch.hpp"
+
+namespace rollerrig {
+
+/// Hertz' ellipse and load at patch.point.
+template <Scalar T>
+void hertz_patch(Material const& material, NormalPatch<T>& patch) {
+  using std::sqrt;
+  auto const& point = patch.point;
+  T const d1 = 0.5 * (point.wheel_curvature_along + point.rail_curvature_along);    // (14)
+  T const d2 = 0.5 * (point.wheel_curvature_across + point.rail_curvature_across);  // (14)
+  auto const hertz = hertz_contact(material, d1, d2);                               // (13), (16)
+  T const root_depth = sqrt(select(point.gap < 0.0, -point.gap, T(regularisation::approach)));
+  patch.a = hertz.a_per_root * root_depth;  // (17), (18)
+  patch.b = hertz.b_per_root * root_depth;
+  patch.log_aspect = hertz.log_aspect;
+  patch.limited = hertz.limited;
+  patch.elastic = elastic_force(hertz.stiffness, point.gap);  // (12)
+  patch.width = 2.0 * value_of(patch.b);
+  patch.peak_pressure = 1.5 / pi * value_of(patch.elastic) / (value_of(patch.a) * value_of(patch.b));
+}
+
+struct HertzEllipses {
+  static constexpr char const* name = "hertz";
+  double merging_criterion{0.01};  ///< normal/blending_weight.hpp [-]; 0: patches appear and vanish at full force
+  static constexpr auto fields() { return std::tuple{Member{"merging_criterion", &HertzEllipses::merging_criterion}}; }
+
+  template <Scalar T, std::derived_from<NormalPatch<T>> P>
+  int operator()(NormalSetting const& wheel, RelativePose<T> const& pose, ContactSearch const& search,
+                 PatchList<P>& patches) const {
+    auto const n = static_cast<std::size_t>(search.count());
+    std::array<ContactPoint<T>, ContactSearch::max_minima> points;
+    for (std::size_t k = 0; k < n; ++k) {
+      auto const& minimum = search[static_cast<int>(k)];
+      points[k] = contact_point(wheel.pair, pose, minimum.s, minimum.gradient);
+    }
+    auto const weight = blending_weights(wheel.pair, pose, search, points.data(), merging_criterion);
+    for (std::size_t k = 0; k < n; ++k) {
+      NormalPatch<T>& patch = patches[k];
+      patch.point = points[k];
+      patch.weight = weight[k];
+      hertz_patch(wheel.material, patch);
+    }
+    return search.count();
+  }
+};
+
+}  // namespace rollerrig

@@ -1,0 +1,40 @@
+// contact/normal/normal_patch.hpp - what every law of normal contact answers: the patches of one wheel, with their load.
+#pragma once
+#include <array>
+#include <concepts>
+
+#include "rollerrig/contact/material.hpp"
+#include "rollerrig/geometry/contact_point.hpp"
+#include "rollerrig/geometry/interpenetration.hpp"
+#include "rollerrig/geometry/search.hpp"
+
+namespace rollerrig {
+
+/// Elastic part of one patch, frame b. Forces act on the wheel.
+template <Scalar T>
+struct NormalPatch {
+  ContactPoint<T> point;  ///< centre of the pressures; its gap is the largest approach, negative
+  T elastic;              ///< resultant of the pressures along point.n [N]
+  T a, b;                 ///< semi-axes along and across the rolling direction, of an equivalent ellipse if need be [m]
+  T log_aspect;           ///< ln(a/b)
+  T weight{1.0};          ///< blending weight of the patch, 0 to 1: normal/blending_weight.hpp, (S8)
+  T damper{1.0};          ///< part of the wheel's normal damper (12) that acts on it [-]
+  bool tilts{false};      ///< whether the pressures' normals differ, so that they have ...
+  Vec3<T> pressure_moment{};  ///< ... a moment about the point [N m]
+  double peak_pressure{0.0};  ///< [Pa]
+  double width{0.0};          ///< loaded width across the rolling direction [m]
+  bool limited{false};        ///< the curvatures were outside Hertz' theory and were limited
+};
+
+/// Patches of one wheel: NormalPatch, or what is derived from it.
+template <class P>
+using PatchList = std::array<P, ContactSearch::max_minima>;
+
+/// One wheel on its roller or rail, as a law of normal contact sees it.
+struct NormalSetting {
+  WheelRollerPair const& pair;
+  Material const& material;
+  ArcLength const* wheel_arc{nullptr};  ///< for laws that follow the profile
+};
+
+}  // namespace rollerrig
