@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import json
-
 import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
 from rollerrig.plot.style import STYLES, calm, line, panels, wheel_lines
+from rollerrig.results import RunInfo
 
 STEADY = 1e-3
 """A speed that changes by no more than this part is not worth a panel."""
@@ -20,7 +19,7 @@ def motion_over_time(run: xr.Dataset) -> Figure:
     changes = float(np.ptp(speed)) > STEADY * float(np.abs(speed).max())
     labels = ["lateral [mm]", "yaw [mrad]", *(["speed [km/h]"] if changes else [])]
     with panels(labels, "time [s]", 5.6 if changes else 4.4) as (figure, axes):
-        for number, body in enumerate(json.loads(run.attrs["vehicle_bodies"])):
+        for number, body in enumerate(RunInfo.of(run).moving):
             style = STYLES[number // 2 % len(STYLES)]
             for panel, name in zip(axes, ("lateral", "yaw"), strict=False):
                 line(panel, run["time"], 1e3 * run[name].sel(body=body), number, style, body)
