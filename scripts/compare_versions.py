@@ -11,14 +11,15 @@ runs each case as it ships, and short variants of some that use the other laws, 
 Differences are relative to the largest magnitude of a variable in its run, or to LEAST of its unit if that is larger. A hunting
 bogie or a brake controlled by dump valves amplifies round-off: with `--perturbed`, a difference may at any time be as large as
 GROWTH times the one that the perturbed old versions have made until then, and 1e-9 in any case. The column `held until` says
-up to which time 1e-9 itself was kept. Where a perturbed run is a PARTED-th away it is another motion: from there on nothing is
-compared; the last table says how far each run was.
+up to which time 1e-9 itself was kept. Where half of the variables differ by PARTED the perturbed run is
+another motion: from there on nothing is compared; the last table says how far each run was.
 Renamed cases, keys, words and variables stand in RENAMED; differences that are meant in EXPECTED.
 """
 
 from __future__ import annotations
 
 import argparse
+import importlib
 import sys
 import time
 from pathlib import Path
@@ -28,7 +29,7 @@ import numpy as np
 
 TOLERANCE = 1e-9
 GROWTH = 100.0
-PARTED = 1e-3
+PARTED = 1e-4
 LEAST = {
     "balance": 1.0,
     "1": 1e-3,
@@ -305,7 +306,9 @@ def contact_values(case: Any, factor: float) -> Values:
     """Contact patches of the loaded wheelset over its lateral position."""
     import rollerrig
 
-    table = getattr(rollerrig, "contact_table", None) or rollerrig.contact
+    table = getattr(rollerrig, "contact", None)
+    if not callable(table):
+        table = importlib.import_module("rollerrig.contact_table").contact_table
     return floats(table(case, [(1e-3 * factor * y, 1e-4 * y) for y in CONTACT_MM]))
 
 
@@ -386,29 +389,47 @@ def differences(
     found, problems = {}, []
     names = [name for name in old if name != "least"]
     least = dict(zip(names, old.get("least", ()), strict=False))
+    growth = {name: spread(name, old, perturbed, least.get(name, 0.0)) for name in names}
+    end = parted(old, growth)
     for name in names:
         values, other = old[name], new.get(name, new.get(renamed(name)))
         if other is None:
             problems.append(f"no variable '{renamed(name)}'")
             continue
-        over_time = values.ndim > 0 and len(values) == len(old.get("time", ()))
+        over_time = is_over_time(name, old)
         difference = relative(values, other, over_time, least.get(name, 0.0))
-        allowed = np.full(len(difference), tolerance)
-        for one in perturbed:
-            wobble = np.maximum.accumulate(relative(values, one[name], over_time, least.get(name, 0.0)))
-            wobble = np.where(wobble > PARTED, np.inf, GROWTH * wobble)
-            np.maximum(allowed[: len(wobble)], wobble[: len(allowed)], out=allowed[: len(wobble)])
-            allowed[len(wobble) :] = np.maximum(allowed[len(wobble) :], wobble[-1])
-        judged = np.isfinite(allowed)
-        difference = np.where(judged, difference, 0.0)
-        ratio = np.divide(difference, allowed, out=np.zeros(len(difference)), where=judged)
-        held, compared = (
-            (until(old["time"], difference <= tolerance), until(old["time"], judged)) if over_time else (np.nan, np.nan)
-        )
-        found[name] = Finding(float(ratio.max()), float(difference.max()), min(held, compared), compared)
+        allowed = np.maximum(tolerance, GROWTH * growth[name][: len(difference)])
+        compared = growth[name][: len(difference)] <= PARTED
+        if over_time:
+            compared &= np.arange(len(difference)) < end
+        difference = np.where(compared, difference, 0.0)
+        ratio = np.divide(difference, allowed, out=np.zeros(len(difference)), where=compared)
+        times = [until(old["time"], good) if over_time else np.nan for good in (difference <= tolerance, compared)]
+        found[name] = Finding(float(ratio.max()), float(difference.max()), min(times), times[1])
     known = {renamed(name) for name in old} | set(old)
     problems += [f"new variable '{name}'" for name in new if name not in known]
     return found, problems
+
+
+def is_over_time(name: str, old: Values) -> bool:
+    """Whether the first dimension of a variable is time."""
+    return old[name].ndim > 0 and len(old[name]) == len(old.get("time", ()))
+
+
+def spread(name: str, old: Values, perturbed: list[Values], least: float) -> np.ndarray:
+    """Largest difference of the perturbed runs until each time."""
+    over_time = is_over_time(name, old)
+    result = np.zeros(len(old[name]) if over_time else 1)
+    for one in perturbed:
+        gap = np.maximum.accumulate(relative(old[name], one[name], over_time, least))
+        result = np.maximum(result, np.pad(gap, (0, max(0, len(result) - len(gap))), mode="edge")[: len(result)])
+    return result
+
+
+def parted(old: Values, growth: Values) -> int:
+    """Sample at which half of the variables of the perturbed runs are PARTED away; the run is compared until then."""
+    ends = sorted(int(np.argmax(one > PARTED)) or len(one) for name, one in growth.items() if is_over_time(name, old))
+    return ends[len(ends) // 2] if ends else 0
 
 
 def until(times: np.ndarray, good: np.ndarray) -> float:
