@@ -87,7 +87,7 @@ def run_rounds(
         progress: called with the fraction done and a short text.
 
     Returns:
-        Results by name, and whether Ctrl-C ended it early.
+        Results by name, in the order of the jobs, and whether Ctrl-C ended it early.
     """
     report: Progress = progress or (lambda _fraction, _text: None)
     done: Done = {} if journal is None else dict(journal.done)
@@ -96,7 +96,9 @@ def run_rounds(
         for count, jobs in enumerate(rounds(done)):
             end = round_ends[count] if count < len(round_ends) else begin + 0.5 * (1.0 - begin)
             wanted = {name: work for name, work in jobs.items() if name not in done}
-            if _run_round(wanted, done, journal, processes, _part(report, begin, end)):
+            stopped = _run_round(wanted, done, journal, processes, _part(report, begin, end))
+            done.update({name: done.pop(name) for name in jobs if name in done})  # as named, not as they ended
+            if stopped:
                 return done, True
             report(end, "")
             begin = end

@@ -8,6 +8,7 @@ import operator
 import signal
 import subprocess
 import sys
+import time
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -33,6 +34,11 @@ def square(value: float) -> float:
     if value == 13.0:
         raise KeyboardInterrupt
     return value * value
+
+
+def nap(seconds: float) -> float:
+    time.sleep(seconds)
+    return seconds
 
 
 @dataclass(frozen=True)
@@ -107,6 +113,16 @@ def test_jobs_run_on_other_processes() -> None:
     outcome = Products().run(processes=2)
     assert outcome is not None
     assert outcome.results == {"0": 0, "1": 7, "2": 14}
+
+
+def test_results_are_in_the_order_of_the_jobs_not_of_their_ends() -> None:
+    class Naps(Squares):
+        def rounds(self, done: Done) -> Iterator[Round]:
+            yield {"long": job(nap, 0.5), "short": job(nap, 0.0)}
+
+    outcome = Naps().run(processes=2)
+    assert outcome is not None
+    assert list(outcome.results) == ["long", "short"]
 
 
 def test_ctrl_c_keeps_finished_jobs_for_the_same_command(tmp_path: Path) -> None:
