@@ -137,7 +137,7 @@ void bind_contact_laws(nb::module_& m) {
         "k_A, k_S.");
   m.def(
       "mean_reduction", [](double k_A, double k_S) { return mean_reduction(RailSurface<double>{0.0, k_A, k_S}); },
-      "k_A"_a, "k_S"_a, "What a rail's condition leaves of the slope of the creep curve, (A8).");
+      "k_A"_a, "k_S"_a, "What a rail's condition leaves of the slope of the creep curve, (A4).");
   nb::class_<RollingReference>(m, "RollingReference", "Exact rolling contact on an elliptic patch; reduced units.")
       .def(
           "__init__",

@@ -11,7 +11,7 @@ struct RailSurface {
   T k_S;       ///< ... and on the area of slip [-], contact/creep/polach.hpp
 };
 
-/// What is left of the slope of the creep curve at the origin, (A8).
+/// What is left of the slope of the creep curve at the origin, (A4).
 template <Scalar T>
 T mean_reduction(RailSurface<T> const& rail) {
   return 0.5 * (rail.k_A + rail.k_S);

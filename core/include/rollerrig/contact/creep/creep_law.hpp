@@ -27,7 +27,7 @@ CreepForce<T> creep_force(CreepLaw const& law, CreepQuery<T> const& query) {
 
 /// The law on a rail whose condition reduces the creep curve's stiffness, in place of the law's own reductions. A law with
 /// k_A and k_S, or with reductions of its own, takes the rail's by a second operator(); any other law gets the same slope at
-/// the origin, (k_A + k_S)/2 of Kalker's (A8): its surfaces are so much more compliant everywhere.
+/// the origin, (k_A + k_S)/2 of Kalker's (A4): its surfaces are so much more compliant everywhere.
 template <Scalar T>
 CreepForce<T> creep_force(CreepLaw const& law, CreepQuery<T> const& query, RailSurface<T> const& rail) {
   return std::visit(
