@@ -16,7 +16,7 @@ import numpy as np
 
 from rollerrig import load_case, simulate
 from rollerrig.config.schema.contact_law import NORMAL_LAWS
-from rollerrig.contact_comparison import compare_contacts
+from rollerrig.contact_analysis.comparison import compare_contacts
 
 
 def per_wheel() -> None:

@@ -66,7 +66,7 @@ def write_reference(app: Sphinx) -> None:
 def reference() -> list[str]:
     """The whole reference as lines of MyST Markdown."""
     from rollerrig import load_case, simulate
-    from rollerrig.contact_table import _COLUMNS, _VARIABLES
+    from rollerrig.contact_analysis.static_contact import _COLUMNS, _VARIABLES
     from rollerrig.study import STUDIES
 
     run = simulate(load_case("wheelset_rollers").with_changes({"time.duration": "0.01 s"}))

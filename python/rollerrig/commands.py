@@ -86,7 +86,7 @@ def contact(
         >>> round(float(table["normal"].sum()), -2)
         20000.0
     """
-    from rollerrig.contact_table import contact_table
+    from rollerrig.contact_analysis.static_contact import contact_table
 
     chosen = [(float(y), 0.0) for y in np.linspace(-8e-3, 8e-3, 33)] if positions is None else positions
     return contact_table(as_case(case), chosen, roll=roll)

@@ -2,7 +2,7 @@
 
 core:    scalar -> math -> integrate -> track -> multibody -> geometry -> contact -> mechatronics -> system -> simulate
 Python:  profiles, track, irregularity -> config -> catalog -> cases -> contact_laws -> assembly -> actuators -> results
-         -> starting_state -> bench -> simulation -> similitude -> characteristics -> analysis -> plot -> report -> study
+         -> starting_state -> bench -> simulation -> similitude -> contact_analysis -> analysis -> plot -> report -> study
          -> studies -> cli
 """
 
@@ -124,10 +124,9 @@ PYTHON_LAYERS = [
     {"results"},
     {"starting_state"},
     {"bench"},
-    {"simulation", "contact_table"},
-    {"contact_comparison"},
+    {"simulation"},
     {"similitude"},
-    {"characteristics"},
+    {"contact_analysis"},
     {"analysis"},
     {"plot"},
     {"report"},

@@ -14,8 +14,8 @@ import pytest
 
 from rollerrig import _core
 from rollerrig.assembly import assemble
-from rollerrig.characteristics import conicity_table, equivalent_conicity, pair_case, shift_table
 from rollerrig.config import load_case
+from rollerrig.contact_analysis import conicity_table, equivalent_conicity, pair_case, shift_table
 from validation.independent_model import conicity as independent
 from validation.independent_model.parameters import EN_60E1, UIC60_BENCHMARK, s1002, uic60
 from validation.reference import equilibrium, mm, rows

@@ -29,7 +29,7 @@ def command(
 ) -> None:
     """Press the leading wheelset down with its axle load and list its contact patches."""
     from rollerrig.config import load_case
-    from rollerrig.contact_table import contact_csv, contact_table
+    from rollerrig.contact_analysis.static_contact import contact_csv, contact_table
     from rollerrig.results import output_file, write_bytes, write_text
 
     if yaw_mrad is not None and yaw_mrad_per_mm is not None:
@@ -51,8 +51,8 @@ def command(
     roll = None if roll_mrad is None else 1e-3 * roll_mrad
     places = [(1e-3 * y, 1e-3 * psi) for y, psi in positions]
     if compare:
-        from rollerrig.analysis.contact_creep import compare_creep, creep_csv, creep_text
-        from rollerrig.contact_comparison import compare_contacts, comparison_csv, comparison_text
+        from rollerrig.contact_analysis.comparison import compare_contacts, comparison_csv, comparison_text
+        from rollerrig.contact_analysis.creep_comparison import compare_creep, creep_csv, creep_text
 
         try:
             creep = compare_creep(chosen, places, roll=roll)

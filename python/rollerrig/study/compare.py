@@ -28,8 +28,8 @@ from rollerrig.analysis.critical_speed import scan_linear
 from rollerrig.analysis.hunting import hunting_case
 from rollerrig.analysis.roller_effects import EFFECTS, RADII, RANGE_KMH, CriticalSpeedOverRadius, EffectSplit
 from rollerrig.cases import leading_wheelset, on_rig
-from rollerrig.characteristics import conicity_table, shift_table
 from rollerrig.config import Case, Rig
+from rollerrig.contact_analysis import conicity_table, shift_table
 from rollerrig.plot import amplitude_over_speed
 from rollerrig.plot.characteristics import characteristics_figure
 from rollerrig.plot.compare import disturbed_over_time, modes_side_by_side

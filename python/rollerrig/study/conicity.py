@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from rollerrig.characteristics import conicity_table, pair_case, shift_table
 from rollerrig.config import Case
+from rollerrig.contact_analysis import conicity_table, pair_case, shift_table
 from rollerrig.plot.characteristics import characteristics_figure
 from rollerrig.study.frame import Study
 from rollerrig.study.jobs import Done, Round, job

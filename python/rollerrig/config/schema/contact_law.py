@@ -1,4 +1,4 @@
-"""The laws of a contact: creep, normal contact, friction. Names and parameters are the core's; tests/python/creep compares.
+"""The laws of a contact: creep, normal contact, friction. Names and parameters are those of the core.
 
 name, number, or table with `kind` and parameters -> [contact_law] -> one of the tables below
 

@@ -13,11 +13,10 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from rollerrig import _core
 from rollerrig.assembly import assemble
 from rollerrig.config import Case
 from rollerrig.config.schema.contact_law import NORMAL_LAWS
-from rollerrig.contact_table import contact_table, leading_wheelset
+from rollerrig.contact_analysis.static_contact import contact_table, leading_wheelset
 
 QUANTITIES = {
     "patches": ("1", "patches under load, each counted with its weight"),
@@ -134,10 +133,8 @@ def _of_wheel(rows: xr.Dataset) -> dict[str, float]:
 
 def _cost(case: Case, table: xr.Dataset, positions: Sequence[tuple[float, float]]) -> float:
     """Seconds for search and normal contact of one wheel, at the loaded positions."""
-    model = assemble(case)
-    _, left, right = leading_wheelset(model)
-    press = _core.WheelsetPress(model.core, left, right)
-    unloaded = max(press.touch_height(0.0, 0.0, 0.0, 0.0, side) for side in (False, True))
+    model = assemble(case)  # which the press refers to
+    _, _, press, unloaded = leading_wheelset(model)
     times = []
     for lateral, yaw in positions:
         rows = table.isel(row=((table["lateral"] == lateral) & (table["yaw"] == yaw)).to_numpy())

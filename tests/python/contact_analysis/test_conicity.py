@@ -10,7 +10,7 @@ import xarray as xr
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from rollerrig.characteristics import conicity_table, equivalent_conicity, nonlinearity_parameter
+from rollerrig.contact_analysis import conicity_table, equivalent_conicity, nonlinearity_parameter
 
 Y = np.linspace(-8e-3, 8e-3, 161)
 AMPLITUDES = [0.5e-3, 2e-3, 3e-3, 7.95e-3]

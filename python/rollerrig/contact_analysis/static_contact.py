@@ -9,7 +9,7 @@ direction is positive. Height and roll count from the unloaded, centred wheelset
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -81,10 +81,8 @@ def contact_table(case: Case, positions: Iterable[tuple[float, float]], *, roll:
         20000.0
     """
     model = assemble(case)
-    wheelset, left, right = leading_wheelset(model)
-    press = _core.WheelsetPress(model.core, left, right)
+    wheelset, _, press, unloaded = leading_wheelset(model)
     load = model.axle_loads[wheelset]
-    unloaded = max(press.touch_height(0.0, 0.0, 0.0, 0.0, side) for side in (False, True))
     rows: list[tuple[Any, ...]] = []
     failed: list[str] = []
     for lateral, yaw in positions:
@@ -123,11 +121,30 @@ def contact_csv(table: xr.Dataset) -> str:
     return "\n".join(lines) + "\n"
 
 
-def leading_wheelset(model: AssembledModel) -> tuple[str, int, int]:
-    """The foremost wheelset, and the contacts of its left and right wheel."""
-    wheelset = max(model.wheelsets, key=lambda name: model.positions[name][0])
-    contact = {wheel.side: wheel.contact for wheel in model.wheels if wheel.wheelset == wheelset}
-    return wheelset, contact["left"], contact["right"]
+class LeadingWheelset(NamedTuple):
+    """The foremost wheelset of a model.
+
+    Attributes:
+        name: of the wheelset.
+        contacts: indices of its left and right contact.
+        press: static contact of the core.
+        unloaded: height at which the centred wheelset touches on both sides [m].
+    """
+
+    name: str
+    contacts: tuple[int, int]
+    press: _core.WheelsetPress
+    unloaded: float
+
+
+def leading_wheelset(model: AssembledModel) -> LeadingWheelset:
+    """The foremost wheelset and its static contact."""
+    name = max(model.wheelsets, key=lambda wheelset: model.positions[wheelset][0])
+    contact = {wheel.side: wheel.contact for wheel in model.wheels if wheel.wheelset == name}
+    contacts = (contact["left"], contact["right"])
+    press = _core.WheelsetPress(model.core, *contacts)
+    unloaded = max(press.touch_height(0.0, 0.0, 0.0, 0.0, side) for side in (False, True))
+    return LeadingWheelset(name, contacts, press, unloaded)
 
 
 def _dtype(name: str) -> type:

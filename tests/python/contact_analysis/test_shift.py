@@ -9,8 +9,8 @@ import pytest
 import xarray as xr
 
 from rollerrig.assembly import assemble
-from rollerrig.characteristics import conicity_table, pair_case, shift_table
 from rollerrig.config import Case, load_case
+from rollerrig.contact_analysis import conicity_table, pair_case, shift_table
 
 WHEEL_ARC, RAIL_ARC, DEPTH = 2.0, 0.3, 0.2e-3
 

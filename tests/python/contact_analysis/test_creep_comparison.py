@@ -7,7 +7,7 @@ import pytest
 import xarray as xr
 
 from rollerrig import load_case
-from rollerrig.analysis.contact_creep import (
+from rollerrig.contact_analysis.creep_comparison import (
     _FIELDS,
     EXACT_EVERY,
     _Rolling,
@@ -16,7 +16,7 @@ from rollerrig.analysis.contact_creep import (
     creep_errors,
     creep_text,
 )
-from rollerrig.contact_table import contact_table
+from rollerrig.contact_analysis.static_contact import contact_table
 from rollerrig.plot.contact import creep_comparison_figure
 
 PLACES = [(1e-3 * y, 2e-3) for y in (-4.0, -2.0, 0.5, 2.0, 4.0)]

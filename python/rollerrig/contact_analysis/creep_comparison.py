@@ -16,13 +16,13 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from rollerrig import _core
-from rollerrig.analysis.creep_laws import ASPECTS, creepage_units, seconds_per_call
 from rollerrig.assembly import assemble
 from rollerrig.config import Case
 from rollerrig.config.schema.contact_law import CREEP_LAWS, NORMAL_LAWS
 from rollerrig.config.schema.vehicle import DIRECTIONS
+from rollerrig.contact_analysis.creep_laws import ASPECTS, creepage_units, seconds_per_call
+from rollerrig.contact_analysis.static_contact import contact_table, leading_wheelset
 from rollerrig.contact_laws import core_law
-from rollerrig.contact_table import contact_table, leading_wheelset
 from rollerrig.starting_state import equilibrium
 
 Array = NDArray[np.float64]
@@ -154,9 +154,7 @@ class _Rolling:
 
     def __init__(self, case: Case) -> None:
         self.model = assemble(case)
-        wheelset, *self.contacts = leading_wheelset(self.model)
-        press = _core.WheelsetPress(self.model.core, *self.contacts)
-        self.unloaded = max(press.touch_height(0.0, 0.0, 0.0, 0.0, side) for side in (False, True))
+        wheelset, self.contacts, _, self.unloaded = leading_wheelset(self.model)
         self.simulation = _core.Simulation(self.model.core)
         body = self.model.body_index(wheelset)
         self.places: dict[str, int] = dict(zip(DIRECTIONS, self.simulation.coordinate_index[body], strict=True))

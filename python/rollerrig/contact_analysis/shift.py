@@ -22,7 +22,7 @@ import xarray as xr
 from rollerrig import _core
 from rollerrig.assembly import assemble
 from rollerrig.config import Case, Rig
-from rollerrig.contact_table import leading_wheelset
+from rollerrig.contact_analysis.static_contact import leading_wheelset
 
 SIDES = ("left", "right")
 
@@ -97,8 +97,7 @@ def shift_table(
     if not (0 < step <= largest):
         raise ValueError(f"step {step:g} m and largest shift {largest:g} m: positive, and the step not larger")
     model = assemble(case)
-    _, left, right = leading_wheelset(model)
-    press = _core.WheelsetPress(model.core, left, right)
+    press = leading_wheelset(model).press
     wheel, support = case.vehicle.data.wheel, case.support.data
     contact_distance = wheel.back_to_back + 2 * wheel.tape_circle
     pose = _Pose(yaw, contact_distance if free_to_roll else None)

@@ -1,0 +1,12 @@
+"""Analysis of the contact alone: static contact of a wheelset, creep laws on one ellipse, rolling radii and equivalent conicity.
+
+Case, positions -> [static_contact] -> patches -> [comparison, creep_comparison] -> models side by side
+WHEEL, RAIL -> [pair] -> Case -> [shift] -> rolling radii, angles -> [conicity] -> conicity, wavelength
+a/b, laws -> [creep_laws] -> forces beside the exact theory
+"""
+
+from rollerrig.contact_analysis.conicity import conicity_table, equivalent_conicity, nonlinearity_parameter
+from rollerrig.contact_analysis.pair import pair_case
+from rollerrig.contact_analysis.shift import shift_table
+
+__all__ = ["conicity_table", "equivalent_conicity", "nonlinearity_parameter", "pair_case", "shift_table"]
