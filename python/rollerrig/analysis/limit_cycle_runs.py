@@ -109,7 +109,7 @@ def limit_cycles(
         down, up = run_jobs(
             branch_job, [way_down, way_up], processes=2, progress=progress, names=["way down", "way up"]
         ).results
-    else:  # a branch keeps what is done when Ctrl-C comes: it must not go on with the next one
+    else:  # a branch keeps what is done when Ctrl-C comes: it must not begin the next one
         down = branch_job(way_down, lambda f, t: report(0.6 * f, t))
         if not down.interrupted:
             up = branch_job(way_up, lambda f, t: report(0.6 + 0.4 * f, t))
@@ -186,7 +186,7 @@ class _Windows:
 
     @property
     def finished(self) -> bool:
-        """Whether it is at rest, has settled, has lasted long enough, or cannot go on."""
+        """Whether it is at rest, has settled, has lasted long enough, or left the model's validity."""
         if self._code != _core.status_codes["ok"] or self._time >= self._settings.longest * (1 - 1e-9):
             return True
         if min(self._amplitudes, default=0.0) <= 0.0:
@@ -239,9 +239,9 @@ class _Windows:
         status = next(name for name, number in _core.status_codes.items() if number == self._code)
         rate, amplitude = self._rate(), self._amplitudes[-1] if self._amplitudes else 0.0
         settled = min(self._amplitudes, default=0.0) > 0.0 and is_settled(self._amplitudes, self._window)
-        dying = not settled and rate < -DECAY
-        if status == "ok" and (self._rests or dying or amplitude == 0.0):
-            return CyclePoint(speed, 0.0, rate=rate, settled=not dying or self._rests, duration=self._time)
+        decaying = not settled and rate < -DECAY
+        if status == "ok" and (self._rests or decaying or amplitude == 0.0):
+            return CyclePoint(speed, 0.0, rate=rate, settled=not decaying or self._rests, duration=self._time)
         last = self._parts[-1]
         return CyclePoint(
             speed=speed,

@@ -99,7 +99,7 @@ def _one_way_case(
 ) -> Case:
     own = replace(settings, disturbance=ramp.disturbance, duration=duration)
     chosen = hunting_case(case, first, own)
-    beyond = 1.001  # the table goes on a little beyond the end, so that no stage of the last step meets its corner
+    beyond = 1.001  # the table reaches a little beyond the end, so that no stage of the last step meets its corner
     table = [[0.0, first], [beyond * duration, first + beyond * (last - first)]]
     return chosen.with_changes({"motion.speed_table": table})
 

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 import xarray as xr
 
 from rollerrig.assembly import AssembledModel, assemble
-from rollerrig.cli.describe_bench import machine_lines
+from rollerrig.cli.describe_bench import actuator_lines
 from rollerrig.cli.describe_track import irregularity_lines, line_rows
 from rollerrig.config import Case, Element, Material, ProfileSpec, Rig, Track, Vehicle
 from rollerrig.starting_state import degrees_of_freedom, equilibrium_dataset
@@ -38,8 +38,8 @@ def describe_case(case: Case) -> list[str]:
     ]
     lines += _table([f"wheels at {speed:.4g} km/h", "vertical kN", "lateral kN", "patches"], rows)
     lines += [""] + _balance(model, run)
-    machines = machine_lines(model)  # last: it puts them on the model
-    return [*lines, "", *machines] if machines else lines
+    actuators = actuator_lines(model)  # last: it puts them on the model
+    return [*lines, "", *actuators] if actuators else lines
 
 
 def describe_part(part: Part) -> list[str]:
@@ -106,7 +106,7 @@ def _elements(model: AssembledModel) -> list[str]:
 
 
 def _balance(model: AssembledModel, run: xr.Dataset) -> list[str]:
-    """Weight, and what held bodies add to it, against the sum of the wheel loads of the solved equilibrium."""
+    """Weight, and what fixed bodies add to it, against the sum of the wheel loads of the solved equilibrium."""
     own = list(model.lateral_bodies)
     mass = sum(model.masses[body] for body in own)
     weight = model.case.gravity * mass
@@ -117,7 +117,7 @@ def _balance(model: AssembledModel, run: xr.Dataset) -> list[str]:
     if model.fixed:
         design = sum(model.axle_loads.values()) - weight
         lines.append(
-            f"load from {', '.join(model.fixed)}, which is held: {carried / 1e3:.3f} kN, in the design position "
+            f"load from {', '.join(model.fixed)}, which is fixed: {carried / 1e3:.3f} kN, in the design position "
             f"{design / 1e3:.3f} kN"
         )
     total, on_wheels = weight + carried, float(run["vertical_force"].sum())
@@ -127,11 +127,11 @@ def _balance(model: AssembledModel, run: xr.Dataset) -> list[str]:
     return [*lines, f"{sums} (difference {on_wheels - total:+.1e} N)"]
 
 
-def _downward(run: xr.Dataset, element: Element, held: Sequence[str]) -> float:
-    """Force by which an element presses free bodies down, 0 unless one of its ends is held [N]."""
-    a_held, b_held = (name in held for name in element.between)
+def _downward(run: xr.Dataset, element: Element, fixed: Sequence[str]) -> float:
+    """Force by which an element presses free bodies down, 0 unless one of its ends is fixed [N]."""
+    a_fixed, b_fixed = (name in fixed for name in element.between)
     force = float(run["element_force_z"].sel(element=element.name))
-    return (force if b_held else 0.0) - (force if a_held else 0.0)
+    return (force if b_fixed else 0.0) - (force if a_fixed else 0.0)
 
 
 def _table(heading: Sequence[str], rows: Iterable[Sequence[str]]) -> list[str]:

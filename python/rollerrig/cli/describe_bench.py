@@ -1,4 +1,4 @@
-"""What `check` prints about machines and controllers around a vehicle.
+"""What `check` prints about actuators and controllers of a vehicle.
 
 Case, AssembledModel -> [describe_bench] -> lines
 """
@@ -26,8 +26,8 @@ _WORDS = {
 }
 
 
-def machine_lines(model: AssembledModel) -> list[str]:
-    """Brake, drive, adhesion and controllers, a line each; empty for a case without machines.
+def actuator_lines(model: AssembledModel) -> list[str]:
+    """Brake, drive, adhesion and controllers, a line each; empty for a case without actuators.
 
     Args:
         model: of the case; brakes and drives are added to it.

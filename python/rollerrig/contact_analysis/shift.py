@@ -62,7 +62,7 @@ class _Touch:
 
 @dataclass(frozen=True)
 class _Pose:
-    """How the wheelset is held while it is shifted.
+    """Pose of the wheelset while it is shifted.
 
     Attributes:
         yaw: turned to the left [rad].

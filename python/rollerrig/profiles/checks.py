@@ -20,7 +20,7 @@ KINK_WINDOW = 2.5e-3  # [m] on each side, over which the direction is extrapolat
 
 
 def check_fold(file: Path, points: FloatArray, reference: int) -> None:
-    """Refuse an abscissa that turns back on its way outward and then goes on.
+    """Refuse an abscissa that turns back before it continues outward.
 
     The back of a flange or the underside of a rail head turn back and stay there: those are merely not used.
 

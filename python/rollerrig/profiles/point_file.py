@@ -2,7 +2,7 @@
 
     file -> [RawProfile] -> orientation, checks and smoothing (measured.py)
 
-Nothing is judged here but the syntax: what the numbers mean is decided by who reads them next.
+Only the syntax is checked here; what the numbers mean is decided where the profile is built.
 """
 
 from __future__ import annotations

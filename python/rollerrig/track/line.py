@@ -54,7 +54,7 @@ class Line:
     """Curvature and cant of a track over the distance.
 
     Attributes:
-        segments: in their order; the first goes on before its start, the last beyond its end.
+        segments: in their order; the first continues before its start, the last beyond its end.
         curvature: positive in a curve to the left [1/m].
         cant: height of the right rail over the left one [m].
         cant_base: distance over which the cant is measured [m].

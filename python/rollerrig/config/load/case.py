@@ -146,7 +146,7 @@ def load_profile(source: str | Path, kind: Literal["wheel", "rail"] | None = Non
 
 
 def load_any(source: str | Path) -> tuple[CatalogKind, Case | Vehicle | Rig | Track | Material | ProfileSpec]:
-    """Read a catalogue entry or file of any kind and say which it is, judged by its keys.
+    """Read a catalogue entry or file of any kind and say which it is by its keys.
 
     Raises:
         ConfigError: all mistakes found.

@@ -63,7 +63,7 @@ class Track(Table):
     segment: tuple[AnySegment, ...] = Field(
         default=(),
         description="straights, transitions and curves in the order of the run, which starts where the first begins; the "
-        "first goes on behind the start, the last beyond its end; absent: straight",
+        "first continues behind the start, the last beyond its end; absent: straight",
     )
     smoothing: Annotated[float, Quantity("m", gt=0, le=50)] = Field(
         default=4.0, description="length over which a corner of curvature and cant is rounded by a parabola"

@@ -112,7 +112,7 @@ def _dissipates(rows: tuple[tuple[float, float], ...] | None) -> None:
 class LinearLaw(Table):
     """Force of an element along one axis; all parts given act in parallel.
 
-    The force on body b is minus the sum of the parts; between the rows of a table it is linear, beyond them it goes on
+    The force on body b is minus the sum of the parts; between the rows of a table it is linear, beyond them it continues
     with the slope of the last two.
     """
 
