@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from rollerrig.commands import conicity as conicity
     from rollerrig.commands import contact as contact
     from rollerrig.commands import control as control
+    from rollerrig.commands import creep as creep
     from rollerrig.commands import lateral as lateral
     from rollerrig.commands import limit_cycle as limit_cycle
     from rollerrig.commands import paper as paper
@@ -57,6 +58,7 @@ _HOME = {
     "conicity": "commands",
     "contact": "commands",
     "control": "commands",
+    "creep": "commands",
     "critical_speed": "analysis.critical_speed",
     "envelope": "study.envelope",
     "lateral": "commands",

@@ -40,7 +40,7 @@ def limit_cycle(
     speeds_kmh: Sequence[float] = SPEEDS_KMH,
     *,
     linear_critical_kmh: float = math.nan,
-    processes: int = 2,
+    processes: int = 1,
     progress: Progress | None = None,
     **settings: float,
 ) -> xr.Dataset:
@@ -50,7 +50,7 @@ def limit_cycle(
         case: the case; its rollers or rails are speed-controlled.
         speeds_kmh: speeds of the runs [km/h].
         linear_critical_kmh: linear critical speed, which decides how the bifurcation is called [km/h]; NaN: unknown.
-        processes: with 2, the two ways run at a time.
+        processes: with 2, the two ways run at a time; that asks a script for `if __name__ == "__main__":`.
         progress: called with the fraction done and a short text.
         **settings: of `LimitCycleSettings`, such as disturbance [m] and tolerance_kmh.
 
@@ -152,14 +152,14 @@ def conicity(
 
 
 def adhesion(
-    case: Case | str, *, error_budget: bool = True, processes: int = 2, progress: Progress | None = None
+    case: Case | str, *, error_budget: bool = True, processes: int = 1, progress: Progress | None = None
 ) -> Outcome[Any]:
     """A brake or traction test on degraded track and on the dry rig that reproduces it.
 
     Args:
         case: on rollers with [rig_control].
         error_budget: also run the rig without one imperfection after the other, and repeated tests.
-        processes: runs at a time.
+        processes: runs at a time; more than 1 asks a script for `if __name__ == "__main__":`.
         progress: called with the fraction done and a short text.
 
     Raises:
@@ -178,7 +178,7 @@ def control(
     families: Sequence[str] = (),
     controller: str | None = None,
     loop: bool = True,
-    processes: int = 2,
+    processes: int = 1,
     progress: Progress | None = None,
 ) -> Outcome[Any]:
     """Controllers of the roller drives compared: which limit each of them reaches first.
@@ -189,7 +189,7 @@ def control(
         families: what is varied, by name; none: everything.
         controller: 'file.py:Class' of a controller of your own, compared with the built-in ones.
         loop: also find where the loop becomes unstable, computed and measured.
-        processes: runs at a time.
+        processes: runs at a time; more than 1 asks a script for `if __name__ == "__main__":`.
         progress: called with the fraction done and a short text.
 
     Raises:
@@ -201,12 +201,12 @@ def control(
     return _outcome(study, processes, progress)
 
 
-def lateral(case: Case | str, *, processes: int = 2, progress: Progress | None = None) -> Outcome[Any]:
+def lateral(case: Case | str, *, processes: int = 1, progress: Progress | None = None) -> Outcome[Any]:
     """Lateral motion during a slide, on the rig and on the track.
 
     Args:
         case: on elastic rollers with [rig_control] and a lateral disturbance.
-        processes: runs at a time.
+        processes: runs at a time; more than 1 asks a script for `if __name__ == "__main__":`.
         progress: called with the fraction done and a short text.
 
     Raises:
@@ -224,7 +224,7 @@ def compare(
     speeds_kmh: Sequence[float] = SPEEDS_KMH,
     cut: str | None = None,
     radii: Sequence[float] | None = None,
-    processes: int = 2,
+    processes: int = 1,
     progress: Progress | None = None,
     **hunting: float,
 ) -> Outcome[Any]:
@@ -236,7 +236,7 @@ def compare(
         speeds_kmh: of the modes [km/h].
         cut: part of the vehicle; None: all of it, or what the case has.
         radii: of the rollers in the table of critical speeds [m].
-        processes: runs at a time.
+        processes: runs at a time; more than 1 asks a script for `if __name__ == "__main__":`.
         progress: called with the fraction done and a short text.
         **hunting: of `HuntingSettings`, such as disturbance [m] and duration [s] of the runs.
 
@@ -255,12 +255,12 @@ def compare(
     return _outcome(study, processes, progress)
 
 
-def paper(*, quick: bool = False, processes: int = 2, progress: Progress | None = None) -> Outcome[Any]:
+def paper(*, quick: bool = False, processes: int = 1, progress: Progress | None = None) -> Outcome[Any]:
     """The paper's two studies: figures 7 and 8, checks against theory.
 
     Args:
         quick: few and short runs, to see that everything works.
-        processes: runs at a time.
+        processes: runs at a time; more than 1 asks a script for `if __name__ == "__main__":`.
         progress: called with the fraction done and a short text.
     """
     from rollerrig.study.paper import PaperStudy

@@ -96,6 +96,10 @@ def test_contact_is_drawn() -> None:
     assert drawn(rr.plot.contact_figure(rr.contact("contact_benchmark_track"))) > 0
 
 
+def test_creep_is_drawn() -> None:
+    assert drawn(rr.plot.creep_figure(rr.creep(laws=["fastsim"], demands=(0.5, 2.0)))) > 0
+
+
 def test_the_limit_cycle_diagram_is_drawn() -> None:
     cycles = rr.limit_cycle("wheelset_rollers", [100.0], processes=1, longest=1.6)
     assert cycles.attrs["bifurcation"] == "none"

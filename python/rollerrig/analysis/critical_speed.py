@@ -48,7 +48,7 @@ def critical_speed(
     methods: Sequence[Method] = ("linear",),
     speeds_kmh: Sequence[float] = SPEEDS_KMH,
     bracket_kmh: float = 3.0,
-    processes: int = 2,
+    processes: int = 1,
     progress: Progress | None = None,
 ) -> xr.Dataset:
     """Critical speed of a case by one or several definitions.
