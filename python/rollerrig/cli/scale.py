@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 import tomllib
-from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
-from rollerrig.cli.progress import progress_bar
-from rollerrig.cli.termination import INTERRUPTED, OK, exit_code, say, stop
+from rollerrig.cli.command import Out, Processes, carry_out
+from rollerrig.cli.termination import say
 
 
 def command(
     case: Annotated[str, typer.Argument(help="Full-scale case on rollers: a name of the catalogue or a TOML file.")],
-    out: Annotated[Path, typer.Option(help="Folder for the results; made if it does not exist.")],
+    out: Out,
     strategy: Annotated[str, typer.Option(help="mmu keeps time, dlr gravity, inrets speed and elastic contact.")],
     length: Annotated[
         float | None, typer.Option(help="Length at full scale over that of the model; 5, 5, 4 by default.")
@@ -34,35 +33,26 @@ def command(
     run: Annotated[
         bool, typer.Option("--run", help="Also run the test at full scale and on the model, mapped back: report.html.")
     ] = False,
-    causes: Annotated[bool, typer.Option(help="With --run: also each violation alone, for its share.")] = True,
-    processes: Annotated[int, typer.Option(min=1, max=64, help="Runs at a time.")] = 2,
+    error_budget: Annotated[bool, typer.Option(help="With --run: also each violation alone.")] = True,
+    processes: Processes = 2,
 ) -> None:
     """A scaled rig by similitude: case.toml, to be run like any other, and what it violates."""
     from rollerrig.config import load_case
     from rollerrig.results import output_folder, write_text
     from rollerrig.similitude import requirements, similitude
-    from rollerrig.studies.scaled import compare_scaled, lead, plan_scaled, verdict, write_scaled
+    from rollerrig.study.scale import scale_study
+    from rollerrig.study.scale_violations import model_summary
 
-    full = load_case(case)
     kept = tuple(name.strip() for name in keep.split(",") if name.strip() and keep != "none")
-    factors = similitude(strategy, length, time, density)
-    plan = plan_scaled(
-        full, factors, strategy=strategy, keep=kept, changes=_changes(change or []), causes=run and causes
+    factors, changes = similitude(strategy, length, time, density), _changes(change or [])
+    study = scale_study(
+        load_case(case), factors, strategy=strategy, keep=kept, changes=changes, error_budget=run and error_budget
     )
-    folder = output_folder(out)
-    typer.echo(write_text(folder / "case.toml", plan.model.to_short_toml()))
+    typer.echo(write_text(output_folder(out) / "case.toml", study.model.to_short_toml()))
     if not run:
-        say(lead(plan.model, requirements(full, plan.model)))
+        say("\n".join(model_summary(study.model, requirements(study.full, study.model))))
         return
-    with progress_bar(plan.model.name) as progress:
-        results = compare_scaled(plan, processes=processes, progress=progress)
-    if results is None:
-        stop("interrupted", INTERRUPTED)
-    for path in write_scaled(results, folder):
-        typer.echo(path)
-    say(verdict(results))
-    codes = {exit_code(one.attrs["status"]) for one in (results.run, results.mapped)}
-    raise typer.Exit(INTERRUPTED if results.interrupted else max(codes, default=OK))
+    carry_out(study, out, processes)
 
 
 def _changes(texts: list[str]) -> dict[str, Any]:

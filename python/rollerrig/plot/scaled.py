@@ -6,41 +6,27 @@ from collections.abc import Mapping
 
 import numpy as np
 import xarray as xr
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from rollerrig.plot.style import COLOURS, calm, house_style, legend_above, new_figure
+from rollerrig.plot.style import calm, line, panels
 
 STYLES = {"full scale": "--", "model": "-"}
 Runs = tuple[xr.Dataset, xr.Dataset]
 """At full scale, and of the model mapped back."""
 
-
-def _line(axes: Axes, time: xr.DataArray, values: xr.DataArray, colour: int, style: str, label: str) -> None:
-    axes.plot(
-        time.to_numpy(),
-        values.to_numpy(),
-        color=COLOURS[colour % len(COLOURS)],
-        linestyle=style,
-        linewidth=0.9,
-        label=label.replace("_", " "),
-        rasterized=True,
-    )
+XLABEL = "time at full scale [s]"
 
 
 def speeds(runs: Runs, radius: float) -> Figure:
     """Speeds of train and wheels, a panel for each axle."""
-    axles = runs[0]["axle"].to_numpy()
-    with house_style():
-        figure, panels = new_figure(len(axles), height=2.3 + 2.2 * len(axles), sharex=True)
-        for axes, axle in zip(panels, axles, strict=True):
+    axles = [str(axle) for axle in runs[0]["axle"].to_numpy()]
+    labels = [f"{axle.replace('_', ' ')}\nspeed [km/h]" for axle in axles]
+    with panels(labels, XLABEL, 2.3 + 2.2 * len(axles)) as (figure, all_axes):
+        for axes, axle in zip(all_axes, axles, strict=True):
             for run, (label, style) in zip(runs, STYLES.items(), strict=True):
-                _line(axes, run["time"], 3.6 * run["train_speed"], 5, style, f"train, {label}")
-                _line(axes, run["time"], 3.6 * radius * run["axle_speed"].sel(axle=axle), 0, style, f"wheel, {label}")
-            axes.set_ylabel(f"{str(axle).replace('_', ' ')}\nspeed [km/h]")
-        panels[-1].set_xlabel("time at full scale [s]")
-        legend_above(figure, panels[0])
-        return figure
+                line(axes, run["time"], 3.6 * run["train_speed"], 5, style, f"train, {label}")
+                line(axes, run["time"], 3.6 * radius * run["axle_speed"].sel(axle=axle), 0, style, f"wheel, {label}")
+    return figure
 
 
 def torques(runs: Runs, torque: tuple[xr.DataArray, xr.DataArray]) -> Figure:
@@ -50,56 +36,42 @@ def torques(runs: Runs, torque: tuple[xr.DataArray, xr.DataArray]) -> Figure:
         runs: of full scale and model.
         torque: on the axles of both, over time and axle [N m].
     """
-    with house_style():
-        figure, (top, middle, low) = new_figure(3, height=6.2, sharex=True)
+    labels = ("torque on\nthe axle [kN m]", "contact force\non the axle [kN]", "sliding of wheel\non roller [mm/s]")
+    with panels(labels, XLABEL, 6.2) as (figure, (top, middle, low)):
         for run, values, (label, style) in zip(runs, torque, STYLES.items(), strict=True):
             for number, axle in enumerate(run["axle"].to_numpy()):
-                of = {"axle": axle}
-                _line(top, run["time"], 1e-3 * values.sel(of), number, style, f"{axle}, {label}")
-                _line(middle, run["time"], 1e-3 * run["contact_force"].sel(of), number, style, "")
-                _line(low, run["time"], 1e3 * run["real_sliding"].sel(of), number, style, "")
-        top.set_ylabel("torque on\nthe axle [kN m]")
-        middle.set_ylabel("contact force\non the axle [kN]")
-        low.set_ylabel("sliding of wheel\non roller [mm/s]")
-        low.set_xlabel("time at full scale [s]")
-        legend_above(figure, top)
-        return figure
+                line(top, run["time"], 1e-3 * values.sel(axle=axle), number, style, f"{axle}, {label}")
+                line(middle, run["time"], 1e-3 * run["contact_force"].sel(axle=axle), number, style)
+                line(low, run["time"], 1e3 * run["real_sliding"].sel(axle=axle), number, style)
+    return figure
 
 
 def lateral(runs: Runs) -> Figure:
     """Lateral displacement of the wheelsets, a panel each."""
     names = [str(body) for body in runs[0]["body"].to_numpy() if str(body).startswith("wheelset")]
-    with house_style():
-        figure, panels = new_figure(len(names), height=1.8 + 1.8 * len(names), sharex=True)
-        for axes, name in zip(panels, names, strict=True):
-            for run, (label, style) in zip(runs, STYLES.items(), strict=True):
-                _line(axes, run["time"], 1e3 * run["lateral"].sel(body=name), 0 if style == "-" else 1, style, label)
-            axes.set_ylabel(f"{name.replace('_', ' ')}\nlateral [mm]")
+    labels = [f"{name.replace('_', ' ')}\nlateral [mm]" for name in names]
+    with panels(labels, XLABEL, 1.8 + 1.8 * len(names)) as (figure, all_axes):
+        for axes, name in zip(all_axes, names, strict=True):
+            for number, (run, (label, style)) in enumerate(zip(runs, STYLES.items(), strict=True)):
+                line(axes, run["time"], 1e3 * run["lateral"].sel(body=name), 1 - number, style, label)
             calm(axes, 0.01)
-        panels[-1].set_xlabel("time at full scale [s]")
-        legend_above(figure, panels[0])
-        return figure
+    return figure
 
 
 def differences(full: xr.Dataset, others: Mapping[str, xr.Dataset], radius: float) -> Figure:
-    """Speed of the first axle and of the train, model less full scale, and what each violation alone makes of it.
+    """Speed of the first axle and of the train, model less full scale, and with each violation alone.
 
     Args:
         full: at full scale.
         others: by words for the legend: runs at the times of full scale, as far as both ran.
         radius: of the wheels [m].
     """
-    with house_style():
-        figure, (wheel, train) = new_figure(2, height=4.8, sharex=True)
+    labels = ("first axle, model less\nfull scale [m/s]", "train, model less\nfull scale [m/s]")
+    with panels(labels, XLABEL, 4.8) as (figure, (wheel, train)):
         for number, (label, run) in enumerate(others.items()):
             part = full.isel(time=slice(0, run.sizes["time"]))
             first = radius * (run["axle_speed"].isel(axle=0) - np.asarray(part["axle_speed"].isel(axle=0)))
-            of_train = run["train_speed"] - np.asarray(part["train_speed"])
             style = "-" if number == 0 else (":", "--", "-.")[number % 3]
-            _line(wheel, run["time"], first, number, style, label)
-            _line(train, run["time"], of_train, number, style, label)
-        wheel.set_ylabel("first axle, model less\nfull scale [m/s]")
-        train.set_ylabel("train, model less\nfull scale [m/s]")
-        train.set_xlabel("time at full scale [s]")
-        legend_above(figure, wheel)
-        return figure
+            line(wheel, run["time"], first, number, style, label)
+            line(train, run["time"], run["train_speed"] - np.asarray(part["train_speed"]), number, style, label)
+    return figure

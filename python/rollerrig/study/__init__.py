@@ -15,6 +15,7 @@ _HOME = {
     "ControlStudy": "control",
     "LateralStudy": "lateral",
     "EnvelopeStudy": "envelope",
+    "ScaleStudy": "scale",
     "CreepStudy": "creep",
     "ConicityStudy": "conicity",
 }

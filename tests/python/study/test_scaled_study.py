@@ -1,7 +1,8 @@
-"""The study of a scaled rig: full scale and model in one report, violations told, motors limited."""
+"""The study of a scaled rig: full scale and model compared, violations, motors at their limit."""
 
 from __future__ import annotations
 
+import csv
 import json
 import re
 from pathlib import Path
@@ -11,11 +12,12 @@ import pytest
 from typer.testing import CliRunner
 
 import rollerrig as rr
+from rollerrig.analysis.scaled_model import at_times_of, axle_torque
 from rollerrig.cli.app import build_app
 from rollerrig.config.write.toml import to_short_toml
 from rollerrig.similitude import scale_case, similitude
-from rollerrig.studies.scaled import compare_scaled, numbers, plan_scaled, verdict, write_scaled
-from rollerrig.studies.scaled.compute import KEYS, axle_torque
+from rollerrig.study.frame import Outcome, Study
+from rollerrig.study.scale import Scaled, scale_study
 
 BRAKE = rr.load_case("adhesion_brake").with_changes({"time.duration": "6 s"})
 WEAK = {  # a motor of 10 N m, 3.1 kN m at full scale; the brake asks for more before its wheels slide
@@ -25,70 +27,81 @@ WEAK = {  # a motor of 10 N m, 3.1 kN m at full scale; the brake asks for more b
 }
 
 
+def found(study: Study[Scaled]) -> Outcome[Scaled]:
+    outcome = study.run()
+    assert outcome is not None
+    return outcome
+
+
 @pytest.fixture(scope="module")
-def brake():
-    plan = plan_scaled(BRAKE, similitude("dlr"), strategy="dlr", keep=("gravity", "material"), changes=WEAK)
-    assert list(plan.causes) == ["ideal", "material", "own"]  # the DLR type meets gravity
-    return compare_scaled(plan, processes=1)
+def brake() -> Outcome[Scaled]:
+    study = scale_study(BRAKE, similitude("dlr"), strategy="dlr", keep=("gravity", "material"), changes=WEAK)
+    assert list(study.variants) == ["full", "model", "ideal", "material", "own"]  # the DLR type meets gravity
+    return found(study)
 
 
-def test_motors_that_stand_in_give_the_brakes_torque_as_far_as_they_can(brake) -> None:
+def test_motors_that_stand_in_give_the_brakes_torque_as_far_as_they_can(brake: Outcome[Scaled]) -> None:
     limit = 10 * similitude("dlr").factor("N m")
-    asked, given = np.abs(brake.mapped["brake_torque"]), np.abs(axle_torque(brake.mapped))
-    assert float(asked.max()) > 1.2 * limit
-    assert float(given.max()) == pytest.approx(limit, rel=1e-3)  # the motor's lag comes within it by then
-    found = numbers(brake)
-    assert 0.1 < found["motor_limited_share"] < 1.0
-    strong = brake.causes["material"]  # friction brakes, as at full scale
+    model = brake.results.mapped["model"]
+    demanded, exerted = np.abs(model["brake_torque"]), np.abs(axle_torque(model))
+    assert float(demanded.max()) > 1.2 * limit
+    assert float(exerted.max()) == pytest.approx(limit, rel=1e-3)  # the motor's lag comes within it by then
+    assert brake.numbers["motor_limited_share"] == pytest.approx(float((demanded > limit).mean()), abs=2e-3)
+    strong = brake.results.mapped["material"]  # friction brakes, as at full scale
     assert float(np.abs(axle_torque(strong)).max()) > 1.2 * limit
 
 
-def test_what_each_violation_costs_is_told(brake) -> None:
-    found = numbers(brake)
-    assert found["causes"]["ideal"]["wheel_speed_rms"] < 1e-6  # before round-off decides a switching of the valves
-    assert found["causes"]["own"]["wheel_speed_rms"] > 1e-4
-    assert found["causes"]["ideal"]["critical_speed_relative"] == pytest.approx(0.0, abs=1e-6)
-    assert found["causes"]["own"]["critical_speed_relative"] == pytest.approx(0.0, abs=1e-6)
-    harder = BRAKE.with_changes({"contact.material.young_modulus": 2.5 * 210e9})
-    alike = compare_scaled(plan_scaled(harder, similitude("dlr"), strategy="dlr", keep=(), causes=False), processes=1)
-    assert alike is not None
+def test_the_error_budget_tells_the_violations_apart(brake: Outcome[Scaled]) -> None:
+    budget = brake.numbers["error_budget"]
+    assert list(budget) == ["ideal", "material", "own"]
+    assert budget["ideal"]["wheel_speed_rms"] < 1e-6  # before round-off decides a switching of the valves
+    assert budget["own"]["wheel_speed_rms"] > 1e-4
+    for name in ("ideal", "own"):
+        assert budget[name]["linear_critical_speed_relative"] == pytest.approx(0.0, abs=1e-6)
+    harder = BRAKE.with_changes({"contact.material.young_modulus": 2.5 * 210e9, "time.duration": "0.5 s"})
+    alike = found(scale_study(harder, similitude("dlr"), strategy="dlr", keep=(), error_budget=False))
     # steel in a 1:5 model is a material 2.5 times as hard at full scale
-    assert found["causes"]["material"]["critical_speed_relative"] == pytest.approx(
-        alike.critical["full"] / brake.critical["full"] - 1.0, abs=1e-6
+    assert budget["material"]["linear_critical_speed_relative"] == pytest.approx(
+        alike.results.critical["full"] / brake.results.critical["full"] - 1.0, abs=1e-6
     )
 
 
-def test_the_files_and_the_report(brake, tmp_path: Path) -> None:
-    files = write_scaled(brake, tmp_path)
-    assert [file.name for file in files] == ["full.nc", "model.nc", "summary.json", "axles.csv", "report.html"]
-    summary = json.loads((tmp_path / "summary.json").read_text())
-    documented = " ".join(KEYS)
-    for key in summary["full"]:
-        assert f"*.{key}" in documented, key
-    for key in summary["fidelity"]:
-        assert key in KEYS["fidelity.*"], key
-    page = (tmp_path / "report.html").read_text()
-    for heading in ("Similitude", "Contact at rest", "Speeds", "Torque and contact", "What each violation costs"):
-        assert f">{heading}</h2>" in page
-    assert "Lateral motion" not in page  # nothing but round-off
-    assert page.count("data:image/png") == 3
-    rows = (tmp_path / "axles.csv").read_text().splitlines()
-    assert rows[0].startswith("time_s,train_speed_full_mps,train_speed_model_mps,axle_speed_wheelset_1_full_rad_per_s")
-    assert "violated: elasticity of the contact (Hertz) (+150 %)" in verdict(brake)
+def test_fidelity_is_the_difference_at_the_same_time(brake: Outcome[Scaled]) -> None:
+    """By hand from the two runs of the file that a user gets, interpolated linearly in the model's times."""
+    full, model = brake.results.full, brake.results.mapped["model"]
+    full = full.sel(time=slice(None, float(model["time"][-1]) * (1 + 1e-12)))
+    times = np.minimum(full["time"], float(model["time"][-1]))
+    speeds = np.stack([np.interp(times, model["time"], model["axle_speed"].isel(axle=k)) for k in (0, 1)], axis=1)
+    away = 0.46 * (speeds - full["axle_speed"].to_numpy()) / float(full["train_speed"].max())
+    assert brake.numbers["fidelity"]["wheel_speed_rms"] == pytest.approx(float(np.sqrt(np.mean(away**2))), rel=1e-6)
+    assert at_times_of(full, model)["train_distance"][-1] / full["train_distance"][-1] - 1.0 == pytest.approx(
+        brake.numbers["fidelity"]["distance_relative"]
+    )
 
 
-def test_a_run_without_machines_shows_lateral_motion(tmp_path: Path) -> None:
+def test_files_hold_both_runs_and_every_number_is_explained(brake: Outcome[Scaled], tmp_path: Path) -> None:
+    files = {path.name for path in brake.write(tmp_path)}
+    assert {"full.nc", "model.nc", "summary.json", "axles.csv", "report.html", "speeds.png", "torques.png"} <= files
+    assert "lateral.png" not in files  # nothing but round-off
+    assert brake.study.quantities.unexplained(json.loads((tmp_path / "summary.json").read_text())) == []
+    with (tmp_path / "axles.csv").open() as lines:
+        last = list(csv.DictReader(lines))[-1]
+    full = brake.results.full.isel(time=-1)
+    assert float(last["axle_speed_wheelset_1_full_rad_per_s"]) == pytest.approx(float(full["axle_speed"][0]))
+    hertz = next(one for one in brake.numbers["violations"] if "Hertz" in one["name"])
+    assert (hertz["met"], hertz["deviation"]) == (False, pytest.approx(1.5))
+
+
+def test_a_run_without_actuators_shows_lateral_motion(tmp_path: Path) -> None:
     changes = {"time.duration": "0.5 s", "motion.speed": "120 km/h"}
     case = rr.load_case("bogie_rollers_constant").with_changes(changes)
-    plan = plan_scaled(case, similitude("inrets"), strategy="inrets", keep=("material",))
-    results = compare_scaled(plan, processes=1)
-    assert results is not None
-    found = numbers(results)
-    assert found["fidelity"]["lateral_rms_m"] < 1e-9  # INRETS with its weight put right: all requirements met
-    assert "All requirements of similitude are met." in verdict(results)
-    write_scaled(results, tmp_path)
-    assert ">Lateral motion</h2>" in (tmp_path / "report.html").read_text()
-    assert not (tmp_path / "axles.csv").exists()
+    outcome = found(scale_study(case, similitude("inrets"), strategy="inrets", keep=("material",)))
+    assert outcome.numbers["fidelity"]["lateral_rms_m"] < 1e-9  # INRETS with its weight put right: all requirements met
+    assert all(one["met"] for one in outcome.numbers["violations"])
+    files = {path.name for path in outcome.write(tmp_path)}
+    assert "lateral.png" in files
+    assert "axles.csv" not in files
+    assert outcome.study.quantities.unexplained(outcome.numbers) == []
 
 
 def test_the_shipped_model_is_what_its_heading_says() -> None:

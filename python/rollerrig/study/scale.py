@@ -1,0 +1,384 @@
+"""The same test on a full-scale rig and on its scaled model, mapped back, and the effect of each violated similitude.
+
+Full-scale case, its model -> [ScaleStudy] -> both runs at full scale, runs with one violation each, linear critical speeds
+
+Beside the model as it is, the model is run with everything scaled, and with one violation at a time: the error budget of the
+difference. The ideal model is full scale again but for round-off; once a slide protection switches valves, round-off decides
+some of the switchings, and what the ideal model differs by is the repeatability of the test.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import xarray as xr
+
+from rollerrig.analysis.scaled_model import (
+    at_times_of,
+    axle_torque,
+    fidelity,
+    linear_critical_speed_at_full_scale,
+    motor_limited,
+    relative,
+    run_numbers,
+)
+from rollerrig.analysis.tracking import wheel_radius
+from rollerrig.config import Case
+from rollerrig.plot import scaled as figures
+from rollerrig.similitude import (
+    FACTORS,
+    STRATEGIES,
+    ContactAtRest,
+    Requirement,
+    Similitude,
+    contact_at_rest,
+    factors_of,
+    map_back,
+    requirements,
+    scale_case,
+)
+from rollerrig.simulation import simulate
+from rollerrig.study.frame import Study
+from rollerrig.study.jobs import Done, Round, job
+from rollerrig.study.quantities import Numbers, Quantities, Quantity
+from rollerrig.study.report import Picture, Section, Table, number
+from rollerrig.study.scale_violations import VIOLATION, deviation, model_summary, violations_table
+
+LABELS = {
+    "full": "full scale",
+    "model": "the model as it is",
+    "ideal": "ideal: everything scaled",
+    "gravity": "gravity alone not scaled",
+    "material": "material alone not scaled",
+    "clock": "controllers' clock alone not scaled",
+    "drives": "bandwidth of the drives alone not scaled",
+    "own": "the model's own actuators alone",
+}
+LEFT_OUT = (
+    "The suspension of the model is built to scale: elements, bearings and play of a real model have friction and tolerances of "
+    "their own. Where the weight is to be right although gravity is not scaled, a model needs vertical forces beside its own "
+    "weight; leave `gravity` out of --keep for such a one. What is computed beside the model, virtual train and rail, pneumatic "
+    "brake, slide protection, runs at the model's time."
+)
+MICROMETRE = 1e-6
+"""Lateral motion below it is round-off [m]."""
+
+RUN = (
+    Quantity("*.status", "how the run ended: at full scale, and that of the model mapped back"),
+    Quantity("*.status_message", "the same as a sentence"),
+    Quantity("*.duration_s", "end of the test", "s"),
+    Quantity("*.wheel_load_n", "mean wheel load at the start", "N"),
+    Quantity("*.lateral_largest_m", "largest lateral displacement of a wheelset", "m"),
+    Quantity("*.stopped", "whether the train came to a stop before the end of the run"),
+    Quantity("*.distance_m", "run by the train", "m"),
+    Quantity("*.speed_end_kmh", "of the train at the end", "km/h"),
+    Quantity("*.wheel_slip_largest", "largest |wheel speed - train speed| over train speed, above 2 m/s", "1"),
+    Quantity("*.tracking_rms", "RMS of wheel speed less that of the virtual train, over train speed; null: none", "1"),
+    Quantity("*.real_sliding_largest_mps", "wheel against roller", "m/s"),
+    Quantity("*.axle_torque_largest_nm", "of brake and traction on one axle", "N m"),
+    Quantity("*.dump_cycles", "times that dump valves opened to vent, all axles"),
+    Quantity("*.linear_critical_speed_kmh", "with speed-controlled rollers; null: none from 40 to 520 km/h", "km/h"),
+)
+FIDELITY = (
+    Quantity("fidelity.lateral_rms_m", "wheelsets of the model mapped back less full scale at the same time, RMS", "m"),
+    Quantity("fidelity.wheel_speed_rms", "the same of wheel speeds over the train's highest speed, RMS", "1"),
+    Quantity("fidelity.wheel_speed_largest", "largest of the same", "1"),
+    Quantity("fidelity.train_speed_largest_mps", "the same of the train", "m/s"),
+    Quantity("fidelity.distance_relative", "distance over that at full scale, less 1", "1"),
+    Quantity("fidelity.linear_critical_speed_relative", "linear critical speed over that at full scale, less 1", "1"),
+)
+CONTACT = (
+    Quantity("contact.*.wheel_load", "first wheel in steady running, each at its own scale", "N"),
+    Quantity("contact.*.semi_axis", "sqrt(a b) of its largest patch", "m"),
+    Quantity("contact.*.pressure", "largest in it", "Pa"),
+    Quantity("contact.*.roller_share", "semi-axis over the roller's radius", "1"),
+)
+QUANTITIES = Quantities(
+    Quantity("case", "name of the full-scale case"),
+    Quantity("model", "name of its model"),
+    Quantity("similitude.**", "strategy, factors full/model, and what was not scaled"),
+    RUN,
+    FIDELITY,
+    Quantity("error_budget.*.*", "the same numbers of the ideal model, and of models with one violation each"),
+    *(Quantity(f"violations.*.{key}", meaning) for key, meaning in VIOLATION.items()),
+    CONTACT,
+    Quantity("motor_limited_share", "part of the time in which a motor of the model is at its limit; null: no limit", "1"),
+)  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Scaled:
+    """Results at full scale.
+
+    Attributes:
+        full: run of the full-scale case.
+        mapped: runs of the models by name of LABELS, mapped back; 'model' first.
+        critical: linear critical speed by name [m/s], mapped back; NaN: none.
+        violations: all requirements, met or not.
+        contact: the contact at rest of full scale and model, each at its own scale.
+    """
+
+    full: xr.Dataset
+    mapped: Mapping[str, xr.Dataset]
+    critical: Mapping[str, float]
+    violations: Sequence[Requirement]
+    contact: tuple[ContactAtRest, ContactAtRest]
+
+
+@dataclass(frozen=True)
+class ScaleStudy(Study[Scaled]):
+    """A test at full scale and on models of it.
+
+    Attributes:
+        variants: name of LABELS -> case: 'full', 'model', and those of the error budget.
+    """
+
+    variants: Mapping[str, Case]
+
+    command = "scale"
+    quantities = QUANTITIES
+    round_ends = (0.8, 1.0)
+
+    @property
+    def full(self) -> Case:
+        """The full-scale case."""
+        return self.variants["full"]
+
+    @property
+    def model(self) -> Case:
+        """The model as it is, at its own scale."""
+        return self.variants["model"]
+
+    @property
+    def title(self) -> str:
+        record = self.model.similitude
+        assert record is not None
+        return f"{self.full.name} at full scale, and by a 1:{record.length:g} model"
+
+    def cases(self) -> Mapping[str, Case]:
+        return {"the model's case, at its own scale": self.model}
+
+    def limitations(self) -> list[str]:
+        return [*super().limitations(), LEFT_OUT]
+
+    def rounds(self, done: Done) -> Iterator[Round]:
+        yield {LABELS[name]: job(simulate, case) for name, case in self.variants.items()}
+        yield {_speed_of(name): job(linear_critical_speed_at_full_scale, case) for name, case in self.variants.items()}
+
+    def collect(self, done: Done) -> Scaled | None:
+        runs = {name: done[LABELS[name]] for name in self.variants if LABELS[name] in done}
+        if "full" not in runs or "model" not in runs:
+            return None
+        full = runs.pop("full")
+        return Scaled(
+            full,
+            {name: map_back(run) for name, run in runs.items()},
+            {name: done[_speed_of(name)] for name in self.variants if _speed_of(name) in done},
+            requirements(self.full, self.model),
+            (contact_at_rest(self.full), contact_at_rest(self.model)),
+        )
+
+    def statuses(self, results: Scaled) -> Sequence[str]:
+        return [run.attrs["status"] for run in (results.full, results.mapped["model"])]
+
+    def sources(self, results: Scaled) -> Mapping[str, str]:
+        found: dict[str, str] = json.loads(results.full.attrs["sources"])
+        return found
+
+    # --------------------------------------------------------------------------------------------------- numbers
+
+    def numbers(self, results: Scaled) -> dict[str, Any]:
+        record = self.model.similitude
+        assert record is not None
+        compared = {
+            name: {**fidelity(results.full, run), "linear_critical_speed_relative": relative(results.critical, name)}
+            for name, run in results.mapped.items()
+        }
+        speeds = {name: 3.6 * results.critical.get(name, math.nan) for name in ("full", "model")}
+        return {
+            "case": self.full.name,
+            "model": self.model.name,
+            "similitude": record.model_dump(exclude={"case"}),
+            "full": {**run_numbers(results.full), "linear_critical_speed_kmh": speeds["full"]},
+            "model_mapped_back": {**run_numbers(results.mapped["model"]), "linear_critical_speed_kmh": speeds["model"]},
+            "fidelity": compared.pop("model"),
+            "error_budget": compared,
+            "violations": [
+                {key: "" if key == "effect" and one.met else getattr(one, key) for key in VIOLATION}
+                for one in results.violations
+            ],
+            "contact": dict(zip(("full", "model"), map(vars, results.contact), strict=True)),
+            "motor_limited_share": motor_limited(self.model, results.mapped["model"]),
+        }
+
+    def summary(self, results: Scaled, numbers: Numbers) -> list[str]:
+        near = numbers["fidelity"]
+        lines = model_summary(self.model, results.violations)
+        if near.get("wheel_speed_rms") is not None:
+            lines.append(
+                f"Mapped back, wheel speeds differ from full scale by {_percent(near['wheel_speed_rms'])} RMS of the highest "
+                f"train speed, {_percent(near['wheel_speed_largest'])} at most; distance by "
+                f"{_percent(near['distance_relative'], True)}."
+            )
+            ideal = numbers["error_budget"].get("ideal", {}).get("wheel_speed_rms")
+            if ideal is not None and ideal > 1e-6:
+                lines.append(
+                    f"Repeatability: the ideal model differs by {_percent(ideal)} RMS, since round-off decides single "
+                    "switchings of the valves; so much of the difference is not due to the model."
+                )
+        elif near["lateral_rms_m"] is not None:
+            lines.append(
+                f"Mapped back, the wheelsets' lateral displacement differs by {1e3 * near['lateral_rms_m']:.3g} mm RMS."
+            )
+        if near["linear_critical_speed_relative"] is not None:
+            lines.append(
+                f"Linear critical speed: {numbers['full']['linear_critical_speed_kmh']:.1f} km/h at full scale, "
+                f"{numbers['model_mapped_back']['linear_critical_speed_kmh']:.1f} km/h by the model "
+                f"({_percent(near['linear_critical_speed_relative'], True)})."
+            )
+        if numbers["motor_limited_share"]:
+            share = _percent(numbers["motor_limited_share"])
+            lines.append(f"The motors cannot exert the demanded torque in {share} of the time.")
+        ended = {"full scale": results.full, "model": results.mapped["model"]}
+        return lines + [
+            f"{label}: {r.attrs['status_message']}" for label, r in ended.items() if r.attrs["status"] != "ok"
+        ]
+
+    def files(self, results: Scaled, numbers: Numbers) -> Mapping[str, Any]:
+        axles = {"axles.csv": axle_rows(results)} if "train_speed" in results.full else {}
+        return {"full.nc": results.full, "model.nc": results.mapped["model"], **axles}
+
+    def sections(self, results: Scaled, numbers: Numbers) -> list[Section]:
+        runs = {"full scale": numbers["full"], "model, mapped back": numbers["model_mapped_back"]}
+        hidden = () if _moves_sideways(numbers) else ("lateral_largest_m", "lateral_rms_m")
+        shown = [
+            q.name
+            for q in RUN
+            if not q.name.startswith("status") and q.name in numbers["full"] and q.name not in hidden
+        ]
+        compared = [q.name for q in FIDELITY if q.name in numbers["fidelity"] and q.name not in hidden]
+        tables = [
+            QUANTITIES.list_table(runs, shown),
+            QUANTITIES.list_table({"model less full scale": numbers["fidelity"]}, compared),
+        ]
+        sections = [
+            Section("Similitude", [self._factors(), violations_table(results.violations)]),
+            Section("Contact at rest", [self._contact(results.contact)]),
+            Section("Numbers", [*tables]),
+        ]
+        sections += [Section(title, [Picture(*picture)]) for title, *picture in self._pictures(results, numbers)]
+        if numbers["error_budget"]:
+            entries = {LABELS[n]: one for n, one in {"model": numbers["fidelity"], **numbers["error_budget"]}.items()}
+            budget = QUANTITIES.table(entries, compared, "against full scale", "model")
+            sections.append(Section("Error budget of the model", [budget]))
+        return sections
+
+    def _pictures(self, results: Scaled, numbers: Numbers) -> list[tuple[str, str, Any, str]]:
+        """Title of the section, and what a Picture takes."""
+        runs = (results.full, results.mapped["model"])
+        pictures: list[tuple[str, str, Any, str]] = []
+        if "train_speed" in results.full:
+            radius = wheel_radius(results.full)
+            aligned = {LABELS[name]: at_times_of(results.full, run) for name, run in results.mapped.items()}
+            torques = figures.torques(runs, (axle_torque(runs[0]), axle_torque(runs[1])))
+            pictures += [
+                ("Speeds", "speeds", figures.speeds(runs, radius), "Train and wheels; the train is virtual on either rig."),
+                ("Torque and contact", "torques", torques, "Both at full scale: what the model measures, mapped back."),
+                ("Model less full scale", "differences", figures.differences(results.full, aligned, radius),
+                 "At the same time; full line the model as it is, broken lines one violation each."),
+            ]  # fmt: skip
+        if _moves_sideways(numbers):
+            pictures.append(("Lateral motion", "lateral", figures.lateral(runs), "Wheelsets, positive to the left."))
+        return pictures
+
+    def _factors(self) -> Table:
+        factors, record = factors_of(self.model), self.model.similitude
+        assert record is not None
+        table = [[name, number(factors.factor(unit)), unit] for name, unit in FACTORS]
+        return Table(("quantity", "full scale over model", "unit"), table, STRATEGIES[record.strategy].title)
+
+    def _contact(self, contact: tuple[ContactAtRest, ContactAtRest]) -> Table:
+        full, model = contact
+        factors = factors_of(self.model)
+        lines = (
+            ("wheel load [N]", full.wheel_load, model.wheel_load, factors.force),
+            ("semi-axis of the largest patch [mm]", 1e3 * full.semi_axis, 1e3 * model.semi_axis, factors.length),
+            ("largest pressure [MPa]", 1e-6 * full.pressure, 1e-6 * model.pressure, factors.pressure),
+            ("semi-axis over the roller's radius [%]", 100 * full.roller_share, 100 * model.roller_share, 1.0),
+        )
+        table = [[name, number(a), number(b), number(b * f), deviation(b * f / a - 1.0)] for name, a, b, f in lines]
+        header = ("first wheel, steady running", "full scale", "model", "model, mapped back", "deviation")
+        return Table(
+            header, table, "where several patches share a load, sizes follow it less closely than one patch would"
+        )
+
+
+# ------------------------------------------------------------------------------------------------------ cases and texts
+
+
+def scale_study(
+    full: Case,
+    factors: Similitude,
+    *,
+    strategy: str,
+    keep: tuple[str, ...],
+    changes: Mapping[str, object] | None = None,
+    error_budget: bool = True,
+) -> ScaleStudy:
+    """The study of a full-scale case.
+
+    Args:
+        full: full-scale case.
+        factors: full/model.
+        strategy: name of the strategy.
+        keep: what is not scaled, as in `scale_case`.
+        changes: what the model has of its own, as in `scale_case`.
+        error_budget: also the ideal model, and models with one of the violations each.
+
+    Raises:
+        ConfigError: as `scale_case`.
+    """
+
+    def model(kept: tuple[str, ...], own: Mapping[str, object] | None) -> Case:
+        return scale_case(full, factors, strategy=strategy, keep=kept, changes=own)
+
+    variants = {"full": full, "model": model(keep, changes)}
+    if error_budget:
+        variants["ideal"] = model((), None)
+        alone = {name: model((name,), None) for name in keep}
+        variants |= {name: one for name, one in alone.items() if any(not r.met for r in requirements(full, one))}
+        if changes:
+            variants["own"] = model((), changes)
+    return ScaleStudy(variants)
+
+
+def _speed_of(name: str) -> str:
+    return f"linear critical speed, {LABELS[name]}"
+
+
+def _moves_sideways(numbers: Numbers) -> bool:
+    return any(numbers[of]["lateral_largest_m"] > MICROMETRE for of in ("full", "model_mapped_back"))
+
+
+def _percent(value: float | None, signed: bool = False) -> str:
+    return "–" if value is None else f"{100 * value:{'+' if signed else ''}.3g} %"
+
+
+def axle_rows(results: Scaled) -> list[list[object]]:
+    """axles.csv: speeds at full scale, the model's at the same times; header first."""
+    other = at_times_of(results.full, results.mapped["model"])
+    run = results.full.isel(time=slice(0, other.sizes["time"]))
+    columns = {
+        "time_s": run["time"],
+        "train_speed_full_mps": run["train_speed"],
+        "train_speed_model_mps": other["train_speed"],
+    }
+    for axle in run["axle"].to_numpy():
+        for label, one in (("full", run), ("model", other)):
+            columns[f"axle_speed_{axle}_{label}_rad_per_s"] = one["axle_speed"].sel(axle=axle)
+    values = [column.to_numpy().tolist() for column in columns.values()]
+    return [list(columns), *(list(row) for row in zip(*values, strict=True))]
