@@ -129,9 +129,7 @@ PYTHON_LAYERS = [
     {"contact_analysis"},
     {"analysis"},
     {"plot"},
-    {"report"},
     {"study"},
-    {"studies"},
     {"commands"},
     {"cli"},
 ]

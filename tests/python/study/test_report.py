@@ -6,9 +6,20 @@ import math
 from html.parser import HTMLParser
 
 import pytest
+from matplotlib.figure import Figure
 
-from rollerrig.report import Check, Figure, Page, Preformatted, Section, Table, Text, check_table, render
-from rollerrig.report.page import number
+from rollerrig.study.report import (
+    Check,
+    Page,
+    Picture,
+    Preformatted,
+    Section,
+    Table,
+    Text,
+    check_table,
+    number,
+    render,
+)
 
 PNG = b"\x89PNG\r\n\x1a\n"
 
@@ -30,8 +41,8 @@ class Reader(HTMLParser):
 
 def page() -> Page:
     table = Table(("a", "b"), [("text <b>", 1.5), (2, "✔ pass")], "caption")
-    blocks = [Text("1 < 2 & 3"), Figure(PNG, "a picture"), table, Preformatted("config", "x = '<y>'")]
-    return Page("A title", "lead", [Section("One thing", blocks)], "footer")
+    blocks = [Text("1 < 2 & 3"), Picture("a", Figure(), "a picture", PNG), table, Preformatted("config", "x = '<y>'")]
+    return Page("A title", "summary", [Section("One thing", blocks)], "footer")
 
 
 def test_the_page_is_well_formed_and_needs_nothing_else() -> None:
@@ -48,8 +59,8 @@ def test_what_is_given_is_escaped() -> None:
 
 
 def test_the_kind_of_a_picture_is_known() -> None:
-    assert Figure(PNG, "").source.startswith("data:image/png;base64,")
-    assert Figure(b"<svg/>", "").source.startswith("data:image/svg+xml;base64,")
+    assert Picture("a", Figure(), "", PNG).source.startswith("data:image/png;base64,")
+    assert Picture("a", Figure(), "", b"<svg/>").source.startswith("data:image/svg+xml;base64,")
 
 
 @pytest.mark.parametrize(
