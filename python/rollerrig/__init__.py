@@ -3,7 +3,8 @@
     load_case -> Case -> simulate -> xarray.Dataset -> save_run, plot
                       -> stability, critical_speed, limit_cycle -> xarray.Dataset
     run -> wheel_forces -> Y, Q, Y/Q, wear number
-    adhesion, control, lateral, compare, envelope, scale -> Outcome -> write(folder)
+                      -> envelope -> xarray.Dataset
+    adhesion, control, lateral, compare, scale -> Outcome -> write(folder)
 
 Every command of the command line is a function here, under the same name; `plot` draws what they return. Names are loaded when
 first used, so that `import rollerrig` costs nothing. No public object has the name of a module.
@@ -29,6 +30,7 @@ if TYPE_CHECKING:
     from rollerrig.commands import lateral as lateral
     from rollerrig.commands import limit_cycle as limit_cycle
     from rollerrig.commands import paper as paper
+    from rollerrig.commands import scale as scale
     from rollerrig.config import Case as Case
     from rollerrig.config import ConfigError as ConfigError
     from rollerrig.config import load_case as load_case
@@ -67,6 +69,7 @@ _HOME = {
     "load_run": "results",
     "paper": "commands",
     "save_run": "results",
+    "scale": "commands",
     "simulate": "simulation",
     "stability": "analysis.mode_table",
     "wheel_forces": "analysis.wheel_rail_forces",

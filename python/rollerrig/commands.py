@@ -10,7 +10,7 @@ them: `import rollerrig` costs nothing.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -215,6 +215,47 @@ def lateral(case: Case | str, *, processes: int = 1, progress: Progress | None =
     from rollerrig.study.lateral import LateralStudy
 
     return _outcome(LateralStudy(as_case(case)), processes, progress)
+
+
+def scale(
+    case: Case | str,
+    strategy: str,
+    *,
+    length: float | None = None,
+    time: float | None = None,
+    density: float | None = None,
+    keep: Sequence[str] = ("gravity", "material"),
+    changes: Mapping[str, object] | None = None,
+    error_budget: bool = True,
+    processes: int = 1,
+    progress: Progress | None = None,
+) -> Outcome[Any]:
+    """The same test on a full-scale rig and on its scaled model, mapped back; `outcome.study.model` is the model's case.
+
+    Args:
+        case: full-scale case on rollers.
+        strategy: 'mmu' keeps time, 'dlr' gravity, 'inrets' speed and elastic contact.
+        length: at full scale over that of the model [-]; None: that of the strategy. Likewise:
+        time: [-].
+        density: [-].
+        keep: what the model does not scale: gravity, material, clock, drives.
+        changes: what the model has of its own, dotted keys of its case.
+        error_budget: also the ideal model, and each violation alone.
+        processes: runs at a time.
+        progress: called with the fraction done and a short text.
+
+    Raises:
+        ConfigError: the case cannot be scaled so.
+        StartError: a case finds no equilibrium to start from.
+    """
+    from rollerrig.similitude import similitude
+    from rollerrig.study.scale import scale_study
+
+    factors = similitude(strategy, length, time, density)
+    study = scale_study(
+        as_case(case), factors, strategy=strategy, keep=tuple(keep), changes=changes, error_budget=error_budget
+    )
+    return _outcome(study, processes, progress)
 
 
 def compare(

@@ -17,7 +17,7 @@ from rollerrig.cli.app import build_app
 from rollerrig.config.write.toml import to_short_toml
 from rollerrig.similitude import scale_case, similitude
 from rollerrig.study.frame import Outcome, Study
-from rollerrig.study.scale import Scaled, scale_study
+from rollerrig.study.scale import Scaled, ScaleStudy, scale_study
 
 BRAKE = rr.load_case("adhesion_brake").with_changes({"time.duration": "6 s"})
 WEAK = {  # a motor of 10 N m, 3.1 kN m at full scale; the brake asks for more before its wheels slide
@@ -102,6 +102,14 @@ def test_a_run_without_actuators_shows_lateral_motion(tmp_path: Path) -> None:
     assert "lateral.png" in files
     assert "axles.csv" not in files
     assert outcome.study.quantities.unexplained(outcome.numbers) == []
+
+
+def test_the_function_is_the_command() -> None:
+    case = rr.load_case("bogie_rollers_constant").with_changes({"time.duration": "0.1 s"})
+    outcome = rr.scale(case, "dlr", length=4.0, keep=["gravity"], changes={"motion.speed": 10.0}, error_budget=False)
+    assert isinstance(outcome.study, ScaleStudy)
+    assert (outcome.study.model.motion.speed, outcome.numbers["similitude"]["length"]) == (10.0, 4.0)
+    assert set(outcome.results.mapped) == {"model"}
 
 
 def test_the_shipped_model_is_what_its_heading_says() -> None:
