@@ -29,7 +29,7 @@ from rollerrig.assembly import assemble
 from rollerrig.bench import BenchRun
 from rollerrig.simulation import begin
 from rollerrig.starting_state import starting_state
-from rollerrig.study.adhesion import track_case
+from rollerrig.study.adhesion_variants import track_case
 
 TEST = 60.0
 """What the times are given for [s]."""

@@ -29,10 +29,10 @@ from rollerrig.analysis.rig_fidelity import (
     variant_numbers,
 )
 from rollerrig.analysis.tracking import distances, wheel_radius
-from rollerrig.cases import on_track
-from rollerrig.config import Case, ConfigError, ConfigProblem, Rig
+from rollerrig.config import Case
 from rollerrig.plot import adhesion as figures
 from rollerrig.simulation import simulate
+from rollerrig.study.adhesion_variants import STEPS, VARIANTS, track_case, variant, variants_of
 from rollerrig.study.ensemble import Scatter, starts
 from rollerrig.study.frame import Study
 from rollerrig.study.jobs import Done, Round, job
@@ -41,23 +41,12 @@ from rollerrig.study.report import Picture, Section
 
 TRACKING_TARGET, DISTANCE_TARGET = 0.01, 0.02
 
-STEPS = ("rolling", "drives", "estimator")
-VARIANTS = {
-    "rig": "the rig as it is",
-    "rolling": "pure rolling of its wheels on the rollers",
-    "drives": "and roller drives without lag and torque limit",
-    "estimator": "and force and torque of the axles known exactly",
-    "static_loads": "the rig as it is, its virtual train without load transfer",
-}
 CONTRIBUTIONS = {
     "rolling": "sliding of the wheels on the rollers",
     "drives": "lag and torque limit of the roller drives",
     "estimator": "lag of the estimated torque",
     "model": "simplifications of the virtual train, and sampling",
 }
-FAST_MOTOR_HZ, NO_LIMIT = 400.0, 1e7
-"""More is not to be had with samples of 1 ms; [N m]."""
-
 PERCENT = ("%", 100.0)
 RUN = (
     Quantity("*.status", "how the run ended: on degraded track, and on the dry rig"),
@@ -266,48 +255,6 @@ class AdhesionStudy(Study[Runs]):
             ("Sliding on the rollers", "sliding", figures.sliding(rig, ideal, radius), sliding),
             ("Rig less track", "differences", figures.errors(track, rig, radius), "At the same time."),
         ]
-
-
-# --------------------------------------------------------------------------------------------------------- cases
-
-
-def track_case(case: Case) -> Case:
-    """The same test on straight track with the rig's rail head: what the rig is to reproduce.
-
-    Raises:
-        ConfigError: the case is not that of a rig with [rig_control].
-    """
-    if not isinstance(case.support.data, Rig) or case.rig_control is None:
-        needed = "needed: a case on rollers with [rig_control], which reproduces a track"
-        raise ConfigError([ConfigProblem(case.name, "rig_control", "missing", needed)])
-    if case.brake is None and case.traction is None:
-        needed = "needed: [brake] or [traction], the test that is done on rail and rig"
-        raise ConfigError([ConfigProblem(case.name, "brake", "missing", needed)])
-    return on_track(case).model_copy(update={"name": f"{case.name}_track"})
-
-
-def variants_of(case: Case) -> tuple[str, ...]:
-    """Names of the variants that say something about this case."""
-    assert case.rig_control is not None
-    return (*STEPS, "static_loads") if case.rig_control.load_transfer != "none" else STEPS
-
-
-def variant(case: Case, name: str) -> Case:
-    """The rig without some of its imperfections; see VARIANTS."""
-    control = case.rig_control
-    assert control is not None
-    if name == "static_loads":
-        return case.model_copy(update={"rig_control": control.model_copy(update={"load_transfer": "none"})})
-    taken = STEPS[: STEPS.index(name) + 1]
-    changes: dict[str, Any] = {}
-    if "drives" in taken:
-        fast = {"bandwidth": FAST_MOTOR_HZ, "damping_ratio": 0.0, "envelope": None}
-        changes["motor"] = control.motor.model_copy(update=fast)
-        changes["feedback"] = control.feedback.model_copy(update={"largest": NO_LIMIT})
-    if "estimator" in taken:
-        changes["estimator"] = control.estimator.model_copy(update={"kind": "exact"})
-    bench = case.bench.model_copy(update={"pure_rolling": True})
-    return case.model_copy(update={"rig_control": control.model_copy(update=changes), "bench": bench})
 
 
 # ------------------------------------------------------------------------------------------------- tables and words

@@ -10,7 +10,6 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
@@ -18,28 +17,25 @@ from rollerrig.analysis import (
     CriticalSpeedByDisturbance,
     HuntingSettings,
     LinearCriticalSpeed,
-    filtered,
     hunting_table,
-    stability,
-    wheel_forces,
 )
 from rollerrig.analysis.contact_state import RollingState, rolling_state
 from rollerrig.analysis.critical_speed import scan_linear
-from rollerrig.analysis.hunting import hunting_case
-from rollerrig.analysis.roller_effects import EFFECTS, RADII, RANGE_KMH, CriticalSpeedOverRadius, EffectSplit
-from rollerrig.cases import leading_wheelset, on_rig
+from rollerrig.analysis.roller_effects import RADII, RANGE_KMH, CriticalSpeedOverRadius, EffectSplit
+from rollerrig.cases import on_rig
 from rollerrig.config import Case, Rig
 from rollerrig.contact_analysis import conicity_table, shift_table
 from rollerrig.plot import amplitude_over_speed
 from rollerrig.plot.characteristics import characteristics_figure
 from rollerrig.plot.compare import disturbed_over_time, modes_side_by_side
 from rollerrig.plot.modes import hunting_frequencies
+from rollerrig.study import compared_forces as forces
 from rollerrig.study import critical_speeds as speeds
 from rollerrig.study.frame import Study
-from rollerrig.study.jobs import Done, Progress, Round, job, whole_run
+from rollerrig.study.jobs import Done, Round, job, whole_modes
+from rollerrig.study.mode_tables import MODE_COLUMNS, mode_rows
 from rollerrig.study.quantities import Numbers, Quantities, Quantity
 from rollerrig.study.report import Block, Picture, Section, Table, Text
-from rollerrig.study.stability import MODE_COLUMNS, mode_rows
 
 LEAST_RUN_STEP = 20.0
 """Runs are made at speeds at least this far apart [km/h]; further runs narrow the critical speeds down."""
@@ -56,25 +52,6 @@ SHIFT, AMPLITUDES = 8e-3, tuple(1e-4 * k for k in range(5, 71))
 AT_MM = (1.0, 2.0, 3.0, 4.0, 5.0)
 """Amplitudes at which conicities are reported [mm]."""
 
-WHEELS = (
-    Quantity("supports.*.wheels.*.vertical_force_kn", "Q in steady rolling at the lowest speed", "kN", "Q"),
-    Quantity("supports.*.wheels.*.lateral_force_kn", "Y of the wheel on the rail there, outwards", "kN", "Y", 3),
-    Quantity("supports.*.wheels.*.longitudinal_force_n", "creep force there", "N", "longitudinal creep force", 3),
-    Quantity("supports.*.wheels.*.patches", "number of its contact patches", "", "patches"),
-    Quantity("supports.*.wheels.*.approach_um", "of the deepest patch", "µm", "deepest approach"),
-    Quantity("supports.*.wheels.*.patch_ab_mm2", "largest product of a patch's semi-axes", "mm²", "largest a × b"),
-    Quantity("supports.*.wheels.*.creep_stiffness_mn", "sum of f₁₁ over its patches", "MN", "Σ f₁₁"),
-)
-DISTURBED = {
-    "guiding_force": (Quantity("supports.*.disturbed.guiding_force", "largest |Y|", "kN", digits=3), 1e-3),
-    "guiding_force_sum": (Quantity("supports.*.disturbed.guiding_force_sum", "largest |ΣY|, 2 m mean", "kN", digits=3), 1e-3),
-    "longitudinal_force": (Quantity("supports.*.disturbed.longitudinal_force", "largest, unfiltered", "kN", digits=3), 1e-3),
-    "wheel_unloading": (Quantity("supports.*.disturbed.wheel_unloading", "largest", "%", digits=3), 1e2),
-    "derailment_quotient": (Quantity("supports.*.disturbed.derailment_quotient", "largest |Y/Q|, 2 m mean", "1", digits=3), 1.0),
-    "wear_number": (Quantity("supports.*.disturbed.wear_number", "largest Tγ", "N", digits=3), 1.0),
-}  # fmt: skip
-"""Signal -> largest magnitude of the leading wheelset in the disturbed run, and factor to its unit."""
-
 QUANTITIES = Quantities(
     Quantity("vehicle", "name of the vehicle"),
     Quantity("cut", "part of it that was compared"),
@@ -84,9 +61,9 @@ QUANTITIES = Quantities(
     Quantity("supports.*.linear_critical_frequency_hz", "its frequency", "Hz"),
     Quantity("supports.*.linear_critical_mode", "name of the mode"),
     speeds.by_disturbance_quantities("supports.*.by_disturbance"),
-    WHEELS,
+    forces.WHEELS,
     [Quantity(f"supports.*.conicity_{mm:g}mm", "equivalent (EN 15302), with rollers' radii", "1", f"{mm:g} mm") for mm in AT_MM],
-    [quantity for quantity, _ in DISTURBED.values()],
+    [quantity for quantity, _ in forces.DISTURBED.values()],
     Quantity("disturbed_kmh", "speed of the disturbed run", "km/h"),
     speeds.roller_quantities("critical_speed_over_radius_kmh", "roller_effects"),
 )  # fmt: skip
@@ -181,7 +158,10 @@ class CompareStudy(Study[Results]):
         yield from speeds.disturbance_rounds(self.supports, started, self.bracket_kmh, self.hunting, done)
         kmh = self._disturbed_kmh(done)
         settings = HuntingSettings(self.hunting.disturbance, DISTURBED_DURATION, 2e-3, 1e-5, 1e-8)
-        yield {f"disturbed {label}": job(disturbed, case, kmh / 3.6, settings) for label, case in self.supports.items()}
+        yield {
+            f"disturbed {label}": job(forces.disturbed, case, kmh / 3.6, settings)
+            for label, case in self.supports.items()
+        }
 
     def _disturbed_kmh(self, done: Done) -> float:
         found = speeds.brackets(list(self.supports), self.hunting, done)
@@ -239,13 +219,13 @@ class CompareStudy(Study[Results]):
         if label in results.by_disturbance:
             found["by_disturbance"] = speeds.disturbance_numbers(results.by_disturbance[label])
         if label in results.states:
-            found["wheels"] = wheel_numbers(results.states[label])
+            found["wheels"] = forces.wheel_numbers(results.states[label])
         if label in results.conicity:
             table = results.conicity[label]
             for mm in (mm for mm in AT_MM if mm <= 1e3 * float(table["amplitude"][-1])):
                 found[f"conicity_{mm:g}mm"] = float(table["conicity"].sel(amplitude=1e-3 * mm, method="nearest"))
         if label in results.disturbed:
-            found["disturbed"] = disturbed_numbers(results.disturbed[label])
+            found["disturbed"] = forces.disturbed_numbers(results.disturbed[label])
         return found
 
     def summary(self, results: Results, numbers: Numbers) -> list[str]:
@@ -279,8 +259,8 @@ class CompareStudy(Study[Results]):
             "modes.csv": [["on", *MODE_COLUMNS], *([n, *row] for n, m in results.modes.items() for row in mode_rows(m)[1:])],
             "runs.csv": _rows(runs),
             "wheels.csv": _rows(wheels),
-            "critical_speeds.csv": _radius_rows(results.over_radius),
-            "roller_effects.csv": _effect_rows(results.effects),
+            "critical_speeds.csv": speeds.radius_rows(results.over_radius),
+            "roller_effects.csv": speeds.effect_rows(results.effects),
             **{f"disturbed_{label}.nc": run for label, run in results.disturbed.items()},
         }  # fmt: skip
         return {name: content for name, content in found.items() if not isinstance(content, list) or len(content) > 1}
@@ -351,7 +331,7 @@ class CompareStudy(Study[Results]):
         if results.states:
             names = next(iter(results.states.values())).creep_stiffness
             entries = {f"{wheel}, {on}": supports[on]["wheels"][wheel] for wheel in names for on in results.states}
-            columns = [quantity.name for quantity in WHEELS]
+            columns = [quantity.name for quantity in forces.WHEELS]
             blocks.append(
                 QUANTITIES.table(entries, columns, f"Steady rolling at {self.speeds_kmh[0]:g} km/h.", "wheel, on")
             )
@@ -363,7 +343,7 @@ class CompareStudy(Study[Results]):
             )
             entries = {label: supports[label]["disturbed"] for label in results.disturbed}
             blocks.append(Picture("disturbed", disturbed_over_time(results.disturbed), CAPTIONS["disturbed"]))
-            blocks.append(QUANTITIES.table(entries, list(DISTURBED), caption, "on"))
+            blocks.append(QUANTITIES.table(entries, list(forces.DISTURBED), caption, "on"))
         return blocks
 
     def _supports(self) -> Table:
@@ -428,50 +408,7 @@ def _rows(entries: Sequence[Mapping[str, Any]]) -> list[list[object]]:
     return [list(entries[0]), *(list(entry.values()) for entry in entries)] if entries else []
 
 
-def _radius_rows(table: CriticalSpeedOverRadius | None) -> list[list[object]]:
-    rows: list[list[object]] = [
-        ["part", "roller_radius_m", "linear_critical_speed_kmh", "frequency_hz", "mode", "note"]
-    ]
-    for (part, radius), scan in (table.found if table else {}).items():
-        onset, note = (
-            scan.onset,
-            scan.problem or ", ".join(f"{name} grows at the lowest speed" for name in scan.grows_at_start),
-        )
-        found = (scan.speed_kmh, onset.frequency, onset.name) if onset else (math.nan, math.nan, "")
-        rows.append([part, "track" if math.isinf(radius) else radius, *found, note])
-    return rows
-
-
-def _effect_rows(split: EffectSplit | None) -> list[list[object]]:
-    rows: list[list[object]] = [[*EFFECTS, "linear_critical_speed_kmh"]]
-    return rows + [[*(int(e in on) for e in EFFECTS), split.kmh(on)] for on in (split.found if split else {}) if split]
-
-
 # ------------------------------------------------------------------------------------------------------------ jobs
-
-
-def whole_modes(case: Case, speeds_kmh: Sequence[float], progress: Progress | None = None) -> xr.Dataset:
-    """Modes over speed [km/h] that Ctrl-C did not cut short.
-
-    Raises:
-        KeyboardInterrupt: it did.
-    """
-    modes = stability(case, speeds_kmh, progress=progress)
-    if modes.attrs["interrupted"]:
-        raise KeyboardInterrupt
-    return modes
-
-
-def disturbed(case: Case, speed: float, settings: HuntingSettings, progress: Progress | None = None) -> xr.Dataset:
-    """Filtered wheel-rail forces after a lateral offset at a speed [m/s], with the motion of the leading wheelset."""
-    run = whole_run(hunting_case(case, speed, settings), progress)
-    leading = leading_wheelset(case).name
-    motion, creep = run["lateral"].sel(body=leading, drop=True), run["longitudinal_force"]
-    return (
-        filtered(wheel_forces(run))
-        .assign(lateral=motion, longitudinal_force=creep)
-        .assign_attrs(status=run.attrs["status"], leading=leading, config_toml=run.attrs["config_toml"])
-    )
 
 
 def run_speeds(speeds_kmh: Sequence[float]) -> list[float]:
@@ -481,35 +418,3 @@ def run_speeds(speeds_kmh: Sequence[float]) -> list[float]:
         if speed - chosen[-1] >= LEAST_RUN_STEP - 1e-9:
             chosen.append(speed)
     return chosen
-
-
-def wheel_numbers(state: RollingState) -> dict[str, dict[str, float]]:
-    """Per wheel the numbers of WHEELS."""
-    found = {}
-    for wheel in map(str, state.wheels["wheel"].to_numpy()):
-        own = state.wheels.sel(wheel=wheel)
-        outwards = -1.0 if wheel.endswith("left") else 1.0
-        values = (
-            1e-3 * float(own["vertical_force"]),
-            outwards * 1e-3 * float(own["lateral_force"]),
-            float(own["longitudinal_force"]),
-            int(own["patch_count"]),
-            1e6 * float(own["patch_approach"].max()),
-            1e6 * float((own["patch_a"] * own["patch_b"]).max()),
-            1e-6 * state.creep_stiffness[wheel],
-        )
-        found[wheel] = {quantity.name: value for quantity, value in zip(WHEELS, values, strict=True)}
-    return found
-
-
-def disturbed_numbers(run: xr.Dataset) -> dict[str, float]:
-    """Largest magnitudes of the leading wheelset, by the names of DISTURBED."""
-    leading, found = str(run.attrs["leading"]), {}
-    for name, (_, factor) in DISTURBED.items():
-        values = run[name]
-        if "wheel" in values.dims:
-            values = values.sel(wheel=[f"{leading}_left", f"{leading}_right"])
-        if "wheelset" in values.dims:
-            values = values.sel(wheelset=leading)
-        found[name] = factor * float(np.abs(values).max())
-    return found

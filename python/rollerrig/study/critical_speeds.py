@@ -202,6 +202,27 @@ def effect_numbers(split: EffectSplit | None) -> dict[str, Any] | None:
     }
 
 
+def radius_rows(table: CriticalSpeedOverRadius | None) -> list[list[object]]:
+    """critical_speeds.csv, header first."""
+    rows: list[list[object]] = [
+        ["part", "roller_radius_m", "linear_critical_speed_kmh", "frequency_hz", "mode", "note"]
+    ]
+    for (part, radius), scan in (table.found if table else {}).items():
+        onset, note = (
+            scan.onset,
+            scan.problem or ", ".join(f"{name} grows at the lowest speed" for name in scan.grows_at_start),
+        )
+        found = (scan.speed_kmh, onset.frequency, onset.name) if onset else (math.nan, math.nan, "")
+        rows.append([part, "track" if math.isinf(radius) else radius, *found, note])
+    return rows
+
+
+def effect_rows(split: EffectSplit | None) -> list[list[object]]:
+    """roller_effects.csv, header first."""
+    rows: list[list[object]] = [[*EFFECTS, "linear_critical_speed_kmh"]]
+    return rows + [[*(int(e in on) for e in EFFECTS), split.kmh(on)] for on in (split.found if split else {}) if split]
+
+
 def linear_cell(scan: LinearCriticalSpeed | None) -> str:
     """A linear critical speed [km/h] in a table."""
     if scan is None:

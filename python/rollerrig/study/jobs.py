@@ -14,6 +14,7 @@ from typing import Any
 
 import xarray as xr
 
+from rollerrig.analysis import stability
 from rollerrig.analysis.parallel import run_jobs
 from rollerrig.config import Case
 from rollerrig.simulation import simulate
@@ -55,6 +56,18 @@ def whole_run(case: Case, progress: Progress | None = None) -> xr.Dataset:
     if is_partial(run):
         raise KeyboardInterrupt
     return run
+
+
+def whole_modes(case: Case, speeds_kmh: Sequence[float], progress: Progress | None = None) -> xr.Dataset:
+    """Modes over speed [km/h] that Ctrl-C did not cut short.
+
+    Raises:
+        KeyboardInterrupt: it did.
+    """
+    modes = stability(case, speeds_kmh, progress=progress)
+    if modes.attrs["interrupted"]:
+        raise KeyboardInterrupt
+    return modes
 
 
 def is_partial(result: Any) -> bool:

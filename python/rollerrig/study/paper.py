@@ -5,13 +5,11 @@ plan -> [PaperStudy] -> modes, ramps, runs from a disturbance, traction -> figur
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-import xarray as xr
 from matplotlib.figure import Figure
 
 from rollerrig.analysis import CriticalSpeedByDisturbance, HuntingRun, hunting_table, ramp_run
@@ -22,10 +20,10 @@ from rollerrig.config import Case, Rig
 from rollerrig.plot import amplitude_over_speed, hunting_over_time, ramp_over_speed, traction_forces, traction_sliding
 from rollerrig.plot.modes import hunting_frequencies
 from rollerrig.study import critical_speeds as speeds
+from rollerrig.study import paper_tables as tables
 from rollerrig.study import paper_text as text
-from rollerrig.study.compare import whole_modes
 from rollerrig.study.frame import Study
-from rollerrig.study.jobs import Done, Round, job, whole_run
+from rollerrig.study.jobs import Done, Round, job, whole_modes, whole_run
 from rollerrig.study.paper_checks import FRONT, REAR, energy_checks, traction_checks
 from rollerrig.study.paper_plan import (
     FULL,
@@ -42,7 +40,6 @@ from rollerrig.study.paper_plan import (
 )
 from rollerrig.study.quantities import Numbers, Quantities, Quantity
 from rollerrig.study.report import Block, Picture, Section, Table, Text, check_table, number
-from rollerrig.study.run import CONTACT
 
 BODY = "front_frame"
 WHEELS = {FRONT: "front right wheel", REAR: "rear right wheel"}
@@ -150,7 +147,7 @@ class PaperStudy(Study[Results]):
             return {label.removeprefix(f"{variant} "): one for label, one in found.items()}
 
         modes = {m: named("modes", {v: f"{m}, {v}" for v in VARIANTS}) for m in MATERIALS}
-        tables = {m: speeds.over_radius(done, TABLE_PARTS, plan.radii, f" {m}") for m in MATERIALS}
+        radii = {m: speeds.over_radius(done, TABLE_PARTS, plan.radii, f" {m}") for m in MATERIALS}
         splits = {m: speeds.effect_split(done, f" {m}") for m in MATERIALS}
         run, case, runs = done.get("traction"), traction_case(plan), of(RIG)
         theory = None if run is None else with_theory(run, case)
@@ -166,7 +163,7 @@ class PaperStudy(Study[Results]):
             ramps=ramps,
             runs=runs,
             vehicle_runs=of(VEHICLE),
-            over_radius={material: one for material, one in tables.items() if one is not None},
+            over_radius={material: one for material, one in radii.items() if one is not None},
             effects={material: one for material, one in splits.items() if one is not None},
             traction=run,
             theory=theory,
@@ -191,7 +188,7 @@ class PaperStudy(Study[Results]):
     def numbers(self, results: Results) -> dict[str, Any]:
         return {
             "materials": {material: self._material(results, material) for material in results.modes},
-            "traction": None if results.theory is None else traction_numbers(results.theory),
+            "traction": None if results.theory is None else tables.traction_numbers(results.theory),
             "checks": [check.as_dict() for check in results.checks],
             "checks_passed": sum(check.passed for check in results.checks),
             "checks_failed": sum(not check.passed for check in results.checks),
@@ -237,13 +234,16 @@ class PaperStudy(Study[Results]):
         found |= {f"data/ramp_{material}.nc": ramp for material, ramp in results.ramps.items()}
         for material, one in results.runs.items():
             found |= {f"data/run_{material}_{3.6 * run.speed:.2f}_kmh.nc": run.motion for run in one.runs}
-            found[f"data/figure_7_runs_{material}.csv"] = run_rows(one)
+            found[f"data/figure_7_runs_{material}.csv"] = tables.run_rows(one)
         for material, one in results.vehicle_runs.items():
-            found[f"data/figure_7b_vehicle_runs_{material}.csv"] = run_rows(one)
+            found[f"data/figure_7b_vehicle_runs_{material}.csv"] = tables.run_rows(one)
         if results.modes:
-            found["data/figure_7b_linear.csv"] = frequency_rows(results)
+            found["data/figure_7b_linear.csv"] = tables.frequency_rows(results)
         if results.traction is not None and results.theory is not None:
-            found["data/traction.nc"], found["data/figure_8.csv"] = results.traction, traction_rows(results.theory)
+            found["data/traction.nc"], found["data/figure_8.csv"] = (
+                results.traction,
+                tables.traction_rows(results.theory),
+            )
         return found
 
     # ---------------------------------------------------------------------------------------------------- report
@@ -284,8 +284,8 @@ class PaperStudy(Study[Results]):
             Section("Which material fits the paper", self._fit(results, numbers)),
             Section("Figure 8: traction", [Text(text.TRACTION), *pictures("figure_8a", "figure_8b")]),
             Section("Checks", [Text(passed), check_table(results.checks)] if results.checks else [Text("No checks.")]),
-            Section("Solver and contact", [solver_table(results), counter_table(results)]),
-            Section("Parameters", parameters(self.chosen)),
+            Section("Solver and contact", [tables.solver_table(results), tables.counter_table(results)]),
+            Section("Parameters", tables.parameters(self.chosen)),
         ]
 
     def _critical(self, results: Results) -> Table:
@@ -337,15 +337,15 @@ def figures(results: Results) -> dict[str, Figure]:
             for m in results.ramps
         }
         found["figure_7a_ramp"] = ramp_over_speed({LABELS[m]: ramp for m, ramp in results.ramps.items()}, BODY, lines)
-    tables = {m: hunting_table(one.runs, one.disturbance) for m, one in results.runs.items()}
+    by_speed = {m: hunting_table(one.runs, one.disturbance) for m, one in results.runs.items()}
     for material, one in results.runs.items():
         chosen = [(3.6 * run.speed, run.motion) for run in around_onset(one.runs, one.speed)]
         found[f"figure_7a_time_{material}"] = hunting_over_time(chosen, BODY, LABELS[material])
-    if tables:
-        critical = {f"linear, {m}": results.linear_kmh(m) for m in tables}
-        found["figure_7a_amplitude"] = amplitude_over_speed({LABELS[m]: t for m, t in tables.items()}, critical)
+    if by_speed:
+        critical = {f"linear, {m}": results.linear_kmh(m) for m in by_speed}
+        found["figure_7a_amplitude"] = amplitude_over_speed({LABELS[m]: t for m, t in by_speed.items()}, critical)
     for material, modes in results.modes.items():
-        runs = {RIG: tables[material]} if material in tables else {}
+        runs = {RIG: by_speed[material]} if material in by_speed else {}
         if material in results.vehicle_runs:
             vehicle = results.vehicle_runs[material]
             runs[VEHICLE] = hunting_table(vehicle.runs, vehicle.disturbance)
@@ -373,127 +373,3 @@ def around_onset(runs: list[HuntingRun], onset: float, count: int = 6) -> list[H
     picked = below[-1:] + above[:1] + far_below[-1:] + far_above[:1] + far_above[2:3] + far_above[-1:]
     unique = {run.speed: run for run in picked}
     return [unique[speed] for speed in sorted(unique)][:count]
-
-
-# ---------------------------------------------------------------------------------------------------------- tables
-
-
-def run_rows(found: CriticalSpeedByDisturbance) -> list[list[object]]:
-    """Runs at constant speed, header first."""
-    table = hunting_table(found.runs, found.disturbance)
-    columns = {
-        "speed_kmh": "speed",
-        "amplitude_m": "amplitude",
-        "frequency_hz": "oscillation_frequency",
-        "decay_frequency_hz": "decay_frequency",
-        "rate_at_end_per_s": "rate_at_end",
-        "persists": "persists",
-    }
-    values = (table[name].to_numpy().tolist() for name in columns.values())
-    return [list(columns), *(list(row) for row in zip(*values, strict=True))]
-
-
-def frequency_rows(results: Results) -> list[list[object]]:
-    """Frequency and damping of hunting over speed, header first."""
-    rows: list[list[object]] = [["material", "variant", "speed_kmh", "hunting_frequency_hz", "hunting_damping"]]
-    for material, variants in results.modes.items():
-        for variant, modes in variants.items():
-            hunting = modes.sel(mode=modes.attrs["hunting_mode"])
-            for k, speed in enumerate(modes["speed"].to_numpy().tolist()):
-                rows.append([material, variant, speed, float(hunting["frequency"][k]), float(hunting["damping"][k])])
-    return rows
-
-
-TRACTION_UNITS = {"sliding": "mps", "longitudinal_force": "n", "vertical_force": "n"}
-
-
-def traction_rows(study: xr.Dataset) -> list[list[object]]:
-    """Sliding and forces of all wheels beside the closed forms over time, header first."""
-    columns = {"time_s": study["time"], "speed_mps": study["speed"], "torque_nm": study["torque"]}
-    for wheel in map(str, study["wheel"].to_numpy()):
-        for name, unit in TRACTION_UNITS.items():
-            for kind in ("", "_theory"):
-                columns[f"{wheel}.{name}{kind}_{unit}"] = study[f"{name}{kind}"].sel(wheel=wheel)
-    values = (column.to_numpy().tolist() for column in columns.values())
-    return [list(columns), *(list(row) for row in zip(*values, strict=True))]
-
-
-def traction_numbers(study: xr.Dataset) -> dict[str, Any]:
-    """Figure 8 at its end."""
-    end = study.isel(time=-1)
-    numbers: dict[str, Any] = {"speed_kmh": 3.6 * float(end["speed"])}
-    for wheel in (wheel for wheel in map(str, end["wheel"].to_numpy()) if wheel.endswith("right")):
-        own = end.sel(wheel=wheel)
-        numbers[wheel] = {
-            "sliding_mmps": 1e3 * float(own["sliding"]),
-            "longitudinal_force_n": float(own["longitudinal_force"]),
-            "vertical_force_n": float(own["vertical_force"]),
-        }
-    return numbers
-
-
-def _audited(results: Results) -> Iterator[tuple[str, dict[str, Any]]]:
-    """All runs whose counts are shown, with their attributes."""
-    for material in MATERIALS:
-        if material in results.ramps:
-            yield f"ramp, {text.NAMES[material]}", results.ramps[material].attrs
-        for run in results.runs[material].runs if material in results.runs else []:
-            yield f"{3.6 * run.speed:.1f} km/h, {text.NAMES[material]}", run.motion.attrs
-    if results.traction is not None:
-        yield "traction", results.traction.attrs
-
-
-def solver_table(results: Results) -> Table:
-    """Cost and energy balance of each run."""
-    header = ("run", "ended", "steps", "rejected", "smallest step [s]", "energy turned over [kJ]", "relative residual")
-    rows = []
-    for name, attributes in _audited(results):
-        counts = json.loads(attributes["solver_statistics"])
-        steps = int(counts["steps"]), int(counts["rejected_steps"]), number(float(counts["smallest_step"]), 2)
-        energy = f"{1e-3 * float(attributes['energy_turned_over_j']):.1f}"
-        residual = number(float(attributes["energy_relative_residual"]), 2)
-        rows.append((name, attributes["status"], *steps, energy, residual))
-    caption = (
-        "Integration, and the energy audit: work in − change of stored energy − heat, over the energy turned over."
-    )
-    return Table(header, rows, caption)
-
-
-def counter_table(results: Results) -> Table:
-    """What happened in the contacts of each run."""
-    names = [quantity.name for quantity in CONTACT if quantity.name != "negative_dissipation"]
-    found = [(name, json.loads(attributes["contact_counters"])) for name, attributes in _audited(results)]
-    rows = [(name, *(int(counters.get(key, 0)) for key in names)) for name, counters in found]
-    header = ("run", *(name.replace("_", " ") for name in names))
-    return Table(header, rows, "Contact model, summed over accepted steps and wheels.")
-
-
-def parameters(plan: PaperPlan) -> list[Block]:
-    """What was assumed."""
-    case, traction, soft = rig_case("steel"), traction_case(plan), rig_case("paper").contact.material
-    rig, vehicle, steel = case.support.data, case.vehicle.data, case.contact.material
-    assert isinstance(rig, Rig)
-    wheel = f"S1002, radius {1e3 * vehicle.wheel.radius:g} mm, back to back {1e3 * vehicle.wheel.back_to_back:g} mm"
-    roller = (
-        f"radius {1e3 * rig.roller_radius:g} mm, spin inertia of a pair {rig.roller_inertia[1]:g} kg m², {rig.coupling}"
-    )
-    runs = f"tolerance {plan.hunting.relative_tolerance:g} relative, {plan.hunting.absolute_tolerance:g} m"
-    method = f"{traction.time.method}, tolerance {traction.time.relative_tolerance:g} relative"
-    rows = [
-        ("vehicle", vehicle.description),
-        ("its source", vehicle.source),
-        ("wheel", wheel),
-        ("rig", rig.description),
-        ("its source", rig.source),
-        ("roller", roller),
-        ("steel", f"G = {1e-9 * steel.shear_modulus:.2f} GPa, ν = {steel.poisson_ratio:g}"),
-        ("paper's material", f"G = {1e-9 * soft.shear_modulus:.2f} GPa, ν = {soft.poisson_ratio:g}; {soft.source}"),
-        ("friction", f"{case.contact.friction.mu_0:g}"),
-        ("creep law, normal law", f"{case.contact.creep.kind}, {case.contact.normal.kind}"),
-        ("merging criterion", f"{getattr(case.contact.normal, 'merging_criterion', 0.0):g}"),
-        ("runs of figure 7", f"rodas4, {runs}, {plan.hunting.duration:g} s"),
-        ("run of figure 8", f"{method}, from {3.6 * traction.motion.speed:g} km/h"),
-    ]
-    bodies = [(b.name, b.mass, *b.inertia) for b in vehicle.bodies_in(case.vehicle.part)]
-    header = ("body", "mass [kg]", "Ixx [kg m²]", "Iyy [kg m²]", "Izz [kg m²]")
-    return [Table(("parameter", "value"), rows), Table(header, bodies, "Bodies; the car body is fixed.")]

@@ -12,7 +12,7 @@ from rollerrig import ConfigError, load_case, simulate
 from rollerrig.analysis.rig_fidelity import fidelity, rig_numbers, run_numbers
 from rollerrig.bench import CONTROLLER_FAILED
 from rollerrig.config import Case
-from rollerrig.study.adhesion import track_case
+from rollerrig.study.adhesion_variants import track_case
 
 RADIUS = 0.46  # of the wheels of vehicle 1 [m]
 SHORT = {"time.duration": "6 s"}

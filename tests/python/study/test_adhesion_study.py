@@ -12,16 +12,8 @@ import pytest
 from rollerrig import ConfigError, load_case
 from rollerrig.analysis.tracking import distances
 from rollerrig.config import case_from_toml
-from rollerrig.study.adhesion import (
-    CONTRIBUTIONS,
-    QUANTITIES,
-    STEPS,
-    AdhesionStudy,
-    Runs,
-    assessment,
-    variant,
-    variants_of,
-)
+from rollerrig.study.adhesion import CONTRIBUTIONS, QUANTITIES, AdhesionStudy, Runs, assessment
+from rollerrig.study.adhesion_variants import STEPS, variant, variants_of
 from rollerrig.study.ensemble import Scatter, begun_later
 from rollerrig.study.frame import Outcome
 

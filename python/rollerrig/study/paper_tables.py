@@ -1,0 +1,140 @@
+"""Tables of the paper study: rows of its CSV files, numbers of figure 8, solver, contact and parameters in the report.
+
+results of PaperStudy -> [paper_tables] -> rows, numbers, tables
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from typing import Any
+
+import xarray as xr
+
+from rollerrig.analysis import CriticalSpeedByDisturbance, hunting_table
+from rollerrig.config import Rig
+from rollerrig.study.paper_plan import MATERIALS, PaperPlan, Results, rig_case, traction_case
+from rollerrig.study.paper_text import NAMES
+from rollerrig.study.report import Block, Table, number
+from rollerrig.study.run import CONTACT
+
+
+def run_rows(found: CriticalSpeedByDisturbance) -> list[list[object]]:
+    """Runs at constant speed, header first."""
+    table = hunting_table(found.runs, found.disturbance)
+    columns = {
+        "speed_kmh": "speed",
+        "amplitude_m": "amplitude",
+        "frequency_hz": "oscillation_frequency",
+        "decay_frequency_hz": "decay_frequency",
+        "rate_at_end_per_s": "rate_at_end",
+        "persists": "persists",
+    }
+    values = (table[name].to_numpy().tolist() for name in columns.values())
+    return [list(columns), *(list(row) for row in zip(*values, strict=True))]
+
+
+def frequency_rows(results: Results) -> list[list[object]]:
+    """Frequency and damping of hunting over speed, header first."""
+    rows: list[list[object]] = [["material", "variant", "speed_kmh", "hunting_frequency_hz", "hunting_damping"]]
+    for material, variants in results.modes.items():
+        for variant, modes in variants.items():
+            hunting = modes.sel(mode=modes.attrs["hunting_mode"])
+            for k, speed in enumerate(modes["speed"].to_numpy().tolist()):
+                rows.append([material, variant, speed, float(hunting["frequency"][k]), float(hunting["damping"][k])])
+    return rows
+
+
+TRACTION_UNITS = {"sliding": "mps", "longitudinal_force": "n", "vertical_force": "n"}
+
+
+def traction_rows(study: xr.Dataset) -> list[list[object]]:
+    """Sliding and forces of all wheels beside the closed forms over time, header first."""
+    columns = {"time_s": study["time"], "speed_mps": study["speed"], "torque_nm": study["torque"]}
+    for wheel in map(str, study["wheel"].to_numpy()):
+        for name, unit in TRACTION_UNITS.items():
+            for kind in ("", "_theory"):
+                columns[f"{wheel}.{name}{kind}_{unit}"] = study[f"{name}{kind}"].sel(wheel=wheel)
+    values = (column.to_numpy().tolist() for column in columns.values())
+    return [list(columns), *(list(row) for row in zip(*values, strict=True))]
+
+
+def traction_numbers(study: xr.Dataset) -> dict[str, Any]:
+    """Figure 8 at its end."""
+    end = study.isel(time=-1)
+    numbers: dict[str, Any] = {"speed_kmh": 3.6 * float(end["speed"])}
+    for wheel in (wheel for wheel in map(str, end["wheel"].to_numpy()) if wheel.endswith("right")):
+        own = end.sel(wheel=wheel)
+        numbers[wheel] = {
+            "sliding_mmps": 1e3 * float(own["sliding"]),
+            "longitudinal_force_n": float(own["longitudinal_force"]),
+            "vertical_force_n": float(own["vertical_force"]),
+        }
+    return numbers
+
+
+def _audited(results: Results) -> Iterator[tuple[str, dict[str, Any]]]:
+    """All runs whose counts are shown, with their attributes."""
+    for material in MATERIALS:
+        if material in results.ramps:
+            yield f"ramp, {NAMES[material]}", results.ramps[material].attrs
+        for run in results.runs[material].runs if material in results.runs else []:
+            yield f"{3.6 * run.speed:.1f} km/h, {NAMES[material]}", run.motion.attrs
+    if results.traction is not None:
+        yield "traction", results.traction.attrs
+
+
+def solver_table(results: Results) -> Table:
+    """Cost and energy balance of each run."""
+    header = ("run", "ended", "steps", "rejected", "smallest step [s]", "energy turned over [kJ]", "relative residual")
+    rows = []
+    for name, attributes in _audited(results):
+        counts = json.loads(attributes["solver_statistics"])
+        steps = int(counts["steps"]), int(counts["rejected_steps"]), number(float(counts["smallest_step"]), 2)
+        energy = f"{1e-3 * float(attributes['energy_turned_over_j']):.1f}"
+        residual = number(float(attributes["energy_relative_residual"]), 2)
+        rows.append((name, attributes["status"], *steps, energy, residual))
+    caption = (
+        "Integration, and the energy audit: work in − change of stored energy − heat, over the energy turned over."
+    )
+    return Table(header, rows, caption)
+
+
+def counter_table(results: Results) -> Table:
+    """What happened in the contacts of each run."""
+    names = [quantity.name for quantity in CONTACT if quantity.name != "negative_dissipation"]
+    found = [(name, json.loads(attributes["contact_counters"])) for name, attributes in _audited(results)]
+    rows = [(name, *(int(counters.get(key, 0)) for key in names)) for name, counters in found]
+    header = ("run", *(name.replace("_", " ") for name in names))
+    return Table(header, rows, "Contact model, summed over accepted steps and wheels.")
+
+
+def parameters(plan: PaperPlan) -> list[Block]:
+    """What was assumed."""
+    case, traction, soft = rig_case("steel"), traction_case(plan), rig_case("paper").contact.material
+    rig, vehicle, steel = case.support.data, case.vehicle.data, case.contact.material
+    assert isinstance(rig, Rig)
+    wheel = f"S1002, radius {1e3 * vehicle.wheel.radius:g} mm, back to back {1e3 * vehicle.wheel.back_to_back:g} mm"
+    roller = (
+        f"radius {1e3 * rig.roller_radius:g} mm, spin inertia of a pair {rig.roller_inertia[1]:g} kg m², {rig.coupling}"
+    )
+    runs = f"tolerance {plan.hunting.relative_tolerance:g} relative, {plan.hunting.absolute_tolerance:g} m"
+    method = f"{traction.time.method}, tolerance {traction.time.relative_tolerance:g} relative"
+    rows = [
+        ("vehicle", vehicle.description),
+        ("its source", vehicle.source),
+        ("wheel", wheel),
+        ("rig", rig.description),
+        ("its source", rig.source),
+        ("roller", roller),
+        ("steel", f"G = {1e-9 * steel.shear_modulus:.2f} GPa, ν = {steel.poisson_ratio:g}"),
+        ("paper's material", f"G = {1e-9 * soft.shear_modulus:.2f} GPa, ν = {soft.poisson_ratio:g}; {soft.source}"),
+        ("friction", f"{case.contact.friction.mu_0:g}"),
+        ("creep law, normal law", f"{case.contact.creep.kind}, {case.contact.normal.kind}"),
+        ("merging criterion", f"{getattr(case.contact.normal, 'merging_criterion', 0.0):g}"),
+        ("runs of figure 7", f"rodas4, {runs}, {plan.hunting.duration:g} s"),
+        ("run of figure 8", f"{method}, from {3.6 * traction.motion.speed:g} km/h"),
+    ]
+    bodies = [(b.name, b.mass, *b.inertia) for b in vehicle.bodies_in(case.vehicle.part)]
+    header = ("body", "mass [kg]", "Ixx [kg m²]", "Iyy [kg m²]", "Izz [kg m²]")
+    return [Table(("parameter", "value"), rows), Table(header, bodies, "Bodies; the car body is fixed.")]
