@@ -71,10 +71,16 @@ def update(figure: dict[str, Any], numbers: dict[str, Any]) -> None:
 
 def value(numbers: Any, key: str) -> float | str:
     """A value of summary.json, times a factor."""
-    factor, _, path = key.rpartition(" * ")
-    for part in path.split("/" if "/" in path else "."):
+    factor, path = place(key)
+    for part in path:
         numbers = numbers[int(part)] if isinstance(numbers, list) else numbers[part]
-    return float(factor) * numbers if factor else numbers
+    return numbers if factor == 1.0 else factor * numbers
+
+
+def place(key: str) -> tuple[float, list[str]]:
+    """Factor and names of a key."""
+    factor, _, path = key.rpartition(" * ")
+    return float(factor or 1.0), path.split("/" if "/" in path else ".")
 
 
 def quoted(figure: dict[str, Any]) -> str:

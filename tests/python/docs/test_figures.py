@@ -9,6 +9,8 @@ from typing import Any
 
 import pytest
 
+from rollerrig.study import STUDIES
+
 ROOT = Path(__file__).resolve().parents[3]
 DATA: dict[str, Any] = tomllib.loads((ROOT / "docs" / "figures.toml").read_text(encoding="utf-8"))
 QUICK = [name for name, command in DATA["command"].items() if command.get("quick")]
@@ -33,6 +35,14 @@ def test_recorded_values_are_what_the_program_computes(name: str) -> None:
     for figure in (one for one in DATA["figure"] if one["of"] == name):
         new = {**figure, "values": [write_figures.value(numbers, key) for key in figure["keys"]]}
         assert write_figures.quoted(new) == write_figures.quoted(figure)
+
+
+@pytest.mark.parametrize("name", sorted(DATA["command"]))
+def test_values_are_reported_quantities(name: str) -> None:
+    command = DATA["command"][name]["command"].split()[1]
+    quantities = next(study.quantities for study in STUDIES if study.command == command)
+    keys = [key for figure in DATA["figure"] if figure["of"] == name for key in figure["keys"]]
+    assert [key for key in keys if not any(q.matches(write_figures.place(key)[1]) for q in quantities)] == []
 
 
 def test_every_command_is_quoted() -> None:
