@@ -44,7 +44,8 @@ def test_every_case_shown_ships() -> None:
 
 
 @pytest.mark.parametrize("code", blocks(ROOT / "README.md", "python"))
-def test_the_python_example_runs(code: str) -> None:
+def test_the_python_example_runs(code: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)  # it writes a figure
     exec(compile(code, "README.md", "exec"), {})
 
 

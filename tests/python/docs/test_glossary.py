@@ -53,7 +53,8 @@ def units() -> dict[str, str]:
     """Name -> unit of all that runs, stability and wheel forces give."""
     run = rr.simulate(rr.load_case("adhesion_brake").with_changes({"time.duration": "20 ms"}))
     modes = rr.stability(rr.load_case("bogie_track"), speeds_kmh=[100, 120])
-    datasets: list[xr.Dataset] = [modes, rr.wheel_forces(run), run]
+    speeds = rr.critical_speed("bogie_track", speeds_kmh=[300, 320])
+    datasets: list[xr.Dataset] = [speeds, modes, rr.wheel_forces(run), run]
     return {str(name): v.attrs.get("units", "") for one in datasets for name, v in one.variables.items()}
 
 
