@@ -12,6 +12,7 @@ import pytest
 from matplotlib.figure import Figure
 
 import rollerrig as rr
+from rollerrig.cli.app import COMMANDS
 
 PACKAGE = Path(rr.__file__).parent
 MODULES = sorted(
@@ -53,6 +54,11 @@ def test_import_costs_nothing() -> None:
     text += " 'matplotlib', 'pydantic') or m.startswith('rollerrig.')))"
     done = subprocess.run([sys.executable, "-c", text], capture_output=True, text=True, check=True)
     assert done.stdout.split() == []
+
+
+def test_every_command_is_a_function() -> None:
+    elsewhere = {"run": "simulate", "check": "load_case", "catalog": "catalog_entries"}
+    assert {elsewhere.get(command, command) for command in COMMANDS} <= set(rr.__all__)
 
 
 def test_every_public_name_is_documented() -> None:

@@ -79,7 +79,7 @@ def limit_cycles(
     linear_critical_kmh: float,
     settings: LimitCycleSettings | None = None,
     *,
-    processes: int = 2,
+    processes: int = 1,
     progress: Progress | None = None,
 ) -> Diagram:
     """The limit-cycle diagram of a case.

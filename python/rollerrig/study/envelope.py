@@ -25,6 +25,7 @@ from rollerrig.analysis.run_limits import (
     REPRODUCED,
     TRACKING_LIMIT,
 )
+from rollerrig.cases import as_case
 from rollerrig.config import Case, ConfigError, ConfigProblem, Rig
 from rollerrig.plot import envelope as figures
 from rollerrig.study.envelope_map import map_dataset, middles
@@ -278,7 +279,7 @@ class EnvelopeStudy(Study[Envelope]):
 
 
 def envelope(
-    case: Case,
+    case: Case | str,
     *,
     torques: Sequence[float] | None = None,
     adhesions: Sequence[float] | None = None,
@@ -319,7 +320,7 @@ def envelope(
     """
     ranges = {"torques": torques, "adhesions": adhesions, "loads": loads}
     chosen = {name: tuple(map(float, values)) for name, values in ranges.items() if values is not None}
-    study = EnvelopeStudy(case, duration=duration, refine=refine, **chosen)
+    study = EnvelopeStudy(as_case(case), duration=duration, refine=refine, **chosen)
     outcome = study.run(folder=folder, processes=processes, progress=progress)
     if outcome is None:
         raise KeyboardInterrupt

@@ -2,13 +2,14 @@
 
 Case -> [check_patch] -> problems
 
-The patch is estimated as Hertz' circle of two balls of the radii of wheel and roller, under the mean wheel load.
+The patch is estimated as the Hertzian circle of two balls of the radii of wheel and roller, under the mean wheel load.
 """
 
 from collections.abc import Iterator
 
 from scipy.optimize import brentq
 
+from rollerrig import _core
 from rollerrig.config.errors import ConfigProblem
 from rollerrig.config.schema.case import CaseTables
 from rollerrig.config.schema.support import Rig
@@ -41,11 +42,13 @@ def check_patch(case: CaseTables, file: str) -> Iterator[ConfigProblem]:
 
 
 def patch_size(case: CaseTables, roller_radius: float) -> float:
-    """Half of the patch's length, (3 N R / 4 E*)^(1/3) with 1/R = 1/r + 1/R_roller [m]."""
+    """Half of the patch's length [m]."""
     material = case.contact.material
-    radius = 1.0 / (1.0 / case.vehicle.data.wheel.radius + 1.0 / roller_radius)
-    modulus = material.young_modulus / (2.0 * (1.0 - material.poisson_ratio**2))
-    return float((0.75 * _wheel_load(case) * radius / modulus) ** (1.0 / 3.0))
+    curvature = 0.5 * (1.0 / case.vehicle.data.wheel.radius + 1.0 / roller_radius)  # (14)
+    ellipse = _core.hertz_ellipse(
+        _wheel_load(case), curvature, curvature, material.shear_modulus, material.poisson_ratio
+    )
+    return float(ellipse[0])
 
 
 def _wheel_load(case: CaseTables) -> float:
