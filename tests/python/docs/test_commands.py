@@ -1,0 +1,34 @@
+"""Commands and options that README and documentation show exist."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+import typer
+
+from rollerrig.cli.app import build_app
+
+ROOT = Path(__file__).resolve().parents[3]
+PAGES = [ROOT / "README.md", *sorted(p for p in (ROOT / "docs").rglob("*.md") if "generated" not in p.parts)]
+GROUP = typer.main.get_command(build_app())
+OPTIONS = {
+    name: {option for parameter in command.params for option in (*parameter.opts, *parameter.secondary_opts)}
+    for name, command in GROUP.commands.items()
+}
+
+
+def shown(page: Path) -> list[tuple[str, list[str]]]:
+    """Commands in code, each with its options."""
+    text = page.read_text(encoding="utf-8").replace("\\\n", " ")
+    code = re.findall(r"```(?:bash)?\n(.*?)```", text, re.DOTALL) + re.findall(r"`(rollerrig [^`\n]+)`", text)
+    lines = [line.split("#")[0] for block in code for line in block.splitlines() if line.startswith("rollerrig ")]
+    return [(line.split()[1], re.findall(r"(?<= )--[a-z-]+", line)) for line in lines]
+
+
+@pytest.mark.parametrize("page", [page for page in PAGES if shown(page)], ids=lambda p: str(p.relative_to(ROOT)))
+def test_commands_and_options_exist(page: Path) -> None:
+    for command, options in shown(page):
+        assert command in OPTIONS or command.startswith("-"), command
+        assert set(options) <= OPTIONS.get(command, {"--help", "--version"}), command
