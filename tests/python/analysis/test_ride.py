@@ -57,16 +57,17 @@ def with_felt(run: xr.Dataset) -> xr.Dataset:
 
 def rotations(run: xr.Dataset, body: str) -> np.ndarray:
     """R_z R_x R_y of docs/conventions.md, (time, 3, 3)."""
-    rows = []
-    for roll, pitch, yaw in zip(
-        *(run.sel(body=body)[name].to_numpy() for name in ("roll", "pitch", "yaw")), strict=True
-    ):
-        cx, sx, cy, sy, cz, sz = (f(a) for a in (roll, pitch, yaw) for f in (np.cos, np.sin))
-        about_z = np.array([[cz, -sz, 0], [sz, cz, 0], [0, 0, 1]])
-        about_x = np.array([[1, 0, 0], [0, cx, -sx], [0, sx, cx]])
-        about_y = np.array([[cy, 0, sy], [0, 1, 0], [-sy, 0, cy]])
-        rows.append(about_z @ about_x @ about_y)
-    return np.array(rows)
+    angles = [run.sel(body=body)[name].to_numpy() for name in ("roll", "pitch", "yaw")]
+    (cx, sx), (cy, sy), (cz, sz) = ((np.cos(angle), np.sin(angle)) for angle in angles)
+    none, one = np.zeros_like(cx), np.ones_like(cx)
+
+    def matrix(rows: list[list[np.ndarray]]) -> np.ndarray:
+        return np.moveaxis(np.array(rows), -1, 0)
+
+    about_z = matrix([[cz, -sz, none], [sz, cz, none], [none, none, one]])
+    about_x = matrix([[one, none, none], [none, cx, -sx], [none, sx, cx]])
+    about_y = matrix([[cy, none, sy], [none, one, none], [-sy, none, cy]])
+    return about_z @ about_x @ about_y
 
 
 def vector(run: xr.Dataset, body: str, kind: str = "") -> np.ndarray:
