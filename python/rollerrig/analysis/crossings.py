@@ -8,14 +8,12 @@ by Brent's method. Equation: docs/theory/equilibrium_and_linearisation.md, (L7).
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from scipy.optimize import brentq, minimize_scalar
 
-from rollerrig.analysis.linearise import Lineariser
 from rollerrig.analysis.mode_names import roles, shape_name
 from rollerrig.analysis.modes import (
     LEAST_FREQUENCY,
@@ -23,7 +21,6 @@ from rollerrig.analysis.modes import (
     eigensystem,
     energy_shares,
     modal_assurance,
-    oscillates,
 )
 from rollerrig.analysis.speed_map import ModesOverSpeed
 
@@ -63,12 +60,6 @@ def zero_crossings(modes: ModesOverSpeed) -> list[Crossing]:
 def first_onset(crossings: Sequence[Crossing]) -> Crossing | None:
     """The lowest crossing above which a mode grows; None if there is none."""
     return next((one for one in crossings if one.grows_above), None)
-
-
-def largest_growth_rate(lineariser: Lineariser, speed: float) -> float:
-    """Largest real part of the oscillatory modes at a speed [1/s]; positive: a disturbance grows."""
-    values = eigensystem(lineariser.at(speed).matrix).values
-    return float(values[oscillates(values)].real.max(initial=-math.inf))
 
 
 def growing_at_start(modes: ModesOverSpeed) -> tuple[str, ...]:

@@ -21,6 +21,7 @@ from scipy.interpolate import CubicSpline
 
 from rollerrig.irregularity.errors import IrregularityError
 from rollerrig.irregularity.rails import COMPONENTS, RAILS, FloatArray, RailIrregularity, periodic_spline, rails_of
+from rollerrig.splines import quasi_interpolant
 
 UNITS = {"m": 1.0, "mm": 1e-3, "km": 1e3, "cm": 1e-2}
 LARGEST = 0.2
@@ -106,8 +107,9 @@ def measured_irregularity(
     coefficients = {}
     for rail in RAILS:
         values = scale * CubicSpline(track.distance, track.rails[rail])(np.clip(s + start, first, last))
-        # de Boor-Fix weights: local, fourth order, so that the wrap has no effect elsewhere
-        weights = (-np.roll(values, 1) + 8 * values - np.roll(values, -1)) / 6
+        weights = quasi_interpolant(
+            np.roll(values, 1), values, np.roll(values, -1)
+        )  # local: the wrap has no effect elsewhere
         coefficients[rail] = periodic_spline(weights, step)
     return RailIrregularity(step, coefficients, fade_in)
 

@@ -15,6 +15,8 @@ from typing import Literal, get_args
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from rollerrig.splines import pieces
+
 FloatArray = NDArray[np.float64]
 Component = Literal["alignment", "vertical", "cross_level", "gauge"]
 COMPONENTS: tuple[Component, ...] = get_args(Component)
@@ -98,13 +100,6 @@ def periodic_spline(weights: FloatArray, step: float) -> FloatArray:
     Returns:
         (n, 4), read-only.
     """
-    before, here, after, next_after = (np.roll(weights, shift) for shift in (1, 0, -1, -2))
-    rows = [
-        (before + 4 * here + after) / 6,
-        (after - before) / (2 * step),
-        (before - 2 * here + after) / (2 * step**2),
-        (next_after - 3 * after + 3 * here - before) / (6 * step**3),
-    ]
-    table = np.ascontiguousarray(np.column_stack(rows))
+    table = pieces(np.roll(weights, 1), weights, np.roll(weights, -1), np.roll(weights, -2), step)
     table.flags.writeable = False
     return table

@@ -77,12 +77,7 @@ def profile_from_file(
     _one_of(file, "units", units, ("auto", "mm", "m"))
     _one_of(file, "inner_side", inner_side, ("auto", "negative", "positive"))
     _one_of(file, "z_positive", z_positive, ("auto", "up", "down"))
-    if not 0 < step <= 1e-3:
-        raise ProfileError(f"{file}: step: {step} m; allowed above 0 and up to 0.001 m")
-    if not abs(inclination) <= 0.2:
-        raise ProfileError(f"{file}: inclination: {inclination}; allowed -0.2 to 0.2; 1:40 is written 0.025")
-    if smoothing != "auto" and (isinstance(smoothing, str | bool) or not 0 < smoothing <= 0.05):
-        raise ProfileError(f"{file}: smoothing: {smoothing!r}; allowed 'auto', or a length above 0 and up to 0.05 m")
+    _check_numbers(file, step, inclination, smoothing)
     raw = read_point_file(file, format, units)
     if raw.declared not in (None, kind):
         raise ProfileError(f"{file}: the file says it is a {raw.declared}; it is used as a {kind}")
@@ -125,6 +120,15 @@ def profile_from_file(
         step=step,
         outline=np.column_stack([samples.y, samples.z])[::5] - origin,
     )
+
+
+def _check_numbers(file: Path, step: float, inclination: float, smoothing: float | Literal["auto"]) -> None:
+    if not 0 < step <= 1e-3:
+        raise ProfileError(f"{file}: step: {step} m; allowed above 0 and up to 0.001 m")
+    if not abs(inclination) <= 0.2:
+        raise ProfileError(f"{file}: inclination: {inclination}; allowed -0.2 to 0.2; 1:40 is written 0.025")
+    if smoothing != "auto" and (isinstance(smoothing, str | bool) or not 0 < smoothing <= 0.05):
+        raise ProfileError(f"{file}: smoothing: {smoothing!r}; allowed 'auto', or a length above 0 and up to 0.05 m")
 
 
 @dataclass(frozen=True, eq=False)

@@ -21,6 +21,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from rollerrig.splines import pieces, quasi_interpolant
+
 from .errors import ProfileError
 
 FloatArray = NDArray[np.float64]
@@ -153,14 +155,9 @@ def tabulate(
 ) -> ProfileTable:
     """Turn any height function into a spline table.
 
-    The spline is not an interpolant but a local quasi-interpolant of the de Boor-Fix type, f - h^2 f''/6 at the
-    knots with a difference for f'', whose B-spline weights are
-
-        w_i = (-f_(i-1) + 8 f_i - f_(i+1)) / 6
-
-    which is exact for cubics and of fourth order like interpolation. Where the definition's curvature jumps
-    (arc against arc) it overshoots by a twelfth of the jump at the next knot and by nothing beyond, while an
-    interpolant rings on: an error of curvature is an error of Hertz stiffness.
+    The spline is not an interpolant but a local quasi-interpolant, of fourth order like interpolation. Where the
+    definition's curvature jumps (arc against arc) it overshoots by a twelfth of the jump at the next knot and by
+    nothing beyond, while an interpolant oscillates: an error of curvature is an error of Hertz stiffness.
 
     Args:
         height: value [m] over abscissa [m]; called once, with an array inside [low, high].
@@ -191,19 +188,12 @@ def tabulate(
         before = 4 * f[0] - 6 * f[1] + 4 * f[2] - f[3]
         after = 4 * f[-1] - 6 * f[-2] + 4 * f[-3] - f[-4]
         f = np.concatenate(([before], f, [after]))
-    w = (-f[:-2] + 8 * f[1:-1] - f[2:]) / 6
-    w0, w1, w2, w3 = w[:-3], w[1:-2], w[2:-1], w[3:]
-
+    w = quasi_interpolant(f[:-2], f[1:-1], f[2:])
     h = (high - low) / intervals
-    rows = [
-        (w0 + 4 * w1 + w2) / 6,
-        (w2 - w0) / (2 * h),
-        (w0 - 2 * w1 + w2) / (2 * h**2),
-        (w3 - 3 * w2 + 3 * w1 - w0) / (6 * h**3),
-    ]
+    coefficients = pieces(w[:-3], w[1:-2], w[2:-1], w[3:], h)
     if outline is None:
         outline = np.column_stack([y, f[2:-2]])
-    return ProfileTable(name, kind, float(low), h, np.column_stack(rows), source, outline)
+    return ProfileTable(name, kind, float(low), h, coefficients, source, outline)
 
 
 def gauge_point(table: ProfileTable, depth: float = 14e-3) -> float:

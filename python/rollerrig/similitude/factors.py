@@ -60,11 +60,6 @@ class Similitude:
         """Factor of a stress or modulus; 1 if the material is the same."""
         return self.force / self.length**2
 
-    @property
-    def inverse(self) -> Similitude:
-        """From the model back to full scale."""
-        return Similitude(1.0 / self.length, 1.0 / self.time, 1.0 / self.density)
-
 
 FACTORS: tuple[tuple[str, str], ...] = (
     ("length", "m"),

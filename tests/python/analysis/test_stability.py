@@ -21,9 +21,16 @@ from rollerrig.analysis import (
 )
 from rollerrig.analysis.contact_state import slow_wavelength
 from rollerrig.analysis.critical_speed import bracket
-from rollerrig.analysis.crossings import diverging, largest_growth_rate
+from rollerrig.analysis.crossings import diverging
+from rollerrig.analysis.modes import eigensystem, oscillates
 from rollerrig.analysis.speed_map import modes_over_speed
 from rollerrig.config import Case, load_case
+
+
+def largest_growth_rate(lineariser: Lineariser, speed: float) -> float:
+    """Largest real part of the oscillatory modes [1/s]."""
+    values = eigensystem(lineariser.at(speed).matrix).values
+    return float(values[oscillates(values)].real.max())
 
 
 @pytest.fixture(scope="module")

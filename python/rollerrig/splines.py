@@ -1,0 +1,46 @@
+"""Uniform cubic B-splines: weights of a local quasi-interpolant, and the pieces of a spline.
+
+    samples -> [quasi_interpolant] -> weights -> [pieces] -> coefficients per interval -> profiles, irregularities
+
+Source: C. de Boor, G. Fix, Spline approximation by quasi-interpolants, J. Approximation Theory 8 (1973).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+FloatArray = NDArray[np.float64]
+
+
+def quasi_interpolant(before: FloatArray, here: FloatArray, after: FloatArray) -> FloatArray:
+    """Weights f - h^2 f''/6 at the knots, with a difference for f''; exact for cubics, of fourth order.
+
+    Args:
+        before: samples at the previous knots, any shape.
+        here: at the knots, same shape.
+        after: at the next knots, same shape.
+    """
+    return np.asarray((-before + 8 * here - after) / 6)
+
+
+def pieces(before: FloatArray, here: FloatArray, after: FloatArray, next_after: FloatArray, step: float) -> FloatArray:
+    """Coefficients c of value = c_0 + c_1 t + c_2 t^2 + c_3 t^3 on each interval, t from its first knot.
+
+    Args:
+        before: weight of the B-spline centred at the knot before each interval, shape (n,).
+        here: at its first knot.
+        after: at its last knot.
+        next_after: at the knot after that.
+        step: distance between knots.
+
+    Returns:
+        Shape (n, 4), contiguous.
+    """
+    rows = (
+        (before + 4 * here + after) / 6,
+        (after - before) / (2 * step),
+        (before - 2 * here + after) / (2 * step**2),
+        (next_after - 3 * after + 3 * here - before) / (6 * step**3),
+    )
+    return np.ascontiguousarray(np.column_stack(rows))
