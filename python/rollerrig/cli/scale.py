@@ -41,7 +41,7 @@ def command(
     from rollerrig.results import output_folder, write_text
     from rollerrig.similitude import requirements, similitude
     from rollerrig.study.scale import scale_study
-    from rollerrig.study.scale_violations import model_summary
+    from rollerrig.study.scale_tables import model_summary
 
     kept = tuple(name.strip() for name in keep.split(",") if name.strip() and keep != "none")
     factors, changes = similitude(strategy, length, time, density), _changes(change or [])

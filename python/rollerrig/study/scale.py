@@ -30,13 +30,10 @@ from rollerrig.analysis.tracking import wheel_radius
 from rollerrig.config import Case
 from rollerrig.plot import scaled as figures
 from rollerrig.similitude import (
-    FACTORS,
-    STRATEGIES,
     ContactAtRest,
     Requirement,
     Similitude,
     contact_at_rest,
-    factors_of,
     map_back,
     requirements,
     scale_case,
@@ -45,8 +42,15 @@ from rollerrig.simulation import simulate
 from rollerrig.study.frame import Study
 from rollerrig.study.jobs import Done, Round, job
 from rollerrig.study.quantities import Numbers, Quantities, Quantity
-from rollerrig.study.report import Picture, Section, Table, number
-from rollerrig.study.scale_violations import VIOLATION, deviation, model_summary, violations_table
+from rollerrig.study.report import Picture, Section
+from rollerrig.study.scale_tables import (
+    VIOLATION,
+    axle_rows,
+    contact_at_rest_table,
+    factors_table,
+    model_summary,
+    violations_table,
+)
 
 LABELS = {
     "full": "full scale",
@@ -249,7 +253,7 @@ class ScaleStudy(Study[Scaled]):
         ]
 
     def files(self, results: Scaled, numbers: Numbers) -> Mapping[str, Any]:
-        axles = {"axles.csv": axle_rows(results)} if "train_speed" in results.full else {}
+        axles = {"axles.csv": axle_rows(results.full, results.mapped["model"])} if "train_speed" in results.full else {}
         return {"full.nc": results.full, "model.nc": results.mapped["model"], **axles}
 
     def sections(self, results: Scaled, numbers: Numbers) -> list[Section]:
@@ -266,8 +270,8 @@ class ScaleStudy(Study[Scaled]):
             QUANTITIES.list_table({"model less full scale": numbers["fidelity"]}, compared),
         ]
         sections = [
-            Section("Similitude", [self._factors(), violations_table(results.violations)]),
-            Section("Contact at rest", [self._contact(results.contact)]),
+            Section("Similitude", [factors_table(self.model), violations_table(results.violations)]),
+            Section("Contact at rest", [contact_at_rest_table(self.model, *results.contact)]),
             Section("Numbers", [*tables]),
         ]
         sections += [Section(title, [Picture(*picture)]) for title, *picture in self._pictures(results, numbers)]
@@ -294,27 +298,6 @@ class ScaleStudy(Study[Scaled]):
         if _moves_sideways(numbers):
             pictures.append(("Lateral motion", "lateral", figures.lateral(runs), "Wheelsets, positive to the left."))
         return pictures
-
-    def _factors(self) -> Table:
-        factors, record = factors_of(self.model), self.model.similitude
-        assert record is not None
-        table = [[name, number(factors.factor(unit)), unit] for name, unit in FACTORS]
-        return Table(("quantity", "full scale over model", "unit"), table, STRATEGIES[record.strategy].title)
-
-    def _contact(self, contact: tuple[ContactAtRest, ContactAtRest]) -> Table:
-        full, model = contact
-        factors = factors_of(self.model)
-        lines = (
-            ("wheel load [N]", full.wheel_load, model.wheel_load, factors.force),
-            ("semi-axis of the largest patch [mm]", 1e3 * full.semi_axis, 1e3 * model.semi_axis, factors.length),
-            ("largest pressure [MPa]", 1e-6 * full.pressure, 1e-6 * model.pressure, factors.pressure),
-            ("semi-axis over the roller's radius [%]", 100 * full.roller_share, 100 * model.roller_share, 1.0),
-        )
-        table = [[name, number(a), number(b), number(b * f), deviation(b * f / a - 1.0)] for name, a, b, f in lines]
-        header = ("first wheel, steady running", "full scale", "model", "model, mapped back", "deviation")
-        return Table(
-            header, table, "where several patches share a load, sizes follow it less closely than one patch would"
-        )
 
 
 # ------------------------------------------------------------------------------------------------------ cases and texts
@@ -366,19 +349,3 @@ def _moves_sideways(numbers: Numbers) -> bool:
 
 def _percent(value: float | None, signed: bool = False) -> str:
     return "–" if value is None else f"{100 * value:{'+' if signed else ''}.3g} %"
-
-
-def axle_rows(results: Scaled) -> list[list[object]]:
-    """axles.csv: speeds at full scale, the model's at the same times; header first."""
-    other = at_times_of(results.full, results.mapped["model"])
-    run = results.full.isel(time=slice(0, other.sizes["time"]))
-    columns = {
-        "time_s": run["time"],
-        "train_speed_full_mps": run["train_speed"],
-        "train_speed_model_mps": other["train_speed"],
-    }
-    for axle in run["axle"].to_numpy():
-        for label, one in (("full", run), ("model", other)):
-            columns[f"axle_speed_{axle}_{label}_rad_per_s"] = one["axle_speed"].sel(axle=axle)
-    values = [column.to_numpy().tolist() for column in columns.values()]
-    return [list(columns), *(list(row) for row in zip(*values, strict=True))]
