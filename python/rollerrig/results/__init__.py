@@ -3,7 +3,7 @@
 rows of the core -> [results] -> xarray.Dataset -> run.nc, summary.json, CSV
 """
 
-from rollerrig.results.dataset import Outcome, run_dataset
+from rollerrig.results.dataset import Outcome, run_dataset, sources_of
 from rollerrig.results.energy import add_energy_audit
 from rollerrig.results.files import (
     OutputError,
@@ -33,6 +33,7 @@ __all__ = [
     "output_folder",
     "run_dataset",
     "save_run",
+    "sources_of",
     "summarise",
     "wheel_table",
     "write_bytes",

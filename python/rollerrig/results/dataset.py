@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 
 from rollerrig import __version__, _core
 from rollerrig.assembly import AssembledModel
+from rollerrig.config import Case
 from rollerrig.results import run_info
 
 Field = tuple[str, str, str]
@@ -128,7 +129,6 @@ def _prefixed(prefix: str, fields: list[Field]) -> dict[str, str]:
 
 def _attributes(model: AssembledModel, outcome: Outcome) -> dict[str, Any]:
     case = model.case
-    sources = {**SOURCES, "vehicle": case.vehicle.data.source, "support": case.support.data.source}
     return {
         "title": case.description or case.name,
         "case": case.name,
@@ -139,10 +139,15 @@ def _attributes(model: AssembledModel, outcome: Outcome) -> dict[str, Any]:
         "solver_statistics": json.dumps(_finite(outcome.statistics), sort_keys=True),
         "contact_counters": json.dumps(dict(outcome.counters), sort_keys=True),
         run_info.ATTRIBUTE: run_info.describe(model).to_json(),
-        "sources": json.dumps(sources, ensure_ascii=False, sort_keys=True),
+        "sources": json.dumps(sources_of(case), ensure_ascii=False, sort_keys=True),
         "config_toml": case.to_toml(),
         "rollerrig_version": __version__,
     }
+
+
+def sources_of(case: Case) -> dict[str, str]:
+    """What -> publication, of the models, the vehicle and the support."""
+    return {**SOURCES, "vehicle": case.vehicle.data.source, "support": case.support.data.source}
 
 
 def _finite(numbers: Mapping[str, float]) -> dict[str, float | None]:

@@ -12,13 +12,13 @@ track, add up to the whole: the error budget. Repeated tests that begin some mil
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import xarray as xr
+from numpy.typing import ArrayLike
 
 from rollerrig.analysis.rig_fidelity import (
     axle_load,
@@ -37,7 +37,7 @@ from rollerrig.study.ensemble import Scatter, starts
 from rollerrig.study.frame import Study
 from rollerrig.study.jobs import Done, Round, job
 from rollerrig.study.quantities import Numbers, Quantities, Quantity
-from rollerrig.study.report import Picture, Section
+from rollerrig.study.report import Picture, Section, percent
 
 TRACKING_TARGET, DISTANCE_TARGET = 0.01, 0.02
 
@@ -158,10 +158,6 @@ class AdhesionStudy(Study[Runs]):
     def statuses(self, results: Runs) -> Sequence[str]:
         return [run.attrs["status"] for run in (results.track, results.rig)]
 
-    def sources(self, results: Runs) -> Mapping[str, str]:
-        found: dict[str, str] = json.loads(results.rig.attrs["sources"])
-        return found
-
     # --------------------------------------------------------------------------------------------------- numbers
 
     def numbers(self, results: Runs) -> dict[str, Any]:
@@ -188,7 +184,7 @@ class AdhesionStudy(Study[Runs]):
         return assessment(numbers)
 
     def files(self, results: Runs, numbers: Numbers) -> Mapping[str, Any]:
-        return {"track.nc": results.track, "rig.nc": results.rig, "axles.csv": axle_rows(results.track, results.rig)}
+        return {"track.nc": results.track, "rig.nc": results.rig, "axles.csv": axle_columns(results.track, results.rig)}
 
     def sections(self, results: Runs, numbers: Numbers) -> list[Section]:
         names = [quantity.name for quantity in RUN if not quantity.name.startswith("status")]
@@ -272,7 +268,7 @@ def repeatability(runs: Sequence[xr.Dataset]) -> dict[str, float] | None:
     }
 
 
-def axle_rows(track: xr.Dataset, rig: xr.Dataset) -> list[list[object]]:
+def axle_columns(track: xr.Dataset, rig: xr.Dataset) -> dict[str, ArrayLike]:
     """Speeds and forces of each axle, rig beside track, as long as both ran."""
     count = min(track.sizes["time"], rig.sizes["time"])
     both = ("axle_speed", "cylinder_pressure", "contact_force", "brake_torque", "traction_torque")
@@ -282,13 +278,7 @@ def axle_rows(track: xr.Dataset, rig: xr.Dataset) -> list[list[object]]:
             for label, run in (("track", track), ("rig", rig)):
                 if label == "rig" or name in both:
                     columns[f"{name}_{axle}_{label}"] = run[name].sel(axle=axle)
-    values = [column.to_numpy()[:count].tolist() for column in columns.values()]
-    return [list(columns), *(list(row) for row in zip(*values, strict=True))]
-
-
-def percent(value: float | None, signed: bool = False) -> str:
-    """A ratio as a percentage, a dash where there is none."""
-    return "–" if value is None else f"{100 * value:{'+' if signed else ''}.2g} %"
+    return {name: column.to_numpy()[:count] for name, column in columns.items()}
 
 
 def assessment(numbers: Numbers) -> list[str]:
@@ -312,11 +302,12 @@ def _distance(numbers: Numbers) -> Iterator[str]:
     relative, track, rig = numbers["fidelity"]["distance_relative"], numbers["track"], numbers["rig"]
     if relative is None:
         at_end = numbers["fidelity"]["distance_at_end_relative"]
-        yield f"No stop to compare: at the end of the shorter run the distances differ by {percent(at_end, True)}."
+        yield f"No stop to compare: at the end of the shorter run the distances differ by {percent(at_end, signed=True)}."
         return
     yield (
         f"Target {'met' if abs(relative) <= DISTANCE_TARGET else 'missed'}: stopping distance {track['distance_m']:.1f} m on "
-        f"track, {rig['distance_m']:.1f} m on the rig, {percent(relative, True)} (target: within {percent(DISTANCE_TARGET)})."
+        f"track, {rig['distance_m']:.1f} m on the rig, {percent(relative, signed=True)} "
+        f"(target: within {percent(DISTANCE_TARGET)})."
     )
 
 
@@ -325,8 +316,8 @@ def _budget(numbers: Numbers) -> Iterator[str]:
     if parts is None:
         return
     ranked = sorted(parts, key=lambda name: -abs(parts[name]))
-    listed = ", ".join(f"{CONTRIBUTIONS[name]} {percent(parts[name], True)}" for name in ranked)
-    yield f"Error budget of the difference of {percent(sum(parts.values()), True)} in distance: {listed}."
+    listed = ", ".join(f"{CONTRIBUTIONS[name]} {percent(parts[name], signed=True)}" for name in ranked)
+    yield f"Error budget of the difference of {percent(sum(parts.values()), signed=True)} in distance: {listed}."
     ranges = {label: one["relative_range"] for label, one in numbers["repeatability"].items() if one is not None}
     if not ranges:
         return

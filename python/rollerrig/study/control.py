@@ -123,9 +123,6 @@ class ControlStudy(Study[Found]):
     def title(self) -> str:
         return f"{self.case.name}: controllers of the roller drives compared"
 
-    def cases(self) -> Mapping[str, Case]:
-        return {"as shipped": self.case}
-
     def limitations(self) -> list[str]:
         return [
             *super().limitations(),

@@ -141,9 +141,6 @@ class EnvelopeStudy(Study[Envelope]):
     def title(self) -> str:
         return f"{self.case.name}: operating envelope of the rig"
 
-    def cases(self) -> Mapping[str, Case]:
-        return {"the case": self.case}
-
     def limitations(self) -> list[str]:
         return [*super().limitations(), LEFT_OUT]
 

@@ -21,12 +21,14 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any, ClassVar, Generic, Literal, TypeVar
 
+import numpy as np
 import xarray as xr
+from numpy.typing import ArrayLike
 
 from rollerrig import __version__
 from rollerrig.config import Case
 from rollerrig.plot import figure_bytes
-from rollerrig.results import output_folder, save_run, write_bytes, write_text
+from rollerrig.results import output_folder, save_run, sources_of, write_bytes, write_text
 from rollerrig.study.jobs import Done, Progress, Round, run_rounds
 from rollerrig.study.journal import Journal
 from rollerrig.study.limitations import limitations
@@ -34,8 +36,8 @@ from rollerrig.study.quantities import Numbers, Quantities, finite
 from rollerrig.study.report import Block, Page, Picture, Preformatted, Section, Table, Text, render
 
 R = TypeVar("R")
-Content = xr.Dataset | str | Sequence[Sequence[object]]
-"""Of a file: a Dataset (.nc), text, or rows of a CSV file, header first."""
+Content = xr.Dataset | str | Mapping[str, ArrayLike] | Sequence[Sequence[object]]
+"""Of a file: a Dataset (.nc), text, or a CSV file: name of a column -> values, or rows, header first."""
 
 
 class Study(ABC, Generic[R]):
@@ -67,8 +69,9 @@ class Study(ABC, Generic[R]):
         """Of the report."""
 
     def cases(self) -> Mapping[str, Case]:
-        """Label -> case, those whose limitations and configuration the report states; none for a study without runs."""
-        return {}
+        """Label -> case, those whose limitations, sources and configuration the report states; by default the study's one."""
+        case = getattr(self, "case", None)
+        return {case.name: case} if isinstance(case, Case) else {}
 
     @abstractmethod
     def rounds(self, done: Done) -> Iterator[Round]:
@@ -99,8 +102,12 @@ class Study(ABC, Generic[R]):
         return list(dict.fromkeys(line for case in self.cases().values() for line in limitations(case)))
 
     def sources(self, results: R) -> Mapping[str, str]:
-        """What -> publication."""
-        return {}
+        """What -> publication: of the models and data of all cases."""
+        found: dict[str, str] = {}
+        for label, case in self.cases().items():
+            for what, source in sources_of(case).items():
+                found[what if found.get(what, source) == source else f"{what}, {label}"] = source
+        return {what: source for what, source in found.items() if source}
 
     def statuses(self, results: R) -> Sequence[str]:
         """How the runs ended that the exit code speaks of."""
@@ -224,6 +231,9 @@ def _write(path: Path, content: Content) -> Path:
     output_folder(path.parent)
     if isinstance(content, xr.Dataset):
         return save_run(content, path)
+    if isinstance(content, Mapping):
+        columns = (np.asarray(values).tolist() for values in content.values())
+        content = [list(content), *zip(*columns, strict=True)]
     return write_text(path, content if isinstance(content, str) else csv_text(content))
 
 

@@ -30,12 +30,11 @@ from rollerrig.analysis.lateral_guidance import (
 from rollerrig.analysis.tracking import largest, rms, tracking, wheel_radius
 from rollerrig.config import Case, ConfigError, ConfigProblem, Rig
 from rollerrig.plot import lateral as figures
-from rollerrig.study.adhesion import percent
 from rollerrig.study.adhesion_variants import track_case
 from rollerrig.study.frame import Study
 from rollerrig.study.jobs import Done, Round, job, whole_run
 from rollerrig.study.quantities import Numbers, Quantities, Quantity
-from rollerrig.study.report import Block, Picture, Section, Text
+from rollerrig.study.report import Block, Picture, Section, Text, percent
 
 LABELS = {
     "rig": "rig as it is, displaced",

@@ -234,15 +234,15 @@ class PaperStudy(Study[Results]):
         found |= {f"data/ramp_{material}.nc": ramp for material, ramp in results.ramps.items()}
         for material, one in results.runs.items():
             found |= {f"data/run_{material}_{3.6 * run.speed:.2f}_kmh.nc": run.motion for run in one.runs}
-            found[f"data/figure_7_runs_{material}.csv"] = tables.run_rows(one)
+            found[f"data/figure_7_runs_{material}.csv"] = tables.run_columns(one)
         for material, one in results.vehicle_runs.items():
-            found[f"data/figure_7b_vehicle_runs_{material}.csv"] = tables.run_rows(one)
+            found[f"data/figure_7b_vehicle_runs_{material}.csv"] = tables.run_columns(one)
         if results.modes:
             found["data/figure_7b_linear.csv"] = tables.frequency_rows(results)
         if results.traction is not None and results.theory is not None:
             found["data/traction.nc"], found["data/figure_8.csv"] = (
                 results.traction,
-                tables.traction_rows(results.theory),
+                tables.traction_columns(results.theory),
             )
         return found
 

@@ -10,6 +10,7 @@ from collections.abc import Iterator
 from typing import Any
 
 import xarray as xr
+from numpy.typing import ArrayLike
 
 from rollerrig.analysis import CriticalSpeedByDisturbance, hunting_table
 from rollerrig.config import Rig
@@ -19,8 +20,8 @@ from rollerrig.study.report import Block, Table, number
 from rollerrig.study.run import CONTACT
 
 
-def run_rows(found: CriticalSpeedByDisturbance) -> list[list[object]]:
-    """Runs at constant speed, header first."""
+def run_columns(found: CriticalSpeedByDisturbance) -> dict[str, ArrayLike]:
+    """Runs at constant speed."""
     table = hunting_table(found.runs, found.disturbance)
     columns = {
         "speed_kmh": "speed",
@@ -30,8 +31,7 @@ def run_rows(found: CriticalSpeedByDisturbance) -> list[list[object]]:
         "rate_at_end_per_s": "rate_at_end",
         "persists": "persists",
     }
-    values = (table[name].to_numpy().tolist() for name in columns.values())
-    return [list(columns), *(list(row) for row in zip(*values, strict=True))]
+    return {column: table[name].to_numpy() for column, name in columns.items()}
 
 
 def frequency_rows(results: Results) -> list[list[object]]:
@@ -48,15 +48,14 @@ def frequency_rows(results: Results) -> list[list[object]]:
 TRACTION_UNITS = {"sliding": "mps", "longitudinal_force": "n", "vertical_force": "n"}
 
 
-def traction_rows(study: xr.Dataset) -> list[list[object]]:
-    """Sliding and forces of all wheels beside the closed forms over time, header first."""
+def traction_columns(study: xr.Dataset) -> dict[str, ArrayLike]:
+    """Sliding and forces of all wheels beside the closed forms over time."""
     columns = {"time_s": study["time"], "speed_mps": study["speed"], "torque_nm": study["torque"]}
     for wheel in map(str, study["wheel"].to_numpy()):
         for name, unit in TRACTION_UNITS.items():
             for kind in ("", "_theory"):
                 columns[f"{wheel}.{name}{kind}_{unit}"] = study[f"{name}{kind}"].sel(wheel=wheel)
-    values = (column.to_numpy().tolist() for column in columns.values())
-    return [list(columns), *(list(row) for row in zip(*values, strict=True))]
+    return {name: column.to_numpy() for name, column in columns.items()}
 
 
 def traction_numbers(study: xr.Dataset) -> dict[str, Any]:

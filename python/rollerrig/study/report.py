@@ -162,6 +162,11 @@ def number(value: object, digits: int = 4) -> str:
     return f"{value:.{digits}g}" if abs(value) < 1e4 else f"{value:,.0f}".replace(",", "\u202f")
 
 
+def percent(value: float | None, digits: int = 2, *, signed: bool = False) -> str:
+    """A ratio as a percentage, a dash where there is none."""
+    return "–" if value is None else f"{100 * value:{'+' if signed else ''}.{digits}g} %"
+
+
 def check_table(checks: Sequence[Check]) -> Table:
     """The checks as a table, passed or failed."""
     rows = []

@@ -5,7 +5,6 @@ Case -> [RunStudy] -> run.nc, motion.csv, wheels.csv, running_safety.csv, summar
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -104,9 +103,6 @@ class RunStudy(Study[Results]):
     def title(self) -> str:
         return f"{self.case.name}: {self.case.description}"
 
-    def cases(self) -> Mapping[str, Case]:
-        return {self.case.name: self.case}
-
     def rounds(self, done: Done) -> Iterator[Round]:
         yield {self.case.name: job(simulate, self.case)}
 
@@ -119,10 +115,6 @@ class RunStudy(Study[Results]):
 
     def statuses(self, results: Results) -> Sequence[str]:
         return [results.run.attrs["status"]]
-
-    def sources(self, results: Results) -> Mapping[str, str]:
-        found: dict[str, str] = json.loads(results.run.attrs["sources"])
-        return found
 
     def numbers(self, results: Results) -> dict[str, Any]:
         return {**summarise(results.run), **running_safety.numbers(results.assessment, results.rows)}

@@ -9,7 +9,6 @@ some of the switchings, and what the ideal model differs by is the repeatability
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -42,7 +41,7 @@ from rollerrig.simulation import simulate
 from rollerrig.study.frame import Study
 from rollerrig.study.jobs import Done, Round, job
 from rollerrig.study.quantities import Numbers, Quantities, Quantity
-from rollerrig.study.report import Picture, Section
+from rollerrig.study.report import Picture, Section, percent
 from rollerrig.study.scale_tables import (
     VIOLATION,
     axle_rows,
@@ -189,10 +188,6 @@ class ScaleStudy(Study[Scaled]):
     def statuses(self, results: Scaled) -> Sequence[str]:
         return [run.attrs["status"] for run in (results.full, results.mapped["model"])]
 
-    def sources(self, results: Scaled) -> Mapping[str, str]:
-        found: dict[str, str] = json.loads(results.full.attrs["sources"])
-        return found
-
     # --------------------------------------------------------------------------------------------------- numbers
 
     def numbers(self, results: Scaled) -> dict[str, Any]:
@@ -224,14 +219,14 @@ class ScaleStudy(Study[Scaled]):
         lines = model_summary(self.model, results.violations)
         if near.get("wheel_speed_rms") is not None:
             lines.append(
-                f"Mapped back, wheel speeds differ from full scale by {_percent(near['wheel_speed_rms'])} RMS of the highest "
-                f"train speed, {_percent(near['wheel_speed_largest'])} at most; distance by "
-                f"{_percent(near['distance_relative'], True)}."
+                f"Mapped back, wheel speeds differ from full scale by {percent(near['wheel_speed_rms'], 3)} RMS of the highest "
+                f"train speed, {percent(near['wheel_speed_largest'], 3)} at most; distance by "
+                f"{percent(near['distance_relative'], 3, signed=True)}."
             )
             ideal = numbers["error_budget"].get("ideal", {}).get("wheel_speed_rms")
             if ideal is not None and ideal > 1e-6:
                 lines.append(
-                    f"Repeatability: the ideal model differs by {_percent(ideal)} RMS, since round-off decides single "
+                    f"Repeatability: the ideal model differs by {percent(ideal, 3)} RMS, since round-off decides single "
                     "switchings of the valves; so much of the difference is not due to the model."
                 )
         elif near["lateral_rms_m"] is not None:
@@ -242,10 +237,10 @@ class ScaleStudy(Study[Scaled]):
             lines.append(
                 f"Linear critical speed: {numbers['full']['linear_critical_speed_kmh']:.1f} km/h at full scale, "
                 f"{numbers['model_mapped_back']['linear_critical_speed_kmh']:.1f} km/h by the model "
-                f"({_percent(near['linear_critical_speed_relative'], True)})."
+                f"({percent(near['linear_critical_speed_relative'], 3, signed=True)})."
             )
         if numbers["motor_limited_share"]:
-            share = _percent(numbers["motor_limited_share"])
+            share = percent(numbers["motor_limited_share"], 3)
             lines.append(f"The motors cannot exert the demanded torque in {share} of the time.")
         ended = {"full scale": results.full, "model": results.mapped["model"]}
         return lines + [
@@ -345,7 +340,3 @@ def _speed_of(name: str) -> str:
 
 def _moves_sideways(numbers: Numbers) -> bool:
     return any(numbers[of]["lateral_largest_m"] > MICROMETRE for of in ("full", "model_mapped_back"))
-
-
-def _percent(value: float | None, signed: bool = False) -> str:
-    return "–" if value is None else f"{100 * value:{'+' if signed else ''}.3g} %"

@@ -121,9 +121,6 @@ class StabilityStudy(Study[Results]):
         """The modes take a tenth of the runs."""
         return (0.1, 1.0) if self.with_limit_cycles else (1.0,)
 
-    def cases(self) -> Mapping[str, Case]:
-        return {self.case.name: self.case}
-
     def rounds(self, done: Done) -> Iterator[Round]:
         yield {"modes": job(stability, self.case, self.speeds_kmh)}
         if self.with_limit_cycles:
