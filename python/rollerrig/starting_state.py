@@ -154,7 +154,11 @@ def equilibrium_dataset(model: AssembledModel) -> xr.Dataset:
         StartError: no equilibrium was found.
     """
     simulation = _core.Simulation(model.core)
-    state = equilibrium(simulation, model)
+    return recorded_state(simulation, model, equilibrium(simulation, model))
+
+
+def recorded_state(simulation: _core.Simulation, model: AssembledModel, state: Vector) -> xr.Dataset:
+    """Everything a run records, of one state at time 0."""
     row = simulation.record(0.0, state, np.zeros(simulation.quadrature_count))
     outcome = Outcome("ok", _core.status_sentence(0), 0.0, "", {}, {})
     return run_dataset(model, np.zeros(1), np.asarray(row)[np.newaxis], outcome)

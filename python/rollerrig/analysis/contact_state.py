@@ -17,7 +17,7 @@ from rollerrig.analysis.mode_names import HUNTING_SHARE, wheelset_lateral_share
 from rollerrig.analysis.modes import eigensystem, energy_shares, oscillates
 from rollerrig.cases import wheelsets
 from rollerrig.config import Case
-from rollerrig.results import Outcome, run_dataset
+from rollerrig.starting_state import recorded_state
 
 SLOW = 5 / 3.6
 """Speed at which the hunting mode is kinematic: inertia plays no part [m/s]."""
@@ -68,10 +68,7 @@ def rolling_state(case: Case | Lineariser, speed: float) -> RollingState:
     """
     lineariser = case if isinstance(case, Lineariser) else Lineariser(case)
     linear = lineariser.at(speed)
-    simulation = lineariser.simulation_at(speed)
-    row = simulation.record(0.0, linear.equilibrium, np.zeros(simulation.quadrature_count))
-    outcome = Outcome("ok", "", 0.0, "", {}, {})
-    wheels = run_dataset(lineariser.model, np.zeros(1), row[None, :], outcome).isel(time=0)
+    wheels = recorded_state(lineariser.simulation_at(speed), lineariser.model, linear.equilibrium).isel(time=0)
     material = lineariser.case.contact.material
     stiffness = {}
     for name in map(str, wheels["wheel"].to_numpy()):
