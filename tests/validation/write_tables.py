@@ -133,7 +133,7 @@ def strips() -> str:
               "area %", "centre mm"]  # fmt: skip
     for file, title in FILES.items():
         body = [
-            [str(c.reference["side"]), f"{c.reference['y_ws']:g}", f"{sum(p['share'] for p in c.patches):.3g}",
+            [str(c.reference["side"]), f"{c.reference['y_ws']:g}", f"{sum(p['weight'] for p in c.patches):.3g}",
              f"{1e3 * c.reference['approach']:.1f}", f"{100 * c.ratio('approach', 'approach'):+.1f}",
              f"{c.reference['pmax']:.0f}", f"{100 * c.ratio('pressure', 'pmax'):+.1f}", f"{c.width:.2f}",
              f"{c.reference['patch_len_s']:.1f}", f"{100 * c.ratio('area', 'patch_area'):+.0f}",
