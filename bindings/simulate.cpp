@@ -197,7 +197,7 @@ class Bench {
         if (filled >= capacity) return;
         auto const row = static_cast<std::size_t>(filled);
         times.data()[filled] = t;
-        recorder_.record(dynamics_, t, x, z, plant.data() + row * plant.shape(1));
+        recorder_.record(dynamics_, t, x, z, plant.data() + row * plant.shape(1), bench_.inputs());
         double* out = bench.data() + row * bench.shape(1);
         bench_.fill_row(out, out + setup_.axles.size() * TestBench::axle_columns().size());
         ++filled;

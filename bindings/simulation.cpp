@@ -45,7 +45,7 @@ class Simulation {
              std::vector<double> const& breakpoints, double t0, Column const& x0) {
     Options options;
     options.method = method_named(method);
-    begin_call(x0);
+    check_state(x0);
     options.step = step;
     options.relative_tolerance = relative;
     options.absolute_tolerance = absolute;
@@ -78,7 +78,7 @@ class Simulation {
   }
 
   auto derivative(double t, Column const& x) {
-    begin_call(x);
+    check_state(x);
     auto const sizes = dynamics_.sizes();
     std::vector<double> x_dot(static_cast<std::size_t>(sizes.states)),
         z_dot(static_cast<std::size_t>(sizes.quadratures));
@@ -89,7 +89,7 @@ class Simulation {
 
   /// df/dx, row-major.
   auto jacobian(double t, Column const& x) {
-    begin_call(x);
+    check_state(x);
     JacobianData j(dynamics_.sizes());
     dynamics_.jacobian(t, x.data(), j);
     return nb::make_tuple(matrix(j.a), matrix(j.g), matrix(j.f_t), matrix(j.g_t));
@@ -97,11 +97,11 @@ class Simulation {
 
   /// What one step of a fixed-step method does to a small deviation from x, row-major.
   auto step_amplification(std::string const& method, double step, double t, Column const& x) {
-    begin_call(x);
+    check_state(x);
     JacobianData j(dynamics_.sizes());
     dynamics_.jacobian(t, x.data(), j);
-    integrate::LinearSystem system{j.a, dynamics_.relaxing_directions(), dynamics_.sizes().quadratures};
-    dynamics_.renew_relaxing_directions({}, system.directions);
+    integrate::LinearSystem system{j.a, dynamics_.stiff_modes(), dynamics_.sizes().quadratures};
+    dynamics_.renew_stiff_modes({}, system.modes);
     return matrix(integrate::amplification(system, method_named(method), step));
   }
 
@@ -110,7 +110,6 @@ class Simulation {
     std::vector<HeldCoordinate> coordinates;
     for (auto const& [body, coordinate, value] : held) coordinates.push_back({body, coordinate, value});
     if (near) check_state(*near);
-    dynamics_.forget();
     auto r = solve_equilibrium(
         dynamics_, speed, t, coordinates,
         near ? std::vector<double>(near->data(), near->data() + near->shape(0)) : std::vector<double>());
@@ -124,7 +123,7 @@ class Simulation {
   }
 
   auto record(double t, Column const& x, Column const& z) {
-    begin_call(x);
+    check_state(x);
     std::vector<double> row(static_cast<std::size_t>(recorder_.width()));
     recorder_.record(observed_, t, x.data(), z.data(), row.data());
     auto const n = row.size();
@@ -184,12 +183,6 @@ class Simulation {
   int width() const { return recorder_.width(); }
 
  private:
-  /// A call from outside may follow a change of the model: nothing remembered counts.
-  void begin_call(Column const& x) {
-    check_state(x);
-    dynamics_.forget();
-    observed_.forget();
-  }
   void check_state(Column const& x) const {
     if (static_cast<int>(x.shape(0)) != dynamics_.sizes().states)
       throw nb::value_error("x must hold one value per state");
@@ -237,8 +230,8 @@ void bind_simulation(nb::module_& m) {
       .def_prop_ro("state", &Simulation::state, nb::rv_policy::move)
       .def_prop_ro("width", &Simulation::width)
       .def_prop_rw(
-          "exhaustive_search", [](Simulation& s) { return s.dynamics().exhaustive_search; },
-          [](Simulation& s, bool on) { s.dynamics().exhaustive_search = on; })
+          "exhaustive_search", [](Simulation& s) { return s.dynamics().exhaustive_search(); },
+          [](Simulation& s, bool on) { s.dynamics().set_exhaustive_search(on); })
       .def_prop_ro("search_evaluations", [](Simulation& s) { return s.dynamics().search_evaluations(); })
       .def_prop_ro("state_count", [](Simulation& s) { return s.dynamics().sizes().states; })
       .def_prop_ro("quadrature_count", [](Simulation& s) { return s.dynamics().sizes().quadratures; })

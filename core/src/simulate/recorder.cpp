@@ -1,4 +1,5 @@
 #include "rollerrig/simulate/recorder.hpp"
+#include "rollerrig/system/outputs.hpp"
 
 #include <algorithm>
 #include <array>
@@ -110,7 +111,7 @@ void record_body(Dynamics const& d, std::size_t b, double const* z, double* out)
   }
   if (int const angle = d.map().angle[b]; angle >= 0) out[coord_pitch] = z[angle];
   out[18] = d.work().constraint_moment[b];
-  Vec3<double> const felt = d.felt_acceleration(static_cast<int>(b));
+  Vec3<double> const felt = specific_force(d, static_cast<int>(b));
   out[19] = felt.y;
   out[20] = felt.z;
 }
@@ -207,8 +208,9 @@ Recorder::Recorder(Model const& model)
              wheels_ * patches * static_cast<int>(std::size(patch_table)) +
              elements_ * static_cast<int>(std::size(element_table)) + static_cast<int>(std::size(run_table))} {}
 
-void Recorder::record(Dynamics& d, double t, double const* x, double const* z, double* row) const {
-  d.evaluate(t, x);
+void Recorder::record(Dynamics& d, double t, double const* x, double const* z, double* row,
+                      Inputs const& inputs) const {
+  d.evaluate(t, x, inputs);
   for (int b = 0; b < bodies_; ++b, row += std::size(body_table)) record_body(d, static_cast<std::size_t>(b), z, row);
   for (int w = 0; w < wheels_; ++w, row += std::size(wheel_table)) record_wheel(d, w, row);
   for (int w = 0; w < wheels_; ++w) {
@@ -219,13 +221,13 @@ void Recorder::record(Dynamics& d, double t, double const* x, double const* z, d
     }
   }
   for (int e = 0; e < elements_; ++e, row += std::size(element_table))
-    for (int c = 0; c < 6; ++c) row[c] = d.element_force(e, c);
-  row[0] = d.kinetic_energy();
-  row[1] = d.gravity_energy();
-  row[2] = d.element_energy();
+    std::ranges::copy(d.evaluation().element_force[static_cast<std::size_t>(e)], row);
+  row[0] = kinetic_energy(d);
+  row[1] = gravity_energy(d);
+  row[2] = element_energy(d);
   std::copy_n(z + d.map().angles, account_count, row + 3);
   row += 3 + account_count;
-  row[0] = d.travel(t).s;
+  row[0] = travel_now(d.model(), inputs, t).s;
   row[1] = d.model().line.curvature.at(row[0]).value;
   row[2] = d.model().line.cant.at(row[0]).value;
   row[3] = running_speed(d, t);

@@ -1,4 +1,5 @@
 #include "rollerrig/simulate/sampled_run.hpp"
+#include "rollerrig/system/outputs.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -70,7 +71,12 @@ std::span<BenchColumn const> TestBench::axle_columns() { return axle_table; }
 std::span<BenchColumn const> TestBench::train_columns() { return train_table; }
 
 TestBench::TestBench(Dynamics& dynamics, BenchSetup const& setup)
-    : dynamics_{&dynamics}, setup_{setup}, plant_{dynamics}, method_{plant_}, axle_(setup.axles.size()) {
+    : dynamics_{&dynamics},
+      setup_{setup},
+      driven_{dynamics, inputs_},
+      plant_{driven_},
+      method_{plant_},
+      axle_(setup.axles.size()) {
   auto const size = dynamics.sizes();
   y_.setZero(size.states + size.quadratures);
   y_new_ = y_;
@@ -80,7 +86,7 @@ TestBench::TestBench(Dynamics& dynamics, BenchSetup const& setup)
     pending_[at(r)].acts_at.assign(length, 0);
   }
   Model const& model = dynamics.model();
-  auto& in = dynamics.inputs;
+  auto& in = inputs_;
   in.axle_torque.assign(model.axle_torques.size(), {});
   in.roller_torque.assign(model.roller_torques.size(), {});
   in.cylinder.assign(model.brakes.size(), {});
@@ -99,11 +105,10 @@ Status TestBench::start(double const* x0) {
   dynamics_->reset_run();
   y_.setZero();
   std::copy_n(x0, dynamics_->sizes().states, y_.data());
-  dynamics_->forget();
-  dynamics_->evaluate(0.0, y_.data());
+  dynamics_->evaluate(0.0, y_.data(), inputs_);
   for (std::size_t i = 0; i < axle_.size() && setup_.pure_rolling; ++i)  // from no slip at all
     y_[map.rate[at(setup_.axles[i].wheelset)][coord_pitch]] +=
-        dynamics_->rolling_slip(static_cast<int>(i)) /
+        rolling_slip(*dynamics_, static_cast<int>(i)) /
         dynamics_->model().contacts[at(setup_.axles[i].contact[0])].pair.wheel_radius;
   plant_.statistics = {};
   step_count_ = 0;
@@ -118,7 +123,7 @@ Status TestBench::start(double const* x0) {
   virtual_rail_.reset(setup_.rail_cell);
   for (auto& p : pending_) p.first = p.count = 0, p.now.fill(0.0);
   pending_[at(static_cast<int>(Role::wheel_slip_control))].now.fill(1.0);
-  auto& in = dynamics_->inputs;
+  auto& in = inputs_;
   in.travels = setup_.travelling_mass > 0.0;
   in.speed = {0.0, speed_, 0.0};
   in.distance = 0.0;
@@ -135,9 +140,8 @@ Status TestBench::start(double const* x0) {
     axle.estimate.reset(roller, wheel, 0.0);
     axle.feedback.reset();
   }
-  dynamics_->forget();
   method_.restart();
-  status_ = dynamics_->accept(0.0, y_.data());
+  status_ = dynamics_->accept(0.0, y_.data(), inputs_);
   reset_sensors();
   return status_;
 }
@@ -149,8 +153,9 @@ long TestBench::last_step(double t_stop) const {
 // ------------------------------------------------------------------------------------------------- the plant
 
 void TestBench::step() {
+  method_.prepare(plant_, time(), y_);  // under the inputs until now
   take_commands();
-  auto& in = dynamics_->inputs;
+  auto& in = inputs_;
   move_train();
   move_machines();
   in.speed = {time(), speed_, in.travels ? acceleration_ : 0.0};
@@ -158,7 +163,6 @@ void TestBench::step() {
   dissipate_energy();
   // Inputs are straight lines that join: the slope at the end of the last step is that at the start of this one. What
   // does jump, V' and the dissipated energy, shifts a velocity by less than step / 6 times the jump, and the next jump back.
-  method_.prepare(plant_, time(), y_);
   status_ =
       method_.attempt(plant_, {time(), setup_.step, setup_.step * static_cast<double>(step_count_ + 1)}, y_, y_new_);
   if (status_ == Status::ok && !y_new_.allFinite()) status_ = Status::not_finite;
@@ -171,7 +175,7 @@ void TestBench::step() {
     distance_ += setup_.step * (speed_ + 0.5 * setup_.step * acceleration_);
     speed_ += setup_.step * acceleration_;
   }
-  status_ = dynamics_->accept(time(), y_.data());
+  status_ = dynamics_->accept(time(), y_.data(), inputs_);
   protect();
   double const train_speed = in.travels ? speed_ : setup_.reproduce ? train_.speed() : setup_.speed;
   if (train_speed < setup_.floor_speed && time() > 1.0) ended_ = true;
@@ -179,17 +183,17 @@ void TestBench::step() {
 
 /// V' of the travelling frames for the next step: what pushes the train as a whole.
 void TestBench::move_train() {
-  if (!dynamics_->inputs.travels) return;
+  if (!inputs_.travels) return;
   Model const& model = dynamics_->model();
   auto const& work = dynamics_->work();
   double const mass = setup_.travelling_mass;
-  double force = dynamics_->longitudinal_contact_force() - mass * model.gravity * model.resistance.gradient;
+  double force = dynamics_->evaluation().longitudinal_force - mass * model.gravity * model.resistance.gradient;
   force -= model.resistance.force(speed_);
   double momentum_rate = 0.0, momentum = 0.0, offset = 0.0, free_mass = 0.0;
   for (std::size_t b = 0; b < model.bodies.size(); ++b) {
     Body const& body = model.bodies[b];
     if (!body.in_moving_frame || body.locked[coord_x]) continue;
-    momentum_rate += body.mass * (work.acceleration[b][coord_x] + dynamics_->inputs.speed.slope);
+    momentum_rate += body.mass * (work.acceleration[b][coord_x] + inputs_.speed.slope);
     momentum += body.mass * work.motion[b].v.x;
     offset += body.mass * work.motion[b].p.x;
     free_mass += body.mass;
@@ -205,7 +209,7 @@ void TestBench::move_train() {
 }
 
 void TestBench::move_machines() {
-  auto& in = dynamics_->inputs;
+  auto& in = inputs_;
   double const t = time();
   double const h = setup_.step;
   auto const& work = dynamics_->work();
@@ -251,7 +255,7 @@ void TestBench::move_machines() {
 
 /// Energy that the wheels dissipate on the rail under them, and what they leave for those behind.
 void TestBench::dissipate_energy() {
-  auto& in = dynamics_->inputs;
+  auto& in = inputs_;
   Model const& model = dynamics_->model();
   double const way = setup_.step * std::max(0.0, speed_);
   double const per_length_of_rail =
@@ -292,7 +296,7 @@ void TestBench::protect() {
 
 void TestBench::fill_row(double* axles, double* train) const {
   auto const& work = dynamics_->work();
-  auto const& in = dynamics_->inputs;
+  auto const& in = inputs_;
   Model const& model = dynamics_->model();
   for (std::size_t i = 0; i < axle_.size(); ++i) {
     BenchAxle const& a = setup_.axles[i];
@@ -302,7 +306,7 @@ void TestBench::fill_row(double* axles, double* train) const {
     double force = 0.0, surface = in.travels ? speed_ : setup_.speed;
     for (int c : a.contact)
       for (int k = 0; c >= 0 && k < dynamics_->patch_count(c); ++k) force += dynamics_->patch(c, k).force.x;
-    if (setup_.pure_rolling) force += dynamics_->rolling_force(static_cast<int>(i));
+    if (setup_.pure_rolling) force += dynamics_->evaluation().rolling_force[i];
     double const r = model.contacts[at(a.contact[0])].pair.wheel_radius;
     if (a.roller >= 0) surface = roller * model.contacts[at(a.contact[0])].roller_radius();
     bool const reproduces = setup_.reproduce;
@@ -312,7 +316,7 @@ void TestBench::fill_row(double* axles, double* train) const {
                           axle.cylinder_state[1],
                           pending_[at(static_cast<int>(Role::slide_protection))].now[i],
                           setup_.motor_brakes ? axle.stand_in
-                          : a.brake >= 0      ? dynamics_->brake_torque(a.brake)
+                          : a.brake >= 0      ? dynamics_->evaluation().brake_torque[at(a.brake)]
                                               : 0.0,
                           axle.torque_state[0],
                           pending_[at(static_cast<int>(Role::wheel_slip_control))].now[i],

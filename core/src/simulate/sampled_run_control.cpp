@@ -57,7 +57,7 @@ double TestBench::drive_torque(Axle& axle) const {
 
 /// Reads the sensors and asks every controller that is due; false where the caller must answer first.
 bool TestBench::sample() {
-  dynamics_->evaluate(time(), y_.data());
+  dynamics_->evaluate(time(), y_.data(), inputs_);
   for (std::size_t i = 0; i < axle_.size(); ++i) {
     Axle& axle = axle_[i];
     if (step_count_ > 0) {
@@ -121,7 +121,7 @@ void TestBench::run_controller(Role role) {
 /// Torque of motor and brake on an axle now [N m].
 double TestBench::acting_torque(int axle) const {
   BenchAxle const& a = setup_.axles[at(axle)];
-  return axle_[at(axle)].torque_state[0] + (a.brake >= 0 ? dynamics_->brake_torque(a.brake) : 0.0);
+  return axle_[at(axle)].torque_state[0] + (a.brake >= 0 ? dynamics_->evaluation().brake_torque[at(a.brake)] : 0.0);
 }
 
 /// T of (D1) now [N].

@@ -39,6 +39,15 @@ void need_increasing(PiecewiseCubic const& curve, std::string const& what) {
 
 std::string number(std::string const& what, std::size_t i) { return what + " " + std::to_string(i); }
 
+/// The flange tip is the highest point of the wheel profile on the flange side; a wheel without flange has none to climb.
+double flange_tip(UniformSpline const& wheel, double size) {
+  double const least_height = 0.015 * size;  // [m]
+  double tip = wheel.start;
+  for (double s = wheel.start; s < 0.0; s += wheel.step)
+    if (wheel.at(s).value > wheel.at(tip).value) tip = s;
+  return wheel.at(tip).value > least_height ? tip : wheel.start - 1.0;
+}
+
 /// The rotor of a motor turns with n Omega_axle + (1 - n) Omega_casing (n < 0: against the axle, as with one pair of gears).
 /// Casing: the reaction body; the ground; or, axle-hung, a body between the axle and a link at distance d on the reaction body,
 /// with Omega_casing = -(z'_link - z'_axle) / d. Source: docs/theory/adhesion.md, (A9)-(A11).
@@ -121,6 +130,7 @@ int ModelBuilder::add_element(ForceElement const& element) {
   int node = 0;
   for (auto const& earlier : model_.elements)
     for (int own : earlier.node) node = &earlier == &added ? node : std::max(node, own + 1);
+  for (int c : {coord_roll, coord_pitch, coord_yaw}) added.rotational |= added.law[at(c)].active();
   for (std::size_t c = 0; c < 6; ++c) added.node[c] = added.law[c].has_state() ? node++ : -1;
   return static_cast<int>(model_.elements.size()) - 1;
 }
@@ -170,6 +180,7 @@ int ModelBuilder::add_contact(ContactDescription const& d) {
     if (!arc) arc = std::make_shared<ArcLength const>(*c.pair.wheel);
     c.laws.wheel_arc = arc;
   }
+  c.flange_tip = flange_tip(*c.pair.wheel, d.size);
   model_.contacts.push_back(c);
   return static_cast<int>(model_.contacts.size()) - 1;
 }
@@ -261,6 +272,15 @@ void ModelBuilder::set_irregularity(Irregularity const& irregularity) {
 std::shared_ptr<Model const> ModelBuilder::finish() const {
   auto model = std::make_shared<Model>(model_);
   model->map = StateMap(model->bodies, model->elements);
+  for (WheelContact const& c : model->contacts) {
+    model->on_rails = model->on_rails || c.rail;
+    model->on_adhesion_map = model->on_adhesion_map || c.laws.friction.map != nullptr;
+    model->foremost_wheel = std::max(model->foremost_wheel, c.distance_ahead);
+  }
+  for (Body const& b : model->bodies) {
+    model->rear = std::min(model->rear, b.position.x);
+    model->front = std::max(model->front, b.position.x);
+  }
   for (AxleTorque const& t : model->axle_torques)
     if (t.rotor_inertia > 0.0) model->couplings.push_back(rotor_of(t));
   for (RollerTorque const& t : model->roller_torques)  // its casing is held by the ground

@@ -136,8 +136,8 @@ struct ExactRelaxation {
   double back = 1;  ///< how strongly the relaxing states push the others [1/s]
 
   Sizes sizes() const { return {4, 1}; }
-  RelaxingDirections relaxing_directions() const { return {2, 2, 0}; }
-  bool renew_relaxing_directions(RelaxingDirections const& now, RelaxingDirections& next) const {
+  StiffModes stiff_modes() const { return {2, 2, 0}; }
+  bool renew_stiff_modes(StiffModes const& now, StiffModes& next) const {
     if (now.size() == 2) return false;
     next.clear();
     for (int i = 0; i < 2; ++i) {
@@ -185,8 +185,8 @@ struct ExactSlip {
     last_secant = traction(s + 1e-9) / (s + 1e-9);
     return Status::ok;
   }
-  RelaxingDirections relaxing_directions() const { return {1, 2, 1}; }
-  bool renew_relaxing_directions(RelaxingDirections const&, RelaxingDirections& next) const {
+  StiffModes stiff_modes() const { return {1, 2, 1}; }
+  bool renew_stiff_modes(StiffModes const&, StiffModes& next) const {
     double const inverse_mass = d[0] * d[0] / mass[0] + d[1] * d[1] / mass[1];
     next.clear();
     next.begin(judged * last_secant * inverse_mass, drifts ? belt : 0.0);

@@ -94,8 +94,8 @@ TEST_CASE("a decay towards a parabola of time is exact at any step, output inclu
   struct Decay {
     double rate[1] = {700};
     Sizes sizes() const { return {1, 0}; }
-    RelaxingDirections relaxing_directions() const { return {1, 1, 0}; }
-    bool renew_relaxing_directions(RelaxingDirections const& now, RelaxingDirections& next) const {
+    StiffModes stiff_modes() const { return {1, 1, 0}; }
+    bool renew_stiff_modes(StiffModes const& now, StiffModes& next) const {
       if (now.size() == 1) return false;
       next.clear();
       next.begin(rate[0], 0.0);
@@ -148,7 +148,7 @@ TEST_CASE("amplification of one step: R(z) of rk4, and exact decay of the expone
   Eigen::MatrixXd const classical = amplification(LinearSystem{a}, Method::rk4, h);
   CHECK((classical - polynomial).cwiseAbs().maxCoeff() < 1e-13 * polynomial.cwiseAbs().maxCoeff());
   CHECK(std::abs(classical(2, 2)) > 1);
-  RelaxingDirections node(1, 1, 0);
+  StiffModes node(1, 1, 0);
   node.begin(4000, 0.0);
   node.add(2, 1.0, 1.0);
   Eigen::MatrixXd const exponential = amplification(LinearSystem{a, node}, Method::exponential_rk4, h);
@@ -205,8 +205,8 @@ TEST_CASE("a wheel that slides sticks again without chatter") {
   struct Block {
     mutable double secant = 0;
     Sizes sizes() const { return {1, 0}; }
-    RelaxingDirections relaxing_directions() const { return {1, 1, 0}; }
-    bool renew_relaxing_directions(RelaxingDirections const&, RelaxingDirections& next) const {
+    StiffModes stiff_modes() const { return {1, 1, 0}; }
+    bool renew_stiff_modes(StiffModes const&, StiffModes& next) const {
       next.clear();
       next.begin(secant, 0.0);
       next.add(0, 1.0, 1.0);
@@ -229,7 +229,7 @@ TEST_CASE("a wheel that slides sticks again without chatter") {
 }
 
 TEST_CASE("directions are moved along, not across, and steps do not depend on when outputs are asked for") {
-  RelaxingDirections r(2, 4, 0);
+  StiffModes r(2, 4, 0);
   r.begin(10, 0.0);
   r.add(0, 1.0, 0.5), r.add(2, 1.0, 0.5);
   r.begin(20, 0.0);

@@ -33,6 +33,7 @@ ForceElement element(bool clamped = false) {
   ForceElement e;
   e.body_a = 0, e.body_b = 1;
   e.r_b = {0.2, -1.0, -0.3};
+  e.rotational = true;
   e.clamped = clamped;
   return e;
 }
@@ -44,7 +45,7 @@ Vec3<double> const offset{0.1, 0.0, 0.8};  // b's centre of mass from a's, at de
 TEST_CASE("in the design position nothing is deflected") {
   BodyMotion<double> m;
   update_motion(body, m);
-  auto const e = element_motion(element(), m, m, offset, true);
+  auto const e = element_motion(element(), m, m, offset);
   for (std::size_t c = 0; c < 6; ++c) CHECK(std::abs(e.d[c]) < 1e-15);
 }
 
@@ -57,7 +58,7 @@ TEST_CASE("bodies that move together as one rigid body deflect nothing") {
   Vec3<double> const v = a.v + cross(a.omega, a.R * offset);
   b.rate[coord_x] = v.x, b.rate[coord_y] = v.y, b.rate[coord_z] = v.z;
   update_motion(body, b);
-  auto const e = element_motion(element(), a, b, offset, true);
+  auto const e = element_motion(element(), a, b, offset);
   for (std::size_t c = 0; c < 6; ++c) {
     CHECK(std::abs(e.d[c]) < 1e-14);
     CHECK(std::abs(e.rate[c]) < 1e-14);
@@ -69,10 +70,10 @@ TEST_CASE("deflection rates are the time derivatives of the deflections, rotatio
   for (int i = 0; i < 40; ++i) {
     auto const a = random_motion(random, 0.3), b = random_motion(random, 0.3);
     auto const tested = element(i % 2 == 1);
-    auto const e = element_motion(tested, a, b, offset, true);
+    auto const e = element_motion(tested, a, b, offset);
     double const h = 1e-6;
-    auto const up = element_motion(tested, later(a, h), later(b, h), offset, true);
-    auto const down = element_motion(tested, later(a, -h), later(b, -h), offset, true);
+    auto const up = element_motion(tested, later(a, h), later(b, h), offset);
+    auto const down = element_motion(tested, later(a, -h), later(b, -h), offset);
     for (std::size_t c = 0; c < 6; ++c)
       CHECK(e.rate[c] == doctest::Approx((up.d[c] - down.d[c]) / (2 * h)).epsilon(1e-7).scale(1.0));
   }
@@ -81,7 +82,7 @@ TEST_CASE("deflection rates are the time derivatives of the deflections, rotatio
 TEST_CASE("relative angles are those of R_a^T R_b = Rz Rx Ry") {
   std::mt19937 random(6);
   auto const a = random_motion(random, 0.3), b = random_motion(random, 0.3);
-  auto const e = element_motion(element(), a, b, offset, true);
+  auto const e = element_motion(element(), a, b, offset);
   BodyMotion<double> between;
   between.q = {0, 0, 0, e.d[coord_roll], e.d[coord_pitch], e.d[coord_yaw]};
   update_motion(body, between);
@@ -96,7 +97,7 @@ TEST_CASE("the power of forces and moments on both bodies is minus force times d
   std::uniform_real_distribution<double> any(-1.0, 1.0);
   for (int i = 0; i < 50; ++i) {
     auto const a = random_motion(random, 0.3), b = random_motion(random, 0.3);
-    auto const e = element_motion(element(), a, b, offset, true);
+    auto const e = element_motion(element(), a, b, offset);
     double f[6];
     for (double& value : f) value = any(random);
     Vec3<double> const force = a.R * Vec3<double>{f[0], f[1], f[2]};
@@ -117,7 +118,7 @@ TEST_CASE("a clamped element is the same seen from either end") {
   ForceElement turned;
   turned.clamped = true;
   turned.r_b = offset + e.r_b;  // the same point of the first body
-  auto const forth = element_motion(e, a, b, offset, false), back = element_motion(turned, b, a, -offset, false);
+  auto const forth = element_motion(e, a, b, offset), back = element_motion(turned, b, a, -offset);
   for (std::size_t c = 0; c < 3; ++c) {
     CHECK(back.d[c] == doctest::Approx(-forth.d[c]).epsilon(1e-12).scale(1.0));
     CHECK(back.rate[c] == doctest::Approx(-forth.rate[c]).epsilon(1e-12).scale(1.0));
@@ -127,7 +128,7 @@ TEST_CASE("a clamped element is the same seen from either end") {
 TEST_CASE("action and reaction: no net force, no net moment") {
   std::mt19937 random(8);
   auto const a = random_motion(random, 0.3), b = random_motion(random, 0.3);
-  auto const e = element_motion(element(), a, b, offset, false);
+  auto const e = element_motion(element(), a, b, offset);
   // Both arms end at one point: P_b.
   Vec3<double> const from_a = a.p + e.arm_a, from_b = offset + b.p + e.arm_b;
   CHECK(std::abs(from_a.x - from_b.x) < 1e-15);
@@ -210,7 +211,7 @@ TEST_CASE("the dual torque axes are the gradients of the relative angles") {
   // axis_i . e_j = delta_ij, where e_j are the axes about which the angles turn.
   std::mt19937 random(10);
   auto const a = random_motion(random, 0.3), b = random_motion(random, 0.3);
-  auto const e = element_motion(element(), a, b, offset, true);
+  auto const e = element_motion(element(), a, b, offset);
   double const yaw = e.d[coord_yaw], roll = e.d[coord_roll];
   Vec3<double> const yaw_turns{0, 0, 1}, roll_turns{std::cos(yaw), std::sin(yaw), 0},
       pitch_turns{-std::sin(yaw) * std::cos(roll), std::cos(yaw) * std::cos(roll), std::sin(roll)};

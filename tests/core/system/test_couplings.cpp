@@ -3,6 +3,7 @@
 
 #include <random>
 
+#include "rollerrig/system/outputs.hpp"
 #include "system/models.hpp"
 
 using namespace rollerrig;
@@ -114,7 +115,7 @@ TEST_CASE("power put in by a motor is power stored and dissipated, rotor include
       for (std::size_t i = 0; i < f.size(); ++i) up[i] += h * f[i], down[i] -= h * f[i];
       auto const energy = [&](std::vector<double> const& state) {
         dynamics.evaluate(0.0, state.data());
-        return dynamics.kinetic_energy() + dynamics.gravity_energy() + dynamics.element_energy();
+        return kinetic_energy(dynamics) + gravity_energy(dynamics) + element_energy(dynamics);
       };
       double const stored = (energy(up) - energy(down)) / (2 * h);
       double const balance = account(work_of_drive) + account(work_of_torque) - account(dissipated_elements) -

@@ -1,6 +1,7 @@
 // What engineers know of running in curves and over irregularities.
 #include <doctest/doctest.h>
 
+#include "rollerrig/system/outputs.hpp"
 #include "track/models.hpp"
 
 using namespace rollerrig;
@@ -101,7 +102,7 @@ TEST_CASE("cant deficiency loads the outer wheels as in statics") {
     auto const& m = d.work().motion[b];
     Body const& body = model.bodies[b];
     Vec3<double> const place = f.origin + f.R * place_in_frame(body, m);
-    Vec3<double> const force = f.R * (body.mass * (m.R * d.felt_acceleration(static_cast<int>(b))));
+    Vec3<double> const force = f.R * (body.mass * (m.R * specific_force(d, static_cast<int>(b))));
     of_bodies += place.z * force.y - place.y * force.z;
     weight += body.mass * 9.81;
     shift += body.mass * m.p.y / 12600.0;

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gc
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
@@ -37,16 +38,6 @@ def test_a_state_of_the_wrong_length_is_refused(simulation: _core.Simulation) ->
 def test_an_unknown_method_names_the_known_ones(simulation: _core.Simulation) -> None:
     with pytest.raises(ValueError, match="rk4, exponential_rk4, dormand_prince, rodas4"):
         start(simulation, np.zeros(simulation.state_count), method="euler")
-
-
-def test_a_creep_law_that_does_not_exist_is_refused() -> None:
-    with pytest.raises(ValueError, match="kalker_linear, kalker_saturated"):
-        _core.CreepLaw("coulomb", False, (1.0, 1.0, 0.0), (1.0, 1.0), None)
-
-
-def test_the_law_table_asks_for_its_table() -> None:
-    with pytest.raises(ValueError, match="needs its table"):
-        _core.CreepLaw("table", False, (1.0, 1.0, 0.0), (1.0, 1.0), None)
 
 
 def test_a_creep_table_of_the_wrong_size_is_refused() -> None:
@@ -139,3 +130,29 @@ def test_a_run_cut_into_slices_is_the_run_in_one_piece() -> None:
         ends.append((times[:filled].copy(), rows[:filled].copy()))
     assert np.array_equal(ends[0][0], ends[1][0])
     assert np.array_equal(ends[0][1], ends[1][1], equal_nan=True)
+
+
+def test_runs_of_one_model_in_two_threads_give_the_bytes_of_runs_one_after_the_other() -> None:
+    core = assemble(load_case("bogie_rollers_constant")).core
+
+    def end_of_run(offset: float) -> bytes:
+        run = _core.Simulation(core)
+        x0 = run.equilibrium(40.0, 0.0, [])["x"].copy()
+        x0[1] += offset
+        start(run, x0, method="exponential_rk4", step=2e-4)
+        rows = np.zeros((20, run.width))
+        assert run.advance(0.1, np.zeros(20), rows, 0) == (0, 11)
+        return rows.tobytes()
+
+    offsets = [1e-3, -2e-3, 3e-3, 0.5e-3]
+    with ThreadPoolExecutor(max_workers=2) as threads:
+        together = list(threads.map(end_of_run, offsets))
+    assert together == [end_of_run(offset) for offset in offsets]
+
+
+def test_a_model_at_another_speed_outlives_the_one_it_was_made_from() -> None:
+    assembled = assemble(load_case("bogie_track"))
+    faster = assembled.core.with_speed([(0.0, 30.0)])
+    del assembled
+    gc.collect()
+    assert _core.Simulation(faster).equilibrium(30.0, 0.0, [])["converged"]

@@ -9,17 +9,17 @@
 
 namespace rollerrig::integrate {
 
-/// x' = A x; the relaxing directions are those of the system that A belongs to.
+/// x' = A x; the stiff modes are those of the system that A belongs to.
 struct LinearSystem {
   Eigen::MatrixXd const& a;
-  RelaxingDirections directions{};
-  int quadratures{0};  ///< that the directions reach; they stay as they are
+  StiffModes modes{};
+  int quadratures{0};  ///< that the modes reach; they stay as they are
 
   Sizes sizes() const { return {static_cast<int>(a.rows()), quadratures}; }
-  RelaxingDirections relaxing_directions() const { return directions; }
-  bool renew_relaxing_directions(RelaxingDirections const& now, RelaxingDirections& next) const {
-    if (now.size() == directions.size()) return false;
-    next = directions;
+  StiffModes stiff_modes() const { return modes; }
+  bool renew_stiff_modes(StiffModes const& now, StiffModes& next) const {
+    if (now.size() == modes.size()) return false;
+    next = modes;
     return true;
   }
   Status derivative(double, double const* x, double* x_dot, double* z_dot) const {

@@ -61,15 +61,15 @@ concept HasKinematicStates = requires(S const& system, int i) {
   { system.velocity_column(i) } -> std::convertible_to<int>;
 };
 
-/// Optional: directions in which the states relax: inner nodes of dampers, or slip against creep forces that grow with it. An
+/// Optional: combinations of states that decay fast: inner nodes of dampers, or slip against creep forces that grow with it. An
 /// exponential method integrates their decay exactly.
 ///
-/// relaxing_directions() returns an empty set with room for all there can be. renew_relaxing_directions(now, next) looks at
+/// stiff_modes() returns an empty set with room for all there can be. renew_stiff_modes(now, next) looks at
 /// what derivative() evaluated last, and fills `next` and returns true where that asks for others than `now`.
 template <class S>
-concept HasRelaxingDirections = requires(S const& system, RelaxingDirections const& now, RelaxingDirections& next) {
-  { system.relaxing_directions() } -> std::same_as<RelaxingDirections>;
-  { system.renew_relaxing_directions(now, next) } -> std::same_as<bool>;
+concept HasStiffModes = requires(S& system, StiffModes const& now, StiffModes& next) {
+  { system.stiff_modes() } -> std::same_as<StiffModes>;
+  { system.renew_stiff_modes(now, next) } -> std::same_as<bool>;
 };
 
 }  // namespace rollerrig

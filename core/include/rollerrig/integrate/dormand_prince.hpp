@@ -11,6 +11,36 @@
 
 namespace rollerrig::integrate {
 
+namespace dormand_prince_tableau {
+
+inline constexpr int stages = 7;
+
+/// Times of the stages, in steps.
+inline constexpr double c[stages] = {0, 1.0 / 5, 3.0 / 10, 4.0 / 5, 8.0 / 9, 1, 1};
+
+/// Argument of stage i: y + h sum_j a[i][j] k_j. The last row is the solution.
+inline constexpr double a[stages][6] = {
+    {},
+    {1.0 / 5},
+    {3.0 / 40, 9.0 / 40},
+    {44.0 / 45, -56.0 / 15, 32.0 / 9},
+    {19372.0 / 6561, -25360.0 / 2187, 64448.0 / 6561, -212.0 / 729},
+    {9017.0 / 3168, -355.0 / 33, 46732.0 / 5247, 49.0 / 176, -5103.0 / 18656},
+    {35.0 / 384, 0, 500.0 / 1113, 125.0 / 192, -2187.0 / 6784, 11.0 / 84},
+};
+
+/// Difference to the embedded solution: h sum_j error[j] k_j.
+inline constexpr double error[stages] = {71.0 / 57600,      0,          -71.0 / 16695, 71.0 / 1920,
+                                         -17253.0 / 339200, 22.0 / 525, -1.0 / 40};
+
+/// Last term of the dense output: h sum_j quartic[j] k_j.
+inline constexpr double quartic[stages] = {-12715105075.0 / 11282082432,  0,
+                                           87487479700.0 / 32700410799,   -10690763975.0 / 1880347072,
+                                           701980252875.0 / 199316789632, -1453857185.0 / 822651844,
+                                           69997945.0 / 29380423};
+
+}  // namespace dormand_prince_tableau
+
 class DormandPrince {
  public:
   static constexpr int order = 5;
@@ -20,7 +50,8 @@ class DormandPrince {
   template <class System>
   explicit DormandPrince(Evaluator<System> const& f) : states_{f.sizes().states} {
     auto const size = f.sizes().states + f.sizes().quadratures;
-    for (Vector* v : {&k1_, &k2_, &k3_, &k4_, &k5_, &k6_, &k7_, &stage_, &bend_, &quartic_}) v->setZero(size);
+    for (Vector& k : k_) k.setZero(size);
+    for (Vector* v : {&bend_, &quartic_}) v->setZero(size);
     error_.setZero(states_);
   }
 
@@ -30,38 +61,31 @@ class DormandPrince {
   template <class System>
   Status prepare(Evaluator<System>& f, double t, Vector const& y) {
     if (std::exchange(has_end_slope_, false)) {
-      k1_.swap(k7_);
+      k_[0].swap(k_[6]);
       return Status::ok;
     }
-    return f.derivative(t, y, k1_);
+    return f.derivative(t, y, k_[0]);
   }
 
-  Vector const& slope() const { return k1_; }
+  Vector const& slope() const { return k_[0]; }
 
   /// Difference of the two solutions, states only.
   Vector const& error() const { return error_; }
 
   template <class System>
   Status attempt(Evaluator<System>& f, Step const& s, Vector const& y, Vector& y_new) {
+    using namespace dormand_prince_tableau;
     double const h = s.h;
     has_polynomial_ = false;
     has_end_slope_ = false;
-    stage_ = y + (h / 5) * k1_;
-    if (auto e = f.derivative(s.t + h / 5, stage_, k2_); e != Status::ok) return e;
-    stage_ = y + h * (3.0 / 40 * k1_ + 9.0 / 40 * k2_);
-    if (auto e = f.derivative(s.t + 0.3 * h, stage_, k3_); e != Status::ok) return e;
-    stage_ = y + h * (44.0 / 45 * k1_ - 56.0 / 15 * k2_ + 32.0 / 9 * k3_);
-    if (auto e = f.derivative(s.t + 0.8 * h, stage_, k4_); e != Status::ok) return e;
-    stage_ = y + h * (19372.0 / 6561 * k1_ - 25360.0 / 2187 * k2_ + 64448.0 / 6561 * k3_ - 212.0 / 729 * k4_);
-    if (auto e = f.derivative(s.t + 8.0 / 9 * h, stage_, k5_); e != Status::ok) return e;
-    stage_ = y + h * (9017.0 / 3168 * k1_ - 355.0 / 33 * k2_ + 46732.0 / 5247 * k3_ + 49.0 / 176 * k4_ -
-                      5103.0 / 18656 * k5_);
-    if (auto e = f.derivative(s.end, stage_, k6_); e != Status::ok) return e;
-    y_new = y + h * (35.0 / 384 * k1_ + 500.0 / 1113 * k3_ + 125.0 / 192 * k4_ - 2187.0 / 6784 * k5_ + 11.0 / 84 * k6_);
-    if (auto e = f.derivative(s.end, y_new, k7_); e != Status::ok) return e;
-    error_ = h * (71.0 / 57600 * k1_ - 71.0 / 16695 * k3_ + 71.0 / 1920 * k4_ - 17253.0 / 339200 * k5_ +
-                  22.0 / 525 * k6_ - 1.0 / 40 * k7_)
-                     .head(states_);
+    for (int i = 1; i < stages; ++i) {
+      y_new = y;
+      add(a[i], i, h, y_new);
+      double const time = c[i] == 1.0 ? s.end : s.t + c[i] * h;
+      if (auto e = f.derivative(time, y_new, k_[i]); e != Status::ok) return e;
+    }
+    error_.setZero();
+    for (int j = 0; j < stages; ++j) error_ += (h * dormand_prince_tableau::error[j]) * k_[j].head(states_);
     has_end_slope_ = true;
     return Status::ok;
   }
@@ -69,20 +93,26 @@ class DormandPrince {
   /// y(t + theta h) of the last attempted step.
   void interpolate(double theta, double h, Vector const& y, Vector const& y_new, Vector& out) {
     if (!std::exchange(has_polynomial_, true)) {
-      bend_ = h * k1_ - (y_new - y);
-      quartic_ = h * (-12715105075.0 / 11282082432 * k1_ + 87487479700.0 / 32700410799 * k3_ -
-                      10690763975.0 / 1880347072 * k4_ + 701980252875.0 / 199316789632 * k5_ -
-                      1453857185.0 / 822651844 * k6_ + 69997945.0 / 29380423 * k7_);
+      bend_ = h * k_[0] - (y_new - y);
+      quartic_.setZero();
+      add(dormand_prince_tableau::quartic, dormand_prince_tableau::stages, h, quartic_);
     }
     double const rest = 1 - theta;
     double const w = theta * rest;
     // y + theta (dy + rest (bend + theta (dy - h k7 - bend + rest quartic)))
-    out = y + theta * (y_new - y) + w * bend_ + (w * theta) * (y_new - y - h * k7_ - bend_) + (w * w) * quartic_;
+    out = y + theta * (y_new - y) + w * bend_ + (w * theta) * (y_new - y - h * k_[6] - bend_) + (w * w) * quartic_;
   }
 
  private:
+  /// out += h sum_j weight[j] k_j.
+  void add(double const* weight, int count, double h, Vector& out) const {
+    for (int j = 0; j < count; ++j)
+      if (weight[j] != 0.0) out += (h * weight[j]) * k_[j];
+  }
+
   int states_;
-  Vector k1_, k2_, k3_, k4_, k5_, k6_, k7_, stage_, error_, bend_, quartic_;
+  Vector k_[dormand_prince_tableau::stages];
+  Vector error_, bend_, quartic_;
   bool has_end_slope_ = false;
   bool has_polynomial_ = false;
 };

@@ -1,13 +1,13 @@
 // integrate/exponential_runge_kutta_4.hpp - the exponential Runge-Kutta method of Krogstad, order 4, for fixed steps.
 //
-//     x' = f(t, x);   along the relaxing directions   s_i = d_i . x,   s_i' = N_i(t, x) - lambda_i s_i
+//     x' = f(t, x);   along the stiff modes   s_i = d_i . x,   s_i' = N_i(t, x) - lambda_i s_i
 //
 // The decay is integrated exactly, N by the classical method: neither a damper's inner node between a stiff spring and its
-// dashpot nor the creep of a slow wheel limits the step. Everything across these directions, and everything where lambda = 0,
+// dashpot nor the creep of a slow wheel limits the step. Everything across these modes, and everything where lambda = 0,
 // is the classical Runge-Kutta method to the last bit; it is written as that, and x is then moved along u_i to the s_i below.
 //
 // lambda is held over a step. It is the system's guess at the step's start, and need not be exact: N takes up the rest. So
-// that N is small where s follows something that runs away in time, s is counted from a start that runs along (`drift`).
+// that N is small where s follows something that runs away in time, s is counted from a start that runs along (`trend`).
 //
 // With z = -lambda h and  phi_1 = (e^z - 1)/z,  phi_2 = (phi_1 - 1)/z,  phi_3 = (phi_2 - 1/2)/z:
 //
@@ -16,7 +16,7 @@
 //     c = e^z     s + h [(phi_1 - 2 phi_2) N(x) + 2 phi_2 N(b)]
 //     s_new = e^z s + h [(phi_1 - 3 phi_2 + 4 phi_3) N(x) + (2 phi_2 - 4 phi_3)(N(a) + N(b)) + (4 phi_3 - phi_2) N(c)]
 //
-// Dense output: the cubic Hermite polynomial of order 3 as in the classical method; along the relaxing directions the same
+// Dense output: the cubic Hermite polynomial of order 3 as in the classical method; along the stiff modes the same
 // formula as for s_new with theta h in place of h, so that no decay is ever faster than what is shown.
 // Source  Krogstad, Generalized integrating factor methods for stiff PDEs, J. Comput. Phys. 203 (2005); Cox, Matthews,
 //         Exponential time differencing for stiff systems, J. Comput. Phys. 176 (2002); Hochbruck, Ostermann,
@@ -61,10 +61,10 @@ class ExponentialRungeKutta4 {
 
   template <class System>
   explicit ExponentialRungeKutta4(Evaluator<System> const& f) {
-    if constexpr (HasRelaxingDirections<System>) {
-      now_ = f.system().relaxing_directions();
-      next_ = f.system().relaxing_directions();
-      relaxing_.reserve(now_.capacity());
+    if constexpr (HasStiffModes<System>) {
+      now_ = f.system().stiff_modes();
+      next_ = f.system().stiff_modes();
+      modes_.reserve(now_.capacity());
     }
     auto const size = f.sizes().states + f.sizes().quadratures;
     for (Vector* v : {&k1_, &k2_, &k3_, &k4_, &k_end_, &stage_}) v->setZero(size);
@@ -96,21 +96,21 @@ class ExponentialRungeKutta4 {
     double const h = s.h;
     double const middle = s.t + 0.5 * h;
     begin(h, y);
-    drive(k1_, &Relaxing::n1);
+    drive(k1_, &ModeState::n1);
     stage_ = y + (0.5 * h) * k1_;
-    relax(stage_, 0.5 * h, [](Relaxing const& r) { return r.w.decay_half * r.start + r.w.half * r.n1; });
+    decay(stage_, 0.5 * h, [](ModeState const& r) { return r.w.decay_half * r.start + r.w.half * r.n1; });
     if (auto e = f.derivative(middle, stage_, k2_); e != Status::ok) return e;
-    drive(k2_, &Relaxing::n2);
+    drive(k2_, &ModeState::n2);
     stage_ = y + (0.5 * h) * k2_;
-    relax(stage_, 0.5 * h, [](Relaxing const& r) { return r.w.decay_half * r.start + r.w.b1 * r.n1 + r.w.b2 * r.n2; });
+    decay(stage_, 0.5 * h, [](ModeState const& r) { return r.w.decay_half * r.start + r.w.b1 * r.n1 + r.w.b2 * r.n2; });
     if (auto e = f.derivative(middle, stage_, k3_); e != Status::ok) return e;
-    drive(k3_, &Relaxing::n3);
+    drive(k3_, &ModeState::n3);
     stage_ = y + h * k3_;
-    relax(stage_, h, [](Relaxing const& r) { return r.w.decay * r.start + r.w.c1 * r.n1 + r.w.c3 * r.n3; });
+    decay(stage_, h, [](ModeState const& r) { return r.w.decay * r.start + r.w.c1 * r.n1 + r.w.c3 * r.n3; });
     if (auto e = f.derivative(s.end, stage_, k4_); e != Status::ok) return e;
-    drive(k4_, &Relaxing::n4);
+    drive(k4_, &ModeState::n4);
     y_new = y + (h / 6) * (k1_ + 2 * k2_ + 2 * k3_ + k4_);
-    relax(y_new, h, [](Relaxing const& r) {
+    decay(y_new, h, [](ModeState const& r) {
       return r.w.decay * r.start + r.w.d1 * r.n1 + r.w.d2 * (r.n2 + r.n3) + r.w.d4 * r.n4;
     });
     if (auto e = f.derivative(s.end, y_new, k_end_); e != Status::ok) return e;
@@ -119,21 +119,21 @@ class ExponentialRungeKutta4 {
     return Status::ok;
   }
 
-  /// y(t + theta h) of the last attempted step; HNW I (6.7) across the relaxing directions.
+  /// y(t + theta h) of the last attempted step; HNW I (6.7) across the stiff modes.
   void interpolate(double theta, double h, Vector const& y, Vector const& y_new, Vector& out) const {
     double const rest = 1 - theta;
     out = rest * y + theta * y_new -
           (theta * rest) * ((1 - 2 * theta) * (y_new - y) - (rest * h) * k1_ + (theta * h) * k_end_);
-    for (std::size_t i = 0; i < relaxing_.size(); ++i) {
+    for (std::size_t i = 0; i < modes_.size(); ++i) {
       // N as a parabola in time through its values at both ends and the mean of those at the middle.
-      Relaxing const& r = relaxing_[i];
+      ModeState const& r = modes_[i];
       double const middle = 0.5 * (r.n2 + r.n3);
       double const linear = -3.0 * r.n1 + 4.0 * middle - r.n4;
       double const square = 2.0 * r.n1 - 4.0 * middle + 2.0 * r.n4;
       PhiFunctions const p(-r.w.rate * theta * h);
       double const there = p.exponential * r.start +
                            h * theta * (p.phi1 * r.n1 + theta * (p.phi2 * linear + 2.0 * theta * p.phi3 * square));
-      now_.move(i, there + theta * h * now_.drift(i) - now_.along(i, out.data()), out.data());
+      now_.move(i, there + theta * h * now_.trend(i) - now_.along(i, out.data()), out.data());
     }
   }
 
@@ -144,10 +144,10 @@ class ExponentialRungeKutta4 {
     double decay_half, decay;
     double half, b1, b2, c1, c3, d1, d2, d4;
   };
-  /// One direction in the present step.
-  struct Relaxing {
+  /// One mode in the present step.
+  struct ModeState {
     Weights w;
-    double start, now;  ///< s at the step's start, and at the last stage less the drift until then
+    double start, now;  ///< s at the step's start, and at the last stage less the trend until then
     double n1, n2, n3, n4;
   };
 
@@ -170,37 +170,37 @@ class ExponentialRungeKutta4 {
 
   template <class System>
   bool renew(Evaluator<System> const& f) {
-    if constexpr (HasRelaxingDirections<System>)
-      return f.system().renew_relaxing_directions(now_, next_);
+    if constexpr (HasStiffModes<System>)
+      return f.system().renew_stiff_modes(now_, next_);
     else
       return false;
   }
 
   void begin(double h, Vector const& y) {
-    relaxing_.resize(now_.size());
-    for (std::size_t i = 0; i < relaxing_.size(); ++i) {
-      weigh(now_.rate(i), h, relaxing_[i].w);
-      relaxing_[i].start = relaxing_[i].now = now_.along(i, y.data());
+    modes_.resize(now_.size());
+    for (std::size_t i = 0; i < modes_.size(); ++i) {
+      weigh(now_.rate(i), h, modes_[i].w);
+      modes_[i].start = modes_[i].now = now_.along(i, y.data());
     }
   }
 
   /// N = s' + lambda s.
-  void drive(Vector const& slope, double Relaxing::* n) {
-    for (std::size_t i = 0; i < relaxing_.size(); ++i)
-      relaxing_[i].*n = now_.along(i, slope.data()) - now_.drift(i) + relaxing_[i].w.rate * relaxing_[i].now;
+  void drive(Vector const& slope, double ModeState::* n) {
+    for (std::size_t i = 0; i < modes_.size(); ++i)
+      modes_[i].*n = now_.along(i, slope.data()) - now_.trend(i) + modes_[i].w.rate * modes_[i].now;
   }
 
   template <class Target>
-  void relax(Vector& stage, double elapsed, Target const& target) {
-    for (std::size_t i = 0; i < relaxing_.size(); ++i) {
-      relaxing_[i].now = target(relaxing_[i]);
-      now_.move(i, relaxing_[i].now + elapsed * now_.drift(i) - now_.along(i, stage.data()), stage.data());
+  void decay(Vector& stage, double elapsed, Target const& target) {
+    for (std::size_t i = 0; i < modes_.size(); ++i) {
+      modes_[i].now = target(modes_[i]);
+      now_.move(i, modes_[i].now + elapsed * now_.trend(i) - now_.along(i, stage.data()), stage.data());
     }
   }
 
-  RelaxingDirections now_, next_;
+  StiffModes now_, next_;
   bool renewed_ = false;  // next_ is for the next step
-  std::vector<Relaxing> relaxing_;
+  std::vector<ModeState> modes_;
   Vector k1_, k2_, k3_, k4_, k_end_, stage_, error_;
   bool has_end_slope_ = false;
 };

@@ -60,35 +60,23 @@ class Rodas4 {
     ++f.statistics.factorisations;
     solver_.factor(jacobian_, 1 / (gamma * h));
 
-    u[0] = f0_ + (h * time_weight[0]) * f_t_;
-    solver_.solve(u[0]);
-
-    stage_ = y + a[1][0] * u[0];
-    if (auto e = f.derivative(t + alpha[1] * h, stage_, u[1]); e != Status::ok) return e;
-    u[1] += (r * c[1][0]) * u[0] + (h * time_weight[1]) * f_t_;
-    solver_.solve(u[1]);
-
-    stage_ = y + a[2][0] * u[0] + a[2][1] * u[1];
-    if (auto e = f.derivative(t + alpha[2] * h, stage_, u[2]); e != Status::ok) return e;
-    u[2] += (r * c[2][0]) * u[0] + (r * c[2][1]) * u[1] + (h * time_weight[2]) * f_t_;
-    solver_.solve(u[2]);
-
-    stage_ = y + a[3][0] * u[0] + a[3][1] * u[1] + a[3][2] * u[2];
-    if (auto e = f.derivative(t + alpha[3] * h, stage_, u[3]); e != Status::ok) return e;
-    u[3] += (r * c[3][0]) * u[0] + (r * c[3][1]) * u[1] + (r * c[3][2]) * u[2] + (h * time_weight[3]) * f_t_;
-    solver_.solve(u[3]);
-
-    stage_ = y + a[4][0] * u[0] + a[4][1] * u[1] + a[4][2] * u[2] + a[4][3] * u[3];
-    if (auto e = f.derivative(s.end, stage_, u[4]); e != Status::ok) return e;
-    u[4] += (r * c[4][0]) * u[0] + (r * c[4][1]) * u[1] + (r * c[4][2]) * u[2] + (r * c[4][3]) * u[3];
-    solver_.solve(u[4]);
-
-    stage_ += u[4];  // the embedded solution
-    if (auto e = f.derivative(s.end, stage_, u[5]); e != Status::ok) return e;
-    u[5] += (r * c[5][0]) * u[0] + (r * c[5][1]) * u[1] + (r * c[5][2]) * u[2] + (r * c[5][3]) * u[3] +
-            (r * c[5][4]) * u[4];
-    solver_.solve(u[5]);
-
+    for (int i = 0; i < stages; ++i) {
+      if (i == 0) {
+        u[0] = f0_;
+      } else {
+        if (i + 1 < stages) {
+          stage_ = y;
+          for (int j = 0; j < i; ++j) stage_ += a[i][j] * u[j];
+        } else {
+          stage_ += u[i - 1];  // row 5 is row 4 and u_4: the embedded solution
+        }
+        double const time = alpha[i] == 1.0 ? s.end : t + alpha[i] * h;
+        if (auto e = f.derivative(time, stage_, u[i]); e != Status::ok) return e;
+        for (int j = 0; j < i; ++j) u[i] += (r * c[i][j]) * u[j];
+      }
+      if (time_weight[i] != 0.0) u[i] += (h * time_weight[i]) * f_t_;
+      solver_.solve(u[i]);
+    }
     y_new = stage_ + u[5];
     error_ = u[5].head(states_);
     return Status::ok;
@@ -98,8 +86,9 @@ class Rodas4 {
   void interpolate(double theta, double, Vector const& y, Vector const& y_new, Vector& out) {
     if (!std::exchange(has_polynomial_, true)) {
       using namespace rodas4_tableau;
-      bend_ = bend[0] * u_[0] + bend[1] * u_[1] + bend[2] * u_[2] + bend[3] * u_[3] + bend[4] * u_[4];
-      cubic_ = cubic[0] * u_[0] + cubic[1] * u_[1] + cubic[2] * u_[2] + cubic[3] * u_[3] + cubic[4] * u_[4];
+      bend_ = bend[0] * u_[0];
+      cubic_ = cubic[0] * u_[0];
+      for (int j = 1; j + 1 < stages; ++j) bend_ += bend[j] * u_[j], cubic_ += cubic[j] * u_[j];
     }
     double const rest = 1 - theta;
     out = rest * y + theta * y_new + (theta * rest) * (bend_ + theta * cubic_);

@@ -23,6 +23,10 @@ struct Body {
   double speed_controlled_radius{0.0};  ///< of a roller whose pitch rate is prescribed: V over this [m]; 0: it is free
   bool in_moving_frame{true};           ///< on a track: moves with the vehicle; false: a piece of the track itself
 
+  /// A roller on rigid bearings: its frame coincides with the world's.
+  bool only_spins() const {
+    return locked[coord_x] && locked[coord_y] && locked[coord_z] && locked[coord_roll] && locked[coord_yaw];
+  }
   bool speed_controlled() const { return speed_controlled_radius > 0.0; }
   /// Prescribed pitch acceleration of a speed-controlled roller [rad/s^2].
   ///

@@ -67,6 +67,7 @@ struct ForceElement {
   Vec3<double> r_b{};                 ///< point of action P_b from b's centre of mass, body frame at design [m]
   std::array<DirectionLaw, 6> law{};  ///< per Coordinate
   std::array<int, 6> node{-1, -1, -1, -1, -1, -1};  ///< index of s among the element states; set by ModelBuilder
+  bool rotational{false};                           ///< has a law of rotation; set by ModelBuilder
   bool clamped{false};                              ///< half of the force acts in the axes of b, at P_a
 };
 
@@ -83,10 +84,9 @@ struct ElementMotion {
 
 /// @param a, b        motion of the bodies
 /// @param offset      design position of b's centre of mass from a's, world [m]
-/// @param rotational  whether any rotational direction is used
 template <Scalar T>
 ElementMotion<T> element_motion(ForceElement const& element, BodyMotion<T> const& a, BodyMotion<T> const& b,
-                                Vec3<double> const& offset, bool rotational) {
+                                Vec3<double> const& offset) {
   using std::asin;
   using std::atan2;
   using std::sqrt;
@@ -105,7 +105,7 @@ ElementMotion<T> element_motion(ForceElement const& element, BodyMotion<T> const
   }
   m.d[coord_x] = d.x, m.d[coord_y] = d.y, m.d[coord_z] = d.z;
   m.rate[coord_x] = rate.x, m.rate[coord_y] = rate.y, m.rate[coord_z] = rate.z;
-  if (!rotational) return m;
+  if (!element.rotational) return m;
 
   Rotation<T> const R = relative(a.R, b.R);  // Rz(yaw) Rx(roll) Ry(pitch)
   Vec3<T> const w = a.R.transposed_times(b.frame_omega - a.frame_omega);
@@ -123,6 +123,24 @@ ElementMotion<T> element_motion(ForceElement const& element, BodyMotion<T> const
   m.rate[coord_pitch] = dot(m.pitch_axis, w);
   m.rate[coord_yaw] = dot(m.yaw_axis, w);
   return m;
+}
+
+/// Force at P_b and moment on b, axes of the frame that the motion of a is given in; a takes the opposite.
+///
+/// @param f  per direction, as direction_force() gives them [N, N m]
+template <Scalar T>
+Wrench<T> element_wrench(ForceElement const& element, ElementMotion<T> const& m, BodyMotion<T> const& a,
+                         BodyMotion<T> const& b, std::array<T, 6> const& f) {
+  Vec3<T> const local{f[coord_x], f[coord_y], f[coord_z]};
+  Wrench<T> w{a.R * local, {}};
+  if (element.rotational)
+    w.moment = a.R * (f[coord_roll] * m.roll_axis + f[coord_pitch] * m.pitch_axis + f[coord_yaw] * m.yaw_axis);
+  if (element.clamped) {
+    Vec3<T> const half = T(0.5) * (b.R * local);
+    w.force = T(0.5) * w.force + half;
+    w.moment -= cross(m.stretch, half);
+  }
+  return w;
 }
 
 }  // namespace rollerrig

@@ -1,6 +1,6 @@
 // multibody/moving_frame.hpp - a body in the track frame F that travels with it: inertial forces, and its motion as others see it.
 //
-//   track frame, motion in F -> [carried] -> motion in the common frame H (for elements), inertial force and moment in F
+//   track frame, motion in F -> [moving frame] -> motion in the common frame H (for elements), inertial force and moment in F
 //
 // P is the centre of mass from the origin of F, v and w its velocity and angular velocity relative to F.
 // Source: docs/theory/track.md, (W4)-(W9).
@@ -31,7 +31,7 @@ void see_from_common_frame(Body const& body, TrackFrame<T> const& frame, T const
 
 /// Acceleration of the centre of mass but for that relative to F: of the frame, Euler, centripetal and Coriolis. (W4)
 template <Scalar T>
-Vec3<T> carrier_acceleration(Body const& body, TrackFrame<T> const& frame, BodyMotion<T> const& m) {
+Vec3<T> transport_acceleration(Body const& body, TrackFrame<T> const& frame, BodyMotion<T> const& m) {
   Vec3<T> const place = place_in_frame(body, m);
   return frame.a + cross(frame.alpha, place) + cross(frame.omega, cross(frame.omega, place) + T(2.0) * m.v);
 }
@@ -40,21 +40,21 @@ Vec3<T> carrier_acceleration(Body const& body, TrackFrame<T> const& frame, BodyM
 template <Scalar T>
 Vec3<T> gyroscopic_moment(Body const& body, TrackFrame<T> const& frame, BodyMotion<T> const& m) {
   auto const& I = body.inertia;
-  Vec3<T> const carried = m.R.transposed_times(frame.omega);
-  Vec3<T> const turning = m.R.transposed_times(frame.alpha) - cross(m.frame_body, carried);  // d/dt of `carried`
-  Vec3<T> const w = m.omega_body + carried;
-  return cross(m.frame_body + carried, Vec3<T>{I.x * w.x, I.y * w.y, I.z * w.z}) +
+  Vec3<T> const transport = m.R.transposed_times(frame.omega);
+  Vec3<T> const turning = m.R.transposed_times(frame.alpha) - cross(m.frame_body, transport);  // its rate
+  Vec3<T> const w = m.omega_body + transport;
+  return cross(m.frame_body + transport, Vec3<T>{I.x * w.x, I.y * w.y, I.z * w.z}) +
          Vec3<T>{I.x * turning.x, I.y * turning.y, I.z * turning.z};
 }
 
 /// Power by which the motion of F feeds the motion relative to it. (W9)
 ///
 /// @param common    force and moment of elements and torques, components in F
-/// @param inertial  m times minus the carrier's acceleration [N]
+/// @param inertial  m times minus the transport acceleration [N]
 /// @param gyroscopic  (W5) [N m], body components
 template <Scalar T>
-T carrier_power(Body const& body, TrackFrame<T> const& frame, T const& speed, double gravity, BodyMotion<T> const& m,
-                Wrench<T> const& common, Vec3<T> const& inertial, Vec3<T> const& gyroscopic) {
+T transport_power(Body const& body, TrackFrame<T> const& frame, T const& speed, double gravity, BodyMotion<T> const& m,
+                  Wrench<T> const& common, Vec3<T> const& inertial, Vec3<T> const& gyroscopic) {
   Vec3<T> const place = place_in_frame(body, m);
   Vec3<T> const ahead = frame.R.transposed_times(Vec3<T>{speed, T(0.0), T(0.0)});  // forces within the vehicle cancel
   T const of_elements =

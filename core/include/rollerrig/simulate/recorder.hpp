@@ -30,8 +30,9 @@ class Recorder {
   explicit Recorder(Model const& model);
   int width() const { return width_; }
 
-  /// Evaluates the model at (t, x) and fills `row` (width() numbers).
-  void record(Dynamics& dynamics, double t, double const* x, double const* z, double* row) const;
+  /// Evaluates the model at (t, x) under the inputs and fills `row` (width() numbers).
+  void record(Dynamics& dynamics, double t, double const* x, double const* z, double* row,
+              Inputs const& inputs = {}) const;
 
  private:
   int bodies_, wheels_, elements_, width_;

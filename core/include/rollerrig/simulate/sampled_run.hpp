@@ -136,6 +136,7 @@ class TestBench {
   /// Valve states 0 fill, 1 hold, 2 vent; torque factors; roller torques [N m]: one per axle.
   void set_command(Role role, double const* command);
   void fill_row(double* axles, double* train) const;
+  Inputs const& inputs() const { return inputs_; }
   int failed_contact() const { return dynamics_->failed_contact(); }
   integrate::Statistics const& statistics() const { return plant_.statistics; }
 
@@ -191,7 +192,9 @@ class TestBench {
 
   Dynamics* dynamics_;
   BenchSetup setup_;
-  integrate::Evaluator<Dynamics> plant_;
+  Inputs inputs_;
+  DrivenDynamics driven_;
+  integrate::Evaluator<DrivenDynamics> plant_;
   integrate::ExponentialRungeKutta4 method_;
   integrate::Vector y_, y_new_;
   std::vector<Axle> axle_;

@@ -9,6 +9,7 @@
 // Neglected: the curvature of the rail along its length, within the centimetre by which a contact leads or lags.
 // Source: docs/theory/track.md, (W8).
 #pragma once
+#include "rollerrig/contact/patch.hpp"
 #include "rollerrig/multibody/moving_frame.hpp"
 #include "rollerrig/system/model.hpp"
 #include "rollerrig/track/irregularity.hpp"
@@ -44,6 +45,50 @@ void mirror(ContactPlacement<T>& p) {
               mirrored_axial(p.motion.omega_roller)};
   p.prescribed_v = mirrored(p.prescribed_v);
   p.prescribed_omega = mirrored_axial(p.prescribed_omega);
+}
+
+/// What patches do to both bodies: force on the wheel, moment about the wheelset's centre, and the moment that a roller takes
+/// the opposite of.
+template <Scalar T>
+struct ContactWrenches {
+  Vec3<T> force{};
+  Vec3<T> on_wheelset{};
+  Vec3<T>
+      on_roller{};  ///< about the crown point; after in_wheelset_frame() about the roller's centre, roller components
+
+  ContactWrenches& operator+=(ContactWrenches const& o) {
+    force += o.force, on_wheelset += o.on_wheelset, on_roller += o.on_roller;
+    return *this;
+  }
+};
+
+/// Of one patch, b components, mirrored like it.
+template <Scalar T>
+ContactWrenches<T> contact_wrenches(RollerEffects const& effects, ContactPlacement<T> const& placed,
+                                    Patch<T> const& patch) {
+  return {patch.force, cross(patch.point.p - placed.pose.o, patch.force) + patch.moment,
+          moment_about_crown(effects, patch)};
+}
+
+/// Power of what moves the rail or steers the roller, beside what a state does.
+template <Scalar T>
+T prescribed_power(ContactPlacement<T> const& placed, ContactWrenches<T> const& w) {
+  if (!placed.prescribed) return T(0.0);
+  return placed.turned ? dot(w.force, placed.prescribed_v) + dot(w.on_roller, placed.prescribed_omega)
+                       : w.force.x * placed.prescribed_v.x;
+}
+
+/// The mirror removed, force and moment on the wheelset in the axes of its frame.
+template <Scalar T>
+ContactWrenches<T> in_wheelset_frame(WheelContact const& contact, ContactPlacement<T> const& placed,
+                                     ContactWrenches<T> w) {
+  if (contact.right) w = {mirrored(w.force), mirrored_axial(w.on_wheelset), mirrored_axial(w.on_roller)};
+  w.on_roller += cross(lift<T>(contact.crown_in_roller), w.force);
+  if (placed.turned) {
+    w.force = placed.R * w.force;
+    w.on_wheelset = placed.R * w.on_wheelset;
+  }
+  return w;
 }
 
 /// The axes of a rail along a direction: x there, y level.

@@ -12,6 +12,8 @@ namespace rollerrig {
 
 /// A number on a straight line over time.
 struct HeldInput {
+  bool operator==(HeldInput const&) const = default;
+
   double time{0.0};   ///< [s]
   double value{0.0};  ///< there
   double slope{0.0};  ///< per second
@@ -23,6 +25,8 @@ struct HeldInput {
 };
 
 struct Inputs {
+  bool operator==(Inputs const&) const = default;
+
   std::vector<HeldInput> axle_torque;     ///< per axle torque of the model, beside its table [N m]
   std::vector<HeldInput> roller_torque;   ///< per roller torque of the model [N m]
   std::vector<HeldInput> cylinder;        ///< per axle brake of the model, over the ambient [Pa]

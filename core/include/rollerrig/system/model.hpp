@@ -32,6 +32,8 @@ struct WheelContact {
   WheelRollerPair pair{};
   ContactLaws laws{};
 
+  double flange_tip{0.0};  ///< wheel abscissa of the highest point on the flange side [m]; set by ModelBuilder
+
   double roller_radius() const { return crown_in_roller.z; }  ///< at the crown [m]
 };
 
@@ -118,10 +120,14 @@ struct Model {
 
   // Derived by ModelBuilder.
   StateMap map{};
-  std::vector<Coupling> couplings;                  ///< geared rotors, then rolling constraints
-  std::size_t rotors{0};                            ///< of the couplings
-  Eigen::MatrixXd coupling_matrix;                  ///< inverse of G, system/couplings.hpp
-  std::vector<int> constraint_of_contact;           ///< rolling constraint of the axle; -1: none
+  bool on_adhesion_map{false};             ///< some contact's friction depends on its place
+  bool on_rails{false};                    ///< some contact is with a rail: the vehicle's frames move
+  double rear{0.0}, front{0.0};            ///< x of the last and the first body from the vehicle's reference point [m]
+  double foremost_wheel{0.0};              ///< x of it [m]
+  std::vector<Coupling> couplings;         ///< geared rotors, then rolling constraints
+  std::size_t rotors{0};                   ///< of the couplings
+  Eigen::MatrixXd coupling_matrix;         ///< inverse of G, system/couplings.hpp
+  std::vector<int> constraint_of_contact;  ///< rolling constraint of the axle; -1: none
   std::vector<std::shared_ptr<void const>> tables;  ///< keeps what the contacts point to
 };
 

@@ -33,20 +33,8 @@ AxleCreep<T> axle_creep(WheelContact const& contact, ContactPlacement<T> const& 
                         Patch<T> patch) {
   patch.force -= patch.normal.total() * patch.point.n;
   patch.moment = patch.creep.spin_moment * patch.point.n;
-  Vec3<T> on_wheelset = cross(patch.point.p - placed.pose.o, patch.force) + patch.moment;
-  Vec3<T> on_crown = moment_about_crown(contact.laws.roller, patch);
-  Vec3<T> force = patch.force;
-  if (contact.right) {
-    force = mirrored(force);
-    on_wheelset = mirrored_axial(on_wheelset);
-    on_crown = mirrored_axial(on_crown);
-  }
-  T const on_roller = -(on_crown + cross(lift<T>(contact.crown_in_roller), force)).y;
-  if (placed.turned) {
-    force = placed.R * force;
-    on_wheelset = placed.R * on_wheelset;
-  }
-  return {force.x, dot(on_wheelset, axle), on_roller};
+  auto const w = in_wheelset_frame(contact, placed, contact_wrenches(contact.laws.roller, placed, patch));
+  return {w.force.x, dot(w.on_wheelset, axle), -w.on_roller.y};
 }
 
 /// Takes the mean creep out of the wrenches; returns the power it did, which no longer dissipates [W].

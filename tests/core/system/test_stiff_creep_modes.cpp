@@ -1,4 +1,4 @@
-// The directions in which a model says it relaxes are those in which its Jacobian does.
+// The stiff creep modes of a model are those of its Jacobian.
 #include <doctest/doctest.h>
 
 #include "integrate/problems.hpp"
@@ -9,18 +9,19 @@ using namespace rollerrig::test;
 
 namespace {
 
-/// The model's directions in a state; derivative() has been called there.
-RelaxingDirections directions_of(Dynamics& dynamics, std::vector<double> const& x) {
+/// The stiff modes of a model in a state; derivative() has been called there.
+StiffModes modes_of(Dynamics& dynamics, std::vector<double> const& x) {
   std::vector<double> x_dot(x.size());
   REQUIRE(dynamics.derivative(0.0, x.data(), x_dot.data(), nullptr) == Status::ok);
-  RelaxingDirections r = dynamics.relaxing_directions();
-  REQUIRE(dynamics.renew_relaxing_directions({}, r));
+  StiffModes r = dynamics.stiff_modes();
+  REQUIRE(dynamics.renew_stiff_modes({}, r));
   return r;
 }
 
 }  // namespace
 
-TEST_CASE("directions do not see each other, and are those of the Jacobian where creep is by far the stiffest") {
+TEST_CASE(
+    "stiff modes are independent of each other, and are those of the Jacobian where creep is by far the stiffest") {
   for (double roller_radius : {0.0, 0.725})
     for (bool driven : {true, false}) {
       CAPTURE(roller_radius);
@@ -30,7 +31,7 @@ TEST_CASE("directions do not see each other, and are those of the Jacobian where
       Dynamics dynamics(model);
       auto const start = solve_equilibrium(dynamics, 1.0, 0.0, {});
       REQUIRE(start.converged);
-      auto const r = directions_of(dynamics, start.x);
+      auto const r = modes_of(dynamics, start.x);
       auto const nodes = static_cast<std::size_t>(dynamics.map().nodes);
       REQUIRE(r.size() >= nodes + 3);  // along and in yaw, across; a second one across where the contact angles differ
       auto const n = static_cast<Eigen::Index>(start.x.size());
@@ -38,7 +39,7 @@ TEST_CASE("directions do not see each other, and are those of the Jacobian where
         for (std::size_t j = 0; j < r.size(); ++j) {
           Eigen::VectorXd u = Eigen::VectorXd::Zero(n + dynamics.sizes().quadratures);
           r.move(j, 1.0, u.data());
-          // Products of two directions in their own units: rates differ by three powers of ten.
+          // Products of two modes in their own units: rates differ by three powers of ten.
           double const scale = std::sqrt(r.rate(i) / r.rate(j));
           CHECK(std::abs(r.along(i, u.data()) - (i == j)) < 1e-9 * std::max(1.0, scale));
         }
@@ -60,13 +61,13 @@ TEST_CASE("directions do not see each other, and are those of the Jacobian where
     }
 }
 
-TEST_CASE("rates go with 1/V, directions are kept until they have changed") {
+TEST_CASE("rates go with 1/V, modes are kept until they have changed") {
   auto const model = wheelset_model({.speed = 10.0, .lateral_spring = 2e6});
   Dynamics dynamics(model);
   auto fastest = [&](double speed) {
     auto const start = solve_equilibrium(dynamics, speed, 0.0, {});
-    auto const r = directions_of(dynamics, start.x);
-    CHECK_FALSE(dynamics.renew_relaxing_directions(r, *std::make_unique<RelaxingDirections>()));
+    auto const r = modes_of(dynamics, start.x);
+    CHECK_FALSE(dynamics.renew_stiff_modes(r, *std::make_unique<StiffModes>()));
     double rate = 0.0;
     for (std::size_t i = static_cast<std::size_t>(dynamics.map().nodes); i < r.size(); ++i)
       rate = std::max(rate, r.rate(i));
@@ -75,16 +76,16 @@ TEST_CASE("rates go with 1/V, directions are kept until they have changed") {
   double const fast = fastest(10.0);
   CHECK(fastest(2.0) == doctest::Approx(5.0 * fast).epsilon(0.02));  // V_s = 0.1 m/s, and the load is the same
   auto const start = solve_equilibrium(dynamics, 10.0, 0.0, {});
-  auto const before = directions_of(dynamics, start.x);
+  auto const before = modes_of(dynamics, start.x);
   auto const slower = solve_equilibrium(dynamics, 9.0, 0.0, {});
-  RelaxingDirections after = dynamics.relaxing_directions();
+  StiffModes after = dynamics.stiff_modes();
   std::vector<double> x_dot(slower.x.size());
   dynamics.derivative(0.0, slower.x.data(), x_dot.data(), nullptr);
-  CHECK(dynamics.renew_relaxing_directions(before, after));
+  CHECK(dynamics.renew_stiff_modes(before, after));
 }
 
 TEST_CASE("a slow wheelset is stable in steps that rk4 cannot take, and moves as with short ones") {
-  // Released 2 mm aside at 1 m/s: creep relaxes at up to 1e4 1/s, 20 times the step of 2 ms and more.
+  // Released 2 mm aside at 1 m/s: creep decays at up to 1e4 1/s, 20 times the step of 2 ms and more.
   auto const model = wheelset_model({.speed = 1.0});
   Dynamics dynamics(model);
   auto const start = solve_equilibrium(dynamics, 1.0, 0.0, {{0, coord_y, 2e-3}});

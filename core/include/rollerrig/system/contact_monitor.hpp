@@ -1,0 +1,41 @@
+// system/contact_monitor.hpp - whether the model still holds in its contacts, looked at after each accepted step.
+//
+//   evaluation at a step's end -> [monitor] -> Status, counters of what was unusual
+#pragma once
+#include "rollerrig/status.hpp"
+#include "rollerrig/system/workspace.hpp"
+
+namespace rollerrig {
+
+/// What happened in the contacts of a run, summed over accepted steps.
+struct ContactCounters {
+  long limited_curvature{0};     ///< patches whose curvatures were outside Hertz' theory
+  long clamped_aspect{0};        ///< patches with a/b outside Kalker's table
+  long overlapping{0};           ///< pairs of patches of one wheel whose ellipses overlap
+  long several_patches{0};       ///< wheels with more than one patch
+  long faded{0};                 ///< patches that counted in part, contact/normal/blending_weight.hpp
+  long lost{0};                  ///< wheels without contact
+  long negative_dissipation{0};  ///< patches whose creep law fed energy in
+  long checked{0};               ///< wheels looked at
+};
+
+class ContactMonitor {
+ public:
+  explicit ContactMonitor(Model const& model) : lost_since_(model.contacts.size(), -1.0) {}
+
+  void reset();
+  Status check(Model const& model, Evaluation const& evaluation, double t);
+
+  ContactCounters const& counters() const { return counters_; }
+  /// The contact that made the last check() fail; -1: none did.
+  int failed_contact() const { return failed_contact_; }
+
+ private:
+  Status check_patch(Model const& model, Evaluation const& evaluation, int contact, int k);
+
+  std::vector<double> lost_since_;  ///< per contact [s]; -1: it is there
+  ContactCounters counters_;
+  int failed_contact_{-1};
+};
+
+}  // namespace rollerrig
