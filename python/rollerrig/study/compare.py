@@ -171,29 +171,20 @@ class CompareStudy(Study[Results]):
         return min(self.speeds_kmh, key=lambda v: abs(v - DISTURBED_SHARE * lowest))
 
     def collect(self, done: Done) -> Results | None:
-        def named(kind: str) -> dict[str, Any]:
-            return {label: done[f"{kind} {label}"] for label in self.supports if f"{kind} {label}" in done}
-
-        shifts, conicity = named("contact"), {}
-        for label, shift in shifts.items():
-            conicity[label] = conicity_table(shift, [a for a in AMPLITUDES if a <= float(shift["lateral"][-1])])
-        ran = named("disturbed")
-        return (
-            Results(
-                modes=named("modes"),
-                linear=named("linear critical speed"),
-                states=named("steady rolling"),
-                shifts=shifts,
-                conicity=conicity,
-                over_radius=speeds.over_radius(done, self.parts, self.radii),
-                effects=speeds.effect_split(done),
-                by_disturbance=speeds.brackets(list(self.supports), self.hunting, done),
-                disturbed=ran,
-                disturbed_kmh=self._disturbed_kmh(done) if ran else math.nan,
-            )
-            if done
-            else None
+        if not done:
+            return None
+        modes, linear, states, shifts, ran = (
+            {label: done[f"{kind} {label}"] for label in self.supports if f"{kind} {label}" in done}
+            for kind in ("modes", "linear critical speed", "steady rolling", "contact", "disturbed")
         )
+        conicity = {
+            label: conicity_table(shift, [a for a in AMPLITUDES if a <= float(shift["lateral"][-1])])
+            for label, shift in shifts.items()
+        }
+        over_radius, effects = speeds.over_radius(done, self.parts, self.radii), speeds.effect_split(done)
+        runs = speeds.brackets(list(self.supports), self.hunting, done)
+        speed = self._disturbed_kmh(done) if ran else math.nan
+        return Results(modes, linear, states, shifts, conicity, over_radius, effects, runs, ran, speed)
 
     # --------------------------------------------------------------------------------------------------- numbers
 
@@ -232,7 +223,8 @@ class CompareStudy(Study[Results]):
         lines = []
         for label in (label for label in self.supports if label in results.linear):
             scan, found = results.linear[label], results.by_disturbance.get(label)
-            text = f"On {label}: linear critical speed {speeds.linear_cell(scan)}{'' if scan.problem else ' km/h'}"
+            cell = speeds.linear_cell(scan)
+            text = f"On {label}: linear critical speed {cell}{' km/h' if scan.onset and cell[0].isdigit() else ''}"
             lines.append(text + (f", by disturbance {speeds.between(found)}." if found else "."))
         *others, last = self.supports
         for label in others:
@@ -279,7 +271,9 @@ class CompareStudy(Study[Results]):
             Section("Critical speeds", [self._critical(results), Text(definition), *self._hunting(results)]),
             Section("Modes", [Picture("modes", modes, CAPTIONS["modes"])] if modes else missing),
             Section("Radius of the rollers", self._radius(results) or missing),
-            Section("Effects of the rollers", _effects(results) or missing),
+            Section(
+                "Effects of the rollers", speeds.effects_blocks(results.effects, CAPTIONS["roller_effects"]) or missing
+            ),
             Section("Wheel forces", self._forces(results, numbers) or missing),
             Section("Contact characteristics", _characteristics(results, numbers) or missing),
             Section("What was compared", [self._supports()]),
@@ -374,21 +368,6 @@ CAPTIONS = {
     "roller in the same points; the rolling radii of the rollers differ.",
 }
 """Picture -> what it shows."""
-
-
-def _effects(results: Results) -> list[Block]:
-    if results.effects is None:
-        return []
-    caption = "Linear critical speed, track less rig, split by switching the four effects of a roller (contact.roller_effects)."
-    return [
-        Text(speeds.effects_sentence(results.effects)),
-        speeds.effects_picture("roller_effects", results.effects, CAPTIONS["roller_effects"]),
-        speeds.effects_table(results.effects, caption),
-        Text(
-            "The effects interact: the loss by one of them depends on which others are on. It is therefore found from both ends, "
-            "and the interaction is stated. With all four off the rig is the track of the same head."
-        ),
-    ]
 
 
 def _characteristics(results: Results, numbers: Numbers) -> list[Block]:

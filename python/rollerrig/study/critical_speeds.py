@@ -26,7 +26,7 @@ from rollerrig.config import Case
 from rollerrig.plot.compare import critical_over_radius, effect_bars
 from rollerrig.study.jobs import Done, Job, Round, job
 from rollerrig.study.quantities import Quantity
-from rollerrig.study.report import Picture, Table
+from rollerrig.study.report import Block, Picture, Table, Text
 
 EFFECT_LABELS = {
     "curvature": "curvature along x: shorter patch",
@@ -317,3 +317,21 @@ def effects_picture(name: str, split: EffectSplit, caption: str) -> Picture:
     """The split of the loss as bars."""
     off, alone = ({EFFECT_LABELS[e]: v for e, v in one.items()} for one in (split.switched_off, split.alone))
     return Picture(name, effect_bars(off, alone, split.loss), caption)
+
+
+def effects_blocks(split: EffectSplit | None, caption: str) -> list[Block]:
+    """All about the effects of the rollers; nothing where they were not computed.
+
+    Args:
+        split: of the loss of critical speed.
+        caption: of the picture.
+    """
+    if split is None:
+        return []
+    table = "Linear critical speed, track less rig, split by switching the four effects of a roller (contact.roller_effects)."
+    interaction = (
+        "The effects interact: the loss by one of them depends on which others are on. It is therefore found from both ends, and "
+        "the interaction is stated. With all four off the rig is the track of the same head."
+    )
+    picture = effects_picture("roller_effects", split, caption)
+    return [Text(effects_sentence(split)), picture, effects_table(split, table), Text(interaction)]
