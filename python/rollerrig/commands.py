@@ -50,7 +50,7 @@ def limit_cycle(
         case: the case; its rollers or rails are speed-controlled.
         speeds_kmh: speeds of the runs [km/h].
         linear_critical_kmh: linear critical speed, which decides how the bifurcation is called [km/h]; NaN: unknown.
-        processes: with 2, the two ways run at a time; that asks a script for `if __name__ == "__main__":`.
+        processes: with 2, the two sweeps run at a time; that asks a script for `if __name__ == "__main__":`.
         progress: called with the fraction done and a short text.
         **settings: of `LimitCycleSettings`, such as disturbance [m] and tolerance_kmh.
 

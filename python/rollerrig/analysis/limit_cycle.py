@@ -2,11 +2,11 @@
 
     Case, speeds -> [run until settled, state carried to the next speed] -> amplitude over speed, hysteresis, critical speeds
 
-On the way **up** each speed starts from the steady state with a perturbation, as small as track irregularities are, until a limit
-cycle is reached, which is then carried on. On the way **down** it starts from the limit cycle of the speed above, and where that
-has decayed, from a large disturbance. Between the lowest limit cycle and the rest below it the speed is halved to a tolerance:
-this is the critical speed by continuation. Where the two ways differ, two attractors stand side by side, and the size of a
-disturbance decides.
+On the **upward** sweep each speed starts from the steady state with a perturbation, as small as track irregularities are,
+until a limit cycle is reached, which is then carried over. On the **downward** sweep it starts from the limit cycle of the
+speed above, and where that has decayed, from a large disturbance. Between the lowest limit cycle and the rest below it the
+interval of speed is halved to a tolerance: this is the critical speed by continuation. Where the two sweeps differ, two
+attractors exist side by side, and the size of a disturbance decides.
 
 Equations: docs/theory/equilibrium_and_linearisation.md, section Limit cycles.
 """
@@ -82,13 +82,13 @@ class Branch(Generic[State]):
     """Points in the order in which they were computed.
 
     Attributes:
-        way: 'up' or 'down'.
+        sweep: 'up' or 'down'.
         points: at the speeds asked for.
         refined: further points, of the halving.
         interrupted: whether Ctrl-C came before its end.
     """
 
-    way: Literal["up", "down"]
+    sweep: Literal["up", "down"]
     points: list[CyclePoint] = field(default_factory=list)
     refined: list[CyclePoint] = field(default_factory=list)
     interrupted: bool = False
@@ -96,7 +96,7 @@ class Branch(Generic[State]):
 
 def trace(
     settle: Settle[State],
-    way: Literal["up", "down"],
+    sweep: Literal["up", "down"],
     speeds: Sequence[float],
     *,
     tolerance: float | None = None,
@@ -106,19 +106,19 @@ def trace(
 
     Args:
         settle: one run.
-        way: up or down.
+        sweep: up or down.
         speeds: in any order [m/s].
         tolerance: to which the speed is found where the limit cycle ends [m/s]; None: not looked for.
         progress: called with the fraction done and a short text.
     """
-    branch: Branch[State] = Branch(way)
-    ordered = sorted(speeds, reverse=way == "down")
+    branch: Branch[State] = Branch(sweep)
+    ordered = sorted(speeds, reverse=sweep == "down")
     report = progress or (lambda _fraction, _text: None)
     state: State | None = None
     lowest: tuple[float, State] | None = None  # the limit cycle at the lowest speed so far
     try:
         for number, speed in enumerate(ordered):
-            report(number / (len(ordered) + 1), f"{way}, {3.6 * speed:.0f} km/h")
+            report(number / (len(ordered) + 1), f"{sweep}, {3.6 * speed:.0f} km/h")
             point, state = settle(speed, state)
             branch.points.append(point)
             if state is not None and (lowest is None or speed < lowest[0]):
@@ -164,8 +164,8 @@ class Diagram:
     """The limit-cycle diagram.
 
     Attributes:
-        up: points of the way up, by speed.
-        down: points of the way down and of the halving, by speed.
+        up: points of the upward sweep, by speed.
+        down: points of the downward sweep and of the halving, by speed.
         linear: linear critical speed [m/s]; NaN if there is none in the range.
         tolerance: of the critical speed by continuation [m/s].
         interrupted: whether Ctrl-C came before the end.
@@ -189,12 +189,12 @@ class Diagram:
 
     @property
     def jumps(self) -> float:
-        """Lowest speed at which the perturbation of the way up grows into a limit cycle [m/s]; NaN if none does."""
+        """Lowest speed at which the perturbation of the upward sweep grows into a limit cycle [m/s]; NaN if none does."""
         return min((p.speed for p in self.up if p.persists), default=math.nan)
 
     @property
     def hysteresis(self) -> tuple[float, float] | None:
-        """Lowest and highest speed at which the two ways end differently [m/s]; None if they never do."""
+        """Lowest and highest speed at which the two sweeps end differently [m/s]; None if they never do."""
         down = {p.speed: p for p in self.down}
         apart = [p.speed for p in self.up if p.speed in down and not _alike(p, down[p.speed])]
         return (min(apart), max(apart)) if apart else None
@@ -218,11 +218,11 @@ def _alike(one: CyclePoint, other: CyclePoint) -> bool:
 
 
 def diagram(up: Branch[State] | None, down: Branch[State] | None, linear: float, tolerance: float) -> Diagram:
-    """Put the two ways together.
+    """Put the two sweeps together.
 
     Args:
-        up: the way up; None if it was not computed.
-        down: the way down.
+        up: the upward sweep; None if it was not computed.
+        down: the downward sweep.
         linear: linear critical speed [m/s]; NaN if there is none.
         tolerance: of the halving [m/s].
     """

@@ -1,6 +1,6 @@
 """Limit cycles of a case: runs that carry their last state to the next speed.
 
-Case, speeds -> [way up, way down on two processes; runs in windows until settled] -> Diagram -> Dataset
+Case, speeds -> [upward sweep, downward sweep on two processes; runs in windows until settled] -> Diagram -> Dataset
 """
 
 from __future__ import annotations
@@ -50,8 +50,8 @@ class LimitCycleSettings:
     """How the runs are done.
 
     Attributes:
-        disturbance: lateral offset of the leading wheelset at the start of the way down [m].
-        perturbation: the same on the way up [m].
+        disturbance: lateral offset of the leading wheelset at the start of the downward sweep [m].
+        perturbation: the same on the upward sweep [m].
         window: amplitudes are compared between pieces of a run of this length [s], or of four waves if that is longer.
         longest: time after which a run ends, settled or not [s].
         output_step: interval of the samples [s].
@@ -89,7 +89,7 @@ def limit_cycles(
         speeds_kmh: at least one speed, each positive [km/h].
         linear_critical_kmh: linear critical speed, from `stability` or `linear_critical_speed` [km/h]; NaN if there is none.
         settings: disturbances, tolerances, longest time.
-        processes: 2 runs the two ways at a time.
+        processes: 2 runs the two sweeps at a time.
         progress: called with the fraction done and a short text.
 
     Returns:
@@ -101,27 +101,27 @@ def limit_cycles(
     chosen = settings or LimitCycleSettings()
     speeds = tuple(float(v) / 3.6 for v in speeds_kmh)
     report = progress or (lambda _fraction, _text: None)
-    way_down: BranchJob = (case, "down", speeds, chosen)
-    way_up: BranchJob = (case, "up", speeds, chosen)
+    downward: BranchJob = (case, "down", speeds, chosen)
+    upward: BranchJob = (case, "up", speeds, chosen)
     down: Branch[Carried] | None
     up: Branch[Carried] | None = None
     if processes > 1:
         down, up = run_jobs(
-            branch_job, [way_down, way_up], processes=2, progress=progress, names=["way down", "way up"]
+            branch_job, [downward, upward], processes=2, progress=progress, names=["downward sweep", "upward sweep"]
         ).results
     else:  # a branch keeps what is done when Ctrl-C comes: it must not begin the next one
-        down = branch_job(way_down, lambda f, t: report(0.6 * f, t))
+        down = branch_job(downward, lambda f, t: report(0.6 * f, t))
         if not down.interrupted:
-            up = branch_job(way_up, lambda f, t: report(0.6 + 0.4 * f, t))
+            up = branch_job(upward, lambda f, t: report(0.6 + 0.4 * f, t))
     return diagram(up, down, linear_critical_kmh / 3.6, chosen.tolerance_kmh / 3.6)
 
 
 def branch_job(job: BranchJob, progress: Progress) -> Branch[Carried]:
-    """One way through the speeds, on any process; after Ctrl-C what was done until then."""
-    case, way, speeds, settings = job
-    runs = SettlingRuns(case, settings, settings.perturbation if way == "up" else settings.disturbance, progress)
-    tolerance = settings.tolerance_kmh / 3.6 if way == "down" else None
-    return trace(runs, way, speeds, tolerance=tolerance, progress=runs.report)
+    """One sweep through the speeds, on any process; after Ctrl-C what was done until then."""
+    case, sweep, speeds, settings = job
+    runs = SettlingRuns(case, settings, settings.perturbation if sweep == "up" else settings.disturbance, progress)
+    tolerance = settings.tolerance_kmh / 3.6 if sweep == "down" else None
+    return trace(runs, sweep, speeds, tolerance=tolerance, progress=runs.report)
 
 
 class SettlingRuns:
@@ -133,7 +133,7 @@ class SettlingRuns:
         self._reported = (0.0, "")
 
     def report(self, fraction: float, text: str) -> None:
-        """Progress of the whole way."""
+        """Progress of the whole sweep."""
         self._reported = fraction, text
         self._progress(fraction, text)
 
@@ -257,7 +257,7 @@ class _Windows:
 
 
 def limit_cycle_table(found: Diagram) -> xr.Dataset:
-    """The diagram as a Dataset over `cycle_point`, first the way up, then the way down, by speed."""
+    """The diagram as a Dataset over `cycle_point`, first the upward sweep, then the downward sweep, by speed."""
     points = [("up", p) for p in found.up] + [("down", p) for p in found.down]
     columns: dict[str, tuple[list[float], str, str]] = {
         "cycle_speed": ([3.6 * p.speed for _, p in points], "km/h", "running speed"),
@@ -277,10 +277,10 @@ def limit_cycle_table(found: Diagram) -> xr.Dataset:
         name: ("cycle_point", np.array(values, dtype=np.float64), {"units": unit, "long_name": meaning})
         for name, (values, unit, meaning) in columns.items()
     }
-    variables["cycle_way"] = (
+    variables["cycle_sweep"] = (
         "cycle_point",
-        np.array([way for way, _ in points], dtype=str),
-        {"long_name": "way through the speeds"},
+        np.array([sweep for sweep, _ in points], dtype=str),
+        {"long_name": "sweep through the speeds"},
     )
     variables["cycle_status"] = (
         "cycle_point",

@@ -19,16 +19,20 @@ def command(
     ] = True,
     disturbance_mm: Annotated[
         float,
-        typer.Option(min=0.01, max=20.0, help="Lateral offset of the leading wheelset that starts the way down [mm]."),
+        typer.Option(
+            min=0.01, max=20.0, help="Lateral offset of the leading wheelset that starts the downward sweep [mm]."
+        ),
     ] = 3.0,
-    perturbation_mm: Annotated[float, typer.Option(min=0.001, max=20.0, help="The same for the way up [mm].")] = 0.1,
+    perturbation_mm: Annotated[
+        float, typer.Option(min=0.001, max=20.0, help="The same for the upward sweep [mm].")
+    ] = 0.1,
     longest: Annotated[
         float, typer.Option(min=2.0, max=600.0, help="A run that has not settled by then ends [s].")
     ] = 16.0,
     tolerance_kmh: Annotated[
         float, typer.Option(min=0.01, max=100.0, help="To which the critical speed by continuation is found [km/h].")
     ] = 1.0,
-    processes: Annotated[int, typer.Option(min=1, max=2, help="With 2, the two ways run at a time.")] = 2,
+    processes: Annotated[int, typer.Option(min=1, max=2, help="With 2, the two sweeps run at a time.")] = 2,
     contacts_kmh: Annotated[
         float | None,
         typer.Option(

@@ -20,7 +20,7 @@ LOOKS: dict[str, dict[str, Any]] = {
 
 
 def limit_cycle_diagram(cycles: xr.Dataset, modes: xr.Dataset | None = None) -> Figure:
-    """Amplitude, frequency and guiding force over speed, on the way up and on the way down.
+    """Amplitude, frequency and guiding force over speed, on the upward sweep and on the downward sweep.
 
     Args:
         cycles: Dataset of `limit_cycle_table`.
@@ -30,8 +30,8 @@ def limit_cycle_diagram(cycles: xr.Dataset, modes: xr.Dataset | None = None) -> 
     ratios = {"height_ratios": (2.2, 1, 1)}
     with panels(labels, "speed [km/h]", 7.0, legend=False, gridspec_kw=ratios) as (figure, axes):
         amplitude, frequency, force = axes
-        for way, drawn in LOOKS.items():
-            _way(axes, cycles.isel(cycle_point=cycles["cycle_way"].to_numpy() == way), way, drawn)
+        for sweep, drawn in LOOKS.items():
+            _sweep(axes, cycles.isel(cycle_point=cycles["cycle_sweep"].to_numpy() == sweep), sweep, drawn)
         if modes is not None and modes.attrs["hunting_mode"]:
             hunting = modes["frequency"].sel(mode=modes.attrs["hunting_mode"])
             linear = {"color": GREY, "linewidth": 1.0, "label": "linear hunting mode"}
@@ -56,13 +56,13 @@ def limit_cycle_diagram(cycles: xr.Dataset, modes: xr.Dataset | None = None) -> 
         return figure
 
 
-def _way(axes: Sequence[Axes], one: xr.Dataset, way: str, drawn: dict[str, Any]) -> None:
-    """Amplitude, frequency and force on one way through the speeds; runs that have not settled are marked."""
+def _sweep(axes: Sequence[Axes], one: xr.Dataset, sweep: str, drawn: dict[str, Any]) -> None:
+    """Amplitude, frequency and force on one sweep through the speeds; runs that have not settled are marked."""
     amplitude, frequency, force = axes
-    down = way == "down"
+    down = sweep == "down"
     style = {**drawn, "markersize": 5, "markerfacecolor": "white" if down else drawn["color"]}
     speed, size = one["cycle_speed"].to_numpy(), 1e3 * one["cycle_amplitude"].to_numpy()
-    amplitude.plot(speed, size, label=f"way {way}", zorder=4 if down else 3, **style)
+    amplitude.plot(speed, size, label=f"{sweep}ward sweep", zorder=4 if down else 3, **style)
     frequency.plot(speed, one["cycle_frequency"].to_numpy(), **style)
     force.plot(speed, 1e-3 * one["cycle_guiding_force"].to_numpy(), **style)
     unsettled = (one["cycle_settled"].to_numpy() == 0) & (size > 0)

@@ -37,7 +37,7 @@ MOST_CYCLE_SPEEDS = 20
 
 POINT = "limit_cycles.points.*"
 POINTS = (
-    Quantity(f"{POINT}.way", "up: from a small perturbation at each speed; down: the state carried over"),
+    Quantity(f"{POINT}.sweep", "up: from a small perturbation at each speed; down: the state carried over"),
     Quantity(f"{POINT}.speed_kmh", "of the run", "km/h", "speed", 5),
     Quantity(f"{POINT}.amplitude_mm", "half the range of the wheelset that moves most; 0: rest", "mm", "amplitude"),
     Quantity(f"{POINT}.peak_mm", "its largest displacement", "mm", "peak"),
@@ -69,10 +69,10 @@ QUANTITIES = Quantities(
     Quantity("limit_cycles.critical_speed_by_continuation_kmh", "lowest speed with a lasting limit cycle; null: none", "km/h"),
     Quantity("limit_cycles.decays_kmh", "highest speed below it at which every motion comes to rest", "km/h"),
     Quantity("limit_cycles.jump_up_kmh", "lowest speed run at which the perturbation grows into a limit cycle", "km/h"),
-    Quantity("limit_cycles.hysteresis_kmh", "lowest and highest speed at which the ways end differently; null: none", "km/h"),
+    Quantity("limit_cycles.hysteresis_kmh", "lowest and highest speed at which the sweeps end differently; null: none", "km/h"),
     Quantity("limit_cycles.tolerance_kmh", "to which the critical speed by continuation was looked for", "km/h"),
-    Quantity("limit_cycles.disturbance_mm", "lateral offset of the leading wheelset at the start of the way down", "mm"),
-    Quantity("limit_cycles.perturbation_mm", "the same on the way up", "mm"),
+    Quantity("limit_cycles.disturbance_mm", "lateral offset of the leading wheelset at the start of the downward sweep", "mm"),
+    Quantity("limit_cycles.perturbation_mm", "the same on the upward sweep", "mm"),
     POINTS,
     contact_effects.QUANTITIES,
 )  # fmt: skip
@@ -97,7 +97,7 @@ class StabilityStudy(Study[Results]):
         with_limit_cycles: whether runs are made.
         settings: of the runs.
         contacts_kmh: also compare the contact models, with runs at this speed [km/h].
-        processes: with 2, the way up and the way down run at a time.
+        processes: with 2, the upward and the downward sweep run at a time.
     """
 
     case: Case
@@ -269,7 +269,7 @@ def cycle_speeds(speeds_kmh: tuple[float, ...]) -> list[float]:
 
 def cycle_numbers(found: Diagram, settings: LimitCycleSettings) -> dict[str, Any]:
     """The diagram and what follows from it."""
-    ways: tuple[tuple[str, list[CyclePoint]], ...] = (("up", found.up), ("down", found.down))
+    sweeps: tuple[tuple[str, list[CyclePoint]], ...] = (("up", found.up), ("down", found.down))
     return {
         "bifurcation": found.kind,
         "critical_speed_by_continuation_kmh": 3.6 * found.lowest_cycle,
@@ -281,7 +281,7 @@ def cycle_numbers(found: Diagram, settings: LimitCycleSettings) -> dict[str, Any
         "perturbation_mm": 1e3 * settings.perturbation,
         "points": [
             {
-                "way": way,
+                "sweep": sweep,
                 "speed_kmh": round(3.6 * point.speed, 6),
                 "amplitude_mm": 1e3 * point.amplitude,
                 "peak_mm": 1e3 * point.peak,
@@ -292,7 +292,7 @@ def cycle_numbers(found: Diagram, settings: LimitCycleSettings) -> dict[str, Any
                 "duration_s": point.duration,
                 "status": point.status,
             }
-            for way, points in ways
+            for sweep, points in sweeps
             for point in points
         ],
     }
@@ -315,5 +315,5 @@ def continuation_sentence(found: Diagram) -> str:
     if found.hysteresis is not None:
         low, high = (f"{3.6 * v:.1f}" for v in found.hysteresis)
         where = f"At {low} km/h" if low == high else f"From {low} to {high} km/h"
-        text += f" {where} the way up and the way down end differently."
+        text += f" {where} the upward and the downward sweep end differently."
     return text

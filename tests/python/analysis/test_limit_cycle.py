@@ -90,8 +90,8 @@ def test_without_a_fold_up_and_down_are_one_and_called_supercritical() -> None:
             assert 1e3 * point.amplitude == pytest.approx(exact.radius(point.speed), rel=0.01)
 
 
-def branch(way, amplitudes) -> Branch[float]:
-    return Branch(way, [CyclePoint(10.0 * (k + 1), 1e-3 * a) for k, a in enumerate(amplitudes)])
+def branch(sweep, amplitudes) -> Branch[float]:
+    return Branch(sweep, [CyclePoint(10.0 * (k + 1), 1e-3 * a) for k, a in enumerate(amplitudes)])
 
 
 @pytest.mark.parametrize(
@@ -169,7 +169,7 @@ def test_critical_speeds_by_the_three_definitions_are_in_order(bogie, found) -> 
 
 
 def test_where_there_is_one_attractor_both_ways_end_in_it(found) -> None:
-    up, down = (next(p for p in way if p.speed > 260 / 3.6) for way in (found.up, found.down))
+    up, down = (next(p for p in sweep if p.speed > 260 / 3.6) for sweep in (found.up, found.down))
     assert up.amplitude == pytest.approx(down.amplitude, rel=0.02)  # settled within 1 % each
     assert up.frequency == pytest.approx(down.frequency, rel=0.02)
 

@@ -68,7 +68,7 @@ def cycles() -> xr.Dataset:
         "frequency": [np.nan, 4.0, 5.0],
         "settled": [1.0, 1.0, 0.0],
     }
-    columns |= {"guiding_force": [np.nan, 1e4, 9e5], "way": ["up", "up", "down"], "status": ["ok", "ok", "derailed"]}
+    columns |= {"guiding_force": [np.nan, 1e4, 9e5], "sweep": ["up", "up", "down"], "status": ["ok", "ok", "derailed"]}
     variables = {f"cycle_{name}": ("cycle_point", values) for name, values in columns.items()}
     return xr.Dataset(variables, attrs={"critical_speed_by_continuation_kmh": 120.0})
 
@@ -193,8 +193,8 @@ def test_figures_draw_their_data_in_the_units_of_their_axes() -> None:
     assert drawn("frequency", 0, "frame pitch") == pytest.approx([10.0, 10.0, 10.0])
     assert drawn("amplitude", 0, "steel: persists") == pytest.approx([1.0, 2.0])
     assert drawn("amplitude", 0, "steel: decays") == pytest.approx([0.0])
-    assert drawn("limit_cycles", 0, "way up") == pytest.approx([0.0, 1.0])
-    assert drawn("limit_cycles", 0, "way down") == pytest.approx([2.0])
+    assert drawn("limit_cycles", 0, "upward sweep") == pytest.approx([0.0, 1.0])
+    assert drawn("limit_cycles", 0, "downward sweep") == pytest.approx([2.0])
     assert drawn("sliding", 0, "front") == pytest.approx(np.full(len(TIME), 1e3))
     assert drawn("forces", 1, "closed form") == pytest.approx(np.full(len(TIME), 1e-3))
     lateral = 1e3 * motion()["lateral"].to_numpy()[:, 0]
