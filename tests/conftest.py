@@ -13,13 +13,16 @@ def pytest_addoption(parser: pytest.Parser) -> None:
         type=Path,
         metavar="FOLDER",
         help="folder with the third-party files that tests/validation/third_party compares with; without it "
-        "these comparisons are not collected",
+        "they are deselected",
     )
 
 
-def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool | None:
-    """The third-party files are not ours to ship: the comparisons with them exist only where a folder is named."""
-    return True if collection_path.name == "third_party" and config.getoption("--shared") is None else None
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """The third-party files are not ours to ship: comparisons with them run only where a folder is named."""
+    if config.getoption("--shared") is None:
+        third_party = [item for item in items if item.path.parent.name == "third_party"]
+        config.hook.pytest_deselected(items=third_party)
+        items[:] = [item for item in items if item not in third_party]
 
 
 @pytest.fixture(scope="session")

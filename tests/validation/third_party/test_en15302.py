@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from rollerrig.characteristics import equivalent_conicity, pair_case, shift_table
+from rollerrig.contact_analysis import equivalent_conicity, pair_case, shift_table
 from validation.reference import mm
 
 #: The file's point (0, 0), 0.4918 mm below the highest point of rail A, belongs at 750 mm: the gauge point lies 14 mm below it.
