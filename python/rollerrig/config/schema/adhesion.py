@@ -7,7 +7,7 @@ from pydantic import BeforeValidator, Field, ValidationInfo, field_validator, mo
 from pydantic_core import PydanticCustomError
 
 from rollerrig.config.errors import nearest, show_value
-from rollerrig.config.schema.base import Table
+from rollerrig.config.schema.base import Table, refused
 from rollerrig.config.schema.contact_law import AnyFriction, FallingFriction, Share
 from rollerrig.config.schema.units import Quantity
 
@@ -38,8 +38,7 @@ class Condition(Table):
     @model_validator(mode="after")
     def _no_stiffer_in_slip(self) -> "Condition":
         if self.k_S > self.k_A:
-            allowed = f"allowed: at most k_A, {self.k_A:g}"
-            raise PydanticCustomError("at_key", "{allowed}", {"allowed": allowed, "key": "k_S"})
+            raise refused("k_S", f"allowed: at most k_A, {self.k_A:g}")
         return self
 
 
@@ -112,10 +111,10 @@ class Adhesion(Table):
         for number, piece in enumerate(self.piece):
             place = piece.time if self.over_time else piece.distance
             if place is None or (piece.time is None) == (piece.distance is None):
-                allowed = "allowed: each piece with `distance`, or each with `time`"
-                raise PydanticCustomError("at_key", "{allowed}", {"allowed": allowed, "key": "piece"})
+                raise refused("piece", "allowed: each piece with `distance`, or each with `time`")
             if not place > last:
-                allowed = f"allowed: pieces in ascending order; piece[{number}] begins at {place:g} after {last:g}"
-                raise PydanticCustomError("at_key", "{allowed}", {"allowed": allowed, "key": "piece"})
+                raise refused(
+                    "piece", f"allowed: pieces in ascending order; piece[{number}] begins at {place:g} after {last:g}"
+                )
             last = place
         return self

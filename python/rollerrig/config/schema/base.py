@@ -30,6 +30,11 @@ def quantity_of(annotation: object, metadata: object = ()) -> Quantity | None:
     return None
 
 
+def refused(key: str, allowed: str) -> PydanticCustomError:
+    """A mistake at a key of the table that raises it; `allowed` says what may stand there."""
+    return PydanticCustomError("at_key", "{allowed}", {"allowed": allowed, "key": key})
+
+
 INSTEAD_OF = "x-instead-of"
 
 

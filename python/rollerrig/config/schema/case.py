@@ -3,11 +3,10 @@
 from typing import Annotated, Any, Literal
 
 from pydantic import ConfigDict, Field, StrictBool, model_validator
-from pydantic_core import PydanticCustomError
 
 from rollerrig.config.schema.actuators import BenchSettings, Brake, Sensors, SlideProtection, Traction, WheelSlipControl
 from rollerrig.config.schema.adhesion import Adhesion
-from rollerrig.config.schema.base import SpeedTable, Table, TorqueTable, instead_of
+from rollerrig.config.schema.base import SpeedTable, Table, TorqueTable, instead_of, refused
 from rollerrig.config.schema.contact_law import (
     AnyCreep,
     AnyFriction,
@@ -143,20 +142,21 @@ class Motion(Table):
     def _fits_drive(self) -> "Motion":
         needs_torque = self.drive == "torque"
         if needs_torque != (self.torque_table is not None):
-            allowed = "needed for drive = 'torque'" if needs_torque else "allowed only with drive = 'torque'"
-            raise PydanticCustomError("at_key", "{allowed}", {"allowed": allowed, "key": "torque_table"})
+            raise refused(
+                "torque_table", "needed for drive = 'torque'" if needs_torque else "allowed only with drive = 'torque'"
+            )
         if self.speed_table is None:
             return self
         if self.drive != "speed_controlled":
-            allowed = "allowed only with drive = 'speed_controlled'"
-            raise PydanticCustomError("at_key", "{allowed}", {"allowed": allowed, "key": "speed_table"})
+            raise refused("speed_table", "allowed only with drive = 'speed_controlled'")
         start, speed = self.speed_table[0]
         if any(not 0 <= row[1] <= 200 for row in self.speed_table):
-            allowed = "allowed: speeds from 0 to 200 m/s"
-            raise PydanticCustomError("at_key", "{allowed}", {"allowed": allowed, "key": "speed_table"})
+            raise refused("speed_table", "allowed: speeds from 0 to 200 m/s")
         if start != 0 or abs(speed - self.speed) > 1e-9 * max(1.0, self.speed):
-            allowed = f"allowed: a table that starts at time 0 with motion.speed; [{start:g}, {speed:g}] does not"
-            raise PydanticCustomError("at_key", "{allowed}", {"allowed": allowed, "key": "speed_table"})
+            raise refused(
+                "speed_table",
+                f"allowed: a table that starts at time 0 with motion.speed; [{start:g}, {speed:g}] does not",
+            )
         return self
 
 
@@ -175,8 +175,7 @@ class AxleTorque(Table):
     @model_validator(mode="after")
     def _one_law(self) -> "AxleTorque":
         if (self.constant is None) == (self.table is None):
-            allowed = "allowed: one of `constant = torque` and `table = [[time, torque], ...]`"
-            raise PydanticCustomError("at_key", "{allowed}", {"allowed": allowed, "key": "table"})
+            raise refused("table", "allowed: one of `constant = torque` and `table = [[time, torque], ...]`")
         return self
 
 
@@ -227,15 +226,12 @@ class TimeSettings(Table):
     @model_validator(mode="after")
     def _consistent(self) -> "TimeSettings":
         if self.has_fixed_step and self.step is None:
-            allowed = f"needed: the step of the fixed-step method {self.method}, e.g. step = '0.1 ms'"
-            raise PydanticCustomError("at_key", "{allowed}", {"allowed": allowed, "key": "step"})
+            raise refused("step", f"needed: the step of the fixed-step method {self.method}, e.g. step = '0.1 ms'")
         for key, value in (("output_step", self.output_step), ("step", self.step), ("maximum_step", self.maximum_step)):
             if value is not None and value > self.duration:
-                allowed = f"allowed: at most the duration, {self.duration:g} s"
-                raise PydanticCustomError("at_key", "{allowed}", {"allowed": allowed, "key": key})
+                raise refused(key, f"allowed: at most the duration, {self.duration:g} s")
         if self.duration / self.output_step > 1e8:
-            allowed = f"allowed: at least {self.duration / 1e8:g} s, for at most 1e8 samples"
-            raise PydanticCustomError("at_key", "{allowed}", {"allowed": allowed, "key": "output_step"})
+            raise refused("output_step", f"allowed: at least {self.duration / 1e8:g} s, for at most 1e8 samples")
         return self
 
 

@@ -4,9 +4,8 @@ from pathlib import Path
 from typing import Annotated, Literal
 
 from pydantic import Discriminator, Field, StrictInt, model_validator
-from pydantic_core import PydanticCustomError
 
-from rollerrig.config.schema.base import Table
+from rollerrig.config.schema.base import Table, refused
 from rollerrig.config.schema.units import Length, PositiveLength, Quantity
 from rollerrig.irregularity import RailIrregularity, generate, measured_irregularity, read_measured_track
 
@@ -51,8 +50,7 @@ class SpectrumIrregularity(Deviation):
             ("period", self.period, "longest_wavelength", self.longest_wavelength),
         ):
             if value < least:
-                allowed = f"allowed: at least {name}, {least:g} m"
-                raise PydanticCustomError("at_key", "{allowed}", {"allowed": allowed, "key": key})
+                raise refused(key, f"allowed: at least {name}, {least:g} m")
         return self
 
 

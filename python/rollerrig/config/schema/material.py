@@ -3,9 +3,8 @@
 from typing import Annotated, Any
 
 from pydantic import Field, model_validator
-from pydantic_core import PydanticCustomError
 
-from rollerrig.config.schema.base import Table, instead_of
+from rollerrig.config.schema.base import Table, instead_of, refused
 from rollerrig.config.schema.units import Modulus, Quantity
 from rollerrig.config.schema.vehicle import Name
 
@@ -39,6 +38,8 @@ class Material(Table):
     def _consistent(self) -> "Material":
         expected = 2 * self.shear_modulus * (1 + self.poisson_ratio)
         if abs(self.young_modulus - expected) > 1e-3 * expected:
-            allowed = f"allowed: 2 G (1 + nu) = {expected:g} Pa, or leave out one of young_modulus and shear_modulus"
-            raise PydanticCustomError("at_key", "{allowed}", {"allowed": allowed, "key": "young_modulus"})
+            raise refused(
+                "young_modulus",
+                f"allowed: 2 G (1 + nu) = {expected:g} Pa, or leave out one of young_modulus and shear_modulus",
+            )
         return self

@@ -1,9 +1,8 @@
 """How roller axles and rails are carried where they are not rigid."""
 
 from pydantic import Field, model_validator
-from pydantic_core import PydanticCustomError
 
-from rollerrig.config.schema.base import Table
+from rollerrig.config.schema.base import Table, refused
 from rollerrig.config.schema.units import AngularDamping, Damping, Mass, PositiveAngularStiffness, PositiveStiffness
 
 
@@ -39,6 +38,7 @@ class Foundation(Table):
     @model_validator(mode="after")
     def _moves(self) -> "Foundation":
         if self.lateral is None and self.vertical is None:
-            allowed = "needed: a support along y or z; without both leave out the foundation, the rails are rigid"
-            raise PydanticCustomError("at_key", "{allowed}", {"allowed": allowed, "key": "lateral"})
+            raise refused(
+                "lateral", "needed: a support along y or z; without both leave out the foundation, the rails are rigid"
+            )
         return self

@@ -3,9 +3,8 @@
 from typing import Annotated, Literal
 
 from pydantic import Discriminator, Field, RootModel, StrictBool, model_validator
-from pydantic_core import PydanticCustomError
 
-from rollerrig.config.schema.base import Table
+from rollerrig.config.schema.base import Table, refused
 from rollerrig.config.schema.irregularity import AnyIrregularity
 from rollerrig.config.schema.mounting import Mounting
 from rollerrig.config.schema.profile import AnyProfile
@@ -49,8 +48,7 @@ class Rig(Table):
     def _possible_inertia(self) -> "Rig":
         x, spin, z = self.roller_inertia
         if abs(x - z) > 1e-9 * x or spin > (x + z) * (1 + 1e-6):
-            allowed = "allowed: a body of revolution, [I, I_spin, I] with I_spin at most 2 I"
-            raise PydanticCustomError("at_key", "{allowed}", {"allowed": allowed, "key": "roller_inertia"})
+            raise refused("roller_inertia", "allowed: a body of revolution, [I, I_spin, I] with I_spin at most 2 I")
         return self
 
 

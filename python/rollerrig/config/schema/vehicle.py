@@ -7,7 +7,6 @@ of rail.
 from typing import Annotated, Literal
 
 from pydantic import Field, StrictBool, model_validator
-from pydantic_core import PydanticCustomError
 
 from rollerrig.config.schema.base import (
     ForceOverDeflection,
@@ -16,6 +15,7 @@ from rollerrig.config.schema.base import (
     MomentOverRate,
     Table,
     Vector,
+    refused,
 )
 from rollerrig.config.schema.profile import AnyProfile
 from rollerrig.config.schema.units import (
@@ -71,11 +71,12 @@ class Body(Table):
         x, _, z = self.inertia
         largest, total = max(self.inertia), sum(self.inertia)
         if largest > (total - largest) * (1 + 1e-6):
-            allowed = "allowed: no moment of inertia may exceed the sum of the other two"
-            raise PydanticCustomError("at_key", "{allowed}", {"allowed": allowed, "key": "inertia"})
+            raise refused("inertia", "allowed: no moment of inertia may exceed the sum of the other two")
         if self.kind == "wheelset" and abs(x - z) > 1e-9 * x:
-            allowed = f"allowed for a wheelset: the same moment about x and z, a body of revolution; {x:g} is not {z:g}"
-            raise PydanticCustomError("at_key", "{allowed}", {"allowed": allowed, "key": "inertia"})
+            raise refused(
+                "inertia",
+                f"allowed for a wheelset: the same moment about x and z, a body of revolution; {x:g} is not {z:g}",
+            )
         return self
 
 
@@ -95,18 +96,18 @@ class AngularSeriesDamper(Table):
 
 def _one_law_each(stiffness: float | None, table: object, damping: float | None, damping_table: object) -> None:
     if stiffness is not None and table is not None:
-        allowed = "allowed: `stiffness` or `table`; for both at once write two elements"
-        raise PydanticCustomError("at_key", "{allowed}", {"allowed": allowed, "key": "table"})
+        raise refused("table", "allowed: `stiffness` or `table`; for both at once write two elements")
     if damping is not None and damping_table is not None:
-        allowed = "allowed: `damping` or `damping_table`; for both at once write two elements"
-        raise PydanticCustomError("at_key", "{allowed}", {"allowed": allowed, "key": "damping_table"})
+        raise refused("damping_table", "allowed: `damping` or `damping_table`; for both at once write two elements")
 
 
 def _dissipates(rows: tuple[tuple[float, float], ...] | None) -> None:
     for speed, force in rows or ():
         if speed * force < 0 or (speed == 0 and force != 0):
-            allowed = f"allowed: a force of the speed's sign, 0 at rest; [{speed:g}, {force:g}] would feed energy"
-            raise PydanticCustomError("at_key", "{allowed}", {"allowed": allowed, "key": "damping_table"})
+            raise refused(
+                "damping_table",
+                f"allowed: a force of the speed's sign, 0 at rest; [{speed:g}, {force:g}] would feed energy",
+            )
 
 
 class LinearLaw(Table):
@@ -187,28 +188,24 @@ class Element(Table):
     @model_validator(mode="after")
     def _complete(self) -> "Element":
         if (self.point is None) == (self.points is None):
-            allowed = "allowed: one of `point = [x, y, z]` and `points = [[x, y, z], [x, y, z]]`"
-            raise PydanticCustomError("at_key", "{allowed}", {"allowed": allowed, "key": "point"})
+            raise refused("point", "allowed: one of `point = [x, y, z]` and `points = [[x, y, z], [x, y, z]]`")
         if not self.laws:
-            allowed = "needed: a law in at least one of the directions x, y, z, roll, pitch, yaw"
-            raise PydanticCustomError("at_key", "{allowed}", {"allowed": allowed, "key": "x"})
+            raise refused("x", "needed: a law in at least one of the directions x, y, z, roll, pitch, yaw")
         if self.between[0] == self.between[1]:
-            allowed = "allowed: two different bodies"
-            raise PydanticCustomError("at_key", "{allowed}", {"allowed": allowed, "key": "between"})
+            raise refused("between", "allowed: two different bodies")
         if self.clamped and self.points is not None:
-            allowed = "allowed: true only with `point`, the middle of the spring, not with `points`"
-            raise PydanticCustomError("at_key", "{allowed}", {"allowed": allowed, "key": "clamped"})
+            raise refused("clamped", "allowed: true only with `point`, the middle of the spring, not with `points`")
         if self.carries_load:
             self._can_carry()
         return self
 
     def _can_carry(self) -> None:
         if self.z is None or (not self.z.stiffness and self.z.table is None):
-            allowed = "allowed: true only where the element has a vertical spring (z.stiffness or z.table)"
-            raise PydanticCustomError("at_key", "{allowed}", {"allowed": allowed, "key": "carries_load"})
+            raise refused(
+                "carries_load", "allowed: true only where the element has a vertical spring (z.stiffness or z.table)"
+            )
         if self.z.preload:
-            allowed = "allowed: no z.preload beside carries_load = true, which solves it"
-            raise PydanticCustomError("at_key", "{allowed}", {"allowed": allowed, "key": "z.preload"})
+            raise refused("z.preload", "allowed: no z.preload beside carries_load = true, which solves it")
 
     @property
     def end_a(self) -> tuple[float, float, float]:
