@@ -13,7 +13,7 @@ from scipy.optimize import brentq
 
 from rollerrig import _core
 from rollerrig.contact_laws import creep_law
-from validation.reference import POISSON_RATIO, SHEAR_MODULUS, benchmark_press, mm, rows
+from validation.reference import POISSON_RATIO, SHEAR_MODULUS, benchmark_contact, mm, rows
 
 FRICTION = 0.3
 FILES = {
@@ -28,44 +28,44 @@ class Comparison:
     """One pose; lengths in mm, forces in N; `reference` is the row of the file."""
 
     reference: dict
-    patches: list[dict]
+    patches: list[_core.StaticPatch]
     height: float
     normal: float
 
     @property
-    def largest(self) -> dict:
-        return max(self.patches, key=lambda patch: patch["normal"])
+    def largest(self) -> _core.StaticPatch:
+        return max(self.patches, key=lambda patch: patch.normal)
 
     @property
     def angle(self) -> float:
-        return abs(self.largest["angle"])
+        return abs(self.largest.angle)
 
     @property
     def approach(self) -> float:
-        return max(patch["approach"] for patch in self.patches) / mm
+        return max(patch.approach for patch in self.patches) / mm
 
     @property
     def area(self) -> float:
-        return float(sum(patch["weight"] * patch["area"] for patch in self.patches) / mm**2)
+        return float(sum(patch.weight * patch.area for patch in self.patches) / mm**2)
 
     @property
     def width(self) -> float:
         """Loaded width of all patches."""
-        return float(sum(patch["weight"] * patch["width"] for patch in self.patches) / mm)
+        return float(sum(patch.weight * patch.width for patch in self.patches) / mm)
 
     @property
     def pressure(self) -> float:
-        return max(patch["peak_pressure"] for patch in self.patches) / 1e6
+        return max(patch.peak_pressure for patch in self.patches) / 1e6
 
     @property
     def abscissa(self) -> float:
         """Of the patches' common centre on the wheel, weighted with force."""
-        return sum(patch["wheel_s"] * patch["normal"] for patch in self.patches) / self.normal / mm
+        return sum(patch.wheel_s * patch.normal for patch in self.patches) / self.normal / mm
 
     @property
     def centre(self) -> float:
         """The same in the track's coordinates: distance from its middle."""
-        return float(sum(abs(patch["point"][1]) * patch["normal"] for patch in self.patches) / self.normal / mm)
+        return float(sum(abs(patch.point[1]) * patch.normal for patch in self.patches) / self.normal / mm)
 
     @property
     def pressure_centre(self) -> float:
@@ -87,7 +87,7 @@ class Comparison:
         mirror = 1 if r["side"] == "right" else -1
         creepage = [-r["cksi"], mirror * r["ceta"], mirror * r["cphi"] / mm]
         force = _core.creep_forces(
-            np.array([creepage]), patch["a"], patch["b"], patch["normal"], FRICTION, SHEAR_MODULUS, POISSON_RATIO,
+            np.array([creepage]), patch.a, patch.b, patch.normal, FRICTION, SHEAR_MODULUS, POISSON_RATIO,
             creep_law("kalker_saturated"),
         )[0]  # fmt: skip
         return np.array([-force[0], mirror * force[1]])
@@ -103,22 +103,22 @@ class Comparison:
         )
 
 
-def compare(press: _core.WheelsetPress, row: dict, normal: str) -> Comparison:
+def compare(contact: _core.StaticWheelsetContact, row: dict, normal: str) -> Comparison:
     right = row["side"] == "right"
     y, yaw, roll = -row["y_ws"] * mm, -row["yaw"], row["roll"]
 
-    def patches(z: float) -> list[dict]:
+    def patches(z: float) -> list[_core.StaticPatch]:
         if normal == "hertz":  # the paper's bare rule
-            return press.minima(0.0, y, z, yaw, roll, right, 0.0)
-        return press.patches(0.0, y, z, yaw, roll, right)
+            return contact.minima(0.0, y, z, yaw, roll, right, 0.0)
+        return contact.patches(0.0, y, z, yaw, roll, right)
 
-    touch = press.touch_height(0.0, y, yaw, roll, right)
-    z = brentq(lambda z: sum(patch["normal"] for patch in patches(z)) - row["Fn"], touch - 0.4 * mm, touch, xtol=1e-13)
+    touch = contact.touch_height(0.0, y, yaw, roll, right)
+    z = brentq(lambda z: sum(patch.normal for patch in patches(z)) - row["Fn"], touch - 0.4 * mm, touch, xtol=1e-13)
     found = patches(z)
-    return Comparison(row, found, -z / mm, sum(patch["normal"] for patch in found))
+    return Comparison(row, found, -z / mm, sum(patch.normal for patch in found))
 
 
 def comparisons(file: str, normal: str = "hertz") -> list[Comparison]:
     """All poses of a reference file."""
-    press = benchmark_press(0.5 if "roller" in file else None, normal)
-    return [compare(press, row, normal) for row in rows(file)]
+    contact = benchmark_contact(0.5 if "roller" in file else None, normal)
+    return [compare(contact, row, normal) for row in rows(file)]

@@ -89,21 +89,21 @@ def add_wheels(
     return left, right
 
 
-def benchmark_press(roller_radius: float | None, normal: str = "hertz") -> _core.WheelsetPress:
+def benchmark_contact(roller_radius: float | None, normal: str = "hertz") -> _core.StaticWheelsetContact:
     """The wheelset of the Manchester contact benchmark on its rails, or on rollers of the rails' head."""
     wheel, rail = profile_from_spec("s1002", "wheel"), profile_from_spec("uic60_benchmark_1_40", "rail")
-    return press_of(wheel, rail, roller_radius, rail_origin(rail), normal)
+    return static_contact_of(wheel, rail, roller_radius, rail_origin(rail), normal)
 
 
-def press_of(
+def static_contact_of(
     wheel: ProfileTable, rail: ProfileTable, roller_radius: float | None, origin: float, normal: str = "hertz"
-) -> _core.WheelsetPress:
+) -> _core.StaticWheelsetContact:
     """A wheelset of radius 460 mm and these profiles, ready to be pressed down."""
     builder = _core.ModelBuilder(gravity=9.81)
     add_axisymmetric(builder, 0.46)
     roller = add_axisymmetric(builder, -roller_radius) if roller_radius else -1
     left, right = add_wheels(builder, 0, (roller, roller), wheel, rail, roller_radius, origin, normal=normal)
-    return _core.WheelsetPress(builder.finish(), left, right)
+    return _core.StaticWheelsetContact(builder.finish(), left, right)
 
 
 def add_axisymmetric(builder: _core.ModelBuilder, height: float) -> int:

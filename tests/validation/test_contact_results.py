@@ -115,8 +115,8 @@ def test_patches_where_they_are_ellipses(results: dict, file: str) -> None:
             continue
         r = c.reference
         # The reference counts cells of 0.2 mm: its lengths are good to a cell, its area is high by half a rim.
-        assert 2 * c.largest["a"] / mm == pytest.approx(r["patch_len_x"], abs=0.2 + 0.03 * r["patch_len_x"]), r["y_ws"]
-        assert 2 * c.largest["b"] / mm == pytest.approx(r["patch_len_s"], abs=0.45), r["y_ws"]
+        assert 2 * c.largest.a / mm == pytest.approx(r["patch_len_x"], abs=0.2 + 0.03 * r["patch_len_x"]), r["y_ws"]
+        assert 2 * c.largest.b / mm == pytest.approx(r["patch_len_s"], abs=0.45), r["y_ws"]
         assert -0.1 < c.ratio("area", "patch_area") < 0.0, r["y_ws"]
         # On the roller its pressures scatter by up to 7.5 % from shift to shift where ours change smoothly.
         assert c.pressure == pytest.approx(r["pmax"], rel=0.08 if r["roller_R_mm"] else 0.025), r["y_ws"]

@@ -13,15 +13,15 @@ from dataclasses import dataclass
 import pytest
 
 from rollerrig import _core
-from validation.reference import benchmark_press, mm, rows
+from validation.reference import benchmark_contact, mm, rows
 
 #: The wheel's contact angle beyond which a contact counts as one of the flange.
 FLANGE_ANGLE = 0.25
 
 
 @pytest.fixture(scope="module")
-def presses() -> dict[str, _core.WheelsetPress]:
-    return {"rail": benchmark_press(None), "roller": benchmark_press(0.5)}
+def contacts() -> dict[str, _core.StaticWheelsetContact]:
+    return {"rail": benchmark_contact(None), "roller": benchmark_contact(0.5)}
 
 
 @dataclass(frozen=True)
@@ -39,25 +39,25 @@ class Difference:
     second_height: float = math.nan
 
 
-def compare(press: _core.WheelsetPress, row: dict) -> Difference:
+def compare(contact: _core.StaticWheelsetContact, row: dict) -> Difference:
     y, yaw, x = -row["y_ws"] * mm, -row["yaw"], row["x_ws"] * mm
-    z = press.touch_height(x, y, yaw, 0.0, True)
-    first = max(press.minima(x, y, z, yaw, 0.0, True, 0.5 * mm), key=lambda patch: patch["approach"])
-    point = [value / mm for value in first["point"]]
+    z = contact.touch_height(x, y, yaw, 0.0, True)
+    first = max(contact.minima(x, y, z, yaw, 0.0, True, 0.5 * mm), key=lambda patch: patch.approach)
+    point = [value / mm for value in first.point]
     second: dict[str, float] = {}
     if not math.isnan(row["gap2"]):
         # gap2 is the vertical way from the first touch to the second: lowered by it, the second point just touches too.
-        lowered = press.minima(x, y, z - row["gap2"] * mm, yaw, 0.0, True, 0.05 * mm)
-        near = min(lowered, key=lambda patch: abs(patch["wheel_s"] / mm - row["yw2"]), default=None)
+        lowered = contact.minima(x, y, z - row["gap2"] * mm, yaw, 0.0, True, 0.05 * mm)
+        near = min(lowered, key=lambda patch: abs(patch.wheel_s / mm - row["yw2"]), default=None)
         if near is not None:
             second = {
-                "second_s": near["wheel_s"] / mm - row["yw2"],
-                "second_height": near["approach"] / mm / near["direction"][2],
+                "second_s": near.wheel_s / mm - row["yw2"],
+                "second_height": near.approach / mm / near.direction[2],
             }
     return Difference(
         row=row,
         height=-z / mm - row["z_ws"],
-        s=first["wheel_s"] / mm - row["yw"],
+        s=first.wheel_s / mm - row["yw"],
         x=point[0] - row["x_tr"],
         y=-point[1] - row["y_tr"],
         z=-point[2] - row["z_tr"],
@@ -67,8 +67,8 @@ def compare(press: _core.WheelsetPress, row: dict) -> Difference:
 
 
 @pytest.fixture(scope="module")
-def differences(presses: dict[str, _core.WheelsetPress]) -> list[Difference]:
-    return [compare(presses[row["cfg"]], row) for row in rows("rigid_touch.csv")]
+def differences(contacts: dict[str, _core.StaticWheelsetContact]) -> list[Difference]:
+    return [compare(contacts[row["cfg"]], row) for row in rows("rigid_touch.csv")]
 
 
 def worst(differences: list[Difference], support: str, flange: bool, *names: str) -> float:

@@ -23,7 +23,7 @@ from validation import test_kinematics as kinematics  # noqa: E402
 from validation import test_rigid_touch as touch  # noqa: E402
 from validation import test_suspended_vehicle as suspended  # noqa: E402
 from validation.comparison import FILES, Comparison, comparisons  # noqa: E402
-from validation.reference import benchmark_press, kmh, mm, rows  # noqa: E402
+from validation.reference import benchmark_contact, kmh, mm, rows  # noqa: E402
 
 INTRODUCTION = """# Validation
 
@@ -43,8 +43,8 @@ def table(header: list[str], body: list[list[str]]) -> str:
 
 
 def rigid_touch() -> str:
-    presses = {"rail": benchmark_press(None), "roller": benchmark_press(0.5)}
-    found = [touch.compare(presses[row["cfg"]], row) for row in rows("rigid_touch.csv")]
+    contacts = {"rail": benchmark_contact(None), "roller": benchmark_contact(0.5)}
+    found = [touch.compare(contacts[row["cfg"]], row) for row in rows("rigid_touch.csv")]
     body = []
     for support in ("rail", "roller"):
         for flange in (False, True):
@@ -133,7 +133,7 @@ def strips() -> str:
               "area %", "centre mm"]  # fmt: skip
     for file, title in FILES.items():
         body = [
-            [str(c.reference["side"]), f"{c.reference['y_ws']:g}", f"{sum(p['weight'] for p in c.patches):.3g}",
+            [str(c.reference["side"]), f"{c.reference['y_ws']:g}", f"{sum(p.weight for p in c.patches):.3g}",
              f"{1e3 * c.reference['approach']:.1f}", f"{100 * c.ratio('approach', 'approach'):+.1f}",
              f"{c.reference['pmax']:.0f}", f"{100 * c.ratio('pressure', 'pmax'):+.1f}", f"{c.width:.2f}",
              f"{c.reference['patch_len_s']:.1f}", f"{100 * c.ratio('area', 'patch_area'):+.0f}",
@@ -146,14 +146,14 @@ def strips() -> str:
 
 def strip_loop() -> float:
     """Work of the strips' pressures around a closed path of shift and height, over the largest elastic energy on it."""
-    press = benchmark_press(None, "strips")
+    contact = benchmark_contact(None, "strips")
     corners = [(-0.5 * mm, -0.20 * mm), (0.5 * mm, -0.20 * mm), (0.5 * mm, -0.30 * mm), (-0.5 * mm, -0.30 * mm)]
     work = [0.0]
     for (y0, z0), (y1, z1) in zip(corners, [*corners[1:], corners[0]], strict=True):
         for i in range(400):
             part = (i + 0.5) / 400
-            patches = press.patches(0.0, y0 + part * (y1 - y0), z0 + part * (z1 - z0), 0.0, 0.0, False)
-            force = sum(p["normal"] * np.array(p["direction"]) for p in patches)
+            patches = contact.patches(0.0, y0 + part * (y1 - y0), z0 + part * (z1 - z0), 0.0, 0.0, False)
+            force = sum(p.normal * np.array(p.direction) for p in patches)
             work.append(work[-1] + float(force[1] * (y1 - y0) + force[2] * (z1 - z0)) / 400)
     return abs(work[-1]) / (max(work) - min(work))
 

@@ -29,11 +29,11 @@ double root_between(F const& f, double low, double high, double resolution) {
 }
 
 /// One patch with its weight applied; the right side is computed in its mirror image.
-PressedPatch seen(WheelContact const& contact, NormalPatch<double> const& patch) {
+StaticPatch seen(WheelContact const& contact, NormalPatch<double> const& patch) {
   double const side = contact.right ? -1.0 : 1.0;
   auto const& point = patch.point;
   auto const profile = contact.pair.wheel->at(point.wheel_s);
-  PressedPatch out;
+  StaticPatch out;
   out.right = contact.right;
   out.wheel_s = point.wheel_s;
   out.rail_y = point.rail_y;
@@ -50,10 +50,13 @@ PressedPatch seen(WheelContact const& contact, NormalPatch<double> const& patch)
 
 }  // namespace
 
-WheelsetPress::WheelsetPress(WheelContact const& left, WheelContact const& right)
-    : contact_{&left, &right}, search_{ContactSearch(left.pair), ContactSearch(right.pair)} {}
+StaticWheelsetContact::StaticWheelsetContact(std::shared_ptr<Model const> model, int left, int right)
+    : model_{std::move(model)},
+      contact_{&model_->contacts.at(static_cast<std::size_t>(left)),
+               &model_->contacts.at(static_cast<std::size_t>(right))},
+      search_{ContactSearch(contact_[0]->pair), ContactSearch(contact_[1]->pair)} {}
 
-RelativePose<double> WheelsetPress::pose(WheelsetPosition const& p, bool right) const {
+RelativePose<double> StaticWheelsetContact::pose(WheelsetPosition const& p, bool right) const {
   Body body;
   body.axisymmetric = true;
   BodyMotion<double> m;
@@ -65,7 +68,7 @@ RelativePose<double> WheelsetPress::pose(WheelsetPosition const& p, bool right) 
   return {offset + m.p, m.R};
 }
 
-WheelsetPress::Load WheelsetPress::load_at(WheelsetPosition const& p) {
+StaticWheelsetContact::Load StaticWheelsetContact::load_at(WheelsetPosition const& p) {
   Load load{0.0, 0.0};
   for (bool right : {false, true}) {
     auto const at = pose(p, right);
@@ -79,7 +82,7 @@ WheelsetPress::Load WheelsetPress::load_at(WheelsetPosition const& p) {
   return load;
 }
 
-std::vector<PressedPatch> WheelsetPress::patches(WheelsetPosition const& p, bool right) {
+std::vector<StaticPatch> StaticWheelsetContact::patches(WheelsetPosition const& p, bool right) {
   WheelContact const& contact = *contact_[right];
   ContactSearch& search = search_[right];
   auto const at = pose(p, right);
@@ -87,16 +90,16 @@ std::vector<PressedPatch> WheelsetPress::patches(WheelsetPosition const& p, bool
   NormalSetting const wheel{contact.pair, contact.laws.material, contact.laws.wheel_arc.get()};
   PatchList<NormalPatch<double>> found;
   int const count = normal_patches(contact.laws.normal, wheel, at, search, found);
-  std::vector<PressedPatch> list;
+  std::vector<StaticPatch> list;
   for (int k = 0; k < count; ++k) list.push_back(seen(contact, found[static_cast<std::size_t>(k)]));
   return list;
 }
 
-std::vector<PressedPatch> WheelsetPress::minima(WheelsetPosition const& position, bool right, double reach) {
+std::vector<StaticPatch> StaticWheelsetContact::minima(WheelsetPosition const& position, bool right, double reach) {
   ContactSearch& search = search_[right];
   auto const at = pose(position, right);
   search.find_all(at, reach);
-  std::vector<PressedPatch> list;
+  std::vector<StaticPatch> list;
   for (int k = 0; k < search.count(); ++k) {
     NormalPatch<double> patch;
     patch.point = contact_point(contact_[right]->pair, at, search[k].s, search[k].gradient);
@@ -106,7 +109,7 @@ std::vector<PressedPatch> WheelsetPress::minima(WheelsetPosition const& position
   return list;
 }
 
-double WheelsetPress::touch_height(WheelsetPosition p, bool right) {
+double StaticWheelsetContact::touch_height(WheelsetPosition p, bool right) {
   auto const lowest_gap = [&](double z) {
     p.z = z;
     double gap = 1.0;
@@ -124,7 +127,7 @@ double WheelsetPress::touch_height(WheelsetPosition p, bool right) {
 }
 
 /// Height at which the contacts carry `load`, looked for around p.z.
-double WheelsetPress::height_for(WheelsetPosition p, double load) {
+double StaticWheelsetContact::height_for(WheelsetPosition p, double load) {
   double const start = p.z;
   auto const surplus = [&](double z) {
     p.z = z;
@@ -139,7 +142,7 @@ double WheelsetPress::height_for(WheelsetPosition p, double load) {
   return root_between(surplus, low, high, 1e-13);
 }
 
-PressedWheelset WheelsetPress::press(WheelsetPosition p, double load, bool free_to_roll) {
+LoadedWheelset StaticWheelsetContact::solve(WheelsetPosition p, double load, bool free_to_roll) {
   p.z = std::max(touch_height(p, false), touch_height(p, true));
   if (free_to_roll) {
     auto const moment = [&](double roll) {
@@ -155,7 +158,7 @@ PressedWheelset WheelsetPress::press(WheelsetPosition p, double load, bool free_
     p.roll = root_between(moment, centre - reach, centre + reach, 1e-13);
   }
   p.z = height_for(p, load);
-  PressedWheelset result;
+  LoadedWheelset result;
   result.position = p;
   auto const reached = load_at(p);
   result.vertical = reached.vertical;

@@ -133,15 +133,15 @@ def _of_wheel(rows: xr.Dataset) -> dict[str, float]:
 
 def _cost(case: Case, table: xr.Dataset, positions: Sequence[tuple[float, float]]) -> float:
     """Seconds for search and normal contact of one wheel, at the loaded positions."""
-    model = assemble(case)  # which the press refers to
-    _, _, press, unloaded = leading_wheelset(model)
+    model = assemble(case)
+    _, _, contact, unloaded = leading_wheelset(model)
     times = []
     for lateral, yaw in positions:
         rows = table.isel(row=((table["lateral"] == lateral) & (table["yaw"] == yaw)).to_numpy())
         if rows.sizes["row"]:
             z, roll = float(rows["height"][0]) + unloaded, float(rows["roll"][0])
             times += [
-                press.seconds_per_contact(0.0, lateral, z, yaw, roll, side == "right", REPEATS)
+                contact.seconds_per_contact(0.0, lateral, z, yaw, roll, side == "right", REPEATS)
                 for side in np.unique(rows["side"])
             ]
     return float(np.mean(times)) if times else float("nan")

@@ -97,13 +97,13 @@ def shift_table(
     if not (0 < step <= largest):
         raise ValueError(f"step {step:g} m and largest shift {largest:g} m: positive, and the step not larger")
     model = assemble(case)
-    press = leading_wheelset(model).press
+    contact = leading_wheelset(model).contact
     wheel, support = case.vehicle.data.wheel, case.support.data
     contact_distance = wheel.back_to_back + 2 * wheel.tape_circle
     pose = _Pose(yaw, contact_distance if free_to_roll else None)
 
-    touches, ended = _outward(press, _steps(largest, step), pose)
-    _refine(press, touches, pose)
+    touches, ended = _outward(contact, _steps(largest, step), pose)
+    _refine(contact, touches, pose)
     # Both sides have the same profiles: a mirror turns (y, yaw) into (-y, -yaw), and running backwards -yaw into yaw.
     mirrored = {-y: _Touch(-touch.roll, _swapped(touch)) for y, touch in touches.items() if y > 0.0}
     touches |= mirrored
@@ -163,21 +163,21 @@ def _steps(largest: float, step: float) -> list[float]:
     return [min(k * step, largest) for k in range(1, math.ceil(largest / step - 1e-9) + 1)]
 
 
-def _outward(press: _core.WheelsetPress, shifts: list[float], pose: _Pose) -> tuple[dict[float, _Touch], str]:
+def _outward(contact: _core.StaticWheelsetContact, shifts: list[float], pose: _Pose) -> tuple[dict[float, _Touch], str]:
     """Rows from the middle to the left, as far as both wheels touch; why they end early, or nothing."""
-    middle = _touch(press, 0.0, pose, 0.0)
+    middle = _touch(contact, 0.0, pose, 0.0)
     if middle is None:
         raise ValueError("the wheels do not touch in the middle; check gauge, back-to-back distance and profiles")
     touches, last = {0.0: middle}, middle
     for y in shifts:
-        touch = _touch(press, y, pose, last.roll)
+        touch = _touch(contact, y, pose, last.roll)
         if touch is None:
             return touches, f"no contact from {1e3 * y:g} mm on: a wheel is off its profile or off the rail"
         touches[y] = last = touch
     return touches, ""
 
 
-def _refine(press: _core.WheelsetPress, touches: dict[float, _Touch], pose: _Pose) -> None:
+def _refine(contact: _core.StaticWheelsetContact, touches: dict[float, _Touch], pose: _Pose) -> None:
     """Add rows where a contact moves fast or jumps."""
     while True:
         lateral = sorted(touches)
@@ -189,7 +189,7 @@ def _refine(press: _core.WheelsetPress, touches: dict[float, _Touch], pose: _Pos
         if not new:
             return
         for beside, y in new:
-            touch = _touch(press, y, pose, touches[beside].roll)
+            touch = _touch(contact, y, pose, touches[beside].roll)
             if touch is None:
                 return
             touches[y] = touch
@@ -200,52 +200,53 @@ def _travel(a: _Touch, b: _Touch) -> float:
     return max(abs(p[0] - q[0]) for p, q in zip(a.sides, b.sides, strict=True))
 
 
-def _touch(press: _core.WheelsetPress, y: float, pose: _Pose, roll: float) -> _Touch | None:
+def _touch(contact: _core.StaticWheelsetContact, y: float, pose: _Pose, roll: float) -> _Touch | None:
     """Both wheels touching at a lateral shift [m].
 
     Args:
-        press: the core's wheelset.
+        contact: static contact of the core.
         y: lateral shift [m].
         pose: yaw, and whether it rolls.
         roll: roll angle to start from [rad].
     """
     yaw, arm = pose.yaw, pose.arm
-    heights = _heights(press, y, yaw, roll)
+    heights = _heights(contact, y, yaw, roll)
     slope, surplus = -(arm or 0.0), heights[0] - heights[1]  # secant steps; a metre's arm gains a metre per radian
     for _ in range(MOST_STEPS):
         if arm is None or abs(surplus) < LEVEL:
             break
         turn = -surplus / slope
         roll += turn
-        heights, before = _heights(press, y, yaw, roll), surplus
+        heights, before = _heights(contact, y, yaw, roll), surplus
         surplus = heights[0] - heights[1]
         # On a flange, roll moves the wheel sideways as well: steeper than the arm. At a jump the slope has a step.
         slope = min(max((surplus - before) / turn, -4 * arm), -0.5 * arm)
     sides = tuple(
-        _first_touch(press, (y, height, yaw, roll), right) for height, right in zip(heights, (False, True), strict=True)
+        _first_touch(contact, (y, height, yaw, roll), right)
+        for height, right in zip(heights, (False, True), strict=True)
     )
     left, right_side = sides
     return None if left is None or right_side is None else _Touch(roll, (left, right_side))
 
 
-def _heights(press: _core.WheelsetPress, y: float, yaw: float, roll: float) -> list[float]:
+def _heights(contact: _core.StaticWheelsetContact, y: float, yaw: float, roll: float) -> list[float]:
     """Heights at which the left and the right wheel touch [m]."""
-    return [press.touch_height(0.0, y, yaw, roll, right) for right in (False, True)]
+    return [contact.touch_height(0.0, y, yaw, roll, right) for right in (False, True)]
 
 
 def _first_touch(
-    press: _core.WheelsetPress, place: tuple[float, float, float, float], right: bool
+    contact: _core.StaticWheelsetContact, place: tuple[float, float, float, float], right: bool
 ) -> tuple[float, ...] | None:
     """The point of touch of one wheel in the order of _VARIABLES, if there is one; place: lateral, height, yaw, roll."""
     y, height, yaw, roll = place
-    near = press.minima(0.0, y, height, yaw, roll, right, 1e-6)
+    near = contact.minima(0.0, y, height, yaw, roll, right, 1e-6)
     if not near:
         return None
-    patch = max(near, key=lambda found: float(found["approach"]))
-    if abs(patch["approach"]) > _JUST_TOUCHING:
+    patch = max(near, key=lambda found: found.approach)
+    if abs(patch.approach) > _JUST_TOUCHING:
         return None
-    _, lean, upward = patch["direction"]
+    _, lean, upward = patch.direction
     angle = np.arctan2(lean if right else -lean, upward)
-    along, across, level = patch["point"]
+    along, across, level = patch.point
     ahead = along * math.cos(yaw) + (across - y) * math.sin(yaw)
-    return patch["wheel_s"], patch["rail_y"], level, patch["wheel_radius"], float(angle), ahead
+    return patch.wheel_s, patch.rail_y, level, patch.wheel_radius, float(angle), ahead

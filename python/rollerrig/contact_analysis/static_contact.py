@@ -1,6 +1,6 @@
 """Where a loaded wheelset touches: quasi-static contact over lateral position and yaw.
 
-    Case, positions -> [press of the core] -> xarray.Dataset, one row per contact patch
+    Case, positions -> [static contact of the core] -> xarray.Dataset, one row per contact patch
 
 The leading wheelset is pressed down with its static axle load by elastic normal forces only. Left of the running
 direction is positive. Height and roll count from the unloaded, centred wheelset that touches both sides.
@@ -81,26 +81,24 @@ def contact_table(case: Case, positions: Iterable[tuple[float, float]], *, roll:
         20000.0
     """
     model = assemble(case)
-    wheelset, _, press, unloaded = leading_wheelset(model)
+    wheelset, _, contact, unloaded = leading_wheelset(model)
     load = model.axle_loads[wheelset]
     rows: list[tuple[Any, ...]] = []
     failed: list[str] = []
     for lateral, yaw in positions:
-        found = press.press(0.0, lateral, yaw, roll or 0.0, load, roll is None)
-        if not found["converged"]:
+        found = contact.solve(0.0, lateral, yaw, roll or 0.0, load, roll is None)
+        if not found.converged:
             failed.append(
                 f"lateral {1e3 * lateral:g} mm, yaw {1e3 * yaw:g} mrad: {load / 1e3:.4g} kN find no balance on the "
                 "profiles; choose a position nearer to the middle, or let the wheelset roll"
             )
             continue
         for side in ("left", "right"):
-            patches = [patch for patch in found["patches"] if patch["side"] == side and patch["normal"] > 0.0]
-            for number, patch in enumerate(sorted(patches, key=lambda p: float(p["wheel_s"])), start=1):
-                shape = tuple(patch[key] for key in ("wheel_s", "angle", "a", "b", "approach", "normal"))
-                pose = (found["roll"], found["z"] - unloaded)
-                rest = tuple(
-                    patch[key] for key in ("peak_pressure", "weight", "wheel_radius", "width", "area", "rail_y")
-                )
+            patches = [patch for patch in found.patches if patch.right == (side == "right") and patch.normal > 0.0]
+            for number, patch in enumerate(sorted(patches, key=lambda p: p.wheel_s), start=1):
+                shape = (patch.wheel_s, patch.angle, patch.a, patch.b, patch.approach, patch.normal)
+                pose = (found.roll, found.z - unloaded)
+                rest = (patch.peak_pressure, patch.weight, patch.wheel_radius, patch.width, patch.area, patch.rail_y)
                 rows.append((lateral, yaw, side, number, *shape, *pose, *rest))
     columns = list(zip(*rows, strict=True)) if rows else [()] * len(_VARIABLES)
     variables: dict[str, Any] = {
@@ -127,24 +125,24 @@ class LeadingWheelset(NamedTuple):
     Attributes:
         name: of the wheelset.
         contacts: indices of its left and right contact.
-        press: static contact of the core.
+        contact: static contact of the core.
         unloaded: height at which the centred wheelset touches on both sides [m].
     """
 
     name: str
     contacts: tuple[int, int]
-    press: _core.WheelsetPress
+    contact: _core.StaticWheelsetContact
     unloaded: float
 
 
 def leading_wheelset(model: AssembledModel) -> LeadingWheelset:
     """The foremost wheelset and its static contact."""
     name = max(model.wheelsets, key=lambda wheelset: model.positions[wheelset][0])
-    contact = {wheel.side: wheel.contact for wheel in model.wheels if wheel.wheelset == name}
-    contacts = (contact["left"], contact["right"])
-    press = _core.WheelsetPress(model.core, *contacts)
-    unloaded = max(press.touch_height(0.0, 0.0, 0.0, 0.0, side) for side in (False, True))
-    return LeadingWheelset(name, contacts, press, unloaded)
+    of_side = {wheel.side: wheel.contact for wheel in model.wheels if wheel.wheelset == name}
+    contacts = (of_side["left"], of_side["right"])
+    contact = _core.StaticWheelsetContact(model.core, *contacts)
+    unloaded = max(contact.touch_height(0.0, 0.0, 0.0, 0.0, side) for side in (False, True))
+    return LeadingWheelset(name, contacts, contact, unloaded)
 
 
 def _dtype(name: str) -> type:

@@ -31,22 +31,22 @@ TEST_CASE("a body that nothing carries is reported as an imbalance") {
   CHECK(loads.imbalance == doctest::Approx(981.0));
 }
 
-TEST_CASE("a pressed wheelset carries its load, free to roll without a roll moment") {
+TEST_CASE("a loaded wheelset carries its load, free to roll without a roll moment") {
   auto const model = wheelset_model({.roller_radius = 0.0});
-  WheelsetPress press(model->contacts[0], model->contacts[1]);
+  StaticWheelsetContact contact(model, 0, 1);
   for (double y : {0.0, 2e-3, -5.5e-3}) {
-    auto const r = press.press({.y = y}, 20e3, true);
+    auto const r = contact.solve({.y = y}, 20e3, true);
     CHECK(r.converged);
     CHECK(r.vertical == doctest::Approx(20e3).epsilon(1e-6));
     CHECK(std::abs(r.roll_moment) < 1.0);  // [N m] of 7.5e3
   }
 }
 
-TEST_CASE("a wheelset pressed to the left mirrors one pressed to the right") {
+TEST_CASE("a wheelset loaded on the left mirrors one loaded on the right") {
   auto const model = wheelset_model({});
-  WheelsetPress press(model->contacts[0], model->contacts[1]);
-  auto const left = press.press({.y = 3e-3, .yaw = 2e-3}, 20e3, true);
-  auto const right = press.press({.y = -3e-3, .yaw = -2e-3}, 20e3, true);
+  StaticWheelsetContact contact(model, 0, 1);
+  auto const left = contact.solve({.y = 3e-3, .yaw = 2e-3}, 20e3, true);
+  auto const right = contact.solve({.y = -3e-3, .yaw = -2e-3}, 20e3, true);
   REQUIRE(left.patches.size() == right.patches.size());
   CHECK(left.position.z == doctest::Approx(right.position.z).epsilon(1e-9));
   CHECK(left.position.roll == doctest::Approx(-right.position.roll).epsilon(1e-6));
@@ -61,19 +61,19 @@ TEST_CASE("a wheelset pressed to the left mirrors one pressed to the right") {
 
 TEST_CASE("at the touch height the nearest gap is zero, and a little lower it is that much less") {
   auto const model = wheelset_model({});
-  WheelsetPress press(model->contacts[0], model->contacts[1]);
+  StaticWheelsetContact contact(model, 0, 1);
   for (double y : {-6.8e-3, 0.0, 4e-3, 7.5e-3})
     for (bool right : {false, true}) {
       WheelsetPosition position{.y = y};
-      position.z = press.touch_height(position, right);
-      auto const at = press.minima(position, right, 1e-3);
+      position.z = contact.touch_height(position, right);
+      auto const at = contact.minima(position, right, 1e-3);
       REQUIRE(!at.empty());
       double deepest = -1.0;
       for (auto const& p : at) deepest = std::max(deepest, p.approach);
       CHECK(std::abs(deepest) < 1e-10);
       position.z -= 1e-6;
       double lower = -1.0;
-      for (auto const& p : press.minima(position, right, 1e-3)) lower = std::max(lower, p.approach / p.direction.z);
+      for (auto const& p : contact.minima(position, right, 1e-3)) lower = std::max(lower, p.approach / p.direction.z);
       CHECK(lower == doctest::Approx(1e-6).epsilon(1e-3));
     }
 }

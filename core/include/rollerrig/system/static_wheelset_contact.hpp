@@ -1,9 +1,13 @@
-// system/static_wheelset_contact.hpp - a wheelset pressed onto its rollers or rails at a given lateral position and yaw: the quasi-static
-// contact problem behind `rollerrig contact`. Elastic normal forces only. The load acts at the wheelset's centre, and what
+// system/static_wheelset_contact.hpp - a wheelset at rest on its rollers or rails, at a given lateral position and yaw.
+//
+//   position, load -> [static contact] -> height and roll of the wheelset, its patches
+//
+// The problem behind `rollerrig contact`: elastic normal forces only. The load acts at the wheelset's centre, and what
 // holds the wheelset sideways acts at the height of the running surface, where the creep forces would: so the wheels share
 // the load by their lever arms, and a steep flange does not tip the wheelset.
 #pragma once
 #include <array>
+#include <memory>
 #include <vector>
 
 #include "rollerrig/contact/patch.hpp"
@@ -17,7 +21,7 @@ struct WheelsetPosition {
   double x{0.0}, y{0.0}, z{0.0}, roll{0.0}, yaw{0.0};
 };
 
-struct PressedPatch {
+struct StaticPatch {
   bool right{false};
   double wheel_s{0.0}, rail_y{0.0};      ///< [m]
   double angle{0.0};                     ///< contact angle: slope of the wheel profile as an angle, EN sense [rad]
@@ -32,29 +36,30 @@ struct PressedPatch {
   bool limited{false};                ///< curvatures outside Hertz' theory
 };
 
-struct PressedWheelset {
+struct LoadedWheelset {
   bool converged{false};
   WheelsetPosition position{};
   double vertical{0.0};     ///< sum of vertical contact forces [N]
   double roll_moment{0.0};  ///< about the point below the wheelset's centre at the running surface [N m]
-  std::vector<PressedPatch> patches;
+  std::vector<StaticPatch> patches;
 };
 
-class WheelsetPress {
+class StaticWheelsetContact {
  public:
-  WheelsetPress(WheelContact const& left, WheelContact const& right);
+  /// @param left, right  indices of the wheelset's contacts; throws std::out_of_range where there is none
+  StaticWheelsetContact(std::shared_ptr<Model const> model, int left, int right);
 
-  /// Presses with `load` [N]; free to roll, or at position.roll.
-  PressedWheelset press(WheelsetPosition position, double load, bool free_to_roll);
+  /// The equilibrium under `load` [N]; free to roll, or at position.roll.
+  LoadedWheelset solve(WheelsetPosition position, double load, bool free_to_roll);
 
   /// Height z at which the wheel of one side just touches, all else as given [m].
   double touch_height(WheelsetPosition position, bool right);
 
   /// The patches of one side with the normal contact the case asks for.
-  std::vector<PressedPatch> patches(WheelsetPosition const& position, bool right);
+  std::vector<StaticPatch> patches(WheelsetPosition const& position, bool right);
 
   /// All minima of the gap closer than `reach` in one side, as Hertz patches with negative approach where open.
-  std::vector<PressedPatch> minima(WheelsetPosition const& position, bool right, double reach);
+  std::vector<StaticPatch> minima(WheelsetPosition const& position, bool right, double reach);
 
  private:
   struct Load {
@@ -64,6 +69,7 @@ class WheelsetPress {
   Load load_at(WheelsetPosition const& p);
   double height_for(WheelsetPosition p, double load);
 
+  std::shared_ptr<Model const> model_;
   std::array<WheelContact const*, 2> contact_;
   std::array<ContactSearch, 2> search_;
 };
