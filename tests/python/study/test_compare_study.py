@@ -71,9 +71,11 @@ def test_every_number_is_registered_and_every_registered_quantity_reported(numbe
 
 def test_tables_hold_what_the_summary_says(folder, numbers) -> None:
     rows = [line.split(",") for line in (folder / "wheels.csv").read_text().splitlines()]
-    first = dict(zip(rows[0], rows[1], strict=True))
-    own = numbers["supports"][first["on"]]["wheels"][first["wheel"]]
-    assert {key: float(first[key]) for key in own} == pytest.approx(own, rel=1e-8)
+    for row in rows[1:]:
+        found = dict(zip(rows[0], row, strict=True))
+        own = numbers["supports"][found["on"]]["wheels"][found["wheel"]]
+        assert {key: float(found[key]) for key in own} == pytest.approx(own, rel=1e-8)
+    assert len(rows) == 1 + sum(len(one["wheels"]) for one in numbers["supports"].values())
     header, *runs = (folder / "runs.csv").read_text().splitlines()
     assert header.startswith("on,speed_kmh,amplitude_mm")
     assert len(runs) == sum(len(one["by_disturbance"]["runs"]) for one in numbers["supports"].values())
