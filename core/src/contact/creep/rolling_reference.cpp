@@ -83,12 +83,17 @@ RollingReference::RollingReference(double a_over_b, double nu, RollingGrid grid)
     }
   }
   for (double& g : bound) g /= total;
-  std::size_t const n = count();
-  traction_x.assign(n, 0.0);
-  traction_y.assign(n, 0.0);
-  slipping_.assign(n, 0);
+  traction_x.assign(count(), 0.0);
+  traction_y.assign(count(), 0.0);
+  slipping_.assign(count(), 0);
   velocity_x_.assign(slip_x_.size(), 0.0);
   velocity_y_.assign(slip_x_.size(), 0.0);
+  find_influences(length, dy, nu);
+}
+
+/// Slip at each point per unit of traction on each element: differences of displacements over an element's length.
+void RollingReference::find_influences(std::vector<double> const& length, double dy, double nu) {
+  std::size_t const n = count();
   b_xx_.resize(n * slip_x_.size());
   b_xy_.resize(n * slip_x_.size());
   b_yy_.resize(n * slip_x_.size());
@@ -125,65 +130,83 @@ void RollingReference::find_slip(ReducedCreepage const& e) {
   }
 }
 
+/// Newton's linear system for the present division into stick and slip, and the directions of the tractions.
+struct RollingReference::NewtonSystem {
+  Eigen::MatrixXd matrix;
+  Eigen::VectorXd right;
+  std::vector<double> cosine, sine;
+};
+
+/// A sticking element: no slip at the point ahead of its centre.
+void RollingReference::fill_sticking(std::size_t i, NewtonSystem& system) const {
+  std::size_t const n = count();
+  std::size_t const p = i + i / static_cast<std::size_t>(elements_);
+  Eigen::Index const row = first_[i];
+  double const* xx = &b_xx_[p * n];
+  double const* xy = &b_xy_[p * n];
+  double const* yy = &b_yy_[p * n];
+  auto& m = system.matrix;
+  system.right(row) = -velocity_x_[p];
+  system.right(row + 1) = -velocity_y_[p];
+  for (std::size_t j = 0; j < n; ++j) {
+    Eigen::Index const k = first_[j];
+    if (slipping_[j]) {
+      m(row, k) = bound[j] * (xy[j] * system.cosine[j] - xx[j] * system.sine[j]);
+      m(row + 1, k) = bound[j] * (yy[j] * system.cosine[j] - xy[j] * system.sine[j]);
+    } else {
+      m(row, k) = xx[j];
+      m(row, k + 1) = m(row + 1, k) = xy[j];
+      m(row + 1, k + 1) = yy[j];
+    }
+  }
+}
+
+/// A slipping element: no slip across its traction, of the mean of the points ahead of its centre and behind it.
+void RollingReference::fill_slipping(std::size_t i, NewtonSystem& system) const {
+  std::size_t const n = count();
+  std::size_t const p = i + i / static_cast<std::size_t>(elements_);
+  Eigen::Index const row = first_[i];
+  double const* xx = &b_xx_[p * n];
+  double const* xy = &b_xy_[p * n];
+  double const* yy = &b_yy_[p * n];
+  double const sx = 0.5 * (velocity_x_[p] + velocity_x_[p + 1]);
+  double const sy = 0.5 * (velocity_y_[p] + velocity_y_[p + 1]);
+  double const c = system.cosine[i];
+  double const s = system.sine[i];
+  auto& m = system.matrix;
+  system.right(row) = sx * s - sy * c;
+  for (std::size_t j = 0; j < n; ++j) {
+    double const mxx = 0.5 * (xx[j] + xx[j + n]);
+    double const mxy = 0.5 * (xy[j] + xy[j + n]);
+    double const myy = 0.5 * (yy[j] + yy[j + n]);
+    double const along_x = mxy * c - mxx * s;  // slip across the traction, per traction along x
+    double const along_y = myy * c - mxy * s;
+    Eigen::Index const k = first_[j];
+    if (slipping_[j]) {
+      m(row, k) = bound[j] * (along_y * system.cosine[j] - along_x * system.sine[j]);
+    } else {
+      m(row, k) = along_x;
+      m(row, k + 1) = along_y;
+    }
+  }
+  m(row, row) -= sx * c + sy * s;
+}
+
 /// One step of Newton's method for the present division into stick and slip. A sticking element has two unknowns, its
 /// traction, and no slip; a slipping one has the direction of its traction, and no slip across that direction.
 double RollingReference::newton_step() {
   std::size_t const n = count();
-  auto const per_row = static_cast<std::size_t>(elements_);
   first_.resize(n + 1);
   first_[0] = 0;
   for (std::size_t j = 0; j < n; ++j) first_[j + 1] = first_[j] + (slipping_[j] ? 1 : 2);
-  Eigen::MatrixXd m(first_[n], first_[n]);
-  Eigen::VectorXd r(first_[n]);
-  std::vector<double> cosine(n), sine(n);
+  NewtonSystem system{Eigen::MatrixXd(first_[n], first_[n]), Eigen::VectorXd(first_[n]), std::vector<double>(n),
+                      std::vector<double>(n)};
   for (std::size_t j = 0; j < n; ++j) {
-    cosine[j] = traction_x[j] / bound[j];
-    sine[j] = traction_y[j] / bound[j];
+    system.cosine[j] = traction_x[j] / bound[j];
+    system.sine[j] = traction_y[j] / bound[j];
   }
-  for (std::size_t i = 0; i < n; ++i) {
-    std::size_t const p = i + i / per_row;  // slip point ahead of the element's centre; p + 1 is the one behind
-    Eigen::Index const row = first_[i];
-    double const* xx = &b_xx_[p * n];
-    double const* xy = &b_xy_[p * n];
-    double const* yy = &b_yy_[p * n];
-    if (!slipping_[i]) {
-      r(row) = -velocity_x_[p];
-      r(row + 1) = -velocity_y_[p];
-      for (std::size_t j = 0; j < n; ++j) {
-        Eigen::Index const k = first_[j];
-        if (slipping_[j]) {
-          m(row, k) = bound[j] * (xy[j] * cosine[j] - xx[j] * sine[j]);
-          m(row + 1, k) = bound[j] * (yy[j] * cosine[j] - xy[j] * sine[j]);
-        } else {
-          m(row, k) = xx[j];
-          m(row, k + 1) = m(row + 1, k) = xy[j];
-          m(row + 1, k + 1) = yy[j];
-        }
-      }
-      continue;
-    }
-    double const sx = 0.5 * (velocity_x_[p] + velocity_x_[p + 1]);
-    double const sy = 0.5 * (velocity_y_[p] + velocity_y_[p + 1]);
-    double const c = cosine[i];
-    double const s = sine[i];
-    r(row) = sx * s - sy * c;
-    for (std::size_t j = 0; j < n; ++j) {
-      double const mxx = 0.5 * (xx[j] + xx[j + n]);
-      double const mxy = 0.5 * (xy[j] + xy[j + n]);
-      double const myy = 0.5 * (yy[j] + yy[j + n]);
-      double const along_x = mxy * c - mxx * s;  // slip across the traction, per traction along x
-      double const along_y = myy * c - mxy * s;
-      Eigen::Index const k = first_[j];
-      if (slipping_[j]) {
-        m(row, k) = bound[j] * (along_y * cosine[j] - along_x * sine[j]);
-      } else {
-        m(row, k) = along_x;
-        m(row, k + 1) = along_y;
-      }
-    }
-    m(row, row) -= sx * c + sy * s;
-  }
-  Eigen::VectorXd const step = m.partialPivLu().solve(r);
+  for (std::size_t i = 0; i < n; ++i) slipping_[i] ? fill_slipping(i, system) : fill_sticking(i, system);
+  Eigen::VectorXd const step = system.matrix.partialPivLu().solve(system.right);
   double change = 0.0;
   for (std::size_t j = 0; j < n; ++j) {
     Eigen::Index const k = first_[j];

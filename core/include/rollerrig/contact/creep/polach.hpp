@@ -37,7 +37,7 @@ CreepForce<T> polach_force(CreepQuery<T> const& query, Factor const& k_A, Factor
   T const spread = 1.0 + 6.3 * (1.0 - exp(-(a / query.b)));
   T const coupling = query.direction * f.f23 / a;  // G b sqrt(ab) C23
   T const spin_gradient = 8.0 / 3.0 * k_A * coupling * lateral / (query.adhesion * spread);
-  T const g = length(spin_gradient, T(0.0), regularisation::creepage);
+  T const g = sqrt(spin_gradient * spin_gradient + square(regularisation::creepage));
   T const delta = (g * g - 1.0) / (g * g + 1.0);
   T const root = 2.0 * g / (g * g + 1.0);  // sqrt(1 - delta^2)
   T const k_m = g * (delta * delta * delta / 3.0 - 0.5 * delta * delta + 1.0 / 6.0) - root * root * root / 3.0;

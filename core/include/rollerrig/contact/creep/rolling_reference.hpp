@@ -63,7 +63,11 @@ class RollingReference {
   std::vector<double> x, y, bound, traction_x, traction_y;
 
  private:
+  struct NewtonSystem;
+  void find_influences(std::vector<double> const& length, double dy, double poisson_ratio);
   void find_slip(ReducedCreepage const& creepage);
+  void fill_sticking(std::size_t element, NewtonSystem& system) const;
+  void fill_slipping(std::size_t element, NewtonSystem& system) const;
   double newton_step();
   int revise(bool may_stick);
   std::size_t count() const { return x.size(); }
