@@ -21,23 +21,23 @@ nb::class_<S> bind_struct(nb::module_& m, char const* name, char const* doc) {
       S::fields());
 }
 
-/// kalker_saturated -> KalkerSaturated
-inline std::string class_name(std::string_view name) {
+/// kalker_saturated -> KalkerSaturated; with a family behind it where names alone say too little
+inline std::string class_name(std::string_view name, std::string_view family) {
   std::string out;
   bool start = true;
   for (char const c : name) {
     if (c != '_') out += start ? static_cast<char>(std::toupper(static_cast<unsigned char>(c))) : c;
     start = c == '_';
   }
-  return out;
+  return out.append(family);
 }
 
 /// Binds every law of a registry, and the registry itself: name in a configuration -> class.
 template <class Registry>
-void bind_laws(nb::module_& m, char const* registry) {
+void bind_laws(nb::module_& m, char const* registry, std::string_view family = "") {
   nb::dict classes;
   [&]<class... Laws>(std::type_identity<std::variant<Laws...>>) {
-    ((classes[Laws::name] = bind_struct<Laws>(m, class_name(Laws::name).c_str(), Laws::name)), ...);
+    ((classes[Laws::name] = bind_struct<Laws>(m, class_name(Laws::name, family).c_str(), Laws::name)), ...);
   }(std::type_identity<Registry>{});
   m.attr(registry) = classes;
 }

@@ -7,13 +7,13 @@ void bind_contact_laws(nb::module_& m);
 void bind_model(nb::module_& m);
 void bind_contact(nb::module_& m);
 void bind_simulation(nb::module_& m);
-void bind_bench(nb::module_& m);
+void bind_mechatronics(nb::module_& m);
 
 NB_MODULE(_core, m) {
   m.doc() = "Compiled core of rollerrig: model, contact, simulation. SI units throughout.";
   bind_contact_laws(m);
   bind_model(m);
   bind_contact(m);
+  bind_mechatronics(m);
   bind_simulation(m);
-  bind_bench(m);
 }

@@ -13,12 +13,12 @@
 
 #include "convert.hpp"
 #include "rollerrig/integrate/amplification.hpp"
+#include "rollerrig/simulate/driver.hpp"
 #include "rollerrig/simulate/recorder.hpp"
 #include "rollerrig/system/equilibrium.hpp"
 
 using namespace nb::literals;
 using namespace rollerrig;
-using integrate::Integrator;
 using integrate::Method;
 using integrate::Options;
 
@@ -37,12 +37,12 @@ Method method_named(std::string const& name) {
 
 class Simulation {
  public:
-  explicit Simulation(std::shared_ptr<Model const> const& model)
-      : dynamics_(model), observed_(model), recorder_(*model) {}
+  Simulation(std::shared_ptr<Model const> const& model, std::optional<MechatronicSetup> setup)
+      : driver_(model, std::move(setup)), recorder_(*model) {}
 
-  void start(std::string const& method, double step, double relative, std::vector<double> const& absolute,
-             double initial_step, double maximum_step, double final_time, double output_step,
-             std::vector<double> const& breakpoints, double t0, Column const& x0) {
+  int start(std::string const& method, double step, double relative, std::vector<double> const& absolute,
+            double initial_step, double maximum_step, double final_time, double output_step,
+            std::vector<double> const& breakpoints, double t0, Column const& x0) {
     Options options;
     options.method = method_named(method);
     check_state(x0);
@@ -54,35 +54,40 @@ class Simulation {
     options.final_time = final_time;
     options.output_step = output_step;
     options.breakpoints = breakpoints;
-    dynamics_.reset_run();
-    integrator_ = std::make_unique<Integrator<Dynamics>>(dynamics_, options);
-    integrator_->start(t0, x0.data());
+    return static_cast<int>(driver_.start(std::move(options), t0, x0.data()));
   }
 
   /// Advances to t_stop and writes one row per output time; returns status and rows filled so far.
   std::tuple<int, int> advance(double t_stop, Vector times, Table rows, int filled) {
-    if (!integrator_) throw nb::value_error("start() has not been called");
-    if (static_cast<int>(rows.shape(1)) != recorder_.width()) throw nb::value_error("rows must have `width` columns");
+    require_start();
+    if (static_cast<int>(rows.shape(1)) != driver_.width()) throw nb::value_error("rows must have `width` columns");
     auto const capacity = static_cast<int>(std::min(rows.shape(0), times.shape(0)));
     Status status = Status::ok;
     {
       nb::gil_scoped_release other_threads_may_run;
-      status = integrator_->advance(t_stop, [&](double t, double const* x, double const* z) {
+      status = driver_.advance(t_stop, [&](double t, double const* x, double const* z) {
         if (filled >= capacity) return;
         times.data()[filled] = t;
-        recorder_.record(observed_, t, x, z, rows.data() + static_cast<std::size_t>(filled) * rows.shape(1));
+        driver_.record(t, x, z, rows.data() + static_cast<std::size_t>(filled) * rows.shape(1));
         ++filled;
       });
     }
     return {static_cast<int>(status), filled};
   }
 
+  bool waits_for(std::string const& controller) { return blocks().waits_for(controller); }
+  std::vector<double> measurement() { return blocks().measurement(); }
+  void set_command(std::string const& controller, std::vector<double> const& command) {
+    blocks();
+    driver_.set_command(controller, command);
+  }
+
   auto derivative(double t, Column const& x) {
     check_state(x);
-    auto const sizes = dynamics_.sizes();
+    auto const sizes = dynamics().sizes();
     std::vector<double> x_dot(static_cast<std::size_t>(sizes.states)),
         z_dot(static_cast<std::size_t>(sizes.quadratures));
-    dynamics_.derivative(t, x.data(), x_dot.data(), z_dot.data());
+    dynamics().derivative(t, x.data(), x_dot.data(), z_dot.data());
     return std::pair(owned_array<nb::ndim<1>>(std::move(x_dot), {static_cast<std::size_t>(sizes.states)}),
                      owned_array<nb::ndim<1>>(std::move(z_dot), {static_cast<std::size_t>(sizes.quadratures)}));
   }
@@ -90,18 +95,18 @@ class Simulation {
   /// df/dx, row-major.
   auto jacobian(double t, Column const& x) {
     check_state(x);
-    JacobianData j(dynamics_.sizes());
-    dynamics_.jacobian(t, x.data(), j);
+    JacobianData j(dynamics().sizes());
+    dynamics().jacobian(t, x.data(), j);
     return nb::make_tuple(matrix(j.a), matrix(j.g), matrix(j.f_t), matrix(j.g_t));
   }
 
   /// What one step of a fixed-step method does to a small deviation from x, row-major.
   auto step_amplification(std::string const& method, double step, double t, Column const& x) {
     check_state(x);
-    JacobianData j(dynamics_.sizes());
-    dynamics_.jacobian(t, x.data(), j);
-    integrate::LinearSystem system{j.a, dynamics_.stiff_modes(), dynamics_.sizes().quadratures};
-    dynamics_.renew_stiff_modes({}, system.modes);
+    JacobianData j(dynamics().sizes());
+    dynamics().jacobian(t, x.data(), j);
+    integrate::LinearSystem system{j.a, dynamics().stiff_modes(), dynamics().sizes().quadratures};
+    dynamics().renew_stiff_modes({}, system.modes);
     return matrix(integrate::amplification(system, method_named(method), step));
   }
 
@@ -111,7 +116,7 @@ class Simulation {
     for (auto const& [body, coordinate, value] : held) coordinates.push_back({body, coordinate, value});
     if (near) check_state(*near);
     auto r = solve_equilibrium(
-        dynamics_, speed, t, coordinates,
+        dynamics(), speed, t, coordinates,
         near ? std::vector<double>(near->data(), near->data() + near->shape(0)) : std::vector<double>());
     nb::dict d;
     d["converged"] = r.converged;
@@ -125,31 +130,32 @@ class Simulation {
   auto record(double t, Column const& x, Column const& z) {
     check_state(x);
     std::vector<double> row(static_cast<std::size_t>(recorder_.width()));
-    recorder_.record(observed_, t, x.data(), z.data(), row.data());
+    recorder_.record(driver_.observed(), t, x.data(), z.data(), row.data());
     auto const n = row.size();
     return owned_array<nb::ndim<1>>(std::move(row), {n});
   }
 
   /// The contact search alone along a sequence of states, one per row.
   void search_along(double t, nb::ndarray<double const, nb::ndim<2>, nb::c_contig, nb::device::cpu> states) {
-    if (static_cast<int>(states.shape(1)) != dynamics_.sizes().states) throw nb::value_error("one state per row");
-    for (std::size_t i = 0; i < states.shape(0); ++i) dynamics_.search_contacts(t, states.data() + i * states.shape(1));
+    if (static_cast<int>(states.shape(1)) != dynamics().sizes().states) throw nb::value_error("one state per row");
+    for (std::size_t i = 0; i < states.shape(0); ++i)
+      dynamics().search_contacts(t, states.data() + i * states.shape(1));
   }
 
   /// x_dot of a sequence of states, one per row, in one call.
   auto derivatives(double t, nb::ndarray<double const, nb::ndim<2>, nb::c_contig, nb::device::cpu> states) {
     std::size_t const n = states.shape(1);
-    if (static_cast<int>(n) != dynamics_.sizes().states) throw nb::value_error("one state per row");
+    if (static_cast<int>(n) != dynamics().sizes().states) throw nb::value_error("one state per row");
     std::vector<double> x_dot(states.shape(0) * n);
     for (std::size_t i = 0; i < states.shape(0); ++i)
-      dynamics_.derivative(t, states.data() + i * n, x_dot.data() + i * n, nullptr);
+      dynamics().derivative(t, states.data() + i * n, x_dot.data() + i * n, nullptr);
     return owned_array<nb::ndim<2>>(std::move(x_dot), {states.shape(0), n});
   }
 
   nb::dict statistics() const {
     nb::dict d;
-    if (!integrator_) return d;
-    auto const& s = integrator_->statistics();
+    if (!driver_.started()) return d;
+    auto const& s = driver_.statistics();
     d["steps"] = s.steps;
     d["rejected_steps"] = s.rejected_steps;
     d["derivative_calls"] = s.derivative_calls;
@@ -160,7 +166,7 @@ class Simulation {
     return d;
   }
   nb::dict counters() const {
-    auto const& c = dynamics_.counters();
+    auto const& c = dynamics().counters();
     nb::dict d;
     d["limited_curvature"] = c.limited_curvature;
     d["clamped_aspect"] = c.clamped_aspect;
@@ -173,18 +179,20 @@ class Simulation {
     return d;
   }
 
-  Dynamics& dynamics() { return dynamics_; }
-  double time() const { return integrator_ ? integrator_->time() : 0.0; }
+  Dynamics& dynamics() { return driver_.plant(); }
+  Dynamics const& dynamics() const { return driver_.plant(); }
+  double time() const { return driver_.time(); }
   auto state() const {
-    if (!integrator_) throw nb::value_error("start() has not been called");
-    auto const n = static_cast<std::size_t>(dynamics_.sizes().states);
-    return owned_array<nb::ndim<1>>(std::vector<double>(integrator_->states(), integrator_->states() + n), {n});
+    require_start();
+    auto const n = static_cast<std::size_t>(dynamics().sizes().states);
+    return owned_array<nb::ndim<1>>(std::vector<double>(driver_.states(), driver_.states() + n), {n});
   }
-  int width() const { return recorder_.width(); }
+  int width() const { return driver_.width(); }
+  int plant_width() const { return recorder_.width(); }
 
  private:
   void check_state(Column const& x) const {
-    if (static_cast<int>(x.shape(0)) != dynamics_.sizes().states)
+    if (static_cast<int>(x.shape(0)) != dynamics().sizes().states)
       throw nb::value_error("x must hold one value per state");
   }
   static nb::ndarray<nb::numpy, double> matrix(Eigen::MatrixXd const& m) {
@@ -196,10 +204,16 @@ class Simulation {
     return columns == 1 ? owned_array<>(std::move(values), {rows}) : owned_array<>(std::move(values), {rows, columns});
   }
 
-  Dynamics dynamics_;
-  Dynamics observed_;  // outputs are evaluated apart: asking for them changes no bit of the run
+  void require_start() const {
+    if (!driver_.started()) throw nb::value_error("start() has not been called");
+  }
+  MechatronicSystem& blocks() {
+    if (driver_.system() == nullptr) throw nb::value_error("the simulation has no controllers");
+    return *driver_.system();
+  }
+
+  Driver driver_;
   Recorder recorder_;
-  std::unique_ptr<Integrator<Dynamics>> integrator_;
 };
 
 nb::list field_list(std::span<Field const> fields) {
@@ -213,10 +227,15 @@ nb::list field_list(std::span<Field const> fields) {
 
 void bind_simulation(nb::module_& m) {
   nb::class_<Simulation>(m, "Simulation", "Integrates one model; SI, states as in docs/theory.")
-      .def(nb::init<std::shared_ptr<Model const>>(), "model"_a)
+      .def(nb::init<std::shared_ptr<Model const>, std::optional<MechatronicSetup>>(), "model"_a, "setup"_a = nb::none(),
+           "Of a model, with sensors, controllers and actuators around it if `setup` is given.")
       .def("start", &Simulation::start, "method"_a, "step"_a, "relative_tolerance"_a, "absolute_tolerance"_a,
            "initial_step"_a, "maximum_step"_a, "final_time"_a, "output_step"_a, "breakpoints"_a, "t0"_a, "x0"_a)
       .def("advance", &Simulation::advance, "t_stop"_a, "times"_a, "rows"_a, "filled"_a)
+      .def("waits_for", &Simulation::waits_for, "controller"_a,
+           "Whether a controller of the caller must be answered for before advance() goes on.")
+      .def("measurement", &Simulation::measurement, "What controllers see, axle by axle: measurement_fields.")
+      .def("set_command", &Simulation::set_command, "controller"_a, "command"_a)
       .def("derivative", &Simulation::derivative, "t"_a, "x"_a)
       .def("jacobian", &Simulation::jacobian, "t"_a, "x"_a)
       .def("step_amplification", &Simulation::step_amplification, "method"_a, "step"_a, "t"_a, "x"_a)
@@ -229,6 +248,7 @@ void bind_simulation(nb::module_& m) {
       .def_prop_ro("time", &Simulation::time)
       .def_prop_ro("state", &Simulation::state, nb::rv_policy::move)
       .def_prop_ro("width", &Simulation::width)
+      .def_prop_ro("plant_width", &Simulation::plant_width)
       .def_prop_rw(
           "exhaustive_search", [](Simulation& s) { return s.dynamics().exhaustive_search(); },
           [](Simulation& s, bool on) { s.dynamics().set_exhaustive_search(on); })
@@ -243,6 +263,9 @@ void bind_simulation(nb::module_& m) {
   m.attr("wheel_fields") = field_list(Recorder::wheel_fields());
   m.attr("patch_fields") = field_list(Recorder::patch_fields());
   m.attr("element_fields") = field_list(Recorder::element_fields());
+  m.attr("axle_fields") = field_list(MechatronicSystem::axle_fields());
+  m.attr("train_fields") = field_list(MechatronicSystem::train_fields());
+  m.attr("measurement_fields") = field_list(MechatronicSystem::measurement_fields());
   m.attr("run_fields") = field_list(Recorder::run_fields());
   m.def(
       "status_sentence", [](int status) { return std::string(status_sentence(static_cast<Status>(status))); },
@@ -256,5 +279,8 @@ void bind_simulation(nb::module_& m) {
   codes["step_too_small"] = static_cast<int>(Status::step_too_small);
   codes["too_many_steps"] = static_cast<int>(Status::too_many_steps);
   codes["interrupted"] = static_cast<int>(Status::interrupted);
+  codes["stopped"] = static_cast<int>(Status::stopped);
+  codes["rollers_protected"] = static_cast<int>(Status::rollers_protected);
+  codes["controller_failed"] = static_cast<int>(Status::controller_failed);
   m.attr("status_codes") = codes;
 }

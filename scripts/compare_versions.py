@@ -60,6 +60,7 @@ RENAMED: dict[str, str] = {
     "ultimate": "k_inf",
     "stiffness_reduction.decay": "beta",
     "cleaning": "recovery_constant",
+    ".bench": "contact",
     "ideal_rolling": "pure_rolling",
     "believed": "assumed",
     "held": "speed_controlled",

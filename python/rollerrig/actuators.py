@@ -2,7 +2,7 @@
 
     Case -> [Assembly] -> plant -> [actuators] -> AssembledModel with the indices of its actuators
 
-How they are driven during a run is the matter of `rollerrig.bench`.
+How they are driven during a run is the matter of `rollerrig.mechatronics`.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ from rollerrig import _core
 from rollerrig.assembly import ABSENT, GROUND, AssembledModel, Assembly, AxleActuators
 from rollerrig.config import Brake, Case, Track, Traction
 from rollerrig.contact_laws import adhesion_map
+from rollerrig.core_struct import core_struct
 
 
 def assemble_with_actuators(case: Case) -> AssembledModel:
@@ -26,7 +27,7 @@ def assemble_with_actuators(case: Case) -> AssembledModel:
     axles = tuple(_add_axle(assembly, number, name) for number, name in enumerate(assembly.wheelsets))
     start_core = assembly.builder.finish()
     _add_resistance(assembly)
-    if case.bench.pure_rolling:
+    if case.contact.pure_rolling:
         for name in assembly.wheelsets:
             assembly.builder.add_rolling_constraint(assembly.index(name))
     return assembly.finish(start_core=start_core, axles=axles, adhesion=adhesion)
@@ -48,7 +49,7 @@ def _add_axle(assembly: Assembly, number: int, name: str) -> AxleActuators:
     contacts = tuple(wheel.contact for wheel in assembly.wheels if wheel.wheelset == name)
     brake = axle_torque = roller = roller_torque = ABSENT
     if case.brake is not None and not case.brake.motors_stand_in:
-        brake = _core.add_brake(builder, wheelset, frame, brake_numbers(case.brake))
+        brake = builder.add_brake(_core.AxleBrake(wheelset=wheelset, reaction=frame, brake=pneumatic_brake(case.brake)))
     if case.traction is not None:
         axle_torque = builder.add_axle_torque(_traction_motor(assembly, name, frame, case.traction))
     if assembly.rollers:
@@ -78,10 +79,9 @@ def _traction_motor(assembly: Assembly, name: str, frame: int, traction: Tractio
     )
 
 
-def brake_numbers(brake: Brake) -> dict[str, object]:
-    """The friction brake as the core takes it."""
-    numbers = brake.model_dump(exclude={"demand", "motors_stand_in"})
-    return {**numbers, "friction": [list(row) for row in numbers["friction"]]}
+def pneumatic_brake(brake: Brake) -> _core.PneumaticBrake:
+    """The friction brake of an axle."""
+    return core_struct(_core.PneumaticBrake, brake, without=("demand", "motors_stand_in"))
 
 
 def _add_resistance(assembly: Assembly) -> None:

@@ -16,6 +16,8 @@ from rollerrig.config.write.toml import plain
 ACTUATORS = ("adhesion", "brake", "traction", "slide_protection", "wheel_slip_control", "rig_control")
 """Tables of a case beside vehicle, support and contact: what acts on the vehicle, and degraded adhesion."""
 
+_NO_ACTUATORS: dict[str, object] = {**dict.fromkeys(ACTUATORS), "contact.pure_rolling": False}
+
 CATALOG_TRACK, CATALOG_RIG = "uic60_track", "full_scale_rig"
 """Supports on which a case is put; they get the head and gauge of its own."""
 
@@ -77,7 +79,7 @@ def on_track(case: Case) -> Case:
     The vehicle runs at its speed; the controller of a rig and the assumption of pure rolling on rollers are left out.
     """
     changes: dict[str, object] = {"motion.drive": "speed_controlled", "motion.torque_table": None, "rig_control": None}
-    return _on(case, CATALOG_TRACK, {**changes, "bench.pure_rolling": False})
+    return _on(case, CATALOG_TRACK, {**changes, "contact.pure_rolling": False})
 
 
 def on_rig(case: Case, radius: float | None = None) -> Case:
@@ -101,7 +103,7 @@ def _on(case: Case, support: str, changes: dict[str, object]) -> Case:
 
 def without_actuators(case: Case) -> Case:
     """The vehicle without brakes, traction, degraded adhesion and controllers; the drive of the rollers stays."""
-    return case.with_changes(dict.fromkeys((*ACTUATORS, "bench"))) if case.on_bench else case
+    return case.with_changes(_NO_ACTUATORS) if case.sampled else case
 
 
 def at_speed(case: Case, speed: float | None = None) -> Case:
@@ -114,7 +116,7 @@ def at_speed(case: Case, speed: float | None = None) -> Case:
         speed: running speed [m/s]; None: the starting speed of the case.
     """
     changes: dict[str, object] = {
-        **(dict.fromkeys((*ACTUATORS, "bench")) if case.on_bench else {}),
+        **(_NO_ACTUATORS if case.sampled else {}),
         "motion.drive": "speed_controlled",
         "motion.speed_table": None,
         "motion.torque_table": None,

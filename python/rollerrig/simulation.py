@@ -20,13 +20,30 @@ from numpy.typing import NDArray
 from rollerrig import _core
 from rollerrig.actuators import assemble_with_actuators
 from rollerrig.assembly import AssembledModel, assemble
-from rollerrig.bench import BenchRun, users_controllers
 from rollerrig.cases import as_case
 from rollerrig.config import Case, ConfigError, ConfigProblem
+from rollerrig.mechatronics import (
+    MEASUREMENTS,
+    ControllerError,
+    UserController,
+    ask,
+    mechatronic_setup,
+    users_controllers,
+)
 from rollerrig.results import Outcome, add_energy_audit, add_termination, run_dataset
 from rollerrig.starting_state import StartError, starting_state
 
-__all__ = ["Progress", "StartError", "absolute_tolerances", "available_memory", "begin", "sample_count", "simulate"]
+__all__ = [
+    "Progress",
+    "StartError",
+    "absolute_tolerances",
+    "available_memory",
+    "begin",
+    "march",
+    "prepare",
+    "sample_count",
+    "simulate",
+]
 
 Vector = NDArray[np.float64]
 Progress = Callable[[float, str], None]
@@ -39,6 +56,8 @@ ENERGY_WARNING = 1e-3
 """Relative energy residual above which a run carries a warning [-]."""
 
 _STATUS_NAMES = {code: name for name, code in _core.status_codes.items()}
+_BLAMELESS = ("ok", "interrupted", "stopped", "rollers_protected", "controller_failed")
+"""Statuses that no wheel has brought about."""
 _SLICE_SECONDS = 0.2
 """A slice should take this long: often enough for a progress bar and Ctrl-C."""
 
@@ -70,26 +89,45 @@ def simulate(
         51
     """
     case = as_case(case)
-    if case.on_bench:
-        return _simulate_on_bench(BenchRun(assemble_with_actuators(case), controllers), progress)
-    model = assemble(case)
-    users_controllers(case, controllers or {})
-    simulation = _core.Simulation(model.core)
+    users = users_controllers(case, controllers or {})
+    model = assemble_with_actuators(case) if case.sampled else assemble(case)
+    simulation = prepare(model, users)
     times, rows = _allocate(case, simulation.width)
-    begin(simulation, model, starting_state(simulation, model))
+    failure = ""
     try:
-        code = _integrate(simulation, case, times, rows, progress)
+        code, _ = march(
+            simulation,
+            case.time.duration,
+            times,
+            rows,
+            slice_length=case.time.output_step,
+            users=users,
+            report=progress and _reporter(case, rows, progress),
+        )
     except KeyboardInterrupt:
         code = _core.status_codes["interrupted"]
+    except ControllerError as error:
+        code, failure = _core.status_codes["controller_failed"], str(error)
     filled = int(np.count_nonzero(np.isfinite(times)))  # also what the last slice wrote before it was cut off
-    run = run_dataset(model, times[:filled], rows[:filled], _outcome(simulation, model, code))
+    run = run_dataset(model, times[:filled], rows[:filled], _outcome(simulation, model, code, failure))
     return _with_warnings(add_energy_audit(add_termination(run, model)))
 
 
-def _simulate_on_bench(bench: BenchRun, progress: Progress | None) -> xr.Dataset:
-    _allocate(bench.case, bench.width)  # refuses what does not fit
-    run = bench.run(sample_count(bench.case), progress)
-    return _with_warnings(add_energy_audit(add_termination(run, bench.model)))
+def prepare(model: AssembledModel, users: Mapping[str, UserController] | None = None) -> _core.Simulation:
+    """A simulation of a model with everything that acts on it, at its start.
+
+    Args:
+        model: assembled with its actuators.
+        users: the user's controllers, by table of the case.
+
+    Raises:
+        ConfigError: the fixed step is unstable, or a disturbance moves what is held.
+        StartError: no equilibrium was found to start from.
+    """
+    start = starting_state(_core.Simulation(model.start_core), model)
+    simulation = _core.Simulation(model.core, mechatronic_setup(model, users))
+    begin(simulation, model, start)
+    return simulation
 
 
 def begin(simulation: _core.Simulation, model: AssembledModel, state: Vector, *, start_time: float = 0.0) -> None:
@@ -104,16 +142,15 @@ def begin(simulation: _core.Simulation, model: AssembledModel, state: Vector, *,
     Raises:
         ConfigError: the fixed step is beyond the stability limit of the method at the start.
     """
-    settings = model.case.time
-    fixed = settings.has_fixed_step
-    if fixed:
+    settings, own = model.case.time, model.case.integration
+    if own.fixed and settings.method is not None:
         _check_fixed_step(simulation, model.case, state)
     simulation.start(
-        method=settings.method,
-        step=(settings.step or 0.0) if fixed else 0.0,
+        method=own.method,
+        step=(own.step or 0.0) if own.fixed else 0.0,
         relative_tolerance=settings.relative_tolerance,
         absolute_tolerance=absolute_tolerances(simulation, settings.absolute_tolerance),
-        initial_step=0.0 if fixed else settings.step or 0.0,
+        initial_step=0.0 if own.fixed else own.step or 0.0,
         maximum_step=settings.maximum_step or math.inf,
         final_time=settings.duration,
         output_step=settings.output_step,
@@ -130,7 +167,7 @@ def _check_fixed_step(simulation: _core.Simulation, case: Case, state: Vector) -
     exp(lambda step); no other one may lie outside the unit circle (docs/theory/time_integration.md, (T5)). Slow running
     and stiff springs and dampers make lambda large.
     """
-    method, step = case.time.method, case.time.step or 0.0
+    method, step = case.integration.method, case.integration.step or 0.0
     rates = np.linalg.eigvals(simulation.jacobian(0.0, state)[0])
     lasting = rates[rates.real >= -1.0]
 
@@ -209,36 +246,81 @@ def _allocate(case: Case, width: int) -> tuple[Vector, Vector]:
     return np.full(count, np.nan), np.empty((count, width))
 
 
-def _integrate(simulation: _core.Simulation, case: Case, times: Vector, rows: Vector, progress: Progress | None) -> int:
-    """Advance to the end, or to the first status that is not ok; returns its code."""
+def march(
+    simulation: _core.Simulation,
+    until: float,
+    times: Vector,
+    rows: Vector,
+    *,
+    slice_length: float,
+    begin_at: float = 0.0,
+    users: Mapping[str, UserController] | None = None,
+    report: Callable[[float, int], None] | None = None,
+) -> tuple[int, int]:
+    """Advance a simulation that has begun, in slices that last about 0.2 s of the clock.
+
+    Args:
+        simulation: the simulation.
+        until: time of the end [s].
+        times: room for the output times, shape (time,).
+        rows: and for what is recorded, shape (time, width).
+        slice_length: of the first slice [s].
+        begin_at: time at which the simulation stands [s].
+        users: the user's controllers, asked at their instants.
+        report: called after each slice with the time [s] and the number of rows.
+
+    Returns:
+        Code of the first status that is not ok, or of ok; and the rows filled.
+
+    Raises:
+        ControllerError: a controller of the user gave no usable command.
+    """
     ok: int = _core.status_codes["ok"]
-    duration, filled, until = case.time.duration, 0, 0.0
-    length = case.time.output_step
-    shortest = 0.1 * length  # however slow the model is
-    while until < duration:
-        until = min(until + length, duration)
+    code, filled, at, length = ok, 0, begin_at, slice_length
+    while code == ok and at < until:
+        at = min(at + length, until)
         begun = time.perf_counter()
-        code, filled = simulation.advance(until, times, rows, filled)
+        code, filled = simulation.advance(at, times, rows, filled)
+        while code == ok and _answer(simulation, users or {}):
+            code, filled = simulation.advance(at, times, rows, filled)
         spent = time.perf_counter() - begun
-        if code != ok:
-            return code
-        if progress is not None:
-            speed = 3.6 * rows[filled - 1, -1]
-            progress(until / duration, f"t = {until:.2f} s of {duration:g} s, {speed:.0f} km/h")
+        if code == ok and report is not None:
+            report(at, filled)
         if spent < 0.5 * _SLICE_SECONDS:
             length *= 2.0
         elif spent > 2.0 * _SLICE_SECONDS:
-            length = max(0.5 * length, shortest)
-    return ok
+            length = max(0.5 * length, 0.1 * slice_length)  # however slow the model is
+    return code, filled
 
 
-def _outcome(simulation: _core.Simulation, model: AssembledModel, code: int) -> Outcome:
+def _answer(simulation: _core.Simulation, users: Mapping[str, UserController]) -> bool:
+    """Ask the user's controllers that are waited for; whether there was one."""
+    due = [role for role in users if simulation.waits_for(role)]
+    for role in due:
+        rows = np.array(simulation.measurement()).reshape(-1, len(MEASUREMENTS))
+        measurements = {"time": simulation.time, **dict(zip(MEASUREMENTS, rows.T, strict=True))}
+        simulation.set_command(role, ask(users[role], role, measurements).tolist())
+    return bool(due)
+
+
+def _reporter(case: Case, rows: Vector, progress: Progress) -> Callable[[float, int], None]:
+    """Progress of a run as a whole, with the speed of the train or of the rollers."""
+    duration, column = case.time.duration, -len(_core.train_fields) if case.sampled else -1
+
+    def report(at: float, filled: int) -> None:
+        speed = 3.6 * rows[max(0, filled - 1), column]
+        progress(at / duration, f"t = {at:.2f} s of {duration:g} s, {speed:.0f} km/h")
+
+    return report
+
+
+def _outcome(simulation: _core.Simulation, model: AssembledModel, code: int, failure: str) -> Outcome:
     status = _STATUS_NAMES.get(code, "unknown")
     at = simulation.time
-    blamed = simulation.failed_contact if status not in ("ok", "interrupted") else -1
+    blamed = simulation.failed_contact if status not in _BLAMELESS else -1
     wheel = next((w.name for w in model.wheels if w.contact == blamed), "")
-    message = _core.status_sentence(code)
-    if status != "ok":
+    message = failure or _core.status_sentence(code)
+    if status != "ok" and not failure:
         place = f"t = {at:.4g} s" + (f", {wheel}" if wheel else "")
         message = f"{place}: {message}"
     return Outcome(status, message, at, wheel, simulation.statistics(), simulation.counters())

@@ -30,7 +30,7 @@ def test_on_track_keeps_head_gauge_speed_and_actuators() -> None:
 
 
 def test_on_track_ends_the_assumption_of_pure_rolling() -> None:
-    assert not cases.on_track(load_case(CONTROLLED).with_changes({"bench.pure_rolling": True})).bench.pure_rolling
+    assert not cases.on_track(load_case(CONTROLLED).with_changes({"contact.pure_rolling": True})).contact.pure_rolling
 
 
 def test_on_rig_of_a_track_has_its_head_and_the_radius_asked_for() -> None:
@@ -51,9 +51,9 @@ def test_on_rig_keeps_a_rig_but_for_the_radius() -> None:
 def test_without_actuators_leaves_vehicle_support_and_drive() -> None:
     case = load_case(CONTROLLED)
     bare = cases.without_actuators(case)
-    assert not bare.on_bench
+    assert not bare.sampled
     assert bare.motion == case.motion
-    assert differences(bare, case) <= {*cases.ACTUATORS, "bench"}
+    assert differences(bare, case) <= {*cases.ACTUATORS, "contact"}
     plain = load_case("bogie_track")
     assert cases.without_actuators(plain) is plain
 
@@ -64,7 +64,7 @@ def test_at_speed_is_steady_and_smooth(name: str) -> None:
     assert steady.motion.speed == 20.0
     assert steady.motion.drive == "speed_controlled"
     assert steady.motion.speed_table is None
-    assert not steady.on_bench
+    assert not steady.sampled
     assert steady.support.data.irregularity is None
     assert len(getattr(steady.support.data, "segment", ())) <= 1
     assert cases.at_speed(steady) == steady

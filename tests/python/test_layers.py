@@ -1,9 +1,9 @@
 """The arrow of the data is a test: a folder may use only what stands to its left.
 
 core:    scalar -> math -> integrate -> track -> multibody -> geometry -> contact -> mechatronics -> system -> simulate
-Python:  splines -> profiles, track, irregularity -> config -> catalog -> cases -> contact_laws -> assembly -> actuators
-         -> results -> starting_state -> bench -> simulation -> similitude -> contact_analysis -> analysis -> plot -> study
-         -> commands -> cli
+Python:  splines -> profiles, track, irregularity -> config -> core_struct -> catalog -> cases -> contact_laws -> assembly
+         -> actuators -> results -> starting_state -> mechatronics -> simulation -> similitude -> contact_analysis -> analysis
+         -> plot -> study -> commands -> cli
 """
 
 from __future__ import annotations
@@ -117,6 +117,7 @@ PYTHON_LAYERS = [
     {"splines"},
     {"profiles", "track", "irregularity"},
     {"config"},
+    {"core_struct"},
     {"catalog"},
     {"cases"},
     {"contact_laws"},
@@ -124,7 +125,7 @@ PYTHON_LAYERS = [
     {"actuators"},
     {"results"},
     {"starting_state"},
-    {"bench"},
+    {"mechatronics"},
     {"simulation"},
     {"similitude"},
     {"contact_analysis"},

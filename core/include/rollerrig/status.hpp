@@ -9,13 +9,16 @@ namespace rollerrig {
 
 enum class Status : int {
   ok = 0,
-  not_finite,      ///< a state, force or error estimate is infinite or not a number
-  contact_lost,    ///< a wheel carries no load where the model needs a contact
-  off_profile,     ///< a contact point left the range of a wheel, rail or roller profile
-  derailed,        ///< a wheelset climbed over the flange or fell between the rails
-  step_too_small,  ///< the error tolerance asks for a step below the resolution of time
-  too_many_steps,  ///< the step budget of the run is spent
-  interrupted,     ///< the caller asked to stop
+  not_finite,         ///< a state, force or error estimate is infinite or not a number
+  contact_lost,       ///< a wheel carries no load where the model needs a contact
+  off_profile,        ///< a contact point left the range of a wheel, rail or roller profile
+  derailed,           ///< a wheelset climbed over the flange or fell between the rails
+  step_too_small,     ///< the error tolerance asks for a step below the resolution of time
+  too_many_steps,     ///< the step budget of the run is spent
+  interrupted,        ///< the caller asked to stop
+  stopped,            ///< the train has come to a stop: the end of a brake test
+  rollers_protected,  ///< a wheel slid on its roller for too long
+  controller_failed,  ///< a controller of the caller gave no usable command
 };
 
 /// A sentence with the remedy, ready to be shown with time and wheel put in front.
@@ -40,6 +43,13 @@ constexpr std::string_view status_sentence(Status status) {
     case Status::too_many_steps:
       return "The step budget is spent; raise the largest number of steps, relax the tolerances, or "
              "choose the stiff method rodas4.";
+    case Status::stopped: return "The computation ended as asked. The train has stopped.";
+    case Status::rollers_protected:
+      return "The protection of the rollers ended the test: a wheel slid on its roller; less torque or more friction "
+             "between "
+             "wheel and roller, or raise the limit rig_control.protection.slip.";
+    case Status::controller_failed:
+      return "A controller gave no usable command; the results up to this time are valid.";
     case Status::interrupted: return "The computation was interrupted; the results up to this time are valid.";
   }
   return "Unknown status; this is a programming error, please report it.";

@@ -9,20 +9,18 @@ Small motion about steady running: no limits, constant friction. Equations: docs
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import solve_discrete_are
 
 from rollerrig import _core
 from rollerrig.actuators import assemble_with_actuators
 from rollerrig.analysis.contact_state import rolling_state
-from rollerrig.bench.settings import fit
 from rollerrig.cases import wheelsets, without_actuators
-from rollerrig.config import Case, Motor, Rig
+from rollerrig.config import Case, Rig
+from rollerrig.core_struct import angular
+from rollerrig.mechatronics.setup import assumed_parameters, estimator, feedback_gains, rotor_inertia
 
 Array = NDArray[np.float64]
 
@@ -55,7 +53,7 @@ class Loop:
         virtual_creep: the same of the virtual rail; 0 while its wheel slides.
         drive_bandwidth: of the roller drive's torque loop [rad/s].
         drive_damping: of a second-order one; 0: first order.
-        step, sample, delay: bench step, sample time, delay of the command [s].
+        step, sample, delay: sampling step, sample time, delay of the command [s].
         proportional, integral: gains on virtual minus measured axle speed [N m s/rad, N m/rad].
         estimator: its kind.
         bandwidth, damping: of the estimator [rad/s, 1].
@@ -88,14 +86,9 @@ def wheel_of(case: Case) -> Wheel:
     rig, control = case.support.data, case.rig_control
     assert isinstance(rig, Rig)
     wheelset = wheelsets(case)[0].inertia[1]
-    wheelset += geared_inertia(case.traction.motor if case.traction is not None else None)
-    roller = rig.roller_inertia[1] + geared_inertia(control.motor if control is not None else None)
+    wheelset += rotor_inertia(case.traction.motor if case.traction is not None else None)
+    roller = rig.roller_inertia[1] + rotor_inertia(control.motor if control is not None else None)
     return Wheel(wheelset, roller, case.vehicle.data.wheel.radius, rig.roller_radius)
-
-
-def controller_settings(case: Case) -> dict[str, Any]:
-    """What the core is given of a rig's controller: tables `estimator` and `feedback` with all absent numbers filled in."""
-    return fit(assemble_with_actuators(case), {}).settings
 
 
 def creep_slope(case: Case) -> float:
@@ -129,59 +122,37 @@ def loop_of(case: Case, creep: float, *, sliding: bool) -> Loop | None:
     motors = (control.motor, *((case.traction.motor,) if case.traction is not None else ()))
     if any(motor.rotor_inertia for motor in motors):  # the plant has none
         return None
-    settings = controller_settings(case)
-    estimator, feedback = settings["estimator"], settings["feedback"]
-    gains = {
-        "proportional_integral": (feedback["proportional"], feedback["integral"]),
-        "sliding_mode": (feedback["switching"] / feedback["boundary_layer"], 0.0),  # within its boundary layer
-    }.get(control.feedback.kind, (0.0, 0.0))
+    model, table = assemble_with_actuators(case), control.feedback
+    assumed = assumed_parameters(model)
+    gains = (0.0, 0.0)
+    if table.kind == "proportional_integral":
+        gains = feedback_gains(model)
+    elif table.kind == "sliding_mode":
+        gains = (table.switching / table.boundary_layer, 0.0)  # within its boundary layer
     kalman = control.estimator.kind == "kalman"
     return Loop(
         real=wheel_of(case),
-        assumed=Wheel(*(estimator[name] for name in Wheel.__dataclass_fields__)),
+        assumed=Wheel(*(getattr(assumed, name) for name in Wheel.__dataclass_fields__)),
         creep=creep,
         virtual_creep=0.0 if sliding else creep * _virtual_creep_share(case),
-        drive_bandwidth=2.0 * math.pi * control.motor.bandwidth,
+        drive_bandwidth=angular(control.motor.bandwidth),
         drive_damping=control.motor.damping_ratio,
-        step=case.bench.step,
+        step=case.time.sampling_step,
         sample=control.sample_time,
         delay=control.delay,
         proportional=gains[0],
         integral=gains[1],
         estimator=control.estimator.kind,
-        bandwidth=estimator["bandwidth"],
-        damping=estimator["damping_ratio"],
-        kalman_gain=kalman_gain(estimator, control.sample_time) if kalman else None,
+        bandwidth=angular(control.estimator.bandwidth),
+        damping=control.estimator.damping_ratio,
+        kalman_gain=np.array(_core.kalman_gain(estimator(control), assumed, control.sample_time)) if kalman else None,
     )
-
-
-def geared_inertia(motor: Motor | None) -> float:
-    """Of a motor's rotor, on the driven axle [kg m^2]; 0 without a motor."""
-    return motor.rotor_inertia * motor.gear_ratio**2 if motor is not None else 0.0
 
 
 def _virtual_creep_share(case: Case) -> float:
     """What the condition of the virtual rail leaves of the creep curve's slope, (A4)."""
     rail = case.adhesion.rail if case.adhesion is not None else None
     return _core.mean_reduction(rail.k_A, rail.k_S) if rail is not None else 1.0
-
-
-def kalman_gain(estimator: Mapping[str, float], h: float) -> Array:
-    """Stationary gain of the Kalman filter for a sample time h [s], (D10) to (D12): rows W, w, T, C over the innovations."""
-    J_r, R, J_w, r = (
-        estimator[name] for name in ("roller_inertia", "roller_radius", "wheelset_inertia", "wheel_radius")
-    )
-    noise = estimator["speed_noise"]
-    scale = estimator["bandwidth"] ** 2 * noise * math.sqrt(h)
-    force = estimator["force_change"] or scale * J_r / R
-    torque = estimator["torque_change"] or scale * (J_w + J_r * r / R)
-    rates = np.zeros((4, 4))
-    rates[0, 2], rates[1, 2:] = R / J_r, (-r / J_w, 1.0 / J_w)
-    walk = np.diag([0.0, 0.0, force**2, torque**2])
-    disturbance = walk * h + (rates @ walk + walk @ rates.T) * h**2 / 2.0 + rates @ walk @ rates.T * h**3 / 3.0
-    step, reads = np.eye(4) + h * rates, np.eye(2, 4)
-    spread = solve_discrete_are(step.T, reads.T, disturbance, noise**2 * np.eye(2))
-    return np.asarray(spread @ reads.T @ np.linalg.inv(reads @ spread @ reads.T + noise**2 * np.eye(2)))
 
 
 @dataclass(frozen=True)

@@ -127,7 +127,7 @@ def _segment(
 ) -> xr.Dataset:
     settings = model.case.time
     simulation.start(
-        method=settings.method,
+        method=model.case.integration.method,
         step=0.0,
         relative_tolerance=settings.relative_tolerance,
         absolute_tolerance=absolute_tolerances(simulation, settings.absolute_tolerance),

@@ -16,12 +16,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rollerrig import _core
-from rollerrig.analysis.control_loop import geared_inertia
 from rollerrig.assembly import AssembledModel, assemble
-from rollerrig.bench.virtual_train import load_transfer, rail_contact, train_mass
 from rollerrig.config import Case, Condition, Rig, SlideProtection, WheelSlipControl
 from rollerrig.config.schema.contact_law import ConstantFriction
 from rollerrig.contact_laws import core_law
+from rollerrig.mechatronics.setup import rotor_inertia, wheelset_inertia
+from rollerrig.mechatronics.virtual_train import load_transfer, rail_patch, train_mass
 
 Array = NDArray[np.float64]
 
@@ -134,12 +134,11 @@ def rig_limits(case: Case) -> RigLimits:
         largest = min(largest, float(np.interp(case.motion.speed / rig.roller_radius, speeds, torques)))
     loads, mass = [model.axle_loads[name] for name in model.wheelsets], train_mass(model)
     own = case.model_copy(update={"rig_control": control.model_copy(update={"load_transfer": "quasi_static"})})
-    drive = geared_inertia(case.traction.motor if case.traction is not None else None)
     return RigLimits(
         wheel_radius=case.vehicle.data.wheel.radius,
         roller_radius=rig.roller_radius,
-        wheelset_inertia=model.inertias[model.wheelsets[0]][1] + drive,
-        roller_inertia=rig.roller_inertia[1] + geared_inertia(control.motor),
+        wheelset_inertia=wheelset_inertia(model),
+        roller_inertia=rig.roller_inertia[1] + rotor_inertia(control.motor),
         axle_load=sum(loads) / len(loads),
         train_mass=mass,
         axles=len(loads),
@@ -205,8 +204,8 @@ def patch_of(model: AssembledModel) -> Patch:
     Raises:
         StartError: the vehicle has no equilibrium on track.
     """
-    found = rail_contact(model)
-    return Patch(found["a"], found["b"], found["wheel_load"])
+    found = rail_patch(model)
+    return Patch(found.a, found.b, found.load)
 
 
 def rail_shape(case: Case) -> Condition:

@@ -14,8 +14,8 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from rollerrig.analysis.tracking import tracking, virtual_slip
-from rollerrig.bench import ROLLERS_PROTECTED
 from rollerrig.config import Case
+from rollerrig.results import COMPLETED
 
 Mask = NDArray[np.bool_]
 Record = dict[str, Any]
@@ -86,7 +86,7 @@ def assess_limits(run: xr.Dataset, case: Case, torque: float, grip_slip: float) 
         "roller_torque_nm": float(roller.max(initial=0.0)),
         "roller_power_w": float((roller * np.abs(run["roller_speed"].to_numpy())).max(initial=0.0)),
         "status": status,
-        "message": "" if status == "ok" else str(run.attrs["status_message"]),
+        "message": "" if status in COMPLETED else str(run.attrs["status_message"]),
     }
 
 
@@ -108,7 +108,7 @@ def region(status: str, limits: Mapping[str, float], tracking_rms: float, slides
         tracking_rms: error over train speed; NaN: not defined.
         slides: whether a virtual wheel does.
     """
-    if status not in ("ok", ROLLERS_PROTECTED):
+    if status not in (*COMPLETED, "rollers_protected"):
         return "failed"
     if limits:
         return min(limits, key=lambda name: limits[name])
@@ -143,7 +143,7 @@ def friction_used(run: xr.Dataset, friction: float) -> NDArray[np.float64]:
 
 def _contact_limit(run: xr.Dataset, used: NDArray[np.float64]) -> dict[str, float]:
     since = persists_since(run["time"].to_numpy(), used >= FULL_SLIDING)
-    if since is None and run.attrs["status"] == ROLLERS_PROTECTED:
+    if since is None and run.attrs["status"] == "rollers_protected":
         since = float(run.attrs["stopped_at_s"])
     return {} if since is None else {"contact": since}
 

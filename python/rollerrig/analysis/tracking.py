@@ -59,7 +59,7 @@ def largest(values: Any) -> float:
 
 def stopped(run: xr.Dataset) -> bool:
     """Whether the train came to a stop."""
-    return bool(run.attrs["status"] == "ok" and "The train has stopped" in run.attrs["status_message"])
+    return bool(run.attrs["status"] == "stopped")
 
 
 def distances(runs: Sequence[xr.Dataset]) -> list[float]:

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 import xarray as xr
 
 from rollerrig.assembly import AssembledModel, assemble
-from rollerrig.cli.describe_bench import actuator_lines
+from rollerrig.cli.describe_actuators import actuator_lines
 from rollerrig.cli.describe_track import irregularity_lines, line_rows
 from rollerrig.config import Case, Element, Material, ProfileSpec, Rig, Track, Vehicle
 from rollerrig.starting_state import degrees_of_freedom, equilibrium_dataset
@@ -38,7 +38,7 @@ def describe_case(case: Case) -> list[str]:
     ]
     lines += _table([f"wheels at {speed:.4g} km/h", "vertical kN", "lateral kN", "patches"], rows)
     lines += [""] + _balance(model, run)
-    actuators = actuator_lines(model)  # last: it puts them on the model
+    actuators = actuator_lines(case)
     return [*lines, "", *actuators] if actuators else lines
 
 

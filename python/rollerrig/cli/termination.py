@@ -33,7 +33,7 @@ def stop(message: object, code: int = BAD_INPUT) -> NoReturn:
 
 def exit_code(status: str) -> int:
     """The exit code for the status of a run."""
-    return {"ok": OK, "interrupted": INTERRUPTED}.get(status, LEFT_VALIDITY)
+    return {"ok": OK, "stopped": OK, "interrupted": INTERRUPTED}.get(status, LEFT_VALIDITY)
 
 
 def _with_file(message: str, options: Mapping[str, object]) -> str:

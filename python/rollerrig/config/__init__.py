@@ -17,7 +17,6 @@ from rollerrig.config.load.case import (
     load_vehicle,
 )
 from rollerrig.config.schema.actuators import (
-    BenchSettings,
     Brake,
     Controller,
     Encoder,
@@ -72,7 +71,6 @@ __all__ = [
     "AngularSupport",
     "Arc",
     "AxleTorque",
-    "BenchSettings",
     "Body",
     "Brake",
     "Case",

@@ -3,7 +3,7 @@
 rows of the core -> [results] -> xarray.Dataset -> run.nc, summary.json, CSV
 """
 
-from rollerrig.results.dataset import Outcome, run_dataset, sources_of
+from rollerrig.results.dataset import COMPLETED, Outcome, run_dataset, sources_of
 from rollerrig.results.energy import add_energy_audit
 from rollerrig.results.files import (
     OutputError,
@@ -21,6 +21,7 @@ from rollerrig.results.tables import motion_table, wheel_table
 from rollerrig.results.termination import add_termination
 
 __all__ = [
+    "COMPLETED",
     "Outcome",
     "OutputError",
     "ResultsError",

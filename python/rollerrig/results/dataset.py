@@ -51,12 +51,16 @@ SOURCES = {
 """What the physics of every run comes from."""
 
 
+COMPLETED = ("ok", "stopped")
+"""Statuses of a run that ended as asked: at its duration, or where the train had stopped."""
+
+
 @dataclass(frozen=True)
 class Outcome:
     """How a run ended.
 
     Attributes:
-        status: name of the core's status: 'ok', 'derailed', 'interrupted', ...
+        status: name of the core's status: 'ok', 'stopped', 'derailed', 'interrupted', ...
         message: a sentence with time, wheel and remedy.
         stopped_at: time that the integration reached [s].
         wheel: the wheel that the status speaks of, or "".
@@ -88,11 +92,12 @@ def run_dataset(
     Args:
         model: the model that was run.
         times: output times [s], shape (time,).
-        rows: one row of the recorder per output time, shape (time, width).
+        rows: one row of the recorder per output time, shape (time, width); the wider ones of runs with sensors, controllers
+            or actuators have those of each axle and of the train behind them.
         outcome: how the run ended.
 
     Returns:
-        Dimensions time, body, wheel, patch, element; each variable has `units` and `long_name`.
+        Dimensions time, body, wheel, patch, element, and axle where rows are wide; each variable has `units` and `long_name`.
     """
     wheels = [wheel.name for wheel in model.wheels]
     sizes = {"body": len(model.bodies), "wheel": len(wheels), "element": len(model.elements)}
@@ -104,6 +109,9 @@ def run_dataset(
         (("element",), (sizes["element"],), _core.element_fields, _prefixed("element_", _core.element_fields)),
         ((), (), _core.run_fields, _RUN_NAMES),
     ]
+    if rows.shape[1] > sum(math.prod(shape) * len(fields) for _, shape, fields, _ in blocks):
+        blocks.append((("axle",), (len(model.wheelsets),), _core.axle_fields, {}))
+        blocks.append(((), (), _core.train_fields, {}))
     variables: dict[str, Any] = {}
     start = 0
     for dims, shape, fields, names in blocks:
@@ -120,6 +128,8 @@ def run_dataset(
         "patch": ("patch", np.arange(1, patches + 1), {"long_name": "patch of a wheel, from the flange outwards"}),
         "element": ("element", np.array(model.elements, dtype=str), {"long_name": "force element"}),
     }
+    if "axle_speed" in variables:
+        coordinates["axle"] = ("axle", list(model.wheelsets), {"long_name": "wheelset"})
     return xr.Dataset(variables, coordinates, _attributes(model, outcome))
 
 

@@ -16,7 +16,7 @@ from pydantic import BaseModel
 
 from rollerrig.config import Case, ConfigError, ConfigProblem, Rig, case_from_toml
 from rollerrig.config.errors import nearest, one_of, show_value
-from rollerrig.config.schema.actuators import BenchSettings, Controller, Motor
+from rollerrig.config.schema.actuators import Controller, Motor
 from rollerrig.config.schema.adhesion import Adhesion
 from rollerrig.config.schema.base import quantity_of
 from rollerrig.config.schema.case import Contact, SupportChoice, TimeSettings, VehicleChoice
@@ -71,7 +71,7 @@ def scale_case(
     description = f"{case.description} (1:{factors.length:g} model, {strategy})".strip()
     update: dict[str, Any] = {"name": name, "description": description, "similitude": record}
     if "clock" in kept:
-        update["time"] = _on_grid(scaled.time, case.bench.step)
+        update["time"] = _on_grid(scaled.time, case.time.sampling_step)
     model = scaled.model_copy(update=update)
     checked = case_from_toml(model.to_toml(), name)
     return checked.with_changes(changes) if changes else checked
@@ -105,7 +105,7 @@ def _check(case: Case, kept: tuple[str, ...]) -> None:
 
 
 def _on_grid(time: TimeSettings, step: float) -> TimeSettings:
-    """Output on the grid of a bench that keeps its step."""
+    """Outputs at multiples of a sampling step that stays as it is."""
     return time.model_copy(update={"output_step": max(1, round(time.output_step / step)) * step})
 
 
@@ -123,7 +123,7 @@ def _exceptions(kept: tuple[str, ...]) -> Exceptions:
     fields: dict[str, tuple[tuple[type[BaseModel], str], ...]] = {
         "gravity": ((Case, "gravity"),),
         "material": ((Material, "young_modulus"), (Material, "shear_modulus"), (Contact, "friction")),
-        "clock": ((Controller, "sample_time"), (Controller, "delay"), (BenchSettings, "step")),
+        "clock": ((Controller, "sample_time"), (Controller, "delay"), (TimeSettings, "sampling_step")),
         "drives": ((Motor, "bandwidth"),),
     }
     return {field: _unchanged for name in kept for field in fields[name]}

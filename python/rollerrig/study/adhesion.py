@@ -31,6 +31,7 @@ from rollerrig.analysis.rig_fidelity import (
 from rollerrig.analysis.tracking import distances, wheel_radius
 from rollerrig.config import Case
 from rollerrig.plot import adhesion as figures
+from rollerrig.results import COMPLETED
 from rollerrig.simulation import simulate
 from rollerrig.study.adhesion_variants import STEPS, VARIANTS, track_case, variant, variants_of
 from rollerrig.study.ensemble import Scatter, starts
@@ -339,5 +340,5 @@ def _sliding(numbers: Numbers) -> Iterator[str]:
 
 def _ends(numbers: Numbers) -> Iterator[str]:
     for label in ("track", "rig"):
-        if numbers[label]["status"] != "ok":
+        if numbers[label]["status"] not in COMPLETED:
             yield f"{label}: {numbers[label]['status_message']}"

@@ -57,5 +57,5 @@ def variant(case: Case, name: str) -> Case:
         changes["feedback"] = control.feedback.model_copy(update={"largest": NO_LIMIT})
     if "estimator" in taken:
         changes["estimator"] = control.estimator.model_copy(update={"kind": "exact"})
-    bench = case.bench.model_copy(update={"pure_rolling": True})
-    return case.model_copy(update={"rig_control": control.model_copy(update=changes), "bench": bench})
+    contact = case.contact.model_copy(update={"pure_rolling": True})
+    return case.model_copy(update={"rig_control": control.model_copy(update=changes), "contact": contact})

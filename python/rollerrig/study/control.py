@@ -19,9 +19,9 @@ import xarray as xr
 
 from rollerrig.analysis.torque_ripple import RIPPLE_ABOVE, torque_ripple
 from rollerrig.analysis.tracking import largest, rms, slip, tracking
-from rollerrig.bench import users_controllers
 from rollerrig.config import Case, ConfigError, ConfigProblem, Rig
 from rollerrig.config.errors import nearest
+from rollerrig.mechatronics import users_controllers
 from rollerrig.plot import control as figures
 from rollerrig.study.control_ranking import RIPPLE_LIMIT, TRACKING_LIMIT, Rank, Result, Threshold, ranking
 from rollerrig.study.control_stability import LOOP_QUANTITIES, loop_blocks, loop_jobs, loop_numbers
@@ -317,7 +317,7 @@ def study_case(case: Case, duration: float | None) -> Case:
     if case.brake is None and case.traction is None:
         raise missing("brake", "missing", "[brake] or [traction], the test that the controllers are compared in")
     length = case.time.duration if duration is None else min(duration, case.time.duration)
-    return case.with_changes({"time.duration": length, "time.output_step": max(OUTPUT_STEP, case.bench.step)})
+    return case.with_changes({"time.duration": length, "time.output_step": max(OUTPUT_STEP, case.time.sampling_step)})
 
 
 # -------------------------------------------------------------------------------------------------------------- jobs

@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from rollerrig.results import COMPLETED
 from rollerrig.study.control_variants import Family
 
 TRACKING_LIMIT = 0.01
@@ -39,7 +40,7 @@ class Result:
     @property
     def completed(self) -> bool:
         """Whether the test came to its end."""
-        return bool(self.numbers["status"] == "ok")
+        return bool(self.numbers["status"] in COMPLETED)
 
     @property
     def cause(self) -> str:

@@ -58,7 +58,7 @@ def excited_case(case: Case) -> Case:
         "slide_protection": None,
         "wheel_slip_control": None,
         "time.duration": EXCITED_DURATION,
-        "time.output_step": max(1e-3, case.bench.step),
+        "time.output_step": max(1e-3, case.time.sampling_step),
     }
     if case.brake is not None:
         changes["brake.demand"] = [[0.0, 0.0], [EXCITED_AT, 0.0], [EXCITED_AT + 0.01, "0.2 bar"]]

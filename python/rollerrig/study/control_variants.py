@@ -10,9 +10,11 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Literal, get_args
 
-from rollerrig.analysis.control_loop import Wheel, controller_settings, wheel_of
+from rollerrig.actuators import assemble_with_actuators
+from rollerrig.analysis.control_loop import Wheel, wheel_of
 from rollerrig.config import Case
 from rollerrig.config.schema.rig_control import Estimator
+from rollerrig.mechatronics.setup import feedback_gains
 
 Changes = Mapping[str, object]
 Vary = Callable[[Case, float], Changes]
@@ -102,13 +104,15 @@ def _as_it_is(key: str) -> Callable[[Case], float]:
 
 def _gain(case: Case, factor: float) -> Changes:
     """Gains of all kinds of feedback times a factor."""
-    gains = controller_settings(case)["feedback"]
-    return {f"rig_control.feedback.{key}": factor * gains[key] for key in ("proportional", "integral", "switching")}
+    assert case.rig_control is not None
+    proportional, integral = feedback_gains(assemble_with_actuators(case))
+    gains = {"proportional": proportional, "integral": integral, "switching": case.rig_control.feedback.switching}
+    return {f"rig_control.feedback.{key}": factor * gain for key, gain in gains.items()}
 
 
 def _sample_time(_case: Case, value: float) -> Changes:
     """A fast controller needs a finer grid."""
-    return {"rig_control.sample_time": value, "bench.step": min(value, BENCH_STEP)}
+    return {"rig_control.sample_time": value, "time.sampling_step": min(value, BENCH_STEP)}
 
 
 def _encoders(**values: float) -> Changes:
@@ -127,7 +131,7 @@ COUNTS, WINDOW = 4096.0, 8
 _PERCENT = (-5.0, -4.0, -3.0, -2.0, -1.0, -0.5, 0.0, 0.5, 1.0, 2.0, 3.0, 4.0, 5.0)
 _FAST_DRIVES = {"rig_control.motor.bandwidth": 400.0}
 _FAST_ESTIMATOR = {"rig_control.estimator.bandwidth": 100.0}
-_ROLLING = {"bench.pure_rolling": True}
+_ROLLING = {"contact.pure_rolling": True}
 
 REFERENCES: dict[str, Changes] = {
     "as shipped": {},
@@ -135,7 +139,7 @@ REFERENCES: dict[str, Changes] = {
     "estimator with 100 Hz": _FAST_ESTIMATOR,
     "both": {**_FAST_DRIVES, **_FAST_ESTIMATOR},
     "both, sampled each 0.2 ms": {
-        **_FAST_DRIVES, **_FAST_ESTIMATOR, "rig_control.sample_time": 2e-4, "bench.step": 2e-4
+        **_FAST_DRIVES, **_FAST_ESTIMATOR, "rig_control.sample_time": 2e-4, "time.sampling_step": 2e-4
     },
     "as shipped, rolling without sliding": _ROLLING,
     "both, rolling without sliding": {**_FAST_DRIVES, **_FAST_ESTIMATOR, **_ROLLING},

@@ -18,14 +18,13 @@ from typing import Any, NamedTuple
 import numpy as np
 from scipy.optimize import brentq
 
-from rollerrig import _core
-from rollerrig.actuators import brake_numbers
+from rollerrig.actuators import pneumatic_brake
 from rollerrig.analysis.rig_limits import Patch, grip_slip, patch_of, rail_shape, rig_limits
 from rollerrig.analysis.run_limits import Record, assess_limits, failed
 from rollerrig.assembly import assemble
-from rollerrig.bench.settings import full_brake_torque
-from rollerrig.bench.virtual_train import load_transfer
 from rollerrig.config import Brake, Case, ConfigError, ConfigProblem, Traction
+from rollerrig.mechatronics.setup import full_brake_torque
+from rollerrig.mechatronics.virtual_train import load_transfer
 from rollerrig.starting_state import StartError
 from rollerrig.study.jobs import Progress, whole_run
 
@@ -93,7 +92,7 @@ def point_case(case: Case, point: Point, duration: float) -> Case:
     """The test at one point of the map, for a duration [s]."""
     changes: dict[str, object] = {
         "time.duration": duration,
-        "time.output_step": 5.0 * case.bench.step,
+        "time.output_step": 5.0 * case.time.sampling_step,
         "adhesion": {"rail": _rail(case, point.adhesion)},
         **_load_changes(case, point.load),
         **(_braking(case, -point.torque) if point.torque < 0.0 else _pulling(case, point.torque)),
@@ -143,10 +142,10 @@ def _braking(case: Case, torque: float) -> dict[str, object]:
 
 def brake_pressure(brake: Brake, torque: float) -> float:
     """Cylinder pressure of a brake with constant friction for a torque on the axle [Pa], from the core's brake."""
-    fast = 1e9  # rad/s: far above the speed below which friction is regularised
+    core, fast = pneumatic_brake(brake), 1e9  # rad/s: far above the speed below which friction is regularised
 
     def excess(pressure: float) -> float:
-        return -float(_core.brake_torque(brake_numbers(brake), pressure, fast)) - torque
+        return -float(core.torque(pressure, fast)) - torque
 
     highest = 1e6
     while excess(highest) < 0.0:

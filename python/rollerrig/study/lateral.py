@@ -30,6 +30,7 @@ from rollerrig.analysis.lateral_guidance import (
 from rollerrig.analysis.tracking import largest, rms, tracking, wheel_radius
 from rollerrig.config import Case, ConfigError, ConfigProblem, Rig
 from rollerrig.plot import lateral as figures
+from rollerrig.results import COMPLETED
 from rollerrig.study.adhesion_variants import track_case
 from rollerrig.study.frame import Study
 from rollerrig.study.jobs import Done, Round, job, whole_run
@@ -193,7 +194,7 @@ class LateralStudy(Study[dict[str, xr.Dataset]]):
                 f"{left['rolling_ns_per_m']:.3g}. Against -F v_y/w its slope is {left['slope']:.2f} with the case's creep law"
                 + (f", {exact['slope']:.2f} with the exact theory." if exact is not None else ".")
             )
-        ended = {key: run for key, run in results.items() if run.attrs["status"] != "ok"}
+        ended = {key: run for key, run in results.items() if run.attrs["status"] not in COMPLETED}
         return lines + [f"{LABELS[key]}: {run.attrs['status_message']}" for key, run in ended.items()]
 
     def files(self, results: dict[str, xr.Dataset], numbers: Numbers) -> Mapping[str, Any]:

@@ -87,7 +87,7 @@ def _actuators(case: Case) -> Iterator[str]:
     if case.motion.drive == "speed_controlled" and case.rig_control is None:
         what = "rollers' speed is" if isinstance(case.support.data, Rig) else "running speed is"
         yield f"The {what} prescribed: no drive reacts to the contact forces."
-    if case.bench.pure_rolling:
+    if case.contact.pure_rolling:
         yield "Wheels roll on the rollers without longitudinal sliding (pure-rolling assumption)."
     if case.rig_control is not None:
         transfer = "no load transfer" if case.rig_control.load_transfer == "none" else "quasi-static load transfer"

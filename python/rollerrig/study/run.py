@@ -25,7 +25,7 @@ from rollerrig.study.report import Picture, Section, Table, number
 
 ENDING = (
     Quantity("case", "name of the case"),
-    Quantity("status", "'ok', 'interrupted', or why the run stopped"),
+    Quantity("status", "'ok', 'stopped' (the train has), 'interrupted', or why the run ended early"),
     Quantity("status_message", "the same as a sentence, with time, wheel and remedy"),
     Quantity("stopped_at_s", "time that the integration reached", "s"),
     Quantity("stopped_wheel", "wheel at which the run stopped, empty if none"),

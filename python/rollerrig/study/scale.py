@@ -28,6 +28,7 @@ from rollerrig.analysis.scaled_model import (
 from rollerrig.analysis.tracking import wheel_radius
 from rollerrig.config import Case
 from rollerrig.plot import scaled as figures
+from rollerrig.results import COMPLETED
 from rollerrig.similitude import (
     ContactAtRest,
     Requirement,
@@ -244,7 +245,7 @@ class ScaleStudy(Study[Scaled]):
             lines.append(f"The motors cannot exert the demanded torque in {share} of the time.")
         ended = {"full scale": results.full, "model": results.mapped["model"]}
         return lines + [
-            f"{label}: {r.attrs['status_message']}" for label, r in ended.items() if r.attrs["status"] != "ok"
+            f"{label}: {r.attrs['status_message']}" for label, r in ended.items() if r.attrs["status"] not in COMPLETED
         ]
 
     def files(self, results: Scaled, numbers: Numbers) -> Mapping[str, Any]:

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <complex>
 
-#include "rollerrig/mechatronics/estimator_response.hpp"
+#include "rollerrig/mechatronics/estimators.hpp"
 #include "rollerrig/mechatronics/sensor.hpp"
 
 using namespace rollerrig;
@@ -14,14 +14,17 @@ namespace {
 
 constexpr double period = 1e-3;
 
-ContactForceEstimator estimator(EstimatorKind kind, double hertz = 20.0) {
-  ContactForceEstimator p{.kind = kind, .bandwidth = 2 * pi * hertz};
-  if (kind == EstimatorKind::kalman) solve_kalman_gain(p, period);
-  return p;
-}
+AssumedParameters const assumed{
+    .roller_inertia = 705.0, .roller_radius = 0.725, .wheelset_inertia = 112.0, .wheel_radius = 0.46};
+
+FilteredDerivative derivative(double hertz = 20.0) { return {.bandwidth = 2 * pi * hertz}; }
+DisturbanceObserver observer(double hertz = 20.0) { return {.bandwidth = 2 * pi * hertz, .damping_ratio = 0.8}; }
+KalmanFilter kalman(double hertz = 20.0) { return {.bandwidth = 2 * pi * hertz, .speed_noise = 1e-3}; }
 
 /// T estimated over T, or C over C, of the Kalman filter at z = exp(i w h): x = (I - K H) F x / z + K y.
-std::complex<double> kalman_response(ContactForceEstimator const& p, Estimated what, double w) {
+std::complex<double> kalman_response(KalmanFilter const& filter, Estimated what, double w) {
+  AssumedParameters const& p = assumed;
+  auto const gain = filter.gain(assumed, period);
   Eigen::Matrix4d F = Eigen::Matrix4d::Identity();
   F(0, 2) = period * p.roller_radius / p.roller_inertia;
   F(1, 2) = -period * p.wheel_radius / p.wheelset_inertia;
@@ -29,7 +32,7 @@ std::complex<double> kalman_response(ContactForceEstimator const& p, Estimated w
   Eigen::Matrix4d KH = Eigen::Matrix4d::Zero();
   Eigen::Matrix<double, 4, 2> K;
   for (int i = 0; i < 4; ++i)
-    for (int k = 0; k < 2; ++k) KH(i, k) = K(i, k) = p.gain[static_cast<std::size_t>(i)][static_cast<std::size_t>(k)];
+    for (int k = 0; k < 2; ++k) KH(i, k) = K(i, k) = gain[static_cast<std::size_t>(i)][static_cast<std::size_t>(k)];
   bool const force = what == Estimated::force;
   // The integral of the sine is 1/(i w): all inputs are imaginary.
   Eigen::Vector2d const y{force ? p.roller_radius / p.roller_inertia : 0.0,
@@ -51,9 +54,9 @@ std::complex<double> kalman_response(ContactForceEstimator const& p, Estimated w
 
 TEST_CASE("the filtered derivative has the bandwidth and delay of its low-pass and of half a sample") {
   for (double hertz : {5.0, 20.0, 60.0}) {
-    auto const p = estimator(EstimatorKind::filtered_derivative, hertz);
+    auto const p = derivative(hertz);
     for (auto what : {Estimated::force, Estimated::torque}) {
-      auto const found = measure_response(p, what, period);
+      auto const found = measure_response(p, assumed, what, period);
       CHECK(found.delay == doctest::Approx(period / std::expm1(p.bandwidth * period) + 0.5 * period).epsilon(1e-4));
       double const half = 0.5 * found.bandwidth * period;  // mean over a sample: sin(half)/half
       double const keep = std::exp(-p.bandwidth * period);
@@ -65,9 +68,9 @@ TEST_CASE("the filtered derivative has the bandwidth and delay of its low-pass a
 
 TEST_CASE("the observer has the bandwidth and delay of a system of second order") {
   for (double zeta : {0.7, 0.8, 1.2}) {
-    auto p = estimator(EstimatorKind::observer, 5.0);
+    auto p = observer(5.0);
     p.damping_ratio = zeta;
-    auto const found = measure_response(p, Estimated::force, 1e-4);
+    auto const found = measure_response(p, assumed, Estimated::force, 1e-4);
     double const k = 1 - 2 * zeta * zeta;
     // Sampled every thirtieth part of a thousandth of 1/omega: 2 % of lead at most.
     CHECK(found.bandwidth / p.bandwidth == doctest::Approx(std::sqrt(k + std::sqrt(k * k + 1))).epsilon(5e-3));
@@ -77,9 +80,9 @@ TEST_CASE("the observer has the bandwidth and delay of a system of second order"
 
 TEST_CASE("the Kalman filter responds as its own matrices say") {
   for (double hertz : {5.0, 20.0}) {
-    auto const p = estimator(EstimatorKind::kalman, hertz);
+    auto const p = kalman(hertz);
     for (auto what : {Estimated::force, Estimated::torque}) {
-      auto const found = measure_response(p, what, period);
+      auto const found = measure_response(p, assumed, what, period);
       CHECK(std::abs(kalman_response(p, what, found.bandwidth)) == doctest::Approx(std::sqrt(0.5)).epsilon(1e-3));
       double const slow = 1e-3 * p.bandwidth;
       CHECK(found.delay == doctest::Approx(-std::arg(kalman_response(p, what, slow)) / slow).epsilon(1e-3));
@@ -89,56 +92,68 @@ TEST_CASE("the Kalman filter responds as its own matrices say") {
 
 TEST_CASE("with a torque that may do anything the Kalman filter is a Butterworth filter of its bandwidth") {
   double const h = 1e-4;
-  ContactForceEstimator p{.kind = EstimatorKind::kalman, .bandwidth = 2 * pi * 5.0};
+  KalmanFilter p = kalman(5.0);
   p.torque_change = 1e9;  // then only the roller tells of T: (D12)
-  solve_kalman_gain(p, h);
-  auto const found = measure_response(p, Estimated::force, h);
+  auto const found = measure_response(p, assumed, Estimated::force, h);
   CHECK(found.bandwidth == doctest::Approx(p.bandwidth).epsilon(5e-3));  // continuous limit
   CHECK(found.delay == doctest::Approx(std::sqrt(2.0) / p.bandwidth).epsilon(5e-3));
 }
 
 TEST_CASE("every estimate converges to a force and a torque that step") {
-  for (auto kind : {EstimatorKind::filtered_derivative, EstimatorKind::observer, EstimatorKind::kalman}) {
-    auto const p = estimator(kind);
-    ContactForceEstimate estimate;
+  auto const converges = [](auto const& law) {
+    AssumedParameters const& p = assumed;
     double roller = 45.0, wheel = 71.0;
-    estimate.reset(roller, wheel, 0.0);
+    auto state = law.start(assumed, period, {roller, wheel});
+    ContactForceEstimate found;
     double const drive = -2000.0, force = -9000.0, torque = -4000.0;
     for (int k = 0; k < 500; ++k) {
       roller += period * (drive + p.roller_radius * force) / p.roller_inertia;
       wheel += period * (torque - p.wheel_radius * force) / p.wheelset_inertia;
-      estimate.step(p, roller, wheel, drive, period);
+      found = law.step(state, assumed, {roller, wheel, drive}, period);
     }
-    CHECK(estimate.force() == doctest::Approx(force).epsilon(1e-9));  // 60 time constants
-    CHECK(estimate.axle_torque(p) == doctest::Approx(torque).epsilon(1e-9));
-  }
+    CHECK(found.force == doctest::Approx(force).epsilon(1e-9));  // 60 time constants
+    CHECK(found.torque == doctest::Approx(torque).epsilon(1e-9));
+  };
+  converges(derivative());
+  converges(observer());
+  converges(kalman());
+}
+
+TEST_CASE("the estimator `exact` passes on what acts, at once") {
+  ExactForces::State state;
+  auto const found = ExactForces{}.step(state, assumed, {40.0, 60.0, 0.0, -7000.0, -3500.0}, period);
+  CHECK(found.force == -7000.0);
+  CHECK(found.torque == doctest::Approx(-3500.0).epsilon(1e-12));
+  CHECK(measure_response(ExactForces{}, assumed, Estimated::torque, period).delay ==
+        doctest::Approx(0.0).epsilon(1e-9));
 }
 
 TEST_CASE("the Kalman filter's error under noise is the least of the three at equal noise of speed") {
   // A force that walks as the filter assumes, speeds with the noise it assumes.
   double const sigma = 5e-3, change = 20e3, axle_change = 12e3;
-  auto const error_of = [&](ContactForceEstimator p) {
-    ContactForceEstimate estimate;
+  auto const error_of = [&](auto const& law) {
+    AssumedParameters const& p = assumed;
     double roller = 45.0, wheel = 71.0, force = 0.0, torque = 0.0, sum = 0.0;
-    estimate.reset(roller, wheel, 0.0);
+    auto state = law.start(assumed, period, {roller, wheel});
     int const n = 40000;
     for (int k = 0; k < n; ++k) {
       auto const u = static_cast<std::uint64_t>(k);
       roller += period * p.roller_radius * force / p.roller_inertia;
       wheel += period * (torque - p.wheel_radius * force) / p.wheelset_inertia;
-      estimate.step(p, roller + sigma * normal_number(1, u), wheel + sigma * normal_number(2, u), 0.0, period);
-      if (k > 1000) sum += square(estimate.force() - force);
+      double const seen = roller + sigma * normal_number(1, u), wheel_seen = wheel + sigma * normal_number(2, u);
+      auto const found = law.step(state, assumed, {seen, wheel_seen}, period);
+      if (k > 1000) sum += square(found.force - force);
       force += change * std::sqrt(period) * normal_number(3, u);
       torque += axle_change * std::sqrt(period) * normal_number(4, u);
     }
     return std::sqrt(sum / (n - 1000));
   };
-  ContactForceEstimator best{.kind = EstimatorKind::kalman, .speed_noise = sigma};
-  best.force_change = change, best.torque_change = axle_change;
-  solve_kalman_gain(best, period);
-  double const kalman = error_of(best);
-  for (auto kind : {EstimatorKind::filtered_derivative, EstimatorKind::observer})
-    for (double hertz : {2.0, 5.0, 10.0, 20.0}) CHECK(error_of(estimator(kind, hertz)) > 1.02 * kalman);
+  double const best = error_of(
+      KalmanFilter{.bandwidth = 1.0, .speed_noise = sigma, .force_change = change, .torque_change = axle_change});
+  for (double hertz : {2.0, 5.0, 10.0, 20.0}) {
+    CHECK(error_of(derivative(hertz)) > 1.02 * best);
+    CHECK(error_of(observer(hertz)) > 1.02 * best);
+  }
 }
 
 TEST_CASE("a force sensor lags, is noisy, comes in steps and ends at its range") {

@@ -256,7 +256,8 @@ def test_a_damper_may_not_feed_energy(mistakes_of: MistakesOf) -> None:
         ("[contact]\npolach = { stick_reduction = 1.0 }", "creep"),
         ("[contact]\nstandstill_speed = 0.1", "creepage_regularisation_speed"),
         ("[anti_slip]\n[contact]", "wheel_slip_control"),
-        ("[bench]\nideal_rolling = true\n[contact]", "pure_rolling"),
+        ("[bench]\nideal_rolling = true\n[contact]", "time"),
+        ("[contact]\nideal_rolling = true", "pure_rolling"),
         ("[adhesion]\nrail = {start = 0.1}\n[contact]", "friction"),
     ],
 )

@@ -153,7 +153,7 @@ def test_what_is_kept_stays_and_the_rest_is_scaled() -> None:
     model = scale_case(case, similitude("inrets"), strategy="inrets", keep=("gravity", "material", "clock", "drives"))
     assert model.gravity == case.gravity
     assert model.contact.material == case.contact.material
-    assert model.bench.step == case.bench.step
+    assert model.time.sampling_step == case.time.sampling_step
     assert model.slide_protection is not None
     assert model.slide_protection.sample_time == 5e-3
     assert model.slide_protection.filter_time == pytest.approx(0.01)
@@ -231,7 +231,7 @@ def test_only_a_model_is_mapped_back() -> None:
 def test_samples_that_do_not_fit_a_kept_clock_are_refused_with_their_key() -> None:
     case = rr.load_case("adhesion_brake").with_changes({"slide_protection.sample_time": "3 ms"})
     model = scale_case(case, similitude("dlr"), strategy="dlr", keep=("clock",))
-    assert model.bench.step == 1e-3
+    assert model.time.sampling_step == 1e-3
     assert model.time.output_step == pytest.approx(4e-3)  # 10 ms / sqrt(5), on the grid
 
 

@@ -99,8 +99,8 @@ def test_variants_are_cases() -> None:
     best = variant(case, "estimator")
     assert best.rig_control is not None
     assert best.rig_control.estimator.kind == "exact"
-    assert best.bench.pure_rolling
-    assert not variant(case, "static_loads").bench.pure_rolling
+    assert best.contact.pure_rolling
+    assert not variant(case, "static_loads").contact.pure_rolling
     assert "static_loads" not in variants_of(case.with_changes({"rig_control.load_transfer": "none"}))
 
 

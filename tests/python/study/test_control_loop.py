@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from rollerrig import load_case
-from rollerrig.analysis.control_loop import Loop, Wheel, controller_settings, creep_slope, loop_of, margins, wheel_of
+from rollerrig.actuators import assemble_with_actuators
+from rollerrig.analysis.control_loop import Loop, Wheel, creep_slope, loop_of, margins, wheel_of
 from rollerrig.analysis.loop_stability import (
     ABOVE,
     gain_limit,
@@ -20,6 +21,7 @@ from rollerrig.analysis.loop_stability import (
     vehicle_plant,
 )
 from rollerrig.config import Case
+from rollerrig.mechatronics.setup import feedback_gains
 from rollerrig.study.control_stability import excited_case, loop_jobs
 from rollerrig.study.jobs import call
 
@@ -137,9 +139,9 @@ def test_the_limit_lies_between_stable_and_unstable_runs() -> None:
 
 def test_the_core_is_given_the_gains_of_the_closed_form() -> None:
     """(D6) for the shipped case, from its own numbers: 0.7 Hz, damping 0.7."""
-    found = controller_settings(load_case("adhesion_brake"))["feedback"]
+    found = feedback_gains(assemble_with_actuators(load_case("adhesion_brake")))
     assert wheel_of(load_case("adhesion_brake")) == WHEEL
-    assert (found["proportional"], found["integral"]) == pytest.approx(gains(0.7 * HZ, 0.7), rel=1e-12)
+    assert found == pytest.approx(gains(0.7 * HZ, 0.7), rel=1e-12)
 
 
 def test_a_users_controller_has_no_equations_here() -> None:

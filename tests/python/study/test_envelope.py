@@ -18,7 +18,6 @@ from rollerrig.analysis.envelope_borders import borders, slides
 from rollerrig.analysis.rig_limits import Patch, closed_forms, creep_curve, creep_peak, grip_slip, patch_of, rig_limits
 from rollerrig.analysis.run_limits import NUMBERS, assess_limits, persists_since
 from rollerrig.assembly import assemble
-from rollerrig.bench import ROLLERS_PROTECTED
 from rollerrig.cli.app import build_app
 from rollerrig.config import Case
 from rollerrig.results.run_info import describe
@@ -101,7 +100,7 @@ def between(begin: float, end: float, value: float, otherwise: float = 0.0):
         ({"command": between(0.5, 0.52, 2e4), "used": between(0.5, 0.52, 1.0)}, "grip"),  # for less than LEAST_DURATION
         ({"command": between(0.5, 0.9, 2e4), "used": between(0.4, 0.9, 1.0)}, "contact"),  # the first counts
         ({"command": between(0.3, 0.9, 2e4), "used": between(0.4, 0.9, 1.0)}, "drive_grip"),
-        ({"status": ROLLERS_PROTECTED}, "contact"),
+        ({"status": "rollers_protected"}, "contact"),
         ({"status": "derailed"}, "failed"),
     ],
 )

@@ -144,12 +144,12 @@ def test_the_command(tmp_path: Path) -> None:
         "--out",
         str(tmp_path),
     ]
-    done = runner.invoke(build_app(), [*arguments, "--set", "bench.standstill=0.5"])
+    done = runner.invoke(build_app(), [*arguments, "--set", "motion.stop_speed=0.5"])
     assert done.exit_code == 0, done.output
     assert "a 1:8 model of adhesion_brake, INRETS type" in done.output
     assert "All requirements of similitude are met." in done.output
     model = rr.load_case(tmp_path / "case.toml")
-    assert model.bench.standstill == 0.5
+    assert model.motion.stop_speed == 0.5
     assert model.vehicle.data.wheel.radius == pytest.approx(0.46 / 8)
 
 
@@ -158,9 +158,9 @@ def test_the_command(tmp_path: Path) -> None:
     [
         (["--strategy", "inret"], "did you mean 'inrets'?"),
         (["--strategy", "dlr", "--length", "0"], "similitude: length: 0.0; allowed: a factor"),
-        (["--strategy", "dlr", "--set", "bench.step"], "allowed: KEY=VALUE"),
-        (["--strategy", "dlr", "--set", "bench.step=1 m s"], "allowed: KEY=VALUE"),
-        (["--strategy", "dlr", "--set", "bench.stp=1"], "bench.stp"),
+        (["--strategy", "dlr", "--set", "time.sampling_step"], "allowed: KEY=VALUE"),
+        (["--strategy", "dlr", "--set", "time.sampling_step=1 m s"], "allowed: KEY=VALUE"),
+        (["--strategy", "dlr", "--set", "time.sampling_stp=1"], "time.sampling_stp"),
     ],
 )
 def test_bad_input_ends_with_code_2(arguments: list[str], message: str, tmp_path: Path) -> None:

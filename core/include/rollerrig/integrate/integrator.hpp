@@ -55,6 +55,8 @@ class Integrator {
     grid_steps_ = outputs_ = 0;
     next_breakpoint_ = 0;
     h_ = 0;
+    hold_ = std::numeric_limits<double>::infinity();
+    prepared_ = false;
     pending_output_ = true;
     restart();
     skip_passed_breakpoints();
@@ -78,6 +80,23 @@ class Integrator {
 
   Status advance(double t_stop) {
     return advance(t_stop, [](double, double const*, double const*) {});
+  }
+
+  /// A further time that no step crosses, beside the breakpoints; until the next call.
+  void hold_until(double t) { hold_ = t; }
+
+  /// The first half of the next step, which looks at the system as it is now: its inputs may then change for the rest.
+  Status prepare() {
+    if (prepared_) return Status::ok;
+    Status const status = std::visit([this](auto& m) { return m.prepare(f_, t_, y_); }, method_);
+    prepared_ = status == Status::ok;
+    return status;
+  }
+
+  /// The system has changed: its slope at time() counts no more.
+  void drop_slope() {
+    prepared_ = false;
+    std::visit([](auto& m) { m.restart(); }, method_);
   }
 
   double time() const { return t_; }                            ///< [s] end of the last accepted step
@@ -140,8 +159,8 @@ class Integrator {
 
   /// The next time that a step must not cross.
   double limit() const {
-    return has_breakpoint() ? std::min(options_.breakpoints[next_breakpoint_], options_.final_time)
-                            : options_.final_time;
+    double const end = std::min(hold_, options_.final_time);
+    return has_breakpoint() ? std::min(options_.breakpoints[next_breakpoint_], end) : end;
   }
 
   void skip_passed_breakpoints() {
@@ -156,7 +175,8 @@ class Integrator {
 
   template <class M>
   Status step(M& method) {
-    if (auto e = method.prepare(f_, t_, y_); e != Status::ok) return e;
+    if (auto e = prepare(); e != Status::ok) return e;
+    prepared_ = false;
     Status const status = options_.step > 0 ? fixed_step(method) : adaptive_step(method);
     return status == Status::ok ? accept() : status;
   }
@@ -316,6 +336,8 @@ class Integrator {
   long outputs_ = 0;                   // output times shown
   std::size_t next_breakpoint_ = 0;
   bool pending_output_ = false;
+  bool prepared_ = false;                                  // the next step
+  double hold_ = std::numeric_limits<double>::infinity();  // [s]
 };
 
 }  // namespace rollerrig::integrate

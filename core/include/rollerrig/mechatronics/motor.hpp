@@ -1,21 +1,26 @@
 // mechatronics/motor.hpp - a drive from torque command to torque: envelope of torque and power, then the torque loop's lag.
 //
-//   command (held between samples) -> [envelope over speed] -> [first or second order lag] -> torque on wheelset or roller
+//   command (constant between samples) -> [envelope over speed] -> [first or second order lag] -> torque on wheelset or roller
 //
 // Signs   torque and speed of the driven axle, positive forward; a gearbox is in the numbers (torque times ratio, speed over it).
 #pragma once
 #include <cmath>
+#include <tuple>
 
+#include "rollerrig/fields.hpp"
 #include "rollerrig/math/piecewise_linear.hpp"
 
 namespace rollerrig {
 
 struct Motor {
-  PiecewiseLinear envelope{};     ///< largest |torque| [N m] over |speed| [rad/s]; empty: no limit
-  double bandwidth{2 * pi * 50};  ///< of the torque loop [rad/s]
-  double damping_ratio{0.0};      ///< of a second-order loop; 0: first order
+  PiecewiseLinear envelope{};  ///< largest |torque| [N m] over |speed| [rad/s]; empty: no limit
+  double bandwidth{};          ///< of the torque loop [rad/s]
+  double damping_ratio{};      ///< of a second-order loop; 0: first order
 
-  int states() const { return damping_ratio > 0.0 ? 2 : 1; }
+  static constexpr auto fields() {
+    return std::tuple{Member{"envelope", &Motor::envelope}, Member{"bandwidth", &Motor::bandwidth},
+                      Member{"damping_ratio", &Motor::damping_ratio}};
+  }
 
   /// The command within what the motor can do at this speed.
   template <Scalar T>
@@ -40,5 +45,10 @@ struct Motor {
     }
   }
 };
+
+/// Of a geared rotor on the axle that it drives, held by the ground [kg m^2]: n^2 J_m, docs/theory/adhesion.md.
+constexpr double reflected_inertia(double rotor_inertia, double gear_ratio) {
+  return rotor_inertia * (gear_ratio * gear_ratio);
+}
 
 }  // namespace rollerrig

@@ -7,7 +7,9 @@
 // Source  ISO 6358 for the flow function; EN 15595 and UIC 541-05 for the arrangement of control and dump valves.
 #pragma once
 #include <cmath>
+#include <tuple>
 
+#include "rollerrig/fields.hpp"
 #include "rollerrig/math/piecewise_linear.hpp"
 
 namespace rollerrig {
@@ -30,23 +32,37 @@ T orifice_flow(T const& ratio) {
 }
 
 struct PneumaticBrake {
-  static constexpr int states = 2;  ///< control valve pressure, cylinder pressure
+  double application_rate{};  ///< rise of the control valve's pressure [Pa/s]
+  double release_rate{};      ///< its fall [Pa/s]
+  double follow_rate{};       ///< of the control valve once within reach [1/s]
+  double fill_rate{};         ///< of the cylinder through the open dump valve, choked: p'/p_supply [1/s]
+  double vent_rate{};         ///< of the cylinder to the ambient, choked: -p'/p_cylinder [1/s]
+  double ambient_pressure{};  ///< of the air around [Pa]
+  double volume{};            ///< of the cylinder and its pipe [m^3]
 
-  double application_rate{1.2e5};  ///< rise of the control valve's pressure [Pa/s]
-  double release_rate{1.2e5};      ///< its fall [Pa/s]
-  double follow_rate{20.0};        ///< of the control valve once within reach [1/s]
-  double fill_rate{6.0};           ///< of the cylinder through the open dump valve, choked: p'/p_supply [1/s]
-  double vent_rate{5.0};           ///< of the cylinder to the ambient, choked: -p'/p_cylinder [1/s]
-  double volume{5e-3};             ///< of the cylinder and its pipe [m^3]
-  double ambient{101325.0};        ///< pressure of the air around [Pa]
+  double piston_area{};        ///< times rigging ratio and efficiency [m^2]
+  double spring_force{};       ///< of the retracting spring, at the pads [N]
+  PiecewiseLinear friction{};  ///< of pad on disc or block on tread, over sliding speed at the friction radius [m/s]
+  double friction_radius{};    ///< [m]; of a tread brake the wheel radius
+  double faces{};              ///< friction faces that the force presses on, per axle
+  double friction_regularisation_speed{};  ///< below it friction turns into viscous drag, at the friction radius [m/s]
 
-  double piston_area{0.085};      ///< times rigging ratio and efficiency [m^2]
-  double spring_force{500.0};     ///< of the retracting spring, at the pads [N]
-  PiecewiseLinear friction{};     ///< of pad on disc or block on tread, over sliding speed at the friction radius [m/s]
-  double friction_radius{0.247};  ///< [m]; of a tread brake the wheel radius
-  double faces{2.0};              ///< friction faces that the force presses on, per axle
-  double friction_regularisation_speed{
-      0.05};  ///< below it friction turns into viscous drag, at the friction radius [m/s]
+  static constexpr auto fields() {
+    using P = PneumaticBrake;
+    return std::tuple{Member{"application_rate", &P::application_rate},
+                      Member{"release_rate", &P::release_rate},
+                      Member{"follow_rate", &P::follow_rate},
+                      Member{"fill_rate", &P::fill_rate},
+                      Member{"vent_rate", &P::vent_rate},
+                      Member{"ambient_pressure", &P::ambient_pressure},
+                      Member{"volume", &P::volume},
+                      Member{"piston_area", &P::piston_area},
+                      Member{"spring_force", &P::spring_force},
+                      Member{"friction", &P::friction},
+                      Member{"friction_radius", &P::friction_radius},
+                      Member{"faces", &P::faces},
+                      Member{"friction_regularisation_speed", &P::friction_regularisation_speed}};
+  }
 
   /// Rates of control valve pressure and cylinder pressure.
   ///
@@ -58,10 +74,11 @@ struct PneumaticBrake {
                      select(wanted < -release_rate, T(-release_rate), wanted));
     T const& supply = state[0];
     T const& cylinder = state[1];
-    T const high = select(supply > cylinder, supply, cylinder) + ambient;
-    T const low = select(supply > cylinder, cylinder, supply) + ambient;
+    T const high = select(supply > cylinder, supply, cylinder) + ambient_pressure;
+    T const low = select(supply > cylinder, cylinder, supply) + ambient_pressure;
     T const exchange = fill_rate * high * orifice_flow(low / high);
-    T const vented = vent_rate * (cylinder + ambient) * orifice_flow(ambient / (cylinder + ambient));
+    T const vented =
+        vent_rate * (cylinder + ambient_pressure) * orifice_flow(ambient_pressure / (cylinder + ambient_pressure));
     inflow = T(0.0);
     rate[1] = T(0.0);
     if (valve == DumpValve::fill) {
@@ -72,7 +89,7 @@ struct PneumaticBrake {
   }
 
   /// Volume of air at ambient pressure that a rise of the cylinder's pressure takes [m^3].
-  double air(double pressure_rise) const { return volume * pressure_rise / ambient; }
+  double air(double pressure_rise) const { return volume * pressure_rise / ambient_pressure; }
 
   /// Torque on the axle, against its turning.
   template <Scalar T>
@@ -82,7 +99,7 @@ struct PneumaticBrake {
     T const force = select(pressed > 0.0, pressed, T(0.0));
     T const sliding = friction_radius * axle_speed;
     T const speed = sqrt(sliding * sliding + friction_regularisation_speed * friction_regularisation_speed);
-    T const mu = friction.empty() ? T(0.35) : friction.at(speed);
+    T const mu = friction.at(speed);
     return -(faces * friction_radius * mu * force * (sliding / speed));
   }
 };

@@ -1,48 +1,70 @@
-// mechatronics/rig_controller.hpp - makes the wheels on dry rollers move as the virtual wheels do on the degraded rail.
+// mechatronics/rig_controller.hpp - makes the wheels on dry rollers turn as the virtual wheels do on the degraded rail.
 //
-//   virtual wheel speed, rate and force -> feed-forward  U = J_r (r/R) w_v' - R T_v     (D5)
-//   virtual minus real wheel speed      -> feedback      PI, or sliding mode with a boundary layer
+//   measured speeds, drive torque -> estimate T, C -> virtual train -> feed-forward and feedback -> torque of each roller's drive
 //
-// Signs   U positive drives the wheel forward, see contact_force_estimator.hpp.
-// Source  Malvezzi, Pugi et al.: the law of the rig under the hypothesis of pure rolling.
+//     U = J_r (r/R) w_v' - R T_v  +  feedback of w_v - w        (D5)
+//
+// Signs   U positive drives the wheel forward, see estimator/axle_sample.hpp.
+// Source  Malvezzi, Pugi et al.: the law of the rig under the pure-rolling assumption; docs/theory/rig_control.md.
 #pragma once
-#include <algorithm>
-#include <cmath>
+#include <string_view>
+#include <tuple>
+
+#include "rollerrig/contact/adhesion/recovered_rail.hpp"
+#include "rollerrig/fields.hpp"
+#include "rollerrig/mechatronics/estimators.hpp"
+#include "rollerrig/mechatronics/feedbacks.hpp"
+#include "rollerrig/mechatronics/law_state.hpp"
+#include "rollerrig/mechatronics/measurements.hpp"
+#include "rollerrig/mechatronics/virtual_rail.hpp"
+#include "rollerrig/mechatronics/virtual_train.hpp"
 
 namespace rollerrig {
 
-enum class FeedbackKind : int { none, proportional_integral, sliding_mode };
+struct RigController {
+  static constexpr char const* name = "rig_control";
+  static constexpr Command command = Command::roller_torque;
 
-struct RigFeedback {
-  FeedbackKind kind{FeedbackKind::proportional_integral};
-  double proportional{0.0};    ///< [N m s/rad]
-  double integral{0.0};        ///< [N m/rad]
-  double switching{0.0};       ///< of sliding mode: largest torque [N m]
-  double boundary_layer{0.1};  ///< of sliding mode [rad/s]
-  double largest{1e9};         ///< of the whole command [N m]
-};
+  AssumedParameters assumed{};
+  AnyEstimator estimator{};
+  AnyFeedback feedback{};
+  double largest{};         ///< torque asked of a roller's drive [N m]
+  bool commanded_torque{};  ///< the estimator takes the commanded torque for the one that acts
+  bool measured_loads{};    ///< the virtual train's axles carry what is measured, in place of (D9)
+  VirtualTrain train{};
+  VirtualRail rail{};
 
-class RigFeedbackState {
- public:
-  void reset() { integral_ = 0.0; }
-
-  /// Roller torque for one axle.
-  ///
-  /// @param feed_forward  (D5) [N m]
-  /// @param error         virtual minus real wheel speed [rad/s]
-  double step(RigFeedback const& p, double feed_forward, double error, double period) {
-    double torque = feed_forward;
-    if (p.kind == FeedbackKind::sliding_mode) torque += p.switching * std::clamp(error / p.boundary_layer, -1.0, 1.0);
-    if (p.kind == FeedbackKind::proportional_integral) {
-      double const with = torque + p.proportional * error + p.integral * (integral_ + period * error);
-      if (std::fabs(with) <= p.largest) integral_ += period * error;  // no winding up at the limit
-      torque += p.proportional * error + p.integral * integral_;
-    }
-    return std::clamp(torque, -p.largest, p.largest);
+  static constexpr auto fields() {
+    using P = RigController;
+    return std::tuple{Member{"assumed", &P::assumed},
+                      Member{"estimator", &P::estimator},
+                      Member{"feedback", &P::feedback},
+                      Member{"largest", &P::largest},
+                      Member{"commanded_torque", &P::commanded_torque},
+                      Member{"measured_loads", &P::measured_loads},
+                      Member{"train", &P::train},
+                      Member{"rail", &P::rail}};
   }
 
+  struct AxleState {
+    StateOf<AnyEstimator> estimator{};
+    StateOf<AnyFeedback> feedback{};
+    ContactForceEstimate estimate{};
+    double feed_forward{};  ///< (D5) [N m]
+    double energy{};        ///< dissipated per area of the virtual rail under the axle [J/m^2]
+  };
+  struct State {
+    PerAxle<AxleState> axle{};
+    VirtualTrainState train{};
+    RecoveredRail rail{};
+  };
+
+  State start(Measurements const& now, double train_speed, double period) const;
+  /// One sample: torque of each roller's drive [N m].
+  void step(State& s, Measurements const& now, double period, PerAxle<double>& torque) const;
+
  private:
-  double integral_{0.0};
+  void recover(State& s, int axle, double from) const;
 };
 
 }  // namespace rollerrig

@@ -7,7 +7,10 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <optional>
+#include <tuple>
 
+#include "rollerrig/fields.hpp"
 #include "rollerrig/scalar.hpp"
 
 namespace rollerrig {
@@ -28,10 +31,16 @@ inline double normal_number(std::uint64_t stream, std::uint64_t n) {
 
 /// A force or torque transducer: first-order lag, then noise, resolution and range of its reading.
 struct ForceSensor {
-  double bandwidth{0.0};   ///< [rad/s]; 0: no lag
-  double noise{0.0};       ///< standard deviation of a reading [N or N m]
-  double resolution{0.0};  ///< of a reading; 0: none
-  double range{0.0};       ///< largest |reading|; 0: no limit
+  std::optional<double> bandwidth{};  ///< [rad/s]; absent: no lag
+  double noise{};                     ///< standard deviation of a reading [N or N m]
+  double resolution{};                ///< of a reading; 0: none
+  std::optional<double> range{};      ///< largest |reading|; absent: no limit
+
+  static constexpr auto fields() {
+    using P = ForceSensor;
+    return std::tuple{Member{"bandwidth", &P::bandwidth}, Member{"noise", &P::noise},
+                      Member{"resolution", &P::resolution}, Member{"range", &P::range}};
+  }
 };
 
 /// State of one transducer.
@@ -44,10 +53,10 @@ class ForceReading {
 
   /// The lag over one step, exact for a value on a straight line.
   void follow(ForceSensor const& sensor, double value, double step) {
-    if (sensor.bandwidth > 0.0) {
+    if (sensor.bandwidth) {
       double const slope = (value - last_) / step;
-      double const behind = slope / sensor.bandwidth;  // of the settled ramp
-      filtered_ = value - behind + (filtered_ - last_ + behind) * std::exp(-sensor.bandwidth * step);
+      double const behind = slope / *sensor.bandwidth;  // of the settled ramp
+      filtered_ = value - behind + (filtered_ - last_ + behind) * std::exp(-*sensor.bandwidth * step);
     } else {
       filtered_ = value;
     }
@@ -58,7 +67,7 @@ class ForceReading {
     double reading = filtered_;
     if (sensor.noise > 0.0) reading += sensor.noise * normal_number(stream, samples_++);
     if (sensor.resolution > 0.0) reading = sensor.resolution * std::round(reading / sensor.resolution);
-    if (sensor.range > 0.0) reading = std::fmin(sensor.range, std::fmax(-sensor.range, reading));
+    if (sensor.range) reading = std::fmin(*sensor.range, std::fmax(-*sensor.range, reading));
     return reading;
   }
 
@@ -69,9 +78,14 @@ class ForceReading {
 
 /// Incremental encoder on an axle: counts per turn, speed from the counts of the last few samples.
 struct Encoder {
-  double counts_per_turn{1024.0};  ///< 0: an ideal sensor
-  double jitter_counts{0.0};       ///< standard deviation of the edges' position [counts]
-  int window{1};                   ///< samples over which counts are differenced, 1..16
+  double counts{};  ///< per turn; 0: an ideal sensor
+  double jitter{};  ///< standard deviation of the edges' position [counts]
+  int window{};     ///< samples over which counts are differenced, 1..16
+
+  static constexpr auto fields() {
+    return std::tuple{Member{"counts", &Encoder::counts}, Member{"jitter", &Encoder::jitter},
+                      Member{"window", &Encoder::window}};
+  }
 };
 
 /// State of one encoder.
@@ -92,16 +106,16 @@ class EncoderReading {
   /// @param speed   true speed there, returned by an ideal sensor [rad/s]
   /// @param period  sample time [s]
   double step(Encoder const& encoder, double angle, double speed, double period, std::uint64_t stream) {
-    if (!(encoder.counts_per_turn > 0.0)) return speed;
-    double const jitter = encoder.jitter_counts > 0.0 ? encoder.jitter_counts * normal_number(stream, samples_) : 0.0;
+    if (!(encoder.counts > 0.0)) return speed;
+    double const jitter = encoder.jitter > 0.0 ? encoder.jitter * normal_number(stream, samples_) : 0.0;
     ++samples_;
-    double const count = std::floor((angle - offset_) / (2.0 * pi) * encoder.counts_per_turn + jitter);
+    double const count = std::floor((angle - offset_) / (2.0 * pi) * encoder.counts + jitter);
     int const window = encoder.window < 1 ? 1 : encoder.window > longest_window ? longest_window : encoder.window;
     if (filled_ >= 1) {
       int const back = filled_ < window ? filled_ : window;
       double const before =
           counts_[static_cast<std::size_t>((head_ + longest_window + 1 - back) % (longest_window + 1))];
-      last_speed_ = (count - before) * 2.0 * pi / (encoder.counts_per_turn * back * period);
+      last_speed_ = (count - before) * 2.0 * pi / (encoder.counts * back * period);
     }
     head_ = (head_ + 1) % (longest_window + 1);
     counts_[static_cast<std::size_t>((head_ + longest_window) % (longest_window + 1))] = count;
@@ -115,6 +129,44 @@ class EncoderReading {
   int filled_{0};
   double last_speed_{0.0}, offset_{0.0};
   std::uint64_t samples_{0};
+};
+
+/// Mean of a drive's torque between the samples of its controller, by trapezes over the steps.
+class MeanTorque {
+ public:
+  void follow(double torque) {
+    if (begun_) sum_ += 0.5 * (now_ + torque), ++steps_;
+    now_ = torque;
+    begun_ = true;
+  }
+  double now() const { return now_; }
+  /// The mean since the last call.
+  double take() {
+    double const mean = steps_ > 0 ? sum_ / steps_ : 0.0;
+    sum_ = 0.0;
+    steps_ = 0;
+    return mean;
+  }
+
+ private:
+  double now_{0.0}, sum_{0.0};
+  int steps_{0};
+  bool begun_{false};
+};
+
+/// What controllers see of speeds, torques and loads.
+struct Sensors {
+  Encoder axles{}, rollers{};
+  std::optional<ForceSensor> roller_torque{};  ///< in the drive shaft of each roller axle; absent: its torque is known
+  ForceSensor axle_load{};                     ///< vertical force of rail or rollers on both wheels of an axle
+  std::uint64_t seed{};                        ///< of all noise
+
+  static constexpr auto fields() {
+    using P = Sensors;
+    return std::tuple{Member{"axles", &P::axles}, Member{"rollers", &P::rollers},
+                      Member{"roller_torque", &P::roller_torque}, Member{"axle_load", &P::axle_load},
+                      Member{"seed", &P::seed}};
+  }
 };
 
 }  // namespace rollerrig

@@ -6,27 +6,46 @@
 // an ellipse that grows with the load as Hertz' does.
 #pragma once
 #include <cmath>
+#include <vector>
 
 #include "rollerrig/contact/adhesion/friction.hpp"
 #include "rollerrig/contact/creep/creep_law.hpp"
 
 namespace rollerrig {
 
+/// One ellipse that stands for all patches of a wheel.
+struct EquivalentPatch {
+  double load{};    ///< of the wheel [N]
+  double a{}, b{};  ///< semi-axes along and across the rolling direction [m]
+  double width{};   ///< that the patches sweep together: their area over their length [m]
+};
+
+/// The ellipse with the patches' area together and their mean shape, weighted with their areas.
+inline EquivalentPatch equivalent_patch(double load, std::vector<double> const& a, std::vector<double> const& b) {
+  double area = 0.0, squares = 0.0, across = 0.0;
+  for (std::size_t i = 0; i < a.size(); ++i) area += a[i] * b[i], squares += a[i] * a[i], across += b[i];
+  double const aspect = squares / area;
+  return {load, std::sqrt(area * aspect), std::sqrt(area / aspect), 0.5 * pi * across};
+}
+
 struct VirtualRail {
   CreepLaw creep{};
   Friction friction{};
-  double wheel_load{54546.0};                 ///< static, of one wheel [N]; what follows belongs to it
-  double a{6e-3}, b{4e-3};                    ///< semi-axes along and across the rolling direction [m]
-  double width{6e-3};                         ///< that the patches of a wheel sweep together [m]
-  double log_aspect{0.0};                     ///< ln(a/b)
-  KalkerStiffness<double> stiffness{};        ///< of one wheel
-  double creepage_regularisation_speed{0.1};  ///< [m/s]
+  double wheel_load{};                     ///< static, of one wheel [N]; what follows belongs to it
+  double a{}, b{};                         ///< semi-axes along and across the rolling direction [m]
+  double width{};                          ///< that the patches of a wheel sweep together [m]
+  double cell{};                           ///< length of the cells in which dissipated energy is kept [m]
+  double log_aspect{};                     ///< ln(a/b)
+  KalkerStiffness<double> stiffness{};     ///< of one wheel
+  double creepage_regularisation_speed{};  ///< [m/s]
 
   /// Force of both wheels on the axle, forward [N].
   ///
   /// @param slip   wheel surface speed less train speed [m/s]
   /// @param speed  of the train [m/s]
   /// @param load   of the axle [N]
+  /// @param place  distance along the rail [m]
+  /// @param energy_density  dissipated per area of the rail there [J/m^2]
   double force(double slip, double speed, double load, double time, double place, double energy_density) const {
     double const per_wheel = 0.5 * load;
     double const growth = std::cbrt(per_wheel / wheel_load);  // of the semi-axes

@@ -1,86 +1,105 @@
-// mechatronics/wheel_slip_control.hpp - takes torque off a driven axle that slips, and gives it back.
+// mechatronics/wheel_slip_control.hpp - reduces the torque of a driven axle that slips, and restores it.
 //
-//   axle speeds (sampled), train speed it believes in -> slip and acceleration -> factor on the torque demand of each axle
+//   axle speeds (sampled), estimated train speed -> slip and acceleration -> factor on the torque demand of each axle, (A8)
 #pragma once
-#include <array>
 #include <cmath>
+#include <string_view>
+#include <tuple>
 
+#include "rollerrig/fields.hpp"
+#include "rollerrig/mechatronics/measurements.hpp"
 #include "rollerrig/mechatronics/reference_speed.hpp"
 
 namespace rollerrig {
 
 struct WheelSlipControl {
-  double wheel_radius{0.46};           ///< that the device believes in [m]
-  double reference_acceleration{1.5};  ///< the reference speed rises at most this fast: no train starts faster [m/s^2]
-  double slip{0.04};                   ///< relative slip above which torque is taken off [-]
-  double slip_speed{0.15};             ///< and the least such slip as a speed [m/s]
-  double acceleration{3.0};            ///< an axle that gains speed faster loses torque as well [m/s^2]
-  double filter_time{0.04};            ///< of the axles' acceleration [s]
-  double reduction_rate{4.0};          ///< of the factor [1/s]
-  double restoring_rate{0.35};         ///< [1/s]
-  double least_factor{0.05};           ///< [-]
-  double release_interval{3.0};        ///< while axles slip, one is released this often for the reference; 0: never [s]
-  double shortest_release{0.4};        ///< the torque needs some time to go [s]
-  double longest_release{1.2};         ///< [s]
-  double release_deceleration{0.5};    ///< a released axle that slows less has run down to the train's speed [m/s^2]
-  double least_acceleration{0.05};     ///< of the reference between releases [m/s^2]
-  double regained_after{3.0};          ///< without slip for this long, the axles show the train's speed [s]
-};
+  static constexpr char const* name = "wheel_slip_control";
+  static constexpr Command command = Command::torque_factor;
 
-class WheelSlipControlState {
- public:
-  static constexpr int most_axles = 8;
+  double wheel_radius{};            ///< assumed [m]
+  double reference_acceleration{};  ///< largest of the reference speed [m/s^2]
+  double slip{};                    ///< relative slip above which torque is reduced [-]
+  double slip_speed{};              ///< and the least such slip as a speed [m/s]
+  double acceleration{};            ///< an axle that gains speed faster loses torque as well [m/s^2]
+  double filter_time{};             ///< of the axles' acceleration [s]
+  double reduction_rate{};          ///< of the factor [1/s]
+  double restoring_rate{};          ///< [1/s]
+  double least_factor{};            ///< [-]
+  double release_interval{};        ///< while axles slip, one is released this often for the reference; 0: never [s]
+  double shortest_release{};        ///< the torque needs some time to fall [s]
+  double longest_release{};         ///< [s]
+  double release_deceleration{};    ///< a released axle that slows less runs at the train's speed [m/s^2]
+  double least_acceleration{};      ///< of the reference between releases [m/s^2]
+  double regained_after{};          ///< without slip for this long, the axles run at the train's speed [s]
 
-  void reset(double speed) {
-    reference_.reset(speed);
-    quiet_for_ = 1e9;  // nothing has slipped yet
-    for (Axle& axle : axle_) axle = {speed, 0.0, 1.0, false, 0};
+  static constexpr auto fields() {
+    using P = WheelSlipControl;
+    return std::tuple{Member{"wheel_radius", &P::wheel_radius},
+                      Member{"reference_acceleration", &P::reference_acceleration},
+                      Member{"slip", &P::slip},
+                      Member{"slip_speed", &P::slip_speed},
+                      Member{"acceleration", &P::acceleration},
+                      Member{"filter_time", &P::filter_time},
+                      Member{"reduction_rate", &P::reduction_rate},
+                      Member{"restoring_rate", &P::restoring_rate},
+                      Member{"least_factor", &P::least_factor},
+                      Member{"release_interval", &P::release_interval},
+                      Member{"shortest_release", &P::shortest_release},
+                      Member{"longest_release", &P::longest_release},
+                      Member{"release_deceleration", &P::release_deceleration},
+                      Member{"least_acceleration", &P::least_acceleration},
+                      Member{"regained_after", &P::regained_after}};
+  }
+
+  struct AxleState {
+    double speed{}, acceleration{};  ///< at the wheel's circumference [m/s], [m/s^2]
+    double factor{1.0};
+  };
+  struct State {
+    PerAxle<AxleState> axle{};
+    ReferenceSpeed reference{false, 0.0};
+    double no_slip_for{1e9};  ///< [s]; before the first slip: for ever
+  };
+
+  State start(Measurements const& /*now*/, double train_speed, double /*period*/) const {
+    State state{.axle = {}, .reference = {false, train_speed}};
+    for (AxleState& axle : state.axle) axle.speed = train_speed;
+    return state;
   }
 
   /// One sample: factors on the torque demand, 0..1.
-  void step(WheelSlipControl const& p, double const* axle_speed, int axles, double period, double* factor) {
-    double slowest = p.wheel_radius * axle_speed[0];
-    for (int i = 1; i < axles; ++i) slowest = std::fmin(slowest, p.wheel_radius * axle_speed[i]);
-    follow(p, slowest, axles, period);
-    for (int i = 0; i < axles; ++i) {
-      Axle& axle = axle_[static_cast<std::size_t>(i)];
-      double const speed = p.wheel_radius * axle_speed[i];
-      axle.acceleration += period / (p.filter_time + period) * ((speed - axle.speed) / period - axle.acceleration);
+  void step(State& s, Measurements const& now, double period, PerAxle<double>& factor) const {
+    double slowest = wheel_radius * now.axle_speed[0];
+    for (int i = 1; i < now.axles; ++i)
+      slowest = std::fmin(slowest, wheel_radius * now.axle_speed[static_cast<std::size_t>(i)]);
+    follow(s, slowest, now.axles, period);
+    double const reference = s.reference.value();
+    for (int i = 0; i < now.axles; ++i) {
+      auto const k = static_cast<std::size_t>(i);
+      AxleState& axle = s.axle[k];
+      double const speed = wheel_radius * now.axle_speed[k];
+      axle.acceleration += period / (filter_time + period) * ((speed - axle.speed) / period - axle.acceleration);
       axle.speed = speed;
-      double const slips_above = std::fmax(p.slip * std::fabs(reference_.value()), p.slip_speed);
-      bool const slips = speed - reference_.value() > slips_above || axle.acceleration > p.acceleration;
-      axle.interventions += slips && !axle.slips;
-      axle.slips = slips;
-      quiet_for_ = slips ? 0.0 : quiet_for_;
-      axle.factor += (slips || reference_.releases(i) ? -p.reduction_rate : p.restoring_rate) * period;
-      axle.factor = std::fmin(1.0, std::fmax(p.least_factor, axle.factor));
-      factor[i] = axle.factor;
+      double const slips_above = std::fmax(slip * std::fabs(reference), slip_speed);
+      bool const slips = speed - reference > slips_above || axle.acceleration > acceleration;
+      s.no_slip_for = slips ? 0.0 : s.no_slip_for;
+      axle.factor += (slips || s.reference.releases(i) ? -reduction_rate : restoring_rate) * period;
+      axle.factor = std::fmin(1.0, std::fmax(least_factor, axle.factor));
+      factor[k] = axle.factor;
     }
   }
 
-  double reference_speed() const { return reference_.value(); }
-  int interventions(int axle) const { return axle_[static_cast<std::size_t>(axle)].interventions; }
-
  private:
-  struct Axle {
-    double speed, acceleration, factor;
-    bool slips;
-    int interventions;
-  };
-  void follow(WheelSlipControl const& p, double slowest, int axles, double period) {
-    ReferenceSpeedRules const rules{p.reference_acceleration, p.least_acceleration, p.release_interval,
-                                    p.shortest_release, p.longest_release};
-    reference_.advance(slowest, period);
-    quiet_for_ += period;
-    if (quiet_for_ > p.regained_after) return reference_.is_known(rules);
-    reference_.search(rules, slowest, axles, period, [&](int axle) {
-      return axle_[static_cast<std::size_t>(axle)].acceleration < -p.release_deceleration;
+  void follow(State& s, double slowest, int axles, double period) const {
+    ReferenceSpeedRules const rules{reference_acceleration, least_acceleration, release_interval, shortest_release,
+                                    longest_release};
+    s.reference.advance(slowest, period);
+    s.no_slip_for += period;
+    if (s.no_slip_for > regained_after) return s.reference.is_known(rules);
+    s.reference.search(rules, slowest, axles, period, [&](int axle) {
+      return s.axle[static_cast<std::size_t>(axle)].acceleration < -release_deceleration;
     });
   }
-
-  std::array<Axle, most_axles> axle_{};
-  ReferenceSpeed reference_{false};
-  double quiet_for_{0.0};  ///< since the last slip [s]
 };
 
 }  // namespace rollerrig

@@ -114,8 +114,10 @@ class Traction(Table):
 class Controller(Table):
     """When a controller is asked, and who it is."""
 
-    sample_time: PositiveTime = Field(default=5e-3, description="a multiple of bench.step")
-    delay: Delay = Field(default=1e-3, description="from the sample to the command's acting, a multiple of bench.step")
+    sample_time: PositiveTime = Field(default=5e-3, description="a multiple of time.sampling_step")
+    delay: Delay = Field(
+        default=1e-3, description="from the sample to the command's acting, a multiple of time.sampling_step"
+    )
     user: str | None = Field(
         default=None,
         description="your own class in its place: 'module:Class' or 'file.py:Class', the file relative to the one that names "
@@ -219,16 +221,3 @@ class Sensors(Table):
         default=ForceSensor(), description="vertical force on the rollers (or rails) under each axle"
     )
     seed: Annotated[int, Field(strict=True, ge=0, le=2**31)] = Field(default=1, description="of all noise")
-
-
-class BenchSettings(Table):
-    """Time grid of the test bench, end of a test, and the hypothesis of rolling."""
-
-    step: PositiveTime = Field(default=1e-3, description="all samples, delays and changes of commands stand on it")
-    standstill: PositiveSpeed = Field(default=1.0, description="a train slower than this has stopped: the run ends")
-    pure_rolling: StrictBool = Field(
-        default=False,
-        description="on rollers: each axle and its rollers roll without sliding along the track, r w = R W, as the rig's "
-        "control law assumes; one force per axle takes the place of the longitudinal creep forces' mean, without a limit; "
-        "normal forces, lateral and yaw creep stay. For studies of what real sliding does to the control",
-    )

@@ -1,10 +1,10 @@
 """A case: one vehicle (or a part of it) on one support, how it is driven, and how time is integrated."""
 
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, NamedTuple
 
 from pydantic import ConfigDict, Field, StrictBool, model_validator
 
-from rollerrig.config.schema.actuators import BenchSettings, Brake, Sensors, SlideProtection, Traction, WheelSlipControl
+from rollerrig.config.schema.actuators import Brake, Sensors, SlideProtection, Traction, WheelSlipControl
 from rollerrig.config.schema.adhesion import Adhesion
 from rollerrig.config.schema.base import SpeedTable, Table, TorqueTable, instead_of, refused
 from rollerrig.config.schema.contact_law import (
@@ -103,6 +103,12 @@ class Contact(Table):
     creepage_regularisation_speed: Annotated[float, Quantity("m/s", gt=0)] = Field(
         default=0.1, description="V_s in the rolling speed sqrt(V^2 + V_s^2) that creepages are divided by"
     )
+    pure_rolling: StrictBool = Field(
+        default=False,
+        description="with actuators on rollers: each axle and its rollers roll without sliding along the track, r w = R W, as "
+        "the rig's control law assumes; one force per axle, without a limit, takes the place of the longitudinal creep forces' "
+        "mean; normal forces, lateral and yaw creep stay. For studies of what real sliding does to the control",
+    )
     roller_effects: RollerEffects = Field(
         default=RollerEffects(),
         description="which of a roller's differences from a rail count; all, unless for a study",
@@ -110,7 +116,7 @@ class Contact(Table):
 
 
 class Motion(Table):
-    """How the vehicle and the rollers are driven."""
+    """How the vehicle and the rollers are driven, and when a brake test ends."""
 
     speed: Annotated[float, Quantity("m/s", ge=0, le=200)] = Field(
         description="running speed at the start; on rollers the simulated one; taken from speed_table if absent",
@@ -126,6 +132,9 @@ class Motion(Table):
     torque_table: TorqueTable | None = Field(
         default=None,
         description="rows [time, torque per roller axle] for drive = 'torque'; positive drives forward running",
+    )
+    stop_speed: Annotated[float, Quantity("m/s", gt=0)] = Field(
+        default=1.0, description="with [brake]: a train slower than this has stopped, and the run ends"
     )
 
     @model_validator(mode="before")
@@ -194,14 +203,32 @@ class Disturbance(Table):
     yaw: Angle = Field(default=0.0, description="offset about z")
 
 
+FIXED_STEP = ("rk4", "exponential_rk4")
+"""Methods with a fixed step."""
+
+
+class Integration(NamedTuple):
+    """Method and step that a case is integrated with."""
+
+    method: str
+    step: float | None
+    """Of a method with a fixed step; of an adaptive one the first step tried; None: it finds its own [s]."""
+
+    @property
+    def fixed(self) -> bool:
+        """Whether the method keeps to the step."""
+        return self.method in FIXED_STEP
+
+
 class TimeSettings(Table):
-    """How time is integrated and what is kept."""
+    """How time is integrated, when sensors and controllers are sampled, and what is kept."""
 
     duration: PositiveTime = Field(description="length of the run")
-    method: Literal["rodas4", "rk4", "exponential_rk4", "dormand_prince"] = Field(
-        default="rodas4",
+    method: Literal["rodas4", "rk4", "exponential_rk4", "dormand_prince"] | None = Field(
+        default=None,
         description="rodas4: stiff, adaptive, exact Jacobian; dormand_prince: explicit, adaptive; rk4: fixed step; "
-        "exponential_rk4: fixed step that dampers with series stiffness do not limit, the fastest for a vehicle that hunts",
+        "exponential_rk4: fixed step that dampers with series stiffness do not limit, the fastest for a vehicle that hunts; "
+        "absent: rodas4, and with actuators or controllers exponential_rk4 with the sampling step",
     )
     step: PositiveTime | None = Field(
         default=None, description="step of a fixed-step method, which needs it; for the others the first step tried"
@@ -216,16 +243,16 @@ class TimeSettings(Table):
     maximum_step: PositiveTime | None = Field(
         default=None, description="longest step of an adaptive method; absent: no limit"
     )
+    sampling_step: PositiveTime = Field(
+        default=1e-3,
+        description="with actuators or controllers: samples, delays and changes of commands are at its multiples; the method "
+        "integrates from one to the next",
+    )
     output_step: PositiveTime = Field(default=0.01, description="interval between kept samples")
-
-    @property
-    def has_fixed_step(self) -> bool:
-        """Whether the method keeps to `step`."""
-        return self.method in ("rk4", "exponential_rk4")
 
     @model_validator(mode="after")
     def _consistent(self) -> "TimeSettings":
-        if self.has_fixed_step and self.step is None:
+        if self.method in FIXED_STEP and self.step is None:
             raise refused("step", f"needed: the step of the fixed-step method {self.method}, e.g. step = '0.1 ms'")
         for key, value in (("output_step", self.output_step), ("step", self.step), ("maximum_step", self.maximum_step)):
             if value is not None and value > self.duration:
@@ -262,13 +289,22 @@ class CaseTables(Table):
     wheel_slip_control: WheelSlipControl | None = Field(default=None, description="of the traction drives")
     sensors: Sensors = Field(default=Sensors(), description="what the controllers see")
     rig_control: RigControl | None = Field(default=None, description="controller of the roller drives")
-    bench: BenchSettings = Field(default=BenchSettings(), description="time grid of actuators and controllers")
 
     similitude: ScaledFrom | None = Field(
         default=None, description="the full-scale case of which this one is a model; absent: at full scale"
     )
 
     @property
-    def on_bench(self) -> bool:
-        """Whether actuators or controllers act on the vehicle: then the bench steps, not a method of [time]."""
+    def sampled(self) -> bool:
+        """Whether actuators or controllers act on the vehicle, sampled in time."""
         return any((self.adhesion, self.brake, self.traction, self.rig_control))
+
+    @property
+    def integration(self) -> Integration:
+        """Method and step of [time], where they are absent those that belong to such a case."""
+        step = self.time.step
+        if self.time.method is not None:
+            return Integration(self.time.method, step)
+        if self.sampled:
+            return Integration("exponential_rk4", self.time.sampling_step if step is None else step)
+        return Integration("rodas4", step)

@@ -104,9 +104,9 @@ class Assumed(Table):
 class RigControl(Controller):
     """Controller of the roller drives: the wheels turn as those of a train on the rail of [adhesion]."""
 
-    sample_time: PositiveTime = Field(default=1e-3, description="a multiple of bench.step")
+    sample_time: PositiveTime = Field(default=1e-3, description="a multiple of time.sampling_step")
     delay: Annotated[float, Quantity("s", ge=0)] = Field(
-        default=0.0, description="of the command, a multiple of bench.step"
+        default=0.0, description="of the command, a multiple of time.sampling_step"
     )
     load_transfer: LoadTransfer = Field(
         default="quasi_static",

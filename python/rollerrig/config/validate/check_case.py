@@ -6,7 +6,7 @@ from typing import Any
 from rollerrig.config.errors import ConfigProblem, show_value
 from rollerrig.config.schema.case import CaseTables, Disturbance
 from rollerrig.config.schema.vehicle import DIRECTIONS, Vehicle
-from rollerrig.config.validate.check_bench import check_bench
+from rollerrig.config.validate.check_actuators import check_actuators
 from rollerrig.config.validate.check_patch import check_patch
 from rollerrig.config.validate.check_profile import check_flange_clearance, check_reach
 from rollerrig.config.validate.check_track import check_track
@@ -48,7 +48,7 @@ def check_case(case: CaseTables, file: str) -> list[ConfigProblem]:
         problems.append(ConfigProblem(file, "motion.drive", show_value(case.motion.drive), allowed))
     else:
         problems += check_track(case, file)
-    problems += check_bench(case, file)
+    problems += check_actuators(case, file)
     problems += check_patch(case, file)
     return list(dict.fromkeys(problems))
 

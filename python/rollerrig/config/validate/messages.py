@@ -20,6 +20,7 @@ M = TypeVar("M", bound=BaseModel)
 _RENAMED: Mapping[str, tuple[str, ...]] = {
     "anti_slip": ("wheel_slip_control",),
     "believed": ("assumed",),
+    "bench": ("time", "motion", "contact"),
     "cleaned": ("recovered",),
     "cleaning": ("recovery_constant",),
     "decay": ("B", "beta", "friction"),

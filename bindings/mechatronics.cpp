@@ -1,0 +1,126 @@
+// bindings/mechatronics.cpp - sensors, controllers and actuators: a class for each struct, from its own list of parameters.
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/pair.h>
+#include <nanobind/stl/shared_ptr.h>
+#include <nanobind/stl/variant.h>
+
+#include <cmath>
+#include <memory>
+
+#include "fields.hpp"
+#include "rollerrig/simulate/setup.hpp"
+#include "rollerrig/system/model.hpp"
+
+using namespace nb::literals;
+using namespace rollerrig;
+
+namespace {
+
+/// The virtual rail takes its laws from a contact of the model, its adhesion from a map if there is one.
+VirtualRail virtual_rail(Model const& model, int contact, std::shared_ptr<AdhesionMap const> adhesion,
+                         EquivalentPatch const& patch, double cell) {
+  VirtualRail rail;
+  ContactLaws const& laws = model.contacts.at(static_cast<std::size_t>(contact)).laws;
+  rail.creep = laws.creep;
+  rail.creepage_regularisation_speed = laws.creepage_regularisation_speed;
+  rail.friction = laws.friction;
+  rail.friction.map = std::move(adhesion);
+  if (rail.friction.map) rail.friction.map->check();
+  rail.wheel_load = patch.load, rail.a = patch.a, rail.b = patch.b, rail.width = patch.width, rail.cell = cell;
+  rail.log_aspect = std::log(rail.a / rail.b);
+  rail.stiffness = kalker_stiffness(laws.kalker->at(rail.log_aspect), laws.material.shear_modulus, rail.a, rail.b, 1.0);
+  return rail;
+}
+
+void bind_actuators(nb::module_& m) {
+  bind_struct<Motor>(m, "Motor", "A drive from torque command to torque.");
+  m.def("reflected_inertia", &reflected_inertia, "rotor_inertia"_a, "gear_ratio"_a,
+        "Of a geared rotor on the axle that it drives [kg m^2].");
+  bind_struct<PneumaticBrake>(m, "PneumaticBrake", "Friction brake of an axle, from demand and valve to torque.")
+      .def("torque", &PneumaticBrake::torque<double>, "cylinder_pressure"_a, "axle_speed"_a,
+           "Torque on the axle [N m], against its turning.");
+  bind_description(m, "AxleBrake", "A friction brake between an axle and a body, or -1: the ground.",
+                   Member{"wheelset", &AxleBrake::wheelset}, Member{"reaction", &AxleBrake::reaction},
+                   Member{"brake", &AxleBrake::brake});
+  bind_struct<Encoder>(m, "Encoder", "Speed of an axle from counts.");
+  bind_struct<ForceSensor>(m, "ForceSensor", "Transducer of a force or a torque.");
+  bind_struct<Sensors>(m, "Sensors", "What controllers see of speeds, torques and loads.");
+  bind_struct<Actuators>(m, "Actuators", "Brake, traction motor and roller drive of each axle.");
+}
+
+void bind_controllers(nb::module_& m) {
+  bind_struct<AssumedParameters>(m, "AssumedParameters", "Wheel and roller as a controller assumes them.");
+  bind_laws<AnyEstimator>(m, "estimators", "Estimator");
+  bind_laws<AnyFeedback>(m, "feedbacks", "Feedback");
+  m.def(
+      "estimator_response",
+      [](AnyEstimator const& estimator, AssumedParameters const& assumed, double period) {
+        auto const of = [&](Estimated what) {
+          auto const found = measure_response(estimator, assumed, what, period);
+          return std::pair{found.bandwidth, found.delay};
+        };
+        return std::pair{of(Estimated::force), of(Estimated::torque)};
+      },
+      "estimator"_a, "assumed"_a, "period"_a,
+      "Bandwidth [rad/s] and delay [s] of the estimates of force and of torque, measured.");
+  m.def(
+      "kalman_gain",
+      [](KalmanFilter const& filter, AssumedParameters const& assumed, double period) {
+        return filter.gain(assumed, period);
+      },
+      "filter"_a, "assumed"_a, "period"_a,
+      "Stationary gain for a sample time [s], (D11): rows W, w, T, C over the innovations of W and w.");
+  m.def(
+      "feedback_gains",
+      [](ProportionalIntegral const& feedback, AssumedParameters const& assumed) {
+        auto const gains = feedback.gains(assumed);
+        return std::pair{gains.proportional, gains.integral};
+      },
+      "feedback"_a, "assumed"_a,
+      "Proportional [N m s/rad] and integral gain [N m/rad], (D6) where they are not given.");
+  bind_struct<VirtualTrain>(m, "VirtualTrain", "The train that the rig's controller integrates.");
+  nb::class_<EquivalentPatch>(m, "EquivalentPatch", "One ellipse for all patches of a wheel; see equivalent_patch().")
+      .def_ro("load", &EquivalentPatch::load)
+      .def_ro("a", &EquivalentPatch::a)
+      .def_ro("b", &EquivalentPatch::b)
+      .def_ro("width", &EquivalentPatch::width);
+  m.def("equivalent_patch", &equivalent_patch, "load"_a, "a"_a, "b"_a,
+        "The ellipse with the area of all patches of a wheel together and their mean shape, from their semi-axes [m].");
+  nb::class_<VirtualRail>(m, "VirtualRail", "The degraded rail under the virtual train.")
+      .def(
+          "__init__",
+          [](VirtualRail* self, std::shared_ptr<Model const> const& model, int contact,
+             std::shared_ptr<AdhesionMap const> adhesion, EquivalentPatch const& patch,
+             double cell) { new (self) VirtualRail(virtual_rail(*model, contact, std::move(adhesion), patch, cell)); },
+          nb::kw_only(), "model"_a, "contact"_a, "adhesion"_a.none(), "patch"_a, "cell"_a, nb::keep_alive<1, 2>());
+  bind_laws<AnyController>(m, "controllers");
+}
+
+/// Name of each controller -> its command.
+template <class... Laws>
+void bind_commands(nb::module_& m, std::variant<Laws...> const* /*registry*/) {
+  nb::class_<CommandField>(m, "CommandField", "What an actuator takes from a controller, one number per axle.")
+      .def_prop_ro("name", [](CommandField const& f) { return std::string(f.name); })
+      .def_prop_ro("allowed", [](CommandField const& f) { return std::string(f.allowed); })
+      .def_ro("lowest", &CommandField::lowest)
+      .def_ro("highest", &CommandField::highest)
+      .def_ro("whole", &CommandField::whole);
+  nb::dict found;
+  ((found[Laws::name] = nb::cast(command_fields[static_cast<std::size_t>(Laws::command)])), ...);
+  m.attr("commands") = found;
+}
+
+}  // namespace
+
+void bind_mechatronics(nb::module_& m) {
+  bind_actuators(m);
+  bind_controllers(m);
+  bind_struct<Sampling>(m, "Sampling", "When a controller is asked, and how long its answer takes, in steps.");
+  bind_struct<SampledController>(m, "SampledController", "A controller and when it is asked.");
+  bind_struct<AxleParts>(m, "AxleParts", "Indices of an axle's parts in the model; -1: absent.");
+  bind_struct<RollerProtection>(m, "RollerProtection", "Ends a test before real sliding damages the rollers.");
+  bind_struct<TravellingFrame>(m, "TravellingFrame", "Masses of a train on track.");
+  bind_struct<MechatronicSetup>(m, "MechatronicSetup", "Sensors, controllers and actuators around a vehicle.");
+  bind_commands(m, static_cast<AnyController const*>(nullptr));
+  m.attr("most_axles") = most_axles;
+}

@@ -1,0 +1,37 @@
+// mechatronics/controllers.hpp - the controllers that a case can have, each a table of its name.
+//
+// To add one: a header with a struct like WheelSlipControl, its line in AnyController, its table in the configuration.
+#pragma once
+#include <variant>
+
+#include "rollerrig/mechatronics/rig_controller.hpp"
+#include "rollerrig/mechatronics/wheel_slide_protection.hpp"
+#include "rollerrig/mechatronics/wheel_slip_control.hpp"
+
+namespace rollerrig {
+
+using AnyController = std::variant<WheelSlideProtection, WheelSlipControl, RigController>;
+
+/// When a controller is asked, and how long its answer takes.
+struct Sampling {
+  int every{1};          ///< sample time in sampling steps
+  int delay{0};          ///< sampling steps from the sample to the command's acting
+  bool external{false};  ///< the caller computes the command
+
+  static constexpr auto fields() {
+    return std::tuple{Member{"every", &Sampling::every}, Member{"delay", &Sampling::delay},
+                      Member{"external", &Sampling::external}};
+  }
+};
+
+struct SampledController {
+  Sampling sampling{};
+  AnyController controller{};
+
+  static constexpr auto fields() {
+    using P = SampledController;
+    return std::tuple{Member{"sampling", &P::sampling}, Member{"controller", &P::controller}};
+  }
+};
+
+}  // namespace rollerrig

@@ -1,0 +1,43 @@
+// mechatronics/delayed_commands.hpp - commands of one controller between their sample and their acting.
+#pragma once
+#include <vector>
+
+#include "rollerrig/mechatronics/axles.hpp"
+
+namespace rollerrig {
+
+class DelayedCommands {
+ public:
+  /// @param initial  acts before the first command
+  /// @param delay    steps from a sample to the command's acting
+  DelayedCommands(double initial, int delay) : delay_{delay}, sent_(static_cast<std::size_t>(delay) + 2) {
+    acting_.fill(initial);
+  }
+
+  void send(PerAxle<double> const& value, long step) {
+    sent_[(first_ + count_++) % sent_.size()] = {value, step + delay_};
+  }
+
+  /// Takes up what acts from this step on.
+  void advance(long step) {
+    for (; count_ > 0 && sent_[first_].acts_at <= step; --count_) {
+      acting_ = sent_[first_].value;
+      first_ = (first_ + 1) % sent_.size();
+    }
+  }
+
+  PerAxle<double> const& acting() const { return acting_; }
+
+ private:
+  struct Sent {
+    PerAxle<double> value{};
+    long acts_at{0};
+  };
+
+  int delay_;
+  PerAxle<double> acting_{};
+  std::vector<Sent> sent_;  ///< ring
+  std::size_t first_{0}, count_{0};
+};
+
+}  // namespace rollerrig

@@ -1,0 +1,56 @@
+// mechatronics/feedback/proportional_integral.hpp - PI feedback on the wheels' speed, without wind-up at the command's limit.
+//
+// For wheel and roller as one inertia J = J_w + J_r (r/R)^2, with bandwidth w and damping ratio zeta of the loop:
+//
+//     k_p = 2 zeta w J R/r,   k_i = w^2 J R/r        (D6)
+//
+// Source  docs/theory/rig_control.md.
+#pragma once
+#include <cmath>
+#include <optional>
+#include <string_view>
+
+#include "rollerrig/mechatronics/feedback/tracking_error.hpp"
+
+namespace rollerrig {
+
+struct ProportionalIntegral {
+  static constexpr char const* name = "proportional_integral";
+  double bandwidth{};                    ///< of the loop [rad/s]
+  double damping_ratio{};                ///< of the loop
+  std::optional<double> proportional{};  ///< k_p in place of (D6) [N m s/rad]
+  std::optional<double> integral{};      ///< k_i in place of (D6) [N m/rad]
+
+  static constexpr auto fields() {
+    using P = ProportionalIntegral;
+    return std::tuple{Member{"bandwidth", &P::bandwidth}, Member{"damping_ratio", &P::damping_ratio},
+                      Member{"proportional", &P::proportional}, Member{"integral", &P::integral}};
+  }
+
+  struct Gains {
+    double proportional{}, integral{};
+  };
+  /// (D6), where they are not given.
+  Gains gains(AssumedParameters const& p) const {
+    double const ratio = p.wheel_radius / p.roller_radius;
+    double const inertia = p.wheelset_inertia + p.roller_inertia * (ratio * ratio);
+    return {proportional.value_or(2.0 * damping_ratio * bandwidth * inertia / ratio),
+            integral.value_or(bandwidth * bandwidth * inertia / ratio)};
+  }
+
+  struct State {
+    Gains gains{};
+    double integral{};  ///< of the error [rad]
+  };
+
+  State start(AssumedParameters const& assumed) const { return {gains(assumed), 0.0}; }
+
+  double step(State& s, TrackingError const& now, double limit) const {
+    auto const [k_p, k_i] = s.gains;
+    double const with = now.feed_forward + k_p * now.error + k_i * (s.integral + now.period * now.error);
+    if (std::fabs(with) <= limit) s.integral += now.period * now.error;
+    return now.feed_forward + (k_p * now.error + k_i * s.integral);
+  }
+};
+
+}  // namespace rollerrig

@@ -1,0 +1,29 @@
+// mechatronics/feedback/sliding_mode.hpp - a torque of constant size against the error's sign, in proportion near zero.
+#pragma once
+#include <algorithm>
+#include <string_view>
+
+#include "rollerrig/mechatronics/feedback/tracking_error.hpp"
+
+namespace rollerrig {
+
+struct SlidingMode {
+  static constexpr char const* name = "sliding_mode";
+  double switching{};       ///< largest torque of the feedback [N m]
+  double boundary_layer{};  ///< error at which it is reached [rad/s]
+
+  static constexpr auto fields() {
+    using P = SlidingMode;
+    return std::tuple{Member{"switching", &P::switching}, Member{"boundary_layer", &P::boundary_layer}};
+  }
+
+  struct State {};
+
+  State start(AssumedParameters const& /*assumed*/) const { return {}; }
+
+  double step(State& /*state*/, TrackingError const& now, double /*limit*/) const {
+    return now.feed_forward + switching * std::clamp(now.error / boundary_layer, -1.0, 1.0);
+  }
+};
+
+}  // namespace rollerrig

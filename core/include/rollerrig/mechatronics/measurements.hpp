@@ -1,0 +1,42 @@
+// mechatronics/measurements.hpp - what controllers see of the axles at an instant, and what they command.
+//
+//   plant -> sensors -> [measurements] -> controllers -> [commands], after their delay -> actuators
+#pragma once
+#include <iterator>
+#include <string_view>
+
+#include "rollerrig/mechatronics/axles.hpp"
+
+namespace rollerrig {
+
+/// Per axle; only the first `axles` entries count.
+struct Measurements {
+  double time{};  ///< [s]
+  int axles{};
+  PerAxle<double> axle_speed{}, roller_speed{};  ///< [rad/s]
+  PerAxle<double> roller_torque{};               ///< since the last sample of the rig's controller [N m]
+  PerAxle<double> axle_load{};                   ///< vertical force of rail or rollers on both wheels [N]
+  /// What really acts: T of (D1) [N], torque of motor and brake [N m]; for the estimator `exact` alone.
+  PerAxle<double> true_force{}, true_torque{};
+};
+
+/// What an actuator of each axle takes from a controller.
+enum class Command : int { dump_valve, torque_factor, roller_torque };
+
+struct CommandField {
+  std::string_view name, allowed;
+  double initial;          ///< before the first command
+  double lowest, highest;  ///< allowed
+  bool whole;              ///< only whole numbers are
+};
+
+constexpr double unlimited = 1e300;  ///< beyond any torque
+
+inline constexpr CommandField command_fields[] = {
+    {"valve", "0 fill, 1 hold, 2 vent", 0.0, 0.0, 2.0, true},
+    {"torque_factor", "0 to 1", 1.0, 0.0, 1.0, false},
+    {"roller_torque", "N m, any finite number", 0.0, -unlimited, unlimited, false},
+};
+constexpr std::size_t command_count = std::size(command_fields);
+
+}  // namespace rollerrig

@@ -1,0 +1,97 @@
+// simulate/driver.hpp - marches a model through time: any integrator, and between its steps sampled sensors, controllers and
+// actuators, if there are any.
+//
+//   Model, state, Options -> [integrator]                                              -> outputs, Status
+//                            [sample -> act -> integrator up to the next instant] ...  -> the same, with sampled blocks
+//
+// With sampled blocks the run consists of whole sampling steps; outputs stand on them. At each instant the sensors are read and
+// the controllers asked, then the output is shown, then the inputs of the plant are set for the step: they are straight lines
+// that join. A method of fixed step therefore keeps the slope at the instant that it found before; what does jump, V' of the
+// travelling frame and the dissipated energy, shifts a velocity by less than step / 6 times the jump, docs/theory/rig_control.md
+// (D8). An adaptive method evaluates it anew.
+#pragma once
+#include <memory>
+#include <optional>
+#include <utility>
+
+#include "rollerrig/integrate/integrator.hpp"
+#include "rollerrig/simulate/mechatronic_system.hpp"
+#include "rollerrig/simulate/recorder.hpp"
+#include "rollerrig/system/dynamics.hpp"
+
+namespace rollerrig {
+
+class Driver {
+ public:
+  Driver(Driver const&) = delete;
+  Driver& operator=(Driver const&) = delete;
+  /// Throws std::invalid_argument for a setup that cannot be run.
+  Driver(std::shared_ptr<Model const> model, std::optional<MechatronicSetup> setup);
+
+  /// Begins a run; throws std::invalid_argument for impossible options.
+  Status start(integrate::Options options, double t0, double const* x0);
+
+  /// Runs to time t_stop, to where an external controller waits, or to the end; shows the observer each output time.
+  ///
+  /// @param observer  observer(t, x, z)
+  template <class Observer>
+  Status advance(double t_stop, Observer&& observer) {
+    if (!system_) return status_ = integrator_->advance(t_stop, observer);
+    long const last = steps_until(t_stop);
+    while (status_ == Status::ok && step_ < last) {
+      if (!std::exchange(sampled_, true)) sample();
+      if (system_->waits()) return status_;
+      show(observer);
+      advance_step();
+    }
+    if (ended_as_planned()) show(observer);
+    return status_;
+  }
+
+  /// One row of width() numbers: the plant's, then those of the sampled blocks.
+  void record(double t, double const* x, double const* z, double* row);
+  int width() const { return recorder_.width() + (system_ ? system_->width() : 0); }
+
+  bool started() const { return integrator_.has_value(); }
+  double time() const { return integrator_ ? integrator_->time() : 0.0; }
+  double const* states() const { return integrator_->states(); }
+  integrate::Statistics const& statistics() const { return integrator_->statistics(); }
+  int failed_contact() const { return plant_.failed_contact(); }
+  Dynamics& plant() { return plant_; }
+  Dynamics const& plant() const { return plant_; }
+  Dynamics& observed() { return observed_; }
+  MechatronicSystem* system() { return system_ ? &*system_ : nullptr; }
+  void set_command(std::string_view controller, std::span<double const> command) {
+    system_->set_command(controller, command, step_);
+  }
+
+ private:
+  long steps_until(double t_stop) const;
+  void sample();
+  void advance_step();
+  void start_without_slip(double* x);
+  bool ended_as_planned() const {
+    bool const by_block = status_ == Status::stopped || status_ == Status::rollers_protected;
+    return by_block || (status_ == Status::ok && step_ == steps_until(final_time_));
+  }
+  template <class Observer>
+  void show(Observer& observer) {
+    if (step_ % output_every_ == 0) observer(integrator_->time(), integrator_->states(), integrator_->quadratures());
+  }
+
+  Dynamics plant_;
+  Inputs inputs_;
+  DrivenDynamics driven_{plant_, inputs_};
+  Dynamics observed_;  ///< outputs between the instants are evaluated apart: asking for them changes no bit of the run
+  Recorder recorder_;
+  std::optional<MechatronicSetup> setup_;
+  std::optional<MechatronicSystem> system_;
+  std::optional<integrate::Integrator<DrivenDynamics>> integrator_;
+  double final_time_{0.0};
+  long step_{0};          ///< sampling steps done
+  long output_every_{1};  ///< in sampling steps
+  bool sampled_{false};   ///< at this instant
+  Status status_{Status::ok};
+};
+
+}  // namespace rollerrig

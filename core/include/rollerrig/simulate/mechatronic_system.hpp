@@ -1,0 +1,93 @@
+// simulate/mechatronic_system.hpp - sensors, controllers, actuators and the train's motion around the plant, step by step.
+//
+//   plant at t_k -> sensors -> controllers that are due -> commands, after their delay -> motors and brakes
+//                -> inputs on straight lines over one step -> plant at t_k+1
+//
+// A controller marked `external` is asked for by the caller: sample() returns false at its instant, the caller reads
+// measurement(), sets the command and goes on.
+#pragma once
+#include <array>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "rollerrig/contact/adhesion/recovered_rail.hpp"
+#include "rollerrig/mechatronics/delayed_commands.hpp"
+#include "rollerrig/simulate/actuator_states.hpp"
+#include "rollerrig/simulate/recorder.hpp"
+#include "rollerrig/simulate/sensor_readings.hpp"
+#include "rollerrig/simulate/train_motion.hpp"
+
+namespace rollerrig {
+
+class MechatronicSystem {
+ public:
+  /// Columns of record(), per axle and for the train; fields of measurement().
+  static std::span<Field const> axle_fields();
+  static std::span<Field const> train_fields();
+  static std::span<Field const> measurement_fields();
+
+  /// Throws std::invalid_argument for more than `most_axles` axles, or a controller without a sample time.
+  explicit MechatronicSystem(MechatronicSetup setup);
+
+  /// The plant before the first step; to be called before it is evaluated.
+  void prepare(Model const& model, Inputs& inputs) const;
+  /// Takes the plant's state at time 0.
+  void start(Dynamics const& plant);
+  /// Reads the sensors and asks every controller that is due; false where the caller must answer first.
+  ///
+  /// @param z  the plant's quadratures, for the angles
+  bool sample(Dynamics const& plant, long step, double const* z);
+  /// Sets the inputs over the step that begins.
+  void act(Dynamics const& plant, long step, Inputs& inputs);
+  /// After a step: the train's motion, and whether the run ends here.
+  Status advance(Dynamics const& plant, long step);
+
+  MechatronicSetup const& setup() const { return setup_; }
+  int width() const;
+  /// One row of the train's and all axles' columns, in the plant's last evaluation.
+  void record(Dynamics const& plant, long step, Inputs const& inputs, double* row) const;
+
+  /// Whether the caller must answer for some controller, or for that of this name.
+  bool waits() const;
+  bool waits_for(std::string_view controller) const;
+  /// What a controller sees, axle by axle.
+  std::vector<double> measurement() const;
+  /// Answers for an external controller; throws std::invalid_argument where there is none of that name.
+  void set_command(std::string_view controller, std::span<double const> command, long step);
+
+ private:
+  struct Controller {
+    std::string_view name;
+    std::size_t command;  ///< of ActingCommands
+    StateOf<AnyController> state;
+    DelayedCommands commands;
+    bool waits{false};
+  };
+
+  std::size_t axles() const { return setup_.axles.size(); }
+  bool travels() const { return setup_.frame.train_mass > 0.0; }
+  double time(long step) const { return setup_.step * static_cast<double>(step); }
+  double train_speed() const;
+  double reference_speed() const;
+  RigController const* rig() const;
+  RigController::State const* rig_state() const;
+  void ask(std::size_t index, long step);
+  void read_true_forces(Dynamics const& plant);
+  void dissipate(Dynamics const& plant, Inputs& inputs);
+  bool wheels_slide(Dynamics const& plant);
+  void record_axle(Dynamics const& plant, std::size_t axle, Inputs const& inputs, double* row) const;
+
+  MechatronicSetup setup_;
+  Measurements measured_;
+  SensorReadings sensors_;
+  ActuatorStates actuators_;
+  TrainMotion train_;
+  std::vector<Controller> controllers_;
+  ActingCommands acting_{};
+  std::array<RecoveredRail, 2> rail_;  ///< left, right
+  PerAxle<double> slides_for_{};       ///< wheel on roller, beyond the protection's limit [s]
+  int shortest_{0};                    ///< sample time of the controllers, in steps; 0: none
+};
+
+}  // namespace rollerrig

@@ -1,0 +1,104 @@
+// simulate/setup.hpp - sensors, controllers and actuators around a vehicle under test: everything that is constant in a run.
+//
+//   plant -> sensors -> controllers -> actuators -> inputs of the plant
+#pragma once
+#include <array>
+#include <tuple>
+#include <vector>
+
+#include "rollerrig/fields.hpp"
+#include "rollerrig/mechatronics/controllers.hpp"
+#include "rollerrig/mechatronics/motor.hpp"
+#include "rollerrig/mechatronics/pneumatic_brake.hpp"
+#include "rollerrig/mechatronics/sensor.hpp"
+
+namespace rollerrig {
+
+constexpr int absent = -1;
+
+/// One axle of the vehicle and on a rig its rollers, by indices of the model.
+struct AxleParts {
+  int wheelset{absent};     ///< body
+  int axle_torque{absent};  ///< of the traction motor
+  int brake{absent};
+  int roller{absent};         ///< body
+  int roller_torque{absent};  ///< of the roller's drive
+  std::array<int, 2> contacts{absent, absent};
+
+  static constexpr auto fields() {
+    using P = AxleParts;
+    return std::tuple{
+        Member{"wheelset", &P::wheelset}, Member{"axle_torque", &P::axle_torque},     Member{"brake", &P::brake},
+        Member{"roller", &P::roller},     Member{"roller_torque", &P::roller_torque}, Member{"contacts", &P::contacts}};
+  }
+};
+
+/// The same on each axle; what no axle has is never evaluated.
+struct Actuators {
+  PneumaticBrake brake{};
+  bool motors_stand_in{};    ///< the traction motors exert the brake's torque
+  TimeTable brake_demand{};  ///< cylinder pressure over the ambient [Pa]
+  Motor motor{};
+  TimeTable torque_demand{};  ///< of the traction motor of each axle, positive forward [N m]
+  Motor roller_drive{};
+
+  static constexpr auto fields() {
+    using P = Actuators;
+    return std::tuple{Member{"brake", &P::brake},
+                      Member{"motors_stand_in", &P::motors_stand_in},
+                      Member{"brake_demand", &P::brake_demand},
+                      Member{"motor", &P::motor},
+                      Member{"torque_demand", &P::torque_demand},
+                      Member{"roller_drive", &P::roller_drive}};
+  }
+};
+
+/// Ends a test on rollers before real sliding damages them.
+struct RollerProtection {
+  double slip{};  ///< real sliding between wheel and roller [m/s] ...
+  double time{};  ///< ... for longer than this [s]
+
+  static constexpr auto fields() {
+    return std::tuple{Member{"slip", &RollerProtection::slip}, Member{"time", &RollerProtection::time}};
+  }
+};
+
+/// On track the vehicle's frame travels at the train's speed.
+struct TravellingFrame {
+  double train_mass{};  ///< that these axles brake or pull [kg]; 0: on a rig the frame does not travel
+  double fixed_mass{};  ///< of it, what is fixed in the frame [kg]
+
+  static constexpr auto fields() {
+    using P = TravellingFrame;
+    return std::tuple{Member{"train_mass", &P::train_mass}, Member{"fixed_mass", &P::fixed_mass}};
+  }
+};
+
+struct MechatronicSetup {
+  double step{};        ///< all samples and changes of commands stand on its multiples [s]
+  double speed{};       ///< at the start [m/s]
+  double stop_speed{};  ///< a train slower than this has stopped [m/s]; 0: it starts from rest and runs on
+  std::vector<AxleParts> axles{};
+  Actuators actuators{};
+  Sensors sensors{};
+  std::vector<SampledController> controllers{};
+  RollerProtection protection{};
+  TravellingFrame frame{};
+  double rail_cell{};  ///< length of the cells of rail in which dissipated energy is kept [m]
+
+  static constexpr auto fields() {
+    using P = MechatronicSetup;
+    return std::tuple{Member{"step", &P::step},
+                      Member{"speed", &P::speed},
+                      Member{"stop_speed", &P::stop_speed},
+                      Member{"axles", &P::axles},
+                      Member{"actuators", &P::actuators},
+                      Member{"sensors", &P::sensors},
+                      Member{"controllers", &P::controllers},
+                      Member{"protection", &P::protection},
+                      Member{"frame", &P::frame},
+                      Member{"rail_cell", &P::rail_cell}};
+  }
+};
+
+}  // namespace rollerrig

@@ -1,0 +1,65 @@
+#include "rollerrig/mechatronics/rig_controller.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace rollerrig {
+namespace {
+
+constexpr double least_speed = 0.1;  ///< below it the dissipated energy is counted as at it [m/s]
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+AxleSample sample_of(Measurements const& now, std::size_t k) {
+  return {now.roller_speed[k], now.axle_speed[k], now.roller_torque[k], now.true_force[k], now.true_torque[k]};
+}
+
+}  // namespace
+
+RigController::State RigController::start(Measurements const& now, double train_speed, double period) const {
+  State s;
+  s.train = {train, train_speed};
+  s.rail.reset(rail.cell);
+  for (std::size_t k = 0; k < at(now.axles); ++k) {
+    AxleState& axle = s.axle[k];
+    std::visit([&](auto const& law) { axle.estimator = law.start(assumed, period, sample_of(now, k)); }, estimator);
+    std::visit([&](auto const& law) { axle.feedback = law.start(assumed); }, feedback);
+  }
+  return s;
+}
+
+void RigController::step(State& s, Measurements const& now, double period, PerAxle<double>& torque) const {
+  PerAxle<double> axle_torque{};
+  for (std::size_t k = 0; k < at(now.axles); ++k) {
+    auto const estimate = [&](auto const& law, auto& state) {
+      return law.step(state, assumed, sample_of(now, k), period);
+    };
+    s.axle[k].estimate = visit_with_state(estimate, estimator, s.axle[k].estimator);
+    axle_torque[k] = s.axle[k].estimate.torque;
+  }
+  double const from = s.train.distance();
+  auto const rail_force = [&](int i, double slip, double speed, double load) {
+    return rail.force(slip, speed, load, now.time, from + train.position[at(i)], s.axle[at(i)].energy);
+  };
+  s.train.step(train, now.axles, axle_torque, measured_loads ? &now.axle_load : nullptr, period, rail_force);
+  for (int i = 0; i < now.axles; ++i) {  // front to back: the leading axle cleans for the following ones
+    AxleState& axle = s.axle[at(i)];
+    recover(s, i, from);
+    axle.feed_forward = assumed.roller_inertia * train.wheel_radius / assumed.roller_radius * s.train.axle_rate(i) -
+                        assumed.roller_radius * s.train.force(i);  // (D5)
+    TrackingError const error{axle.feed_forward, s.train.axle_speed(i) - now.axle_speed[at(i)], period};
+    auto const correct = [&](auto const& law, auto& state) { return law.step(state, error, largest); };
+    torque[at(i)] = std::clamp(visit_with_state(correct, feedback, axle.feedback), -largest, largest);
+  }
+}
+
+/// What the wheels ahead and this one have dissipated on the virtual rail under an axle.
+void RigController::recover(State& s, int i, double from) const {
+  double const place = train.position[at(i)];
+  double const slip = train.wheel_radius * s.train.axle_speed(i) - s.train.speed();
+  double const own = std::fabs(s.train.force(i) * slip) / (2.0 * std::max(s.train.speed(), least_speed) * rail.width);
+  s.axle[at(i)].energy = s.rail.before(from + place) + 0.5 * own;  // half of it is dissipated behind the patch's middle
+  s.rail.dissipate(from + place, s.train.distance() + place, own);
+}
+
+}  // namespace rollerrig

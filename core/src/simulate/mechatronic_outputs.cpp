@@ -1,0 +1,139 @@
+// What a run with sensors, controllers and actuators records beside the plant, and what its controllers see.
+#include <algorithm>
+
+#include "rollerrig/simulate/mechatronic_system.hpp"
+
+namespace rollerrig {
+namespace {
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+constexpr Field axle_table[] = {
+    {"axle_speed", "rad/s", "true speed of the axle, positive forward"},
+    {"measured_axle_speed", "rad/s", "reading of the encoder at the last sample"},
+    {"roller_speed", "rad/s", "true speed of the roller, positive as under a wheel that rolls forward"},
+    {"cylinder_pressure", "Pa", "brake cylinder pressure over the ambient"},
+    {"valve", "1", "dump valve: 0 fill, 1 hold, 2 vent"},
+    {"brake_torque", "N m", "of the friction brake, or of the motor that stands in for it"},
+    {"traction_torque", "N m", "of the traction motor"},
+    {"torque_factor", "1", "part of the traction demand that wheel-slip control admits"},
+    {"roller_torque", "N m", "of the roller's drive, positive drives the wheel forward"},
+    {"roller_command", "N m", "commanded of the roller's drive"},
+    {"estimated_force", "N", "estimated contact force on the axle, forward"},
+    {"estimated_torque", "N m", "estimated torque on the axle"},
+    {"virtual_speed", "rad/s", "speed of the virtual axle"},
+    {"virtual_force", "N", "force of the virtual rail on the virtual axle, forward"},
+    {"air", "m^3", "air taken by the cylinder since the start, at ambient pressure"},
+    {"dump_cycles", "1", "times that the dump valve has opened to vent"},
+    {"contact_force", "N", "force of rail or rollers on both wheels, along the running direction"},
+    {"real_sliding", "m/s",
+     "of the wheel on roller or rail, at the nominal radii: r w less the surface's speed and the wheelset's own"},
+    {"measured_roller_torque", "N m", "reading of the torque sensor of the roller's drive at the last sample"},
+    {"measured_load", "N", "vertical force on the axle's rollers as measured at the last sample"},
+    {"dissipated_energy_density", "J/m^2", "energy per area dissipated on the rail under the axle"},
+};
+
+constexpr Field train_table[] = {
+    {"train_speed", "m/s", "of the train: on track the real one, on a rig the virtual one"},
+    {"train_distance", "m", "since the start"},
+    {"train_acceleration", "m/s^2", "of the train"},
+    {"reference_speed", "m/s", "train speed as slide protection, or else wheel-slip control, estimates it"},
+    {"brake_demand", "Pa", "cylinder pressure asked for"},
+    {"traction_demand", "N m", "torque per axle asked for"},
+};
+
+constexpr Field measurement_table[] = {
+    {"axle_speed", "rad/s", "measured speed of each axle"},
+    {"roller_speed", "rad/s", "measured speed of each roller axle, positive as under a wheel that rolls forward"},
+    {"roller_torque", "N m",
+     "of each roller drive since the last sample, as measured; positive drives the wheel forward"},
+    {"estimated_force", "N", "our estimate of the contact force on each axle, forward"},
+    {"estimated_torque", "N m", "our estimate of the torque on each axle"},
+    {"virtual_speed", "rad/s", "speed of each axle of the virtual train"},
+    {"feed_forward", "N m", "our feed-forward torque of each roller drive"},
+    {"axle_load", "N", "measured vertical force under each axle"},
+};
+
+/// Force of rail or rollers on both wheels of an axle along the running direction [N].
+double longitudinal_force(Dynamics const& plant, AxleParts const& parts, int axle) {
+  double sum = 0.0;
+  for (int c : parts.contacts)
+    for (int k = 0; c != absent && k < plant.patch_count(c); ++k) sum += plant.patch(c, k).force.x;
+  return plant.model().rolling_constraints.empty() ? sum : sum + plant.evaluation().rolling_force[at(axle)];
+}
+
+}  // namespace
+
+std::span<Field const> MechatronicSystem::axle_fields() { return axle_table; }
+std::span<Field const> MechatronicSystem::train_fields() { return train_table; }
+std::span<Field const> MechatronicSystem::measurement_fields() { return measurement_table; }
+
+int MechatronicSystem::width() const {
+  return static_cast<int>(axles() * std::size(axle_table) + std::size(train_table));
+}
+
+std::vector<double> MechatronicSystem::measurement() const {
+  std::vector<double> out;
+  auto const* control = rig_state();
+  for (std::size_t i = 0; i < axles(); ++i) {
+    auto const& m = measured_;
+    auto const own = control != nullptr ? control->axle[i] : RigController::AxleState{};
+    double const virtual_speed = control != nullptr ? control->train.axle_speed(static_cast<int>(i)) : 0.0;
+    out.insert(out.end(), {m.axle_speed[i], m.roller_speed[i], m.roller_torque[i], own.estimate.force,
+                           own.estimate.torque, virtual_speed, own.feed_forward, m.axle_load[i]});
+  }
+  return out;
+}
+
+void MechatronicSystem::record(Dynamics const& plant, long step, Inputs const& inputs, double* row) const {
+  for (std::size_t i = 0; i < axles(); ++i, row += std::size(axle_table)) record_axle(plant, i, inputs, row);
+  auto const* control = travels() ? nullptr : rig_state();
+  double const t = time(step);
+  row[0] = train_speed();
+  row[1] = control != nullptr ? control->train.distance() : travels() ? train_.distance() : setup_.speed * t;
+  row[2] = control != nullptr ? control->train.acceleration() : train_.acceleration();
+  row[3] = reference_speed();
+  row[4] = setup_.actuators.brake_demand.at(t);
+  row[5] = setup_.actuators.torque_demand.at(t);
+}
+
+void MechatronicSystem::record_axle(Dynamics const& plant, std::size_t i, Inputs const& inputs, double* out) const {
+  AxleParts const& parts = setup_.axles[i];
+  auto const& actuators = actuators_.axle(i);
+  auto const* control = rig_state();
+  auto const own = control != nullptr ? control->axle[i] : RigController::AxleState{};
+  int const axle = static_cast<int>(i);
+  auto const spin = [&](int body) { return plant.work().motion[at(body)].rate[coord_pitch]; };
+  auto const command = [&](Command c) { return acting_[at(static_cast<int>(c))][i]; };
+  WheelContact const& contact = plant.model().contacts[at(parts.contacts[0])];
+  double const wheel = spin(parts.wheelset), roller = parts.roller != absent ? -spin(parts.roller) : 0.0;
+  double const ground_speed = travels() ? train_.speed() : setup_.speed;
+  double const surface = parts.roller != absent ? roller * contact.roller_radius() : ground_speed;
+  double const row[] = {wheel,
+                        measured_.axle_speed[i],
+                        roller,
+                        actuators.pressure[1],
+                        command(Command::dump_valve),
+                        setup_.actuators.motors_stand_in ? actuators.stand_in
+                        : parts.brake != absent          ? plant.evaluation().brake_torque[at(parts.brake)]
+                                                         : 0.0,
+                        actuators.motor[0],
+                        command(Command::torque_factor),
+                        actuators.drive[0],
+                        command(Command::roller_torque),
+                        own.estimate.force,
+                        own.estimate.torque,
+                        control != nullptr ? control->train.axle_speed(axle) : 0.0,
+                        control != nullptr ? control->train.force(axle) : 0.0,
+                        actuators.air,
+                        static_cast<double>(actuators.dump_cycles),
+                        longitudinal_force(plant, parts, axle),
+                        contact.pair.wheel_radius * wheel - surface - plant.work().motion[at(parts.wheelset)].v.x,
+                        sensors_.torque_reading(i),
+                        measured_.axle_load[i],
+                        control != nullptr ? own.energy : inputs.dissipated_energy[at(parts.contacts[0])]};
+  static_assert(std::size(row) == std::size(axle_table));
+  std::copy(std::begin(row), std::end(row), out);
+}
+
+}  // namespace rollerrig

@@ -1,0 +1,215 @@
+#include "rollerrig/simulate/mechatronic_system.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <concepts>
+#include <optional>
+#include <stdexcept>
+#include <string>
+
+namespace rollerrig {
+namespace {
+
+constexpr double least_speed = 0.1;        ///< below it the dissipated energy is counted as at it [m/s]
+constexpr double energy_relaxation = 0.2;  ///< per step: friction and dissipated energy act on each other
+constexpr double settling_time = 1.0;      ///< no run ends at standstill before [s]
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+}  // namespace
+
+MechatronicSystem::MechatronicSystem(MechatronicSetup setup)
+    : setup_{std::move(setup)}, sensors_{axles()}, actuators_{axles()}, train_{setup_.speed} {
+  if (axles() > at(most_axles))
+    throw std::invalid_argument("at most " + std::to_string(most_axles) + " axles have sensors and actuators, not " +
+                                std::to_string(axles()));
+  for (auto const& [sampling, any] : setup_.controllers) {
+    auto const [name, command] = std::visit([](auto const& law) { return std::pair{law.name, law.command}; }, any);
+    if (sampling.every < 1 || sampling.delay < 0)
+      throw std::invalid_argument(std::string(name) +
+                                  ": its sample time must be one step or more, its delay none or more");
+    auto const index = at(static_cast<int>(command));
+    controllers_.push_back({name, index, {}, {command_fields[index].initial, sampling.delay}});
+    shortest_ = shortest_ == 0 ? sampling.every : std::min(shortest_, sampling.every);
+  }
+  measured_.axles = static_cast<int>(axles());
+  for (auto& rail : rail_) rail.reset(setup_.rail_cell);
+  for (std::size_t c = 0; c < command_count; ++c) acting_[c].fill(command_fields[c].initial);
+}
+
+void MechatronicSystem::prepare(Model const& model, Inputs& inputs) const {
+  inputs.axle_torque.assign(model.axle_torques.size(), {});
+  inputs.roller_torque.assign(model.roller_torques.size(), {});
+  inputs.cylinder.assign(model.brakes.size(), {});
+  inputs.dissipated_energy.assign(model.contacts.size(), 0.0);
+  inputs.travels = travels();
+  inputs.speed = {0.0, setup_.speed, 0.0};
+  inputs.distance = 0.0;
+}
+
+void MechatronicSystem::start(Dynamics const& plant) {
+  sensors_.start(setup_, plant, measured_);
+  for (std::size_t i = 0; i < controllers_.size(); ++i) {
+    auto const& [sampling, any] = setup_.controllers[i];
+    double const period = setup_.step * sampling.every;
+    std::visit([&](auto const& law) { controllers_[i].state = law.start(measured_, setup_.speed, period); }, any);
+  }
+}
+
+bool MechatronicSystem::sample(Dynamics const& plant, long step, double const* z) {
+  sensors_.follow(setup_, plant, actuators_);
+  auto const due = [&](SampledController const& c) { return step % c.sampling.every == 0; };
+  if (std::none_of(setup_.controllers.begin(), setup_.controllers.end(), due)) return true;
+  measured_.time = time(step);
+  sensors_.read(setup_, plant, z, setup_.step * shortest_, measured_);
+  read_true_forces(plant);
+  for (std::size_t i = 0; i < controllers_.size(); ++i)
+    if (due(setup_.controllers[i])) ask(i, step);
+  return !waits();
+}
+
+/// One sample of a controller; of an external rig controller the estimates and the virtual train, for the caller to read.
+void MechatronicSystem::ask(std::size_t index, long step) {
+  Controller& own = controllers_[index];
+  Sampling const& sampling = setup_.controllers[index].sampling;
+  own.waits = sampling.external;
+  PerAxle<double> command{};
+  auto const run = [&]<class Law>(Law const& law, typename Law::State& state) {
+    if constexpr (std::same_as<Law, RigController>)
+      sensors_.read_roller_torques(setup_, law.commanded_torque ? &acting_[own.command] : nullptr, measured_);
+    else if (sampling.external)
+      return;
+    law.step(state, measured_, setup_.step * sampling.every, command);
+  };
+  visit_with_state(run, setup_.controllers[index].controller, own.state);
+  if (!own.waits) own.commands.send(command, step);
+}
+
+/// T of (D1) from the roller's own acceleration, and the torque of motor and brake on the axle.
+void MechatronicSystem::read_true_forces(Dynamics const& plant) {
+  Model const& model = plant.model();
+  for (std::size_t i = 0; i < axles(); ++i) {
+    AxleParts const& parts = setup_.axles[i];
+    if (parts.roller == absent) continue;
+    auto const& axle = actuators_.axle(i);
+    double const rate = -plant.work().acceleration[at(parts.roller)][coord_pitch];
+    measured_.true_force[i] = (model.bodies[at(parts.roller)].inertia.y * rate - axle.drive[0]) /
+                              model.contacts[at(parts.contacts[0])].roller_radius();
+    measured_.true_torque[i] =
+        axle.motor[0] + (parts.brake != absent ? plant.evaluation().brake_torque[at(parts.brake)] : 0.0);
+  }
+}
+
+void MechatronicSystem::act(Dynamics const& plant, long step, Inputs& inputs) {
+  for (Controller& own : controllers_) {
+    own.commands.advance(step);
+    acting_[own.command] = own.commands.acting();
+  }
+  if (travels()) train_.accelerate(setup_.frame, plant, inputs);
+  actuators_.step(setup_, time(step), acting_, plant, inputs);
+  inputs.speed = {time(step), train_.speed(), train_.acceleration()};
+  inputs.distance = train_.distance();
+  dissipate(plant, inputs);
+}
+
+/// Energy that the wheels dissipate on the rail under them, and what they leave for those behind.
+void MechatronicSystem::dissipate(Dynamics const& plant, Inputs& inputs) {
+  Model const& model = plant.model();
+  double const step_length = setup_.step * std::max(0.0, train_.speed());
+  double const per_speed =
+      1.0 / std::max(least_speed, train_.speed());  // rail passes at train speed, even if wheels slide
+  for (AxleParts const& parts : setup_.axles)
+    for (std::size_t side = 0; side < 2; ++side) {
+      int const c = parts.contacts[side];
+      if (c == absent || model.contacts[at(c)].laws.friction.map == nullptr) continue;
+      double const place = train_.distance() + model.contacts[at(c)].distance_ahead;
+      double energy = 0.0, width = 0.0;  // [J/m], [m]
+      for (int k = 0; k < plant.patch_count(c); ++k) {
+        auto const& patch = plant.patch(c, k);
+        energy += std::max(0.0, patch.creep_dissipation()) * per_speed;
+        width += 0.5 * pi * patch.b;  // area of the ellipse over its length
+      }
+      double const own = width > 0.0 ? energy / width : 0.0;
+      double const wanted =
+          rail_[side].before(place) + 0.5 * own;  // half of it is dissipated behind the patch's middle
+      inputs.dissipated_energy[at(c)] += energy_relaxation * (wanted - inputs.dissipated_energy[at(c)]);
+      rail_[side].dissipate(place, place + step_length, own);
+    }
+}
+
+Status MechatronicSystem::advance(Dynamics const& plant, long step) {
+  if (travels()) train_.advance(setup_.step);
+  if (wheels_slide(plant)) return Status::rollers_protected;
+  return time(step) > settling_time && train_speed() < setup_.stop_speed ? Status::stopped : Status::ok;
+}
+
+/// Whether a wheel has slid on its roller for longer than the rig's protection allows.
+bool MechatronicSystem::wheels_slide(Dynamics const& plant) {
+  RigController const* control = rig();
+  if (control == nullptr) return false;
+  bool too_long = false;
+  for (std::size_t i = 0; i < axles(); ++i) {
+    AxleParts const& parts = setup_.axles[i];
+    if (parts.roller == absent) continue;
+    double const wheel = control->assumed.wheel_radius * plant.work().motion[at(parts.wheelset)].rate[coord_pitch];
+    double const roller = -control->assumed.roller_radius * plant.work().motion[at(parts.roller)].rate[coord_pitch];
+    slides_for_[i] = std::fabs(wheel - roller) > setup_.protection.slip ? slides_for_[i] + setup_.step : 0.0;
+    too_long = too_long || slides_for_[i] > setup_.protection.time;
+  }
+  return too_long;
+}
+
+RigController const* MechatronicSystem::rig() const {
+  for (SampledController const& c : setup_.controllers)
+    if (auto const* found = std::get_if<RigController>(&c.controller)) return found;
+  return nullptr;
+}
+
+RigController::State const* MechatronicSystem::rig_state() const {
+  for (Controller const& own : controllers_)
+    if (auto const* found = std::get_if<RigController::State>(&own.state)) return found;
+  return nullptr;
+}
+
+double MechatronicSystem::train_speed() const {
+  if (travels()) return train_.speed();
+  auto const* control = rig_state();
+  return control != nullptr ? control->train.speed() : setup_.speed;
+}
+
+/// Of the first controller that estimates the train's speed; without one, the speed at the start.
+double MechatronicSystem::reference_speed() const {
+  std::optional<double> found;
+  for (Controller const& own : controllers_)
+    std::visit(
+        [&](auto const& state) {
+          if constexpr (requires { state.reference.value(); })
+            if (!found) found = state.reference.value();
+        },
+        own.state);
+  return found.value_or(setup_.speed);
+}
+
+bool MechatronicSystem::waits() const {
+  return std::any_of(controllers_.begin(), controllers_.end(), [](Controller const& c) { return c.waits; });
+}
+
+bool MechatronicSystem::waits_for(std::string_view controller) const {
+  return std::any_of(controllers_.begin(), controllers_.end(),
+                     [&](Controller const& c) { return c.waits && c.name == controller; });
+}
+
+void MechatronicSystem::set_command(std::string_view controller, std::span<double const> command, long step) {
+  if (command.size() != axles()) throw std::invalid_argument("a command has one number per axle");
+  for (Controller& own : controllers_) {
+    if (own.name != controller || !own.waits) continue;
+    PerAxle<double> value{};
+    std::copy(command.begin(), command.end(), value.begin());
+    own.commands.send(value, step);
+    own.waits = false;
+    return;
+  }
+  throw std::invalid_argument("no external controller " + std::string(controller) + " waits for a command");
+}
+
+}  // namespace rollerrig

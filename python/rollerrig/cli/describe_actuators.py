@@ -1,0 +1,105 @@
+"""What `check` prints about actuators and controllers around a vehicle.
+
+Case -> [describe_actuators] -> lines
+"""
+
+from __future__ import annotations
+
+from rollerrig.actuators import assemble_with_actuators
+from rollerrig.assembly import AssembledModel
+from rollerrig.config import Case
+from rollerrig.mechatronics import COMMANDS, users_controllers
+from rollerrig.mechatronics.setup import (
+    estimator_response,
+    feedback_gains,
+    full_brake_torque,
+    rig_controller,
+)
+
+_WORDS = {
+    "proportional_integral": "proportional-integral feedback",
+    "sliding_mode": "sliding mode",
+    "none": "no feedback",
+}
+
+
+def actuator_lines(case: Case) -> list[str]:
+    """Brake, drive, adhesion and controllers, a line each; empty for a case without actuators.
+
+    Raises:
+        ConfigError: a controller of the user cannot be loaded.
+        StartError: the virtual train's vehicle has no equilibrium on track.
+    """
+    users = users_controllers(case, {})
+    if not case.sampled:
+        return []
+    model = assemble_with_actuators(case)
+    load = sum(model.axle_loads.values()) / len(model.wheelsets)
+    lines = [*_brake(case, load), *_traction(case, load), *_adhesion(case)]
+    if case.rig_control is not None:
+        lines.append(_train(model))
+    for name in COMMANDS:
+        table = getattr(case, name)
+        if table is not None:
+            time = users[name].sample_time if name in users else table.sample_time
+            text = f"{name}: every {1e3 * time:g} ms, acting {1e3 * table.delay:g} ms later"
+            if name in users:
+                text += f", {type(users[name]).__name__} of your own"
+            elif name == "rig_control":
+                text += _rig_control(model)
+            lines.append(text)
+    return lines
+
+
+def _brake(case: Case, load: float) -> list[str]:
+    if case.brake is None:
+        return []
+    pressure = max(row[1] for row in case.brake.demand)
+    radius = case.vehicle.data.wheel.radius
+    torque = full_brake_torque(case)
+    by = "by the traction motors" if case.brake.motors_stand_in else "by friction brakes"
+    return [
+        f"brake: {pressure / 1e5:.3g} bar at most, {torque / 1e3:.3g} kN m per axle {by}, "
+        f"which asks for an adhesion of {torque / radius / load:.3f}"
+    ]
+
+
+def _traction(case: Case, load: float) -> list[str]:
+    if case.traction is None:
+        return []
+    torque = max((abs(row[1]) for row in case.traction.demand), default=0.0)
+    asks = torque / case.vehicle.data.wheel.radius / load
+    return [] if torque == 0.0 else [f"traction: {torque / 1e3:.3g} kN m per axle at most, an adhesion of {asks:.3f}"]
+
+
+def _adhesion(case: Case) -> list[str]:
+    if case.adhesion is None:
+        return []
+    rails = [case.adhesion.rail, *(piece.rail for piece in case.adhesion.piece)]
+    laws = [rail.friction for rail in rails]
+    parts = [f"{law.mu_0:g} falling to {law.mu_0 * getattr(law, 'A', 1.0):g} with slip" for law in laws]
+    cleaned = "; it recovers under sliding wheels" if case.adhesion.recovery_constant > 0.0 else ""
+    return [f"adhesion of the rail: {', then '.join(parts)}{cleaned}"]
+
+
+def _train(model: AssembledModel) -> str:
+    train = rig_controller(model).train
+    loads = ", ".join(f"{q / 1e3:.1f}" for q in train.static_load)
+    return f"virtual train: {train.mass / 1e3:.3f} t on {len(train.static_load)} axles, static axle loads {loads} kN"
+
+
+def _rig_control(model: AssembledModel) -> str:
+    control = model.case.rig_control
+    assert control is not None
+    estimator, kind = control.estimator, control.feedback.kind
+    text = f", {estimator.kind.replace('_', ' ')} {estimator.bandwidth:g} Hz, {_WORDS.get(kind, kind)}"
+    if kind == "proportional_integral":
+        proportional, integral = feedback_gains(model)
+        text += f" {proportional / 1e3:.3g} kN m s/rad and {integral / 1e3:.3g} kN m/rad"
+    text += f", roller drives {control.motor.bandwidth:g} Hz"
+    if estimator.kind != "exact":
+        text += "; measured on the estimates:"
+        for name, (bandwidth, delay) in estimator_response(model).items():
+            text += f" {name} {bandwidth:.1f} Hz and {1e3 * delay:.1f} ms,"
+        text = text.removesuffix(",")
+    return text

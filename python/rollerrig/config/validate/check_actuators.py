@@ -1,0 +1,111 @@
+"""Checks of actuators and controllers: that they fit each other, and that samples are at multiples of the sampling step.
+
+Case -> [check_actuators] -> problems
+"""
+
+from collections.abc import Iterator
+
+from rollerrig.config.errors import ConfigProblem, show_value
+from rollerrig.config.schema.case import CaseTables
+from rollerrig.config.schema.support import Rig
+from rollerrig.config.schema.track import Track
+
+MOST_AXLES = 8
+
+
+def check_actuators(case: CaseTables, file: str) -> list[ConfigProblem]:
+    """What actuators, controllers and support ask of each other."""
+    return [*_without(case, file)] if not case.sampled else [*_tables(case, file), *_times(case, file)]
+
+
+def _without(case: CaseTables, file: str) -> Iterator[ConfigProblem]:
+    for key, of in (("slide_protection", "[brake]"), ("wheel_slip_control", "[traction]")):
+        if getattr(case, key) is not None:
+            yield ConfigProblem(file, key, "a table", f"allowed only with {of}, on which it acts")
+    if case.contact.pure_rolling:
+        allowed = "allowed with actuators: [brake], [traction] or [rig_control]"
+        yield ConfigProblem(file, "contact.pure_rolling", "true", allowed)
+
+
+def _tables(case: CaseTables, file: str) -> Iterator[ConfigProblem]:
+    support, brake, traction, control = case.support.data, case.brake, case.traction, case.rig_control
+    for key, there, of in (("slide_protection", brake, "[brake]"), ("wheel_slip_control", traction, "[traction]")):
+        if getattr(case, key) is not None and there is None:
+            yield ConfigProblem(file, key, "a table", f"allowed only with {of}, on which it acts")
+    if brake is not None and brake.motors_stand_in and traction is None:
+        yield ConfigProblem(file, "brake.motors_stand_in", "true", "needed: [traction], the motors that stand in")
+    vehicle = case.vehicle
+    wheelsets = [body for body in vehicle.data.bodies_in(vehicle.part) if body.kind == "wheelset"]
+    if len(wheelsets) > MOST_AXLES:
+        yield ConfigProblem(file, "vehicle.cut", show_value(case.vehicle.cut), f"allowed: at most {MOST_AXLES} axles")
+    yield from _train(case, len(wheelsets), file)
+    if case.axle_torque:
+        yield ConfigProblem(
+            file, "axle_torque", "given", "allowed beside actuators: [traction], which drives every axle"
+        )
+    if isinstance(support, Track):
+        if control is not None:
+            yield ConfigProblem(file, "rig_control", "a table", "allowed on rollers; a track reproduces nothing")
+        if case.contact.pure_rolling:
+            yield ConfigProblem(
+                file, "contact.pure_rolling", "true", "allowed on rollers: the assumption of their control law"
+            )
+        if case.motion.speed_table is not None:
+            yield ConfigProblem(
+                file, "motion.speed_table", "given", "allowed: motion.speed, from which the train runs on"
+            )
+        return
+    yield from _on_rollers(case, support, file)
+
+
+def _train(case: CaseTables, axles: int, file: str) -> Iterator[ConfigProblem]:
+    part, mass = case.vehicle.part, case.train.mass
+    if mass is not None and not part.fixed:
+        allowed = f"allowed where a body of the vehicle is fixed; '{case.vehicle.cut}' is the train itself"
+        yield ConfigProblem(file, "train.mass", f"{mass:g} kg", allowed)
+    moving = sum(body.mass for body in case.vehicle.data.bodies_in(part))
+    if mass is not None and part.fixed and mass < moving:
+        yield ConfigProblem(file, "train.mass", f"{mass:g} kg", f"allowed: at least what is under test, {moving:g} kg")
+    transfer = case.rig_control.load_transfer if case.rig_control else "none"
+    if not isinstance(transfer, str) and len(transfer) != axles:
+        allowed = f"allowed: 'quasi_static', 'none', or {axles} numbers, one for each axle"
+        yield ConfigProblem(file, "rig_control.load_transfer", show_value(list(transfer)), allowed)
+
+
+def _on_rollers(case: CaseTables, support: Rig, file: str) -> Iterator[ConfigProblem]:
+    if support.coupling != "axle":
+        allowed = "allowed with actuators: 'axle', one drive for each pair of rollers"
+        yield ConfigProblem(file, "support.data.coupling", show_value(support.coupling), allowed)
+    if case.adhesion is not None and case.rig_control is None:
+        allowed = "allowed on rollers with [rig_control], which reproduces it: the rollers themselves are dry"
+        yield ConfigProblem(file, "adhesion", "a table", allowed)
+    if case.rig_control is not None and case.motion.drive != "free":
+        allowed = "allowed with [rig_control]: 'free', its drives act on the rollers"
+        yield ConfigProblem(file, "motion.drive", show_value(case.motion.drive), allowed)
+
+
+def _times(case: CaseTables, file: str) -> Iterator[ConfigProblem]:
+    """All times at multiples of the sampling step; a fixed step of the method is a whole part of it."""
+    step = case.time.sampling_step
+    times = [("time.output_step", case.time.output_step)]
+    for key in ("slide_protection", "wheel_slip_control", "rig_control"):
+        controller = getattr(case, key)
+        if controller is not None:
+            times.append((f"{key}.sample_time", controller.sample_time))
+            times.append((f"{key}.delay", controller.delay))
+    for key, value in times:
+        steps = value / step
+        if abs(steps - round(steps)) > 1e-6 * max(1.0, steps) or (round(steps) == 0 and not key.endswith("delay")):
+            near = max(round(steps), 0 if key.endswith("delay") else 1) * step
+            allowed = f"allowed: a multiple of time.sampling_step, {1e3 * step:g} ms; the nearest is {1e3 * near:g} ms"
+            yield ConfigProblem(file, key, f"{1e3 * value:g} ms", allowed)
+    if step > 2e-3:
+        allowed = "allowed: at most 2 ms, for motors, valves and the plant between"
+        yield ConfigProblem(file, "time.sampling_step", f"{1e3 * step:g} ms", allowed)
+    own = case.integration
+    if own.fixed and own.step is not None:
+        parts = step / own.step
+        if round(parts) < 1 or abs(parts - round(parts)) > 1e-6 * parts:
+            near = step / max(1, round(parts))
+            allowed = f"allowed: time.sampling_step, {1e3 * step:g} ms, or a whole part of it; the nearest is {1e3 * near:g} ms"
+            yield ConfigProblem(file, "time.step", f"{1e3 * own.step:g} ms", allowed)

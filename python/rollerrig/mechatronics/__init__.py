@@ -1,0 +1,24 @@
+"""Sensors, controllers and actuators of a case, as the core takes them, and the user's own controllers.
+
+AssembledModel -> [mechatronics] -> _core.MechatronicSetup; measurements -> the user's controllers -> commands
+"""
+
+from rollerrig.mechatronics.controllers import (
+    COMMANDS,
+    MEASUREMENTS,
+    ControllerError,
+    UserController,
+    ask,
+    users_controllers,
+)
+from rollerrig.mechatronics.setup import mechatronic_setup
+
+__all__ = [
+    "COMMANDS",
+    "MEASUREMENTS",
+    "ControllerError",
+    "UserController",
+    "ask",
+    "mechatronic_setup",
+    "users_controllers",
+]

@@ -1,0 +1,159 @@
+"""A user's own controller in place of one of ours.
+
+'module:Class', 'file.py:Class' or an object -> [controllers] -> asked at its sample times, its commands checked
+
+A controller has a `sample_time` [s] and a method `step(measurements) -> commands`. Measurements are a dict with `time` [s]
+and one array of shape (axle,) for each of MEASUREMENTS; commands are a dict with the one array that COMMANDS names.
+"""
+
+from __future__ import annotations
+
+import importlib
+import importlib.util
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rollerrig import _core
+from rollerrig.config import Case, ConfigError, ConfigProblem
+
+Measurements = dict[str, Any]
+
+COMMANDS: dict[str, _core.CommandField] = dict(_core.commands)
+"""Table of the case -> its command, and what is allowed."""
+
+MEASUREMENTS = tuple(name for name, _, _ in _core.measurement_fields)
+"""What a controller is given beside `time`, an array over the axles each; on track only `axle_speed` means anything."""
+
+
+class UserController(Protocol):
+    """What a user writes."""
+
+    sample_time: float
+
+    def step(self, measurements: Measurements) -> object:
+        """Commands for the time until the next sample."""
+        ...
+
+
+class ControllerError(Exception):
+    """A controller failed during a run; the message has its name, the time and what it was given."""
+
+
+def users_controllers(case: Case, given: Mapping[str, Any]) -> dict[str, UserController]:
+    """Controllers of the case and of the caller, whose sample times fit the sampling step.
+
+    Raises:
+        ConfigError: one cannot be used.
+    """
+    found: dict[str, UserController] = {}
+    for role in given:
+        if role not in COMMANDS or getattr(case, role) is None:
+            there = [name for name in COMMANDS if getattr(case, name) is not None]
+            allowed = f"allowed: a table of the case: {', '.join(there) or 'it has none'}"
+            raise ConfigError([ConfigProblem(case.name, "controllers", repr(role), allowed)])
+        found[role] = check_controller(given[role], role, case.name)
+    for role in COMMANDS:
+        table = getattr(case, role)
+        if role not in found and table is not None and table.user is not None:
+            found[role] = load_controller(table.user, f"{role}.user", case.name)
+    for role, controller in found.items():
+        steps = controller.sample_time / case.time.sampling_step
+        if round(steps) < 1 or abs(steps - round(steps)) > 1e-6 * steps:
+            name = f"{role}, {type(controller).__name__}.sample_time"
+            near = max(1, round(steps)) * case.time.sampling_step
+            allowed = (
+                f"allowed: a multiple of time.sampling_step, {case.time.sampling_step:g} s; the nearest is {near:g} s"
+            )
+            raise ConfigError([ConfigProblem(case.name, name, f"{controller.sample_time:g}", allowed)])
+    return found
+
+
+def load_controller(place: str, key: str, file: str) -> UserController:
+    """An object of the class that a case names.
+
+    Args:
+        place: 'module:Class' or 'file.py:Class'.
+        key: where the case names it.
+        file: the case, for messages.
+
+    Raises:
+        ConfigError: there is no such module, file or class, or it cannot be made.
+    """
+    module_name, colon, name = place.rpartition(":")
+    if not colon or not module_name or not name.isidentifier():
+        raise _refused(file, key, place, "allowed: 'module:Class' or 'file.py:Class'")
+    try:
+        if module_name.endswith(".py"):
+            spec = importlib.util.spec_from_file_location(Path(module_name).stem, module_name)
+            if spec is None or spec.loader is None:
+                raise ImportError(f"{module_name} is no Python file")
+            module = importlib.util.module_from_spec(spec)
+            spec.loader.exec_module(module)
+        else:
+            module = importlib.import_module(module_name)
+        made = getattr(module, name)()
+    except Exception as error:  # whatever the user's module does while it is loaded
+        raise _refused(file, key, place, f"{type(error).__name__}: {error}") from error
+    checked: UserController = check_controller(made, key, file)
+    return checked
+
+
+def check_controller(controller: Any, key: str, file: str) -> Any:
+    """The controller, if it has what it needs.
+
+    Raises:
+        ConfigError: no positive `sample_time`, or no method `step`.
+    """
+    name = type(controller).__name__
+    time = getattr(controller, "sample_time", None)
+    if isinstance(time, bool) or not isinstance(time, int | float) or not 0 < time < np.inf:
+        raise _refused(file, key, name, f"needed: an attribute sample_time, a positive number in s; it is {time!r}")
+    if not callable(getattr(controller, "step", None)):
+        raise _refused(file, key, name, "needed: a method step(measurements) that returns commands")
+    return controller
+
+
+def _refused(file: str, key: str, value: str, allowed: str) -> ConfigError:
+    return ConfigError([ConfigProblem(file, key, repr(value), allowed)])
+
+
+def ask(controller: UserController, role: str, measurements: Measurements) -> NDArray[np.float64]:
+    """The checked command of one sample, shape (axle,).
+
+    Raises:
+        ControllerError: it raised, or returned what is no command.
+    """
+    axles = len(measurements["axle_speed"])
+    field = COMMANDS[role]
+    command = field.name
+    name = f"{role}, controller {type(controller).__name__}"
+    given = json.dumps({k: np.round(v, 6).tolist() for k, v in measurements.items()})
+
+    def failed(what: str) -> ControllerError:
+        return ControllerError(f"t = {measurements['time']:.4g} s, {name}: {what}; it was given {given}")
+
+    copies = {k: np.array(v) if k != "time" else v for k, v in measurements.items()}
+    try:
+        answer = controller.step(copies)
+    except Exception as error:
+        raise failed(f"raised {type(error).__name__}: {error}") from error
+    if not isinstance(answer, Mapping) or set(answer) != {command}:
+        found = sorted(map(str, answer)) if isinstance(answer, Mapping) else type(answer).__name__
+        raise failed(f"returned {found}; needed: a dict with the one key {command!r}")
+    try:
+        values = np.asarray(answer[command], dtype=np.float64)
+    except (TypeError, ValueError):
+        raise failed(f"{command} holds what is no number") from None
+    if values.shape != (axles,):
+        raise failed(f"{command} has shape {values.shape}; needed: ({axles},), one per axle")
+    valid = np.isfinite(values) & (values >= field.lowest) & (values <= field.highest)
+    if field.whole:
+        valid &= values == np.round(values)
+    if not valid.all():
+        raise failed(f"{command} = {values.tolist()}; allowed: {field.allowed}")
+    return values

@@ -1,0 +1,351 @@
+// Motor, pneumatic brake, wheel slide protection, wheel-slip control, encoders.
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <numeric>
+#include <vector>
+
+#include "rollerrig/contact/adhesion/adhesion_map.hpp"
+#include "rollerrig/contact/adhesion/recovered_rail.hpp"
+#include "rollerrig/math/dual.hpp"
+#include "rollerrig/mechatronics/delayed_commands.hpp"
+#include "rollerrig/mechatronics/motor.hpp"
+#include "rollerrig/mechatronics/pneumatic_brake.hpp"
+#include "rollerrig/mechatronics/sensor.hpp"
+#include "rollerrig/mechatronics/wheel_slide_protection.hpp"
+#include "rollerrig/mechatronics/wheel_slip_control.hpp"
+
+using namespace rollerrig;
+
+namespace {
+
+PneumaticBrake const coach{.application_rate = 1.2e5,
+                           .release_rate = 1.2e5,
+                           .follow_rate = 20.0,
+                           .fill_rate = 6.0,
+                           .vent_rate = 5.0,
+                           .ambient_pressure = 101325.0,
+                           .volume = 5e-3,
+                           .piston_area = 0.085,
+                           .spring_force = 500.0,
+                           .friction = {{0.0, 50.0}, {0.35, 0.35}},
+                           .friction_radius = 0.247,
+                           .faces = 2.0,
+                           .friction_regularisation_speed = 0.05};
+
+WheelSlideProtection const wsp{.wheel_radius = 0.46,
+                               .reference_deceleration = 1.6,
+                               .filter_time = 0.04,
+                               .vent_slip = 0.12,
+                               .vent_slip_speed = 1.0,
+                               .vent_deceleration = 4.0,
+                               .fill_slip = 0.06,
+                               .fill_slip_speed = 0.5,
+                               .recovery_acceleration = 0.5,
+                               .pulse_time = 0.06,
+                               .pulse_pause = 0.14,
+                               .longest_vent = 5.0,
+                               .least_speed = 5.0 / 3.6,
+                               .release_interval = 3.0,
+                               .shortest_release = 0.3,
+                               .longest_release = 1.2,
+                               .least_deceleration = 0.2,
+                               .regained_after = 2.0};
+
+WheelSlipControl const slip_control{.wheel_radius = 0.46,
+                                    .reference_acceleration = 1.5,
+                                    .slip = 0.04,
+                                    .slip_speed = 0.15,
+                                    .acceleration = 3.0,
+                                    .filter_time = 0.04,
+                                    .reduction_rate = 4.0,
+                                    .restoring_rate = 0.35,
+                                    .least_factor = 0.05,
+                                    .release_interval = 3.0,
+                                    .shortest_release = 0.4,
+                                    .longest_release = 1.2,
+                                    .release_deceleration = 0.5,
+                                    .least_acceleration = 0.05,
+                                    .regained_after = 3.0};
+
+/// A controller of two axles with the speeds that it sees.
+template <class Law>
+struct Device {
+  Law const& law;
+  double period;
+  typename Law::State state;
+  PerAxle<double> command{};
+
+  Device(Law const& the_law, double speed, double the_period)
+      : law{the_law}, period{the_period}, state{the_law.start({}, speed, the_period)} {}
+
+  /// @param speeds  at the wheels' circumferences [m/s]
+  PerAxle<double> const& step(double first, double second) {
+    Measurements now{.axles = 2};
+    now.axle_speed = {first / law.wheel_radius, second / law.wheel_radius};
+    law.step(state, now, period, command);
+    return command;
+  }
+};
+
+DumpValve valve(double command) { return static_cast<DumpValve>(static_cast<int>(command)); }
+
+}  // namespace
+
+TEST_CASE("falling friction starts at mu_0, ends at A mu_0, and recovery leads from one curve to the other") {
+  FallingFriction const curve{0.3, 0.4, 0.2};
+  CHECK(curve(0.0) == doctest::Approx(0.3).epsilon(1e-14));
+  CHECK(curve(1e3) == doctest::Approx(0.12).epsilon(1e-14));
+  CHECK(curve(5.0) == doctest::Approx(0.3 * (0.6 * std::exp(-1.0) + 0.4)).epsilon(1e-14));
+  RailAdhesion const rail{{FallingFriction{0.06, 0.4, 0.2}}, {FallingFriction{0.28, 0.4, 0.6}}, 1.9e-4};
+  CHECK(rail.at(2.0, 0.0).friction == doctest::Approx(rail.degraded.at(2.0).friction).epsilon(1e-14));
+  CHECK(rail.at(2.0, 1e6).friction == doctest::Approx(rail.recovered.at(2.0).friction).epsilon(1e-14));
+  double const half = std::log(2.0) / rail.recovery_constant;
+  CHECK(rail.at(2.0, half).friction ==
+        doctest::Approx(0.5 * (rail.degraded.at(2.0).friction + rail.recovered.at(2.0).friction)).epsilon(1e-14));
+}
+
+TEST_CASE("the recovery is the integral of its rate: each joule recovers the same part of what is still degraded") {
+  RailAdhesion const rail{{FallingFriction{0.06, 0.4, 0.2}}, {FallingFriction{0.28, 0.4, 0.6}}, 1.9e-4};
+  double degraded = 1.0, energy = 0.0;  // d(1 - lambda) = -tau (1 - lambda) dW
+  int const steps = 200000;
+  for (int k = 0; k < steps; ++k) {
+    double const dissipated = 3e4 * (1.0 + std::sin(1e-4 * k)) / steps;
+    degraded -= rail.recovery_constant * (degraded - 0.5 * rail.recovery_constant * degraded * dissipated) *
+                dissipated;  // midpoint
+    energy += dissipated;
+  }
+  double const recovered = rail.recovered.at(3.0).friction, worst = rail.degraded.at(3.0).friction;
+  CHECK(degraded < 0.02);  // it has come to something
+  CHECK(rail.at(3.0, energy).friction == doctest::Approx(recovered + degraded * (worst - recovered)).epsilon(1e-8));
+}
+
+TEST_CASE("reductions of the creep curve of a half recovered rail are blended like the friction") {
+  AdhesionMap map;
+  RailCondition const recovered{ConstantFriction{0.5}, 1.0, 0.4};
+  map.pieces = {{{ConstantFriction{0.3}, 0.3, 0.1}, recovered, 1e-4},
+                {{ConstantFriction{0.1}, 0.2, 0.2}, recovered, 1e-4}};
+  map.borders = {100.0}, map.blend = 4.0;
+  double const half = std::log(2.0) / 1e-4;
+  CHECK(map(0.0, 0.0, half).k_A == doctest::Approx(0.65).epsilon(1e-12));
+  CHECK(map(0.0, 0.0, half).k_S == doctest::Approx(0.25).epsilon(1e-12));
+  CHECK(map(102.0, 0.0, 0.0).k_A == doctest::Approx(0.25).epsilon(1e-12));
+  CHECK(map(102.0, 0.0, 0.0).k_S == doctest::Approx(0.15).epsilon(1e-12));
+  CHECK(map(102.0, 0.0, 0.0).friction == doctest::Approx(0.2).epsilon(1e-12));
+}
+
+TEST_CASE("adhesion changes from piece to piece, smoothly where asked") {
+  AdhesionMap map;
+  map.pieces.clear();
+  for (double mu : {0.3, 0.05, 0.2}) map.pieces.push_back({{ConstantFriction{mu}}, {ConstantFriction{mu}}});
+  map.borders = {100.0, 200.0};
+  CHECK(map(99.9, 1.0, 0.0).friction == 0.3);
+  CHECK(map(100.0, 1.0, 0.0).friction == 0.05);
+  CHECK(map(250.0, 1.0, 0.0).friction == 0.2);
+  map.blend = 4.0;
+  CHECK(map(100.0, 1.0, 0.0).friction == doctest::Approx(0.3).epsilon(1e-12));
+  CHECK(map(102.0, 1.0, 0.0).friction == doctest::Approx(0.175).epsilon(1e-12));
+  CHECK(map(104.0, 1.0, 0.0).friction == doctest::Approx(0.05).epsilon(1e-12));
+  auto const slope = map(Dual<1>::variable(101.0, 0), Dual<1>(1.0), Dual<1>(0.0)).friction.d[0];
+  CHECK(slope ==
+        doctest::Approx((map(101.001, 1.0, 0.0).friction - map(100.999, 1.0, 0.0).friction) / 0.002).epsilon(1e-6));
+}
+
+TEST_CASE("a wheel finds what the wheels ahead have dissipated, and nothing of its own") {
+  for (double step : {0.031, 0.004}) {
+    RecoveredRail rail;
+    rail.reset();
+    double const behind = 2.56;  // the next axle
+    for (int k = 0; k * step < 20.0; ++k) {
+      double const x = k * step;
+      CHECK(rail.before(x) == 0.0);
+      CHECK(rail.before(x - behind) ==
+            doctest::Approx(x < behind + 0.05 ? rail.before(x - behind) : 7.0).epsilon(1e-9));
+      rail.dissipate(x, x + step, 7.0);
+      rail.dissipate(x - behind, x - behind + step, 3.0);
+    }
+  }
+}
+
+TEST_CASE("a cleaned rail remembers each wheel's energy once, however small the steps") {
+  auto const pass = [](double step) {
+    RecoveredRail rail;
+    rail.reset();
+    for (int k = 0; k * step < 20.0 - 1e-9; ++k) rail.dissipate(k * step, (k + 1) * step, 7.0);
+    return rail;
+  };
+  for (double step : {0.5, 0.013}) {
+    auto rail = pass(step);
+    for (double s : {1.0, 7.3, 19.0}) CHECK(rail.at(s) == doctest::Approx(7.0).epsilon(1e-9));
+    CHECK(rail.at(25.0) == 0.0);
+    rail.dissipate(3.0, 9.0, 2.0);  // a following wheel
+    CHECK(rail.at(5.0) == doctest::Approx(9.0).epsilon(1e-9));
+    CHECK(rail.at(12.0) == doctest::Approx(7.0).epsilon(1e-9));
+    rail.dissipate(20.0, 200.0, 1.0);  // far ahead: what is forgotten reads as untouched
+    CHECK(rail.at(5.0) == 0.0);
+  }
+}
+
+TEST_CASE("a motor stays within its envelope and follows with its bandwidth") {
+  Motor const motor{{{0.0, 100.0, 200.0}, {8000.0, 8000.0, 4000.0}}, 50.0, 0.0};
+  CHECK(motor.within_envelope(1e5, 50.0) == 8000.0);
+  CHECK(motor.within_envelope(-1e5, -150.0) == -6000.0);
+  CHECK(motor.within_envelope(1e5, 400.0) == 0.0);  // beyond the last point the line goes on, never below nothing
+  CHECK(motor.within_envelope(10.0, 150.0) == 10.0);
+  double torque = 0.0, rate = 0.0;
+  double const h = 1e-5;
+  for (int k = 0; k < 2000; ++k) {
+    motor.rates(&torque, 5000.0, 10.0, &rate);
+    torque += h * rate;
+  }
+  CHECK(torque ==
+        doctest::Approx(5000.0 * (1 - std::exp(-1.0))).epsilon(1e-3));  // Euler: half a step of 1e-5 s in 20 ms
+}
+
+TEST_CASE("a second-order torque loop overshoots as its damping says") {
+  Motor const motor{{}, 100.0, 0.5};
+  double state[2] = {0.0, 0.0}, rate[2];
+  double largest = 0.0;
+  double const h = 1e-5;
+  for (int k = 0; k < 10000; ++k) {
+    motor.rates(state, 1000.0, 0.0, rate);
+    state[1] += h * rate[1];
+    state[0] += h * state[1];
+    largest = std::max(largest, state[0]);
+  }
+  double const overshoot = std::exp(-pi * 0.5 / std::sqrt(1 - 0.25));
+  CHECK(largest == doctest::Approx(1000.0 * (1 + overshoot)).epsilon(1e-3));
+}
+
+TEST_CASE("orifice flow is choked, falls, and ends at equal pressures with a finite slope") {
+  CHECK(orifice_flow(0.1) == doctest::Approx(1.0).epsilon(1e-12));
+  CHECK(orifice_flow(0.39) == doctest::Approx(1.0).epsilon(1e-12));
+  CHECK(orifice_flow(0.7) == doctest::Approx(std::sqrt(0.75)).epsilon(1e-2));  // the rounding of its end
+  CHECK(orifice_flow(1.0) == doctest::Approx(0.0).epsilon(1e-12));
+  auto const slope = orifice_flow(Dual<1>::variable(1.0, 0)).d[0];
+  CHECK(std::isfinite(slope));
+  CHECK(slope < 0.0);
+}
+
+TEST_CASE("a cylinder fills to the demand, holds, vents to nothing, and its torque opposes the turning") {
+  PneumaticBrake const& brake = coach;
+  double state[2] = {0.0, 0.0}, rate[2], inflow = 0.0, filled = 0.0;
+  double const h = 1e-3;
+  auto const run = [&](double seconds, DumpValve valve) {
+    for (int k = 0; k < static_cast<int>(seconds / h); ++k) {
+      brake.rates(state, 3.8e5, valve, rate, inflow);
+      state[0] += h * rate[0], state[1] += h * rate[1], filled += h * inflow;
+    }
+  };
+  run(6.0, DumpValve::fill);
+  CHECK(state[1] == doctest::Approx(3.8e5).epsilon(1e-3));
+  CHECK(filled == doctest::Approx(state[1]).epsilon(1e-9));
+  CHECK(brake.torque(state[1], 50.0) < -5000.0);
+  CHECK(brake.torque(state[1], -50.0) == doctest::Approx(-brake.torque(state[1], 50.0)).epsilon(1e-12));
+  CHECK(brake.torque(state[1], 0.0) == 0.0);
+  double const held = state[1];
+  run(1.0, DumpValve::hold);
+  CHECK(state[1] == held);
+  run(3.0, DumpValve::vent);
+  CHECK(std::abs(state[1]) < 2e3);
+  CHECK(brake.torque(0.0, 50.0) == 0.0);
+}
+
+TEST_CASE("wheel slide protection vents a sliding axle, refills it, and lets a gripping one alone") {
+  double const period = 5e-3;
+  Device device(wsp, 30.0, period);
+  double slow = 30.0, train = 30.0;
+  int vented = 0;
+  for (int k = 0; k < 100; ++k) {  // axle 1 locks up at 10 m/s^2, axle 0 follows the train
+    train -= 1.0 * period, slow -= 10.0 * period;
+    bool const before = valve(device.command[1]) == DumpValve::vent;
+    CHECK(valve(device.step(train, slow)[0]) == DumpValve::fill);
+    vented += !before && valve(device.command[1]) == DumpValve::vent;
+  }
+  CHECK(valve(device.command[1]) == DumpValve::vent);
+  CHECK(vented == 1);
+  while (slow < train) {  // it regains speed: nothing is filled before it has
+    train -= 1.0 * period, slow += 5.0 * period;
+    device.step(train, slow);
+  }
+  int open = 0;
+  for (int k = 0; k < 200; ++k) {
+    train -= 1.0 * period;
+    device.step(train, train);
+    open += valve(device.command[1]) == DumpValve::fill;
+    CHECK(valve(device.command[1]) != DumpValve::vent);
+  }
+  CHECK(open > 40);  // filled in steps: 60 ms of every 200 ms
+  CHECK(open < 80);
+}
+
+TEST_CASE("the watchdog fills after the longest vent, and everything fills near standstill") {
+  double const period = 1e-2;
+  Device device(wsp, 40.0, period);
+  double train = 40.0;
+  bool refilled = false;
+  for (int k = 0; k < 600; ++k) {
+    train -= 1.0 * period;
+    device.step(train, 0.0);
+    refilled = refilled || (k > 300 && valve(device.command[1]) == DumpValve::fill);
+  }
+  CHECK(refilled);
+  for (int k = 0; k < 3000; ++k) device.step(1.0, 0.0);
+  CHECK(valve(device.command[1]) == DumpValve::fill);
+}
+
+TEST_CASE("wheel-slip control takes torque off the slipping axle and gives it back") {
+  Device device(slip_control, 5.0, 5e-3);
+  for (int k = 0; k < 40; ++k) device.step(5.0, 5.0 + 0.05 * k);
+  CHECK(device.command[0] == 1.0);
+  CHECK(device.command[1] < 0.5);
+  for (int k = 0; k < 2000; ++k) device.step(5.0, 5.0);
+  CHECK(device.command[0] == 1.0);
+  CHECK(device.command[1] == 1.0);
+}
+
+TEST_CASE("commands act after their delay, in the order in which they were sent") {
+  DelayedCommands commands(1.0, 3);
+  for (long step = 0; step < 12; ++step) {
+    if (step % 4 == 0) commands.send({static_cast<double>(step)}, step);
+    commands.advance(step);
+    CHECK(commands.acting()[0] == (step < 3 ? 1.0 : step < 7 ? 0.0 : step < 11 ? 4.0 : 8.0));
+  }
+}
+
+TEST_CASE("an encoder's speed is right on average, quantised in steps, and repeats with its seed") {
+  Encoder const encoder{.counts = 1000.0, .jitter = 0.2, .window = 4};
+  double const period = 1e-3, speed = 37.3;
+  auto const read = [&](std::uint64_t seed) {
+    EncoderReading reading;
+    reading.reset(0.0, speed);
+    std::vector<double> out;
+    for (int k = 0; k <= 4000; ++k) out.push_back(reading.step(encoder, speed * k * period, speed, period, seed));
+    return out;
+  };
+  auto const a = read(1);
+  CHECK(a == read(1));
+  CHECK(a != read(2));
+  double const quantum = 2 * pi / (encoder.counts * encoder.window * period);
+  double sum = 0.0;
+  for (std::size_t k = 10; k < a.size(); ++k) {
+    sum += a[k];
+    CHECK(std::abs(a[k] - speed) < 3 * quantum);
+    CHECK(std::abs(a[k] / quantum - std::round(a[k] / quantum)) < 1e-6);
+  }
+  CHECK(sum / static_cast<double>(a.size() - 10) == doctest::Approx(speed).epsilon(1e-3));
+  EncoderReading ideal;
+  ideal.reset(0.0, 0.0);
+  CHECK(ideal.step({0.0, 0.0, 1}, 1.0, 12.5, period, 0) == 12.5);
+}
+
+TEST_CASE("noise has mean 0 and deviation 1") {
+  double sum = 0.0, squares = 0.0;
+  int const n = 100000;
+  for (int k = 0; k < n; ++k) {
+    double const x = normal_number(42, static_cast<std::uint64_t>(k));
+    sum += x, squares += x * x;
+  }
+  CHECK(std::abs(sum / n) < 4 / std::sqrt(n));  // four standard errors
+  CHECK(squares / n == doctest::Approx(1.0).epsilon(4 * std::sqrt(2.0 / n)));
+}

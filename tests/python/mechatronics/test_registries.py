@@ -1,0 +1,128 @@
+"""What a case can name is what the core has, parameter by parameter."""
+
+from __future__ import annotations
+
+from typing import Any, get_args
+
+import pytest
+from pydantic import BaseModel
+
+from rollerrig import _core
+from rollerrig.config import Brake, Case, Encoder, ForceSensor, Motor, Sensors
+from rollerrig.config.schema.rig_control import Assumed, Estimator, Feedback, Protection
+from rollerrig.config.validate.check_actuators import MOST_AXLES
+from rollerrig.core_struct import core_law, core_struct
+
+FAMILIES = {
+    "estimators": (_core.estimators, Estimator, {"torque"}),
+    "feedbacks": (_core.feedbacks, Feedback, {"largest"}),
+}
+"""Registry, the table that chooses from it, and what of the table is not the law's."""
+
+
+@pytest.mark.parametrize("family", FAMILIES)
+def test_a_case_can_name_exactly_the_laws_of_the_core(family: str) -> None:
+    registry, table, _ = FAMILIES[family]
+    assert set(get_args(table.model_fields["kind"].annotation)) == set(registry)
+
+
+@pytest.mark.parametrize("family", FAMILIES)
+def test_a_table_has_exactly_the_parameters_of_its_laws(family: str) -> None:
+    registry, table, others = FAMILIES[family]
+    parameters = {name for law in registry.values() for name in law.fields}
+    assert set(table.model_fields) - {"kind"} - others == parameters
+
+
+def test_each_controller_of_the_core_is_a_table_of_the_case() -> None:
+    timing = {"sample_time", "delay", "user"}
+    for name, law in _core.controllers.items():
+        table = get_args(Case.model_fields[name].annotation)[0]
+        assert timing <= set(table.model_fields)
+        if name != "rig_control":  # which is made of parts
+            assert set(table.model_fields) - timing | {"wheel_radius"} == set(law.fields)
+
+
+@pytest.mark.parametrize(
+    ("struct", "table", "others"),
+    [
+        (_core.PneumaticBrake, Brake, {"demand", "motors_stand_in"}),
+        (_core.Motor, Motor, {"rotor_inertia", "gear_ratio"}),
+        (_core.Encoder, Encoder, set()),
+        (_core.ForceSensor, ForceSensor, set()),
+        (_core.Sensors, Sensors, set()),
+        (_core.RollerProtection, Protection, set()),
+        (_core.AssumedParameters, Assumed, set()),
+    ],
+)
+def test_tables_and_structs_have_the_same_fields(struct: Any, table: type[BaseModel], others: set[str]) -> None:
+    assert set(table.model_fields) - others == set(struct.fields)
+
+
+def test_the_configuration_allows_as_many_axles_as_the_core_has_room_for() -> None:
+    assert _core.most_axles == MOST_AXLES
+
+
+# ---------------------------------------------------------------------------------------------------- core_struct
+
+
+def test_a_parameter_that_is_missing_or_too_many_is_an_error() -> None:
+    made = core_struct(_core.Encoder, Encoder(counts=100, window=3))
+    assert (made.counts, made.jitter, made.window) == (100.0, 0.0, 3)
+    with pytest.raises(TypeError, match=r"Encoder: missing \['window'\], unknown \[\]"):
+        core_struct(_core.Encoder, Encoder(), without=("window",))
+    with pytest.raises(TypeError, match=r"Encoder: missing \[\], unknown \['windw'\]"):
+        core_struct(_core.Encoder, Encoder(), windw=3)
+    with pytest.raises(TypeError):
+        _core.Encoder(counts=100.0, jitter=0.0)
+
+
+def test_an_unknown_law_never_becomes_another() -> None:
+    table = Feedback()
+    assert core_law(_core.feedbacks, "sliding_mode", table, without=("largest",)).switching == table.switching
+    with pytest.raises(TypeError, match="no law 'sliding'; known: proportional_integral, sliding_mode, none"):
+        core_law(_core.feedbacks, "sliding", table, without=("largest",))
+    with pytest.raises(TypeError, match=r"unknown \['largest'\]"):
+        core_law(_core.feedbacks, "none", table)
+
+
+def test_too_many_axles_are_refused_by_number() -> None:
+    setup = _setup(axles=9)
+    with pytest.raises(ValueError, match="at most 8 axles have sensors and actuators, not 9"):
+        _core.Simulation(_core.ModelBuilder(gravity=9.81).finish(), setup)
+
+
+def _setup(axles: int) -> _core.MechatronicSetup:
+    none = dict.fromkeys(("wheelset", "axle_torque", "brake", "roller", "roller_torque"), -1)
+    drive = _core.Motor(envelope=[], bandwidth=1.0, damping_ratio=0.0)
+    encoder = core_struct(_core.Encoder, Encoder())
+    brake = core_struct(
+        _core.PneumaticBrake, Brake(demand=((0.0, 0.0), (1.0, 0.0))), without=("demand", "motors_stand_in")
+    )
+    return core_struct(
+        _core.MechatronicSetup,
+        step=1e-3,
+        speed=10.0,
+        stop_speed=1.0,
+        axles=[_core.AxleParts(**none, contacts=[-1, -1]) for _ in range(axles)],
+        actuators=core_struct(
+            _core.Actuators,
+            brake=brake,
+            motors_stand_in=False,
+            brake_demand=[],
+            motor=drive,
+            torque_demand=[],
+            roller_drive=drive,
+        ),
+        sensors=core_struct(
+            _core.Sensors,
+            axles=encoder,
+            rollers=encoder,
+            roller_torque=None,
+            axle_load=core_struct(_core.ForceSensor, ForceSensor()),
+            seed=1,
+        ),
+        controllers=[],
+        protection=_core.RollerProtection(slip=1.0, time=0.2),
+        frame=_core.TravellingFrame(train_mass=0.0, fixed_mass=0.0),
+        rail_cell=0.05,
+    )
