@@ -40,6 +40,7 @@ __all__ = [
     "available_memory",
     "begin",
     "march",
+    "outcome",
     "prepare",
     "sample_count",
     "simulate",
@@ -109,7 +110,7 @@ def simulate(
     except ControllerError as error:
         code, failure = _core.status_codes["controller_failed"], str(error)
     filled = int(np.count_nonzero(np.isfinite(times)))  # also what the last slice wrote before it was cut off
-    run = run_dataset(model, times[:filled], rows[:filled], _outcome(simulation, model, code, failure))
+    run = run_dataset(model, times[:filled], rows[:filled], outcome(simulation, model, code, failure))
     return _with_warnings(add_energy_audit(add_termination(run, model)))
 
 
@@ -121,7 +122,7 @@ def prepare(model: AssembledModel, users: Mapping[str, UserController] | None = 
         users: the user's controllers, by table of the case.
 
     Raises:
-        ConfigError: the fixed step is unstable, or a disturbance moves what is held.
+        ConfigError: the fixed step is unstable, or a disturbance moves what is locked.
         StartError: no equilibrium was found to start from.
     """
     start = starting_state(_core.Simulation(model.start_core), model)
@@ -130,7 +131,14 @@ def prepare(model: AssembledModel, users: Mapping[str, UserController] | None = 
     return simulation
 
 
-def begin(simulation: _core.Simulation, model: AssembledModel, state: Vector, *, start_time: float = 0.0) -> None:
+def begin(
+    simulation: _core.Simulation,
+    model: AssembledModel,
+    state: Vector,
+    *,
+    start_time: float = 0.0,
+    end_time: float | None = None,
+) -> None:
     """Prepare a simulation with the settings of the model's case.
 
     Args:
@@ -138,6 +146,7 @@ def begin(simulation: _core.Simulation, model: AssembledModel, state: Vector, *,
         model: its model.
         state: state at the start.
         start_time: time at the start [s].
+        end_time: which a step ends at exactly [s]; None: the duration of the case.
 
     Raises:
         ConfigError: the fixed step is beyond the stability limit of the method at the start.
@@ -152,7 +161,7 @@ def begin(simulation: _core.Simulation, model: AssembledModel, state: Vector, *,
         absolute_tolerance=absolute_tolerances(simulation, settings.absolute_tolerance),
         initial_step=0.0 if own.fixed else own.step or 0.0,
         maximum_step=settings.maximum_step or math.inf,
-        final_time=settings.duration,
+        final_time=settings.duration if end_time is None else end_time,
         output_step=settings.output_step,
         breakpoints=list(model.breakpoints),
         t0=start_time,
@@ -279,16 +288,16 @@ def march(
     code, filled, at, length = ok, 0, begin_at, slice_length
     while code == ok and at < until:
         at = min(at + length, until)
-        begun = time.perf_counter()
+        clock = time.perf_counter()
         code, filled = simulation.advance(at, times, rows, filled)
         while code == ok and _answer(simulation, users or {}):
             code, filled = simulation.advance(at, times, rows, filled)
-        spent = time.perf_counter() - begun
+        elapsed = time.perf_counter() - clock
         if code == ok and report is not None:
             report(at, filled)
-        if spent < 0.5 * _SLICE_SECONDS:
+        if elapsed < 0.5 * _SLICE_SECONDS:
             length *= 2.0
-        elif spent > 2.0 * _SLICE_SECONDS:
+        elif elapsed > 2.0 * _SLICE_SECONDS:
             length = max(0.5 * length, 0.1 * slice_length)  # however slow the model is
     return code, filled
 
@@ -314,7 +323,8 @@ def _reporter(case: Case, rows: Vector, progress: Progress) -> Callable[[float, 
     return report
 
 
-def _outcome(simulation: _core.Simulation, model: AssembledModel, code: int, failure: str) -> Outcome:
+def outcome(simulation: _core.Simulation, model: AssembledModel, code: int, failure: str = "") -> Outcome:
+    """How a run of a model ended, from the code of its status; `failure`: what a controller of the user did wrong."""
     status = _STATUS_NAMES.get(code, "unknown")
     at = simulation.time
     blamed = simulation.failed_contact if status not in _BLAMELESS else -1

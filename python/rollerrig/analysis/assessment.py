@@ -1,6 +1,6 @@
 """A run's wheel-rail forces and accelerations as a table: every quantity with its statistics, its filter and its limit.
 
-run -> readings, accelerations -> [assessment] -> rows -> running_safety.csv, summary.json, report
+run -> wheel-rail forces, accelerations -> [assessment] -> rows -> running_safety.csv, summary.json, report
 """
 
 from __future__ import annotations
@@ -32,15 +32,15 @@ class Assessment:
     """What was read off a run.
 
     Attributes:
-        readings: what `wheel_forces` returns.
-        assessed: what `filtered` makes of it, or the unfiltered readings where the run cannot be filtered.
+        forces: what `wheel_forces` returns.
+        assessed: what `filtered` makes of it, or the unfiltered forces where the run cannot be filtered.
         points: accelerations at points of the bodies, filtered where the run can be.
         unfiltered: the same, unfiltered.
         weighted: weighted r.m.s. accelerations; None where the run cannot be filtered.
         notes: why something is not filtered, a sentence each.
     """
 
-    readings: xr.Dataset
+    forces: xr.Dataset
     assessed: xr.Dataset
     points: xr.Dataset
     unfiltered: xr.Dataset

@@ -1,9 +1,9 @@
 """The limit-cycle diagram: what the vehicle ends in at each speed, as the speed is stepped up from below and down from above.
 
-    Case, speeds -> [run until settled, state carried to the next speed] -> amplitude over speed, hysteresis, critical speeds
+    Case, speeds -> [run until settled; its last state starts the next speed] -> amplitude over speed, hysteresis, critical speeds
 
 On the **upward** sweep each speed starts from the steady state with a perturbation, as small as track irregularities are,
-until a limit cycle is reached, which is then carried over. On the **downward** sweep it starts from the limit cycle of the
+until a limit cycle is reached, from which the next run starts. On the **downward** sweep it starts from the limit cycle of the
 speed above, and where that has decayed, from a large disturbance. Between the lowest limit cycle and the rest below it the
 interval of speed is halved to a tolerance: this is the critical speed by continuation. Where the two sweeps differ, two
 attractors exist side by side, and the size of a disturbance decides.

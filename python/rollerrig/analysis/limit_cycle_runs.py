@@ -1,4 +1,4 @@
-"""Limit cycles of a case: runs that carry their last state to the next speed.
+"""Limit cycles of a case over speed: each run starts from the last state of the one before.
 
 Case, speeds -> [upward sweep, downward sweep on two processes; runs in windows until settled] -> Diagram -> Dataset
 """
@@ -30,11 +30,11 @@ from rollerrig.analysis.signals import half_waves
 from rollerrig.assembly import AssembledModel, assemble
 from rollerrig.config import Case
 from rollerrig.results import Outcome, run_dataset
-from rollerrig.simulation import begin
+from rollerrig.simulation import begin, march, outcome
 from rollerrig.starting_state import starting_state
 
 Vector = NDArray[np.float64]
-Carried = tuple[float, Vector]
+LastState = tuple[float, Vector]
 """Speed [m/s] and state in which a run ended."""
 
 PITCH = 4
@@ -103,8 +103,8 @@ def limit_cycles(
     report = progress or (lambda _fraction, _text: None)
     downward: BranchJob = (case, "down", speeds, chosen)
     upward: BranchJob = (case, "up", speeds, chosen)
-    down: Branch[Carried] | None
-    up: Branch[Carried] | None = None
+    down: Branch[LastState] | None
+    up: Branch[LastState] | None = None
     if processes > 1:
         down, up = run_jobs(
             branch_job, [downward, upward], processes=2, progress=progress, names=["downward sweep", "upward sweep"]
@@ -116,7 +116,7 @@ def limit_cycles(
     return diagram(up, down, linear_critical_kmh / 3.6, chosen.tolerance_kmh / 3.6)
 
 
-def branch_job(job: BranchJob, progress: Progress) -> Branch[Carried]:
+def branch_job(job: BranchJob, progress: Progress) -> Branch[LastState]:
     """One sweep through the speeds, on any process; after Ctrl-C what was done until then."""
     case, sweep, speeds, settings = job
     runs = SettlingRuns(case, settings, settings.perturbation if sweep == "up" else settings.disturbance, progress)
@@ -137,7 +137,7 @@ class SettlingRuns:
         self._reported = fraction, text
         self._progress(fraction, text)
 
-    def __call__(self, speed: float, state: Carried | None) -> tuple[CyclePoint, Carried | None]:
+    def __call__(self, speed: float, state: LastState | None) -> tuple[CyclePoint, LastState | None]:
         """Run at a speed [m/s] from a limit cycle, or disturbed from the steady state.
 
         Raises:
@@ -146,7 +146,7 @@ class SettlingRuns:
         """
         model = assemble(self._at(speed))
         simulation = _core.Simulation(model.core)
-        start = starting_state(simulation, model) if state is None else carried(simulation, model, state, speed)
+        start = starting_state(simulation, model) if state is None else at_other_speed(simulation, model, state, speed)
         begin(simulation, model, start)
         run = _Windows(simulation, model, self._settings)
         while not run.finished:
@@ -163,7 +163,7 @@ class SettlingRuns:
         return hunting_case(self._case, speed, settings)
 
 
-def carried(simulation: _core.Simulation, model: AssembledModel, state: Carried, speed: float) -> Vector:
+def at_other_speed(simulation: _core.Simulation, model: AssembledModel, state: LastState, speed: float) -> Vector:
     """A state at another speed [m/s]: wheelsets and rollers turn in proportion, all else stays as it is."""
     before, values = state
     changed = np.array(values)
@@ -194,6 +194,10 @@ class _Windows:
         return self._rests or is_settled(self._amplitudes, self._window)
 
     @property
+    def _outcome(self) -> Outcome:
+        return outcome(self._simulation, self._model, self._code)
+
+    @property
     def _rests(self) -> bool:
         """Small, and still falling after what is left of the disturbance has had time to grow."""
         last = self._amplitudes[-3:]
@@ -206,9 +210,8 @@ class _Windows:
         until = min(self._time + self._window, self._settings.longest)
         room = math.ceil((until - self._time) / step) + SAMPLES_BY
         times, rows = np.empty(room), np.empty((room, self._simulation.width))
-        self._code, filled = self._simulation.advance(until, times, rows, 0)
-        outcome = Outcome("ok", "", until, "", {}, {})
-        data = run_dataset(self._model, times[:filled], rows[:filled], outcome)
+        self._code, filled = march(self._simulation, until, times, rows, slice_length=self._window, begin_at=self._time)
+        data = run_dataset(self._model, times[:filled], rows[:filled], self._outcome)
         part = data[["lateral", "lateral_force"]].sel(body=list(self._model.wheelsets)).load()
         self._parts = [*self._parts[-2:], part]
         self._time = until
@@ -236,7 +239,7 @@ class _Windows:
 
     def point(self, speed: float) -> CyclePoint:
         """What the run ended in."""
-        status = next(name for name, number in _core.status_codes.items() if number == self._code)
+        status = self._outcome.status
         rate, amplitude = self._rate(), self._amplitudes[-1] if self._amplitudes else 0.0
         settled = min(self._amplitudes, default=0.0) > 0.0 and is_settled(self._amplitudes, self._window)
         decaying = not settled and rate < -DECAY

@@ -145,7 +145,7 @@ _STATES = ("roller_estimate", "wheel_estimate", "force", "axle_torque", "wheel_r
 
 
 def _plant_step(loop: Loop, plant: Plant) -> Array:
-    """Exact step of (x, torques, their rates, commands) over one bench step with the commands constant."""
+    """Exact step of (x, torques, their rates, commands) over one sampling step with the commands constant."""
     n, axles = plant.torque.shape
     x, u, rate, command = slice(0, n), *(slice(n + k * axles, n + (k + 1) * axles) for k in range(3))
     w, one = loop.drive_bandwidth, np.eye(axles)
@@ -181,7 +181,7 @@ def _controller(loop: Loop, z: dict[str, Array]) -> Array:
 def sampled_matrix(loop: Loop, plant: Plant) -> Array:
     """From the state at one sample to that at the next, shape (state, state).
 
-    The state is the plant's, then per axle the drive's, the controller's (_STATES), the mean torque over the last bench step,
+    The state is the plant's, then per axle the drive's, the controller's (_STATES), the mean torque over the last sampling step,
     and the commands still delayed.
     """
     n, axles = plant.torque.shape

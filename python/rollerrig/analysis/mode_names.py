@@ -74,8 +74,8 @@ def roles(case: Case) -> Roles:
 
     frames = tuple(body.name for body in moving if body.kind != "wheelset" and is_frame(body.name))
     car_bodies = tuple(body.name for body in moving if body.kind != "wheelset" and body.name not in frames)
-    carried = {frame: tuple(w for w in wheelsets if w in neighbours[frame]) for frame in frames}
-    return Roles(car_bodies, frames, wheelsets, carried)
+    wheelsets_below = {frame: tuple(w for w in wheelsets if w in neighbours[frame]) for frame in frames}
+    return Roles(car_bodies, frames, wheelsets, wheelsets_below)
 
 
 @dataclass(frozen=True)

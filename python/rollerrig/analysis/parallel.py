@@ -30,7 +30,7 @@ class Finished(Generic[R]):
 
     Attributes:
         results: one per job; None where Ctrl-C came first.
-        interrupted: whether Ctrl-C was pressed.
+        interrupted: whether Ctrl-C ended them early.
     """
 
     results: list[R | None]

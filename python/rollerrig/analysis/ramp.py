@@ -22,13 +22,12 @@ from rollerrig import _core
 from rollerrig.analysis.hunting import HuntingSettings, hunting_case
 from rollerrig.assembly import AssembledModel, assemble
 from rollerrig.config import Case
-from rollerrig.results import Outcome, RunInfo, add_energy_audit, run_dataset
-from rollerrig.simulation import absolute_tolerances
+from rollerrig.results import RunInfo, add_energy_audit, run_dataset
+from rollerrig.simulation import begin, march, outcome
 from rollerrig.starting_state import starting_state
 
 Vector = NDArray[np.float64]
 
-SLICES_PER_SEGMENT = 8
 LATERAL = 1
 
 
@@ -125,34 +124,15 @@ def _segment(
     stop: float,
     progress: Callable[[float], None],
 ) -> xr.Dataset:
-    settings = model.case.time
-    simulation.start(
-        method=model.case.integration.method,
-        step=0.0,
-        relative_tolerance=settings.relative_tolerance,
-        absolute_tolerance=absolute_tolerances(simulation, settings.absolute_tolerance),
-        initial_step=0.0,
-        maximum_step=math.inf,
-        final_time=stop,  # hit exactly: the next segment starts from the state there
-        output_step=settings.output_step,
-        breakpoints=[],
-        t0=start,
-        x0=np.ascontiguousarray(state),
-    )
-    room = math.ceil((stop - start) / settings.output_step) + 3
+    step = model.case.time.output_step
+    begin(simulation, model, state, start_time=start, end_time=stop)  # the next segment starts from the state there
+    room = math.ceil((stop - start) / step) + 3
     times, rows = np.empty(room), np.empty((room, simulation.width))
-    filled = 0
-    code = _core.status_codes["ok"]
-    for until in np.linspace(start, stop, SLICES_PER_SEGMENT + 1)[1:]:
-        code, filled = simulation.advance(float(until), times, rows, filled)
-        if code != _core.status_codes["ok"]:
-            break
-        progress(float(until))
-    status = next(name for name, number in _core.status_codes.items() if number == code)
-    outcome = Outcome(
-        status, _core.status_sentence(code), simulation.time, "", simulation.statistics(), simulation.counters()
+    code, filled = march(
+        simulation, stop, times, rows, slice_length=step, begin_at=start, report=lambda time, _filled: progress(time)
     )
-    audited = add_energy_audit(run_dataset(model, times[:filled], rows[:filled], outcome))
+    ended = outcome(simulation, model, code)
+    audited = add_energy_audit(run_dataset(model, times[:filled], rows[:filled], ended))
     moving = RunInfo.of(audited).moving
     kept: xr.Dataset = audited[["lateral", "yaw", "speed"]].sel(body=moving).copy(deep=True)
     return kept.assign_attrs(largest_residual_j=float(np.abs(audited["energy_residual"]).max()))

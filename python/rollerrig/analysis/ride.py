@@ -41,7 +41,7 @@ FRAME_CUTOFF = 10.0
 def accelerations(run: xr.Dataset, *, floor_height: float | None = None) -> xr.Dataset:
     """Accelerations at the centre of every free body above the wheelsets, and over each body that carries it.
 
-    A car body is carried by frames, a frame by wheelsets: joined by elements that carry load, and higher.
+    A car body rests on frames, a frame by wheelsets: joined by elements that carry load, and higher.
 
     Args:
         run: results of `simulate` or `load_run`.
@@ -58,13 +58,13 @@ def accelerations(run: xr.Dataset, *, floor_height: float | None = None) -> xr.D
     names, bodies, framed, rows = [], [], [], []
     for body in info.sprung:
         x, _, z = body.position
-        on_wheelsets = any(info.body(carrier.body).role == "wheelset" for carrier in body.carriers)
+        on_wheelsets = any(info.body(below.body).role == "wheelset" for below in body.lower_bodies)
         motion = with_turning_track(run.sel(body=body.name), run, x)
         points = {f"{body.name}, centre": (0.0, 0.0, 0.0)}
-        for carrier in body.carriers:
-            level = carrier.height if floor_height is None else floor_height
-            arm = (info.body(carrier.body).position[0] - x, 0.0, 0.0 if on_wheelsets else level - z)
-            points[f"{body.name} over {carrier.body}"] = arm
+        for below in body.lower_bodies:
+            level = below.height if floor_height is None else floor_height
+            arm = (info.body(below.body).position[0] - x, 0.0, 0.0 if on_wheelsets else level - z)
+            points[f"{body.name} over {below.body}"] = arm
         for name, arm in points.items():
             names.append(name)
             bodies.append(body.name)
@@ -105,7 +105,7 @@ def with_turning_track(motion: xr.Dataset, run: xr.Dataset, ahead: float) -> xr.
 
 
 def _at_point(motion: xr.Dataset, arm: Rows, gravity: float) -> Rows:
-    """Felt lateral and vertical acceleration, less g, at a point fixed to a body (R4), shape (time, 2) [m/s^2]."""
+    """Specific force, lateral and vertical, less that of gravity, at a point fixed to a body (R4), shape (time, 2) [m/s^2]."""
     roll, pitch, yaw = (motion[name].to_numpy() for name in ("roll", "pitch", "yaw"))
     zero, one = np.zeros_like(roll), np.ones_like(roll)
     e_z = np.stack([zero, zero, one], axis=1)

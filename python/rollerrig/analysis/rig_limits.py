@@ -163,8 +163,8 @@ def closed_forms(case: Case, adhesion: Array) -> dict[str, Any]:
     """
     rig, patch = rig_limits(case), patch_of(assemble(case))
     peak = np.array([creep_peak(case, patch, float(mu))[1] for mu in adhesion])
-    held = np.array([protection_slip(case)])
-    at_protection = np.array([creep_curve(case, patch, float(mu), held)[0][0] for mu in adhesion])
+    slip = np.array([protection_slip(case)])
+    at_protection = np.array([creep_curve(case, patch, float(mu), slip)[0][0] for mu in adhesion])
     grip, slide = rig.grip(peak), rig.drive_slide(at_protection)
     recovery = rig.drive_recovery(peak)  # at the end of it, where adhesion is back
     contact, drive = rig.contact(), rig.drive_grip()

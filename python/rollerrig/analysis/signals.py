@@ -53,7 +53,7 @@ def half_waves(time: Series, signal: Series, least_amplitude: float = LEAST_AMPL
     for k in range(len(at)):
         if len(keep) >= 2 and (value[keep[-1]] - value[keep[-2]]) * (value[k] - value[keep[-1]]) >= 0:
             if abs(value[k] - value[keep[-2]]) >= abs(value[keep[-1]] - value[keep[-2]]):
-                keep[-1] = k  # goes on in the same direction
+                keep[-1] = k  # same direction as before
         elif not keep or abs(value[k] - value[keep[-1]]) >= 2 * least_amplitude:
             keep.append(k)
         elif len(keep) == 1:

@@ -134,7 +134,7 @@ def _wear(run: xr.Dataset) -> dict[str, xr.DataArray]:
 
 
 def filtered(read: xr.Dataset) -> xr.Dataset:
-    """The readings as EN 14363 assesses them.
+    """The forces as EN 14363 assesses them.
 
     Y, Q and the wear number: low pass 20 Hz. Y/Q and ΣY: low pass 20 Hz, then the sliding mean over 2 m, which is NaN
     within 1 m of both ends. Wheel unloading is that of the filtered load.

@@ -1,4 +1,4 @@
-"""What the commands share: their usual options, and how a study is carried out."""
+"""What the commands share: their usual options, and how a study is run."""
 
 from __future__ import annotations
 
@@ -38,11 +38,11 @@ def carry_out(study: Any, out: Path, processes: int = 1, *, refused: tuple[type[
     except refused as error:
         stop(error)
     if outcome is None:
-        stop("interrupted; finished jobs are kept: the same command goes on", INTERRUPTED)
+        stop("interrupted; finished jobs are kept: the same command continues", INTERRUPTED)
     for path in outcome.write(folder):
         if path.parent == folder:
             typer.echo(path)
     say(outcome.summary)
     if outcome.interrupted and study.resumable:
-        say("Finished jobs are kept: the same command goes on.")
+        say("Finished jobs are kept: the same command continues.")
     raise typer.Exit(max((exit_code(status) for status in outcome.statuses), default=OK))

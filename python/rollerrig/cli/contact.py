@@ -27,7 +27,7 @@ def command(
         bool, typer.Option("--compare", help="Every normal contact and creep law side by side, with its cost.")
     ] = False,
 ) -> None:
-    """Press the leading wheelset down with its axle load and list its contact patches."""
+    """List the contact patches of the leading wheelset under its axle load."""
     from rollerrig.config import load_case
     from rollerrig.contact_analysis.static_contact import contact_csv, contact_table
     from rollerrig.results import output_file, write_bytes, write_text

@@ -111,16 +111,16 @@ def _balance(model: AssembledModel, run: xr.Dataset) -> list[str]:
     mass = sum(model.masses[body] for body in own)
     weight = model.case.gravity * mass
     lines = [f"mass of {', '.join(own)}: {mass / 1e3:.3f} t, weight {weight / 1e3:.3f} kN"]
-    carried = sum(
+    supported = sum(
         _downward(run, element, model.fixed) for element in model.case.vehicle.data.elements_in(model.case.vehicle.part)
     )
     if model.fixed:
         design = sum(model.axle_loads.values()) - weight
         lines.append(
-            f"load from {', '.join(model.fixed)}, which is fixed: {carried / 1e3:.3f} kN, in the design position "
+            f"load from {', '.join(model.fixed)}, which is fixed: {supported / 1e3:.3f} kN, in the design position "
             f"{design / 1e3:.3f} kN"
         )
-    total, on_wheels = weight + carried, float(run["vertical_force"].sum())
+    total, on_wheels = weight + supported, float(run["vertical_force"].sum())
     sums = f"total weight {total / 1e3:.3f} kN, sum of the wheel loads {on_wheels / 1e3:.3f} kN"
     if float(run["curvature"]) or float(run["cant"]):  # the plane of the track takes a part of both forces
         return [*lines, f"{sums}, normal to the track in the curve where the run starts"]

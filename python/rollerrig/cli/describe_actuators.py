@@ -78,8 +78,8 @@ def _adhesion(case: Case) -> list[str]:
     rails = [case.adhesion.rail, *(piece.rail for piece in case.adhesion.piece)]
     laws = [rail.friction for rail in rails]
     parts = [f"{law.mu_0:g} falling to {law.mu_0 * getattr(law, 'A', 1.0):g} with slip" for law in laws]
-    cleaned = "; it recovers under sliding wheels" if case.adhesion.recovery_constant > 0.0 else ""
-    return [f"adhesion of the rail: {', then '.join(parts)}{cleaned}"]
+    recovery = "; it recovers under sliding wheels" if case.adhesion.recovery_constant > 0.0 else ""
+    return [f"adhesion of the rail: {', then '.join(parts)}{recovery}"]
 
 
 def _train(model: AssembledModel) -> str:

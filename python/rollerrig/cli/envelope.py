@@ -35,7 +35,7 @@ def command(
 ) -> None:
     """Operating envelope: where the rig reproduces a degraded rail over torque, adhesion and axle load, and what limits it.
 
-    Ctrl-C keeps all finished runs; the same command goes on with the rest, and another grid takes over those it shares.
+    Ctrl-C keeps all finished runs; the same command continues with the rest, and another grid takes over those it shares.
     """
     from rollerrig.config import load_case
     from rollerrig.study.envelope import EnvelopeStudy

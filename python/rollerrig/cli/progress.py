@@ -14,23 +14,23 @@ Progress = Callable[[float, str], None]
 @contextmanager
 def heard_ctrl_c() -> Iterator[Callable[[], None]]:
     """A function that raises KeyboardInterrupt once more: Python drops one that comes in a callback of the collector."""
-    pressed = False
+    interrupted = False
 
-    def press(_signal: int, _frame: FrameType | None) -> None:
-        nonlocal pressed
-        pressed = True
+    def on_interrupt(_signal: int, _frame: FrameType | None) -> None:
+        nonlocal interrupted
+        interrupted = True
         raise KeyboardInterrupt
 
     def check() -> None:
-        nonlocal pressed
-        if pressed:
-            pressed = False
+        nonlocal interrupted
+        if interrupted:
+            interrupted = False
             raise KeyboardInterrupt
 
     if signal.getsignal(signal.SIGINT) is not signal.default_int_handler:  # not the main program, or told to ignore it
         yield check
         return
-    before = signal.signal(signal.SIGINT, press)
+    before = signal.signal(signal.SIGINT, on_interrupt)
     try:
         yield check
     finally:

@@ -1,4 +1,4 @@
-"""The normal contacts side by side: the same wheelset, pressed down at the same places, by every model there is.
+"""The normal contacts side by side: one wheelset at the same positions, by every model there is.
 
     Case, positions -> contact_table with each `contact.normal` -> per wheel: patches, centre, width, approach, pressure, cost
 
@@ -33,7 +33,7 @@ REPEATS = 2000  # of one evaluation, to time it
 def compare_contacts(
     case: Case, positions: Sequence[tuple[float, float]], *, roll: float | None = None, timed: bool = True
 ) -> xr.Dataset:
-    """Press the leading wheelset down at each position with each normal contact.
+    """Normal contact of the leading wheelset under its axle load, at each position with each model.
 
     Args:
         case: vehicle, support and contact; `contact.normal` is what varies.

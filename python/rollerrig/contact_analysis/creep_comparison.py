@@ -1,4 +1,4 @@
-"""The creep laws side by side: what each makes of the patches of one wheelset, rolling steadily where it was pressed down.
+"""The creep laws side by side: forces on one wheelset under its axle load in steady rolling.
 
     Case, positions -> contact_table -> [core: one recorded row per law] -> force of each wheel in mu N, beside the exact solver
 
@@ -36,7 +36,7 @@ _FIELDS = tuple(name for name, _, _ in _core.patch_fields)
 def compare_creep(
     case: Case, positions: Sequence[tuple[float, float]], *, roll: float | None = None, timed: bool = True
 ) -> xr.Dataset:
-    """Tangential forces of every creep law on the leading wheelset, pressed down and rolling at the case's speed.
+    """Tangential forces of every creep law on the leading wheelset under its axle load, rolling at the case's speed.
 
     Args:
         case: vehicle, support and contact; `contact.normal` and `contact.creep` are what varies. `polach` takes the case's
@@ -205,14 +205,14 @@ def _with_law(case: Case, normal: str, law: str) -> Case:
     return case.with_changes({"contact.normal": normal, "contact.creep": own if own.kind == law else clean})
 
 
-def _exact(case: Case, patches: Array, pressed: xr.Dataset) -> tuple[float, float]:
+def _exact(case: Case, patches: Array, contacts: xr.Dataset) -> tuple[float, float]:
     """Force of a wheel by the exact solver, over mu N. A patch that fades is solved at its full load, then scaled."""
     material, total = case.contact.material, np.zeros(2)
     normals = patches[:, _FIELDS.index("normal")]
     for patch, normal in zip(patches, normals, strict=True):
         value = dict(zip(_FIELDS, patch, strict=True))
-        nearest = int(np.argmin(np.abs(pressed["wheel_abscissa"].to_numpy() - value["wheel_abscissa"])))
-        limit = case.contact.friction.mu_0 * normal / float(pressed["weight"][nearest])
+        nearest = int(np.argmin(np.abs(contacts["wheel_abscissa"].to_numpy() - value["wheel_abscissa"])))
+        limit = case.contact.friction.mu_0 * normal / float(contacts["weight"][nearest])
         if not ASPECTS[0] <= value["a"] / value["b"] <= ASPECTS[1]:
             return np.nan, np.nan
         c = np.sqrt(value["a"] * value["b"])

@@ -184,7 +184,7 @@ def _refine(contact: _core.StaticWheelsetContact, touches: dict[float, _Touch], 
         new = [
             (low, 0.5 * (low + high))
             for low, high in zip(lateral, lateral[1:], strict=False)
-            if high - low > FINEST and _travel(touches[low], touches[high]) > JUMP
+            if high - low > FINEST and _contact_jump(touches[low], touches[high]) > JUMP
         ]
         if not new:
             return
@@ -195,7 +195,7 @@ def _refine(contact: _core.StaticWheelsetContact, touches: dict[float, _Touch], 
             touches[y] = touch
 
 
-def _travel(a: _Touch, b: _Touch) -> float:
+def _contact_jump(a: _Touch, b: _Touch) -> float:
     """How far the contacts on the wheels are apart [m]."""
     return max(abs(p[0] - q[0]) for p, q in zip(a.sides, b.sides, strict=True))
 

@@ -2,7 +2,7 @@
 
     Case, positions -> [static contact of the core] -> xarray.Dataset, one row per contact patch
 
-The leading wheelset is pressed down with its static axle load by elastic normal forces only. Left of the running
+The leading wheelset is in equilibrium under its static axle load with elastic normal forces only. Left of the running
 direction is positive. Height and roll count from the unloaded, centred wheelset that touches both sides.
 """
 
@@ -63,7 +63,7 @@ _COLUMNS = {
 
 
 def contact_table(case: Case, positions: Iterable[tuple[float, float]], *, roll: float | None = None) -> xr.Dataset:
-    """Press the leading wheelset down at each position.
+    """Contact patches of the leading wheelset at each position.
 
     Args:
         case: vehicle, support and contact; its motion does not matter.

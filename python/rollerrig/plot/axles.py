@@ -28,10 +28,10 @@ def axles_over_time(
         for panel, (_, signal, factor) in zip(axes, signals, strict=True):
             for (label, run), style in zip(runs.items(), STYLES, strict=False):
                 values = factor * (run[signal] if isinstance(signal, str) else signal(run))
-                ending = f", {label}" if len(runs) > 1 else ""
+                suffix = f", {label}" if len(runs) > 1 else ""
                 if "axle" not in values.dims:
-                    line(panel, run["time"], values, 5, style, f"train{ending}")
+                    line(panel, run["time"], values, 5, style, f"train{suffix}")
                     continue
                 for number, axle in enumerate(values["axle"].to_numpy()):
-                    line(panel, run["time"], values.sel(axle=axle), number, style, f"{axle}{ending}")
+                    line(panel, run["time"], values.sel(axle=axle), number, style, f"{axle}{suffix}")
         return figure

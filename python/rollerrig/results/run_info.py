@@ -28,12 +28,12 @@ def _in(unit: str) -> Any:
 
 
 @dataclass(frozen=True)
-class Carrier:
+class LowerBody:
     """A body that carries another one.
 
     Attributes:
         body: its name.
-        height: at which its springs act on the carried body [m].
+        height: at which its springs act on the body above [m].
     """
 
     body: str
@@ -49,7 +49,7 @@ class BodyInfo:
         role: what it is.
         fixed: whether it is kept at its design position.
         position: design position of its centre of mass from the origin of the run [m].
-        carriers: lower bodies joined to it by elements that carry load, foremost first.
+        lower_bodies: lower bodies joined to it by elements that carry load, foremost first.
         wheel_load: of a wheelset, static load of each of its wheels [N].
     """
 
@@ -57,7 +57,7 @@ class BodyInfo:
     role: Literal["wheelset", "vehicle body", "roller", "rail"]
     fixed: bool
     position: tuple[float, float, float] = _in("m")
-    carriers: tuple[Carrier, ...] = ()
+    lower_bodies: tuple[LowerBody, ...] = ()
     wheel_load: float | None = field(default=None, metadata={"unit": "N"})
 
 
@@ -183,12 +183,12 @@ def _body(model: AssembledModel, name: str) -> BodyInfo:
         role=role,
         fixed=name in model.fixed,
         position=model.positions[name],
-        carriers=_carriers(model, name) if role == "vehicle body" else (),
+        lower_bodies=_lower_bodies(model, name) if role == "vehicle body" else (),
         wheel_load=None if load is None else 0.5 * load,
     )
 
 
-def _carriers(model: AssembledModel, name: str) -> tuple[Carrier, ...]:
+def _lower_bodies(model: AssembledModel, name: str) -> tuple[LowerBody, ...]:
     case: Case = model.case
     heights: dict[str, float] = {}
     for element in case.vehicle.data.elements_in(case.vehicle.part):
@@ -197,7 +197,7 @@ def _carriers(model: AssembledModel, name: str) -> tuple[Carrier, ...]:
             if model.positions[other][2] < model.positions[name][2]:
                 heights[other] = element.end_b[2]
     foremost_first = sorted(heights, key=lambda other: -model.positions[other][0])
-    return tuple(Carrier(other, heights[other]) for other in foremost_first)
+    return tuple(LowerBody(other, heights[other]) for other in foremost_first)
 
 
 @cache

@@ -1,6 +1,6 @@
 """Where a run ended: how far along the track, on which segment, and with which quotient Y/Q.
 
-run, its model -> [ending] -> the run with attributes `stopped_...`, and a sentence with all of them
+run, its model -> [termination] -> the run with attributes `stopped_...`, and a sentence with all of them
 """
 
 from __future__ import annotations

@@ -72,5 +72,5 @@ def _inside(value: Any, factors: Similitude) -> Any:
 def _number(key: str, value: Any, factors: Similitude) -> Any:
     if isinstance(value, bool) or not isinstance(value, int | float):
         return value
-    ending = max((end for end in _SUFFIXES if key.endswith(end)), key=len, default=None)
-    return value if ending is None else value * factors.factor(_SUFFIXES[ending])
+    suffix = max((end for end in _SUFFIXES if key.endswith(end)), key=len, default=None)
+    return value if suffix is None else value * factors.factor(_SUFFIXES[suffix])

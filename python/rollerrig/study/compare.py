@@ -285,10 +285,10 @@ class CompareStudy(Study[Results]):
             scan, found = results.linear.get(label), results.by_disturbance.get(label)
             onset = scan.onset if scan else None
             cycle = next((run for run in found.runs if run.persists and run.valid), None) if found else None
-            ending = f"{1e3 * cycle.final.amplitude:.2f} mm, {cycle.final.frequency:.2f} Hz" if cycle else "–"
+            amplitude = f"{1e3 * cycle.final.amplitude:.2f} mm, {cycle.final.frequency:.2f} Hz" if cycle else "–"
             mode = (f"{onset.frequency:.2f}", onset.name) if onset else ("–", "–")
             rows.append(
-                (label, speeds.linear_cell(scan), *mode, speeds.between(found) if found else "not computed", ending)
+                (label, speeds.linear_cell(scan), *mode, speeds.between(found) if found else "not computed", amplitude)
             )
         header = ("on", "linear critical speed [km/h]", "frequency [Hz]", "mode", "by disturbance", "limit cycle there")
         return Table(header, rows)

@@ -383,10 +383,10 @@ def _thresholds_text(rank: Rank) -> str:
 
 
 def _threshold_text(rank: Rank, threshold: Threshold) -> str:
-    family, causes = rank.family, {"tracking": "tracking error above its limit", "ripple": "persistent torque ripple"}
-    cause = causes.get(threshold.cause, f"{threshold.cause.replace('_', ' ')}, test ends early,")
+    family, known = rank.family, {"tracking": "tracking error above its limit", "ripple": "persistent torque ripple"}
+    cause = known.get(threshold.cause, f"{threshold.cause.replace('_', ' ')}, test ends early,")
     if math.isnan(threshold.last_good):
         return f"{cause} throughout, {family.text(rank.points[0].value)} to {family.text(rank.points[-1].value)}"
-    if threshold.cause in causes:
+    if threshold.cause in known:
         return f"{cause} {'below' if threshold.value < threshold.last_good else 'above'} {family.text(threshold.value)}"
     return f"{cause} between {family.text(threshold.last_good)} and {family.text(threshold.value)}"

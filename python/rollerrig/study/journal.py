@@ -1,4 +1,4 @@
-"""Finished jobs on disk, a line each, so that a study that was stopped goes on.
+"""Finished jobs on disk, a line each, so that an interrupted study can continue.
 
     folder/jobs.jsonl: a line that says what is studied, then a line per finished job; jobs/*.nc: their Datasets
 

@@ -23,7 +23,7 @@ from rollerrig.study.jobs import Done, Round, job
 from rollerrig.study.quantities import Numbers, Quantities, Quantity
 from rollerrig.study.report import Picture, Section, Table, number
 
-ENDING = (
+TERMINATION = (
     Quantity("case", "name of the case"),
     Quantity("status", "'ok', 'stopped' (the train has), 'interrupted', or why the run ended early"),
     Quantity("status_message", "the same as a sentence, with time, wheel and remedy"),
@@ -67,7 +67,7 @@ CONTACT = (
     Quantity("contact.lost", "wheels without contact"),
 )
 QUANTITIES = Quantities(
-    ENDING,
+    TERMINATION,
     BODIES,
     WHEELS,
     Quantity("solver.*", "counts of the integrator: steps, rejected steps, evaluations, smallest and largest step [s]"),

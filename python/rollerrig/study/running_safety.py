@@ -69,7 +69,7 @@ def numbers(assessment: Assessment, rows: Sequence[Row]) -> dict[str, Any]:
             "limit": row.limit,
             "part_of_limit": row.part_of_limit,
         }
-    forces = assessment.readings
+    forces = assessment.forces
     distance = forces["distance"].to_numpy()
     return {
         "running_safety": found,

@@ -37,7 +37,9 @@ MOST_CYCLE_SPEEDS = 20
 
 POINT = "limit_cycles.points.*"
 POINTS = (
-    Quantity(f"{POINT}.sweep", "up: from a small perturbation at each speed; down: the state carried over"),
+    Quantity(
+        f"{POINT}.sweep", "up: from a small perturbation at each speed; down: from the limit cycle of the speed before"
+    ),
     Quantity(f"{POINT}.speed_kmh", "of the run", "km/h", "speed", 5),
     Quantity(f"{POINT}.amplitude_mm", "half the range of the wheelset that moves most; 0: rest", "mm", "amplitude"),
     Quantity(f"{POINT}.peak_mm", "its largest displacement", "mm", "peak"),

@@ -117,7 +117,7 @@ def test_over_its_bogies_a_body_feels_a_transition_sooner_and_later() -> None:
         assert at[point] == pytest.approx(speed**2 * growth * (40.0 + ahead), rel=1e-9)
 
 
-def test_a_held_car_body_has_no_points() -> None:
+def test_a_fixed_car_body_has_no_points() -> None:
     case = rr.load_case("bogie_track").with_changes({"time.duration": "10 ms"})
     points = accelerations(rr.simulate(case))["point"].to_numpy().tolist()
     assert points == ["front_frame, centre", "front_frame over wheelset_1", "front_frame over wheelset_2"]

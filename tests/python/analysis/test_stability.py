@@ -147,7 +147,7 @@ def test_all_crossings_are_told_with_their_modes() -> None:
         assert np.min(np.abs(values - 2j * np.pi * one.frequency)) < 1e-4
 
 
-def test_machines_do_not_touch_the_vehicles_own_stability(bogie) -> None:
+def test_actuators_do_not_change_the_vehicles_own_stability(bogie) -> None:
     """A case with actuators has the modes of its vehicle on the same rollers."""
     braked = load_case("adhesion_brake").with_changes({"contact.pure_rolling": True})
     bare = bogie.with_changes({"contact.creepage_regularisation_speed": braked.contact.creepage_regularisation_speed})
@@ -155,7 +155,7 @@ def test_machines_do_not_touch_the_vehicles_own_stability(bogie) -> None:
     np.testing.assert_array_equal(own["damping"], plain["damping"])
 
 
-def test_an_unheld_vehicle_rolls_off_its_rollers() -> None:
+def test_a_free_vehicle_rolls_off_its_rollers() -> None:
     """Nothing holds it on their tops: a motion along the track that grows without oscillating is told, and only then."""
     vehicle = load_case("bogie_rollers_constant").with_changes({"vehicle.cut": "vehicle"})
     (found,) = diverging(modes_over_speed(vehicle, [20.0]))
@@ -178,7 +178,7 @@ def test_bad_speeds_are_refused(bogie) -> None:
             stability(bogie, speeds)
 
 
-def test_a_vehicle_free_along_its_track_hunts_like_one_that_is_held() -> None:
+def test_a_vehicle_free_along_its_track_hunts_like_one_that_is_fixed() -> None:
     """It coasts against a rolling resistance of newtons, which is no equilibrium but changes no lateral mode."""
     free = load_case("bogie_track").with_changes({"vehicle.cut": "vehicle"})
     held = free.with_changes({"vehicle.body.car_body.locked": ["x"]})

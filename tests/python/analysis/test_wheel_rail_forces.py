@@ -103,7 +103,7 @@ def test_signs_and_sums(run: xr.Dataset, read: xr.Dataset) -> None:
         assert total == pytest.approx(-(force.sel(wheel=left) + force.sel(wheel=right)).to_numpy(), abs=1e-9)
 
 
-def test_a_mirrored_run_mirrors_the_readings(read: xr.Dataset) -> None:
+def test_a_mirrored_run_mirrors_the_forces(read: xr.Dataset) -> None:
     mirrored = wheel_forces(bogie(-1.0))
     swapped = {w: w.replace("left", "R").replace("right", "left").replace("R", "right") for w in read["wheel"].values}
     other = mirrored.sel(wheel=list(swapped.values())).assign_coords(wheel=read["wheel"])

@@ -58,7 +58,7 @@ def test_every_profile_name_is_in_the_catalogue() -> None:
     assert set(profiles.CATALOGUE) == set(catalog_names("profile"))
 
 
-def test_the_contact_benchmark_presses_with_20_kn() -> None:
+def test_the_contact_benchmark_has_a_load_of_20_kn() -> None:
     case = load_case("contact_benchmark_track")
     (wheelset,) = case.vehicle.data.body
     assert wheelset.mass * 9.81 == pytest.approx(20000.0, rel=1e-15)

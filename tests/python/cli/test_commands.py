@@ -150,7 +150,7 @@ def test_check_prints_model_loads_and_masses() -> None:
     assert abs(difference) < 1e-3  # N; what Newton's method leaves
 
 
-def test_check_prints_machines_and_controllers() -> None:
+def test_check_prints_actuators_and_controllers() -> None:
     done = Done("check", "adhesion_brake")
     assert done.code == 0
     # 2 faces * 0.247 m * (0.085 m^2 * 3.8 bar - 500 N) * friction of the pads at 17.9 m/s, 0.3514
@@ -308,7 +308,7 @@ def test_bad_options_of_contact(options: list[str], message: str, tmp_path: Path
     assert not (tmp_path / "c.csv").exists()
 
 
-def test_roll_can_be_held(tmp_path: Path) -> None:
+def test_roll_can_be_fixed(tmp_path: Path) -> None:
     path = tmp_path / "c.csv"
     done = Done("contact", "contact_benchmark_track", "--lateral-mm=3", "--roll-mrad=0.1", "--csv", path)
     assert done.code == 0, done.err

@@ -189,7 +189,7 @@ def test_a_measured_file_shorter_than_the_run_is_refused(line: Path) -> None:
     assert load_case_text(case).support.data.irregularity.path == str(Path("rails.csv").absolute())
 
 
-def test_an_irregularity_on_rollers_needs_a_held_speed(tmp_path: Path) -> None:
+def test_an_irregularity_on_rollers_needs_controlled_rollers(tmp_path: Path) -> None:
     case = load_case("bogie_rollers_traction")
     with pytest.raises(
         ConfigError, match=r"motion\.drive: 'free'; allowed with an irregularity that is fed to the rollers"

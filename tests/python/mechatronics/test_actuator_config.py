@@ -104,7 +104,7 @@ def test_a_blend_is_a_length_or_a_time_as_the_pieces() -> None:
 
 
 @pytest.mark.parametrize("name", ["adhesion_brake", "adhesion_start", "adhesion_step", "adhesion_recovery"])
-def test_a_bench_case_survives_its_own_toml(name: str) -> None:
+def test_a_case_with_actuators_survives_its_own_toml(name: str) -> None:
     case = load_case(name)
     assert case.sampled
     assert case_from_toml(case.to_toml()) == case

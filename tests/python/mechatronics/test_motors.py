@@ -27,7 +27,7 @@ def run_of(suspension: str, rotor: bool, case: Case) -> xr.Dataset:
 
 
 @pytest.mark.parametrize("suspension", ["frame", "ground", "axle"])
-def test_energy_closes_with_rotors_however_the_motor_is_held(suspension: str) -> None:
+def test_energy_closes_with_rotors_however_the_motor_is_mounted(suspension: str) -> None:
     """The rotors hold some 10 kJ of the turning; a part left out of the audit would show as such.
 
     At slow start the method's directions (T7) take a rotor for a part of its axle alone, which leaves 1.3e-6 open.
@@ -57,7 +57,7 @@ def test_an_axle_with_a_rotor_spins_up_slower() -> None:
     assert gain(heavy) == pytest.approx(1.0 / (112.0 + 3.0 * 16.0), rel=0.02)
 
 
-def test_how_a_motor_is_held_shows_in_frame_and_loads() -> None:
+def test_how_a_motor_is_mounted_shows_in_frame_and_loads() -> None:
     """Inside the bogie only the way of the moment differs: the wheel loads must not, the frame's pitch does."""
     case = track_case(start_case(**{"time.duration": "2 s"}))
     runs = {s: run_of(s, False, case) for s in ("frame", "axle", "ground")}

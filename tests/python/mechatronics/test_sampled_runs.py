@@ -80,7 +80,7 @@ def test_without_degradation_rig_and_track_run_the_same_way() -> None:
     assert float(rig["train_distance"][-1]) == pytest.approx(float(track["train_distance"][-1]), rel=0.01)
 
 
-def test_without_control_the_bench_is_the_plain_rig() -> None:
+def test_without_control_a_sampled_run_is_the_plain_rig() -> None:
     """Brakes that are never applied, drives that are not there: the same motion as an ordinary run."""
     still = {"brake.demand": [[0.0, 0.0], [1.0, 0.0]], "time.duration": "1 s"}
     bench = brake_case(**still).model_copy(update={"adhesion": None, "rig_control": None, "slide_protection": None})

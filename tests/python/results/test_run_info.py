@@ -13,7 +13,7 @@ import xarray as xr
 import rollerrig as rr
 from rollerrig.assembly import assemble
 from rollerrig.results import ResultsError, RunInfo
-from rollerrig.results.run_info import BodyInfo, Carrier, describe
+from rollerrig.results.run_info import BodyInfo, LowerBody, describe
 
 
 @pytest.fixture(scope="module")
@@ -30,9 +30,9 @@ def test_what_is_written_is_what_is_read(vehicle: RunInfo) -> None:
 
 def test_who_carries_whom(vehicle: RunInfo) -> None:
     car_body, frame = vehicle.body("car_body"), vehicle.body("front_frame")
-    assert [carrier.body for carrier in car_body.carriers] == ["front_frame", "rear_frame"]
-    assert [carrier.body for carrier in frame.carriers] == ["wheelset_1", "wheelset_2"]
-    assert frame.carriers[0] == Carrier("wheelset_1", 0.46)
+    assert [below.body for below in car_body.lower_bodies] == ["front_frame", "rear_frame"]
+    assert [below.body for below in frame.lower_bodies] == ["wheelset_1", "wheelset_2"]
+    assert frame.lower_bodies[0] == LowerBody("wheelset_1", 0.46)
     assert [body.name for body in vehicle.sprung] == ["car_body", "front_frame", "rear_frame"]
 
 
@@ -62,7 +62,7 @@ def test_every_length_speed_and_load_is_mapped() -> None:
     assert (mapped.speed, mapped.gravity) == (3 * info.speed, 5 * info.gravity)
     frame, before = mapped.body("front_frame"), info.body("front_frame")
     assert frame.position == tuple(2 * x for x in before.position)
-    assert frame.carriers[0].height == 2 * before.carriers[0].height
+    assert frame.lower_bodies[0].height == 2 * before.lower_bodies[0].height
     assert mapped.wheelsets[0].wheel_load == 7 * (info.wheelsets[0].wheel_load or 0.0)
     assert (mapped.friction, mapped.flange_angle) == (info.friction, info.flange_angle)
 

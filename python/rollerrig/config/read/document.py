@@ -30,7 +30,7 @@ class Document:
 def read_document(kind: CatalogKind, name: str | Path, folder: Path | None = None) -> Document:
     """Read the catalogue entry or file ``name``.
 
-    A text without a slash and without the ending .toml is first looked up in the catalogue.
+    A text without a slash and without the suffix .toml is first looked up in the catalogue.
 
     Args:
         kind: which part of the catalogue is meant.

@@ -134,7 +134,7 @@ class Motion(Table):
         description="rows [time, torque per roller axle] for drive = 'torque'; positive drives forward running",
     )
     stop_speed: Annotated[float, Quantity("m/s", gt=0)] = Field(
-        default=1.0, description="with [brake]: a train slower than this has stopped, and the run ends"
+        default=1.0, description="with [brake]: a train slower than this counts as stationary, and the run ends"
     )
 
     @model_validator(mode="before")

@@ -1,4 +1,4 @@
-"""How roller axles and rails are carried where they are not rigid."""
+"""How roller axles and rails are mounted where they are not rigid."""
 
 from pydantic import Field, model_validator
 
@@ -21,7 +21,7 @@ class AngularSupport(Table):
 
 
 class Mounting(Table):
-    """How a roller axle is carried; what is absent is rigid."""
+    """How a roller axle is mounted; what is absent is rigid."""
 
     lateral: LinearSupport | None = Field(default=None, description="elastic support along y")
     vertical: LinearSupport | None = Field(default=None, description="elastic support along z")

@@ -100,8 +100,8 @@ def _ends(vehicle: Vehicle, element: Element, file: str) -> Iterable[ConfigProbl
 def _cut(vehicle: Vehicle, name: str, cut: Cut, file: str) -> Iterable[ConfigProblem]:
     key = f"cut.{name}"
     for body in vehicle.bodies_in(cut):
-        carried = any(body.name in element.between for element in vehicle.elements_in(cut))
-        if body.kind == "rigid" and not carried and len(set(body.locked)) < len(DIRECTIONS):
+        supported = any(body.name in element.between for element in vehicle.elements_in(cut))
+        if body.kind == "rigid" and not supported and len(set(body.locked)) < len(DIRECTIONS):
             allowed = "allowed: wheelsets, and bodies that an element of the cut holds up"
             yield ConfigProblem(file, f"{key}.bodies", show_value(body.name), allowed)
     for body_name in sorted(set(cut.bodies) & set(cut.fixed)):

@@ -40,7 +40,7 @@ _INTRODUCTION = """\
 Files are [TOML](https://toml.io). A quantity is a number in the SI unit given here, or a text with a unit that pint
 understands: `0.46`, `"0.46 m"` and `"460 mm"` are the same. A unit may also end the key: `speed_kmh = 100`. Ratios may
 be written `"1:40"`. Unknown keys are mistakes. Where a file refers to a vehicle, support, material or profile, a
-catalogue name is meant unless the text ends in a file name's ending; paths start at the file that names them.
+catalogue name is meant unless the text ends in a file name's suffix; paths start at the file that names them.
 """
 
 
