@@ -71,8 +71,10 @@ RENAMED: dict[str, str] = {
 }
 """Old name -> new name of a case, a key of TOML ('key' or 'table.key'), a word as a value, or a variable."""
 
-EXPECTED: dict[str, str] = {}
-"""'case: variable' or ': variable' -> why it differs."""
+EXPECTED: dict[str, str] = {
+    "bogie_rollers_constant, strips table": "old: one evaluation at 0.06 s is off; the new agrees with half the step",
+}
+"""'case', 'case: variable' or ': variable' -> why it differs."""
 
 SHORT = {"time.duration": 1.0}
 LAWS = {
@@ -460,7 +462,7 @@ def relative(old: np.ndarray, new: np.ndarray, over_time: bool, least: float) ->
 
 def expected(title: str, variable: str) -> str:
     """Why a difference is meant, or nothing."""
-    return EXPECTED.get(f"{title}: {variable}") or EXPECTED.get(f": {variable}") or ""
+    return next((EXPECTED[key] for key in (f"{title}: {variable}", f": {variable}", title) if key in EXPECTED), "")
 
 
 if __name__ == "__main__":
