@@ -89,15 +89,12 @@ def critical_speed(
             onset = linear_critical_speed(chosen, [v / 3.6 for v in speeds_kmh], part(number))
             found["linear_critical_speed"] = math.nan if onset is None else onset.speed
         elif method == "disturbance":
-            by_disturbance = critical_speeds_by_disturbance(
-                {"": chosen}, speeds_kmh, bracket_kmh=bracket_kmh, processes=processes, progress=part(number)
-            )
-            found["critical_speed_by_disturbance"] = by_disturbance[""].speed
+            runs = critical_speeds_by_disturbance({"": chosen}, speeds_kmh, bracket_kmh=bracket_kmh, processes=processes,
+                                                  progress=part(number))  # fmt: skip
+            found["critical_speed_by_disturbance"] = runs[""].speed
         else:
-            settings = LimitCycleSettings(tolerance_kmh=bracket_kmh)
-            diagram = limit_cycles(
-                chosen, speeds_kmh, math.nan, settings, processes=min(2, processes), progress=part(number)
-            )
+            diagram = limit_cycles(chosen, speeds_kmh, math.nan, LimitCycleSettings(tolerance_kmh=bracket_kmh),
+                                   processes=min(2, processes), progress=part(number))  # fmt: skip
             found["critical_speed_by_continuation"] = diagram.lowest_cycle
     variables = {
         name: ((), 3.6 * v, {"units": "km/h", "long_name": name.replace("_", " ")}) for name, v in found.items()

@@ -32,24 +32,15 @@ def command(
     from rollerrig.contact_analysis.static_contact import contact_csv, contact_table
     from rollerrig.results import output_file, write_bytes, write_text
 
-    if yaw_mrad is not None and yaw_mrad_per_mm is not None:
-        raise typer.BadParameter("give --yaw-mrad or --yaw-mrad-per-mm, not both", param_hint="--yaw-mrad")
     if plot is not None and plot.suffix.lower() not in (".png", ".svg"):
         raise typer.BadParameter(f"'{plot}' must end in .png or .svg", param_hint="--plot")
-    for option, value in (("--yaw-mrad-per-mm", yaw_mrad_per_mm), ("--roll-mrad", roll_mrad)):
-        check_finite(value, option)
-    lateral = read_range(lateral_mm, "--lateral-mm")
-    yaw = read_range(yaw_mrad, "--yaw-mrad") if yaw_mrad is not None else [0.0]
-    if yaw_mrad_per_mm is not None:
-        positions = [(y, y * yaw_mrad_per_mm) for y in lateral]
-    else:
-        positions = [(y, psi) for psi in yaw for y in lateral]
+    check_finite(roll_mrad, "--roll-mrad")
+    places = _positions(lateral_mm, yaw_mrad, yaw_mrad_per_mm)
     chosen = load_case(case)
     for path in (csv, plot):
         if path is not None:
             output_file(path)
     roll = None if roll_mrad is None else 1e-3 * roll_mrad
-    places = [(1e-3 * y, 1e-3 * psi) for y, psi in positions]
     if compare:
         from rollerrig.contact_analysis.comparison import compare_contacts, comparison_csv, comparison_text
         from rollerrig.contact_analysis.creep_comparison import compare_creep, creep_csv, creep_text
@@ -79,6 +70,18 @@ def command(
         for line in table.attrs["failed_positions"].splitlines():
             say(f"rollerrig: {chosen.name}: {line}")
         raise typer.Exit(LEFT_VALIDITY)
+
+
+def _positions(lateral_mm: str, yaw_mrad: str | None, yaw_mrad_per_mm: float | None) -> list[tuple[float, float]]:
+    """Lateral positions [m] and yaw angles [rad] of the options."""
+    if yaw_mrad is not None and yaw_mrad_per_mm is not None:
+        raise typer.BadParameter("give --yaw-mrad or --yaw-mrad-per-mm, not both", param_hint="--yaw-mrad")
+    check_finite(yaw_mrad_per_mm, "--yaw-mrad-per-mm")
+    lateral = read_range(lateral_mm, "--lateral-mm")
+    if yaw_mrad_per_mm is not None:
+        return [(1e-3 * y, 1e-3 * (y * yaw_mrad_per_mm)) for y in lateral]
+    yaw = read_range(yaw_mrad, "--yaw-mrad") if yaw_mrad is not None else [0.0]
+    return [(1e-3 * y, 1e-3 * psi) for psi in yaw for y in lateral]
 
 
 def _beside(path: Path) -> Path:

@@ -8,7 +8,7 @@ that the longitudinal creepages of its two wheels cancel.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -71,21 +71,11 @@ def compare_creep(
             if timed and not n:
                 nu = chosen.contact.material.poisson_ratio
                 cost[i] = seconds_per_call(1.0, nu, core_law(chosen.contact.creep), creepage_units(1.0, nu))
-            rolling = _Rolling(chosen)
-            for j, (lateral, yaw) in enumerate(positions):
-                here = ((table["lateral"] == lateral) & (table["yaw"] == yaw)).to_numpy()
-                if not here.any():
-                    continue
-                rows = table.isel(row=here)
-                wheels = rolling.patches(lateral, yaw, float(rows["roll"][0]), float(rows["height"][0]))
-                for k, patches in enumerate(wheels):
-                    limit = chosen.contact.friction.mu_0 * patches[:, _FIELDS.index("normal")].sum()
-                    if not limit > 0.0:
-                        continue
-                    x, y = (patches[:, _FIELDS.index(f"creep_force_{d}")].sum() for d in "xy")
-                    force[i, n, j, k] = x / limit, y / limit
-                    if not i and not j % EXACT_EVERY:
-                        exact[n, j, k] = _exact(chosen, patches, rows.isel(row=(rows["side"] == SIDES[k]).to_numpy()))
+            for j, k, patches, rows in _loaded_wheels(chosen, table, positions):
+                limit = chosen.contact.friction.mu_0 * patches[:, _FIELDS.index("normal")].sum()
+                force[i, n, j, k] = [patches[:, _FIELDS.index(f"creep_force_{d}")].sum() / limit for d in "xy"]
+                if not i and not j % EXACT_EVERY:
+                    exact[n, j, k] = _exact(chosen, patches, rows)
     over = ("normal", "position", "side")
     units = {"units": "mu N"}
     return xr.Dataset(
@@ -103,6 +93,21 @@ def compare_creep(
         },
         {"case": case.name, "load_n": load, "speed": case.motion.speed, "friction": case.contact.friction.mu_0},
     )
+
+
+def _loaded_wheels(
+    case: Case, table: xr.Dataset, positions: Sequence[tuple[float, float]]
+) -> Iterator[tuple[int, int, Array, xr.Dataset]]:
+    """Number of position and side, recorded patches and rows of the contact table of every wheel under load."""
+    rolling = _Rolling(case)
+    for j, (lateral, yaw) in enumerate(positions):
+        rows = table.isel(row=((table["lateral"] == lateral) & (table["yaw"] == yaw)).to_numpy())
+        if not rows.sizes["row"]:
+            continue
+        wheels = rolling.patches(lateral, yaw, float(rows["roll"][0]), float(rows["height"][0]))
+        for k, patches in enumerate(wheels):
+            if patches[:, _FIELDS.index("normal")].sum() > 0.0:
+                yield j, k, patches, rows.isel(row=(rows["side"] == SIDES[k]).to_numpy())
 
 
 def creep_errors(comparison: xr.Dataset) -> xr.DataArray:

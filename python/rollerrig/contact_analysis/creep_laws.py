@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -76,41 +77,31 @@ def compare_laws(
         ValueError: a number outside its range, or no law.
         RuntimeError: the exact solver found no solution.
     """
-    if not ASPECTS[0] <= a_over_b <= ASPECTS[1]:
-        raise ValueError(f"a/b = {a_over_b:g}; the exact coefficients are tabulated from 0.1 to 10")
-    if not 0 <= poisson_ratio <= 0.5:
-        raise ValueError(f"Poisson's ratio {poisson_ratio:g}; allowed are 0 to 0.5")
     sizes = np.asarray(demands, dtype=float)
-    if not sizes.size or not np.all(np.isfinite(sizes)) or not np.all(sizes > 0):
-        raise ValueError("demands must be positive numbers")
-    if not laws:
-        raise ValueError("no law to compare")
+    _check(a_over_b, poisson_ratio, sizes, laws)
     units = creepage_units(a_over_b, poisson_ratio)
     directions = np.array(list(DIRECTIONS.values()), dtype=float)
     directions /= np.linalg.norm(directions, axis=1, keepdims=True)
     creepage = sizes[None, :, None] * directions[:, None, :] * units
     exact, adhesion = _exact(a_over_b, poisson_ratio, fineness, creepage)
     coarse, _ = _exact(a_over_b, poisson_ratio, COARSE * fineness, creepage)
-    forces = [exact]
-    seconds = [np.nan]
-    for law in laws.values():
-        forces.append(_law(a_over_b, poisson_ratio, law, creepage.reshape(-1, 3)).reshape(creepage.shape))
-        seconds.append(seconds_per_call(a_over_b, poisson_ratio, law, units))
-    values = np.array(forces)
+    flat = creepage.reshape(-1, 3)
+    values = np.array(
+        [exact, *(_law(a_over_b, poisson_ratio, law, flat).reshape(exact.shape) for law in laws.values())]
+    )
+    seconds = [np.nan, *(seconds_per_call(a_over_b, poisson_ratio, law, units) for law in laws.values())]
     over = ("law", "direction", "demand")
-    units_of = {"force_x": "mu N", "force_y": "mu N", "spin_moment": "mu N c"}
+    variables: dict[str, tuple[str | tuple[str, ...], Any, str, str]] = {
+        "force_x": (over, values[..., 0], "mu N", "longitudinal force"),
+        "force_y": (over, values[..., 1], "mu N", "lateral force"),
+        "spin_moment": (over, values[..., 2], "mu N c", "spin moment"),
+        "adhesion": (over[1:], adhesion, "1", "share of the patch that sticks"),
+        "creepage": ((*over[1:], "component"), creepage, "1", "reduced creepage"),
+        "grid_error": ((*over[1:], "component"), np.abs(exact - coarse), "mu N", "exact theory less that on a coarser grid"),
+        "seconds": ("law", seconds, "s", "processor time per call"),
+    }  # fmt: skip
     return xr.Dataset(
-        {
-            **{name: (over, values[..., k], {"units": units_of[name]}) for k, name in enumerate(COMPONENTS)},
-            "adhesion": (over[1:], adhesion, {"units": "1", "long_name": "share of the patch that sticks"}),
-            "creepage": ((*over[1:], "component"), creepage, {"units": "1", "long_name": "reduced creepage"}),
-            "grid_error": (
-                (*over[1:], "component"),
-                np.abs(exact - coarse),
-                {"units": "mu N", "long_name": "difference of the exact theory to a coarser grid"},
-            ),
-            "seconds": ("law", np.array(seconds), {"units": "s", "long_name": "processor time per call"}),
-        },
+        {n: (dims, data, {"units": unit, "long_name": text}) for n, (dims, data, unit, text) in variables.items()},
         coords={
             "law": [REFERENCE, *laws],
             "direction": list(DIRECTIONS),
@@ -119,6 +110,17 @@ def compare_laws(
         },
         attrs={"a_over_b": a_over_b, "poisson_ratio": poisson_ratio, "fineness": fineness},
     )
+
+
+def _check(a_over_b: float, poisson_ratio: float, demands: Array, laws: Mapping[str, CoreLaw]) -> None:
+    if not ASPECTS[0] <= a_over_b <= ASPECTS[1]:
+        raise ValueError(f"a/b = {a_over_b:g}; the exact coefficients are tabulated from 0.1 to 10")
+    if not 0 <= poisson_ratio <= 0.5:
+        raise ValueError(f"Poisson's ratio {poisson_ratio:g}; allowed are 0 to 0.5")
+    if not demands.size or not np.all(np.isfinite(demands)) or not np.all(demands > 0):
+        raise ValueError("demands must be positive numbers")
+    if not laws:
+        raise ValueError("no law to compare")
 
 
 def error_table(comparison: xr.Dataset) -> list[tuple[str, str, float, float, float, float, float, float]]:
@@ -138,8 +140,9 @@ def error_table(comparison: xr.Dataset) -> list[tuple[str, str, float, float, fl
         force = 100 * np.hypot(one["force_x"].to_numpy(), one["force_y"].to_numpy())
         moment = 100 * np.abs(one["spin_moment"].to_numpy())
         for label, chosen in (("no spin", ~spin), ("spin", spin)):
-            spread = [f(x[chosen]) for x in (force, moment) for f in (np.median, _percentile_95, np.max)]
-            rows.append((str(law), label, *map(float, spread)))
+            rows.append(
+                (str(law), label, *(float(q) for x in (force, moment) for q in np.quantile(x[chosen], (0.5, 0.95, 1))))
+            )
     return rows  # type: ignore[return-value]
 
 
@@ -153,10 +156,6 @@ def seconds_per_call(a_over_b: float, poisson_ratio: float, law: CoreLaw, units:
         _law(a_over_b, poisson_ratio, law, creepage)
         best = min(best, time.process_time() - start)
     return best / CALLS
-
-
-def _percentile_95(values: Array) -> float:
-    return float(np.percentile(values, 95))
 
 
 def _law(a_over_b: float, poisson_ratio: float, law: CoreLaw, creepage: Array) -> Array:

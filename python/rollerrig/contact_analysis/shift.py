@@ -23,6 +23,7 @@ from rollerrig import _core
 from rollerrig.assembly import assemble
 from rollerrig.config import Case, Rig
 from rollerrig.contact_analysis.static_contact import leading_wheelset
+from rollerrig.profiles import ProfileTable
 
 SIDES = ("left", "right")
 
@@ -105,38 +106,20 @@ def shift_table(
     touches, ended = _outward(contact, _steps(largest, step), pose)
     _refine(contact, touches, pose)
     # Both sides have the same profiles: a mirror turns (y, yaw) into (-y, -yaw), and running backwards -yaw into yaw.
-    mirrored = {-y: _Touch(-touch.roll, _swapped(touch)) for y, touch in touches.items() if y > 0.0}
-    touches |= mirrored
-    lateral = np.array(sorted(touches))
-    values = np.array([touches[y].sides for y in sorted(touches)])  # (lateral, side, variable)
-    values[:, :, _HEIGHT] = model.rail_profile.evaluate(values[:, :, _HEIGHT - 1])
-
-    variables: dict[str, Any] = {
-        name: (("lateral", "side"), values[:, :, k], {"units": unit, "long_name": meaning})
-        for k, (name, (unit, meaning)) in enumerate(_VARIABLES.items())
-    }
+    touches |= {-y: _Touch(-touch.roll, _swapped(touch)) for y, touch in touches.items() if y > 0.0}
     roller_radius = support.roller_radius if isinstance(support, Rig) else np.inf
-    table = xr.Dataset(
-        variables,
-        coords={
-            "lateral": ("lateral", lateral, {"units": "m", "long_name": "lateral shift, left"}),
-            "side": list(SIDES),
-        },
-        attrs={
-            "title": case.description,
-            "support": support.kind,
-            "wheel_radius_m": wheel.radius,
-            "roller_radius_m": roller_radius,
-            "contact_distance_m": contact_distance,
-            "gauge_m": support.gauge,
-            "back_to_back_m": wheel.back_to_back,
-            "roll": "free" if free_to_roll else "neglected",
-            "yaw_rad": yaw,
-            "ended": ended,
-        },
+    table = _dataset(touches, model.rail_profile).assign_attrs(
+        title=case.description,
+        support=support.kind,
+        wheel_radius_m=wheel.radius,
+        roller_radius_m=roller_radius,
+        contact_distance_m=contact_distance,
+        gauge_m=support.gauge,
+        back_to_back_m=wheel.back_to_back,
+        roll="free" if free_to_roll else "neglected",
+        yaw_rad=yaw,
+        ended=ended,
     )
-    roll = np.array([touches[y].roll for y in sorted(touches)])
-    table["roll"] = ("lateral", roll, {"units": "rad", "long_name": "roll angle of the wheelset"})
     difference = _left_less_right(table["rolling_radius"])
     of_rollers = _left_less_right(table["rail_height"])
     table["rolling_radius_difference"] = difference.assign_attrs(
@@ -146,6 +129,21 @@ def shift_table(
         units="m", long_name="rolling radius difference less that of the rollers, in the wheel's scale"
     )
     return table
+
+
+def _dataset(touches: dict[float, _Touch], rail: ProfileTable) -> xr.Dataset:
+    """Touching points over the lateral shift; the core's height of the head at each."""
+    ordered = [touches[y] for y in sorted(touches)]
+    values = np.array([touch.sides for touch in ordered])  # (lateral, side, variable)
+    values[:, :, _HEIGHT] = rail.evaluate(values[:, :, _HEIGHT - 1])
+    variables: dict[str, Any] = {
+        name: (("lateral", "side"), values[:, :, k], {"units": unit, "long_name": meaning})
+        for k, (name, (unit, meaning)) in enumerate(_VARIABLES.items())
+    }
+    roll = {"units": "rad", "long_name": "roll angle of the wheelset"}
+    variables["roll"] = ("lateral", [touch.roll for touch in ordered], roll)
+    lateral = ("lateral", sorted(touches), {"units": "m", "long_name": "lateral shift, left"})
+    return xr.Dataset(variables, coords={"lateral": lateral, "side": list(SIDES)})
 
 
 def _swapped(touch: _Touch) -> tuple[tuple[float, ...], tuple[float, ...]]:

@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal
+from typing import Literal, get_args
 
 import numpy as np
 from scipy.interpolate import BSpline, make_smoothing_spline
@@ -73,10 +73,8 @@ def profile_from_file(
         The table: of a wheel with value 0 at the tape circle, of a rail with its highest point at the origin.
     """
     file = Path(base_dir or ".") / path
-    _one_of(file, "format", format, ("auto", "two_column", "simpack"))
-    _one_of(file, "units", units, ("auto", "mm", "m"))
-    _one_of(file, "inner_side", inner_side, ("auto", "negative", "positive"))
-    _one_of(file, "z_positive", z_positive, ("auto", "up", "down"))
+    _check_options(file, format=(format, FileFormat), units=(units, LengthUnit), inner_side=(inner_side, Side),
+                   z_positive=(z_positive, Direction))  # fmt: skip
     _check_numbers(file, step, inclination, smoothing)
     raw = read_point_file(file, format, units)
     if raw.declared not in (None, kind):
@@ -89,13 +87,25 @@ def profile_from_file(
         lean = math.atan(inclination)
         turn = np.array([[math.cos(lean), -math.sin(lean)], [math.sin(lean), math.cos(lean)]])  # R, leaning inward
         points = points @ turn.T
+    return _smoothed_table(file, raw.comment, points, weights, kind, smoothing, step)
+
+
+def _smoothed_table(
+    file: Path,
+    comment: str,
+    points: FloatArray,
+    weights: FloatArray,
+    kind: ProfileKind,
+    smoothing: float | Literal["auto"],
+    step: float,
+) -> ProfileTable:
+    """The table of a smooth curve through points in our axes."""
     points, weights = _thinned(points, weights)
     _check_count(file, points)
     noise = _noise(points)
     points, weights = _relevant(points, weights, kind, noise)
     _check_count(file, points)
-    reference = _reference(points, kind)
-    check_fold(file, points, reference)
+    check_fold(file, points, _reference(points, kind))
     curve = _smooth(points, weights, noise, smoothing)
     samples = curve.samples()
     branch = _usable_branch(samples, kind)
@@ -116,7 +126,7 @@ def profile_from_file(
         float(high - origin[0]),
         name=file.stem,
         kind=kind,
-        source=", ".join(part for part in (file.name, raw.comment, used_cut_off) if part),
+        source=", ".join(part for part in (file.name, comment, used_cut_off) if part),
         step=step,
         outline=np.column_stack([samples.y, samples.z])[::5] - origin,
     )
@@ -175,9 +185,11 @@ class SmoothCurve:
         return np.array([float(self.y(s)), float(self.z(s))])
 
 
-def _one_of(file: Path, key: str, value: object, allowed: tuple[str, ...]) -> None:
-    if value not in allowed:
-        raise ProfileError(f"{file}: {key}: {value!r} is not one of {', '.join(allowed)}")
+def _check_options(file: Path, **options: tuple[object, object]) -> None:
+    """Key = value and the type that names what is allowed."""
+    for key, (value, allowed) in options.items():
+        if value not in get_args(allowed):
+            raise ProfileError(f"{file}: {key}: {value!r} is not one of {', '.join(get_args(allowed))}")
 
 
 def _oriented(
