@@ -35,6 +35,7 @@ from rollerrig.analysis.parallel import Progress, run_jobs
 from rollerrig.analysis.speed_map import SPEEDS_KMH, modes_over_speed
 from rollerrig.cases import as_case
 from rollerrig.config import Case
+from rollerrig.results import variable
 from rollerrig.starting_state import StartError
 
 Method = Literal["linear", "disturbance", "continuation"]
@@ -96,9 +97,7 @@ def critical_speed(
             diagram = limit_cycles(chosen, speeds_kmh, math.nan, LimitCycleSettings(tolerance_kmh=bracket_kmh),
                                    processes=min(2, processes), progress=part(number))  # fmt: skip
             found["critical_speed_by_continuation"] = diagram.lowest_cycle
-    variables = {
-        name: ((), 3.6 * v, {"units": "km/h", "long_name": name.replace("_", " ")}) for name, v in found.items()
-    }
+    variables = {name: variable((), 3.6 * v, "km/h", name.replace("_", " ")) for name, v in found.items()}
     return xr.Dataset(variables, attrs={"case": chosen.name, "title": f"Critical speed of {chosen.name}"})
 
 
@@ -165,11 +164,7 @@ def scan_linear(job: tuple[Case, Sequence[float]], progress: Progress | None = N
 
 
 def linear_critical_speeds(
-    cases: Mapping[str, Case],
-    speeds_kmh: Sequence[float],
-    *,
-    processes: int = 1,
-    progress: Progress | None = None,
+    cases: Mapping[str, Case], speeds_kmh: Sequence[float], *, processes: int = 1, progress: Progress | None = None
 ) -> dict[str, LinearCriticalSpeed]:
     """Linear critical speeds of several cases, such as radii of rollers, vehicles or supports.
 

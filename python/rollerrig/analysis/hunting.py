@@ -19,7 +19,7 @@ from rollerrig.analysis.parallel import Progress
 from rollerrig.analysis.signals import FinalMotion, final_motion, half_waves
 from rollerrig.cases import at_speed, displaced, leading_wheelset
 from rollerrig.config import Case
-from rollerrig.results import RunInfo
+from rollerrig.results import RunInfo, variable
 from rollerrig.simulation import simulate
 
 LEAST_AMPLITUDE = 2e-5
@@ -148,22 +148,12 @@ def hunting_table(runs: Sequence[HuntingRun], disturbance: float) -> xr.Dataset:
     body = ordered[0].body if ordered else ""
     return xr.Dataset(
         {
-            "amplitude": ("speed", amplitude, {"units": "m", "long_name": f"lateral amplitude of {body} at the end"}),
-            "oscillation_frequency": ("speed", frequency, {"units": "Hz", "long_name": "frequency at the end"}),
-            "decay_frequency": ("speed", decaying, {"units": "Hz", "long_name": "frequency while it decays"}),
-            "rate_at_end": ("speed", rate, {"units": "1/s", "long_name": "growth rate at the end"}),
-            "persists": (
-                "speed",
-                persists,
-                {"units": "1", "long_name": "1: the oscillation persists, 0: it decays"},
-            ),
+            "amplitude": variable("speed", amplitude, "m", f"lateral amplitude of {body} at the end"),
+            "oscillation_frequency": variable("speed", frequency, "Hz", "frequency at the end"),
+            "decay_frequency": variable("speed", decaying, "Hz", "frequency while it decays"),
+            "rate_at_end": variable("speed", rate, "1/s", "growth rate at the end"),
+            "persists": variable("speed", persists, "1", "1: the oscillation persists, 0: it decays"),
         },
-        {
-            "speed": (
-                "speed",
-                np.array([3.6 * r.speed for r in ordered]),
-                {"units": "km/h", "long_name": "running speed"},
-            )
-        },
+        {"speed": variable("speed", np.array([3.6 * r.speed for r in ordered]), "km/h", "running speed")},
         {"disturbance_mm": 1e3 * disturbance, "body": body},
     )

@@ -16,20 +16,12 @@ from numpy.typing import NDArray
 
 from rollerrig import _core
 from rollerrig.analysis.hunting import HuntingSettings, hunting_case
-from rollerrig.analysis.limit_cycle import (
-    LEAST_AMPLITUDE,
-    Branch,
-    CyclePoint,
-    Diagram,
-    diagram,
-    is_settled,
-    trace,
-)
+from rollerrig.analysis.limit_cycle import LEAST_AMPLITUDE, Branch, CyclePoint, Diagram, diagram, is_settled, trace
 from rollerrig.analysis.parallel import Progress, run_jobs
 from rollerrig.analysis.signals import half_waves
 from rollerrig.assembly import AssembledModel, assemble
 from rollerrig.config import Case
-from rollerrig.results import Outcome, run_dataset
+from rollerrig.results import Outcome, run_dataset, variable
 from rollerrig.simulation import begin, march, outcome
 from rollerrig.starting_state import starting_state
 
@@ -277,7 +269,7 @@ def limit_cycle_table(found: Diagram) -> xr.Dataset:
         "cycle_duration": ([p.duration for _, p in points], "s", "simulated time"),
     }
     variables: dict[str, object] = {
-        name: ("cycle_point", np.array(values, dtype=np.float64), {"units": unit, "long_name": meaning})
+        name: variable("cycle_point", np.array(values, dtype=np.float64), unit, meaning)
         for name, (values, unit, meaning) in columns.items()
     }
     variables["cycle_sweep"] = (

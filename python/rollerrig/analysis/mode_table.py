@@ -18,14 +18,12 @@ from rollerrig.analysis.mode_names import roles
 from rollerrig.analysis.speed_map import SPEEDS_KMH, ModesOverSpeed, modes_over_speed
 from rollerrig.cases import as_case
 from rollerrig.config import Case
+from rollerrig.results import variable
 from rollerrig.results.run_info import describe
 
 
 def stability(
-    case: Case | str,
-    speeds_kmh: Sequence[float] = SPEEDS_KMH,
-    *,
-    progress: Callable[[float, str], None] | None = None,
+    case: Case | str, speeds_kmh: Sequence[float] = SPEEDS_KMH, *, progress: Callable[[float, str], None] | None = None
 ) -> xr.Dataset:
     """Eigenvalues, frequency, damping and shapes of all oscillatory modes over speed.
 
@@ -99,30 +97,18 @@ def _dataset(modes: ModesOverSpeed) -> xr.Dataset:
     who = roles(modes.lineariser.case)
     dims = ("speed", "mode", "body", "direction")
     variables = {
-        "growth_rate": (
-            dims[:2],
-            values.real,
-            {"units": "1/s", "long_name": "real part of the eigenvalue; > 0: grows"},
-        ),
-        "angular_frequency": (dims[:2], np.abs(values.imag), {"units": "rad/s", "long_name": "imaginary part"}),
-        "frequency": (dims[:2], frequency, {"units": "Hz", "long_name": "frequency"}),
-        "damping": (dims[:2], damping, {"units": "1", "long_name": "damping ratio, -Re / |eigenvalue|"}),
-        "shape_amplitude": (
-            dims,
-            np.abs(shape),
-            {"units": "1", "long_name": "displacement amplitude, m or rad; the largest one is 1"},
-        ),
-        "shape_phase": (
-            dims,
-            np.degrees(np.angle(shape)),
-            {"units": "deg", "long_name": "phase lead of the displacement"},
-        ),
-        "energy_share": (dims, share, {"units": "1", "long_name": "share of the mode's kinetic energy"}),
-        "position": (("body", "axis"), position, {"units": "m", "long_name": "design position"}),
+        "growth_rate": variable(dims[:2], values.real, "1/s", "real part of the eigenvalue; > 0: grows"),
+        "angular_frequency": variable(dims[:2], np.abs(values.imag), "rad/s", "imaginary part"),
+        "frequency": variable(dims[:2], frequency, "Hz", "frequency"),
+        "damping": variable(dims[:2], damping, "1", "damping ratio, -Re / |eigenvalue|"),
+        "shape_amplitude": variable(dims, np.abs(shape), "1", "displacement amplitude, m or rad; the largest one is 1"),
+        "shape_phase": variable(dims, np.degrees(np.angle(shape)), "deg", "phase lead of the displacement"),
+        "energy_share": variable(dims, share, "1", "share of the mode's kinetic energy"),
+        "position": variable(("body", "axis"), position, "m", "design position"),
         "role": ("body", np.array([who.kind(body) for body in bodies], dtype=str), {"long_name": "what the body is"}),
     }
     coordinates = {
-        "speed": ("speed", 3.6 * modes.speeds[modes.asked], {"units": "km/h", "long_name": "running speed"}),
+        "speed": variable("speed", 3.6 * modes.speeds[modes.asked], "km/h", "running speed"),
         "mode": ("mode", np.array(modes.names, dtype=str), {"long_name": "mode, named by its dominant motion"}),
         "body": ("body", np.array(bodies, dtype=str), {"long_name": "body"}),
         "direction": ("direction", np.array(DIRECTIONS, dtype=str), {"long_name": "direction"}),

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from rollerrig import _core
 from rollerrig.config import Case, Rig
 from rollerrig.contact_laws import core_law
+from rollerrig.results import variable
 
 Series = NDArray[np.float64]
 
@@ -243,15 +244,11 @@ def with_theory(run: xr.Dataset, case: Case) -> xr.Dataset:
         along[:, k], up[:, k] = 0.5 * forces.longitudinal[axle], 0.5 * forces.vertical[axle]
     dims = ("time", "wheel")
     both = {
-        "sliding": (
-            dims,
-            np.abs(run["longitudinal_sliding"].to_numpy()),
-            {"units": "m/s", "long_name": "absolute sliding"},
-        ),
-        "sliding_theory": (dims, sliding, {"units": "m/s", "long_name": "linearised creep theory"}),
-        "longitudinal_force_theory": (dims, along, {"units": "N", "long_name": "closed form"}),
-        "vertical_force_theory": (dims, up, {"units": "N", "long_name": "closed form"}),
-        "torque": ("time", torque, {"units": "N m", "long_name": "torque on each wheelset"}),
+        "sliding": variable(dims, np.abs(run["longitudinal_sliding"].to_numpy()), "m/s", "absolute sliding"),
+        "sliding_theory": variable(dims, sliding, "m/s", "linearised creep theory"),
+        "longitudinal_force_theory": variable(dims, along, "N", "closed form"),
+        "vertical_force_theory": variable(dims, up, "N", "closed form"),
+        "torque": variable("time", torque, "N m", "torque on each wheelset"),
     }
     kept = run[["longitudinal_force", "vertical_force", "longitudinal_sliding", "lateral_sliding", "speed"]]
     return kept.assign(both)

@@ -17,6 +17,7 @@ from rollerrig.assembly import assemble
 from rollerrig.config import Case
 from rollerrig.config.schema.contact_law import NORMAL_LAWS
 from rollerrig.contact_analysis.static_contact import contact_table, leading_wheelset
+from rollerrig.results import variable
 
 QUANTITIES = {
     "patches": ("1", "patches under load, each counted with its weight"),
@@ -72,10 +73,10 @@ def compare_contacts(
         "yaw": ("position", [yaw for _, yaw in positions], {"units": "rad"}),
     }
     variables: dict[str, Any] = {
-        name: (("model", "position", "side"), data[name], {"units": unit, "long_name": meaning})
+        name: variable(("model", "position", "side"), data[name], unit, meaning)
         for name, (unit, meaning) in QUANTITIES.items()
     }
-    variables["cost"] = ("model", cost, {"units": "s", "long_name": "search and normal contact of one wheel"})
+    variables["cost"] = variable("model", cost, "s", "search and normal contact of one wheel")
     return xr.Dataset(variables, coordinates, {**title, "failed_positions": "\n".join(failed)})
 
 

@@ -30,6 +30,8 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from rollerrig.results import variable
+
 FloatArray = NDArray[np.float64]
 
 POINTS = 2000
@@ -110,16 +112,14 @@ def conicity_table(shifts: xr.Dataset, amplitudes: Sequence[float]) -> xr.Datase
         wavelength = math.pi * np.sqrt(2 * product / conicity)  # (K3)
     return xr.Dataset(
         {
-            "conicity": ("amplitude", conicity, {"units": "1", "long_name": "equivalent conicity"}),
-            "of_wheels": ("amplitude", of_wheels, {"units": "1", "long_name": "conicity of the wheels' radii alone"}),
-            "of_rollers": (
-                "amplitude",
-                conicity - of_wheels,
-                {"units": "1", "long_name": "what the rollers' radii add to the conicity"},
+            "conicity": variable("amplitude", conicity, "1", "equivalent conicity"),
+            "of_wheels": variable("amplitude", of_wheels, "1", "conicity of the wheels' radii alone"),
+            "of_rollers": variable(
+                "amplitude", conicity - of_wheels, "1", "what the rollers' radii add to the conicity"
             ),
-            "wavelength": ("amplitude", wavelength, {"units": "m", "long_name": "wavelength of the kinematic motion"}),
+            "wavelength": variable("amplitude", wavelength, "m", "wavelength of the kinematic motion"),
         },
-        coords={"amplitude": ("amplitude", np.array(amplitudes), {"units": "m", "long_name": "amplitude"})},
+        coords={"amplitude": variable("amplitude", np.array(amplitudes), "m", "amplitude")},
         attrs={
             "title": shifts.attrs["title"],
             "support": shifts.attrs["support"],

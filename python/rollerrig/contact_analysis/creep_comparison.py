@@ -23,6 +23,7 @@ from rollerrig.config.schema.vehicle import DIRECTIONS
 from rollerrig.contact_analysis.creep_laws import ASPECTS, creepage_units, seconds_per_call
 from rollerrig.contact_analysis.static_contact import contact_table, leading_wheelset
 from rollerrig.contact_laws import core_law
+from rollerrig.results import variable
 from rollerrig.starting_state import equilibrium
 
 Array = NDArray[np.float64]
@@ -82,7 +83,7 @@ def compare_creep(
         {
             **{f"force_{d}": (("law", *over), force[..., c], units) for c, d in enumerate("xy")},
             **{f"exact_{d}": (over, exact[..., c], units) for c, d in enumerate("xy")},
-            "cost": ("law", cost, {"units": "s", "long_name": "processor time per call"}),
+            "cost": variable("law", cost, "s", "processor time per call"),
         },
         {
             "law": list(CREEP_LAWS),

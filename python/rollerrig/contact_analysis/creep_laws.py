@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from rollerrig import _core
 from rollerrig.contact_laws import CoreLaw
+from rollerrig.results import variable
 
 Array = NDArray[np.float64]
 
@@ -101,11 +102,11 @@ def compare_laws(
         "seconds": ("law", seconds, "s", "processor time per call"),
     }  # fmt: skip
     return xr.Dataset(
-        {n: (dims, data, {"units": unit, "long_name": text}) for n, (dims, data, unit, text) in variables.items()},
+        {n: variable(dims, data, unit, text) for n, (dims, data, unit, text) in variables.items()},
         coords={
             "law": [REFERENCE, *laws],
             "direction": list(DIRECTIONS),
-            "demand": ("demand", sizes, {"units": "1", "long_name": "creepage over that which demands mu N"}),
+            "demand": variable("demand", sizes, "1", "creepage over that which demands mu N"),
             "component": ["longitudinal", "lateral", "spin"],
         },
         attrs={"a_over_b": a_over_b, "poisson_ratio": poisson_ratio, "fineness": fineness},

@@ -24,6 +24,7 @@ from rollerrig.assembly import assemble
 from rollerrig.config import Case, Rig
 from rollerrig.contact_analysis.static_contact import leading_wheelset
 from rollerrig.profiles import ProfileTable
+from rollerrig.results import variable
 
 SIDES = ("left", "right")
 
@@ -137,12 +138,12 @@ def _dataset(touches: dict[float, _Touch], rail: ProfileTable) -> xr.Dataset:
     values = np.array([touch.sides for touch in ordered])  # (lateral, side, variable)
     values[:, :, _HEIGHT] = rail.evaluate(values[:, :, _HEIGHT - 1])
     variables: dict[str, Any] = {
-        name: (("lateral", "side"), values[:, :, k], {"units": unit, "long_name": meaning})
+        name: variable(("lateral", "side"), values[:, :, k], unit, meaning)
         for k, (name, (unit, meaning)) in enumerate(_VARIABLES.items())
     }
     roll = {"units": "rad", "long_name": "roll angle of the wheelset"}
     variables["roll"] = ("lateral", [touch.roll for touch in ordered], roll)
-    lateral = ("lateral", sorted(touches), {"units": "m", "long_name": "lateral shift, left"})
+    lateral = variable("lateral", sorted(touches), "m", "lateral shift, left")
     return xr.Dataset(variables, coords={"lateral": lateral, "side": list(SIDES)})
 
 

@@ -17,6 +17,7 @@ import xarray as xr
 from rollerrig import _core
 from rollerrig.assembly import AssembledModel, assemble
 from rollerrig.config import Case
+from rollerrig.results import variable
 
 _VARIABLES = {
     "lateral": ("m", "lateral position of the wheelset, positive to the left"),
@@ -102,7 +103,7 @@ def contact_table(case: Case, positions: Iterable[tuple[float, float]], *, roll:
                 rows.append((lateral, yaw, side, number, *shape, *pose, *rest))
     columns = list(zip(*rows, strict=True)) if rows else [()] * len(_VARIABLES)
     variables: dict[str, Any] = {
-        name: ("row", np.array(column, dtype=_dtype(name)), {"units": unit, "long_name": meaning})
+        name: variable("row", np.array(column, dtype=_dtype(name)), unit, meaning)
         for (name, (unit, meaning)), column in zip(_VARIABLES.items(), columns, strict=True)
     }
     attributes = {"title": case.description or case.name, "case": case.name, "wheelset": wheelset, "load_n": load}
@@ -112,8 +113,8 @@ def contact_table(case: Case, positions: Iterable[tuple[float, float]], *, roll:
 def contact_csv(table: xr.Dataset) -> str:
     """The table as CSV text in mm, mrad, N and MPa; lengths, angles and forces with twelve digits."""
     columns = []
-    for variable, factor in _COLUMNS.values():
-        values = table[variable].to_numpy()
+    for name, factor in _COLUMNS.values():
+        values = table[name].to_numpy()
         columns.append([str(v) for v in values] if factor is None else [f"{factor * v + 0.0:.12g}" for v in values])
     lines = [",".join(_COLUMNS), *(",".join(row) for row in zip(*columns, strict=True))]
     return "\n".join(lines) + "\n"

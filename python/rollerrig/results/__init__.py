@@ -3,7 +3,7 @@
 rows of the core -> [results] -> xarray.Dataset -> run.nc, summary.json, CSV
 """
 
-from rollerrig.results.dataset import COMPLETED, Outcome, run_dataset, sources_of
+from rollerrig.results.dataset import COMPLETED, Outcome, run_dataset, sources_of, variable
 from rollerrig.results.energy import add_energy_audit
 from rollerrig.results.files import (
     OutputError,
@@ -36,6 +36,7 @@ __all__ = [
     "save_run",
     "sources_of",
     "summarise",
+    "variable",
     "wheel_table",
     "write_bytes",
     "write_text",

@@ -76,6 +76,11 @@ class Outcome:
     counters: Mapping[str, int]
 
 
+def variable(dims: str | tuple[str, ...], values: Any, units: str, meaning: str) -> tuple[Any, Any, dict[str, str]]:
+    """A variable or coordinate of a Dataset, with its unit and meaning as attributes."""
+    return dims, values, {"units": units, "long_name": meaning}
+
+
 def body_variable(name: str) -> str:
     """The Dataset's word for a body field of the core: 'y_rate' -> 'lateral_velocity'."""
     stem, _, rest = name.partition("_")
@@ -122,7 +127,7 @@ def run_dataset(
             attributes = {"units": unit, "long_name": meaning}
             variables[names.get(name, name)] = (("time", *dims), block[..., column], attributes)
     coordinates: dict[str, Any] = {
-        "time": ("time", times, {"units": "s", "long_name": "time since the start"}),
+        "time": variable("time", times, "s", "time since the start"),
         "body": ("body", list(model.bodies), {"long_name": "body"}),
         "wheel": ("wheel", wheels, {"long_name": "wheel"}),
         "patch": ("patch", np.arange(1, patches + 1), {"long_name": "patch of a wheel, from the flange outwards"}),

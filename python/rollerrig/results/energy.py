@@ -10,6 +10,8 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 
+from rollerrig.results.dataset import variable
+
 WORK_IN = ("energy_work_of_drive", "energy_work_of_torque")
 """Accounts of work put in since the start [J]."""
 
@@ -48,7 +50,7 @@ def add_energy_audit(run: xr.Dataset) -> xr.Dataset:
             turned_over += 0.5 * float(np.abs(np.diff(account)).sum())
     meaning = "work in minus change of kinetic, potential and stored energy minus heat; 0 but for integration errors"
     largest = float(np.abs(residual).max(initial=0.0))
-    audited = run.assign(energy_residual=("time", residual, {"units": "J", "long_name": meaning}))
+    audited = run.assign(energy_residual=variable("time", residual, "J", meaning))
     return audited.assign_attrs(
         energy_turned_over_j=turned_over, energy_relative_residual=largest / turned_over if turned_over > 0 else 0.0
     )

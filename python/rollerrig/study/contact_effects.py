@@ -5,8 +5,9 @@ Case on rig and track -> every normal contact with every creep law asked for -> 
 
 from __future__ import annotations
 
+import itertools
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from rollerrig.analysis import LimitCycleSettings, limit_cycles, linear_critical_speed
@@ -76,14 +77,8 @@ def contact_effect_jobs(
         f"contact model {label}, {normal}, {creep}": job(
             contact_effect, cases[label], (label, normal, creep), tuple(speeds_kmh), run_speed_kmh
         )
-        for label, normal, creep in _combinations(cases, normals, creeps)
+        for label, normal, creep in itertools.product(cases, normals, creeps)
     }
-
-
-def _combinations(
-    cases: Mapping[str, Case], normals: Sequence[str], creeps: Sequence[str]
-) -> Iterator[tuple[str, str, str]]:
-    return ((label, normal, creep) for label in cases for normal in normals for creep in creeps)
 
 
 def contact_effect(

@@ -16,6 +16,7 @@ from rollerrig import __version__
 from rollerrig.analysis.rig_limits import LINES, closed_forms
 from rollerrig.analysis.run_limits import NUMBERS, REGIONS, Record
 from rollerrig.config import Case
+from rollerrig.results import variable
 from rollerrig.study.envelope_points import Point, point_case, vehicle_torque
 
 DIMENSIONS = ("load", "adhesion", "torque")
@@ -47,12 +48,12 @@ def map_dataset(
     }
     variables: dict[str, Any] = {
         **{name: (DIMENSIONS, texts[name].astype(str), {"long_name": text}) for name, text in meanings.items()},
-        **{name: (DIMENSIONS, numbers[name], {"units": u, "long_name": m}) for name, (u, m) in NUMBERS.items()},
+        **{name: variable(DIMENSIONS, numbers[name], u, m) for name, (u, m) in NUMBERS.items()},
     }
     coordinates = {
-        "load": ("load", list(loads), {"units": "1", "long_name": "axle load over the case's own"}),
-        "adhesion": ("adhesion", list(adhesions), {"units": "1", "long_name": "of the virtual rail at no slip"}),
-        "torque": ("torque", list(torques), {"units": "N m", "long_name": "on each axle, negative brakes"}),
+        "load": variable("load", list(loads), "1", "axle load over the case's own"),
+        "adhesion": variable("adhesion", list(adhesions), "1", "of the virtual rail at no slip"),
+        "torque": variable("torque", list(torques), "N m", "on each axle, negative brakes"),
     }
     attributes = {
         "title": f"Operating envelope of {case.name}",
@@ -81,13 +82,12 @@ def _with_lines(found: xr.Dataset, case: Case) -> xr.Dataset:
         own = vehicle_torque(case, side == "brake")
         lines["line_vehicle"][s, k] = np.nan if own is None else own
     variables: dict[str, Any] = {
-        name: (("side", "load", "line_adhesion"), values, {"units": "N m", "long_name": LINES[name]})
-        for name, values in lines.items()
+        name: variable(("side", "load", "line_adhesion"), values, "N m", LINES[name]) for name, values in lines.items()
     }
     meaning = "on rails with more adhesion than this a sliding wheel slides on its roller, (V3)"
-    variables["contact_adhesion"] = (("side", "load"), contact, {"units": "1", "long_name": meaning})
-    variables["axle_load"] = ("load", loads_n, {"units": "N", "long_name": "mean static load of an axle"})
-    along = ("line_adhesion", fine, {"units": "1", "long_name": "adhesion along the closed forms"})
+    variables["contact_adhesion"] = variable(("side", "load"), contact, "1", meaning)
+    variables["axle_load"] = variable("load", loads_n, "N", "mean static load of an axle")
+    along = variable("line_adhesion", fine, "1", "adhesion along the closed forms")
     return found.assign(variables).assign_coords(side=("side", sides), line_adhesion=along)
 
 

@@ -152,14 +152,14 @@ class PaperStudy(Study[Results]):
         run, case, runs = done.get("traction"), traction_case(plan), of(RIG)
         theory = None if run is None else with_theory(run, case)
         checks = [] if run is None or theory is None else [*traction_checks(run, theory, case)]
-        ramps = named("ramp", dict(zip(MATERIALS, MATERIALS, strict=True)))
+        ramps = named("ramp", {m: m for m in MATERIALS})
         for material in MATERIALS:
             own = [one.motion for one in runs[material].runs] if material in runs else []
             checks += energy_checks(material, own, ramps.get(material))
         return Results(
             modes={material: found for material, found in modes.items() if found},
             merging={m: named("merging", {b: f"{m} {b:g}" for b in plan.criteria}) for m in MATERIALS},  # type: ignore[misc]
-            contact=named("contact", dict(zip(MATERIALS, MATERIALS, strict=True))),
+            contact=named("contact", {m: m for m in MATERIALS}),
             ramps=ramps,
             runs=runs,
             vehicle_runs=of(VEHICLE),
@@ -240,10 +240,8 @@ class PaperStudy(Study[Results]):
         if results.modes:
             found["data/figure_7b_linear.csv"] = tables.frequency_rows(results)
         if results.traction is not None and results.theory is not None:
-            found["data/traction.nc"], found["data/figure_8.csv"] = (
-                results.traction,
-                tables.traction_columns(results.theory),
-            )
+            found["data/traction.nc"] = results.traction
+            found["data/figure_8.csv"] = tables.traction_columns(results.theory)
         return found
 
     # ---------------------------------------------------------------------------------------------------- report

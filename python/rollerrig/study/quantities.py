@@ -124,16 +124,26 @@ class Quantities:
 
     # ------------------------------------------------------------------------------------------------ tables
 
-    def table(self, entries: Mapping[str, Numbers], names: Sequence[str], caption: str = "", head: str = "") -> Table:
+    def table(
+        self,
+        entries: Mapping[str, Numbers] | Sequence[Numbers],
+        names: Sequence[str],
+        caption: str = "",
+        head: str = "",
+    ) -> Table:
         """A row per entry, a column per quantity.
 
         Args:
-            entries: label of the row -> numbers by name, or by key where several have one name.
+            entries: numbers by name, or by key where several have one name; label of the row -> numbers where rows have one.
             names: of the quantities shown; what an entry lacks is a dash.
             caption: of the table.
             head: of the column of labels.
         """
         columns = [self[name] for name in names]
+        if not isinstance(entries, Mapping):
+            return Table(
+                [q.heading for q in columns], [[q.cell(_value(one, q)) for q in columns] for one in entries], caption
+            )
         rows = [[label, *(q.cell(_value(values, q)) for q in columns)] for label, values in entries.items()]
         return Table((head, *(q.heading for q in columns)), rows, caption)
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 import base64
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from importlib.resources import files
 
 from jinja2 import Environment, StrictUndefined
@@ -104,17 +104,7 @@ class Check:
 
     def as_dict(self) -> dict[str, object]:
         """For summary.json."""
-        return {
-            "name": self.name,
-            "value": self.value,
-            "expected": self.expected,
-            "unit": self.unit,
-            "deviation": self.deviation,
-            "tolerance": self.tolerance,
-            "relative": self.relative,
-            "passed": self.passed,
-            "reason": self.reason,
-        }
+        return {**asdict(self), "deviation": self.deviation, "passed": self.passed}
 
 
 Block = Text | Picture | Table | Preformatted

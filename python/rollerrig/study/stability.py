@@ -30,7 +30,7 @@ from rollerrig.study.frame import Study
 from rollerrig.study.jobs import Done, Progress, Round, job
 from rollerrig.study.mode_tables import mode_rows, mode_table, shape_blocks, shape_rows
 from rollerrig.study.quantities import Numbers, Quantities, Quantity
-from rollerrig.study.report import Block, Picture, Section, Table, Text
+from rollerrig.study.report import Block, Picture, Section, Text
 
 MOST_CYCLE_SPEEDS = 20
 """Runs are made at no more speeds than this, spread over the range."""
@@ -206,10 +206,9 @@ class StabilityStudy(Study[Results]):
                 "The same vehicle with each normal contact and creep law. The limit cycle is the end of a run from a "
                 f"lateral offset of {1e3 * contact_effects.SETTINGS.disturbance:g} mm of the leading wheelset."
             )
-            rows = [list(entry.values()) for entry in numbers["contact_effects"]]
-            header = [quantity.heading for quantity in contact_effects.QUANTITIES]
-            cells = [[q.cell(v) for q, v in zip(contact_effects.QUANTITIES, row, strict=True)] for row in rows]
-            found.append(Section("Effect of the contact model", [Text(text), Table(header, cells)]))
+            names = [quantity.key for quantity in contact_effects.QUANTITIES]
+            table = QUANTITIES.table(numbers["contact_effects"], names)
+            found.append(Section("Effect of the contact model", [Text(text), table]))
         return found
 
     def _modes(self, modes: xr.Dataset, cycles: xr.Dataset | None, numbers: Numbers) -> list[Block]:
@@ -220,14 +219,9 @@ class StabilityStudy(Study[Results]):
             ("root_locus", root_locus(modes), "Root locus: eigenvalues over speed, the modes of the first figure."),
         )  # fmt: skip
         names = ["crossings.*.speed_kmh", "mode", "crossings.*.frequency_hz", "grows"]
-        header = [QUANTITIES[name].heading for name in names]
-        rows = [[QUANTITIES[n].cell(c[QUANTITIES[n].name]) for n in names] for c in numbers["crossings"]]
-        caption = (
-            "Speeds at which an oscillation begins or ends to grow."
-            if rows
-            else "No oscillation begins or ends to grow."
-        )
-        return [*(Picture(*one) for one in drawn), Table(header, rows, caption), mode_table(modes)]
+        found = numbers["crossings"]
+        caption = f"{'Speeds at which an' if found else 'No'} oscillation begins or ends to grow."
+        return [*(Picture(*one) for one in drawn), QUANTITIES.table(found, names, caption), mode_table(modes)]
 
     def _cycles(self, results: Results, cycles: xr.Dataset, numbers: Numbers) -> list[Block]:
         assert results.diagram is not None
@@ -250,10 +244,8 @@ class StabilityStudy(Study[Results]):
             "long as the contact stays on the smooth piece of the profiles around its position, often less than a tenth of a "
             "millimetre."
         )
-        rows = [
-            [quantity.cell(point[quantity.name]) for quantity in POINTS] for point in numbers["limit_cycles"]["points"]
-        ]
-        return [*blocks, Text(method), Table([quantity.heading for quantity in POINTS], rows, "All runs.")]
+        points = QUANTITIES.table(numbers["limit_cycles"]["points"], [quantity.key for quantity in POINTS], "All runs.")
+        return [*blocks, Text(method), points]
 
 
 def diagram_of(study: StabilityStudy, linear_kmh: float, progress: Progress | None = None) -> Diagram:
