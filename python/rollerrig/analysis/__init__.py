@@ -15,12 +15,7 @@ from rollerrig.analysis.critical_speed import (
     linear_critical_speeds,
 )
 from rollerrig.analysis.crossings import Crossing, zero_crossings
-from rollerrig.analysis.hunting import (
-    HuntingRun,
-    HuntingSettings,
-    hunting_run,
-    hunting_table,
-)
+from rollerrig.analysis.hunting import HuntingRun, HuntingSettings, hunting_run, hunting_table
 from rollerrig.analysis.limit_cycle import CyclePoint, Diagram
 from rollerrig.analysis.limit_cycle_runs import LimitCycleSettings, limit_cycle_table, limit_cycles
 from rollerrig.analysis.linearise import Linearisation, Lineariser, linearise

@@ -15,13 +15,7 @@ import numpy as np
 from scipy.optimize import brentq, minimize_scalar
 
 from rollerrig.analysis.mode_names import roles, shape_name
-from rollerrig.analysis.modes import (
-    LEAST_FREQUENCY,
-    body_shapes,
-    eigensystem,
-    energy_shares,
-    modal_assurance,
-)
+from rollerrig.analysis.modes import LEAST_FREQUENCY, body_shapes, eigensystem, energy_shares, modal_assurance
 from rollerrig.analysis.speed_map import ModesOverSpeed
 
 SPEED_TOLERANCE = 1e-4 / 3.6

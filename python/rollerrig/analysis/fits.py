@@ -37,7 +37,5 @@ def fit(values: Series, *columns: Series) -> Fit:
     left = values - matrix @ solution
     scale = float(np.abs(values).max()) or 1.0
     return Fit(
-        tuple(float(c) for c in solution),
-        float(np.sqrt(np.mean(left**2))) / scale,
-        float(np.abs(left).max()) / scale,
+        tuple(float(c) for c in solution), float(np.sqrt(np.mean(left**2))) / scale, float(np.abs(left).max()) / scale
     )

@@ -7,9 +7,7 @@ from typing import Annotated
 import typer
 
 
-def command(
-    file: Annotated[str, typer.Argument(help="A TOML file, or a name of the catalogue.")],
-) -> None:
+def command(file: Annotated[str, typer.Argument(help="A TOML file, or a name of the catalogue.")]) -> None:
     """Validate a file; of a case, print the assembled model, its static wheel loads and masses."""
     from rollerrig.cli.describe import describe_case, describe_part
     from rollerrig.config import Case, load_any

@@ -9,12 +9,7 @@ from rollerrig.actuators import assemble_with_actuators
 from rollerrig.assembly import AssembledModel
 from rollerrig.config import Case
 from rollerrig.mechatronics import COMMANDS, users_controllers
-from rollerrig.mechatronics.setup import (
-    estimator_response,
-    feedback_gains,
-    full_brake_torque,
-    rig_controller,
-)
+from rollerrig.mechatronics.setup import estimator_response, feedback_gains, full_brake_torque, rig_controller
 
 _WORDS = {
     "proportional_integral": "proportional-integral feedback",

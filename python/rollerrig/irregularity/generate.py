@@ -29,14 +29,7 @@ ROUNDING = 1e-9  # [m]
 
 
 def generate(
-    level: Level,
-    seed: int,
-    *,
-    shortest: float,
-    longest: float,
-    period: float,
-    fade_in: float,
-    scale: float = 1.0,
+    level: Level, seed: int, *, shortest: float, longest: float, period: float, fade_in: float, scale: float = 1.0
 ) -> RailIrregularity:
     """Rails of a published spectrum.
 

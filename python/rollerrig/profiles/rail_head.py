@@ -20,10 +20,7 @@ from .table import DEFAULT_STEP, STEEPEST_SLOPE, FloatArray, ProfileTable, tabul
 Variant = Literal["en_13674", "benchmark"]
 
 #: Abscissae of the junctions R300 | R80 and R80 | R13 in the upright drawing [mm].
-JUNCTIONS: dict[Variant, tuple[float, float]] = {
-    "en_13674": (10.228, 26.0265),
-    "benchmark": (10.5, 25.98803),
-}
+JUNCTIONS: dict[Variant, tuple[float, float]] = {"en_13674": (10.228, 26.0265), "benchmark": (10.5, 25.98803)}
 RADII = (300.0, 80.0, 13.0)  # [mm]
 SIDE_ANGLE = float(np.arctan2(20.0, 1.0))  # [rad] below the horizontal
 SIDE_BOTTOM = -40.0  # [mm] how far down the straight side is drawn

@@ -138,7 +138,7 @@ def _blend(adhesion: Adhesion, factors: Similitude) -> float:
 
 
 SPECIAL: Mapping[tuple[type[BaseModel], str], Callable[[Any, Similitude], Any]] = {
-    (TimeSettings, "absolute_tolerance"): _length,  # of lengths and angles alike
+    (TimeSettings, "absolute_tolerance"): _length  # of lengths and angles alike
 }
 """Fields of which the unit does not say how they scale."""
 

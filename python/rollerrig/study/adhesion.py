@@ -20,21 +20,14 @@ from typing import Any
 import xarray as xr
 from numpy.typing import ArrayLike
 
-from rollerrig.analysis.rig_fidelity import (
-    axle_load,
-    error_budget,
-    fidelity,
-    rig_numbers,
-    run_numbers,
-    variant_numbers,
-)
+from rollerrig.analysis.rig_fidelity import axle_load, error_budget, fidelity, rig_numbers, run_numbers, variant_numbers
 from rollerrig.analysis.tracking import distances, wheel_radius
 from rollerrig.config import Case
 from rollerrig.plot import adhesion as figures
 from rollerrig.results import COMPLETED
 from rollerrig.simulation import simulate
 from rollerrig.study.adhesion_variants import STEPS, VARIANTS, track_case, variant, variants_of
-from rollerrig.study.ensemble import Scatter, starts
+from rollerrig.study.ensemble import scatter, starts
 from rollerrig.study.frame import Study
 from rollerrig.study.jobs import Done, Round, job
 from rollerrig.study.quantities import Numbers, Quantities, Quantity
@@ -208,7 +201,7 @@ class AdhesionStudy(Study[Runs]):
         labelled = {text: entries[name] for name, text in VARIANTS.items() if name in entries}
         labelled["the track"] = {**numbers["track"], "distance_relative": 0.0}
         names = ("distance_relative", "tracking_rms", "mean_slip", "dump_cycles")
-        scatter = {label: one for label, one in numbers["repeatability"].items() if one is not None}
+        repeated = {label: one for label, one in numbers["repeatability"].items() if one is not None}
         caption = (
             "Part of the difference in distance that goes away with each imperfection, one after the other. Grey: the range in "
             "which the same test ends when it begins up to 40 ms later."
@@ -218,7 +211,7 @@ class AdhesionStudy(Study[Runs]):
             [
                 Picture("error_budget", figures.error_budget(parts, max(ranges, default=0.0)), caption),
                 QUANTITIES.table(labelled, names, "Each of the lines after the first takes one more imperfection away.", "run"),
-                QUANTITIES.table(scatter, ("mean_distance_m", "standard_error_m", "relative_range"), "Repeated tests.", "on"),
+                QUANTITIES.table(repeated, ("mean_distance_m", "standard_error_m", "relative_range"), "Repeated tests.", "on"),
             ],
         )  # fmt: skip
 
@@ -261,12 +254,8 @@ def repeatability(runs: Sequence[xr.Dataset]) -> dict[str, float] | None:
     """Distances of repeated tests; None for a single one."""
     if len(runs) < 2:
         return None
-    scatter = Scatter(tuple(distances(runs)))
-    return {
-        "mean_distance_m": scatter.mean,
-        "standard_error_m": scatter.standard_error,
-        "relative_range": scatter.relative_range,
-    }
+    names = ("mean_distance_m", "standard_error_m", "relative_range")
+    return dict(zip(names, scatter(distances(runs)), strict=True))
 
 
 def axle_columns(track: xr.Dataset, rig: xr.Dataset) -> dict[str, ArrayLike]:

@@ -13,12 +13,7 @@ from typing import Any
 import xarray as xr
 from matplotlib.figure import Figure
 
-from rollerrig.analysis import (
-    CriticalSpeedByDisturbance,
-    HuntingSettings,
-    LinearCriticalSpeed,
-    hunting_table,
-)
+from rollerrig.analysis import CriticalSpeedByDisturbance, HuntingSettings, LinearCriticalSpeed, hunting_table
 from rollerrig.analysis.contact_state import RollingState, rolling_state
 from rollerrig.analysis.critical_speed import scan_linear
 from rollerrig.analysis.roller_effects import RADII, RANGE_KMH, CriticalSpeedOverRadius, EffectSplit

@@ -1,6 +1,6 @@
 """Repeatability: the same test begun at slightly different instants, and what its results scatter by.
 
-Case -> [starts] -> cases begun later -> values -> [Scatter] -> mean, standard error, range
+Case -> [starts] -> cases begun later -> values -> [scatter] -> mean, standard error, range
 
 Slide protection and wheel-slip control switch on small differences: a difference below the scatter of repeated tests means
 nothing.
@@ -9,7 +9,6 @@ nothing.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -35,27 +34,7 @@ def begun_later(case: Case, seconds: float) -> Case:
     return case.model_copy(update=changes)
 
 
-@dataclass(frozen=True)
-class Scatter:
-    """Of a quantity over repeated tests.
-
-    Attributes:
-        values: one per test; at least two.
-    """
-
-    values: tuple[float, ...]
-
-    @property
-    def mean(self) -> float:
-        """Mean over the tests."""
-        return float(np.mean(self.values))
-
-    @property
-    def standard_error(self) -> float:
-        """Standard error of the mean: s / sqrt(n), s with n - 1 in its denominator."""
-        return float(np.std(self.values, ddof=1) / np.sqrt(len(self.values)))
-
-    @property
-    def relative_range(self) -> float:
-        """Largest less smallest, over the mean [-]."""
-        return (max(self.values) - min(self.values)) / self.mean
+def scatter(values: Sequence[float]) -> tuple[float, float, float]:
+    """Mean of at least two tests, its standard error s / sqrt(n), s with n - 1, and largest less smallest over the mean [-]."""
+    mean = float(np.mean(values))
+    return mean, float(np.std(values, ddof=1) / np.sqrt(len(values))), (max(values) - min(values)) / mean

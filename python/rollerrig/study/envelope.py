@@ -18,13 +18,7 @@ import xarray as xr
 
 from rollerrig.analysis.envelope_borders import Border, borders, slides
 from rollerrig.analysis.rig_limits import LINES, SLIDES
-from rollerrig.analysis.run_limits import (
-    FULL_SLIDING,
-    LEAST_DURATION,
-    REGIONS,
-    REPRODUCED,
-    TRACKING_LIMIT,
-)
+from rollerrig.analysis.run_limits import FULL_SLIDING, LEAST_DURATION, REGIONS, REPRODUCED, TRACKING_LIMIT
 from rollerrig.cases import as_case
 from rollerrig.config import Case, ConfigError, ConfigProblem, Rig
 from rollerrig.plot import envelope as figures

@@ -60,10 +60,9 @@ def shape_blocks(modes: xr.Dataset) -> list[Block]:
     speed, shown = shape_speed(modes), shown_modes(modes)
     blocks: list[Block] = [
         Text(
-            f"All at {speed:g} km/h, the speed of the table nearest to the linear critical one, or the highest. "
-            "Displacements are not "
-            "to scale; outlines are schematic: wheelsets red, bogies blue, car body green, dashed in their design position. x "
-            "points forward, y to the left."
+            f"All at {speed:g} km/h, the speed of the table nearest to the linear critical one, or the highest. Displacements "
+            "are not to scale; outlines are schematic: wheelsets red, bogies blue, car body green, dashed in their design "
+            "position. x points forward, y to the left."
         )
     ]
     critical = modes.attrs["linear_critical_mode"] or modes.attrs["hunting_mode"]

@@ -25,12 +25,11 @@ TRACTION = (
 )
 RAMP = (
     "The rollers are sped up slowly from a disturbed start, as in the paper, and then slowed down again. The model has no "
-    "irregularities: below the critical speed the first disturbance decays within seconds to exact rest, and a bogie "
-    "at exact rest "
-    "stays there far above the critical speed, whatever its stability. The bogie is therefore perturbed at every "
-    "{every:g} km/h on "
-    "the way up (triangles): all its moving bodies are given a lateral velocity of {perturbation:g} mm/s. What remains of one "
-    "perturbation before the next shows whether disturbances grow. The rollers gain {rate:g} km/h per second."
+    "irregularities: below the critical speed the first disturbance decays within seconds to exact rest, and a bogie at exact "
+    "rest stays there far above the critical speed, whatever its stability. The bogie is therefore perturbed at every "
+    "{every:g} km/h on the way up (triangles): all its moving bodies are given a lateral velocity of {perturbation:g} mm/s. "
+    "What remains of one perturbation before the next shows whether disturbances grow. The rollers gain {rate:g} km/h per "
+    "second."
 )
 
 
@@ -85,10 +84,9 @@ def critical_paragraphs(results: Results) -> list[str]:
         )
         if lowest < linear - 5:
             text += (
-                f" Between {lowest:.0f} and {linear:.0f} km/h both are possible: small disturbances decay, larger "
-                "ones end in a limit "
-                "cycle, and a hunting bogie continues to hunt while the rollers slow down, until the lower of the two speeds "
-                "(hysteresis, a subcritical bifurcation)."
+                f" Between {lowest:.0f} and {linear:.0f} km/h both are possible: small disturbances decay, larger ones end in "
+                "a limit cycle, and a hunting bogie continues to hunt while the rollers slow down, until the lower of the two "
+                "speeds (hysteresis, a subcritical bifurcation)."
             )
         ramp = results.ramps.get(material)
         end = 3.6 * end_of_hunting(ramp, "front_frame") if ramp is not None else math.nan
@@ -99,12 +97,10 @@ def critical_paragraphs(results: Results) -> list[str]:
 def frequency_paragraphs(results: Results, plan: PaperPlan) -> list[str]:
     """What figure 7b says: how far the bogie on the rig and the whole vehicle on the rails are apart."""
     texts = [
-        "Figure 7b of the paper shows the frequency of the lateral oscillation in its simulations at each speed, for "
-        "a whole vehicle "
-        "on the rails and a bogie on the rig, and calls frequency and critical speed similar. Here both are released "
-        "from the same "
-        "lateral offset, and the frequency is that of the frame's half-waves: while they decay (down to a tenth of "
-        "the largest), or at the end where they persist."
+        "Figure 7b of the paper shows the frequency of the lateral oscillation in its simulations at each speed, for a whole "
+        "vehicle on the rails and a bogie on the rig, and calls frequency and critical speed similar. Here both are released "
+        "from the same lateral offset, and the frequency is that of the frame's half-waves: while they decay (down to a tenth "
+        "of the largest), or at the end where they persist."
     ]
     for material in MATERIALS:
         apart = frequency_differences(results, material)
@@ -178,10 +174,9 @@ def _comparison(value: float) -> str:
     if abs(off) <= 0.1:
         return "That is within a tenth of the paper's value."
     return (
-        f"That is still {100 * abs(off):.0f} % {'above' if off > 0 else 'below'} the paper's value: neither "
-        "reproduces it. The paper "
-        "names its vehicle, but neither profiles nor friction nor the radius of its rollers; no parameter was tuned "
-        "here to close the gap."
+        f"That is still {100 * abs(off):.0f} % {'above' if off > 0 else 'below'} the paper's value: neither reproduces it. The "
+        "paper names its vehicle, but neither profiles nor friction nor the radius of its rollers; no parameter was tuned here "
+        "to close the gap."
     )
 
 
@@ -196,12 +191,10 @@ def _effect_of_the_material(results: Results) -> str:
     steel, soft = (results.contact[m] for m in MATERIALS)
     moduli = [rig_case(m).contact.material.shear_modulus for m in MATERIALS]
     text = (
-        f"Effect of the material: with G = {1e-9 * moduli[1]:.0f} GPa the wheels sink "
-        f"in {soft.approach / steel.approach:.1f} times as "
-        f"deep ({1e6 * soft.approach:.0f} instead of {1e6 * steel.approach:.0f} µm), and the creep stiffness Σf₁₁ of "
-        "a wheel falls to "
-        f"{100 * soft.creep_stiffness / steel.creep_stiffness:.0f} % (Hertz and Kalker together give G^(1/3), which is "
-        f"{100 * (moduli[1] / moduli[0]) ** (1 / 3):.0f} %): the creep forces at the same creepage fall by as much."
+        f"Effect of the material: with G = {1e-9 * moduli[1]:.0f} GPa the wheels sink in {soft.approach / steel.approach:.1f} "
+        f"times as deep ({1e6 * soft.approach:.0f} instead of {1e6 * steel.approach:.0f} µm), and the creep stiffness Σf₁₁ of "
+        f"a wheel falls to {100 * soft.creep_stiffness / steel.creep_stiffness:.0f} % (Hertz and Kalker together give G^(1/3), "
+        f"which is {100 * (moduli[1] / moduli[0]) ** (1 / 3):.0f} %): the creep forces at the same creepage fall by as much."
     )
     soft_name, steel_name = MATERIALS[1], MATERIALS[0]
     if all(of(soft_name) < of(steel_name) for of in (results.linear_kmh, results.by_disturbance_kmh)):
@@ -228,10 +221,9 @@ def _sensitivity(results: Results) -> str:
     if not parts:
         return ""
     return (
-        "Accuracy of these numbers: near its centred position S1002 on UIC60 1:40 touches in two patches per wheel, "
-        "and the method of "
-        "the paper treats each as a Hertzian contact of its own. How two patches merge is a modelling choice "
-        "(contact.normal.merging_criterion). Over the values in the table the linear critical speed is "
-        f"{' and '.join(parts)}. The exact solution has a single patch there, so the linear critical speed of this "
-        "pair should not be read more accurately than that."
+        "Accuracy of these numbers: near its centred position S1002 on UIC60 1:40 touches in two patches per wheel, and the "
+        "method of the paper treats each as a Hertzian contact of its own. How two patches merge is a modelling choice "
+        f"(contact.normal.merging_criterion). Over the values in the table the linear critical speed is {' and '.join(parts)}. "
+        "The exact solution has a single patch there, so the linear critical speed of this pair should not be read more "
+        "accurately than that."
     )

@@ -17,13 +17,7 @@ import xarray as xr
 from rollerrig.analysis import Diagram, LimitCycleSettings, limit_cycle_table, limit_cycles, stability
 from rollerrig.analysis.limit_cycle import KIND_SENTENCES, CyclePoint
 from rollerrig.config import Case
-from rollerrig.plot import (
-    damping_map,
-    damping_over_speed,
-    frequency_over_speed,
-    limit_cycle_diagram,
-    root_locus,
-)
+from rollerrig.plot import damping_map, damping_over_speed, frequency_over_speed, limit_cycle_diagram, root_locus
 from rollerrig.study import contact_effects
 from rollerrig.study.contact_effects import ContactEffect
 from rollerrig.study.frame import Study
@@ -234,15 +228,12 @@ class StabilityStudy(Study[Results]):
             )
             blocks.append(Picture("limit_cycles", limit_cycle_diagram(cycles, results.modes), caption))
         method = (
-            f"Way up: from a lateral offset of the leading wheelset of {1e3 * self.settings.perturbation:g} mm until "
-            "a limit cycle is "
-            f"reached. Way down: from {1e3 * self.settings.disturbance:g} mm at the highest speed, then from the "
-            "limit cycle of the "
-            "speed above; where that has decayed, from the same offset again. Each run lasts until its amplitude has settled, or "
-            f"{self.settings.longest:g} s. The perturbation need not grow or decay as the linear model predicts: that "
-            "is exact only as "
-            "long as the contact stays on the smooth piece of the profiles around its position, often less than a tenth of a "
-            "millimetre."
+            f"Way up: from a lateral offset of the leading wheelset of {1e3 * self.settings.perturbation:g} mm until a limit "
+            f"cycle is reached. Way down: from {1e3 * self.settings.disturbance:g} mm at the highest speed, then from the "
+            "limit cycle of the speed above; where that has decayed, from the same offset again. Each run lasts until its "
+            f"amplitude has settled, or {self.settings.longest:g} s. The perturbation need not grow or decay as the linear "
+            "model predicts: that is exact only as long as the contact stays on the smooth piece of the profiles around its "
+            "position, often less than a tenth of a millimetre."
         )
         points = QUANTITIES.table(numbers["limit_cycles"]["points"], [quantity.key for quantity in POINTS], "All runs.")
         return [*blocks, Text(method), points]

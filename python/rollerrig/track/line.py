@@ -138,12 +138,7 @@ def _row_at(
     if inside < sharp.rows[0, 0]:
         s_k, c = start, [c[0], 0.0, 0.0, 0.0]
     t = start - s_k
-    row = [
-        c[0] + t * (c[1] + t * (c[2] + t * c[3])),
-        c[1] + t * (2 * c[2] + t * 3 * c[3]),
-        c[2] + 3 * t * c[3],
-        c[3],
-    ]
+    row = [c[0] + t * (c[1] + t * (c[2] + t * c[3])), c[1] + t * (2 * c[2] + t * 3 * c[3]), c[2] + 3 * t * c[3], c[3]]
     for corner, jump in corners:
         if abs(inside - corner) >= half:
             continue

@@ -14,7 +14,7 @@ from rollerrig.analysis.tracking import distances
 from rollerrig.config import case_from_toml
 from rollerrig.study.adhesion import CONTRIBUTIONS, QUANTITIES, AdhesionStudy, Runs, assessment
 from rollerrig.study.adhesion_variants import STEPS, variant, variants_of
-from rollerrig.study.ensemble import Scatter, begun_later
+from rollerrig.study.ensemble import begun_later, scatter
 from rollerrig.study.frame import Outcome
 
 
@@ -65,10 +65,10 @@ def test_the_same_test_a_little_later_is_another_one(outcome: Outcome[Runs], num
 
 
 def test_mean_standard_error_and_range_of_known_values() -> None:
-    scatter = Scatter((1.0, 2.0, 3.0, 4.0))
-    assert scatter.mean == 2.5
-    assert scatter.standard_error == pytest.approx((5.0 / 3.0) ** 0.5 / 2.0)
-    assert scatter.relative_range == pytest.approx(3.0 / 2.5)
+    mean, standard_error, relative_range = scatter((1.0, 2.0, 3.0, 4.0))
+    assert mean == 2.5
+    assert standard_error == pytest.approx((5.0 / 3.0) ** 0.5 / 2.0)
+    assert relative_range == pytest.approx(3.0 / 2.5)
 
 
 def test_every_number_is_explained_and_written(outcome: Outcome[Runs], tmp_path: Path) -> None:

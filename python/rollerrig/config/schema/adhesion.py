@@ -28,8 +28,7 @@ class Condition(Table):
 
     friction: AnyFriction = Field(description="a number, or a law over slip velocity")
     k_A: Share = Field(
-        default=1.0,
-        description="of the creep curve's stiffness on the area of adhesion, in place of [contact]'s own",
+        default=1.0, description="of the creep curve's stiffness on the area of adhesion, in place of [contact]'s own"
     )
     k_S: Share = Field(
         default=1.0, description="on the area of slip, at most k_A; laws without k_A and k_S take their mean"

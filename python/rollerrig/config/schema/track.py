@@ -30,8 +30,7 @@ class Transition(Table):
     kind: Literal["transition"] = Field(description="joins what stands before and after it")
     length: PositiveLength = Field(description="length")
     shape: Literal["clothoid", "bloss"] = Field(
-        default="clothoid",
-        description="curvature and cant in proportion to the distance, or along the cubic of Bloss",
+        default="clothoid", description="curvature and cant in proportion to the distance, or along the cubic of Bloss"
     )
 
 
