@@ -32,7 +32,7 @@ inline std::string class_name(std::string_view name, std::string_view family) {
   return out.append(family);
 }
 
-/// Binds every law of a registry, and the registry itself: name in a configuration -> class.
+/// Binds every law of a registry, and the registry itself: name in a configuration -> class, which ends in `family`.
 template <class Registry>
 void bind_laws(nb::module_& m, char const* registry, std::string_view family = "") {
   nb::dict classes;

@@ -2,8 +2,10 @@
 #include "rollerrig/system/model.hpp"
 
 #include <nanobind/stl/shared_ptr.h>
+#include <nanobind/stl/variant.h>
 
 #include "convert.hpp"
+#include "fields.hpp"
 #include "rollerrig/system/model_builder.hpp"
 #include "rollerrig/system/statics.hpp"
 
@@ -32,16 +34,14 @@ PiecewiseCubic piecewise_cubic(BreakRows const& rows) {
 }
 
 void bind_bodies(nb::module_& m) {
-  using D = DirectionLaw;
   using E = ForceElement;
   bind_description(m, "Body", "A rigid body; SI.", Member{"mass", &Body::mass}, Member{"inertia", &Body::inertia},
                    Member{"position", &Body::position}, Member{"axisymmetric", &Body::axisymmetric},
                    Member{"locked", &Body::locked}, Member{"speed_controlled_radius", &Body::speed_controlled_radius},
                    Member{"in_moving_frame", &Body::in_moving_frame});
-  bind_description(m, "DirectionLaw", "Force of an element in one direction; SI.", Member{"preload", &D::preload},
-                   Member{"stiffness", &D::stiffness}, Member{"table", &D::table}, Member{"damping", &D::damping},
-                   Member{"damping_table", &D::damping_table}, Member{"series_damping", &D::series_damping},
-                   Member{"series_stiffness", &D::series_stiffness});
+  bind_laws<ForceLaw>(m, "force_laws", "ForceLaw");
+  bind_description(m, "DirectionLaw", "Force of an element in one direction; SI.",
+                   Member{"preload", &DirectionLaw::preload}, Member{"laws", &DirectionLaw::laws});
   bind_description(m, "ForceElement", "Springs and dampers between two bodies, -1: the ground.",
                    Member{"body_a", &E::body_a}, Member{"body_b", &E::body_b}, Member{"point_on_b", &E::r_b},
                    Member{"law", &E::law}, Member{"clamped", &E::clamped});

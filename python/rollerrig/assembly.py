@@ -12,13 +12,15 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from rollerrig import _core
-from rollerrig.config import AngularSupport, Case, Foundation, LinearSupport, Mounting, Rig, Track, Vehicle
+from rollerrig.config import Case, Foundation, Mounting, Rig, Track, Vehicle
 from rollerrig.config.schema.irregularity import rails_of_run
-from rollerrig.config.schema.vehicle import DIRECTIONS, AngularLaw, Body, Element, LinearLaw
+from rollerrig.config.schema.vehicle import DIRECTIONS, Body, Element
 from rollerrig.config.validate.check_track import distance_run, foremost_wheelset
 from rollerrig.contact_laws import contact_laws
+from rollerrig.force_laws import direction_law
 from rollerrig.irregularity import RAILS, RailIrregularity
 from rollerrig.profiles import ProfileTable, gauge_point, profile_from_spec
+from rollerrig.static_loads import static_loads
 from rollerrig.track import Line
 
 GROUND = -1
@@ -269,18 +271,14 @@ class Assembly:
         x, y, z = element.end_b
         bx, by, bz = self.positions[element.between[1]]
         self.elements.append(element.name)
-        own = {DIRECTIONS.index(direction): law for direction, law in element.laws.items()}
-        vertical = DIRECTIONS.index("z")
         self.builder.add_element(
             _core.ForceElement(
                 body_a=a,
                 body_b=b,
                 point_on_b=(x - self.cut.origin_x - bx, y - by, z - bz),
                 law=[
-                    direction_law(own[c], preload if element.carries_load and c == vertical else 0.0)
-                    if c in own
-                    else NO_LAW
-                    for c in range(len(DIRECTIONS))
+                    direction_law(element.laws.get(direction), preload if direction == "z" else 0.0)
+                    for direction in DIRECTIONS
                 ],
                 clamped=element.clamped,
             )
@@ -289,13 +287,8 @@ class Assembly:
     def _add_rollers(self, wheelset: Body, rig: Rig, axle_load: float) -> None:
         x = wheelset.position[0] - self.cut.origin_x
         mounting = rig.mounting
-        free = {
-            "pitch": True,
-            "y": mounting is not None and mounting.lateral is not None,
-            "z": mounting is not None and mounting.vertical is not None,
-            "yaw": mounting is not None and mounting.yaw is not None,
-        }
-        locked = [not free.get(direction, False) for direction in DIRECTIONS]
+        free = {"pitch", *(mounting.laws if mounting else ())}
+        locked = [direction not in free for direction in DIRECTIONS]
         controlled = rig.roller_radius if self.case.motion.drive == "speed_controlled" else 0.0
         number = wheelset.name.removeprefix("wheelset_")
         sides = ("",) if rig.coupling == "axle" else ("_left", "_right")
@@ -304,16 +297,10 @@ class Assembly:
             y = {"": 0.0, "_left": 1.0, "_right": -1.0}[side] * self.rail_origin
             name = f"roller_{number}{side}"
             ixx, iyy, izz = rig.roller_inertia
-            inertia = (share * ixx, share * iyy, share * izz)
+            mass, inertia = share * rig.roller_mass, (share * ixx, share * iyy, share * izz)
             position = (x, y, -rig.roller_radius)
             index = self._add_body(
-                name,
-                share * rig.roller_mass,
-                inertia,
-                position,
-                locked,
-                axisymmetric=True,
-                speed_controlled_radius=controlled,
+                name, mass, inertia, position, locked, axisymmetric=True, speed_controlled_radius=controlled
             )
             self.rollers.append(name)
             for wheel_side in ("left", "right") if side == "" else (side[1:],):
@@ -323,8 +310,7 @@ class Assembly:
 
     def _add_rails(self, wheelset: Body, foundation: Foundation, axle_load: float) -> None:
         x, mass = wheelset.position[0] - self.cut.origin_x, foundation.rail_mass
-        free = {"y": foundation.lateral is not None, "z": foundation.vertical is not None}
-        locked = [not free.get(direction, False) for direction in DIRECTIONS]
+        locked = [direction not in foundation.laws for direction in DIRECTIONS]
         number = wheelset.name.removeprefix("wheelset_")
         for side, sign in (("left", 1.0), ("right", -1.0)):
             name = f"rail_{number}_{side}"
@@ -336,12 +322,8 @@ class Assembly:
 
     def _mount(self, name: str, body: int, mounting: Mounting | Foundation, load: float) -> None:
         """Springs and dampers between the ground and a roller, or a piece of rail."""
-        laws = [NO_LAW] * len(DIRECTIONS)
-        for attribute, direction in (("lateral", "y"), ("vertical", "z"), ("yaw", "yaw")):
-            spring: LinearSupport | AngularSupport | None = getattr(mounting, attribute, None)
-            if spring is not None:
-                preload = load if direction == "z" else 0.0
-                laws[DIRECTIONS.index(direction)] = _law(preload, spring.stiffness, spring.damping)
+        loaded = {"z": load} if "z" in mounting.laws else {}
+        laws = [direction_law(mounting.laws.get(c), loaded.get(c, 0.0)) for c in DIRECTIONS]
         self.elements.append(f"mounting_{name}")
         self.builder.add_element(
             _core.ForceElement(body_a=GROUND, body_b=body, point_on_b=(0.0, 0.0, 0.0), law=laws, clamped=False)
@@ -415,73 +397,3 @@ def axle_torque(wheelset: int, reaction: int, table: Rows) -> _core.AxleTorque:
     return _core.AxleTorque(
         wheelset=wheelset, reaction=reaction, torque=table, link=0.0, gear_ratio=1.0, rotor_inertia=0.0
     )
-
-
-def _law(
-    preload: float,
-    stiffness: float,
-    damping: float,
-    table: Rows = (),
-    damping_table: Rows = (),
-    series_damping: float = 0.0,
-    series_stiffness: float = 0.0,
-) -> _core.DirectionLaw:
-    return _core.DirectionLaw(
-        preload=preload,
-        stiffness=stiffness,
-        table=table,
-        damping=damping,
-        damping_table=damping_table,
-        series_damping=series_damping,
-        series_stiffness=series_stiffness,
-    )
-
-
-NO_LAW = _law(0.0, 0.0, 0.0)
-
-
-def direction_law(law: LinearLaw | AngularLaw, preload: float) -> _core.DirectionLaw:
-    """One direction of an element, as the core takes it.
-
-    Args:
-        law: the law; its own `preload` acts on body a's side, so that body b feels the opposite.
-        preload: further force on body b along the positive axis at the design position [N].
-    """
-    damper = law.damper
-    return _law(
-        preload - law.preload,
-        law.stiffness or 0.0,
-        law.damping or 0.0,
-        law.table or (),
-        law.damping_table or (),
-        damper.damping if damper else 0.0,
-        damper.series_stiffness if damper else 0.0,
-    )
-
-
-def static_loads(vehicle: Vehicle, gravity: float) -> tuple[dict[str, float], dict[str, float]]:
-    """Vertical preloads and axle loads of the whole vehicle in its design position, solved by the core.
-
-    Args:
-        vehicle: all bodies and elements.
-        gravity: its acceleration [m/s^2].
-
-    Returns:
-        Preload per element that carries load (force on its second body [N]), and load per wheelset [N].
-    """
-    names = [body.name for body in vehicle.body]
-    loads = _core.static_loads(
-        [
-            _core.StandingBody(mass=body.mass, position=body.position, on_wheels=body.kind == "wheelset")
-            for body in vehicle.body
-        ],
-        [
-            _core.LoadSpring(body_a=names.index(e.between[0]), body_b=names.index(e.between[1]), point=e.end_b)
-            for e in vehicle.element
-            if e.carries_load
-        ],
-        gravity,
-    )
-    carrying = (element.name for element in vehicle.element if element.carries_load)
-    wheelsets = {b.name: load for b, load in zip(vehicle.body, loads.on_body, strict=True) if b.kind == "wheelset"}
-    return dict(zip(carrying, loads.preload, strict=True)), wheelsets

@@ -1,9 +1,9 @@
 """The arrow of the data is a test: a folder may use only what stands to its left.
 
 core:    scalar -> math -> integrate -> track -> multibody -> geometry -> contact -> mechatronics -> system -> simulate
-Python:  splines -> profiles, track, irregularity -> config -> core_struct -> catalog -> cases -> contact_laws -> assembly
-         -> actuators -> results -> starting_state -> mechatronics -> simulation -> similitude -> contact_analysis -> analysis
-         -> plot -> study -> commands -> cli
+Python:  splines -> profiles, track, irregularity -> config -> core_struct -> catalog -> cases
+         -> contact_laws, force_laws, static_loads -> assembly -> actuators -> results -> starting_state -> mechatronics
+         -> simulation -> similitude -> contact_analysis -> analysis -> plot -> study -> commands -> cli
 """
 
 from __future__ import annotations
@@ -120,7 +120,7 @@ PYTHON_LAYERS = [
     {"core_struct"},
     {"catalog"},
     {"cases"},
-    {"contact_laws"},
+    {"contact_laws", "force_laws", "static_loads"},
     {"assembly"},
     {"actuators"},
     {"results"},

@@ -47,13 +47,11 @@ Problem set_up(Dynamics const& dynamics, std::vector<HeldCoordinate> const& held
       problem.weight.push_back(inertia[c]);
     }
   }
-  for (std::size_t i = 0; i < model.elements.size(); ++i)
-    for (std::size_t c = 0; c < 6; ++c)
-      if (int const node = model.elements[i].node[c]; node >= 0) {
-        problem.columns.push_back(map.coordinates + map.rates + node);
-        problem.rows.push_back(map.coordinates + map.rates + node);
-        problem.weight.push_back(model.elements[i].law[c].series_damping);
-      }
+  for (std::size_t node = 0; node < model.nodes.size(); ++node) {
+    problem.columns.push_back(map.coordinates + map.rates + static_cast<int>(node));
+    problem.rows.push_back(map.coordinates + map.rates + static_cast<int>(node));
+    problem.weight.push_back(model.nodes[node].damping);
+  }
   return problem;
 }
 

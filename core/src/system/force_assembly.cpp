@@ -51,11 +51,10 @@ void ForceAssembly<T>::apply_element(std::size_t index) const {
   for (std::size_t c = 0; c < (e.rotational ? 6U : 3U); ++c) {
     DirectionLaw const& law = e.law[c];
     if (!law.active()) continue;
-    int const node = e.node[c];
-    auto const out = direction_force(law, m.d[c], m.rate[c], node >= 0 ? w_.node[at(node)] : T(0.0));
+    auto const out =
+        direction_force(law, m.d[c], m.rate[c], w_.node.data() + e.node[c], w_.node_rate.data() + e.node[c]);
     f[c] = out.force;
     w_.power[dissipated_elements] += out.dissipated;
-    if (node >= 0) w_.node_rate[at(node)] = out.node_rate;
     if constexpr (std::same_as<T, double>) {
       evaluation_.element_force[index][c] = out.force;
       evaluation_.element_deflection[index][c] = m.d[c];

@@ -88,8 +88,9 @@ Selection JacobianSweeps::touched_by(Model const& model, Sweep const& sweep, boo
   // What the track does over time reaches every element between two frames, every body in one, and what rolls on it.
   bool const line_moves = time && model.on_rails && !model.line.empty();
   for (auto const& e : model.elements) {
-    bool own = seeded(e.body_a) || seeded(e.body_b) || line_moves;
-    for (int node : e.node) own = own || (node >= sweep.first_node && node < sweep.first_node + sweep.node_count);
+    bool const node_seeded =
+        std::max(e.first_node(), sweep.first_node) < std::min(e.end_node(), sweep.first_node + sweep.node_count);
+    bool const own = seeded(e.body_a) || seeded(e.body_b) || node_seeded || line_moves;
     touched.element.push_back(own);
     if (own) affect({e.body_a, e.body_b});
   }
@@ -154,8 +155,8 @@ void JacobianSweeps::store(Model const& model, Sweep const& sweep, JacobianData&
   }
   for (std::size_t i = 0; i < model.elements.size(); ++i) {
     if (!sweep.touched.element[i]) continue;
-    for (int node : model.elements[i].node)
-      for (std::size_t k = 0; node >= 0 && k < columns; ++k)
+    for (int node = model.elements[i].first_node(); node < model.elements[i].end_node(); ++node)
+      for (std::size_t k = 0; k < columns; ++k)
         j.a(map.coordinates + map.rates + node, sweep.columns[k]) = work_.node_rate[at(node)].d[static_cast<int>(k)];
   }
   for (int account = 0; account < account_count; ++account)
@@ -203,8 +204,8 @@ void JacobianSweeps::fill_time(Model const& model, Inputs const& inputs, ForceAs
     for (std::size_t c = 0; c < 6; ++c)
       if (time_.body[b] && map.rate[b][c] >= 0) j.f_t[map.rate[b][c]] = work_.acceleration[b][c].d[0];
   for (std::size_t i = 0; i < model.elements.size(); ++i)
-    for (int node : model.elements[i].node)
-      if (node >= 0 && time_.element[i]) j.f_t[map.coordinates + map.rates + node] = work_.node_rate[at(node)].d[0];
+    for (int node = model.elements[i].first_node(); node < model.elements[i].end_node(); ++node)
+      if (time_.element[i]) j.f_t[map.coordinates + map.rates + node] = work_.node_rate[at(node)].d[0];
   for (int account = 0; account < account_count; ++account) j.g_t[map.angles + account] = work_.power[at(account)].d[0];
 }
 

@@ -26,6 +26,22 @@ void need_table(PiecewiseLinear const& table, std::string const& what) {
     need(i == 0 || table.x[i - 1] < table.x[i], what + " must be given at increasing points");
   }
 }
+/// Numbers and tables of a force law; damping and stiffness at an inner node, which are divided by.
+template <NamedLaw Law>
+void need_law(Law const& law, std::string const& what) {
+  auto const need_field = [&](auto const& field) {
+    auto const& value = law.*field.member;
+    if constexpr (std::same_as<std::remove_cvref_t<decltype(value)>, double>)
+      need_finite({value}, what + field.name);
+    else
+      need_table(value, what + field.name);
+  };
+  std::apply([&](auto const&... field) { (need_field(field), ...); }, Law::fields());
+  if constexpr (HasNode<Law>) {
+    need_positive(law.node().damping, what + Law::name + ": damping of its inner node");
+    need_positive(law.node().stiffness, what + Law::name + ": stiffness at its inner node");
+  }
+}
 void need_spline(UniformSpline const& spline, std::string const& what) {
   need_positive(spline.step, what + ": step");
   need(!spline.pieces.empty(), what + " has no pieces");
@@ -69,7 +85,7 @@ Coupling coupling_of(RollingConstraint const& c) {
 
 }  // namespace
 
-StateMap::StateMap(std::vector<Body> const& bodies, std::vector<ForceElement> const& elements) {
+StateMap::StateMap(std::vector<Body> const& bodies, std::size_t inner_nodes) : nodes(static_cast<int>(inner_nodes)) {
   std::size_t const n = bodies.size();
   coordinate.assign(n, {-1, -1, -1, -1, -1, -1});
   rate.assign(n, {-1, -1, -1, -1, -1, -1});
@@ -89,8 +105,6 @@ StateMap::StateMap(std::vector<Body> const& bodies, std::vector<ForceElement> co
   for (std::size_t b = 0; b < n; ++b)
     for (std::size_t c = 0; c < 6; ++c)
       if (coordinate[b][c] >= 0) velocity_column[at(coordinate[b][c])] = rate[b][c];
-  for (auto const& e : elements)
-    for (int node : e.node) nodes = std::max(nodes, node + 1);
 }
 
 ModelBuilder::ModelBuilder(double gravity) { set_gravity(gravity); }
@@ -120,18 +134,17 @@ int ModelBuilder::add_element(ForceElement const& element) {
   check_body(element.body_a, what + ": body_a", true);
   check_body(element.body_b, what + ": body_b", true);
   need_finite({element.r_b.x, element.r_b.y, element.r_b.z}, what + ": point_on_b");
-  for (DirectionLaw const& law : element.law) {
-    need_finite({law.preload, law.stiffness, law.damping, law.series_damping, law.series_stiffness}, what + ": law");
-    need_table(law.table, what + ": table");
-    need_table(law.damping_table, what + ": damping_table");
-    need(!law.has_state() || law.series_damping > 0.0, what + ": series_damping must be positive");
-  }
   ForceElement& added = model_.elements.emplace_back(element);
-  int node = 0;
-  for (auto const& earlier : model_.elements)
-    for (int own : earlier.node) node = &earlier == &added ? node : std::max(node, own + 1);
+  for (std::size_t c = 0; c < 6; ++c) {
+    added.node[c] = static_cast<int>(model_.nodes.size());
+    need_finite({added.law[c].preload}, what + ": preload");
+    for (ForceLaw const& law : added.law[c].laws) {
+      std::visit([&](auto const& chosen) { need_law(chosen, what + ": "); }, law);
+      if (auto const node = inner_node(law)) model_.nodes.push_back(*node);
+    }
+  }
+  added.node.back() = static_cast<int>(model_.nodes.size());
   for (int c : {coord_roll, coord_pitch, coord_yaw}) added.rotational |= added.law[at(c)].active();
-  for (std::size_t c = 0; c < 6; ++c) added.node[c] = added.law[c].has_state() ? node++ : -1;
   return static_cast<int>(model_.elements.size()) - 1;
 }
 
@@ -271,7 +284,7 @@ void ModelBuilder::set_irregularity(Irregularity const& irregularity) {
 
 std::shared_ptr<Model const> ModelBuilder::finish() const {
   auto model = std::make_shared<Model>(model_);
-  model->map = StateMap(model->bodies, model->elements);
+  model->map = StateMap(model->bodies, model->nodes.size());
   for (WheelContact const& c : model->contacts) {
     model->on_rails = model->on_rails || c.rail;
     model->on_adhesion_map = model->on_adhesion_map || c.laws.friction.map != nullptr;

@@ -39,8 +39,8 @@ double element_energy(Dynamics const& dynamics) {
   for (std::size_t i = 0; i < model.elements.size(); ++i)
     for (std::size_t c = 0; c < 6; ++c) {
       ForceElement const& e = model.elements[i];
-      double const s = e.node[c] >= 0 ? evaluation.work.node[static_cast<std::size_t>(e.node[c])] : 0.0;
-      if (e.law[c].active()) sum += e.law[c].potential(evaluation.element_deflection[i][c], s);
+      if (e.law[c].active())
+        sum += potential(e.law[c], evaluation.element_deflection[i][c], evaluation.work.node.data() + e.node[c]);
     }
   return sum;
 }

@@ -29,10 +29,7 @@ std::array<double, 2> viscosity(ContactLaws const& laws, Patch<double> const& pa
 }  // namespace
 
 StiffCreepModes::StiffCreepModes(Model const& model)
-    : node_rate_(at(model.map.nodes), 0.0), rotor_inertia_(model.bodies.size(), 0.0) {
-  for (auto const& e : model.elements)
-    for (std::size_t c = 0; c < 6; ++c)
-      if (e.node[c] >= 0) node_rate_[at(e.node[c])] = e.law[c].series_stiffness / e.law[c].series_damping;
+    : nodes_(model.nodes.size()), rotor_inertia_(model.bodies.size(), 0.0) {
   for (Coupling const& rotor : model.couplings)
     for (CouplingTerm const& c : rotor.term)
       if (c.body >= 0) rotor_inertia_[at(c.body)] += rotor.inertia * c.pitch * c.pitch;
@@ -48,8 +45,8 @@ StiffCreepModes::StiffCreepModes(Model const& model)
 }
 
 StiffModes StiffCreepModes::room() const {
-  std::size_t const nodes = node_rate_.size(), slips = groups_.size() * most_slips;
-  return {nodes + slips, nodes + slips * (most_velocities + 1), slips + 2};
+  std::size_t const slips = groups_.size() * most_slips;
+  return {nodes_ + slips, nodes_ + slips * (most_velocities + 1), slips + 2};
 }
 
 /// Calls take(contact, patch) for the patches of a group that are looked at; returns the number of their slips, two each.
@@ -89,8 +86,8 @@ bool StiffCreepModes::look_up_viscosities(Model const& model, Evaluation const& 
 bool StiffCreepModes::renew(Model const& model, Inputs const& inputs, Evaluation& evaluation, StiffModes const& now,
                             StiffModes& next) const {
   if (!look_up_viscosities(model, evaluation, now, next)) return false;
-  for (std::size_t i = 0; i < node_rate_.size(); ++i) {
-    next.begin(node_rate_[i], 0.0);
+  for (std::size_t i = 0; i < model.nodes.size(); ++i) {
+    next.begin(model.nodes[i].relaxation_rate(), 0.0);
     next.add(model.map.coordinates + model.map.rates + static_cast<int>(i), 1.0, 1.0);
   }
   ForceAssembly<double> const forces(model, inputs, evaluation, evaluation.work);

@@ -79,8 +79,8 @@ inline Parts wheelset_parts(Setup const& setup) {
       ForceElement e;
       e.body_a = ground, e.body_b = 0;
       e.r_b = {0.0, side, 0.0};
-      e.law[coord_x] = {.stiffness = 5.0 * setup.lateral_spring, .series_damping = 15e3, .series_stiffness = 60e6};
-      e.law[coord_y] = {.stiffness = setup.lateral_spring, .damping = 2e3};
+      e.law[coord_x] = {.laws = {LinearSpring{5.0 * setup.lateral_spring}, SeriesDamper{15e3, 60e6}}};
+      e.law[coord_y] = {.laws = {LinearSpring{setup.lateral_spring}, LinearDamper{2e3}}};
       parts.elements.push_back(e);
     }
   parts.speed = {{{0.0}, {setup.speed}}};

@@ -29,7 +29,7 @@ struct Driven {
       e.body_a = on_axle ? 2 : ground, e.body_b = on_axle ? 0 : 2;
       e.r_b = {on_axle ? 0.0 : 1.2, 0.0, 0.0};
       for (std::size_t c = 0; c < 6; ++c)
-        if (c != coord_pitch && (c < 3 || !on_axle)) e.law[c] = {.stiffness = 2e6, .damping = 1e4};
+        if (c != coord_pitch && (c < 3 || !on_axle)) e.law[c] = {.laws = {LinearSpring{2e6}, LinearDamper{1e4}}};
       e.law[coord_z].preload = (on_axle ? -1500.0 : 1500.0) * 9.81;
       model.elements.push_back(e);
     }

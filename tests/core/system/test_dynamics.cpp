@@ -193,7 +193,8 @@ TEST_CASE("elastic rollers held by stiff springs move like rollers on rigid bear
   roller.locked = {true, false, false, true, false, false};
   ForceElement e;
   e.body_a = ground, e.body_b = 1;
-  for (int c : {int{coord_y}, int{coord_z}, int{coord_yaw}}) e.law[static_cast<std::size_t>(c)].stiffness = 1e16;
+  for (int c : {int{coord_y}, int{coord_z}, int{coord_yaw}})
+    e.law[static_cast<std::size_t>(c)].laws = {LinearSpring{1e16}};
   e.law[coord_z].preload = (2980.0 + 11000.0) * 9.81;
   elastic.elements.push_back(e);
   Dynamics a(rigid), b(elastic);
@@ -340,8 +341,8 @@ TEST_CASE("a loaded spring clamped at both ends: forces of the closed form, and 
   for (double z : {0.6, 1.8}) model.bodies.push_back({mass, {inertia, inertia, inertia}, {0.0, 0.0, z}});
   ForceElement spring;
   spring.body_a = 1, spring.body_b = 0, spring.r_b = {0.0, 0.0, 0.8275 - 0.6}, spring.clamped = true;
-  spring.law[coord_y] = {.stiffness = k};
-  spring.law[coord_z] = {.preload = -load, .stiffness = 430e3};
+  spring.law[coord_y] = {.laws = {LinearSpring{k}}};
+  spring.law[coord_z] = {.preload = -load, .laws = {LinearSpring{430e3}}};
   model.elements = {spring};
   Dynamics dynamics(model);
 

@@ -25,7 +25,7 @@ struct Constrained {
       ForceElement e;
       e.body_a = ground, e.body_b = 1;
       for (std::size_t c = 0; c < 6; ++c)
-        if (c != coord_pitch) e.law[c].stiffness = 5e7;
+        if (c != coord_pitch) e.law[c].laws = {LinearSpring{5e7}};
       e.law[coord_z].preload = (2980.0 + 11000.0) * 9.81;
       parts.elements.push_back(e);
     }

@@ -68,11 +68,11 @@ inline Parts vehicle_parts(VehicleSetup const& setup) {
       ForceElement e;
       e.body_a = 2, e.body_b = wheelset;
       e.r_b = {0.0, side, 0.0};
-      e.law[coord_x] = {.stiffness = 8e6, .series_damping = 15e3, .series_stiffness = 60e6};
-      e.law[coord_y] = {.stiffness = 4e6, .damping = 2e3};
-      e.law[coord_z] = {.preload = -9000.0 * 9.81 / 4.0, .stiffness = 1.2e6, .damping = 4e3};
-      e.law[coord_roll] = {.stiffness = 1e4};
-      e.law[coord_yaw] = {.stiffness = 2e4};
+      e.law[coord_x] = {.laws = {LinearSpring{8e6}, SeriesDamper{15e3, 60e6}}};
+      e.law[coord_y] = {.laws = {LinearSpring{4e6}, LinearDamper{2e3}}};
+      e.law[coord_z] = {.preload = -9000.0 * 9.81 / 4.0, .laws = {LinearSpring{1.2e6}, LinearDamper{4e3}}};
+      e.law[coord_roll] = {.laws = {LinearSpring{1e4}}};
+      e.law[coord_yaw] = {.laws = {LinearSpring{2e4}}};
       parts.elements.push_back(e);
     }
   for (int wheelset : {0, 1})
@@ -87,8 +87,8 @@ inline Parts vehicle_parts(VehicleSetup const& setup) {
         parts.bodies.push_back(rail);
         ForceElement e;
         e.body_a = ground, e.body_b = c.roller;
-        e.law[coord_y] = {.stiffness = 3e7, .damping = 5e4};
-        e.law[coord_z] = {.preload = 150.0 * 9.81, .stiffness = 6e7, .damping = 1e5};
+        e.law[coord_y] = {.laws = {LinearSpring{3e7}, LinearDamper{5e4}}};
+        e.law[coord_z] = {.preload = 150.0 * 9.81, .laws = {LinearSpring{6e7}, LinearDamper{1e5}}};
         parts.elements.push_back(e);
       }
       parts.contacts.push_back(c);

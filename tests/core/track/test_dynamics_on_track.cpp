@@ -82,9 +82,9 @@ TEST_CASE("rollers that are moved and steered like rails keep the power balance"
         model.bodies[1].locked = {true, false, false, true, false, false};
         ForceElement e;
         e.body_a = ground, e.body_b = 1;
-        e.law[coord_y] = {.stiffness = 1e8, .damping = 1e4};
-        e.law[coord_z] = {.preload = 13980.0 * 9.81, .stiffness = 1e8, .damping = 1e4};
-        e.law[coord_yaw] = {.stiffness = 1e8, .damping = 1e4};
+        e.law[coord_y] = {.laws = {LinearSpring{1e8}, LinearDamper{1e4}}};
+        e.law[coord_z] = {.preload = 13980.0 * 9.81, .laws = {LinearSpring{1e8}, LinearDamper{1e4}}};
+        e.law[coord_yaw] = {.laws = {LinearSpring{1e8}, LinearDamper{1e4}}};
         model.elements.push_back(e);
       }
       Dynamics d(model);

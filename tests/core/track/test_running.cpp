@@ -88,7 +88,8 @@ TEST_CASE("cant deficiency loads the outer wheels as in statics") {
   double const speed = 45.0, radius = 2500.0;
   auto model = test::vehicle_parts({.speed = speed, .wheelbase = 3.0});
   make_conical(model);
-  for (auto& e : model.elements) e.law[coord_z].stiffness = e.law[coord_y].stiffness = 1e9;  // stands upright
+  for (auto& e : model.elements)  // stands upright
+    for (int c : {int{coord_y}, int{coord_z}}) e.law[static_cast<std::size_t>(c)].laws[0] = LinearSpring{1e9};
   model.line.curvature = constant(1.0 / radius);
   Dynamics d(model);
   auto const e = solve_equilibrium(d, speed, 0.0);
@@ -187,7 +188,7 @@ TEST_CASE("elastic rails give way by their load over their stiffness, and very s
   }
   CHECK(vertical_load(a, 0) == doctest::Approx(12600.0 * 9.81 / 4.0).epsilon(1e-3));
   for (auto& e : soft.elements)
-    if (e.body_a == ground) e.law[coord_y].stiffness = e.law[coord_z].stiffness = 1e12;
+    if (e.body_a == ground) e.law[coord_y].laws[0] = e.law[coord_z].laws[0] = LinearSpring{1e12};
   Dynamics c(soft);
   auto const ec = solve_equilibrium(c, 20.0, 0.0);
   REQUIRE(ec.converged);

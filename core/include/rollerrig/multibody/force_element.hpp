@@ -10,65 +10,23 @@
 #pragma once
 #include <array>
 
-#include "rollerrig/math/piecewise_linear.hpp"
 #include "rollerrig/multibody/body.hpp"
+#include "rollerrig/multibody/force_laws/direction_law.hpp"
 
 namespace rollerrig {
-
-/// Force over deflection and rate in one direction.
-struct DirectionLaw {
-  double preload{0.0};              ///< force on b along +axis at zero deflection [N or N m]
-  double stiffness{0.0};            ///< [N/m or N m/rad]
-  PiecewiseLinear table{};          ///< force over deflection, added to the linear part
-  double damping{0.0};              ///< [N s/m]
-  PiecewiseLinear damping_table{};  ///< force over rate, added to the linear part
-  double series_damping{0.0};       ///< damper c in series with a stiffness k_s (Maxwell) [N s/m]
-  double series_stiffness{0.0};     ///< k_s [N/m]; 0: no such branch
-
-  bool active() const {
-    return preload != 0.0 || stiffness != 0.0 || !table.empty() || damping != 0.0 || !damping_table.empty() ||
-           has_state();
-  }
-  /// The branch has an inner node s: its force is k_s (d - s), and c s_dot equals that force.
-  bool has_state() const { return series_stiffness > 0.0; }
-
-  double potential(double d, double s) const {
-    double const stretch = has_state() ? d - s : 0.0;
-    return -preload * d + 0.5 * stiffness * d * d + table.integral(d) + 0.5 * series_stiffness * stretch * stretch;
-  }
-};
-
-template <Scalar T>
-struct DirectionForce {
-  T force;       ///< on b along +axis
-  T dissipated;  ///< power turned into heat [W]
-  T node_rate;   ///< s_dot
-};
-
-template <Scalar T>
-DirectionForce<T> direction_force(DirectionLaw const& law, T const& d, T const& rate, T const& s) {
-  T viscous = law.damping * rate;
-  if (!law.damping_table.empty()) viscous = viscous + law.damping_table.at(rate);
-  T elastic = law.stiffness * d - law.preload;
-  if (!law.table.empty()) elastic = elastic + law.table.at(d);
-  DirectionForce<T> out{-(elastic + viscous), viscous * rate, T(0.0)};
-  if (law.has_state()) {
-    T const branch = law.series_stiffness * (d - s);
-    out.force -= branch;
-    out.node_rate = branch / law.series_damping;
-    out.dissipated += branch * out.node_rate;
-  }
-  return out;
-}
 
 struct ForceElement {
   int body_a{-1};  ///< -1: ground
   int body_b{-1};
   Vec3<double> r_b{};                 ///< point of action P_b from b's centre of mass, body frame at design [m]
   std::array<DirectionLaw, 6> law{};  ///< per Coordinate
-  std::array<int, 6> node{-1, -1, -1, -1, -1, -1};  ///< index of s among the element states; set by ModelBuilder
-  bool rotational{false};                           ///< has a law of rotation; set by ModelBuilder
-  bool clamped{false};                              ///< half of the force acts in the axes of b, at P_a
+  std::array<int, 7>
+      node{};  ///< first inner node of each direction among all elements' and behind the last; set by ModelBuilder
+  bool rotational{false};  ///< has a law of rotation; set by ModelBuilder
+  bool clamped{false};     ///< half of the force acts in the axes of b, at P_a
+
+  int first_node() const { return node.front(); }
+  int end_node() const { return node.back(); }
 };
 
 /// Deflections and rates of one element in one state, and the axes its forces act along.

@@ -98,13 +98,14 @@ struct StateMap {
   int angles{0};
 
   StateMap() = default;
-  StateMap(std::vector<Body> const& bodies, std::vector<ForceElement> const& elements);
+  StateMap(std::vector<Body> const& bodies, std::size_t inner_nodes);
   int states() const { return coordinates + rates + nodes; }
 };
 
 struct Model {
   std::vector<Body> bodies;
   std::vector<ForceElement> elements;
+  std::vector<InnerNode> nodes;  ///< of the elements' laws; set by ModelBuilder
   std::vector<WheelContact> contacts;
   std::vector<AxleTorque> axle_torques;
   std::vector<RollerTorque> roller_torques;

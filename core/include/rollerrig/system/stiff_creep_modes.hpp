@@ -56,7 +56,7 @@ class StiffCreepModes {
   static void diagonalise(Square& g, Square& w, std::size_t n);
 
   std::vector<Group> groups_;
-  std::vector<double> node_rate_;      ///< of the elements' inner nodes, c s' = k_s (d - s): k_s / c [1/s]
+  std::size_t nodes_;                  ///< inner nodes of the elements
   std::vector<double> rotor_inertia_;  ///< that geared rotors add to the pitch inertia of each body [kg m^2]
 };
 

@@ -27,6 +27,12 @@ class Mounting(Table):
     vertical: LinearSupport | None = Field(default=None, description="elastic support along z")
     yaw: AngularSupport | None = Field(default=None, description="elastic support about z")
 
+    @property
+    def laws(self) -> dict[str, LinearSupport | AngularSupport]:
+        """The supports that are given, by direction."""
+        given = {"y": self.lateral, "z": self.vertical, "yaw": self.yaw}
+        return {direction: support for direction, support in given.items() if support is not None}
+
 
 class Foundation(Table):
     """Rails on an elastic foundation: under each wheel a piece of rail that moves along with it; what is absent is rigid."""
@@ -42,3 +48,9 @@ class Foundation(Table):
                 "lateral", "needed: a support along y or z; without both leave out the foundation, the rails are rigid"
             )
         return self
+
+    @property
+    def laws(self) -> dict[str, LinearSupport]:
+        """The supports that are given, by direction."""
+        given = {"y": self.lateral, "z": self.vertical}
+        return {direction: support for direction, support in given.items() if support is not None}
