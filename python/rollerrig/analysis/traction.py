@@ -40,10 +40,10 @@ class Bogie:
         wheelset_mass: of one wheelset [kg].
         frame_mass: [kg].
         frame_height: of the frame's centre of mass [m].
-        carried: load that the secondary springs put on the frame [N].
+        frame_load: load that the secondary springs put on the frame [N].
         restraints: height [m] and longitudinal stiffness [N/m] of each element between frame and car body.
-        secondary_height: at which the carried load acts on the frame [m].
-        clamped: share of the carried load on springs clamped at both ends, which lean by half of the frame's pitch and shift.
+        secondary_height: at which that load acts on the frame [m].
+        clamped: share of that load on springs clamped at both ends, which lean by half of the frame's pitch and shift.
         pitch_stiffness: of the elements between frame and car body [N m/rad].
         gravity: its acceleration [m/s^2].
         primary: longitudinal and vertical stiffness of one axle's suspension [N/m].
@@ -58,7 +58,7 @@ class Bogie:
     wheelset_mass: float
     frame_mass: float
     frame_height: float
-    carried: float
+    frame_load: float
     restraints: tuple[tuple[float, float], ...]
     secondary_height: float
     clamped: float
@@ -107,7 +107,7 @@ def bogie_of(case: Case, axle_load: float) -> Bogie:
             if element.carries_load:
                 heights.append(end[2])
                 clamped.append(element.clamped)
-    carried = 2 * axle_load - (2 * wheelsets[0].mass + frame.mass) * case.gravity
+    frame_load = 2 * axle_load - (2 * wheelsets[0].mass + frame.mass) * case.gravity
     return Bogie(
         half_base=0.5 * abs(wheelsets[0].position[0] - wheelsets[1].position[0]),
         wheel_radius=vehicle.wheel.radius,
@@ -117,7 +117,7 @@ def bogie_of(case: Case, axle_load: float) -> Bogie:
         wheelset_mass=wheelsets[0].mass,
         frame_mass=frame.mass,
         frame_height=frame.position[2],
-        carried=carried,
+        frame_load=frame_load,
         restraints=tuple(restraints),
         secondary_height=float(np.mean(heights)) if heights else frame.position[2],
         clamped=float(np.mean(clamped)) if clamped else 0.0,
@@ -156,7 +156,7 @@ def balance(bogie: Bogie, torque: Series, axle_load: float) -> Balance:
     r, big_r, base = bogie.wheel_radius, bogie.roller_radius, bogie.half_base
     creep = bogie.share_to_roller * torque / r
     spin_up = 2 * (torque - creep * r)  # rate of both wheelsets' angular momentum
-    lean = 0.5 * bogie.clamped * bogie.carried
+    lean = 0.5 * bogie.clamped * bogie.frame_load
     k = np.array([stiffness for _, stiffness in bogie.restraints])
     z = np.array([height for height, _ in bogie.restraints]) - bogie.frame_height
     frame_x, pitch, transfer = (np.zeros_like(torque) for _ in range(3))
@@ -172,10 +172,10 @@ def balance(bogie: Bogie, torque: Series, axle_load: float) -> Balance:
         moment = spin_up + bogie.pitch_stiffness * pitch + shift * big_r / (big_r + r) * 2 * axle_load
         for height, stiffness in zip(z, k, strict=True):
             moment = moment + (height + bogie.frame_height) * stiffness * (frame_x + pitch * height)
-        carried_x = frame_x + pitch * (bogie.secondary_height - bogie.frame_height)
+        load_x = frame_x + pitch * (bogie.secondary_height - bogie.frame_height)
         moment = moment - bogie.gravity * (2 * bogie.wheelset_mass * shift + bogie.frame_mass * frame_x)
-        carried = (bogie.carried - lean) * carried_x - lean * bogie.secondary_height * pitch
-        transfer = (moment - carried) / (2 * base)
+        moment_of_load = (bogie.frame_load - lean) * load_x - lean * bogie.secondary_height * pitch
+        transfer = (moment - moment_of_load) / (2 * base)
         pitch = -transfer / (bogie.primary[1] * base)
     vertical = (axle_load - transfer, axle_load + transfer)
     return Balance(creep, (pull[0], pull[1]), vertical, (front, rear))

@@ -2,7 +2,7 @@
 
     rolling radius difference over lateral shift -> [kinematic motion integrated] -> wavelength, conicity over amplitude
 
-A free wheelset that rolls without slip follows, over the distance x it travels,
+A free wheelset that rolls without slip follows, over the arc length x of the track,
 
     y'' + Δr(y) / (e r0) = 0                                                       (K1)
 

@@ -33,7 +33,7 @@ def compared_cases(vehicle: str, on: Sequence[str], cut: str | None = None) -> d
         cut: part of the vehicle; of a case by default its own, of a vehicle all of it.
 
     Returns:
-        Label (as the user named the support, without folder and ending) -> case at a constant speed, without torques and
+        Label (as the user named the support, without folder and suffix) -> case at a constant speed, without torques and
         disturbances; the vehicle is restrained along the track.
 
     Raises:
