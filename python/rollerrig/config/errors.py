@@ -66,7 +66,7 @@ def show_value(value: object) -> str:
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, dict):
-        return f"a table with {len(value)} keys"
+        return f"a table with {len(value)} key{'s' if len(value) != 1 else ''}"
     try:
         text = repr(list(value) if isinstance(value, tuple) else value)
     except (ValueError, RecursionError):  # an integer of thousands of digits; lists nested beyond reason

@@ -45,8 +45,9 @@ SOURCES = {
     "model": "M. Malvezzi, E. Meli, L. Pugi (2010), Simulation of degraded wheel/rail adhesion conditions on a railway "
     "roller rig for the evaluation of the effect of wheel/roller contact on control performance",
     "normal force": "H. Hertz (1882); damping: the paper, eq. (12)",
-    "creep coefficients": "J. J. Kalker (1990), Three-Dimensional Elastic Bodies in Rolling Contact, table E.3",
-    "saturation": "K. L. Johnson, P. J. Vermeulen (1964); the paper, eqs (22)-(24)",
+    "creep coefficients": "J. J. Kalker (1990), Three-Dimensional Elastic Bodies in Rolling Contact, table E.3; the paper, "
+    "eqs (20), (22)",
+    "saturation": "K. L. Johnson, P. J. Vermeulen (1964); the paper, eqs (23), (24)",
 }
 """What the physics of every run comes from."""
 

@@ -169,7 +169,7 @@ class RunStudy(Study[Results]):
             if q.name in numbers["contact"]
         ]
         tables = [
-            Table(("count", "value"), solver, "integration; steps in s"),
+            Table(("count", "value"), solver, "integration; steps [s]"),
             Table(("count", "value", "meaning"), contact, "contacts, counted over accepted steps and wheels"),
         ]
         return [*sections, Section("How it was computed", list(tables))]
@@ -183,4 +183,6 @@ def distance_or_time(run: xr.Dataset) -> xr.DataArray:
 
 
 def _entries(group: str, quantities: Sequence[Quantity], numbers: Numbers) -> Table:
-    return QUANTITIES.table(numbers[group], [q.name for q in quantities], head=group.removesuffix("s"))
+    return QUANTITIES.table(
+        numbers[group], [q.name for q in quantities], head={"bodies": "body", "wheels": "wheel"}[group]
+    )

@@ -18,6 +18,7 @@ from rollerrig.config.schema.units import KEY_SUFFIXES
 M = TypeVar("M", bound=BaseModel)
 
 _RENAMED: Mapping[str, tuple[str, ...]] = {
+    "anti_skid": ("slide_protection",),
     "anti_slip": ("wheel_slip_control",),
     "believed": ("assumed",),
     "bench": ("time", "motion", "contact"),
@@ -28,6 +29,7 @@ _RENAMED: Mapping[str, tuple[str, ...]] = {
     "held": ("fixed", "speed_controlled"),
     "ideal_rolling": ("pure_rolling",),
     "initial": ("k_0",),
+    "luenberger": ("observer",),
     "merge_barrier": ("merging_criterion", "normal"),
     "polach": ("creep",),
     "ratio": ("A",),
@@ -39,6 +41,7 @@ _RENAMED: Mapping[str, tuple[str, ...]] = {
     "stick_reduction": ("k_A",),
     "stiffness_reduction": ("creep",),
     "ultimate": ("k_inf",),
+    "wsp": ("slide_protection",),
 }
 """Former key or word -> what it may be called now."""
 
