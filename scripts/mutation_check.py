@@ -91,10 +91,10 @@ MUTANTS = (
            "0.5 * material.compliance() / pi;  // Q/pi", ("contact/test_strips.cpp",)),
     Mutant("falling friction (A1): A left out", "include/rollerrig/contact/adhesion/friction_laws.hpp",
            "((1.0 - A) * exp(-B * slip) + A)",
-           "((1.0 - A) * exp(-B * slip))", ("mechatronics/test_machines.cpp",)),
+           "((1.0 - A) * exp(-B * slip))", ("mechatronics/test_actuators.cpp",)),
     Mutant("adhesion recovery (A2): degraded and recovered exchanged", "include/rollerrig/contact/adhesion/adhesion_map.hpp",
            "blended(recovered.at(slip), degraded.at(slip),",
-           "blended(degraded.at(slip), recovered.at(slip),", ("mechatronics/test_machines.cpp",)),
+           "blended(degraded.at(slip), recovered.at(slip),", ("mechatronics/test_actuators.cpp",)),
     Mutant("gyroscopic moment left out of Euler's equations", 'include/rollerrig/multibody/body.hpp',
            'return cross(m.frame_body, Vec3<T>{I.x * w.x, I.y * w.y, I.z * w.z});',
            'return T(0.0) * cross(m.frame_body, Vec3<T>{I.x * w.x, I.y * w.y, I.z * w.z});', ("multibody/test_body.cpp",)),
@@ -119,6 +119,21 @@ MUTANTS = (
     Mutant("stiff modes: phi_2 of the exponential method", "include/rollerrig/integrate/exponential_runge_kutta_4.hpp",
            "phi2 = 0.5 + z * phi3;",
            "phi2 = 0.5 + 2.0 * z * phi3;", ("integrate/test_exponential.cpp",)),
+    Mutant("brake torque with the turning", "include/rollerrig/mechatronics/pneumatic_brake.hpp",
+           "return -(faces * friction_radius *",
+           "return (faces * friction_radius *", ("mechatronics/test_actuators.cpp",)),
+    Mutant("WSP: vents below its threshold of slip", "include/rollerrig/mechatronics/wheel_slide_protection.hpp",
+           "((slip > vent_above || locks_up)",
+           "((slip < vent_above || locks_up)", ("mechatronics/test_actuators.cpp",)),
+    Mutant("observer: its gain of the force", "include/rollerrig/mechatronics/estimator/observer.hpp",
+           "s.force += l2 * error",
+           "s.force += l1 * error", ("mechatronics/test_estimators.cpp",)),
+    Mutant("virtual train: forces over half of its mass", "include/rollerrig/mechatronics/virtual_train.hpp",
+           "(sum - train.resistance(speed_middle)) / train.mass",
+           "(sum - train.resistance(speed_middle)) / (0.5 * train.mass)", ("mechatronics/test_rig_control.cpp",)),
+    Mutant("feed-forward (D5): a sign", "src/mechatronics/rig_controller.cpp",
+           "s.train.axle_rate(i) -",
+           "s.train.axle_rate(i) +", ("mechatronics/test_rig_control.cpp",)),
 )  # fmt: skip
 
 
@@ -150,6 +165,9 @@ def main() -> int:
 def copy_sources(tests: list[str]) -> None:
     """The sources, with one program per test file; what is unchanged keeps its date and is not built again."""
     for folder in FOLDERS:
+        for old in (TREE / folder).rglob("*"):
+            if old.is_file() and not (ROOT / old.relative_to(TREE)).is_file():
+                old.unlink()
         for source in (ROOT / folder).rglob("*"):
             target = TREE / source.relative_to(ROOT)
             if source.is_file() and source.suffix in (".hpp", ".h", ".cpp", ".cmake"):

@@ -4,10 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "rollerrig/contact/adhesion/adhesion_map.hpp"
 #include "rollerrig/mechatronics/estimators.hpp"
 #include "rollerrig/mechatronics/feedbacks.hpp"
-#include "rollerrig/mechatronics/virtual_train.hpp"
+#include "rollerrig/mechatronics/rig_controller.hpp"
 
 using namespace rollerrig;
 
@@ -34,20 +33,37 @@ double degraded_force(int, double slip, double, double load) {
 }  // namespace
 
 TEST_CASE("with pure rolling and exact torque the rig's wheels turn as those of the virtual train") {
-  auto const train = train_of_two_axles();
-  VirtualTrainState virtual_train(train, 120 / 3.6);
-  double const period = 1e-3;
+  RigController controller{
+      .assumed = {.roller_inertia = J_r, .roller_radius = R, .wheelset_inertia = J_w, .wheel_radius = r},
+      .estimator = ExactForces{},
+      .feedback = NoFeedback{},
+      .largest = 1e9,
+      .train = train_of_two_axles()};
+  controller.train.position = {1.3, -1.3};
+  VirtualRail& rail = controller.rail;
+  rail.friction.law = FallingFriction{0.08, 0.4, 0.2};
+  rail.wheel_load = 54546.0, rail.a = 6e-3, rail.b = 4e-3, rail.width = 6e-3, rail.cell = 0.05;
+  rail.log_aspect = std::log(1.5), rail.creepage_regularisation_speed = 0.1;
+  rail.stiffness = kalker_stiffness(KalkerTable(0.28).at(rail.log_aspect), 82e9, rail.a, rail.b, 1.0);
+
+  double const period = 1e-3, reduced = J_w + J_r * (r / R) * (r / R);
+  Measurements now{.axles = 2};
   double wheel = 120 / 3.6 / r;
+  now.axle_speed = {wheel, wheel};
+  auto state = controller.start(now, 120 / 3.6, period);
+  PerAxle<double> roller{};
   double worst = 0.0;
   for (int k = 0; k < 20000; ++k) {
     double const torque = -9000.0 * std::min(1.0, k * period / 2.0) * (1.0 + 0.2 * std::sin(7.0 * k * period));
-    virtual_train.step(train, 2, {torque, torque}, nullptr, period, degraded_force);
-    double const roller = J_r * r / R * virtual_train.axle_rate(0) - R * virtual_train.force(0);  // (D5)
-    wheel += period * (torque + r / R * roller) / (J_w + J_r * (r / R) * (r / R));                // pure rolling
-    worst = std::max(worst, std::abs(wheel - virtual_train.axle_speed(0)));
+    now.time = k * period;
+    now.axle_speed = {wheel, wheel};
+    now.true_torque = {torque, torque};
+    controller.step(state, now, period, roller);
+    wheel += period * (torque + r / R * roller[0]) / reduced;  // pure rolling
+    worst = std::max(worst, std::abs(wheel - state.train.axle_speed(0)));
   }
-  CHECK(virtual_train.speed() - r * wheel > 1.0);  // the wheels do slide on the virtual rail
-  CHECK(worst < 1e-9);                             // round-off of twenty thousand additions
+  CHECK(state.train.speed() - r * wheel > 1.0);  // the wheels do slide on the virtual rail
+  CHECK(worst < 1e-9);                           // round-off of twenty thousand additions
 }
 
 TEST_CASE("the virtual train stops in the distance of its adhesion") {
