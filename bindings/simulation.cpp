@@ -110,10 +110,10 @@ class Simulation {
     return matrix(integrate::amplification(system, method_named(method), step));
   }
 
-  nb::dict equilibrium(double speed, double t, std::vector<std::tuple<int, int, double>> const& held,
+  nb::dict equilibrium(double speed, double t, std::vector<std::tuple<int, int, double>> const& fixed,
                        std::optional<Column> const& near) {
-    std::vector<HeldCoordinate> coordinates;
-    for (auto const& [body, coordinate, value] : held) coordinates.push_back({body, coordinate, value});
+    std::vector<FixedCoordinate> coordinates;
+    for (auto const& [body, coordinate, value] : fixed) coordinates.push_back({body, coordinate, value});
     if (near) check_state(*near);
     auto r = solve_equilibrium(
         dynamics(), speed, t, coordinates,
@@ -233,7 +233,7 @@ void bind_simulation(nb::module_& m) {
            "initial_step"_a, "maximum_step"_a, "final_time"_a, "output_step"_a, "breakpoints"_a, "t0"_a, "x0"_a)
       .def("advance", &Simulation::advance, "t_stop"_a, "times"_a, "rows"_a, "filled"_a)
       .def("waits_for", &Simulation::waits_for, "controller"_a,
-           "Whether a controller of the caller must be answered for before advance() goes on.")
+           "Whether a controller of the caller must be answered for before advance() continues.")
       .def("measurement", &Simulation::measurement, "What controllers see, axle by axle: measurement_fields.")
       .def("set_command", &Simulation::set_command, "controller"_a, "command"_a)
       .def("derivative", &Simulation::derivative, "t"_a, "x"_a)

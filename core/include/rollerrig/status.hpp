@@ -1,7 +1,7 @@
 // status.hpp - what a computation of the core may end with, and the sentence a user reads.
 //
 // The hot loop never throws: each function that can fail returns a Status, and the first that is not
-// ok travels up unchanged.
+// ok is passed up unchanged.
 #pragma once
 #include <string_view>
 
@@ -14,7 +14,7 @@ enum class Status : int {
   off_profile,        ///< a contact point left the range of a wheel, rail or roller profile
   derailed,           ///< a wheelset climbed over the flange or fell between the rails
   step_too_small,     ///< the error tolerance asks for a step below the resolution of time
-  too_many_steps,     ///< the step budget of the run is spent
+  too_many_steps,     ///< the step budget of the run is exhausted
   interrupted,        ///< the caller asked to stop
   stopped,            ///< the train has come to a stop: the end of a brake test
   rollers_protected,  ///< a wheel slid on its roller for too long
@@ -41,7 +41,7 @@ constexpr std::string_view status_sentence(Status status) {
       return "The error tolerance cannot be met with any step; relax the tolerances, or smooth a jump "
              "in the inputs or declare it as a breakpoint.";
     case Status::too_many_steps:
-      return "The step budget is spent; raise the largest number of steps, relax the tolerances, or "
+      return "The step budget is exhausted; raise the largest number of steps, relax the tolerances, or "
              "choose the stiff method rodas4.";
     case Status::stopped: return "The computation ended as asked. The train has stopped.";
     case Status::rollers_protected:

@@ -19,7 +19,7 @@ ContactSearch::ContactSearch(WheelRollerPair const& pair)
   auto const n = static_cast<std::size_t>(std::floor((pair.wheel->end() - first_) / cell_ + 1e-9));
   cells_.resize(n);
   nodes_.resize(n + 1);
-  node_foot_.resize(n + 1, 0.0);
+  node_rail_y_.resize(n + 1, 0.0);
   UniformSpline const& rail = *pair.rail;
   auto const bins = static_cast<std::size_t>(std::ceil((rail.end() - rail.start) / cell_)) + 1;
   lowest_second_.assign(bins, 0.0);
@@ -58,7 +58,7 @@ ContactSearch::Node const& ContactSearch::node(RelativePose<double> const& pose,
   n.gradient = f.gradient;
   n.gap = f.gap;
   n.y = f.y;
-  node_foot_[index] = f.foot_y;
+  node_rail_y_[index] = f.rail_y;
   return n;
 }
 
@@ -90,7 +90,7 @@ bool ContactSearch::polish(RelativePose<double> const& pose, double low, double 
   return false;
 }
 
-/// A minimum of the gap in a cell: polished, with what its next place is expected from.
+/// A minimum of the gap in a cell: polished, with what its next position is expected from.
 bool ContactSearch::polish(RelativePose<double> const& pose, double low, double high, double guess, Cell& cell) const {
   ReducedSlope at_root;
   if (!polish(pose, low, high, guess, 1.0, cell.root, at_root)) return false;
@@ -189,38 +189,29 @@ ContactSearch::Stretches ContactSearch::monotone_stretches(RelativePose<double> 
   return out;
 }
 
-/// Looks at one cell afresh: its roots, and the motion up to which what was found stands.
+/// How far a cell is from needing a look, from its ends alone; trims it to the part whose normals meet the generatrix.
 ///
-/// @param ahead  roots of cells that may be this much above `reach` are looked at too, for the next calls [m]
-void ContactSearch::analyse(RelativePose<double> const& pose, int index, double reach, double ahead) {
-  Cell& cell = cells_[static_cast<std::size_t>(index)];
-  Node a = node(pose, index);
-  Node b = node(pose, index + 1);
+/// @return whether its roots must be found; if not, the cell is left as unknown, with the motion until which that stands
+bool ContactSearch::within_reach(RelativePose<double> const& pose, Cell& cell, Span& span, double reach,
+                                 double ahead) const {
+  auto& [first, last, a, b, partial] = span;
+  cell.state = CellState::unknown;
   // Wheel points beside the generatrix are at least that far from it, wherever their normals go.
   auto const beside = [this](Node const& n) { return std::max(pair_->rail->start - n.y, n.y - pair_->rail->end()); };
   bool const same_side = (a.y < pair_->rail->start) == (b.y < pair_->rail->start);
   if (double const distance = std::min(beside(a), beside(b)); same_side && distance > std::max(reach, 0.2e-3 * size_)) {
-    cell.state = CellState::unknown;
     cell.asleep_until = motion_ + 0.5 * distance;
-    return;
+    return false;
   }
   double const partial_until = motion_ + 0.1e-3 * size_;
-  bool const partial = !a.valid || !b.valid;  // the wheel's normals miss the generatrix somewhere here
-  if (!a.valid && !b.valid) {
-    cell.state = CellState::unknown;
-    cell.asleep_until = partial_until;
-    return;
-  }
-  double first = left(index);
-  double last = left(index + 1);
+  partial = !a.valid || !b.valid;
   if (partial) {
     // High above the rail it does not matter where the normals stop meeting it.
     Node const& n = a.valid ? a : b;
     double const highest_fall = cell_ * (std::abs(n.residual) + cell_ * std::abs(n.gradient));
-    if (n.gap - highest_fall > reach + 0.1e-3 * size_) {
-      cell.state = CellState::unknown;
+    if (!n.valid || n.gap - highest_fall > reach + 0.1e-3 * size_) {
       cell.asleep_until = partial_until;
-      return;
+      return false;
     }
     trim(pose, first, a, last, b);
   }
@@ -231,12 +222,14 @@ void ContactSearch::analyse(RelativePose<double> const& pose, int index, double 
   double const lowest_gap = std::min(a.gap, b.gap) - slack;
   cell.asleep_until = motion_ + 0.5 * std::max(0.0, lowest_gap);
   if (partial) cell.asleep_until = std::min(cell.asleep_until, partial_until);
-  if (lowest_gap > reach + ahead) {
-    cell.state = CellState::unknown;
-    return;
-  }
+  return !(lowest_gap > reach + ahead);
+}
 
-  auto const [cut, value, cuts] = monotone_stretches(pose, first, h, a, b);
+/// Finds the roots of a cell between its monotone stretches, and how far F may move before their number changes.
+void ContactSearch::find_roots(RelativePose<double> const& pose, Cell& cell, Span const& span, double reach) {
+  double const first = span.first;
+  double const h = span.last - first;
+  auto const [cut, value, cuts] = monotone_stretches(pose, first, h, span.a, span.b);
   int changes = 0;
   double lowest_positive = 1e9;
   double highest_negative = -1e9;
@@ -252,19 +245,28 @@ void ContactSearch::analyse(RelativePose<double> const& pose, int index, double 
     count_in(value[i + 1]);
     roots_between(pose, cell, first + h * cut[i], value[i], first + h * cut[i + 1], value[i + 1], reach);
   }
-
-  cell.first_slope = pair_->wheel->at(left(index)).slope;
-  cell.last_slope = pair_->wheel->at(left(index + 1)).slope;
-  bound_rail(node_foot_[static_cast<std::size_t>(index)], node_foot_[static_cast<std::size_t>(index) + 1],
-             cell.lowest_second, cell.highest_second);
   cell.room_up = -highest_negative;
   cell.room_down = lowest_positive;
-  cell.seen = now_;
-  bool const minimum = value[0] > 0.0 && b.residual <= 0.0;
-  cell.state = partial       ? CellState::unknown
+  bool const minimum = value[0] > 0.0 && span.b.residual <= 0.0;
+  cell.state = span.partial  ? CellState::unknown
                : changes > 1 ? CellState::many
                : minimum     ? CellState::one_minimum
                              : CellState::empty;
+}
+
+/// Looks at one cell afresh: its roots, and the motion up to which what was found stands.
+///
+/// @param ahead  roots of cells that may be this much above `reach` are looked at too, for the next calls [m]
+void ContactSearch::analyse(RelativePose<double> const& pose, int index, double reach, double ahead) {
+  auto const i = static_cast<std::size_t>(index);
+  Cell& cell = cells_[i];
+  Span span{left(index), left(index + 1), node(pose, index), node(pose, index + 1)};
+  if (!within_reach(pose, cell, span, reach, ahead)) return;
+  find_roots(pose, cell, span, reach);
+  cell.first_slope = pair_->wheel->at(left(index)).slope;
+  cell.last_slope = pair_->wheel->at(left(index + 1)).slope;
+  bound_rail(node_rail_y_[i], node_rail_y_[i + 1], cell.lowest_second, cell.highest_second);
+  cell.seen = now_;
 }
 
 /// Whether the roots in a cell are still those it was left with: F has not moved by more than the room it had. An empty

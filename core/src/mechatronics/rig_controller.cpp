@@ -55,11 +55,11 @@ void RigController::step(State& s, Measurements const& now, double period, PerAx
 
 /// What the wheels ahead and this one have dissipated on the virtual rail under an axle.
 void RigController::recover(State& s, int i, double from) const {
-  double const place = train.position[at(i)];
+  double const ahead = train.position[at(i)];
   double const slip = train.wheel_radius * s.train.axle_speed(i) - s.train.speed();
   double const own = std::fabs(s.train.force(i) * slip) / (2.0 * std::max(s.train.speed(), least_speed) * rail.width);
-  s.axle[at(i)].energy = s.rail.before(from + place) + 0.5 * own;  // half of it is dissipated behind the patch's middle
-  s.rail.dissipate(from + place, s.train.distance() + place, own);
+  s.axle[at(i)].energy = s.rail.before(from + ahead) + 0.5 * own;  // half of it is dissipated behind the patch's middle
+  s.rail.dissipate(from + ahead, s.train.distance() + ahead, own);
 }
 
 }  // namespace rollerrig

@@ -87,10 +87,10 @@ std::vector<double> MechatronicSystem::measurement() const {
 
 void MechatronicSystem::record(Dynamics const& plant, long step, Inputs const& inputs, double* row) const {
   for (std::size_t i = 0; i < axles(); ++i, row += std::size(axle_table)) record_axle(plant, i, inputs, row);
-  auto const* control = travels() ? nullptr : rig_state();
+  auto const* control = frame_moves() ? nullptr : rig_state();
   double const t = time(step);
   row[0] = train_speed();
-  row[1] = control != nullptr ? control->train.distance() : travels() ? train_.distance() : setup_.speed * t;
+  row[1] = control != nullptr ? control->train.distance() : frame_moves() ? train_.distance() : setup_.speed * t;
   row[2] = control != nullptr ? control->train.acceleration() : train_.acceleration();
   row[3] = reference_speed();
   row[4] = setup_.actuators.brake_demand.at(t);
@@ -107,7 +107,7 @@ void MechatronicSystem::record_axle(Dynamics const& plant, std::size_t i, Inputs
   auto const command = [&](Command c) { return acting_[at(static_cast<int>(c))][i]; };
   WheelContact const& contact = plant.model().contacts[at(parts.contacts[0])];
   double const wheel = spin(parts.wheelset), roller = parts.roller != absent ? -spin(parts.roller) : 0.0;
-  double const ground_speed = travels() ? train_.speed() : setup_.speed;
+  double const ground_speed = frame_moves() ? train_.speed() : setup_.speed;
   double const surface = parts.roller != absent ? roller * contact.roller_radius() : ground_speed;
   double const row[] = {wheel,
                         measured_.axle_speed[i],

@@ -42,7 +42,7 @@ void MechatronicSystem::prepare(Model const& model, Inputs& inputs) const {
   inputs.roller_torque.assign(model.roller_torques.size(), {});
   inputs.cylinder.assign(model.brakes.size(), {});
   inputs.dissipated_energy.assign(model.contacts.size(), 0.0);
-  inputs.travels = travels();
+  inputs.frame_moves = frame_moves();
   inputs.speed = {0.0, setup_.speed, 0.0};
   inputs.distance = 0.0;
 }
@@ -105,7 +105,7 @@ void MechatronicSystem::act(Dynamics const& plant, long step, Inputs& inputs) {
     own.commands.advance(step);
     acting_[own.command] = own.commands.acting();
   }
-  if (travels()) train_.accelerate(setup_.frame, plant, inputs);
+  if (frame_moves()) train_.accelerate(setup_.frame, plant, inputs);
   actuators_.step(setup_, time(step), acting_, plant, inputs);
   inputs.speed = {time(step), train_.speed(), train_.acceleration()};
   inputs.distance = train_.distance();
@@ -122,7 +122,7 @@ void MechatronicSystem::dissipate(Dynamics const& plant, Inputs& inputs) {
     for (std::size_t side = 0; side < 2; ++side) {
       int const c = parts.contacts[side];
       if (c == absent || model.contacts[at(c)].laws.friction.map == nullptr) continue;
-      double const place = train_.distance() + model.contacts[at(c)].distance_ahead;
+      double const arc_length = train_.distance() + model.contacts[at(c)].distance_ahead;
       double energy = 0.0, width = 0.0;  // [J/m], [m]
       for (int k = 0; k < plant.patch_count(c); ++k) {
         auto const& patch = plant.patch(c, k);
@@ -131,14 +131,14 @@ void MechatronicSystem::dissipate(Dynamics const& plant, Inputs& inputs) {
       }
       double const own = width > 0.0 ? energy / width : 0.0;
       double const wanted =
-          rail_[side].before(place) + 0.5 * own;  // half of it is dissipated behind the patch's middle
+          rail_[side].before(arc_length) + 0.5 * own;  // half of it is dissipated behind the patch's middle
       inputs.dissipated_energy[at(c)] += energy_relaxation * (wanted - inputs.dissipated_energy[at(c)]);
-      rail_[side].dissipate(place, place + step_length, own);
+      rail_[side].dissipate(arc_length, arc_length + step_length, own);
     }
 }
 
 Status MechatronicSystem::advance(Dynamics const& plant, long step) {
-  if (travels()) train_.advance(setup_.step);
+  if (frame_moves()) train_.advance(setup_.step);
   if (wheels_slide(plant)) return Status::rollers_protected;
   return time(step) > settling_time && train_speed() < setup_.stop_speed ? Status::stopped : Status::ok;
 }
@@ -172,7 +172,7 @@ RigController::State const* MechatronicSystem::rig_state() const {
 }
 
 double MechatronicSystem::train_speed() const {
-  if (travels()) return train_.speed();
+  if (frame_moves()) return train_.speed();
   auto const* control = rig_state();
   return control != nullptr ? control->train.speed() : setup_.speed;
 }

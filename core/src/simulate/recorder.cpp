@@ -28,7 +28,7 @@ constexpr Field body_table[] = {
     {"roll_acceleration", "rad/s^2", "second derivative of the roll angle"},
     {"pitch_acceleration", "rad/s^2", "second derivative of the pitch angle"},
     {"yaw_acceleration", "rad/s^2", "second derivative of the yaw angle"},
-    {"drive_torque", "N m", "torque about +y that a speed-held roller takes from its drive"},
+    {"drive_torque", "N m", "torque about +y that a speed-controlled roller takes from its drive"},
     {"lateral_specific_force", "m/s^2",
      "what an accelerometer at the centre of mass feels to the left of the body; in a curve with the uncompensated "
      "part"},
@@ -111,9 +111,9 @@ void record_body(Dynamics const& d, std::size_t b, double const* z, double* out)
   }
   if (int const angle = d.map().angle[b]; angle >= 0) out[coord_pitch] = z[angle];
   out[18] = d.work().constraint_moment[b];
-  Vec3<double> const felt = specific_force(d, static_cast<int>(b));
-  out[19] = felt.y;
-  out[20] = felt.z;
+  Vec3<double> const measured = specific_force(d, static_cast<int>(b));
+  out[19] = measured.y;
+  out[20] = measured.z;
 }
 
 void record_patch(Patch<double> const& p, double side, double* out) {

@@ -16,7 +16,7 @@ void TrainMotion::accelerate(TravellingFrame const& frame, Dynamics const& plant
     offset += body.mass * work.motion[b].p.x;
     free_mass += body.mass;
   }
-  constexpr double on_speed = 2.0, on_place = 1.0;  // [1/s], [1/s^2]: keeps free bodies near their places
+  constexpr double on_speed = 2.0, on_place = 1.0;  // [1/s], [1/s^2]: keeps free bodies near their design positions
   double const wanted = frame.fixed_mass > 0.0 ? (force - momentum_rate) / frame.fixed_mass
                                                : force / frame.train_mass + on_speed * momentum / free_mass +
                                                      on_place * offset / free_mass;

@@ -23,12 +23,12 @@ struct Problem {
   std::vector<double> weight;
 };
 
-Problem set_up(Dynamics const& dynamics, std::vector<HeldCoordinate> const& held) {
+Problem set_up(Dynamics const& dynamics, std::vector<FixedCoordinate> const& fixed) {
   Model const& model = dynamics.model();
   StateMap const& map = dynamics.map();
   Problem problem;
   auto const is_held = [&](int b, int c) {
-    return std::ranges::any_of(held, [&](auto const& h) { return h.body == b && h.coordinate == c; });
+    return std::ranges::any_of(fixed, [&](auto const& h) { return h.body == b && h.coordinate == c; });
   };
   for (int b = 0; b < static_cast<int>(model.bodies.size()); ++b) {
     Body const& body = model.bodies[at(b)];
@@ -90,11 +90,11 @@ void level(Dynamics& dynamics, double t, std::vector<double>& x, int body) {
 }
 
 /// Held coordinates at their values, wheels and rollers at the rates of pure rolling.
-void hold_and_roll(Dynamics const& dynamics, double speed, std::vector<HeldCoordinate> const& held,
-                   std::vector<double>& x) {
+void fix_and_roll(Dynamics const& dynamics, double speed, std::vector<FixedCoordinate> const& fixed,
+                  std::vector<double>& x) {
   Model const& model = dynamics.model();
   StateMap const& map = dynamics.map();
-  for (auto const& h : held)
+  for (auto const& h : fixed)
     if (int const i = map.coordinate[at(h.body)][at(h.coordinate)]; i >= 0) x[at(i)] = h.value;
   for (auto const& contact : model.contacts) {
     if (int const i = map.rate[at(contact.wheelset)][coord_pitch]; i >= 0) x[at(i)] = speed / contact.pair.wheel_radius;
@@ -103,14 +103,14 @@ void hold_and_roll(Dynamics const& dynamics, double speed, std::vector<HeldCoord
   }
 }
 
-/// First guess: wheels roll at the running speed, held coordinates are where they belong, wheelsets stand on their wheels.
-std::vector<double> first_guess(Dynamics& dynamics, double speed, double t, std::vector<HeldCoordinate> const& held) {
+/// First guess: wheels roll at the running speed, fixed coordinates are where they belong, wheelsets stand on their wheels.
+std::vector<double> first_guess(Dynamics& dynamics, double speed, double t, std::vector<FixedCoordinate> const& fixed) {
   Model const& model = dynamics.model();
   StateMap const& map = dynamics.map();
   std::vector<double> x(at(map.states()), 0.0);
-  hold_and_roll(dynamics, speed, held, x);
+  fix_and_roll(dynamics, speed, fixed, x);
   auto const is_held = [&](int b, int c) {
-    return std::ranges::any_of(held, [b, c](auto const& h) { return h.body == b && h.coordinate == c; });
+    return std::ranges::any_of(fixed, [b, c](auto const& h) { return h.body == b && h.coordinate == c; });
   };
   for (int b = 0; b < static_cast<int>(model.bodies.size()); ++b) {
     if (!is_wheelset(model, b) || is_held(b, coord_z)) continue;
@@ -157,8 +157,8 @@ Eigen::VectorXd newton_step(Dynamics& dynamics, Problem const& problem, double t
 }
 
 /// Newton's method from a state.
-Equilibrium newton(Dynamics& dynamics, double t, std::vector<HeldCoordinate> const& held, std::vector<double> start) {
-  Problem const problem = set_up(dynamics, held);
+Equilibrium newton(Dynamics& dynamics, double t, std::vector<FixedCoordinate> const& fixed, std::vector<double> start) {
+  Problem const problem = set_up(dynamics, fixed);
   Equilibrium result;
   result.x = std::move(start);
   std::vector<double>& x = result.x;
@@ -197,14 +197,14 @@ Equilibrium newton(Dynamics& dynamics, double t, std::vector<HeldCoordinate> con
 /// Lets the system run towards its equilibrium in heavily damped motion: linearly implicit Euler steps, which grow while they
 /// move it little and shrink where they move it far (pseudo-transient continuation: Kelley, Keyes (1998), SIAM J. Numer.
 /// Anal. 35). Goes where Newton's method does not, across contacts that come and go.
-std::vector<double> relaxed(Dynamics& dynamics, double t, std::vector<HeldCoordinate> const& held,
+std::vector<double> relaxed(Dynamics& dynamics, double t, std::vector<FixedCoordinate> const& fixed,
                             std::vector<double> x) {
   StateMap const& map = dynamics.map();
-  std::vector<char> fixed(x.size(), 0);
+  std::vector<char> is_fixed(x.size(), 0);
   auto const fix = [&](int i) {
-    if (i >= 0) fixed[at(i)] = 1;
+    if (i >= 0) is_fixed[at(i)] = 1;
   };
-  for (auto const& h : held) {
+  for (auto const& h : fixed) {
     fix(map.coordinate[at(h.body)][at(h.coordinate)]);
     fix(map.rate[at(h.body)][at(h.coordinate)]);
   }
@@ -212,7 +212,7 @@ std::vector<double> relaxed(Dynamics& dynamics, double t, std::vector<HeldCoordi
     if (is_roller(dynamics.model(), b)) fix(map.coordinate[at(b)][coord_pitch] < 0 ? map.rate[at(b)][coord_pitch] : -1);
   std::vector<int> free;
   for (int i = 0; i < map.states(); ++i)
-    if (!fixed[at(i)]) free.push_back(i);
+    if (!is_fixed[at(i)]) free.push_back(i);
 
   auto const n = static_cast<Eigen::Index>(free.size());
   JacobianData j(dynamics.sizes());
@@ -251,16 +251,16 @@ std::vector<double> relaxed(Dynamics& dynamics, double t, std::vector<HeldCoordi
 
 }  // namespace
 
-Equilibrium solve_equilibrium(Dynamics& dynamics, double speed, double t, std::vector<HeldCoordinate> const& held,
+Equilibrium solve_equilibrium(Dynamics& dynamics, double speed, double t, std::vector<FixedCoordinate> const& fixed,
                               std::vector<double> const& near) {
   if (!near.empty()) {
     std::vector<double> x = near;
-    hold_and_roll(dynamics, speed, held, x);
-    if (auto result = newton(dynamics, t, held, std::move(x)); result.converged) return result;
+    fix_and_roll(dynamics, speed, fixed, x);
+    if (auto result = newton(dynamics, t, fixed, std::move(x)); result.converged) return result;
   }
-  auto result = newton(dynamics, t, held, first_guess(dynamics, speed, t, held));
+  auto result = newton(dynamics, t, fixed, first_guess(dynamics, speed, t, fixed));
   if (result.converged) return result;
-  auto second = newton(dynamics, t, held, relaxed(dynamics, t, held, first_guess(dynamics, speed, t, held)));
+  auto second = newton(dynamics, t, fixed, relaxed(dynamics, t, fixed, first_guess(dynamics, speed, t, fixed)));
   return second.converged ? second : result;
 }
 

@@ -5,7 +5,7 @@ namespace rollerrig {
 template <Scalar T>
 void ForceAssembly<T>::place_track(T const& t) const {
   bool const has_line = model_.on_rails && !model_.line.empty();
-  if (!has_line && model_.irregularity.empty() && !model_.on_adhesion_map && !inputs_.travels) {
+  if (!has_line && model_.irregularity.empty() && !model_.on_adhesion_map && !inputs_.frame_moves) {
     w_.travel = {T(0.0), model_.speed.at(t), T(model_.speed.rate(value_of(t)))};
     return;
   }

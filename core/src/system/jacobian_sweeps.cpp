@@ -193,7 +193,7 @@ void JacobianSweeps::fill_time(Model const& model, Inputs const& inputs, ForceAs
   j.g_t.setZero();
   auto const moves = [t](auto const& torque) { return torque.torque.rate(t) != 0.0; };
   bool const moving = model.speed.rate(t) != 0.0 || std::ranges::any_of(model.axle_torques, moves) ||
-                      std::ranges::any_of(model.roller_torques, moves) || inputs.travels ||
+                      std::ranges::any_of(model.roller_torques, moves) || inputs.frame_moves ||
                       !inputs.axle_torque.empty() || !inputs.roller_torque.empty() || !inputs.cylinder.empty();
   if (!moving && !work_.curved && model.irregularity.empty()) return;
   forces.place_track(JacobianDual::variable(t, 0));

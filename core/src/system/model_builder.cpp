@@ -296,7 +296,7 @@ std::shared_ptr<Model const> ModelBuilder::finish() const {
   }
   for (AxleTorque const& t : model->axle_torques)
     if (t.rotor_inertia > 0.0) model->couplings.push_back(rotor_of(t));
-  for (RollerTorque const& t : model->roller_torques)  // its casing is held by the ground
+  for (RollerTorque const& t : model->roller_torques)  // its casing is fixed to the ground
     if (t.rotor_inertia > 0.0)
       model->couplings.push_back({{{{t.roller, 0.0, 0.0, t.gear_ratio}, {}}}, t.rotor_inertia, 0.0});
   model->rotors = model->couplings.size();

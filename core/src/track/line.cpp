@@ -36,20 +36,20 @@ PlanStep plan_step(PiecewiseCubic const& curvature, double s, double distance) {
     return step;
   }
   int piece = curvature.piece_of(s);
-  double place = s;
+  double arc_length = s;
   if (distance >= 0.0) {
     for (; curvature.end_of(piece) < target; ++piece) {
-      add_stretch(curvature, piece, place, curvature.end_of(piece), step);
-      place = curvature.end_of(piece);
+      add_stretch(curvature, piece, arc_length, curvature.end_of(piece), step);
+      arc_length = curvature.end_of(piece);
     }
   } else {
     for (; piece >= 0 && curvature.start[static_cast<std::size_t>(piece)] > target; --piece) {
       double const begin = curvature.start[static_cast<std::size_t>(piece)];
-      add_stretch(curvature, piece, place, begin, step);
-      place = begin;
+      add_stretch(curvature, piece, arc_length, begin, step);
+      arc_length = begin;
     }
   }
-  add_stretch(curvature, piece, place, target, step);
+  add_stretch(curvature, piece, arc_length, target, step);
   return step;
 }
 

@@ -251,7 +251,7 @@ TEST_CASE("the geometry holds for a scalar with no implicit conversions") {
   BenchmarkPair const benchmark(1.0 / 0.725);
   auto const at = reduce(benchmark.pair, pose_of(E(1e-3), E(2e-3), E(0.46), E(1e-4), E(3e-3)), E(-5e-3));
   auto const plain = reduce(benchmark.pair, pose_of(1e-3, 2e-3, 0.46, 1e-4, 3e-3), -5e-3);
-  // In any other scalar than double the foot takes one Newton step more: the last digit may differ.
+  // In any other scalar than double the contact point takes one Newton step more: the last digit may differ.
   CHECK(at.gap.x == doctest::Approx(plain.gap).epsilon(1e-12));
   CHECK(at.residual.x == doctest::Approx(plain.residual).epsilon(1e-12));
   auto const point = contact_point(benchmark.pair, pose_of(E(1e-3), E(2e-3), E(0.46), E(1e-4), E(3e-3)), -11e-3, -5.0);
@@ -273,10 +273,10 @@ TEST_CASE("the slope of F written out for the search is the automatic one") {
       RelativePose<D> const lifted{up(pose.o), {up(pose.R.ex), up(pose.R.ey), up(pose.R.ez)}};
       auto const expected = reduce(pair, lifted, D::variable(s, 0));
       auto const found = reduce_with_slope(pair, pose, s);
-      REQUIRE(found.found == expected.foot.found);
+      REQUIRE(found.found == expected.rail_point.found);
       if (!found.found) continue;
       ++compared;
-      // Round-off of the foot, some 1e-16 m, times a second derivative of the generatrix of up to 1e4 1/m.
+      // Round-off of the contact point, some 1e-16 m, times a second derivative of the generatrix of up to 1e4 1/m.
       CHECK(found.residual == doctest::Approx(expected.residual.value).epsilon(1e-9).scale(1.0));
       CHECK(found.gap == doctest::Approx(expected.gap.value).epsilon(1e-12).scale(1e-2));
       // F'' jumps at the profiles' knots: relative to the slope's own size.

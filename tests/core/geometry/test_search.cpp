@@ -23,7 +23,7 @@ std::vector<Found> brute_force(WheelRollerPair const& pair, RelativePose<double>
   double const step = 0.02e-3;
   auto const f = [&](double s, bool& valid) {
     auto const at = reduce(pair, pose, s);
-    valid = at.foot.found;
+    valid = at.rail_point.found;
     return at.residual;
   };
   bool last_valid = false;

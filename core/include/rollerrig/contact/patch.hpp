@@ -130,7 +130,7 @@ void add_creep_force(ContactLaws const& laws, RelativePose<T> const& pose, Conta
   patch.normal = normal_force(patch.elastic, patch.damper * laws.damping.force(patch.gap_rate));  // (12)
   T const load = patch.normal.total();
 
-  // Rolling speed: mean of wheel and roller surface speed past the contact point, which travels with the wheelset.
+  // Rolling speed: mean of wheel and roller surface speed past the contact point, which moves with the wheelset.
   patch.rolling_speed = dot(motion.v_wheel - T(0.5) * (v_on_wheel + v_on_roller), i);
   double const v_s = laws.creepage_regularisation_speed;
   T const inverse_speed = 1.0 / sqrt(patch.rolling_speed * patch.rolling_speed + v_s * v_s);

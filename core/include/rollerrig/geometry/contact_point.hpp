@@ -29,23 +29,23 @@ ContactPoint<T> contact_point(WheelRollerPair const& pair, RelativePose<T> const
   if constexpr (!std::same_as<T, double>) root = root - reduce(pair, pose, T(s)).residual / gradient;
   auto const at_root = reduce(pair, pose, root);
   auto const& line = at_root.line;
-  auto const& foot = at_root.foot;
+  auto const& rail_point = at_root.rail_point;
 
   ContactPoint<T> point;
   point.wheel_s = root;
-  point.rail_y = foot.y;
+  point.rail_y = rail_point.y;
   point.gap = at_root.gap;
   point.n = -line.n;                         // (7)
   point.p = line.p - at_root.gap * point.n;  // (8)
   T const wheel_norm2 = 1.0 + line.profile.slope * line.profile.slope;
   T const wheel_norm = sqrt(wheel_norm2);
-  T const rail_norm2 = 1.0 + foot.rail.slope * foot.rail.slope;
+  T const rail_norm2 = 1.0 + rail_point.rail.slope * rail_point.rail.slope;
   T const rail_norm = sqrt(rail_norm2);
   double const kappa = pair.hertz_curvature();
-  point.wheel_curvature_along = 1.0 / (line.radius * wheel_norm);                      // (15)
-  point.wheel_curvature_across = -(line.profile.second / (wheel_norm2 * wheel_norm));  // (15), r > 0
-  point.rail_curvature_along = kappa / ((1.0 + kappa * foot.rail.value) * rail_norm);  // (15), roller
-  point.rail_curvature_across = -(foot.rail.second / (rail_norm2 * rail_norm));        // (15)
+  point.wheel_curvature_along = 1.0 / (line.radius * wheel_norm);                            // (15)
+  point.wheel_curvature_across = -(line.profile.second / (wheel_norm2 * wheel_norm));        // (15), r > 0
+  point.rail_curvature_along = kappa / ((1.0 + kappa * rail_point.rail.value) * rail_norm);  // (15), roller
+  point.rail_curvature_across = -(rail_point.rail.second / (rail_norm2 * rail_norm));        // (15)
   return point;
 }
 

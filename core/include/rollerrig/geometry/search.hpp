@@ -72,7 +72,14 @@ class ContactSearch {
     CellState state{CellState::unknown};
   };
 
-  /// Places t in 0..1 that cut a cell into `count` stretches in which F rises or falls, and F there.
+  /// A cell, or the part of it whose normals meet the generatrix, with F at its ends.
+  struct Span {
+    double first, last;  ///< wheel abscissae [m]
+    Node a, b;
+    bool partial{false};  ///< the wheel's normals miss the generatrix somewhere in the cell
+  };
+
+  /// Parameters t in 0..1 that cut a cell into `count` stretches in which F rises or falls, and F there.
   struct Stretches {
     std::array<double, 4> cut, value;
     int count;
@@ -85,6 +92,8 @@ class ContactSearch {
   double left(int cell) const { return first_ + cell_ * cell; }
   Node const& node(RelativePose<double> const& pose, int i);
   void trim(RelativePose<double> const& pose, double& first, Node& a, double& last, Node& b) const;
+  bool within_reach(RelativePose<double> const& pose, Cell& cell, Span& span, double reach, double ahead) const;
+  void find_roots(RelativePose<double> const& pose, Cell& cell, Span const& span, double reach);
   void analyse(RelativePose<double> const& pose, int cell, double reach, double ahead);
   void roots_between(RelativePose<double> const& pose, Cell& cell, double s0, double f0, double s1, double f1,
                      double reach);
@@ -103,7 +112,7 @@ class ContactSearch {
   std::vector<Node> nodes_;
   std::vector<Cell> cells_;
   std::vector<double> lowest_second_, highest_second_;  ///< range of h'' in each millimetre of the generatrix [1/m]
-  std::vector<double> node_foot_;                       ///< abscissa on the generatrix under each node [m]
+  std::vector<double> node_rail_y_;                     ///< abscissa on the generatrix under each node [m]
   std::array<GapMinimum, max_minima> minima_, barriers_;
   int count_{0};
   long call_{0};

@@ -6,7 +6,7 @@
 // dashpot nor the creep of a slow wheel limits the step. Everything across these modes, and everything where lambda = 0,
 // is the classical Runge-Kutta method to the last bit; it is written as that, and x is then moved along u_i to the s_i below.
 //
-// lambda is held over a step. It is the system's guess at the step's start, and need not be exact: N takes up the rest. So
+// lambda is constant over a step. It is the system's guess at the step's start, and need not be exact: N takes up the rest. So
 // that N is small where s follows something that runs away in time, s is counted from a start that runs along (`trend`).
 //
 // With z = -lambda h and  phi_1 = (e^z - 1)/z,  phi_2 = (phi_1 - 1)/z,  phi_3 = (phi_2 - 1/2)/z:

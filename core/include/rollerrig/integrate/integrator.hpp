@@ -66,7 +66,7 @@ class Integrator {
 
   /// Steps until time() >= min(t_stop, final time), and shows the observer each output time up to
   /// t_stop.  observer(t, x, z) may return false to stop: Status::interrupted, and the next advance()
-  /// goes on.  Every other Status that is not ok is final.
+  /// continues.  Every other Status that is not ok is final.
   template <class Observer>
   Status advance(double t_stop, Observer&& observer) {
     t_stop = std::min(t_stop, options_.final_time);

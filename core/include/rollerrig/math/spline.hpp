@@ -16,7 +16,7 @@ struct CurvePoint {
   T second;  ///< f''
 };
 
-/// f(y) = c0 + c1 t + c2 t^2 + c3 t^3, t = y - (start + i step). Outside its domain the last piece goes on; callers ask
+/// f(y) = c0 + c1 t + c2 t^2 + c3 t^3, t = y - (start + i step). Outside its domain the last piece is extrapolated; callers ask
 /// contains() where that matters.
 struct UniformSpline {
   double start{0.0};

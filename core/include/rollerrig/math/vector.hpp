@@ -1,6 +1,7 @@
 // math/vector.hpp - three-vectors and rotations for any scalar.
 //
-// Names: R_AB turns B components into A components; p_AB_C is the position of B from A, in C components.
+// A vector's components are in the frame named where it is declared. The rotation R of a frame B in a frame A holds the axes of
+// B in components of A: R * v turns B components into A components, R.transposed_times(v) back.
 #pragma once
 #include "rollerrig/scalar.hpp"
 

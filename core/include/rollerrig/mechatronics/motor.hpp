@@ -46,7 +46,7 @@ struct Motor {
   }
 };
 
-/// Of a geared rotor on the axle that it drives, held by the ground [kg m^2]: n^2 J_m, docs/theory/adhesion.md.
+/// Of a geared rotor on the axle that it drives, its casing fixed to the ground [kg m^2]: n^2 J_m, docs/theory/adhesion.md.
 constexpr double reflected_inertia(double rotor_inertia, double gear_ratio) {
   return rotor_inertia * (gear_ratio * gear_ratio);
 }

@@ -1,4 +1,4 @@
-// multibody/moving_frame.hpp - a body in the track frame F that travels with it: inertial forces, and its motion as others see it.
+// multibody/moving_frame.hpp - a body in the track frame F that moves with it: inertial forces, and its motion as others see it.
 //
 //   track frame, motion in F -> [moving frame] -> motion in the common frame H (for elements), inertial force and moment in F
 //

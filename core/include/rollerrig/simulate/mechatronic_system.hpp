@@ -4,7 +4,7 @@
 //                -> inputs on straight lines over one step -> plant at t_k+1
 //
 // A controller marked `external` is asked for by the caller: sample() returns false at its instant, the caller reads
-// measurement(), sets the command and goes on.
+// measurement(), sets the command and continues.
 #pragma once
 #include <array>
 #include <span>
@@ -66,7 +66,7 @@ class MechatronicSystem {
   };
 
   std::size_t axles() const { return setup_.axles.size(); }
-  bool travels() const { return setup_.frame.train_mass > 0.0; }
+  bool frame_moves() const { return setup_.frame.train_mass > 0.0; }
   double time(long step) const { return setup_.step * static_cast<double>(step); }
   double train_speed() const;
   double reference_speed() const;

@@ -63,9 +63,9 @@ struct RollerProtection {
   }
 };
 
-/// On track the vehicle's frame travels at the train's speed.
+/// On track the vehicle's frame moves at the train's speed.
 struct TravellingFrame {
-  double train_mass{};  ///< that these axles brake or pull [kg]; 0: on a rig the frame does not travel
+  double train_mass{};  ///< that these axles brake or pull [kg]; 0: on a rig the frame does not move
   double fixed_mass{};  ///< of it, what is fixed in the frame [kg]
 
   static constexpr auto fields() {

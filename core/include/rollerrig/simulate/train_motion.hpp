@@ -1,4 +1,4 @@
-// simulate/train_motion.hpp - speed of the train on track: its frame travels with it.
+// simulate/train_motion.hpp - speed of the train on track: its frame moves with it.
 //
 //   forces of the rails on all wheels, resistance, gradient -> [V' for the next step] -> V(t) on straight lines
 //

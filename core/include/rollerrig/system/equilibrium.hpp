@@ -13,7 +13,7 @@
 namespace rollerrig {
 
 /// A coordinate kept at a value while the others find their equilibrium.
-struct HeldCoordinate {
+struct FixedCoordinate {
   int body{0};
   int coordinate{coord_y};
   double value{0.0};  ///< [m or rad]
@@ -28,10 +28,10 @@ struct Equilibrium {
 
 /// @param speed  running speed [m/s]; may be zero
 /// @param t      time at which tables are read [s]
-/// @param held   coordinates that keep their value
+/// @param fixed   coordinates that keep their value
 /// @param near   state close to the one looked for, such as that of a neighbouring speed: Newton's method starts there,
 ///               with the spins of rolling; empty, or where it leads nowhere: from a first guess
-Equilibrium solve_equilibrium(Dynamics& dynamics, double speed, double t, std::vector<HeldCoordinate> const& held = {},
-                              std::vector<double> const& near = {});
+Equilibrium solve_equilibrium(Dynamics& dynamics, double speed, double t,
+                              std::vector<FixedCoordinate> const& fixed = {}, std::vector<double> const& near = {});
 
 }  // namespace rollerrig

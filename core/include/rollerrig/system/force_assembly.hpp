@@ -20,7 +20,7 @@ struct Selection {
 /// Where the vehicle's reference point is along the line.
 template <Scalar T>
 Travel<T> travel_now(Model const& model, Inputs const& inputs, T const& t) {
-  if (!inputs.travels) return travel_at(model.speed, model.start, t);
+  if (!inputs.frame_moves) return travel_at(model.speed, model.start, t);
   T const since = t - inputs.speed.time;
   T const speed = inputs.speed.at(t);
   return {inputs.distance + 0.5 * since * (inputs.speed.value + speed), speed, T(inputs.speed.slope)};

@@ -1,4 +1,4 @@
-// system/inputs.hpp - what machines and controllers do to the plant between two of their instants.
+// system/inputs.hpp - what actuators and controllers do to the plant between two of their instants.
 //
 //   bench (motors, brakes, controllers) -> [inputs: straight lines over one step] -> dynamics
 //
@@ -31,7 +31,7 @@ struct Inputs {
   std::vector<HeldInput> roller_torque;   ///< per roller torque of the model [N m]
   std::vector<HeldInput> cylinder;        ///< per axle brake of the model, over the ambient [Pa]
   std::vector<double> dissipated_energy;  ///< per contact: density on the rail under it [J/m^2]
-  bool travels{false};                    ///< the vehicle's frames move as the next three say, not as the table
+  bool frame_moves{false};                ///< the vehicle's frames move as the next three say, not as the table
   HeldInput speed{};                      ///< [m/s]
   double distance{0.0};                   ///< s at speed.time [m]
 };

@@ -1,7 +1,7 @@
 // track/irregularity.hpp - where a rail really lies: displacement from its design position over arc length.
 //
 // Four curves, y (to the left) and z (up) of the left and of the right rail, over one period of the line and repeated from
-// there on. They fade in from the place where the foremost wheel starts, so that a run begins on perfect track.
+// there on. They fade in from where the foremost wheel starts, so that a run begins on perfect track.
 #pragma once
 #include <cmath>
 
@@ -9,7 +9,7 @@
 
 namespace rollerrig {
 
-/// One rail at one place: displacement and its derivatives along the line.
+/// One rail at one arc length: displacement and its derivatives along the line.
 template <Scalar T>
 struct RailOffset {
   CurvePoint<T> y{T(0.0), T(0.0), T(0.0)};  ///< [m], to the left
@@ -24,12 +24,12 @@ struct Irregularity {
 
   bool empty() const { return period <= 0.0; }
 
-  /// @param place       s + x of the wheel [m]
+  /// @param arc_length  s + x of the wheel [m]
   /// @param fade_start  s + x of the foremost wheel at the start [m]
   template <Scalar T>
-  RailOffset<T> at(bool right, T const& place, double fade_start) const {
-    T const u = place - period * std::floor(value_of(place) / period);
-    auto const fade = fade_at(place - fade_start);
+  RailOffset<T> at(bool right, T const& arc_length, double fade_start) const {
+    T const u = arc_length - period * std::floor(value_of(arc_length) / period);
+    auto const fade = fade_at(arc_length - fade_start);
     return {faded(fade, (right ? right_y : left_y).at(u)), faded(fade, (right ? right_z : left_z).at(u))};
   }
 

@@ -1,4 +1,4 @@
-// track/line.hpp - the line as it was laid: plan curvature and cant over arc length, and the frame that travels along it.
+// track/line.hpp - the line as it was laid: plan curvature and cant over arc length, and the frame that moves along it.
 //
 //   curvature, cant, travel -> [track frame F at s(t) + x] -> bodies in their own frames, elements in a common one
 //
@@ -27,7 +27,7 @@ struct Line {
   bool straight(double low, double high) const { return curvature.vanishes(low, high) && cant.vanishes(low, high); }
 };
 
-/// Motion of a frame F and its place in H. Components in F unless it says H.
+/// Motion of a frame F and its position in H. Components in F unless it says H.
 template <Scalar T>
 struct TrackFrame {
   Vec3<T> v;        ///< velocity of the origin [m/s]
@@ -55,7 +55,7 @@ CurvePoint<T> centre_rise(T const& cant) {
           0.5 * select(beyond, T(0.0), (1.5 - 1.5 * u2) * (1.0 / width))};
 }
 
-/// Heading and plan position of the place s + distance seen from H at s.
+/// Heading and plan position at the arc length s + distance seen from H at s.
 struct PlanStep {
   double x{0.0}, y{0.0};  ///< [m]
   double heading{0.0};    ///< [rad]
@@ -71,9 +71,9 @@ TrackFrame<T> track_frame(Line const& line, Travel<T> const& travel, double dist
   using std::sin;
   using std::sqrt;
   T const& V = travel.speed;
-  T const place = travel.s + distance;
-  auto const [kappa, kappa_slope, unused] = line.curvature.at(place);
-  auto const [cant, cant_slope, cant_second] = line.cant.at(place);
+  T const arc_length = travel.s + distance;
+  auto const [kappa, kappa_slope, unused] = line.curvature.at(arc_length);
+  auto const [cant, cant_slope, cant_second] = line.cant.at(arc_length);
   double const inverse_base = 1.0 / line.cant_base;
   auto const rise = centre_rise(cant);
   T const climb = rise.slope * cant_slope;  // r'

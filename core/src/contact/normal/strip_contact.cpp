@@ -38,19 +38,19 @@ void lay_strips(WheelRollerPair const& pair, ArcLength const& arc, RelativePose<
     T const s = arc.abscissa(length);
     auto const here = reduce(pair, pose, s);
     strips.position[i] = length;
-    if (!here.foot.found) {
+    if (!here.rail_point.found) {
       strips.interpenetration[i] = T(-1.0);
       strips.curvature[i] = T(1.0);
       continue;
     }
     auto const& line = here.line;
-    auto const& rail = here.foot.rail;
+    auto const& rail = here.rail_point.rail;
     strips.interpenetration[i] = -here.gap;
     strips.curvature[i] =
         0.5 / (line.radius * sqrt(1.0 + line.profile.slope * line.profile.slope)) +
         0.5 * kappa / ((1.0 + kappa * rail.value) * sqrt(1.0 + rail.slope * rail.slope));  // (14), (15)
     places.wheel_s[i] = s;
-    places.rail_y[i] = here.foot.y;
+    places.rail_y[i] = here.rail_point.y;
     places.normal[i] = -line.n;
     places.point[i] = line.p + here.gap * line.n;
   }
