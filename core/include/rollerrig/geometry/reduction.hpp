@@ -162,8 +162,8 @@ struct MeridianPlane {
 /// @tparam round  a roller; false: a straight rail, for which much is constant
 /// @param r, y_r  point of the wheel's profile about and along the wheelset axis [m], with its slope and curvature
 template <bool round>
-MeridianPlane meridian_plane(RelativePose<double> const& pose, double kappa, double r, double y_r, double slope,
-                             double second) {
+[[gnu::always_inline]] inline MeridianPlane meridian_plane(RelativePose<double> const& pose, double kappa, double r,
+                                                           double y_r, double slope, double second) {
   if constexpr (!round) return {};
   auto const& R = pose.R;
   double const apex = y_r + r * slope;
@@ -182,7 +182,8 @@ struct NormalAngle {
 };
 
 template <bool round>
-NormalAngle normal_angle(Rotation<double> const& R, MeridianPlane const& plane, double slope, double second) {
+[[gnu::always_inline]] inline NormalAngle normal_angle(Rotation<double> const& R, MeridianPlane const& plane,
+                                                       double slope, double second) {
   auto const& [ux, uz, q] = plane;
   Vec3<double> const w = R.transposed_times({uz, 0.0, -ux});
   double const c = slope * w.y;
@@ -214,8 +215,8 @@ struct MeridianLine {
 };
 
 template <bool round>
-MeridianLine meridian_line(WheelRollerPair const& pair, RelativePose<double> const& pose, double s,
-                           CurvePoint<double> const& profile) {
+[[gnu::always_inline]] inline MeridianLine meridian_line(WheelRollerPair const& pair, RelativePose<double> const& pose,
+                                                         double s, CurvePoint<double> const& profile) {
   auto const& R = pose.R;
   double const kappa = pair.geometry_curvature();
   auto const [z, slope, second] = profile;
@@ -249,7 +250,8 @@ MeridianLine meridian_line(WheelRollerPair const& pair, RelativePose<double> con
 /// Solves y - y_p = (h(y) - height) sigma for y by Newton, as generatrix_point() does.
 ///
 /// @param facing  component of the wheel's unit normal towards the roller [-]
-inline GeneratrixPoint<double> generatrix_point(UniformSpline const& rail, MeridianLine const& line, double facing) {
+[[gnu::always_inline]] inline GeneratrixPoint<double> generatrix_point(UniformSpline const& rail,
+                                                                       MeridianLine const& line, double facing) {
   GeneratrixPoint<double> point{line.y, rail.at(line.y)};
   for (int iteration = 0; iteration < 12; ++iteration) {
     double const gradient = 1.0 - point.rail.slope * line.slope;
