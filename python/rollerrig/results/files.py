@@ -123,7 +123,7 @@ def save_run(run: xr.Dataset, path: str | Path) -> Path:
 
     Args:
         run: results of `simulate` or any other Dataset.
-        path: the file, by custom named *.nc.
+        path: the file; its name ends in .nc by custom.
 
     Raises:
         OutputError: it could not be written.

@@ -67,5 +67,5 @@ def test_controllers_and_sensors() -> None:
     assert "quasi-static load transfer" in said("adhesion_brake")
     assert "no load transfer" in said("adhesion_brake", rig_control__load_transfer="none")
     assert "known to the controller exactly" in said("adhesion_brake", rig_control__estimator__kind="exact")
-    assert "pure-rolling assumption" in said("adhesion_brake", bench__pure_rolling=True)
+    assert "pure-rolling assumption" in said("adhesion_brake", contact__pure_rolling=True)
     assert "certified" not in said("bogie_rollers_constant")
