@@ -16,6 +16,8 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any, Generic, TypeVar
 
+from rollerrig.analysis.workers import end_with_parent
+
 A = TypeVar("A")
 R = TypeVar("R")
 Progress = Callable[[float, str], None]
@@ -154,6 +156,7 @@ _fractions: Any = None
 
 def _adopt(stop: Any, fractions: Any) -> None:
     global _stop, _fractions
+    end_with_parent()
     _stop, _fractions = stop, fractions
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent hears Ctrl-C and sets `stop`
 
