@@ -13,13 +13,15 @@ from matplotlib.figure import Figure
 from rollerrig.plot.style import colour, critical_lines, line, panels
 
 
-def ramp_over_speed(ramps: Mapping[str, xr.Dataset], body: str, critical: Mapping[str, Mapping[str, float]]) -> Figure:
+def ramp_over_speed(
+    ramps: Mapping[str, xr.Dataset], body: str, critical: Mapping[str, Mapping[str, float | tuple[float, float]]]
+) -> Figure:
     """Lateral displacement over speed while the rollers are sped up and slowed down again.
 
     Args:
         ramps: label -> Dataset of `ramp_run`; one panel each.
         body: whose displacement.
-        critical: label -> name -> speed [km/h], marked by a vertical line.
+        critical: label -> name -> speed, or both ends of its interval [km/h], marked.
     """
     labels = ["lateral displacement [mm]"] * len(ramps)
     height = 0.6 + 2.6 * len(ramps)

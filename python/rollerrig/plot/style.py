@@ -141,9 +141,16 @@ def wheel_lines(axes: Axes, along: xr.DataArray, values: xr.DataArray) -> None:
         line(axes, along, values.sel(wheel=wheel), number, style, wheel)
 
 
-def critical_line(axes: Axes, speed_kmh: float, label: str) -> None:
-    """A vertical line at a critical speed, named at its top."""
-    axes.axvline(speed_kmh, color=GREY, linewidth=1.0, linestyle=(0, (4, 2)))
+def critical_line(axes: Axes, speed_kmh: float | tuple[float, float], label: str) -> None:
+    """A vertical line at a critical speed, or a band over the interval in which it lies, named at its top."""
+    dashes: dict[str, Any] = {"color": GREY, "linewidth": 1.0, "linestyle": (0, (4, 2))}
+    if isinstance(speed_kmh, tuple):
+        axes.axvspan(*speed_kmh, color=GREY, alpha=0.2, linewidth=0.0)
+        for end in speed_kmh:
+            axes.axvline(end, **dashes)
+        speed_kmh = speed_kmh[1]
+    else:
+        axes.axvline(speed_kmh, **dashes)
     axes.annotate(
         label,
         (speed_kmh, 1.0),
@@ -160,11 +167,20 @@ def critical_line(axes: Axes, speed_kmh: float, label: str) -> None:
     )
 
 
-def critical_lines(axes: Axes, speeds_kmh: Mapping[str, float]) -> None:
-    """Lines at all critical speeds that are known: name -> speed [km/h]."""
+def critical_lines(axes: Axes, speeds_kmh: Mapping[str, float | tuple[float, float]]) -> None:
+    """Lines at all critical speeds that are known: name -> speed, or both ends of its interval [km/h]."""
     for name, speed in speeds_kmh.items():
-        if np.isfinite(speed):
-            critical_line(axes, speed, f"{name} {speed:.0f} km/h")
+        if np.isfinite(speed).all():
+            ends = speed if isinstance(speed, tuple) else (speed,)
+            critical_line(axes, speed, f"{name} {' … '.join(dict.fromkeys(f'{end:.0f}' for end in ends))} km/h")
+
+
+def watermark(figure: Figure, text: str) -> None:
+    """A word across the whole figure, above all that is drawn and light enough to read through; once only."""
+    name = "watermark"
+    if not any(one.get_gid() == name for one in figure.texts):
+        figure.text(0.5, 0.5, text, gid=name, size=64, weight="bold", color=GREY, alpha=0.22, rotation=25,
+                    ha="center", va="center", zorder=1000)  # fmt: skip
 
 
 def figure_bytes(figure: Figure, kind: Literal["svg", "png"] = "svg", dpi: int = 150) -> bytes:

@@ -31,7 +31,8 @@ from rollerrig.study.ensemble import scatter, starts
 from rollerrig.study.frame import Study
 from rollerrig.study.jobs import Done, Round, job
 from rollerrig.study.quantities import Numbers, Quantities, Quantity
-from rollerrig.study.report import Picture, Section, percent
+from rollerrig.study.report import Picture, Section
+from rollerrig.wording import percent
 
 TRACKING_TARGET, DISTANCE_TARGET = 0.01, 0.02
 

@@ -11,7 +11,8 @@ import xarray as xr
 from rollerrig.analysis.envelope_borders import borders, slides
 from rollerrig.analysis.run_limits import NUMBERS, REGIONS
 from rollerrig.study.envelope_points import torque_text
-from rollerrig.study.report import Table, number
+from rollerrig.study.report import Table
+from rollerrig.wording import number
 
 
 def run_rows(found: xr.Dataset) -> list[list[object]]:

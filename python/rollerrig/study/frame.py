@@ -28,14 +28,17 @@ from numpy.typing import ArrayLike
 from rollerrig import __version__
 from rollerrig.config import Case
 from rollerrig.plot import figure_bytes
+from rollerrig.plot.style import watermark
 from rollerrig.results import output_folder, save_run, sources_of, write_bytes, write_text
 from rollerrig.study.jobs import Done, Progress, Round, run_rounds
 from rollerrig.study.journal import Journal
 from rollerrig.study.limitations import limitations
 from rollerrig.study.quantities import Numbers, Quantities, finite
-from rollerrig.study.report import Block, Page, Picture, Preformatted, Section, Table, Text, render
+from rollerrig.study.report import Block, Mark, Page, Picture, Preformatted, Section, Table, Text, render
 
 R = TypeVar("R")
+TIMING = "timing.json"
+"""The one file whose bytes differ between identical runs: measured times."""
 Content = xr.Dataset | str | Mapping[str, ArrayLike] | Sequence[Sequence[object]]
 """Of a file: a Dataset (.nc), text, or a CSV file: name of a column -> values, or rows, header first."""
 
@@ -68,6 +71,11 @@ class Study(ABC, Generic[R]):
     def title(self) -> str:
         """Of the report."""
 
+    @property
+    def mark(self) -> Mark | None:
+        """What every page says of the whole study where its numbers are not to be relied on; None as a rule."""
+        return None
+
     def cases(self) -> Mapping[str, Case]:
         """Label -> case, those whose limitations, sources and configuration the report states; by default the study's one."""
         case = getattr(self, "case", None)
@@ -95,6 +103,10 @@ class Study(ABC, Generic[R]):
 
     def files(self, results: R, numbers: Numbers) -> Mapping[str, Content]:
         """File name -> content, beside report, figures and summary.json."""
+        return {}
+
+    def timings(self, results: R) -> dict[str, Any]:
+        """Measured times, the only numbers that differ from run to run: they go to the terminal and to timing.json."""
         return {}
 
     def limitations(self) -> list[str]:
@@ -142,6 +154,8 @@ class Study(ABC, Generic[R]):
         taken_over = 0 if journal is None else len(journal.done)
         with journal or nullcontext():
             done, interrupted = run_rounds(self.rounds, journal, self.round_ends, processes, progress)
+        if journal is not None and self.keeps_jobs:
+            journal.settle(done)
         results = self.collect(done)
         return None if results is None else Outcome(self, results, interrupted, taken_over, journal)
 
@@ -178,13 +192,17 @@ class Outcome(Generic[R]):
     def numbers(self) -> dict[str, Any]:
         """The reported numbers; None for what is no finite number."""
         found: dict[str, Any] = finite(self.study.numbers(self.results))
-        return {**found, "interrupted": self.interrupted, "rollerrig_version": __version__}
+        mark = self.study.mark
+        said = {} if mark is None else {mark.name: True}
+        return {**found, **said, "interrupted": self.interrupted, "rollerrig_version": __version__}
 
     @property
     def summary(self) -> str:
         """The findings, a line each."""
-        lines = self.study.summary(self.results, self.numbers)
-        return "\n".join([*(["Interrupted: what was computed until then."] if self.interrupted else []), *lines])
+        mark = self.study.mark
+        head = [] if mark is None else [f"{mark.title}: {mark.meaning}."]
+        head += ["Interrupted: what was computed until then."] if self.interrupted else []
+        return "\n".join([*head, *self.study.summary(self.results, self.numbers)])
 
     @property
     def statuses(self) -> Sequence[str]:
@@ -197,22 +215,39 @@ class Outcome(Generic[R]):
         Raises:
             OutputError: a file could not be written; those before it are whole.
         """
-        folder = output_folder(out)
-        study = self.study
-        written = [_write(folder / name, content) for name, content in study.files(self.results, self.numbers).items()]
+        folder, study = output_folder(out), self.study
+        written = self._write_data(folder)
         sections = self._sections()
         for picture in (block for section in sections for block in section.blocks if isinstance(block, Picture)):
-            for number, kind in enumerate(study.formats):
-                content = figure_bytes(picture.figure, kind, dpi=150 if number == 0 else 200)
-                if number == 0:
-                    picture.image = content
-                written.append(write_bytes(output_folder(folder / "figures") / f"{picture.name}.{kind}", content))
+            written += self._write_picture(folder, picture)
         summary = {**self.numbers, "keys": study.quantities.described()}
-        written.append(write_text(folder / "summary.json", json.dumps(summary, indent=2, ensure_ascii=False) + "\n"))
-        page = Page(study.title, self.summary, sections, f"rollerrig {__version__}")
+        written.append(write_text(folder / "summary.json", _json(summary)))
+        if timings := finite(study.timings(self.results)):
+            written.append(write_text(folder / TIMING, _json(timings)))
+        page = Page(study.title, self.summary, sections, f"rollerrig {__version__}", study.mark)
         written.append(write_text(folder / "report.html", render(page)))
         if self.journal is not None and not (self.interrupted or study.keeps_jobs):
             self.journal.discard()
+        return written
+
+    def _write_data(self, folder: Path) -> list[Path]:
+        """The study's files; the name of a marked study stands in theirs."""
+        mark, written = self.study.mark, []
+        for name, content in self.study.files(self.results, self.numbers).items():
+            path = folder / name
+            written.append(_write(path if mark is None else path.with_stem(f"{path.stem}_{mark.name}"), content))
+        return written
+
+    def _write_picture(self, folder: Path, picture: Picture) -> list[Path]:
+        """The files of a figure; the first one is shown in the report."""
+        if self.study.mark is not None:
+            watermark(picture.figure, self.study.mark.title)
+        written = []
+        for number, kind in enumerate(self.study.formats):
+            content = figure_bytes(picture.figure, kind, dpi=150 if number == 0 else 200)
+            if number == 0:
+                picture.image = content
+            written.append(write_bytes(output_folder(folder / "figures") / f"{picture.name}.{kind}", content))
         return written
 
     def _sections(self) -> list[Section]:
@@ -225,6 +260,10 @@ class Outcome(Generic[R]):
         blocks: list[Block] = [Table(("of", "source"), list(sources.items()))] if sources else []
         blocks += [Preformatted(f"The whole configuration: {label}", case.to_toml()) for label, case in cases.items()]
         return [*sections, Section("Case and sources", blocks)] if blocks else sections
+
+
+def _json(numbers: Mapping[str, Any]) -> str:
+    return json.dumps(numbers, indent=2, ensure_ascii=False) + "\n"
 
 
 def _write(path: Path, content: Content) -> Path:

@@ -7,10 +7,13 @@ A line is whole once it ends; what a killed program left of one is cut off. A Da
 
 from __future__ import annotations
 
+import hashlib
+import itertools
 import json
 import os
+import re
 import shutil
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import fields, is_dataclass
 from importlib import import_module
 from pathlib import Path
@@ -23,7 +26,7 @@ import xarray as xr
 from rollerrig import __version__
 from rollerrig.config import ConfigError, ConfigProblem
 from rollerrig.config.errors import show_value
-from rollerrig.results import OutputError, load_run, output_folder, save_run
+from rollerrig.results import OutputError, load_run, output_folder, save_run, write_bytes
 
 NAME, DATA = "jobs.jsonl", "jobs"
 _CURE = "allowed: what the finished jobs were made with; undo the change, choose another --out, or delete the file to begin anew"
@@ -94,11 +97,26 @@ class Journal:
                 self._file = self.path.open("ab", buffering=0)
                 if not begun:
                     self._file.write(_line(self._header))
-            self._file.write(_line({"job": name, "result": _encoded(result, self.folder)}))
+            files = (f"{DATA}/{_stem(name)}_{number}.nc" for number in itertools.count())
+            self._file.write(_line({"job": name, "result": _encoded(result, self.folder, files)}))
             os.fsync(self._file.fileno())
         except OSError as cause:
             raise OutputError(self.path, cause) from None
         self.done[name] = result
+
+    def settle(self, names: Iterable[str]) -> None:
+        """Write it anew with its jobs in this order: the same bytes, whichever of them ended first.
+
+        Raises:
+            OutputError: it could not be written.
+        """
+        self.__exit__(None, None, None)
+        if not self.path.exists():
+            return
+        lines = [line for line in map(_parsed, self.path.read_bytes().splitlines()) if line is not None]
+        jobs = {line["job"]: line for line in lines if "job" in line}
+        ordered = [jobs.pop(name) for name in names if name in jobs]
+        write_bytes(self.path, b"".join(map(_line, (self._header, *ordered, *jobs.values()))))
 
     def discard(self) -> None:
         """Remove it: the study is finished."""
@@ -123,24 +141,32 @@ def _parsed(line: bytes) -> dict[str, Any] | None:
 # -------------------------------------------------------------------------------------------------------- results
 
 
-def _encoded(value: Any, folder: Path) -> Any:
+def _stem(job: str) -> str:
+    """Of the files of a job: the same whenever and wherever it is done; two jobs that are nearly named alike differ."""
+    return f"{re.sub(r'[^a-z0-9]+', '_', job.lower())[:40]}_{hashlib.sha256(job.encode()).hexdigest()[:8]}"
+
+
+def _encoded(value: Any, folder: Path, files: Iterator[str]) -> Any:
     """A result as JSON; Datasets go to files of their own, dataclasses and arrays to tables that say what they are."""
     if isinstance(value, xr.Dataset):
-        data = output_folder(folder / DATA)
-        path = data / f"{sum(1 for _ in data.glob('*.nc')):05d}.nc"
-        save_run(value, path)
-        return {"$dataset": f"{DATA}/{path.name}"}
+        output_folder(folder / DATA)
+        name = next(files)
+        save_run(value, folder / name)
+        return {"$dataset": name}
     if is_dataclass(value) and not isinstance(value, type):
         kind = f"{type(value).__module__}:{type(value).__qualname__}"
-        return {"$class": kind, "fields": {f.name: _encoded(getattr(value, f.name), folder) for f in fields(value)}}
+        return {
+            "$class": kind,
+            "fields": {f.name: _encoded(getattr(value, f.name), folder, files) for f in fields(value)},
+        }
     if isinstance(value, np.ndarray | np.generic):
         return {"$array": value.tolist(), "dtype": str(value.dtype)}
     if isinstance(value, tuple):
-        return {"$tuple": [_encoded(item, folder) for item in value]}
+        return {"$tuple": [_encoded(item, folder, files) for item in value]}
     if isinstance(value, list):
-        return [_encoded(item, folder) for item in value]
+        return [_encoded(item, folder, files) for item in value]
     if isinstance(value, Mapping):
-        return {str(key): _encoded(inner, folder) for key, inner in value.items()}
+        return {str(key): _encoded(inner, folder, files) for key, inner in value.items()}
     return value
 
 

@@ -35,7 +35,8 @@ from rollerrig.study.adhesion_variants import track_case
 from rollerrig.study.frame import Study
 from rollerrig.study.jobs import Done, Round, job, whole_run
 from rollerrig.study.quantities import Numbers, Quantities, Quantity
-from rollerrig.study.report import Block, Picture, Section, Text, percent
+from rollerrig.study.report import Block, Picture, Section, Text
+from rollerrig.wording import percent
 
 LABELS = {
     "rig": "rig as it is, displaced",

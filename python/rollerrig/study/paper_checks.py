@@ -1,10 +1,11 @@
 """Checks of the paper's two studies: computed beside expected values, each with the reason of its tolerance.
 
-runs of PaperStudy -> [paper_checks] -> report.Check for the table of the report and for summary.json
+runs of PaperStudy -> [paper_checks] -> Check for the table of the report and for summary.json
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Iterator
 
 import numpy as np
@@ -12,13 +13,15 @@ import xarray as xr
 
 from rollerrig.analysis.fits import fit
 from rollerrig.config import Case, Rig
-from rollerrig.study.report import Check
+from rollerrig.study.checks import Check
+from rollerrig.study.interval import Interval
 
 FRONT, REAR = "wheelset_1_right", "wheelset_2_right"
 """The wheels of the paper's figure 8."""
 PLACES = ((FRONT, "front"), (REAR, "rear"))
 
 SPIN_REASON = "relative to the largest torque; the patches' mean radius is used, spin moments on the cone are left out"
+ORDER_REASON = "above the linear critical speed every disturbance grows; linear speed to 0.1 km/h"
 HUNTING_REASON = "of the energy turned over; the runs are integrated to a relative tolerance of 1e-4 per step"
 
 
@@ -171,3 +174,16 @@ def energy_checks(material: str, runs: Iterable[xr.Dataset], ramp: xr.Dataset | 
     if ramp is not None:
         residual = float(ramp.attrs["energy_relative_residual"])
         yield Check(f"energy of the ramp, {material}", residual, 0.0, 1e-5, HUNTING_REASON)
+
+
+def order_check(name: str, by_disturbance: Interval, linear: float) -> Iterator[Check]:
+    """Figure 7: what is disturbed hunts from a speed on that is not above the linear one; none where either is unknown.
+
+    Args:
+        name: of material, vehicle and support.
+        by_disturbance: where that critical speed lies [km/h].
+        linear: the linear critical speed [km/h]; NaN: none in the range.
+    """
+    if by_disturbance.known and math.isfinite(linear):
+        title = f"critical speed by disturbance is not above the linear one, {name}"
+        yield Check(title, by_disturbance, linear, 0.1, ORDER_REASON, "km/h", kind="at most")

@@ -12,7 +12,9 @@ from rollerrig.analysis.contact_state import ContactState
 from rollerrig.analysis.roller_effects import RADII, CriticalSpeedOverRadius, EffectSplit
 from rollerrig.cases import restrained_along_track
 from rollerrig.config import Case, load_case
-from rollerrig.study.report import Check
+from rollerrig.study.checks import Check
+from rollerrig.study.interval import Interval
+from rollerrig.study.report import Mark
 
 MATERIALS = ("steel", "paper")
 """Names in the catalogue; `paper` has the G = 10 GPa of the paper."""
@@ -51,6 +53,7 @@ class PaperPlan:
         traction_changes: changes to it.
         criteria: values of contact.normal.merging_criterion for the sensitivity.
         radii: of the rollers in the table of critical speeds [m].
+        mark: said on every page, table and figure; None: the numbers may be relied on.
     """
 
     linear_kmh: tuple[float, ...]
@@ -62,6 +65,7 @@ class PaperPlan:
     traction_changes: dict[str, object] = field(default_factory=dict)
     criteria: tuple[float, ...] = MERGING_CRITERIA
     radii: tuple[float, ...] = RADII
+    mark: Mark | None = None
 
 
 def _kmh(low: float, high: float, acceleration: float, perturbation_every: float) -> RampSettings:
@@ -86,6 +90,7 @@ QUICK = PaperPlan(
     hunting=HuntingSettings(duration=1.0, output_step=1e-2),
     criteria=(0.0, 0.01),
     radii=(0.725,),
+    mark=Mark("quick", "few and short runs, which show that everything works; no number here is a result to be quoted"),
 )
 
 
@@ -139,7 +144,7 @@ class Results:
         modes = self.modes.get(material, {}).get(variant)
         return math.nan if modes is None else float(modes.attrs["linear_critical_speed_kmh"])
 
-    def by_disturbance_kmh(self, material: str, variant: str = RIG) -> float:
-        """Critical speed by disturbance [km/h]; NaN if there is none or it was not computed."""
+    def by_disturbance(self, material: str, variant: str = RIG) -> Interval:
+        """Where the critical speed by disturbance lies [km/h]; without ends if it was not computed."""
         found = (self.runs if variant == RIG else self.vehicle_runs).get(material)
-        return math.nan if found is None else 3.6 * found.speed
+        return Interval(-math.inf, math.inf) if found is None else Interval.of_bracket(found)

@@ -1,6 +1,6 @@
-"""Tables of the paper study: rows of its CSV files, numbers of figure 8, solver, contact and parameters in the report.
+"""Tables of the paper study: rows of its CSV files, solver, contact and parameters in the report.
 
-results of PaperStudy -> [paper_tables] -> rows, numbers, tables
+results of PaperStudy -> [paper_tables] -> rows, tables
 """
 
 from __future__ import annotations
@@ -16,8 +16,9 @@ from rollerrig.analysis import CriticalSpeedByDisturbance, hunting_table
 from rollerrig.config import Rig
 from rollerrig.study.paper_plan import MATERIALS, PaperPlan, Results, rig_case, traction_case
 from rollerrig.study.paper_text import NAMES
-from rollerrig.study.report import Block, Table, number
+from rollerrig.study.report import Block, Table
 from rollerrig.study.run import CONTACT
+from rollerrig.wording import number
 
 
 def run_columns(found: CriticalSpeedByDisturbance) -> dict[str, ArrayLike]:
@@ -56,20 +57,6 @@ def traction_columns(study: xr.Dataset) -> dict[str, ArrayLike]:
             for kind in ("", "_theory"):
                 columns[f"{wheel}.{name}{kind}_{unit}"] = study[f"{name}{kind}"].sel(wheel=wheel)
     return {name: column.to_numpy() for name, column in columns.items()}
-
-
-def traction_numbers(study: xr.Dataset) -> dict[str, Any]:
-    """Figure 8 at its end."""
-    end = study.isel(time=-1)
-    numbers: dict[str, Any] = {"speed_kmh": 3.6 * float(end["speed"])}
-    for wheel in (wheel for wheel in map(str, end["wheel"].to_numpy()) if wheel.endswith("right")):
-        own = end.sel(wheel=wheel)
-        numbers[wheel] = {
-            "sliding_mmps": 1e3 * float(own["sliding"]),
-            "longitudinal_force_n": float(own["longitudinal_force"]),
-            "vertical_force_n": float(own["vertical_force"]),
-        }
-    return numbers
 
 
 def _audited(results: Results) -> Iterator[tuple[str, dict[str, Any]]]:

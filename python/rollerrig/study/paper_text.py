@@ -7,7 +7,9 @@ import math
 from rollerrig.analysis import CriticalSpeedByDisturbance, end_of_hunting
 from rollerrig.analysis.hunting import decay_frequency
 from rollerrig.study import critical_speeds as speeds
-from rollerrig.study.paper_plan import MATERIALS, PAPER_CRITICAL_KMH, TABLE_PARTS, VEHICLE, PaperPlan, Results, rig_case
+from rollerrig.study.checks import counts_text
+from rollerrig.study.interval import Interval
+from rollerrig.study.paper_plan import MATERIALS, TABLE_PARTS, VEHICLE, PaperPlan, Results
 from rollerrig.study.quantities import Numbers
 
 NAMES = {"steel": "steel", "paper": "the paper's material"}
@@ -33,9 +35,11 @@ RAMP = (
 )
 
 
-def kmh(value: float, digits: int = 0) -> str:
-    """A speed as text; a dash where there is none."""
-    return f"{value:.{digits}f} km/h" if math.isfinite(value) else "–"
+def linear(value: float, plan: PaperPlan) -> str:
+    """A linear critical speed [km/h] as text; where there is none, the range that was looked at."""
+    if math.isfinite(value):
+        return f"{value:.1f} km/h"
+    return f"none from {plan.linear_kmh[0]:g} to {plan.linear_kmh[-1]:g} km/h"
 
 
 def _name(material: str) -> str:
@@ -44,14 +48,10 @@ def _name(material: str) -> str:
 
 def summary(results: Results, numbers: Numbers, plan: PaperPlan) -> list[str]:
     """The whole in a few lines."""
-
-    def found(value: float, digits: int = 0) -> str:
-        return kmh(value, digits) if math.isfinite(value) else "not found"
-
     size = 1e3 * plan.hunting.disturbance
     lines = [
-        f"{_name(m)}: linear critical speed on the rig {found(results.linear_kmh(m), 1)}, by disturbance (from {size:g} mm) "
-        f"{found(results.by_disturbance_kmh(m))}."
+        f"{_name(m)}: critical speed on the rig, linear: {linear(results.linear_kmh(m), plan)}; by disturbance (from {size:g} "
+        f"mm): {results.by_disturbance(m).text('km/h', 1)}."
         for m in results.modes
     ]
     end = numbers["traction"]
@@ -61,7 +61,7 @@ def summary(results: Results, numbers: Numbers, plan: PaperPlan) -> list[str]:
             f"Traction: at the end the front wheels slide at {front:.1f} mm/s and the rear ones at {rear:.1f} mm/s, "
             f"at a speed of {end['speed_kmh']:.0f} km/h."
         )
-    return lines
+    return [*lines, counts_text(results.checks)] if results.checks else lines
 
 
 def ramp_text(plan: PaperPlan) -> str:
@@ -75,16 +75,16 @@ def critical_paragraphs(results: Results) -> list[str]:
     """What figure 7 says about the critical speed."""
     texts = []
     for material, found in results.runs.items():
-        linear, lowest = results.linear_kmh(material), results.by_disturbance_kmh(material)
-        if not (math.isfinite(linear) and math.isfinite(lowest)):
+        small, large = results.linear_kmh(material), results.by_disturbance(material)
+        if not (math.isfinite(small) and large.known):
             continue
         text = (
-            f"{_name(material)}: small disturbances grow above {linear:.1f} km/h. From {1e3 * found.disturbance:g} mm the motion "
-            f"decays at {3.6 * found.decays:.1f} km/h and persists at {3.6 * found.persists:.1f} km/h."
+            f"{_name(material)}: small disturbances grow above {small:.1f} km/h. From {1e3 * found.disturbance:g} mm the "
+            f"critical speed is {large.text('km/h', 1)}; at the lower end the motion decays, at the upper one it persists."
         )
-        if lowest < linear - 5:
+        if large.high < small - 5:
             text += (
-                f" Between {lowest:.0f} and {linear:.0f} km/h both are possible: small disturbances decay, larger ones end in "
+                f" From {large.high:.0f} to {small:.0f} km/h both are possible: small disturbances decay, larger ones end in "
                 "a limit cycle, and a hunting bogie continues to hunt while the rollers slow down, until the lower of the two "
                 "speeds (hysteresis, a subcritical bifurcation)."
             )
@@ -106,15 +106,18 @@ def frequency_paragraphs(results: Results, plan: PaperPlan) -> list[str]:
         apart = frequency_differences(results, material)
         if not apart:
             continue
-        rig, vehicle = results.by_disturbance_kmh(material), results.by_disturbance_kmh(material, VEHICLE)
+        rig, vehicle = results.by_disturbance(material), results.by_disturbance(material, VEHICLE)
         text = (
             f"{_name(material)}: at the {len(apart)} speeds at which both oscillate, the frequency of the bogie on "
             f"the rig differs from that of the vehicle on the rails by {100 * min(apart):+.0f} to {100 * max(apart):+.0f} %."
         )
-        if math.isfinite(rig) and math.isfinite(vehicle):
+        if rig.known and vehicle.known:
+            ratio = rig.over(vehicle)
+            lower = Interval(100 * (1 - ratio.high), 100 * (1 - ratio.low))
             text += (
-                f" The critical speed by disturbance, from {1e3 * plan.hunting.disturbance:g} mm, is {rig:.0f} km/h "
-                f"on the rig and {vehicle:.0f} km/h on the rails, {100 * (1 - rig / vehicle):.0f} % apart."
+                f" The critical speed by disturbance, from {1e3 * plan.hunting.disturbance:g} mm, is {rig.text('km/h')} "
+                f"on the rig and {vehicle.text('km/h')} on the rails"
+                + (f", lower on the rig by {lower.text('%')}." if lower.bounded else ".")
             )
         texts.append(text)
     return texts if len(texts) > 1 else []
@@ -148,82 +151,8 @@ def rig_paragraphs(results: Results) -> list[str]:
     return texts + [f"{_name(m)}, bogie. {speeds.effects_sentence(split)}" for m, split in results.effects.items()]
 
 
-def fit_paragraphs(results: Results) -> list[str]:
-    """Which material the paper's critical speed fits, and why."""
-    kinds = (("linear", results.linear_kmh), ("by disturbance", results.by_disturbance_kmh))
-    values = {(m, kind): v for m in MATERIALS for kind, of in kinds if math.isfinite(v := of(m))}
-    if not values:
-        return []
-    nearest = min(values, key=lambda key: abs(values[key] - PAPER_CRITICAL_KMH))
-    others = [abs(v - PAPER_CRITICAL_KMH) for (m, _), v in values.items() if m != nearest[0]]
-    text = (
-        f"The paper reports growing oscillations above {PAPER_CRITICAL_KMH:.0f} km/h. The nearest critical speed is that of "
-        f"{NAMES[nearest[0]]} ({nearest[1]}), {values[nearest]:.0f} km/h"
-    )
-    if others:
-        text += f"; the other material differs from the paper by at least {min(others):.0f} km/h"
-    texts = [f"{text}. {_comparison(values[nearest])}"]
-    if all(m in results.contact for m in MATERIALS):
-        texts.append(_effect_of_the_material(results))
-    sensitivity = _sensitivity(results)
-    return [*texts, sensitivity] if sensitivity else texts
-
-
-def _comparison(value: float) -> str:
-    off = value / PAPER_CRITICAL_KMH - 1
-    if abs(off) <= 0.1:
-        return "That is within a tenth of the paper's value."
-    return (
-        f"That is still {100 * abs(off):.0f} % {'above' if off > 0 else 'below'} the paper's value: neither reproduces it. The "
-        "paper names its vehicle, but neither profiles nor friction nor the radius of its rollers; no parameter was tuned here "
-        "to close the gap."
-    )
-
-
 def onset_wavelength(results: Results, material: str) -> float:
     """Wavelength of the limit cycle at the lowest speed at which it was found [m]; NaN if there is none."""
     found = results.runs.get(material)
     lasting = [run for run in found.runs if run.persists and run.valid] if found else []
     return lasting[0].speed / lasting[0].final.frequency if lasting else math.nan
-
-
-def _effect_of_the_material(results: Results) -> str:
-    steel, soft = (results.contact[m] for m in MATERIALS)
-    moduli = [rig_case(m).contact.material.shear_modulus for m in MATERIALS]
-    text = (
-        f"Effect of the material: with G = {1e-9 * moduli[1]:.0f} GPa the wheels sink in {soft.approach / steel.approach:.1f} "
-        f"times as deep ({1e6 * soft.approach:.0f} instead of {1e6 * steel.approach:.0f} µm), and the creep stiffness Σf₁₁ of "
-        f"a wheel falls to {100 * soft.creep_stiffness / steel.creep_stiffness:.0f} % (Hertz and Kalker together give G^(1/3), "
-        f"which is {100 * (moduli[1] / moduli[0]) ** (1 / 3):.0f} %): the creep forces at the same creepage fall by as much."
-    )
-    soft_name, steel_name = MATERIALS[1], MATERIALS[0]
-    if all(of(soft_name) < of(steel_name) for of in (results.linear_kmh, results.by_disturbance_kmh)):
-        text += " Both the linear critical speed and that by disturbance fall with it."
-    waves = [onset_wavelength(results, m) for m in MATERIALS]
-    if all(math.isfinite(w) for w in waves):
-        steeper = [(state.wavelength / wave) ** 2 for state, wave in zip((steel, soft), waves, strict=True)]
-        text += (
-            " With either material the wheels steer more strongly at finite amplitude: at the onset of hunting the wavelength is "
-            f"{waves[0]:.1f} m with steel and {waves[1]:.1f} m with the paper's material, against {steel.wavelength:.1f} m and "
-            f"{soft.wavelength:.1f} m for small motion at low speed, as if the conicity were {steeper[0]:.1f} and "
-            f"{steeper[1]:.1f} times "
-            "as large. This agrees with hunting from a disturbance well below the linear critical speed."
-        )
-    return text
-
-
-def _sensitivity(results: Results) -> str:
-    parts = []
-    for material in MATERIALS:
-        known = [v for scan in results.merging.get(material, {}).values() if math.isfinite(v := scan.speed_kmh)]
-        if len(known) > 1:
-            parts.append(f"{NAMES[material]} {min(known):.0f} to {max(known):.0f} km/h")
-    if not parts:
-        return ""
-    return (
-        "Accuracy of these numbers: near its centred position S1002 on UIC60 1:40 touches in two patches per wheel, and the "
-        "method of the paper treats each as a Hertzian contact of its own. How two patches merge is a modelling choice "
-        f"(contact.normal.merging_criterion). Over the values in the table the linear critical speed is {' and '.join(parts)}. "
-        "The exact solution has a single patch there, so the linear critical speed of this pair should not be read more "
-        "accurately than that."
-    )

@@ -12,7 +12,8 @@ from typing import Any
 
 import numpy as np
 
-from rollerrig.study.report import Table, number
+from rollerrig.study.report import Table
+from rollerrig.wording import number
 
 Numbers = Mapping[str, Any]
 
@@ -79,6 +80,7 @@ class Quantity:
 
 
 COMMON = (
+    Quantity("quick", "there and true: few and short runs, whose numbers only show that everything works"),
     Quantity("interrupted", "whether Ctrl-C ended the study early; what is missing was not computed"),
     Quantity("rollerrig_version", "version of this program"),
     Quantity("keys.**", "key of this file -> meaning and unit; `*` stands for a name"),

@@ -6,13 +6,14 @@ Page(title, sections of blocks) -> [jinja2 template] -> one self-contained HTML 
 from __future__ import annotations
 
 import base64
-import math
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from importlib.resources import files
 
 from jinja2 import Environment, StrictUndefined
 from matplotlib.figure import Figure
+
+from rollerrig.wording import number
 
 
 @dataclass(frozen=True)
@@ -66,47 +67,6 @@ class Preformatted:
     kind: str = "preformatted"
 
 
-@dataclass(frozen=True)
-class Check:
-    """A number that should have a value.
-
-    Attributes:
-        name: what is checked.
-        value: what came out.
-        expected: what it should be.
-        tolerance: allowed deviation, in the unit of `deviation`.
-        deviation: how far off it is: absolute, or relative where `relative` is set.
-        unit: of value and expected.
-        reason: why the tolerance is what it is.
-        relative: whether deviation and tolerance are relative.
-    """
-
-    name: str
-    value: float
-    expected: float
-    tolerance: float
-    reason: str
-    unit: str = ""
-    relative: bool = False
-
-    @property
-    def deviation(self) -> float:
-        """Distance from the expected value."""
-        distance = abs(self.value - self.expected)
-        if not self.relative:
-            return distance
-        return distance / abs(self.expected) if self.expected else math.inf
-
-    @property
-    def passed(self) -> bool:
-        """Whether the deviation is within the tolerance."""
-        return self.deviation <= self.tolerance
-
-    def as_dict(self) -> dict[str, object]:
-        """For summary.json."""
-        return {**asdict(self), "deviation": self.deviation, "passed": self.passed}
-
-
 Block = Text | Picture | Table | Preformatted
 
 
@@ -123,6 +83,24 @@ class Section:
         return "".join(c if c.isalnum() else "-" for c in self.title.lower()).strip("-")
 
 
+@dataclass(frozen=True)
+class Mark:
+    """Said on every page, table, figure and file of a study whose numbers are not to be relied on.
+
+    Attributes:
+        name: one word, for files and summary.json.
+        meaning: a sentence without its full stop.
+    """
+
+    name: str
+    meaning: str
+
+    @property
+    def title(self) -> str:
+        """The word as it stands on pages and figures."""
+        return self.name.upper()
+
+
 @dataclass
 class Page:
     """A whole report."""
@@ -131,49 +109,7 @@ class Page:
     summary: str
     sections: list[Section]
     footer: str = ""
-
-
-_SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
-
-
-def number(value: object, digits: int = 4) -> str:
-    """A number as people write it; text as it is."""
-    if isinstance(value, bool) or not isinstance(value, int | float):
-        return str(value)
-    if isinstance(value, int):
-        return f"{value:,}".replace(",", "\u202f")
-    if not math.isfinite(value):
-        return "–"
-    if value != 0 and not 1e-3 <= abs(value) < 1e6:
-        mantissa, exponent = f"{value:.{digits - 1}e}".split("e")
-        mantissa = mantissa.rstrip("0").rstrip(".") if "." in mantissa else mantissa
-        power = f"10{str(int(exponent)).translate(_SUPERSCRIPT)}"
-        return power if mantissa == "1" else f"{mantissa}·{power}"
-    return f"{value:.{digits}g}" if abs(value) < 1e4 else f"{value:,.0f}".replace(",", "\u202f")
-
-
-def percent(value: float | None, digits: int = 2, *, signed: bool = False) -> str:
-    """A ratio as a percentage, a dash where there is none."""
-    return "–" if value is None else f"{100 * value:{'+' if signed else ''}.{digits}g} %"
-
-
-def check_table(checks: Sequence[Check]) -> Table:
-    """The checks as a table, passed or failed."""
-    rows = []
-    for check in checks:
-        scale, unit = (100.0, "%") if check.relative else (1.0, check.unit)
-        rows.append(
-            (
-                "✔ pass" if check.passed else "✘ FAIL",
-                check.name,
-                f"{number(check.value)} {check.unit}".strip(),
-                f"{number(check.expected)} {check.unit}".strip(),
-                f"{number(scale * check.deviation, 3)} {unit}".strip(),
-                f"{number(scale * check.tolerance, 3)} {unit}".strip(),
-                check.reason,
-            )
-        )
-    return Table(("", "check", "computed", "expected", "deviation", "tolerance", "why this tolerance"), rows)
+    mark: Mark | None = None
 
 
 def render(page: Page) -> str:

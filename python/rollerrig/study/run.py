@@ -21,7 +21,8 @@ from rollerrig.study import running_safety
 from rollerrig.study.frame import Study
 from rollerrig.study.jobs import Done, Round, job
 from rollerrig.study.quantities import Numbers, Quantities, Quantity
-from rollerrig.study.report import Picture, Section, Table, number
+from rollerrig.study.report import Picture, Section, Table
+from rollerrig.wording import number
 
 TERMINATION = (
     Quantity("case", "name of the case"),

@@ -42,7 +42,7 @@ from rollerrig.simulation import simulate
 from rollerrig.study.frame import Study
 from rollerrig.study.jobs import Done, Round, job
 from rollerrig.study.quantities import Numbers, Quantities, Quantity
-from rollerrig.study.report import Picture, Section, percent
+from rollerrig.study.report import Picture, Section
 from rollerrig.study.scale_tables import (
     VIOLATION,
     axle_rows,
@@ -51,6 +51,7 @@ from rollerrig.study.scale_tables import (
     model_summary,
     violations_table,
 )
+from rollerrig.wording import percent
 
 LABELS = {
     "full": "full scale",

@@ -10,7 +10,8 @@ import xarray as xr
 from rollerrig.analysis.scaled_model import at_times_of
 from rollerrig.config import Case
 from rollerrig.similitude import FACTORS, STRATEGIES, ContactAtRest, Requirement, factors_of
-from rollerrig.study.report import Table, number
+from rollerrig.study.report import Table
+from rollerrig.wording import number
 
 VIOLATION = {
     "name": "of the requirement", "quantity": "of the model", "unit": "of what follows", "required": "for similitude",

@@ -125,6 +125,37 @@ def test_results_are_in_the_order_of_the_jobs_not_of_their_ends() -> None:
     assert list(outcome.results) == ["long", "short"]
 
 
+def course(seconds: float) -> xr.Dataset:
+    time.sleep(seconds)
+    return xr.Dataset({"slept": ("time", [seconds])})
+
+
+def test_kept_jobs_are_the_same_bytes_whichever_ended_first(tmp_path: Path) -> None:
+    """Two processes finish the short one first; order and file names are those of the study."""
+
+    class Courses(Squares):
+        keeps_jobs = True
+
+        def rounds(self, done: Done) -> Iterator[Round]:
+            yield {"Long run": job(course, 0.6), "short": job(course, 0.0), "long run": job(course, 0.3)}
+
+        def numbers(self, results: dict[str, Any]) -> dict[str, Any]:
+            return {"sum": 0.0}
+
+    for processes in (1, 2):
+        outcome = Courses().run(folder=tmp_path / str(processes), processes=processes)
+        assert outcome is not None
+        outcome.write(tmp_path / str(processes))
+    one, two = ({path.relative_to(tmp_path / name).as_posix(): path.read_bytes() for path in (tmp_path / name).rglob("*.*")}
+                for name in "12")  # fmt: skip
+    assert sum(name.startswith("jobs/") for name in one) == 3
+    assert one == two
+    again = Courses().run(folder=tmp_path / "2")
+    assert again is not None
+    assert again.taken_over == 3
+    assert float(again.results["long run"]["slept"][0]) == 0.3  # type: ignore[index]
+
+
 def test_ctrl_c_keeps_finished_jobs_for_the_same_command(tmp_path: Path) -> None:
     first = Squares((1.0, 2.0, 13.0)).run(folder=tmp_path)
     assert first is not None

@@ -2,22 +2,17 @@
 
 from __future__ import annotations
 
-import math
 from html.parser import HTMLParser
 
-import pytest
 from matplotlib.figure import Figure
 
 from rollerrig.study.report import (
-    Check,
     Page,
     Picture,
     Preformatted,
     Section,
     Table,
     Text,
-    check_table,
-    number,
     render,
 )
 
@@ -61,33 +56,3 @@ def test_what_is_given_is_escaped() -> None:
 def test_the_kind_of_a_picture_is_known() -> None:
     assert Picture("a", Figure(), "", PNG).source.startswith("data:image/png;base64,")
     assert Picture("a", Figure(), "", b"<svg/>").source.startswith("data:image/svg+xml;base64,")
-
-
-@pytest.mark.parametrize(
-    ("value", "text"),
-    [
-        (0.0, "0"),
-        (1.23456, "1.235"),
-        (12345.6, "12\u202f346"),
-        (2, "2"),
-        (1e-7, "10⁻⁷"),
-        (-1.438e-5, "-1.438·10⁻⁵"),
-        (math.nan, "–"),
-        ("x", "x"),
-    ],
-)
-def test_numbers_are_written_as_people_do(value: object, text: str) -> None:
-    assert number(value) == text
-
-
-def test_checks_pass_and_fail() -> None:
-    good = Check("a", 1.01, 1.0, 0.02, "reason", relative=True)
-    bad = Check("b", 1.1, 1.0, 0.02, "reason", "N")
-    nothing = Check("c", math.nan, 1.0, 0.02, "reason")
-    assert good.passed
-    assert not bad.passed
-    assert not nothing.passed
-    rows = check_table([good, bad]).rows
-    assert rows[0][0] == "✔ pass"
-    assert rows[1][0] == "✘ FAIL"
-    assert good.as_dict()["deviation"] == pytest.approx(0.01)
