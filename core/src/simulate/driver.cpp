@@ -71,7 +71,7 @@ void Driver::advance_step() {
 
 void Driver::record(double t, double const* x, double const* z, double* row) {
   recorder_.record(system_ ? plant_ : observed_, t, x, z, row, inputs_);
-  if (system_) system_->record(plant_, step_, inputs_, row + recorder_.width());
+  if (system_) system_->record(plant_, step_, z, inputs_, row + recorder_.width());
 }
 
 }  // namespace rollerrig

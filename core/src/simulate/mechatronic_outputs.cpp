@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "rollerrig/simulate/mechatronic_system.hpp"
+#include "rollerrig/system/outputs.hpp"
 
 namespace rollerrig {
 namespace {
@@ -25,7 +26,13 @@ constexpr Field axle_table[] = {
     {"virtual_force", "N", "force of the virtual rail on the virtual axle, forward"},
     {"air", "m^3", "air taken by the cylinder since the start, at ambient pressure"},
     {"dump_cycles", "1", "times that the dump valve has opened to vent"},
-    {"contact_force", "N", "force of rail or rollers on both wheels, along the running direction"},
+    {"contact_force", "N",
+     "force of rail or rollers on both wheels, along the running direction; with the normal force's part where the "
+     "wheels "
+     "lie off the rollers' crowns"},
+    {"creep_force", "N",
+     "sum of the creep forces on both wheels along the rolling direction: the part of the contact force that makes a "
+     "torque, and uses adhesion"},
     {"real_sliding", "m/s",
      "of the wheel on roller or rail, at the nominal radii: r w less the surface's speed and the wheelset's own"},
     {"measured_roller_torque", "N m", "reading of the torque sensor of the roller's drive at the last sample"},
@@ -34,7 +41,7 @@ constexpr Field axle_table[] = {
 };
 
 constexpr Field train_table[] = {
-    {"train_speed", "m/s", "of the train: on track the real one, on a rig the virtual one"},
+    {"train_speed", "m/s", "of the train: on track the real one, on a rig the virtual one, or else of the rollers"},
     {"train_distance", "m", "since the start"},
     {"train_acceleration", "m/s^2", "of the train"},
     {"reference_speed", "m/s", "train speed as slide protection, or else wheel-slip control, estimates it"},
@@ -54,12 +61,24 @@ constexpr Field measurement_table[] = {
     {"axle_load", "N", "measured vertical force under each axle"},
 };
 
-/// Force of rail or rollers on both wheels of an axle along the running direction [N].
-double longitudinal_force(Dynamics const& plant, AxleParts const& parts, int axle) {
-  double sum = 0.0;
+/// Of all patches of an axle, and of the rolling constraint where it stands for creep [N].
+struct LongitudinalForce {
+  double total{0.0};  ///< along the running direction
+  double creep{0.0};  ///< along the rolling direction, in the contact planes
+};
+
+LongitudinalForce longitudinal_force(Dynamics const& plant, AxleParts const& parts, int axle) {
+  LongitudinalForce sum;
   for (int c : parts.contacts)
-    for (int k = 0; c != absent && k < plant.patch_count(c); ++k) sum += plant.patch(c, k).force.x;
-  return plant.model().rolling_constraints.empty() ? sum : sum + plant.evaluation().rolling_force[at(axle)];
+    for (int k = 0; c != absent && k < plant.patch_count(c); ++k) {
+      sum.total += plant.patch(c, k).force.x;
+      sum.creep += plant.patch(c, k).creep.longitudinal;
+    }
+  if (!plant.model().rolling_constraints.empty()) {
+    sum.total += plant.evaluation().rolling_force[at(axle)];
+    sum.creep += plant.evaluation().rolling_force[at(axle)];
+  }
+  return sum;
 }
 
 }  // namespace
@@ -85,13 +104,19 @@ std::vector<double> MechatronicSystem::measurement() const {
   return out;
 }
 
-void MechatronicSystem::record(Dynamics const& plant, long step, Inputs const& inputs, double* row) const {
+void MechatronicSystem::record(Dynamics const& plant, long step, double const* z, Inputs const& inputs,
+                               double* row) const {
   for (std::size_t i = 0; i < axles(); ++i, row += std::size(axle_table)) record_axle(plant, i, inputs, row);
   auto const* control = frame_moves() ? nullptr : rig_state();
   double const t = time(step);
-  row[0] = train_speed();
-  row[1] = control != nullptr ? control->train.distance() : frame_moves() ? train_.distance() : setup_.speed * t;
-  row[2] = control != nullptr ? control->train.acceleration() : train_.acceleration();
+  Travel<double> train = running_motion(plant, t, z, inputs);  // on a rig without a virtual train: that of the rollers
+  if (control != nullptr)
+    train = {control->train.distance(), control->train.speed(), control->train.acceleration()};
+  else if (frame_moves())
+    train = {train_.distance(), train_.speed(), train_.acceleration()};
+  row[0] = train.speed;
+  row[1] = train.s;
+  row[2] = train.acceleration;
   row[3] = reference_speed();
   row[4] = setup_.actuators.brake_demand.at(t);
   row[5] = setup_.actuators.torque_demand.at(t);
@@ -109,6 +134,7 @@ void MechatronicSystem::record_axle(Dynamics const& plant, std::size_t i, Inputs
   double const wheel = spin(parts.wheelset), roller = parts.roller != absent ? -spin(parts.roller) : 0.0;
   double const ground_speed = frame_moves() ? train_.speed() : setup_.speed;
   double const surface = parts.roller != absent ? roller * contact.roller_radius() : ground_speed;
+  auto const force = longitudinal_force(plant, parts, axle);
   double const row[] = {wheel,
                         measured_.axle_speed[i],
                         roller,
@@ -127,7 +153,8 @@ void MechatronicSystem::record_axle(Dynamics const& plant, std::size_t i, Inputs
                         control != nullptr ? control->train.force(axle) : 0.0,
                         actuators.air,
                         static_cast<double>(actuators.dump_cycles),
-                        longitudinal_force(plant, parts, axle),
+                        force.total,
+                        force.creep,
                         contact.pair.wheel_radius * wheel - surface - plant.work().motion[at(parts.wheelset)].v.x,
                         sensors_.torque_reading(i),
                         measured_.axle_load[i],

@@ -7,6 +7,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "rollerrig/system/outputs.hpp"
+
 namespace rollerrig {
 namespace {
 
@@ -140,7 +142,7 @@ void MechatronicSystem::dissipate(Dynamics const& plant, Inputs& inputs) {
 Status MechatronicSystem::advance(Dynamics const& plant, long step) {
   if (frame_moves()) train_.advance(setup_.step);
   if (wheels_slide(plant)) return Status::rollers_protected;
-  return time(step) > settling_time && train_speed() < setup_.stop_speed ? Status::stopped : Status::ok;
+  return time(step) > settling_time && train_speed(plant) < setup_.stop_speed ? Status::stopped : Status::ok;
 }
 
 /// Whether a wheel has slid on its roller for longer than the rig's protection allows.
@@ -171,10 +173,11 @@ RigController::State const* MechatronicSystem::rig_state() const {
   return nullptr;
 }
 
-double MechatronicSystem::train_speed() const {
+/// Of the train on track, of the virtual train on a rig, or else of the rollers [m/s].
+double MechatronicSystem::train_speed(Dynamics const& plant) const {
   if (frame_moves()) return train_.speed();
   auto const* control = rig_state();
-  return control != nullptr ? control->train.speed() : setup_.speed;
+  return control != nullptr ? control->train.speed() : crown_speed(plant);
 }
 
 /// Of the first controller that estimates the train's speed; without one, the speed at the start.

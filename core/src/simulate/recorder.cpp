@@ -33,12 +33,26 @@ constexpr Field body_table[] = {
      "what an accelerometer at the centre of mass feels to the left of the body; in a curve with the uncompensated "
      "part"},
     {"vertical_specific_force", "m/s^2", "the same upwards; +g at rest"},
+    {"inertial_roll_rate", "rad/s",
+     "angular velocity against the ground about the body's longitudinal axis, as a gyroscope fixed to it shows it: "
+     "with "
+     "the turning of the track; of wheelsets and rollers without the spin"},
+    {"inertial_pitch_rate", "rad/s", "the same about its lateral axis"},
+    {"inertial_yaw_rate", "rad/s", "the same about its vertical axis"},
+    {"inertial_roll_acceleration", "rad/s^2", "how the inertial roll rate changes"},
+    {"inertial_pitch_acceleration", "rad/s^2", "how the inertial pitch rate changes"},
+    {"inertial_yaw_acceleration", "rad/s^2", "how the inertial yaw rate changes"},
 };
 
 constexpr Field wheel_table[] = {
     {"patch_count", "1", "contact patches under load"},
     {"normal_force", "N", "sum of the patches' normal forces"},
-    {"longitudinal_force", "N", "force on the wheel along the running direction"},
+    {"longitudinal_force", "N",
+     "force on the wheel along the running direction: creep force, and the normal force's part where the contact lies "
+     "off "
+     "the roller's crown"},
+    {"longitudinal_creep_force", "N",
+     "sum of the patches' creep forces on the wheel along the rolling direction, in the contact plane"},
     {"lateral_force", "N", "force on the wheel to the left (Y, positive to the left)"},
     {"vertical_force", "N", "force on the wheel upwards (Q)"},
     {"spin_moment", "N m", "sum of the patches' spin moments on the wheel"},
@@ -94,7 +108,10 @@ constexpr Field run_table[] = {
     {"dissipated_creep", "J", "heat of creep and sliding in the contacts"},
     {"dissipated_brakes", "J", "heat in the friction brakes"},
     {"stored_contacts", "J", "work done against the contacts' elastic normal force"},
-    {"distance", "m", "arc length of the vehicle's reference point along the line; on a rig the distance simulated"},
+    {"distance", "m",
+     "arc length of the vehicle's reference point along the line; on a rig how much of the rollers' crowns has passed "
+     "under "
+     "the wheels since the start, mean over the wheels"},
     {"curvature", "1/m", "plan curvature of the line there, positive to the left"},
     {"cant", "m", "cant there, positive with the right rail raised"},
     {"speed", "m/s", "running speed: mean crown speed of the rollers, or speed of the vehicle on track"},
@@ -112,8 +129,11 @@ void record_body(Dynamics const& d, std::size_t b, double const* z, double* out)
   if (int const angle = d.map().angle[b]; angle >= 0) out[coord_pitch] = z[angle];
   out[18] = d.work().constraint_moment[b];
   Vec3<double> const measured = specific_force(d, static_cast<int>(b));
-  out[19] = measured.y;
-  out[20] = measured.z;
+  auto const [rate, acceleration] = inertial_turning(d, static_cast<int>(b));
+  double const felt[] = {measured.y, measured.z,     rate.x,         rate.y,
+                         rate.z,     acceleration.x, acceleration.y, acceleration.z};
+  static_assert(19 + std::size(felt) == std::size(body_table));
+  std::copy(std::begin(felt), std::end(felt), out + 19);
 }
 
 void record_patch(Patch<double> const& p, double side, double* out) {
@@ -141,7 +161,7 @@ void record_wheel(Dynamics const& d, int wheel, double* out) {
   auto const& contact = d.model().contacts[static_cast<std::size_t>(wheel)];
   double const side = contact.right ? -1.0 : 1.0;
   int const n = d.patch_count(wheel);
-  double load = 0.0, moment = 0.0, power = 0.0;
+  double load = 0.0, creep = 0.0, moment = 0.0, power = 0.0;
   Vec3<double> force{};
   std::array<double, 7> mean{};
   for (int k = 0; k < n; ++k) {
@@ -149,6 +169,7 @@ void record_wheel(Dynamics const& d, int wheel, double* out) {
     double const w = p.normal.total();
     load += w;
     force += p.force;
+    creep += p.creep.longitudinal;
     moment += p.creep.spin_moment;
     power += p.creep_dissipation();
     double const value[] = {p.slip_longitudinal,
@@ -164,6 +185,7 @@ void record_wheel(Dynamics const& d, int wheel, double* out) {
   double const row[] = {static_cast<double>(n),
                         load,
                         force.x,
+                        creep,
                         side * force.y,
                         force.z,
                         side * moment,
@@ -179,17 +201,6 @@ void record_wheel(Dynamics const& d, int wheel, double* out) {
                         d.work().offset[static_cast<std::size_t>(wheel)].z.value};
   static_assert(std::size(row) == std::size(wheel_table));
   std::copy(std::begin(row), std::end(row), out);
-}
-
-double running_speed(Dynamics const& d, double t) {
-  double sum = 0.0;
-  int rollers = 0;
-  for (auto const& c : d.model().contacts) {
-    if (c.rail) return d.model().speed.at(t);
-    sum -= d.work().motion[static_cast<std::size_t>(c.roller)].rate[coord_pitch] * c.roller_radius();
-    ++rollers;
-  }
-  return rollers > 0 ? sum / rollers : 0.0;
 }
 
 }  // namespace
@@ -227,10 +238,11 @@ void Recorder::record(Dynamics& d, double t, double const* x, double const* z, d
   row[2] = element_energy(d);
   std::copy_n(z + d.map().angles, account_count, row + 3);
   row += 3 + account_count;
-  row[0] = travel_now(d.model(), inputs, t).s;
-  row[1] = d.model().line.curvature.at(row[0]).value;
-  row[2] = d.model().line.cant.at(row[0]).value;
-  row[3] = running_speed(d, t);
+  auto const running = running_motion(d, t, z, inputs);
+  row[0] = running.s;
+  row[1] = d.model().line.curvature.at(running.s).value;
+  row[2] = d.model().line.cant.at(running.s).value;
+  row[3] = running.speed;
 }
 
 }  // namespace rollerrig

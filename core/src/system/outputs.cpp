@@ -61,6 +61,44 @@ Vec3<double> specific_force(Dynamics const& dynamics, int body) {
   return work.motion[b].R.transposed_times(f);
 }
 
+InertialTurning inertial_turning(Dynamics const& dynamics, int body) {
+  auto const b = static_cast<std::size_t>(body);
+  Body const& data = dynamics.model().bodies[b];
+  auto const& work = dynamics.work();
+  auto const& m = work.motion[b];
+  InertialTurning turning{m.frame_body, frame_angular_acceleration(data, m, work.acceleration[b])};
+  if (data.in_moving_frame && dynamics.model().on_rails && work.curved) {  // (W11)
+    turning.rate += m.R.transposed_times(work.frame[b].omega);
+    turning.acceleration += transport_turning(work.frame[b], m);
+  }
+  return turning;
+}
+
+namespace {
+
+/// Mean over the wheels of R times what `pitch` says of their rollers, positive where a wheel on it rolls forward.
+template <class Pitch>
+double mean_over_rollers(Model const& model, Pitch pitch) {
+  double sum = 0.0;
+  for (auto const& contact : model.contacts)
+    sum -= contact.roller_radius() * pitch(static_cast<std::size_t>(contact.roller));
+  return sum / static_cast<double>(model.contacts.size());
+}
+
+}  // namespace
+
+double crown_speed(Dynamics const& dynamics) {
+  return mean_over_rollers(dynamics.model(), [&](auto b) { return dynamics.work().motion[b].rate[coord_pitch]; });
+}
+
+Travel<double> running_motion(Dynamics const& dynamics, double t, double const* z, Inputs const& inputs) {
+  Model const& model = dynamics.model();
+  if (model.on_rails || model.contacts.empty()) return travel_now(model, inputs, t);
+  auto const angle = [&](std::size_t b) { return dynamics.map().angle[b] >= 0 ? z[dynamics.map().angle[b]] : 0.0; };
+  auto const rate_change = [&](std::size_t b) { return dynamics.work().acceleration[b][coord_pitch]; };
+  return {mean_over_rollers(model, angle), crown_speed(dynamics), mean_over_rollers(model, rate_change)};
+}
+
 double rolling_slip(Dynamics const& dynamics, int constraint) {
   Model const& model = dynamics.model();
   return coupling_speed(model.couplings[model.rotors + static_cast<std::size_t>(constraint)], dynamics.work().motion);

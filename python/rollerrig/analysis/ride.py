@@ -6,14 +6,9 @@ A point ρ of a rigid body with the centre's acceleration a_C, angular velocity 
 
     a = a_C + α × ρ + ω × (ω × ρ)                                                  (R4)
 
-and an accelerometer fixed to the body feels R^T (a + g e_z), of which the g at rest is taken off. Here ω, α come from the
-rates of yaw, roll and pitch, R = R_z(ψ) R_x(φ) R_y(θ) of docs/conventions.md:
-
-    ω = ψ' e_z + φ' e_1 + θ' e_2,   e_1 = R_z e_x,   e_2 = R_z R_x e_y
-    α = ψ'' e_z + φ'' e_1 + θ'' e_2 + ψ' e_z × φ' e_1 + (ψ' e_z + φ' e_1) × θ' e_2
-
-What the centre feels is recorded, in curves with the uncompensated part. There yaw counts from the direction of the track,
-which turns itself at the rate κ V: ψ' and ψ'' are those of both. The turning of cant is left out, a thousandth of g.
+and an accelerometer fixed to the body feels R^T (a + g e_z), of which the g at rest is taken off. What the centre feels and
+ω, α along the body's axes are recorded as sensors there would show them: in curves with the uncompensated part, and with the
+turning of the track under the body, of its plan and of its cant (W11).
 
 Source: EN 14363:2016 for the points and bands; EN 12299:2009, annex C, and ISO 2631 for the weights.
 """
@@ -59,7 +54,7 @@ def accelerations(run: xr.Dataset, *, floor_height: float | None = None) -> xr.D
     for body in info.sprung:
         x, _, z = body.position
         on_wheelsets = any(info.body(below.body).role == "wheelset" for below in body.lower_bodies)
-        motion = with_turning_track(run.sel(body=body.name), run, x)
+        motion = run.sel(body=body.name)
         points = {f"{body.name}, centre": (0.0, 0.0, 0.0)}
         for below in body.lower_bodies:
             level = below.height if floor_height is None else floor_height
@@ -86,47 +81,15 @@ def accelerations(run: xr.Dataset, *, floor_height: float | None = None) -> xr.D
     )
 
 
-def with_turning_track(motion: xr.Dataset, run: xr.Dataset, ahead: float) -> xr.Dataset:
-    """The motion of a body with the yaw rate and acceleration of the track's direction under it added.
-
-    Args:
-        motion: the run at one body.
-        run: the run; its curvature is that at the vehicle's reference point.
-        ahead: how far the body is ahead of that point [m].
-    """
-    distance, time = run["distance"].to_numpy(), run["time"].to_numpy()
-    if len(time) < 2 or not run["curvature"].any():
-        return motion
-    rate = run["speed"].to_numpy() * np.interp(distance + ahead, distance, run["curvature"].to_numpy())
-    turning = {"yaw_rate": rate, "yaw_acceleration": np.gradient(rate, time)}
-    return motion.assign(
-        {name: (motion[name].dims, motion[name].to_numpy() + values) for name, values in turning.items()}
-    )
-
-
 def _at_point(motion: xr.Dataset, arm: Rows, gravity: float) -> Rows:
     """Specific force, lateral and vertical, less that of gravity, at a point fixed to a body (R4), shape (time, 2) [m/s^2]."""
-    roll, pitch, yaw = (motion[name].to_numpy() for name in ("roll", "pitch", "yaw"))
-    zero, one = np.zeros_like(roll), np.ones_like(roll)
-    e_z = np.stack([zero, zero, one], axis=1)
-    e_1 = np.stack([np.cos(yaw), np.sin(yaw), zero], axis=1)
-    e_2 = np.stack([-np.sin(yaw) * np.cos(roll), np.cos(yaw) * np.cos(roll), np.sin(roll)], axis=1)
-    forward = np.cos(pitch)[:, None] * e_1 - np.sin(pitch)[:, None] * np.cross(e_1, e_2)
-    upward = np.cross(forward, e_2)  # the body's axes are forward, e_2, upward
-    rho = arm[0] * forward + arm[1] * e_2 + arm[2] * upward
-
-    def about(name: str, axis: Rows) -> Rows:
-        return np.asarray(motion[name].to_numpy()[:, None] * axis)
-
-    yawing, rolling = about("yaw_rate", e_z), about("roll_rate", e_1)
-    pitching = about("pitch_rate", e_2)
-    turn = yawing + rolling + pitching
-    spin_up = about("yaw_acceleration", e_z) + about("roll_acceleration", e_1) + about("pitch_acceleration", e_2)
-    spin_up += np.cross(yawing, rolling) + np.cross(yawing + rolling, pitching)
-    relative = np.cross(spin_up, rho) + np.cross(turn, np.cross(turn, rho))
+    turn, spin_up = (
+        np.stack([motion[f"inertial_{axis}_{kind}"] for axis in ("roll", "pitch", "yaw")], axis=1)
+        for kind in ("rate", "acceleration")
+    )
+    relative = np.cross(spin_up, arm) + np.cross(turn, np.cross(turn, arm))
     at_centre = np.stack([motion[f"{direction}_specific_force"] for direction in DIRECTIONS], axis=1)
-    body_axes = np.stack([e_2, upward], axis=1)  # (time, direction, 3)
-    return np.asarray(at_centre - [0.0, gravity] + np.einsum("tdi,ti->td", body_axes, relative))
+    return np.asarray(at_centre - [0.0, gravity] + relative[:, 1:])
 
 
 def ride(points: xr.Dataset) -> xr.Dataset:

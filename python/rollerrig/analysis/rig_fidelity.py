@@ -25,7 +25,7 @@ def axle_load(run: xr.Dataset) -> float:
 def run_numbers(run: xr.Dataset) -> dict[str, Any]:
     """Measures of a run on track or rig."""
     acting = abs(run["brake_torque"]) + abs(run["traction_torque"]) > 1.0
-    used = (abs(run["contact_force"]) / axle_load(run)).where(acting)
+    used = (abs(run["creep_force"]) / axle_load(run)).where(acting)
     slips, last = slip(run), run.isel(time=-1)
     return {
         "status": run.attrs["status"],

@@ -224,8 +224,9 @@ def with_theory(run: xr.Dataset, case: Case) -> xr.Dataset:
         case: the case.
 
     Returns:
-        Over time and wheel: `sliding`, `sliding_theory` [m/s], `longitudinal_force`, `longitudinal_force_theory`,
-        `vertical_force`, `vertical_force_theory` [N]; over time: `torque` [N m], `speed` [m/s].
+        Over time and wheel: `sliding` [m/s]; `longitudinal_creep_force`; `longitudinal_force`, with the normal force's part
+        off the crown; `vertical_force` [N]; each of them with the closed form as `..._theory`; over time: `torque` [N m],
+        `speed` [m/s].
     """
     time = run["time"].to_numpy()
     torque = torque_over_time(case, time)
@@ -236,6 +237,7 @@ def with_theory(run: xr.Dataset, case: Case) -> xr.Dataset:
     first = names[0].rsplit("_", 1)[0]
     speed = run["speed"].to_numpy()
     sliding, along, up = (np.zeros((len(time), len(names))) for _ in range(3))
+    creep = np.repeat(0.5 * forces.creep_force[:, None], len(names), axis=1)
     for k, name in enumerate(names):
         axle = 0 if name.startswith(first) else 1
         start = run.sel(wheel=name).isel(time=0)
@@ -246,9 +248,10 @@ def with_theory(run: xr.Dataset, case: Case) -> xr.Dataset:
     both = {
         "sliding": variable(dims, np.abs(run["longitudinal_sliding"].to_numpy()), "m/s", "absolute sliding"),
         "sliding_theory": variable(dims, sliding, "m/s", "linearised creep theory"),
+        "longitudinal_creep_force_theory": variable(dims, creep, "N", "closed form"),
         "longitudinal_force_theory": variable(dims, along, "N", "closed form"),
         "vertical_force_theory": variable(dims, up, "N", "closed form"),
         "torque": variable("time", torque, "N m", "torque on each wheelset"),
     }
-    kept = run[["longitudinal_force", "vertical_force", "longitudinal_sliding", "lateral_sliding", "speed"]]
-    return kept.assign(both)
+    forces_of_run = ("longitudinal_creep_force", "longitudinal_force", "vertical_force")
+    return run[[*forces_of_run, "longitudinal_sliding", "lateral_sliding", "speed"]].assign(both)

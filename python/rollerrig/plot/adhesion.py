@@ -65,8 +65,8 @@ def tractions(track: xr.Dataset, rig: xr.Dataset) -> Figure:
 
 
 def forces(track: xr.Dataset, rig: xr.Dataset, axle_load: float) -> Figure:
-    """Force of rail or rollers on each axle over its static load [N]: the adhesion used."""
-    signals = [("contact force\nover static load [-]", "contact_force", 1.0 / axle_load)]
+    """Creep force of rail or rollers on each axle over its static load [N]: the adhesion used."""
+    signals = [("creep force\nover static load [-]", "creep_force", 1.0 / axle_load)]
     return axles_over_time({"rig": rig, "track": track}, signals, 3.2)
 
 

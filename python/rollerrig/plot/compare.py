@@ -150,9 +150,9 @@ def disturbed_over_time(runs: Mapping[str, xr.Dataset]) -> Figure:
     """The leading wheelset after a disturbance: its motion, guiding force, sum of guiding forces, longitudinal creep force.
 
     Args:
-        runs: label -> wheel-rail forces over time with `lateral` and `longitudinal_force`.
+        runs: label -> wheel-rail forces over time with `lateral` and `longitudinal_creep_force`.
     """
-    labels = ("lateral [mm]", "Y, left wheel [kN]", "ΣY, 2 m mean [kN]", "longitudinal force,\nleft wheel [kN]")
+    labels = ("lateral [mm]", "Y, left wheel [kN]", "ΣY, 2 m mean [kN]", "longitudinal creep force,\nleft wheel [kN]")
     with panels(labels, "time [s]", 8.0, legend=False) as (figure, axes):
         for number, (label, run) in enumerate(runs.items()):
             leading = str(run.attrs["leading"])
@@ -160,7 +160,7 @@ def disturbed_over_time(runs: Mapping[str, xr.Dataset]) -> Figure:
                 1e3 * run["lateral"],
                 1e-3 * run["guiding_force"].sel(wheel=f"{leading}_left"),
                 1e-3 * run["guiding_force_sum"].sel(wheelset=leading),
-                1e-3 * run["longitudinal_force"].sel(wheel=f"{leading}_left"),
+                1e-3 * run["longitudinal_creep_force"].sel(wheel=f"{leading}_left"),
             )
             for panel, values in zip(axes, signals, strict=True):
                 panel.plot(run["time"], values, label=label, **look(number))

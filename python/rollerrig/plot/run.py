@@ -31,9 +31,9 @@ def motion_over_time(run: xr.Dataset) -> Figure:
 
 
 def sliding_over_time(run: xr.Dataset) -> Figure:
-    """Longitudinal force and sliding of the wheels, and where they touch on their profiles."""
+    """Longitudinal creep force and sliding of the wheels, and where they touch on their profiles."""
     signals = {
-        "longitudinal\nforce [kN]": (1e-3 * run["longitudinal_force"], 1e-2),
+        "longitudinal creep\nforce [kN]": (1e-3 * run["longitudinal_creep_force"], 1e-2),
         "longitudinal\nsliding [mm/s]": (1e3 * run["longitudinal_sliding"], 1e-2),
         "contact on\nthe wheel S [mm]": (1e3 * run["contact_abscissa"], 1e-1),
     }

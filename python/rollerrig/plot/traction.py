@@ -38,25 +38,25 @@ def traction_sliding(study: xr.Dataset, wheels: Mapping[str, str]) -> Figure:
 
 
 def traction_forces(study: xr.Dataset, wheels: Mapping[str, str]) -> Figure:
-    """Longitudinal and vertical contact force of wheels over time, with the closed form of the load transfer.
+    """Longitudinal creep force and vertical contact force of wheels over time, with their closed forms.
 
     Args:
-        study: `longitudinal_force`, `vertical_force`, `vertical_force_theory`, `longitudinal_force_theory` [N] over time and
-            wheel.
+        study: `longitudinal_creep_force`, `longitudinal_creep_force_theory`, `vertical_force`, `vertical_force_theory` [N]
+            over time and wheel.
         wheels: wheel -> label.
     """
-    labels = ("longitudinal force\non the wheel [kN]", "vertical force\non the wheel [kN]")
+    labels = ("longitudinal creep force\non the wheel [kN]", "vertical force\non the wheel [kN]")
     theory: dict[str, Any] = {"color": "black", "linestyle": ":", "linewidth": 1.2}
     with panels(labels, "time [s]", 4.8, legend=False) as (figure, (top, bottom)):
         time = study["time"].to_numpy()
         for number, (wheel, label) in enumerate(wheels.items()):
             own = study.sel(wheel=wheel)
-            top.plot(time, 1e-3 * own["longitudinal_force"], label=label, **look(number))
+            top.plot(time, 1e-3 * own["longitudinal_creep_force"], label=label, **look(number))
             bottom.plot(time, 1e-3 * own["vertical_force"], label=label, **look(number))
             named = "closed form" if number == 0 else None
             bottom.plot(time, 1e-3 * own["vertical_force_theory"], label=named, **theory)
             if number == 0:
-                top.plot(time, 1e-3 * own["longitudinal_force_theory"], label=named, **theory)
+                top.plot(time, 1e-3 * own["longitudinal_creep_force_theory"], label=named, **theory)
         top.legend(loc="lower right")
         bottom.legend(loc="center right")
         return figure

@@ -12,6 +12,7 @@ MOTION = ("longitudinal", "lateral", "vertical", "roll", "pitch", "yaw")
 WHEEL = (
     "normal_force",
     "longitudinal_force",
+    "longitudinal_creep_force",
     "lateral_force",
     "vertical_force",
     "longitudinal_sliding",

@@ -52,7 +52,7 @@ RUN = (
     Quantity("*.speed_end_kmh", "of the train at the end", "km/h", "speed at the end"),
     Quantity("*.largest_slip", "largest |wheel speed - train speed| over train speed, above 2 m/s", "1"),
     Quantity("*.mean_slip", "mean of the same over all axles and times", "1", shown=PERCENT, digits=2),
-    Quantity("*.adhesion_used_mean", "mean of |contact force| over static axle load under brake or traction", "1"),
+    Quantity("*.adhesion_used_mean", "mean of |creep force| over static axle load under brake or traction", "1"),
     Quantity("*.adhesion_used_largest", "largest of the same", "1"),
     Quantity("*.dump_cycles", "times that dump valves opened to vent, all axles", "1", "dump cycles, all axles"),
     Quantity("*.air_litres", "air at ambient pressure taken by all cylinders", "l", "air taken by the cylinders"),
@@ -262,7 +262,7 @@ def repeatability(runs: Sequence[xr.Dataset]) -> dict[str, float] | None:
 def axle_columns(track: xr.Dataset, rig: xr.Dataset) -> dict[str, ArrayLike]:
     """Speeds and forces of each axle, rig beside track, as long as both ran."""
     count = min(track.sizes["time"], rig.sizes["time"])
-    both = ("axle_speed", "cylinder_pressure", "contact_force", "brake_torque", "traction_torque")
+    both = ("axle_speed", "cylinder_pressure", "contact_force", "creep_force", "brake_torque", "traction_torque")
     columns = {"time_s": rig["time"], "train_speed_track": track["train_speed"], "train_speed_rig": rig["train_speed"]}
     for name in (*both, "virtual_speed", "real_sliding", "roller_torque"):
         for axle in rig["axle"].to_numpy():

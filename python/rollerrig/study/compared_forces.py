@@ -19,7 +19,7 @@ from rollerrig.study.quantities import Quantity
 WHEELS = (
     Quantity("supports.*.wheels.*.vertical_force_kn", "Q in steady rolling at the lowest speed", "kN", "Q"),
     Quantity("supports.*.wheels.*.lateral_force_kn", "Y of the wheel on the rail there, outwards", "kN", "Y", 3),
-    Quantity("supports.*.wheels.*.longitudinal_force_n", "creep force there", "N", "longitudinal creep force", 3),
+    Quantity("supports.*.wheels.*.longitudinal_creep_force_n", "creep force there", "N", "longitudinal creep force", 3),
     Quantity("supports.*.wheels.*.patches", "number of its contact patches", "", "patches"),
     Quantity("supports.*.wheels.*.approach_um", "of the deepest patch", "µm", "deepest approach"),
     Quantity("supports.*.wheels.*.patch_ab_mm2", "largest product of a patch's semi-axes", "mm²", "largest a × b"),
@@ -28,7 +28,7 @@ WHEELS = (
 DISTURBED = {
     "guiding_force": (Quantity("supports.*.disturbed.guiding_force", "largest |Y|", "kN", digits=3), 1e-3),
     "guiding_force_sum": (Quantity("supports.*.disturbed.guiding_force_sum", "largest |ΣY|, 2 m mean", "kN", digits=3), 1e-3),
-    "longitudinal_force": (Quantity("supports.*.disturbed.longitudinal_force", "largest, unfiltered", "kN", digits=3), 1e-3),
+    "longitudinal_creep_force": (Quantity("supports.*.disturbed.longitudinal_creep_force", "unfiltered", "kN", digits=3), 1e-3),
     "wheel_unloading": (Quantity("supports.*.disturbed.wheel_unloading", "largest", "%", digits=3), 1e2),
     "derailment_quotient": (Quantity("supports.*.disturbed.derailment_quotient", "largest |Y/Q|, 2 m mean", "1", digits=3), 1.0),
     "wear_number": (Quantity("supports.*.disturbed.wear_number", "largest Tγ", "N", digits=3), 1.0),
@@ -40,10 +40,10 @@ def disturbed(case: Case, speed: float, settings: HuntingSettings, progress: Pro
     """Filtered wheel-rail forces after a lateral offset at a speed [m/s], with the motion of the leading wheelset."""
     run = whole_run(hunting_case(case, speed, settings), progress)
     leading = leading_wheelset(case).name
-    motion, creep = run["lateral"].sel(body=leading, drop=True), run["longitudinal_force"]
+    motion, creep = run["lateral"].sel(body=leading, drop=True), run["longitudinal_creep_force"]
     return (
         filtered(wheel_forces(run))
-        .assign(lateral=motion, longitudinal_force=creep)
+        .assign(lateral=motion, longitudinal_creep_force=creep)
         .assign_attrs(status=run.attrs["status"], leading=leading, config_toml=run.attrs["config_toml"])
     )
 
@@ -57,7 +57,7 @@ def wheel_numbers(state: RollingState) -> dict[str, dict[str, float]]:
         values = (
             1e-3 * float(own["vertical_force"]),
             outwards * 1e-3 * float(own["lateral_force"]),
-            float(own["longitudinal_force"]),
+            float(own["longitudinal_creep_force"]),
             int(own["patch_count"]),
             1e6 * float(own["patch_approach"].max()),
             1e6 * float((own["patch_a"] * own["patch_b"]).max()),

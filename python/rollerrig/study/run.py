@@ -158,7 +158,7 @@ class RunStudy(Study[Results]):
                 (
                     "Sliding",
                     sliding_over_time,
-                    "Longitudinal force and sliding, wheel less roller; contact on the wheel S.",
+                    "Longitudinal creep force and sliding, wheel less roller; contact on the wheel S.",
                 ),
                 ("Energy", energy_over_time, "Work put in = change of stored energy + heat + residual."),
             )

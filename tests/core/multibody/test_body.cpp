@@ -96,6 +96,32 @@ TEST_CASE("the angular velocity is that of the turning frame") {
   near(m.R.transposed_times(m.omega), m.omega_body, 1e-15);
 }
 
+TEST_CASE("the angular acceleration of a body's frame is the rate of its angular velocity") {
+  std::array<double, 6> const q{0.0, 0.0, 0.0, 0.3, -0.4, 0.7}, rate{0.0, 0.0, 0.0, 0.9, -1.1, 0.6},
+      acceleration{0.0, 0.0, 0.0, -0.8, 1.3, 0.5};
+  for (bool const axisymmetric : {false, true}) {
+    Body body{.mass = 1.0, .inertia = {1.0, 2.0, 3.0}};
+    body.axisymmetric = axisymmetric;
+    auto const moved = [&](double t) {
+      BodyMotion<double> m;
+      for (std::size_t c = 0; c < 6; ++c) {
+        m.q[c] = q[c] + t * rate[c] + 0.5 * t * t * acceleration[c];
+        m.rate[c] = rate[c] + t * acceleration[c];
+      }
+      update_motion(body, m);
+      return m;
+    };
+    double const h = 1e-5;
+    Vec3<double> const found = frame_angular_acceleration(body, moved(0.0), acceleration);
+    Vec3<double> const quotient = (0.5 / h) * (moved(h).frame_body - moved(-h).frame_body);
+    CAPTURE(axisymmetric);
+    // Central differences: error h^2, round-off 1e-16 / h.
+    CHECK(found.x == doctest::Approx(quotient.x).epsilon(1e-9));
+    CHECK(found.y == doctest::Approx(quotient.y).epsilon(1e-9));
+    CHECK(found.z == doctest::Approx(quotient.z).epsilon(1e-9));
+  }
+}
+
 TEST_CASE("a wheelset's frame does not take part in its spin, its angular velocity does") {
   auto const m = motion_of(wheelset, {0, 0, 0, 0.01, 123.0, 0.02}, {0, 0, 0, 0, 36.0, 0});
   auto const still = motion_of(wheelset, {0, 0, 0, 0.01, 0.0, 0.02}, {});

@@ -124,3 +124,61 @@ TEST_CASE("at rest on level track an accelerometer feels 1 g, in a curve it feel
   CHECK(specific_force(h, 2).z ==
         doctest::Approx(centripetal * std::sin(angle) + 9.81 * std::cos(angle)).epsilon(1e-12));
 }
+
+TEST_CASE(
+    "a point high above the rails of a cant ramp feels what its path in the ground says, by the turning of its body") {
+  // h(s) of the cant a cubic; a body held to the track at a height H above the rails. In the ground the point is at
+  // y = -H sin(chi) = H h / b, z = h / 2 + H cos(chi), and V is constant: y_dd = V^2 H h'' / b.
+  double const V = 30.0, b = 1.5, H = 2.4, s = 12.0;
+  std::array<double, 4> const c{0.02, 1.5e-3, 4e-5, -1.2e-6};
+  auto held = test::vehicle_parts({.speed = V});
+  held.bodies[2].locked = {true, true, true, true, true, true};
+  double const ahead = held.bodies[2].position.x;
+  held.line.cant = {{s + ahead, s + ahead + 40.0}, {c, {0.1, 0.0, 0.0, 0.0}}};
+  held.line.cant_base = b;
+  held.start = s;
+  Dynamics d(held);
+  std::vector<double> const x(static_cast<std::size_t>(d.sizes().states), 0.0);
+  auto const height = [&](double at) { return c[0] + at * (c[1] + at * (c[2] + at * c[3])); };
+  auto const z = [&](double at) {
+    double const sine = height(at) / b;
+    return 0.5 * height(at) + H * std::sqrt(1.0 - sine * sine);
+  };
+  for (double const t : {0.05, 0.2, 0.4}) {
+    d.evaluate(t, x.data());
+    double const along = V * t, step = 1e-2;
+    double const slope = c[1] + along * (2.0 * c[2] + 3.0 * c[3] * along);
+    double const second = 2.0 * c[2] + 6.0 * c[3] * along;
+    double const sine = -height(along) / b, cosine = std::sqrt(1.0 - sine * sine);
+    double const sideways = V * V * H * second / b;
+    double const upwards = V * V * (z(along + step) - 2.0 * z(along) + z(along - step)) / (step * step) + 9.81;
+    auto const [rate, acceleration] = inertial_turning(d, 2);
+    CHECK(rate.x == doctest::Approx(-V * slope / b / cosine).epsilon(1e-12));
+    Vec3<double> const arm{0.0, 0.0, H - held.bodies[2].position.z};
+    Vec3<double> const felt = specific_force(d, 2) + cross(acceleration, arm) + cross(rate, cross(rate, arm));
+    CAPTURE(t);
+    CHECK(felt.y == doctest::Approx(cosine * sideways + sine * upwards).epsilon(1e-7));  // second difference in z
+    CHECK(felt.z == doctest::Approx(cosine * upwards - sine * sideways).epsilon(1e-7));
+  }
+}
+
+TEST_CASE("a body in free flight does not turn faster or slower against the ground, whatever the track under it does") {
+  auto model = test::vehicle_parts({});
+  model.elements.clear();
+  for (auto& b : model.bodies) b.locked = {};
+  model.bodies[2].inertia = {2000.0, 2000.0, 2000.0};  // of a ball: no gyroscopic moment
+  model.contact_loss_limit = 1e9;
+  model.line = curved_line();
+  Dynamics d(model);
+  std::vector<double> x(static_cast<std::size_t>(d.sizes().states), 0.0);
+  for (int b = 0; b < 3; ++b)
+    x[static_cast<std::size_t>(d.map().coordinate[static_cast<std::size_t>(b)][coord_z])] = 0.5;
+  for (int const c : {coord_roll, coord_pitch, coord_yaw})
+    x[static_cast<std::size_t>(d.map().rate[2][static_cast<std::size_t>(c)])] = 0.01 * c;
+  for (double const t : {1.0, 2.0, 4.4}) {
+    d.evaluate(t, x.data());
+    CHECK(size(inertial_turning(d, 2).rate) > 0.01);
+    CHECK(size(inertial_turning(d, 2).acceleration) < 1e-14);
+    CHECK(size(specific_force(d, 2)) < 1e-12);
+  }
+}

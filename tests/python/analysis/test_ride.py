@@ -35,11 +35,34 @@ def rolling(step: float = 1e-3, duration: float = 4.0) -> xr.Dataset:
         data[name] = size * np.sin(angle)
         data[f"{name}_rate" if angular else f"{name}_velocity"] = size * w * np.cos(angle)
         data[f"{name}_acceleration"] = -size * w * w * np.sin(angle)
+    data |= gyroscopes(time, len(bodies))
     attributes = {"run_info": describe(assemble(CASE)).to_json(), "case": "rolling", "title": "rolling"}
     run = xr.Dataset({n: (("time", "body"), v) for n, v in data.items()}, {"time": time, "body": bodies}, attributes)
     for name in ("distance", "curvature", "speed"):
         run[name] = ("time", np.zeros_like(time))
     return with_felt(run)
+
+
+def gyroscopes(time: np.ndarray, bodies: int) -> dict[str, np.ndarray]:
+    """Angular velocity and acceleration along the bodies' axes, as the core records them: E(φ, θ) times the rates, and its rate.
+
+    The acceleration is the imaginary part of the velocity at a complex time: exact to round-off.
+    """
+    tiny = 1e-20
+    at = time[:, None] + 1j * tiny
+    angles, rates = [], []
+    for k in (3, 4, 5):
+        w, size = 2 * np.pi * (0.7 + 0.3 * k), 0.02 * (1 + k)
+        angle = w * at + np.arange(bodies) + k
+        angles.append(size * np.sin(angle))
+        rates.append(size * w * np.cos(angle))
+    (roll, pitch, _), (roll_rate, pitch_rate, yaw_rate) = angles, rates
+    cr, sr, cp, sp = np.cos(roll), np.sin(roll), np.cos(pitch), np.sin(pitch)
+    turning = (cp * roll_rate - sp * cr * yaw_rate, pitch_rate + sr * yaw_rate, sp * roll_rate + cp * cr * yaw_rate)
+    found = {}
+    for axis, about in zip(("roll", "pitch", "yaw"), turning, strict=True):
+        found[f"inertial_{axis}_rate"], found[f"inertial_{axis}_acceleration"] = about.real, about.imag / tiny
+    return found
 
 
 def with_felt(run: xr.Dataset) -> xr.Dataset:
@@ -106,6 +129,8 @@ def test_over_its_bogies_a_body_feels_a_transition_sooner_and_later() -> None:
     centre = np.broadcast_to((speed**2 * growth * way).to_numpy()[:, None], run["roll"].shape)
     run["lateral_specific_force"] = (("time", "body"), centre)
     run["speed"] = ("time", np.full(len(way), speed))
+    run["inertial_yaw_rate"] = run["inertial_yaw_rate"] + speed * growth * way
+    run["inertial_yaw_acceleration"] = run["inertial_yaw_acceleration"] + speed**2 * growth
     lateral = accelerations(run)["acceleration"].sel(direction="lateral").isel(time=1000)
     at = {str(point): float(lateral.sel(point=point)) for point in lateral["point"].to_numpy()}
     for point, ahead in (
@@ -166,7 +191,8 @@ def test_the_weight_of_vertical_motion() -> None:
 def test_weighted_rms_of_a_sine() -> None:
     run = rolling(duration=20.0)  # whole periods of every coordinate: 0.7 Hz + k 0.3 Hz, each times 20 s
     still = run[["roll", "pitch", "yaw"]].map(np.zeros_like)
-    still = still.merge(run[[f"{n}_{kind}" for n in still for kind in ("rate", "acceleration")]].map(np.zeros_like))
+    names = [f"{prefix}{n}_{kind}" for n in still for kind in ("rate", "acceleration") for prefix in ("", "inertial_")]
+    still = still.merge(run[names].map(np.zeros_like))
     found = weighted_rms(accelerations(with_felt(run.assign(still))))
     for direction, frequency, size in (("lateral", 1.0, 0.04), ("vertical", 1.3, 0.06)):
         exact = float(weight(np.array([frequency]), direction)[0]) * size * (2 * np.pi * frequency) ** 2 / np.sqrt(2)

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
+import rollerrig as rr
 from rollerrig import ConfigError, load_case, simulate
 from rollerrig.analysis.rig_fidelity import fidelity, rig_numbers, run_numbers
 from rollerrig.config import Case
@@ -59,6 +60,22 @@ def test_energy_closes_with_brakes(name: str, request: pytest.FixtureRequest) ->
     run = request.getfixturevalue(name)
     assert float(run["energy_dissipated_brakes"][-1]) > 1e5
     assert run.attrs["energy_relative_residual"] < 1e-6
+
+
+def test_the_creep_force_is_what_turns_the_rollers_and_the_contact_force_has_the_tilted_load_beside(
+    rig: xr.Dataset,
+) -> None:
+    """A wheel off the crown by x feels its load along x, Q x / (R + r): no torque, no adhesion, nothing the estimate sees."""
+    info, late = rr.RunInfo.of(rig), rig.sel(time=slice(2.0, None)).mean("time")
+    assert info.roller_radius is not None
+    loads = late["vertical_force"].to_numpy().reshape(2, 2).sum(axis=1)
+    off_crown = late["longitudinal"].sel(body=rig["axle"].to_numpy()).to_numpy()
+    tilted = (late["contact_force"] - late["creep_force"]).to_numpy()
+    assert tilted == pytest.approx(loads * off_crown / (info.roller_radius + RADIUS), rel=0.02)
+    assert np.abs(tilted).min() > 200.0  # of some 7 kN
+    assert late["creep_force"].to_numpy() == pytest.approx(late["estimated_force"].to_numpy(), rel=0.01)
+    used = abs(rig["creep_force"]).where(rig["brake_torque"] < -1.0) / (loads.sum() / 2)
+    assert run_numbers(rig)["adhesion_used_mean"] == pytest.approx(float(used.mean()), rel=1e-3)
 
 
 def test_on_track_momentum_is_kept(track: xr.Dataset) -> None:

@@ -88,7 +88,7 @@ def table() -> xr.Dataset:
 
 
 def traction() -> xr.Dataset:
-    names = ("sliding", "sliding_theory", "longitudinal_force", "longitudinal_force_theory")
+    names = ("sliding", "sliding_theory", "longitudinal_creep_force", "longitudinal_creep_force_theory")
     both = (*names, "vertical_force", "vertical_force_theory")
     variables = {name: (("time", "wheel"), np.ones((len(TIME), 2))) for name in both}
     return xr.Dataset({**variables, "torque": ("time", TIME), "speed": ("time", TIME)}, {"time": TIME, "wheel": WHEELS})

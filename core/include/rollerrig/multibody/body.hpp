@@ -87,6 +87,31 @@ void update_motion(Body const& body, BodyMotion<T>& m) {
   m.frame_omega = m.omega;
 }
 
+/// What the angular acceleration of the body has beside E times the second derivatives of its angles: E_d q_d, body
+/// components [rad/s^2]. Columns of E: roll (cp, 0, sp), pitch (0, 1, 0), yaw (-sp cr, sr, cp cr); of an axisymmetric body
+/// p = 0, since its frame does not take part in the spin.
+template <Scalar T>
+Vec3<T> turning_bias(Body const& body, BodyMotion<T> const& m) {
+  T const sr = m.sin_roll, cr = m.cos_roll, sp = m.sin_pitch, cp = m.cos_pitch;
+  T const roll_rate = m.rate[coord_roll], yaw_rate = m.rate[coord_yaw];
+  T const pitch_rate = body.axisymmetric ? T(0.0) : m.rate[coord_pitch];
+  return {pitch_rate * -(sp * roll_rate) + yaw_rate * (sp * sr * roll_rate - cp * cr * pitch_rate),
+          yaw_rate * cr * roll_rate,
+          pitch_rate * cp * roll_rate - yaw_rate * (sp * cr * pitch_rate + cp * sr * roll_rate)};
+}
+
+/// Angular acceleration of the body's frame, which does not spin if axisymmetric, body components [rad/s^2].
+///
+/// @param a  second derivatives of the coordinates
+template <Scalar T>
+Vec3<T> frame_angular_acceleration(Body const& body, BodyMotion<T> const& m, std::array<T, 6> const& a) {
+  T const pitching = body.axisymmetric ? T(0.0) : a[coord_pitch];
+  Vec3<T> const turning{m.cos_pitch * a[coord_roll] - m.sin_pitch * m.cos_roll * a[coord_yaw],
+                        pitching + m.sin_roll * a[coord_yaw],
+                        m.sin_pitch * a[coord_roll] + m.cos_pitch * m.cos_roll * a[coord_yaw]};
+  return turning + turning_bias(body, m);
+}
+
 /// Force and moment about the centre of mass, world components.
 template <Scalar T>
 struct Wrench {
@@ -121,15 +146,9 @@ std::array<T, 6> accelerations(Body const& body, BodyMotion<T> const& m, Wrench<
 
   auto const& I = body.inertia;
   T const sr = m.sin_roll, cr = m.cos_roll, sp = m.sin_pitch, cp = m.cos_pitch;
-  T const roll_rate = m.rate[coord_roll], yaw_rate = m.rate[coord_yaw];
-  T const frame_pitch_rate = body.axisymmetric ? T(0.0) : m.rate[coord_pitch];
   // Columns of E: roll (cp, 0, sp), pitch (0, 1, 0), yaw (-sp cr, sr, cp cr).
   Vec3<T> const yaw_column{-(sp * cr), sr, cp * cr};
-  // E_d q_d
-  Vec3<T> const bias{
-      frame_pitch_rate * -(sp * roll_rate) + yaw_rate * (sp * sr * roll_rate - cp * cr * frame_pitch_rate),
-      yaw_rate * cr * roll_rate,
-      frame_pitch_rate * cp * roll_rate - yaw_rate * (sp * cr * frame_pitch_rate + cp * sr * roll_rate)};
+  Vec3<T> const bias = turning_bias(body, m);
   Vec3<T> const moment = m.R.transposed_times(wrench.moment);
   Vec3<T> const u{moment.x - I.x * bias.x - gyroscopic.x, moment.y - I.y * bias.y - gyroscopic.y,
                   moment.z - I.z * bias.z - gyroscopic.z};

@@ -36,12 +36,18 @@ Vec3<T> transport_acceleration(Body const& body, TrackFrame<T> const& frame, Bod
   return frame.a + cross(frame.alpha, place) + cross(frame.omega, cross(frame.omega, place) + T(2.0) * m.v);
 }
 
+/// Rate of the angular velocity of F as it appears along the body's axes, which turn in F, body components [rad/s^2]. (W5)
+template <Scalar T>
+Vec3<T> transport_turning(TrackFrame<T> const& frame, BodyMotion<T> const& m) {
+  return m.R.transposed_times(frame.alpha) - cross(m.frame_body, m.R.transposed_times(frame.omega));
+}
+
 /// W x (I w) and I times the turning of F, with absolute W and w, body components [N m]. (W5)
 template <Scalar T>
 Vec3<T> gyroscopic_moment(Body const& body, TrackFrame<T> const& frame, BodyMotion<T> const& m) {
   auto const& I = body.inertia;
   Vec3<T> const transport = m.R.transposed_times(frame.omega);
-  Vec3<T> const turning = m.R.transposed_times(frame.alpha) - cross(m.frame_body, transport);  // its rate
+  Vec3<T> const turning = transport_turning(frame, m);
   Vec3<T> const w = m.omega_body + transport;
   return cross(m.frame_body + transport, Vec3<T>{I.x * w.x, I.y * w.y, I.z * w.z}) +
          Vec3<T>{I.x * turning.x, I.y * turning.y, I.z * turning.z};

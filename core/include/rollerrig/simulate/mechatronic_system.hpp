@@ -46,7 +46,7 @@ class MechatronicSystem {
   MechatronicSetup const& setup() const { return setup_; }
   int width() const;
   /// One row of the train's and all axles' columns, in the plant's last evaluation.
-  void record(Dynamics const& plant, long step, Inputs const& inputs, double* row) const;
+  void record(Dynamics const& plant, long step, double const* z, Inputs const& inputs, double* row) const;
 
   /// Whether the caller must answer for some controller, or for that of this name.
   bool waits() const;
@@ -68,7 +68,7 @@ class MechatronicSystem {
   std::size_t axles() const { return setup_.axles.size(); }
   bool frame_moves() const { return setup_.frame.train_mass > 0.0; }
   double time(long step) const { return setup_.step * static_cast<double>(step); }
-  double train_speed() const;
+  double train_speed(Dynamics const& plant) const;
   double reference_speed() const;
   RigController const* rig() const;
   RigController::State const* rig_state() const;
