@@ -30,6 +30,7 @@ from rollerrig.mechatronics import (
     mechatronic_setup,
     users_controllers,
 )
+from rollerrig.memory import available_memory
 from rollerrig.results import Outcome, add_energy_audit, add_termination, run_dataset
 from rollerrig.starting_state import StartError, starting_state
 
@@ -37,7 +38,6 @@ __all__ = [
     "Progress",
     "StartError",
     "absolute_tolerances",
-    "available_memory",
     "begin",
     "march",
     "outcome",
@@ -225,16 +225,6 @@ def _with_warnings(run: xr.Dataset) -> xr.Dataset:
 def sample_count(case: Case) -> int:
     """Number of output times of a whole run, start and end included."""
     return math.floor(case.time.duration / case.time.output_step * (1 + 1e-12) + 1e-9) + 1
-
-
-def available_memory() -> float:
-    """Memory that a process can still get [bytes]; infinite where the system does not say."""
-    try:
-        with open("/proc/meminfo", encoding="ascii") as file:  # noqa: PTH123
-            fields = dict(line.split(":", 1) for line in file)
-        return 1024.0 * float(fields["MemAvailable"].split()[0])
-    except (OSError, KeyError, ValueError, IndexError):
-        return math.inf
 
 
 def _allocate(case: Case, width: int) -> tuple[Vector, Vector]:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import functools
 import tomllib
 from collections.abc import Callable, Mapping
-from pathlib import Path
 from typing import NoReturn, ParamSpec, TypeVar
 
 import typer
@@ -38,9 +37,11 @@ def exit_code(status: str) -> int:
 
 def _with_file(message: str, options: Mapping[str, object]) -> str:
     """The message with the user's file in place of the name of the case in it: what is found late knows only the name."""
+    from rollerrig.input_files import LARGEST_TEXT, read_input
+
     source = str(options.get("case") or options.get("file") or "")
     try:
-        name = tomllib.loads(Path(source).read_text(encoding="utf-8")).get("name")
+        name = tomllib.loads(read_input(source, LARGEST_TEXT).decode("utf-8")).get("name")
     except (OSError, ValueError):
         return message
     return "\n".join(

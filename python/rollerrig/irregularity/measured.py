@@ -19,6 +19,7 @@ from pathlib import Path
 import numpy as np
 from scipy.interpolate import CubicSpline
 
+from rollerrig.input_files import LARGEST_TABLE, read_input
 from rollerrig.irregularity.errors import IrregularityError
 from rollerrig.irregularity.rails import COMPONENTS, RAILS, FloatArray, RailIrregularity, periodic_spline, rails_of
 from rollerrig.splines import quasi_interpolant
@@ -55,10 +56,9 @@ def read_measured_track(path: Path) -> MeasuredTrack:
         IrregularityError: the file is missing or malformed, or its numbers cannot be a track.
     """
     try:
-        lines = path.read_text(encoding="utf-8-sig", errors="replace").splitlines()
-    except (OSError, ValueError) as error:
-        reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
-        raise IrregularityError(f"{path}: cannot be read: {reason}") from None
+        lines = read_input(path, LARGEST_TABLE).decode("utf-8-sig", errors="replace").splitlines()
+    except OSError as error:
+        raise IrregularityError(f"{path}: cannot be read: {error.strerror or error}") from None
     numbered = [(i, line.split("#", 1)[0].strip()) for i, line in enumerate(lines, 1)]
     numbered = [(i, line) for i, line in numbered if line]
     if not numbered:

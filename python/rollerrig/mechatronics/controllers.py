@@ -9,10 +9,11 @@ and one array of shape (axle,) for each of MEASUREMENTS; commands are a dict wit
 from __future__ import annotations
 
 import importlib
-import importlib.util
 import json
+import sys
 from collections.abc import Mapping
 from pathlib import Path
+from types import ModuleType
 from typing import Any, Protocol
 
 import numpy as np
@@ -20,6 +21,7 @@ from numpy.typing import NDArray
 
 from rollerrig import _core
 from rollerrig.config import Case, ConfigError, ConfigProblem
+from rollerrig.input_files import LARGEST_TEXT, InputError, read_input
 
 Measurements = dict[str, Any]
 
@@ -88,19 +90,25 @@ def load_controller(place: str, key: str, file: str) -> UserController:
     if not colon or not module_name or not name.isidentifier():
         raise _refused(file, key, place, "allowed: 'module:Class' or 'file.py:Class'")
     try:
-        if module_name.endswith(".py"):
-            spec = importlib.util.spec_from_file_location(Path(module_name).stem, module_name)
-            if spec is None or spec.loader is None:
-                raise ImportError(f"{module_name} is no Python file")
-            module = importlib.util.module_from_spec(spec)
-            spec.loader.exec_module(module)
-        else:
-            module = importlib.import_module(module_name)
+        of_a_file = module_name.endswith(".py")
+        module = _module_of(module_name) if of_a_file else importlib.import_module(module_name)
         made = getattr(module, name)()
+    except InputError as error:
+        raise _refused(file, key, place, f"{error.strerror}; allowed: a Python file") from None
     except Exception as error:  # whatever the user's module does while it is loaded
         raise _refused(file, key, place, f"{type(error).__name__}: {error}") from error
     checked: UserController = check_controller(made, key, file)
     return checked
+
+
+def _module_of(path: str) -> ModuleType:
+    """The module in a file: of the text there, not of compiled code that may lie beside it."""
+    text = read_input(path, LARGEST_TEXT)
+    module = ModuleType(f"rollerrig_controller_{Path(path).stem}")
+    module.__file__ = path
+    sys.modules[module.__name__] = module  # where dataclasses look for it
+    exec(compile(text, path, "exec"), module.__dict__)
+    return module
 
 
 def check_controller(controller: Any, key: str, file: str) -> Any:

@@ -15,6 +15,8 @@ from typing import Literal
 
 import numpy as np
 
+from rollerrig.input_files import LARGEST_TABLE, read_input
+
 from .errors import ProfileError
 from .table import FloatArray, ProfileKind
 
@@ -62,7 +64,7 @@ def read_point_file(path: Path, file_format: FileFormat = "auto", units: LengthU
         ProfileError: for a missing, empty or malformed file, and for numbers that cannot be a profile.
     """
     try:
-        lines = path.read_text(encoding="utf-8-sig", errors="replace").splitlines()
+        lines = read_input(path, LARGEST_TABLE).decode("utf-8-sig", errors="replace").splitlines()
     except OSError as error:
         raise ProfileError(f"{path}: cannot be read: {error.strerror or error}") from error
     if not any(line.strip() for line in lines):

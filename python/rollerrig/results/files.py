@@ -14,7 +14,11 @@ import os
 import tempfile
 from pathlib import Path
 
+import numpy as np
 import xarray as xr
+
+from rollerrig.input_files import check_input
+from rollerrig.memory import available_memory
 
 FORMAT = 2
 """Version of the files' layout; raised when variables, attributes or their meaning change."""
@@ -49,13 +53,24 @@ class OutputError(Exception):
         self.path = path
 
 
+def _named(path: str | Path) -> Path:
+    """The path.
+
+    Raises:
+        OutputError: no file can have that name.
+    """
+    if "\0" in str(path):
+        raise OutputError(Path(str(path).replace("\0", "\\0")), OSError(errno.EINVAL, "a null byte in its name"))
+    return Path(path)
+
+
 def output_folder(path: str | Path) -> Path:
     """The folder, made if need be, and known to take files: better before a long run than after it.
 
     Raises:
         OutputError: it cannot be made or written to.
     """
-    folder = Path(path)
+    folder = _named(path)
     try:
         folder.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryFile(dir=folder) as probe:
@@ -71,7 +86,7 @@ def output_file(path: str | Path) -> Path:
     Raises:
         OutputError: the folder cannot be made or written to, or the path is a folder.
     """
-    target = Path(path)
+    target = _named(path)
     if target.is_dir():
         raise OutputError(target, IsADirectoryError(errno.EISDIR, "is a folder"))
     if not _is_device(target):
@@ -90,7 +105,7 @@ def write_bytes(path: str | Path, content: bytes | memoryview) -> Path:
     Raises:
         OutputError: it could not be written.
     """
-    target = Path(path).resolve()
+    target = _named(path).resolve()
     temporary: Path | None = None
     try:
         if _is_device(target):
@@ -161,23 +176,42 @@ def netcdf_bytes(run: xr.Dataset) -> memoryview:
 
 
 def load_run(path: str | Path) -> xr.Dataset:
-    """Read a Dataset that `save_run` wrote, whole, into memory.
+    """Read a Dataset that `save_run` wrote, whole, into memory. Nothing that the file holds is ever executed.
 
     Raises:
         FileNotFoundError: no such file.
-        ResultsError: it was written by another version of rollerrig, or by another program.
+        ResultsError: it was written by another version of rollerrig or by another program, is damaged, or does not fit in
+            memory.
     """
-    if not Path(path).is_file():
-        raise FileNotFoundError(f"{path}: no such file")
-    run = xr.load_dataset(path, engine="h5netcdf")
-    found = run.attrs.pop("format", None)
-    if found is None or int(found) != FORMAT:
-        writer = run.attrs.get("rollerrig_version", "another program")
-        raise ResultsError(
-            f"{path}: results of another version (rollerrig {writer}, format {'none' if found is None else found}); this one "
-            f"reads format {FORMAT}: run the case again"
-        )
+    try:
+        _check_results(check_input(path, None))
+        run = xr.load_dataset(path, engine="h5netcdf")
+    except FileNotFoundError:
+        raise FileNotFoundError(f"{path}: no such file") from None
+    except OSError as error:  # those of the HDF5 library have no strerror
+        raise ResultsError(f"{path}: {error.strerror or 'no file of results, or a damaged one'}") from None
+    del run.attrs["format"]
     return run
+
+
+def _check_results(path: Path) -> None:
+    """Refuse what is not ours, and what would not fit: a small file may hold many zeros."""
+    import h5py
+
+    with h5py.File(path, "r") as file:
+        found, writer = (
+            np.ravel(file.attrs.get("format", "none")),
+            file.attrs.get("rollerrig_version", "another program"),
+        )
+        if found.tolist() != [FORMAT]:
+            raise ResultsError(
+                f"{path}: results of another version (rollerrig {writer}, format {found[0] if found.size else 'none'}); this "
+                f"one reads format {FORMAT}: run the case again"
+            )
+        size = sum(data.size * data.dtype.itemsize for data in file.values() if isinstance(data, h5py.Dataset))
+    if size > 0.9 * available_memory():
+        allowed = f"{available_memory() / 1e9:.3g} GB of memory are available"
+        raise ResultsError(f"{path}: {size / 1e9:.3g} GB of results; {allowed}")
 
 
 def _umask() -> int:

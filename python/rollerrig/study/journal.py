@@ -26,11 +26,14 @@ import xarray as xr
 from rollerrig import __version__
 from rollerrig.config import ConfigError, ConfigProblem
 from rollerrig.config.errors import show_value
+from rollerrig.input_files import MEGABYTE, read_input
 from rollerrig.results import OutputError, load_run, output_folder, save_run, write_bytes
 
 NAME, DATA = "jobs.jsonl", "jobs"
 _CURE = "allowed: what the finished jobs were made with; undo the change, choose another --out, or delete the file to begin anew"
 _MOST_DIFFERENCES = 5
+LARGEST_JOURNAL = 1000 * MEGABYTE
+"""Of the lines; a thousand runs of an envelope have some 2 MB [bytes]."""
 
 
 class Journal:
@@ -59,7 +62,7 @@ class Journal:
             raise OutputError(self.path, cause) from None
 
     def _read(self, irrelevant: Sequence[str]) -> None:
-        content = self.path.read_bytes() if self.path.exists() else b""
+        content = read_input(self.path, LARGEST_JOURNAL) if self.path.exists() else b""
         whole = content[: content.rfind(b"\n") + 1]
         lines = [_parsed(line) for line in whole.splitlines()]
         if not any(line is not None for line in lines):

@@ -207,7 +207,7 @@ def test_a_file_that_cannot_be_read_says_so(folder: Path) -> None:
     (folder / "bad.toml").write_text("a = 1\nb = \n")
     assert line_of("bad.toml") == "bad.toml: not TOML; Invalid value (at line 2, column 5)"
     (folder / "dir.toml").mkdir()
-    assert line_of("dir.toml") == "dir.toml: Is a directory; allowed: a TOML file that can be read"
+    assert line_of("dir.toml") == "dir.toml: a folder, not a regular file; allowed: a TOML file that can be read"
 
 
 def test_a_mistake_in_a_file_of_points_names_the_file_that_refers_to_it(mistakes_of: MistakesOf) -> None:

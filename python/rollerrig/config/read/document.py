@@ -8,8 +8,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from rollerrig.config.errors import ConfigError, ConfigProblem, nearest, show_value
+from rollerrig.config.errors import ConfigError, ConfigProblem, nearest
 from rollerrig.config.read.library import CatalogKind, catalog_file, catalog_names
+from rollerrig.input_files import LARGEST_TEXT, read_input
 
 
 @dataclass(frozen=True)
@@ -65,7 +66,7 @@ def parse_document(text: str, file: str, folder: Path | None = None) -> Document
 
 def _read_toml(path: Path, label: str, kind: CatalogKind) -> dict[str, Any]:
     try:
-        text = path.read_bytes().decode("utf-8")
+        text = read_input(path, LARGEST_TEXT).decode("utf-8")
     except (FileNotFoundError, NotADirectoryError):
         names = catalog_names(kind)
         allowed = f"allowed: a TOML file, or a {kind} of the catalogue: {', '.join(names)}"
@@ -73,7 +74,7 @@ def _read_toml(path: Path, label: str, kind: CatalogKind) -> dict[str, Any]:
         raise ConfigError([ConfigProblem(label, "", "no such file", allowed, hint)]) from None
     except UnicodeDecodeError as error:
         raise ConfigError([ConfigProblem(label, "", f"byte {error.start} is not UTF-8", "allowed: a text")]) from None
-    except (OSError, ValueError) as error:  # ValueError: a null byte in the path
-        reason = error.strerror if isinstance(error, OSError) and error.strerror else show_value(str(error))
-        raise ConfigError([ConfigProblem(label, "", reason, "allowed: a TOML file that can be read")]) from None
+    except OSError as error:
+        reason, allowed = error.strerror or str(error), "allowed: a TOML file that can be read"
+        raise ConfigError([ConfigProblem(label, "", reason, allowed)]) from None
     return parse_document(text, label).raw

@@ -1,0 +1,188 @@
+"""What is no regular file of a sensible size is refused before it is read: a device never ends, a pipe never begins."""
+
+from __future__ import annotations
+
+import ast
+import os
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import h5py
+import pytest
+import xarray as xr
+
+import rollerrig as rr
+from rollerrig.config import ConfigError, load_any, load_material, load_profile, load_support, load_vehicle
+from rollerrig.input_files import LARGEST_TABLE, LARGEST_TEXT, InputError, read_input
+from rollerrig.irregularity import IrregularityError, read_measured_track
+from rollerrig.results import ResultsError, files, save_run
+from rollerrig.study.journal import NAME, Journal
+
+PACKAGE = Path(rr.__file__).parent
+
+
+def load_changed(key: str, case: str) -> Callable[[str], object]:
+    return lambda path: rr.load_case(case).with_changes({key: {"kind": "file", "path": path}})
+
+
+def simulate_with_controller(path: str) -> object:
+    return rr.simulate(rr.load_case("adhesion_brake").with_changes({"rig_control.user": f"{path}:Mine"}))
+
+
+def go_on_with_jobs(path: str) -> object:
+    (Path(path).parent / NAME).symlink_to(path)
+    return Journal(Path(path).parent, "test", {})
+
+
+READERS: dict[str, tuple[str, Callable[[str], object], type[Exception]]] = {
+    "case": (".toml", rr.load_case, ConfigError),
+    "any": (".toml", load_any, ConfigError),
+    "vehicle": (".toml", load_vehicle, ConfigError),
+    "support": (".toml", load_support, ConfigError),
+    "material": (".toml", load_material, ConfigError),
+    "profile by its table": (".toml", load_profile, ConfigError),
+    "profile": (".csv", lambda path: load_profile(path, "wheel"), ConfigError),
+    "profile of a vehicle": (".dat", load_changed("vehicle.wheel.profile", "wheelset_rollers"), ConfigError),
+    "measured track": (".csv", load_changed("support.irregularity", "vehicle_track_irregular"), ConfigError),
+    "measured track by itself": (".csv", lambda path: read_measured_track(Path(path)), IrregularityError),
+    "controller": (".py", simulate_with_controller, ConfigError),
+    "results": (".nc", rr.load_run, ResultsError),
+}
+
+
+@pytest.mark.parametrize(("ending", "read", "error"), READERS.values(), ids=READERS)
+def test_a_pipe_is_not_waited_for(
+    tmp_path: Path, ending: str, read: Callable[[str], object], error: type[Exception]
+) -> None:
+    path = tmp_path / f"pipe{ending}"
+    os.mkfifo(path)
+    with pytest.raises(error, match=r"pipe.*a pipe, not a regular file"):
+        read(str(path))
+
+
+@pytest.mark.parametrize(("ending", "read", "error"), READERS.values(), ids=READERS)
+def test_a_device_is_not_read(
+    tmp_path: Path, ending: str, read: Callable[[str], object], error: type[Exception]
+) -> None:
+    path = tmp_path / f"zero{ending}"
+    path.symlink_to("/dev/zero")
+    with pytest.raises(error, match=r"zero.*a device, not a regular file"):
+        read(str(path))
+
+
+@pytest.mark.parametrize(("ending", "read", "error"), READERS.values(), ids=READERS)
+def test_a_null_byte_in_a_name_is_an_error_of_the_user(
+    ending: str, read: Callable[[str], object], error: type[Exception]
+) -> None:
+    with pytest.raises(error, match="null byte in its name"):
+        read(f"a\0b{ending}")
+
+
+@pytest.mark.parametrize(
+    ("ending", "read", "error"),
+    [row for name, row in READERS.items() if name != "results"],
+    ids=[name for name in READERS if name != "results"],
+)
+def test_what_is_far_too_large_is_not_read(
+    tmp_path: Path, ending: str, read: Callable[[str], object], error: type[Exception]
+) -> None:
+    path = tmp_path / f"large{ending}"
+    with path.open("wb") as file:
+        file.truncate(10**12)  # takes no room
+    with pytest.raises(error, match=r"large.*too large: 1e\+03 GB, at most (4|64) MB are read"):
+        read(str(path))
+
+
+def test_jobs_in_a_pipe_are_not_waited_for(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "pipe")
+    with pytest.raises(rr.OutputError, match="a pipe, not a regular file"):
+        go_on_with_jobs(str(tmp_path / "pipe"))
+
+
+def test_a_file_that_does_not_tell_its_size_is_read_up_to_the_limit() -> None:
+    assert read_input("/proc/self/status", LARGEST_TEXT).startswith(b"Name:")
+    with pytest.raises(InputError, match="too large"):
+        read_input("/proc/self/status", 10)
+
+
+def test_limits_leave_room_for_real_files() -> None:
+    whole = max(len(rr.load_case(name).to_toml()) for kind, name, _ in rr.catalog_entries() if kind == "case")
+    assert 100 * whole < LARGEST_TEXT
+    assert 200_000 / 0.25 * len("123456.75;-12.345;-12.345;-12.345;-12.345\n") < LARGEST_TABLE
+
+
+@pytest.mark.parametrize("command", ["check", "run"])
+def test_commands_name_the_device(command: str, tmp_path: Path) -> None:
+    """The whole program: also where it looks for the name of the case to say what was wrong with it."""
+    more = ["--out", str(tmp_path / "out")] if command == "run" else []
+    done = subprocess.run(
+        [sys.executable, "-c", "from rollerrig.cli import main; main()", command, "/dev/zero", *more],
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=60,
+    )
+    assert done.returncode == 2
+    assert done.stderr == (
+        "rollerrig: /dev/zero: a device, not a regular file; allowed: a TOML file that can be read\n"
+    )
+
+
+def test_results_that_do_not_fit_are_refused_by_their_size_unpacked(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = save_run(xr.Dataset({"x": ("n", [0.0] * 100_000)}), tmp_path / "zeros.nc")
+    assert path.stat().st_size < 20_000
+    assert rr.load_run(path).sizes["n"] == 100_000
+    monkeypatch.setattr(files, "available_memory", lambda: 500_000.0)
+    with pytest.raises(ResultsError, match=r"zeros.nc: 0.0012 GB of results; 0.0005 GB of memory are available"):
+        rr.load_run(path)
+
+
+def test_what_is_no_file_of_results_is_named(tmp_path: Path) -> None:
+    (tmp_path / "text.nc").write_text("no results")
+    with pytest.raises(ResultsError, match=r"text.nc: no file of results, or a damaged one"):
+        rr.load_run(tmp_path / "text.nc")
+    with h5py.File(tmp_path / "other.nc", "w") as file:
+        file["x"] = [1.0]
+    with pytest.raises(ResultsError, match=r"other.nc: results of another version \(rollerrig another program"):
+        rr.load_run(tmp_path / "other.nc")
+
+
+@pytest.mark.parametrize("name", ["out\0", "o\0t/below"])
+def test_a_null_byte_in_the_name_of_an_output(tmp_path: Path, name: str) -> None:
+    for write in (files.output_folder, files.output_file, lambda path: files.write_text(path, "text")):
+        with pytest.raises(rr.OutputError, match="a null byte in its name"):
+            write(tmp_path / name)
+
+
+OWN_FILES = {
+    "catalog/__init__.py": "files that ship",
+    "contact_laws/table_file.py": "the table that ships",
+    "input_files.py": "the door itself",
+    "memory.py": "of the kernel",
+    "study/report.py": "the template that ships",
+}
+"""Where something is opened that is no file of the user."""
+
+
+def opened(source: Path) -> list[str]:
+    """Names of calls that open files for reading."""
+    found = []
+    for node in ast.walk(ast.parse(source.read_text())):
+        if isinstance(node, ast.Call):
+            name = getattr(node.func, "attr", getattr(node.func, "id", ""))
+            modes = [str(a.value) for a in node.args if isinstance(a, ast.Constant)]
+            if name in {"read_text", "read_bytes", "loadtxt", "genfromtxt", "fromfile", "spec_from_file_location"} or (
+                name == "open" and not any(mode[:1] in "wax" for mode in modes)
+            ):
+                found.append(name)
+    return found
+
+
+@pytest.mark.parametrize("source", sorted(PACKAGE.rglob("*.py")), ids=lambda p: str(p.relative_to(PACKAGE)))
+def test_files_of_the_user_come_in_by_one_door(source: Path) -> None:
+    if source.relative_to(PACKAGE).as_posix() not in OWN_FILES:
+        assert opened(source) == []
