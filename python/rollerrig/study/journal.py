@@ -116,7 +116,7 @@ class Journal:
         self.__exit__(None, None, None)
         if not self.path.exists():
             return
-        lines = [line for line in map(_parsed, self.path.read_bytes().splitlines()) if line is not None]
+        lines = [line for line in map(_parsed, read_input(self.path, LARGEST_JOURNAL).splitlines()) if line is not None]
         jobs = {line["job"]: line for line in lines if "job" in line}
         ordered = [jobs.pop(name) for name in names if name in jobs]
         write_bytes(self.path, b"".join(map(_line, (self._header, *ordered, *jobs.values()))))
