@@ -36,6 +36,7 @@ void RigController::step(State& s, Measurements const& now, double period, PerAx
     };
     s.axle[k].estimate = visit_with_state(estimate, estimator, s.axle[k].estimator);
     axle_torque[k] = s.axle[k].estimate.torque;
+    lock_or_unlock(s, static_cast<int>(k), now.axle_speed[k]);
   }
   double const from = s.train.distance();
   auto const rail_force = [&](int i, double slip, double speed, double load) {
@@ -47,9 +48,26 @@ void RigController::step(State& s, Measurements const& now, double period, PerAx
     recover(s, i, from);
     axle.feed_forward = assumed.roller_inertia * train.wheel_radius / assumed.roller_radius * s.train.axle_rate(i) -
                         assumed.roller_radius * s.train.force(i);  // (D5)
+    if (s.train.locked(i)) {
+      std::visit([&](auto const& law) { axle.feedback = law.start(assumed); }, feedback);
+      torque[at(i)] = std::clamp(axle.feed_forward, -largest, largest);
+      continue;
+    }
     TrackingError const error{axle.feed_forward, s.train.axle_speed(i) - now.axle_speed[at(i)], period};
     auto const correct = [&](auto const& law, auto& state) { return law.step(state, error, largest); };
     torque[at(i)] = std::clamp(visit_with_state(correct, feedback, axle.feedback), -largest, largest);
+  }
+}
+
+/// The brake of a locked wheel holds against whatever the roller exerts: what is estimated of its torque is the reaction to the
+/// drive's own, delayed by the estimator, and through (D3) it would return to the drive with the gain J_r (r/R)^2 / J_w.
+void RigController::lock_or_unlock(State& s, int i, double axle_speed) const {
+  double const rolling = train.wheel_radius * axle_speed;
+  bool const stands = std::fabs(rolling) < locked_speed && s.train.speed() - rolling > locked_speed;
+  if (s.train.locked(i) ? stands : stands && train.wheel_radius * std::fabs(s.train.axle_speed(i)) < locked_speed) {
+    s.train.lock(i, axle_speed);
+  } else {
+    s.train.unlock(i);
   }
 }
 

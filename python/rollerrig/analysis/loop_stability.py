@@ -61,11 +61,18 @@ class Plant:
     roller: Array
 
 
-def rolling_plant(wheel: Wheel, creep: float) -> Plant:
-    """One axle with its roller, (D1) and (D2), between them creep of a slope [N s/m]."""
+def rolling_plant(wheel: Wheel, creep: float, brake: float = 0.0) -> Plant:
+    """One axle with its roller, (D1) and (D2), between them creep.
+
+    Args:
+        wheel: inertias and radii.
+        creep: slope of its force over sliding [N s/m].
+        brake: slope of the brake's torque over the axle's speed, of one that holds a locked wheel [N m s/rad].
+    """
     r, R = wheel.wheel_radius, wheel.roller_radius
     force = creep * np.array([r, -R])  # T over (w, W)
-    matrix = np.stack([-r * force / wheel.wheelset_inertia, R * force / wheel.roller_inertia])
+    held = np.array([brake, 0.0])
+    matrix = np.stack([-(r * force + held) / wheel.wheelset_inertia, R * force / wheel.roller_inertia])
     torque = np.array([[0.0], [1.0 / wheel.roller_inertia]])
     return Plant(matrix, torque, np.array([[1.0, 0.0]]), np.array([[0.0, 1.0]]))
 

@@ -66,6 +66,61 @@ TEST_CASE("with pure rolling and exact torque the rig's wheels turn as those of 
   CHECK(worst < 1e-9);                           // round-off of twenty thousand additions
 }
 
+TEST_CASE("the drives of locked wheels give the rail's force without ringing, whatever the estimator") {
+  RigController controller{
+      .assumed = {.roller_inertia = J_r, .roller_radius = R, .wheelset_inertia = J_w, .wheel_radius = r},
+      .feedback = NoFeedback{},
+      .largest = 2e4,
+      .train = train_of_two_axles()};
+  controller.train.position = {1.3, -1.3};
+  VirtualRail& rail = controller.rail;
+  rail.friction.law = FallingFriction{0.08, 0.4, 0.2};
+  rail.wheel_load = 54546.0, rail.a = 6e-3, rail.b = 4e-3, rail.width = 6e-3, rail.cell = 0.05;
+  rail.log_aspect = std::log(1.5), rail.creepage_regularisation_speed = 1.0;
+  rail.stiffness = kalker_stiffness(KalkerTable(0.28).at(rail.log_aspect), 82e9, rail.a, rail.b, 1.0);
+  double const period = 1e-3, reduced = J_w + J_r * (r / R) * (r / R);
+  double const brake = 3e4;                              // holds the wheel: viscous [N m s/rad]
+  double const drive = 1.0 - std::exp(-314.0 * period);  // of 50 Hz
+  double const held = 1.0 - std::exp(-brake / reduced * period);
+
+  struct Motion {
+    double ringing;  ///< RMS of the drive's torque about its mean [N m]
+    double off;      ///< mean of U + R T_v [N m]
+  };
+  // Pure rolling; the wheel already stands, the train runs at 20 m/s, and the drive starts from a torque of its own.
+  auto const run = [&](AnyEstimator const& estimator, double locked_speed) {
+    controller.estimator = estimator;
+    controller.locked_speed = locked_speed;
+    Measurements now{.axles = 1};
+    auto state = controller.start(now, 20.0, period);
+    state.train.lock(0, 0.0);
+    double wheel = 0.0, torque = 500.0, mean = 0.0, square = 0.0, off = 0.0;
+    int const samples = 3000, late = 2000;
+    for (int k = 0; k < samples; ++k) {
+      PerAxle<double> command{};
+      now.time = k * period;
+      now.axle_speed[0] = wheel, now.roller_speed[0] = r / R * wheel, now.roller_torque[0] = torque;
+      controller.step(state, now, period, command);
+      torque += drive * (command[0] - torque);
+      wheel += held * (r / R * torque / brake - wheel);
+      if (k < samples - late) continue;
+      mean += torque / late, square += torque * torque / late;
+      off += (torque + R * state.train.force(0)) / late;
+    }
+    return Motion{std::sqrt(std::fmax(0.0, square - mean * mean)), off};
+  };
+
+  double const bandwidth = 2.0 * pi * 20.0;
+  KalmanFilter const kalman{.bandwidth = bandwidth, .speed_noise = 1e-3};
+  for (AnyEstimator const& estimator : {AnyEstimator{kalman}, AnyEstimator{DisturbanceObserver{bandwidth, 0.8}},
+                                        AnyEstimator{FilteredDerivative{bandwidth}}}) {
+    Motion const locked = run(estimator, 0.1);
+    CHECK(locked.ringing < 10.0);
+    CHECK(std::fabs(locked.off) < 10.0);
+  }
+  CHECK(run(kalman, 0.0).ringing > 1000.0);  // what the reaction of the brake would do through (D3)
+}
+
 TEST_CASE("the virtual train stops in the distance of its adhesion") {
   auto train = train_of_two_axles();
   double const v0 = 20.0;

@@ -3,6 +3,7 @@
 //   measured speeds, drive torque -> estimate T, C -> virtual train -> feed-forward and feedback -> torque of each roller's drive
 //
 //     U = J_r (r/R) w_v' - R T_v  +  feedback of w_v - w        (D5)
+//     U = -R T_v                       while the wheel is locked (D15)
 //
 // Signs   U positive drives the wheel forward, see estimator/axle_sample.hpp.
 // Source  Malvezzi, Pugi et al.: the law of the rig under the pure-rolling assumption; docs/theory/rig_control.md.
@@ -31,6 +32,7 @@ struct RigController {
   double largest{};         ///< torque asked of a roller's drive [N m]
   bool commanded_torque{};  ///< the estimator takes the commanded torque for the one that acts
   bool measured_loads{};    ///< the virtual train's axles carry what is measured, in place of (D9)
+  double locked_speed{};    ///< a wheel slower than this on a faster train is locked, (D15) [m/s]
   VirtualTrain train{};
   VirtualRail rail{};
 
@@ -42,6 +44,7 @@ struct RigController {
                       Member{"largest", &P::largest},
                       Member{"commanded_torque", &P::commanded_torque},
                       Member{"measured_loads", &P::measured_loads},
+                      Member{"locked_speed", &P::locked_speed},
                       Member{"train", &P::train},
                       Member{"rail", &P::rail}};
   }
@@ -64,6 +67,8 @@ struct RigController {
   void step(State& s, Measurements const& now, double period, PerAxle<double>& torque) const;
 
  private:
+  /// Whether the wheel is locked, and with it that of the virtual train, (D15).
+  void lock_or_unlock(State& s, int axle, double axle_speed) const;
   void recover(State& s, int axle, double from) const;
 };
 

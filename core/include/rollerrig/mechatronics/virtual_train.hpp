@@ -78,7 +78,7 @@ class VirtualTrainState {
           load != nullptr ? (*load)[k] : train.static_load[k] + train.load_transfer[k] * specific_force;
       auto const force = [&](double w) { return law(i, train.wheel_radius * w - speed_middle, speed_middle, carries); };
       double const reach = implicit_part(train, axle_speed_[k], period, force);
-      double const rate = axle_rate(train, axle_torque[k], axle_speed_[k], reach, force);
+      double const rate = locked_[k] ? 0.0 : axle_rate(train, axle_torque[k], axle_speed_[k], reach, force);
       force_[k] = force(axle_speed_[k] + reach * rate);
       axle_rate_[k] = rate;
       axle_speed_[k] += period * rate;
@@ -88,6 +88,14 @@ class VirtualTrainState {
     distance_ += period * speed_middle;
     speed_ = std::fmax(0.0, speed_ + period * acceleration_);
   }
+
+  /// Until `unlock` this axle turns at `axle_speed` [rad/s], whatever torque acts on it: a locked wheel.
+  void lock(int i, double axle_speed) {
+    locked_[index(i)] = true;
+    axle_speed_[index(i)] = axle_speed;
+  }
+  void unlock(int i) { locked_[index(i)] = false; }
+  bool locked(int i) const { return locked_[index(i)]; }
 
   double speed() const { return speed_; }                ///< v [m/s]
   double distance() const { return distance_; }          ///< [m]
@@ -134,6 +142,7 @@ class VirtualTrainState {
 
   double speed_{0.0}, distance_{0.0}, acceleration_{0.0};
   PerAxle<double> axle_speed_{}, axle_rate_{}, force_{};
+  PerAxle<bool> locked_{};
 };
 
 }  // namespace rollerrig

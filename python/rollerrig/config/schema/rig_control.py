@@ -117,6 +117,11 @@ class RigControl(Controller):
         default="computed",
         description="of the virtual train's axles: static loads and their transfer, or what [sensors.axle_load] says",
     )
+    locked_speed: Annotated[float, Quantity("m/s", gt=0)] = Field(
+        default=0.1,
+        description="a wheel that turns slower than this while its train runs faster is locked: its virtual wheel is held with "
+        "it, and its brake's torque, then the reaction to the roller's, is not used",
+    )
     estimator: Estimator = Field(default=Estimator(), description="of the contact force")
     feedback: Feedback = Field(default=Feedback(), description="on the axles' speeds")
     motor: Motor = Field(default=Motor(), description="drive of each roller axle")

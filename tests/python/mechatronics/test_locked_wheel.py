@@ -1,0 +1,61 @@
+"""Wheels that their brakes lock on the rig, without slide protection: the drives give the rail's force and do not ring."""
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from rollerrig import simulate
+from rollerrig.analysis.control_loop import creep_slope, loop_of
+from rollerrig.analysis.loop_stability import growth, rolling_plant
+from rollerrig.analysis.torque_ripple import torque_ripple
+from rollerrig.config import Case, load_case
+from rollerrig.mechatronics.setup import pneumatic_brake
+
+LOCKED = slice(12.0, 25.0)
+"""Both wheels stand by then, and the train still runs [s]."""
+
+
+def unprotected(estimator: str, **changes: object) -> Case:
+    dotted = {"rig_control.estimator.kind": estimator, **changes}
+    return load_case("adhesion_brake").with_changes({"slide_protection": None, "time.duration": "25 s", **dotted})
+
+
+def locked_part(case: Case) -> xr.Dataset:
+    part = simulate(case).sel(time=LOCKED)
+    radius = case.vehicle.data.wheel.radius
+    assert (abs(part["axle_speed"]) * radius < 0.1).all(), "the wheels are meant to stand"
+    assert (part["train_speed"] > 10.0).all()
+    return part
+
+
+@pytest.mark.parametrize("estimator", ["observer", "kalman", "filtered_derivative", "exact"])
+def test_drives_of_locked_wheels_give_the_force_of_the_rail_and_do_not_ring(estimator: str) -> None:
+    case = unprotected(estimator)
+    part = locked_part(case)
+    ripple, _ = torque_ripple(part["time"].to_numpy(), part["roller_torque"].to_numpy())
+    assert ripple < 100.0
+    roller = case.support.data.roller_radius
+    np.testing.assert_allclose(-part["roller_torque"] / roller, part["virtual_force"], rtol=0.005)
+    np.testing.assert_allclose(part["contact_force"], part["virtual_force"], rtol=0.05)  # with gravity on the crown
+
+
+def test_reaction_of_the_brake_closes_a_loop_that_rings() -> None:
+    """The cause: with the locked wheel's torque taken for one that turns the virtual wheel, the linear loop is unstable, and the
+    run rings at its frequency."""
+    case = unprotected("kalman", **{"rig_control.locked_speed": "1e-6 m/s"})
+    assert case.brake is not None
+    loop = loop_of(
+        case, creep_slope(case) * case.motion.speed / case.contact.creepage_regularisation_speed, sliding=True
+    )
+    assert loop is not None
+    pressure = max(row[1] for row in case.brake.demand)
+    speed = 1e-4
+    holds = -pneumatic_brake(case.brake).torque(pressure, speed) / speed
+    rate, frequency = growth(loop, rolling_plant(loop.real, loop.creep, holds))
+    assert rate > 1.0
+    assert growth(loop, rolling_plant(loop.real, loop.creep))[0] < 0.0, "the turning wheel is stable"
+    part = simulate(case).sel(time=LOCKED)
+    ripple, measured = torque_ripple(part["time"].to_numpy(), part["roller_torque"].to_numpy())
+    assert ripple > 5000.0
+    # the limit cycle, with the torque at its limit and the brake beginning to slide, is slower than the small oscillation
+    assert 0.75 * frequency < measured < frequency
