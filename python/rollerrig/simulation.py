@@ -31,6 +31,7 @@ from rollerrig.mechatronics import (
     users_controllers,
 )
 from rollerrig.memory import available_memory
+from rollerrig.restraint import rolled_off
 from rollerrig.results import Outcome, add_energy_audit, add_termination, run_dataset
 from rollerrig.starting_state import StartError, starting_state
 
@@ -64,7 +65,11 @@ _SLICE_SECONDS = 0.2
 
 
 def simulate(
-    case: Case | str, *, progress: Progress | None = None, controllers: Mapping[str, Any] | None = None
+    case: Case | str,
+    *,
+    progress: Progress | None = None,
+    controllers: Mapping[str, Any] | None = None,
+    may_drift: bool = False,
 ) -> xr.Dataset:
     """Run a case.
 
@@ -73,14 +78,15 @@ def simulate(
         progress: called several times a second with the fraction done and a short text.
         controllers: your own objects in place of the case's controllers, by table: 'slide_protection', 'wheel_slip_control',
             'rig_control' (docs/how_to/controller.md).
+        may_drift: run also a vehicle on rollers that nothing holds along the track, until it has rolled off them.
 
     Returns:
         The results, see docs: dimensions time, body, wheel, patch, element. A run that left the model's validity or was
         interrupted by Ctrl-C returns what was computed until then; the attributes `status` and `status_message` say so.
 
     Raises:
-        ConfigError: the results would not fit in memory, the fixed step is unstable, or a disturbance moves what is
-            locked.
+        ConfigError: the results would not fit in memory, the fixed step is unstable, a disturbance moves what is locked, or
+            nothing holds the vehicle along the track on its rollers.
         StartError: no equilibrium was found to start from.
 
     Example:
@@ -92,7 +98,7 @@ def simulate(
     case = as_case(case)
     users = users_controllers(case, controllers or {})
     model = assemble_with_actuators(case) if case.sampled else assemble(case)
-    simulation = prepare(model, users)
+    simulation = prepare(model, users, may_drift=may_drift)
     times, rows = _allocate(case, simulation.width)
     failure = ""
     try:
@@ -114,18 +120,21 @@ def simulate(
     return _with_warnings(add_energy_audit(add_termination(run, model)))
 
 
-def prepare(model: AssembledModel, users: Mapping[str, UserController] | None = None) -> _core.Simulation:
+def prepare(
+    model: AssembledModel, users: Mapping[str, UserController] | None = None, *, may_drift: bool = False
+) -> _core.Simulation:
     """A simulation of a model with everything that acts on it, at its start.
 
     Args:
         model: assembled with its actuators.
         users: the user's controllers, by table of the case.
+        may_drift: also where nothing holds the vehicle along the track on its rollers.
 
     Raises:
-        ConfigError: the fixed step is unstable, or a disturbance moves what is locked.
+        ConfigError: the fixed step is unstable, a disturbance moves what is locked, or nothing holds the vehicle on its rollers.
         StartError: no equilibrium was found to start from.
     """
-    start = starting_state(_core.Simulation(model.start_core), model)
+    start = starting_state(_core.Simulation(model.start_core), model, may_drift=may_drift)
     simulation = _core.Simulation(model.core, mechatronic_setup(model, users))
     begin(simulation, model, start)
     return simulation
@@ -319,7 +328,7 @@ def outcome(simulation: _core.Simulation, model: AssembledModel, code: int, fail
     at = simulation.time
     blamed = simulation.failed_contact if status not in _BLAMELESS else -1
     wheel = next((w.name for w in model.wheels if w.contact == blamed), "")
-    message = failure or _core.status_sentence(code)
+    message = failure or (status == "contact_lost" and rolled_off(simulation, model)) or _core.status_sentence(code)
     if status != "ok" and not failure:
         place = f"t = {at:.4g} s" + (f", {wheel}" if wheel else "")
         message = f"{place}: {message}"

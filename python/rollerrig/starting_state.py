@@ -16,6 +16,7 @@ from rollerrig import _core
 from rollerrig.assembly import AssembledModel
 from rollerrig.config import ConfigError, ConfigProblem
 from rollerrig.config.schema.vehicle import DIRECTIONS
+from rollerrig.restraint import require_restraint
 from rollerrig.results import Outcome, run_dataset
 
 Vector = NDArray[np.float64]
@@ -28,19 +29,26 @@ class StartError(Exception):
     """No state was found from which the run can start; the message says what to change."""
 
 
-def starting_state(simulation: _core.Simulation, model: AssembledModel) -> Vector:
+def starting_state(simulation: _core.Simulation, model: AssembledModel, *, may_drift: bool = False) -> Vector:
     """Equilibrium at the starting speed, with the disturbed coordinates prescribed at their offsets.
 
     An offset counts from the undisturbed equilibrium. A disturbed body keeps its equilibrium yaw unless the
     disturbance says otherwise; everything else is in equilibrium with the disturbed bodies. Where there is no such
     equilibrium (on a flange), everything else stays at the undisturbed one, and the disturbed bodies are set down.
 
+    Args:
+        simulation: of the model.
+        model: the model.
+        may_drift: also of a vehicle that nothing holds along the track on its rollers.
+
     Raises:
-        ConfigError: a disturbance moves a coordinate that is locked.
+        ConfigError: a disturbance moves a coordinate that is locked; nothing holds the vehicle on its rollers.
         StartError: no equilibrium was found, or no support for a disturbed body.
     """
     case = model.case
     rest = equilibrium(simulation, model)
+    if not may_drift:
+        require_restraint(simulation, model, rest)
     prescribed = list(_prescribed_coordinates(simulation, model, rest))
     if not prescribed:
         return rest
@@ -151,10 +159,13 @@ def equilibrium_dataset(model: AssembledModel) -> xr.Dataset:
     """Everything a run records, once, in undisturbed steady running at the starting speed.
 
     Raises:
+        ConfigError: nothing holds the vehicle along the track on its rollers.
         StartError: no equilibrium was found.
     """
     simulation = _core.Simulation(model.core)
-    return recorded_state(simulation, model, equilibrium(simulation, model))
+    rest = equilibrium(simulation, model)
+    require_restraint(simulation, model, rest)
+    return recorded_state(simulation, model, rest)
 
 
 def recorded_state(simulation: _core.Simulation, model: AssembledModel, state: Vector) -> xr.Dataset:

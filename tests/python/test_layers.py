@@ -2,8 +2,8 @@
 
 core:    scalar -> math -> integrate -> track -> multibody -> geometry -> contact -> mechatronics -> system -> simulate
 Python:  wording -> splines, input_files, memory -> profiles, track, irregularity -> config -> core_struct -> catalog -> cases
-         -> contact_laws, force_laws, static_loads -> assembly -> actuators -> results -> starting_state -> mechatronics
-         -> simulation -> similitude -> contact_analysis -> analysis -> plot -> study -> commands -> cli
+         -> contact_laws, force_laws, static_loads -> assembly -> actuators -> results -> restraint -> starting_state
+         -> mechatronics -> simulation -> similitude -> contact_analysis -> analysis -> plot -> study -> commands -> cli
 """
 
 from __future__ import annotations
@@ -125,6 +125,7 @@ PYTHON_LAYERS = [
     {"assembly"},
     {"actuators"},
     {"results"},
+    {"restraint"},
     {"starting_state"},
     {"mechatronics"},
     {"simulation"},

@@ -39,6 +39,9 @@ from rollerrig.results import variable
 from rollerrig.starting_state import StartError
 
 Method = Literal["linear", "disturbance", "continuation"]
+HIGHEST_KMH = 600.0
+"""Where a linear critical speed is looked for at most, unless higher speeds are asked for [km/h]: no train runs faster."""
+
 FIRST_ROUND = 0.75
 """Fraction of the whole at which the first round of runs ends, for the progress bar."""
 
@@ -64,9 +67,11 @@ def critical_speed(
 
     Returns:
         `linear_critical_speed`, `critical_speed_by_disturbance`, `critical_speed_by_continuation` [km/h], those asked for; NaN
-        where there is none in the range.
+        where there is none in the range. The linear one is looked for up to HIGHEST_KMH where the range has none; the attribute
+        `linear_searched_to_kmh` says how far.
 
     Raises:
+        ConfigError: runs are asked for, and nothing holds the vehicle along the track on its rollers.
         ValueError: an unknown method, or speeds not positive and rising.
         StartError: no rolling equilibrium at one of the speeds.
 
@@ -79,7 +84,7 @@ def critical_speed(
     unknown = set(methods) - {"linear", "disturbance", "continuation"}
     if unknown:
         raise ValueError(f"methods: {', '.join(sorted(unknown))}; allowed: linear, disturbance, continuation")
-    chosen, found = as_case(case), {}
+    chosen, found, searched_to = as_case(case), {}, math.nan
     report: Progress = progress or (lambda _fraction, _text: None)
 
     def part(number: int) -> Progress:
@@ -87,7 +92,7 @@ def critical_speed(
 
     for number, method in enumerate(dict.fromkeys(methods)):
         if method == "linear":
-            onset = linear_critical_speed(chosen, [v / 3.6 for v in speeds_kmh], part(number))
+            onset, searched_to = _onset(chosen, speeds_kmh, part(number))
             found["linear_critical_speed"] = math.nan if onset is None else onset.speed
         elif method == "disturbance":
             runs = critical_speeds_by_disturbance({"": chosen}, speeds_kmh, bracket_kmh=bracket_kmh, processes=processes,
@@ -98,7 +103,18 @@ def critical_speed(
                                    processes=min(2, processes), progress=part(number))  # fmt: skip
             found["critical_speed_by_continuation"] = diagram.lowest_cycle
     variables = {name: variable((), 3.6 * v, "km/h", name.replace("_", " ")) for name, v in found.items()}
-    return xr.Dataset(variables, attrs={"case": chosen.name, "title": f"Critical speed of {chosen.name}"})
+    attributes = {"case": chosen.name, "title": f"Critical speed of {chosen.name}"}
+    return xr.Dataset(variables, attrs=attributes | {"linear_searched_to_kmh": searched_to})
+
+
+def _onset(case: Case, speeds_kmh: Sequence[float], progress: Progress) -> tuple[Crossing | None, float]:
+    """Lowest onset of growth at the speeds asked for or above them, and the highest speed looked at [km/h]."""
+    modes = modes_over_speed(case, [v / 3.6 for v in speeds_kmh], progress)
+    found = first_onset(zero_crossings(modes))
+    if found is not None or growing_at_start(modes) or modes.followed.interrupted or speeds_kmh[-1] >= HIGHEST_KMH:
+        return found, speeds_kmh[-1]
+    above = scan_above(case, speeds_kmh[-1], progress)
+    return above.onset, speeds_kmh[-1] if above.problem else HIGHEST_KMH
 
 
 # ---------------------------------------------------------------------------------------------------------- linear
@@ -163,6 +179,15 @@ def scan_linear(job: tuple[Case, Sequence[float]], progress: Progress | None = N
     return LinearCriticalSpeed(first_onset(crossings), crossings, growing_at_start(modes))
 
 
+def scan_above(case: Case, above_kmh: float, progress: Progress | None = None) -> LinearCriticalSpeed:
+    """Linear critical speed of a case between a speed and HIGHEST_KMH [km/h]; a missing equilibrium is its `problem`.
+
+    Raises:
+        KeyboardInterrupt: Ctrl-C came before the end.
+    """
+    return scan_linear((case, [above_kmh / 3.6, HIGHEST_KMH / 3.6]), progress)
+
+
 def linear_critical_speeds(
     cases: Mapping[str, Case], speeds_kmh: Sequence[float], *, processes: int = 1, progress: Progress | None = None
 ) -> dict[str, LinearCriticalSpeed]:
@@ -202,7 +227,7 @@ class CriticalSpeedByDisturbance:
         decays: highest speed, below the onset, at which it decayed [m/s]; NaN if it never did.
         persists: lowest speed at which it persisted [m/s]; NaN if it never did.
         disturbance: its size, lateral offset of the leading wheelset [m].
-        runs: all runs made for it, by speed.
+        runs: all runs made for it, by speed; those that did not come to their end count neither way.
         interrupted: whether Ctrl-C came before it was narrowed down.
     """
 
@@ -218,20 +243,27 @@ class CriticalSpeedByDisturbance:
         return 0.5 * (self.decays + self.persists)
 
     def further_speeds(self, width: float) -> list[float]:
-        """Speeds of the next round of runs, the bracket in thirds [m/s]; none if it is narrower than a width [m/s]."""
+        """Speeds of the next round of runs, the bracket in thirds [m/s]; none if it is narrower than a width [m/s].
+
+        None either where runs have been made there that did not come to their end.
+        """
         if not self.persists - self.decays > width:  # also where one of them is NaN
             return []
-        return [float(v) for v in np.linspace(self.decays, self.persists, 4)[1:-1]]
+        tried = {run.speed for run in self.runs}
+        return [float(v) for v in np.linspace(self.decays, self.persists, 4)[1:-1] if float(v) not in tried]
+
+    @property
+    def ended_early(self) -> list[HuntingRun]:
+        """Runs that did not come to their end: neither decay nor limit cycle."""
+        return [run for run in self.runs if not run.valid]
 
 
 def bracket(runs: Iterable[HuntingRun], disturbance: float) -> CriticalSpeedByDisturbance:
     """The critical speed by disturbance among runs at several speeds."""
     ordered = sorted(runs, key=lambda run: run.speed)
-    onset = next((k for k, run in enumerate(ordered) if run.persists), None)
-    if onset is None:
-        return CriticalSpeedByDisturbance(ordered[-1].speed if ordered else math.nan, math.nan, disturbance, ordered)
-    below = ordered[onset - 1].speed if onset > 0 else math.nan
-    return CriticalSpeedByDisturbance(below, ordered[onset].speed, disturbance, ordered)
+    persists = min((run.speed for run in ordered if run.persists), default=math.nan)
+    decays = max((run.speed for run in ordered if run.decays and not run.speed > persists), default=math.nan)
+    return CriticalSpeedByDisturbance(decays, persists, disturbance, ordered)
 
 
 def critical_speeds_by_disturbance(
@@ -257,6 +289,7 @@ def critical_speeds_by_disturbance(
         Label -> what was found; after Ctrl-C what the finished runs say, with `interrupted`.
 
     Raises:
+        ConfigError: nothing holds a vehicle along the track on its rollers.
         StartError: no state was found from which a run can start.
     """
     chosen = settings or HuntingSettings()

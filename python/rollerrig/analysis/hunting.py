@@ -68,13 +68,18 @@ class HuntingRun:
 
     @property
     def valid(self) -> bool:
-        """Whether the run came to its end within the model's validity."""
+        """Whether the run came to its end; one that did not says neither that the motion persists nor that it decays."""
         return str(self.motion.attrs["status"]) == "ok"
 
     @property
     def persists(self) -> bool:
-        """Whether the run ends in an oscillation that persists, or leaves the model's validity by growing."""
-        return not self.valid or self.final.persists(LEAST_AMPLITUDE, SLOWEST_DECAY)
+        """Whether the run came to its end in an oscillation that persists."""
+        return self.valid and self.final.persists(LEAST_AMPLITUDE, SLOWEST_DECAY)
+
+    @property
+    def decays(self) -> bool:
+        """Whether the run came to its end, and the disturbance had decayed or was decaying."""
+        return self.valid and not self.final.persists(LEAST_AMPLITUDE, SLOWEST_DECAY)
 
 
 def hunting_case(case: Case, speed: float, settings: HuntingSettings) -> Case:
@@ -125,8 +130,8 @@ DECAY_SHARE = 0.1
 
 
 def decay_frequency(run: HuntingRun) -> float:
-    """Frequency of an oscillation while it decays [Hz]; NaN if it persists, or decays within less than two half-waves."""
-    if run.persists:
+    """Frequency of an oscillation while it decays [Hz]; NaN if it does not, or within less than two half-waves."""
+    if not run.decays:
         return math.nan
     time, lateral = run.motion["time"].to_numpy(), run.motion["lateral"].sel(body=run.body).to_numpy()
     waves = half_waves(time, lateral, LEAST_AMPLITUDE)
@@ -138,13 +143,18 @@ def decay_frequency(run: HuntingRun) -> float:
 
 
 def hunting_table(runs: Sequence[HuntingRun], disturbance: float) -> xr.Dataset:
-    """Runs as a Dataset over speed: amplitude, frequency, growth rate at the end, and whether it persists."""
+    """Runs as a Dataset over speed: amplitude, frequency, growth rate at the end; whether it persists or decays.
+
+    A run that did not come to its end does neither; amplitude, frequency and growth rate are NaN.
+    """
     ordered = sorted(runs, key=lambda run: run.speed)
-    amplitude = np.array([run.final.amplitude if run.persists or run.final.amplitude else 0.0 for run in ordered])
+    ended = [run.final if run.valid else FinalMotion(math.nan, math.nan, math.nan) for run in ordered]
+    amplitude = np.array([final.amplitude for final in ended])
+    frequency = np.array([final.frequency for final in ended])
+    rate = np.array([final.rate for final in ended])
     persists = np.array([run.persists for run in ordered], dtype=np.int8)
-    frequency = np.array([run.final.frequency for run in ordered])
+    decays = np.array([run.decays for run in ordered], dtype=np.int8)
     decaying = np.array([decay_frequency(run) for run in ordered])
-    rate = np.array([run.final.rate for run in ordered])
     body = ordered[0].body if ordered else ""
     return xr.Dataset(
         {
@@ -152,7 +162,10 @@ def hunting_table(runs: Sequence[HuntingRun], disturbance: float) -> xr.Dataset:
             "oscillation_frequency": variable("speed", frequency, "Hz", "frequency at the end"),
             "decay_frequency": variable("speed", decaying, "Hz", "frequency while it decays"),
             "rate_at_end": variable("speed", rate, "1/s", "growth rate at the end"),
-            "persists": variable("speed", persists, "1", "1: the oscillation persists, 0: it decays"),
+            "persists": variable("speed", persists, "1", "1: the run ends in an oscillation that persists"),
+            "decays": variable(
+                "speed", decays, "1", "1: the oscillation decays; neither: the run did not come to its end"
+            ),
         },
         {"speed": variable("speed", np.array([3.6 * r.speed for r in ordered]), "km/h", "running speed")},
         {"disturbance_mm": 1e3 * disturbance, "body": body},

@@ -43,7 +43,8 @@ class CyclePoint:
         rate: growth rate of the amplitude at the end [1/s].
         settled: whether the amplitude had come to stay before the longest time was over.
         duration: simulated time [s].
-        status: 'ok', or why the run ended early: the model's validity was left.
+        status: 'ok', or why the run ended early: such a run is neither a limit cycle nor rest.
+        message: the same as a sentence, with time, wheel and remedy; '' if it came to its end.
     """
 
     speed: float
@@ -55,11 +56,22 @@ class CyclePoint:
     settled: bool = True
     duration: float = 0.0
     status: str = "ok"
+    message: str = ""
+
+    @property
+    def valid(self) -> bool:
+        """Whether the run came to its end."""
+        return self.status == "ok"
 
     @property
     def persists(self) -> bool:
-        """Whether the motion does not come to rest: a limit cycle, or one that left the model's validity by growing."""
-        return self.amplitude > 0.0 or self.status != "ok"
+        """Whether the run came to its end in a limit cycle."""
+        return self.valid and self.amplitude > 0.0
+
+    @property
+    def decays(self) -> bool:
+        """Whether the run came to rest, or was coming to rest at its end."""
+        return self.valid and self.amplitude == 0.0
 
 
 class Settle(Protocol[State]):
@@ -73,7 +85,7 @@ class Settle(Protocol[State]):
             state: where the run before ended in a limit cycle; None: from the steady state, disturbed.
 
         Returns:
-            What it ends in, and the state there; None at rest or where the run left the model's validity.
+            What it ends in, and the state there; None at rest or where the run did not come to its end.
         """
 
 
@@ -125,7 +137,7 @@ def trace(
                 lowest = speed, state
         if tolerance is not None and lowest is not None:
             report(len(ordered) / (len(ordered) + 1), "critical speed by continuation")
-            below = max((p.speed for p in branch.points if p.speed < lowest[0]), default=math.nan)
+            below = max((p.speed for p in branch.points if p.decays and p.speed < lowest[0]), default=math.nan)
             _halve(settle, branch, below, lowest[0], lowest[1], tolerance)
     except KeyboardInterrupt:
         branch.interrupted = True
@@ -139,16 +151,15 @@ def _halve(
         middle = 0.5 * (low + high)
         point, found = settle(middle, state)
         branch.refined.append(point)
-        if not point.persists:
+        if point.decays:
             low = middle
             continue
-        high = middle
-        if found is None:
+        if found is None:  # the run did not come to its end: it does not say on which side the limit cycle ends
             break
-        state = found
+        high, state = middle, found
 
 
-Kind = Literal["none", "subcritical", "supercritical", "detached", "unstable throughout"]
+Kind = Literal["none", "subcritical", "supercritical", "detached", "unstable throughout", "open"]
 
 KIND_SENTENCES: dict[Kind, str] = {
     "none": "No limit cycle: every disturbance decays.",
@@ -156,6 +167,7 @@ KIND_SENTENCES: dict[Kind, str] = {
     "supercritical": "Supercritical: limit cycles begin at the linear critical speed.",
     "detached": "Limit cycles beside a steady state that is stable in the whole range: only a large disturbance leads there.",
     "unstable throughout": "Limit cycles at all speeds of the range: their beginning lies below it.",
+    "open": "Where limit cycles begin is left open by runs that did not come to their end.",
 }
 
 
@@ -185,7 +197,12 @@ class Diagram:
     @property
     def decays(self) -> float:
         """Highest speed below it at which everything comes to rest [m/s]; NaN if there is none."""
-        return max((p.speed for p in self.down if not p.persists and p.speed < self.lowest_cycle), default=math.nan)
+        return max((p.speed for p in self.down if p.decays and p.speed < self.lowest_cycle), default=math.nan)
+
+    @property
+    def ended_early(self) -> list[CyclePoint]:
+        """Runs that did not come to their end: neither limit cycle nor rest."""
+        return [p for p in (*self.up, *self.down) if not p.valid]
 
     @property
     def jumps(self) -> float:
@@ -196,19 +213,25 @@ class Diagram:
     def hysteresis(self) -> tuple[float, float] | None:
         """Lowest and highest speed at which the two sweeps end differently [m/s]; None if they never do."""
         down = {p.speed: p for p in self.down}
-        apart = [p.speed for p in self.up if p.speed in down and not _alike(p, down[p.speed])]
+        both = [(p, down[p.speed]) for p in self.up if p.speed in down and p.valid and down[p.speed].valid]
+        apart = [one.speed for one, other in both if not _alike(one, other)]
         return (min(apart), max(apart)) if apart else None
 
     @property
     def kind(self) -> Kind:
         """What the amplitudes say about the bifurcation at the linear critical speed."""
-        if not math.isfinite(self.lowest_cycle):
+        low, high = self.decays, self.lowest_cycle
+        if any(
+            not p.speed < low and not p.speed > high for p in self.ended_early
+        ):  # NaN compares as false: no such limit
+            return "open"
+        if not math.isfinite(high):
             return "none"
         if math.isfinite(self.linear):
-            return "subcritical" if self.lowest_cycle < self.linear - self.tolerance else "supercritical"
+            return "subcritical" if high < self.linear - self.tolerance else "supercritical"
         if self.hysteresis is not None:
             return "detached"
-        return "unstable throughout" if not math.isfinite(self.decays) else "supercritical"
+        return "unstable throughout" if not math.isfinite(low) else "supercritical"
 
 
 def _alike(one: CyclePoint, other: CyclePoint) -> bool:

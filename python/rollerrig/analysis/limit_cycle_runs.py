@@ -248,6 +248,7 @@ class _Windows:
             settled=settled,
             duration=self._time,
             status=status,
+            message="" if status == "ok" else self._outcome.message,
         )
 
 

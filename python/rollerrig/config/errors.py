@@ -53,6 +53,10 @@ class ConfigError(Exception):
         self.problems: tuple[ConfigProblem, ...] = tuple(problems)
         super().__init__("\n".join(str(problem) for problem in self.problems))
 
+    def __reduce__(self) -> "tuple[type[ConfigError], tuple[tuple[ConfigProblem, ...]]]":
+        """From its problems, on its way back from another process."""
+        return type(self), (self.problems,)
+
 
 def join_key(parent: str, key: str) -> str:
     """Dotted key; ``[2]`` follows its list without a dot."""

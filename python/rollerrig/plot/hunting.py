@@ -66,6 +66,8 @@ def amplitude_over_speed(
 ) -> Figure:
     """Amplitude at the end of runs over speed: zero where the disturbance decayed, else that of the limit cycle.
 
+    Runs that did not come to their end are crosses at the upper edge.
+
     Args:
         tables: label -> Dataset of `hunting_table`.
         critical: name -> speed [km/h], marked by a vertical line.
@@ -74,12 +76,16 @@ def amplitude_over_speed(
     with panels(["lateral amplitude at the end [mm]"], "speed [km/h]", 3.4, legend=False) as (figure, (axes,)):
         for number, (label, table) in enumerate(tables.items()):
             speed, amplitude = table["speed"].to_numpy(), 1e3 * table["amplitude"].to_numpy()
-            persists, marker = table["persists"].to_numpy() == 1, "os^Dv"[number % 5]
+            persists, decays = (table[name].to_numpy() == 1 for name in ("persists", "decays"))
+            early, marker = ~(persists | decays), "os^Dv"[number % 5]
             drawn: dict[str, Any] = {"color": colour(number), "marker": marker}
             size = 4.5 + 2.5 * (len(tables) - 1 - number)  # those of several tables lie upon each other
             axes.plot(speed[persists], amplitude[persists], "-", markersize=4.5, label=f"{label}: persists", **drawn)
             drawn |= {"linestyle": "none", "markerfacecolor": "none", "markersize": size, "label": f"{label}: decays"}
-            axes.plot(speed[~persists], np.zeros(int((~persists).sum())), **drawn)
+            axes.plot(speed[decays], np.zeros(int(decays.sum())), **drawn)
+            if early.any():  # neither: at the edge of the figure, where no amplitude can be read
+                drawn |= {"marker": "x", "label": f"{label}: run ended early", "transform": axes.get_xaxis_transform()}
+                axes.plot(speed[early], np.full(int(early.sum()), 0.97), **drawn)
         critical_lines(axes, critical or {})
         axes.set_ylim(bottom=-0.15)
         axes.set_title(title, loc="left")

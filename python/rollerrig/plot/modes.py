@@ -128,7 +128,7 @@ def damping_map(modes: xr.Dataset) -> Figure:
     """
     with house_style():
         names = [str(name) for name in modes["mode"].to_numpy()]
-        figure, (axes,) = new_figure(height=1.3 + 0.185 * len(names))
+        figure, (axes,) = new_figure(height=max(2.7, 1.3 + 0.185 * len(names)))
         speed = modes["speed"].to_numpy()
         values = 100 * modes["damping"].where(modes["frequency"] > 0.0).transpose("mode", "speed").to_numpy()
         edges = np.concatenate([[speed[0]], 0.5 * (speed[1:] + speed[:-1]), [speed[-1]]])
@@ -153,7 +153,8 @@ def damping_map(modes: xr.Dataset) -> Figure:
         _mark_critical(axes, modes)
         axes.set_xlabel("speed [km/h]")
         bar = figure.colorbar(mesh, ax=axes, ticks=DAMPING_STEPS, pad=0.015, aspect=30)
-        bar.set_label("damping ratio [%]; hatched: grows; grey: no oscillation")
+        bar.set_label("damping ratio [%]")
+        axes.set_title("hatched: grows; grey: no oscillation", loc="left")
         return figure
 
 
@@ -196,12 +197,12 @@ def hunting_frequencies(linear: dict[str, xr.Dataset], runs: dict[str, xr.Datase
                 at = np.interp(critical, modes["speed"].to_numpy(), frequency.to_numpy())
                 axes.plot([critical], [at], marker="x", color=colour(number), markersize=8, markeredgewidth=2)
         for number, (label, table) in enumerate(runs.items()):
-            going = table["persists"].to_numpy() == 1
+            going, decays = (table[name].to_numpy() == 1 for name in ("persists", "decays"))
             speed, marker = table["speed"].to_numpy(), MARKERS[number % len(MARKERS)]
             own = colour(list(linear).index(label)) if label in linear else "black"
             for ends, kept, variable, face in (
                 ("limit cycle", going, "oscillation_frequency", own),
-                ("decaying", ~going, "decay_frequency", "none"),
+                ("decaying", decays, "decay_frequency", "none"),
             ):
                 values = table[variable].to_numpy()[kept]
                 if np.isfinite(values).any():

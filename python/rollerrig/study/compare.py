@@ -221,6 +221,8 @@ class CompareStudy(Study[Results]):
             cell = speeds.linear_cell(scan)
             text = f"On {label}: linear critical speed {cell}{' km/h' if scan.onset and cell[0].isdigit() else ''}"
             lines.append(text + (f", by disturbance {speeds.between(found)}." if found else "."))
+            if found and found.ended_early:
+                lines.append(f"On {label}: {speeds.ended_early_sentence(found)}")
         *others, last = self.supports
         for label in others:
             parts = []
@@ -279,7 +281,7 @@ class CompareStudy(Study[Results]):
         for label in self.supports:
             scan, found = results.linear.get(label), results.by_disturbance.get(label)
             onset = scan.onset if scan else None
-            cycle = next((run for run in found.runs if run.persists and run.valid), None) if found else None
+            cycle = next((run for run in found.runs if run.persists), None) if found else None
             amplitude = f"{1e3 * cycle.final.amplitude:.2f} mm, {cycle.final.frequency:.2f} Hz" if cycle else "–"
             mode = (f"{onset.frequency:.2f}", onset.name) if onset else ("–", "–")
             rows.append(

@@ -49,7 +49,8 @@ def by_disturbance_quantities(prefix: str) -> list[Quantity]:
         Quantity(f"{run}.amplitude_mm", "lateral, at its end", "mm"),
         Quantity(f"{run}.frequency_hz", "at its end", "Hz"),
         Quantity(f"{run}.growth_rate_at_end_per_s", "at its end", "1/s"),
-        Quantity(f"{run}.persists", "whether the motion persists"),
+        Quantity(f"{run}.persists", "whether it came to its end with a motion that persists"),
+        Quantity(f"{run}.decays", "whether it came to its end with a motion that decays; neither: it ended early"),
         Quantity(f"{run}.status", "how the run ended"),
         Quantity(f"{run}.energy_relative_residual", "energy audit", "1"),
     ]
@@ -111,10 +112,11 @@ def disturbance_numbers(found: CriticalSpeedByDisturbance) -> dict[str, Any]:
         "runs": [
             {
                 "speed_kmh": round(3.6 * run.speed, 6),
-                "amplitude_mm": 1e3 * run.final.amplitude,
-                "frequency_hz": run.final.frequency,
-                "growth_rate_at_end_per_s": run.final.rate,
+                "amplitude_mm": 1e3 * run.final.amplitude if run.valid else math.nan,
+                "frequency_hz": run.final.frequency if run.valid else math.nan,
+                "growth_rate_at_end_per_s": run.final.rate if run.valid else math.nan,
                 "persists": run.persists,
+                "decays": run.decays,
                 "status": run.motion.attrs["status"],
                 "energy_relative_residual": run.motion.attrs["energy_relative_residual"],
             }
@@ -128,7 +130,35 @@ def between(found: CriticalSpeedByDisturbance) -> str:
     decays, persists = 3.6 * found.decays, 3.6 * found.persists
     if math.isfinite(persists) and math.isfinite(decays):
         return f"between {decays:.1f} and {persists:.1f} km/h"
-    return f"at or below {persists:.1f} km/h" if math.isfinite(persists) else f"above {decays:.1f} km/h"
+    if math.isfinite(persists) and found.ended_early and found.ended_early[0].speed < found.persists:
+        return f"at or below {persists:.1f} km/h, or not at all: runs below ended early"
+    if math.isfinite(persists):
+        return f"at or below {persists:.1f} km/h"
+    return f"above {decays:.1f} km/h" if math.isfinite(decays) else "not found: no run came to its end"
+
+
+def ended_early(runs: Sequence[tuple[float, str]], count: int) -> str:
+    """Which runs did not come to their end, and how the slowest of them ended; '' if all did.
+
+    Args:
+        runs: speed [m/s] and message of each of them.
+        count: of all runs.
+    """
+    if not runs:
+        return ""
+    speeds = sorted({round(3.6 * speed, 1) for speed, _ in runs})
+    where = f"at {speeds[0]:g} km/h" if len(speeds) == 1 else f"from {speeds[0]:g} to {speeds[-1]:g} km/h"
+    _, message = min(runs)
+    return (
+        f"{len(runs)} of {count} runs, {where}, did not come to their end and count neither as limit cycle nor as decay. "
+        f"{'It' if len(runs) == 1 else 'The slowest'} ended so: {message}"
+    )
+
+
+def ended_early_sentence(found: CriticalSpeedByDisturbance) -> str:
+    """The same of the runs from a disturbance."""
+    runs = [(run.speed, str(run.motion.attrs["status_message"])) for run in found.ended_early]
+    return ended_early(runs, len(found.runs))
 
 
 # --------------------------------------------------------------------------------------- rollers' radius and effects

@@ -54,6 +54,8 @@ def summary(results: Results, numbers: Numbers, plan: PaperPlan) -> list[str]:
         f"mm): {results.by_disturbance(m).text('km/h', 1)}."
         for m in results.modes
     ]
+    found_by_runs = [one for runs in (results.runs, results.vehicle_runs) for one in runs.values()]
+    lines += [sentence for one in found_by_runs if (sentence := speeds.ended_early_sentence(one))]
     end = numbers["traction"]
     if end is not None:
         front, rear = (end[f"wheelset_{k}_right"]["sliding_mmps"] for k in (1, 2))
@@ -154,5 +156,5 @@ def rig_paragraphs(results: Results) -> list[str]:
 def onset_wavelength(results: Results, material: str) -> float:
     """Wavelength of the limit cycle at the lowest speed at which it was found [m]; NaN if there is none."""
     found = results.runs.get(material)
-    lasting = [run for run in found.runs if run.persists and run.valid] if found else []
+    lasting = [run for run in found.runs if run.persists] if found else []
     return lasting[0].speed / lasting[0].final.frequency if lasting else math.nan

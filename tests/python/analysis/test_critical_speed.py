@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 import xarray as xr
 
-from rollerrig.analysis.critical_speed import bracket, critical_speed
-from rollerrig.analysis.hunting import HuntingRun
+from rollerrig.analysis.critical_speed import HIGHEST_KMH, bracket, critical_speed
+from rollerrig.analysis.hunting import HuntingRun, hunting_table
 from rollerrig.analysis.signals import FinalMotion
+from rollerrig.study.critical_speeds import between, ended_early_sentence
 
 
-def run(speed: float, persists: bool) -> HuntingRun:
-    motion = xr.Dataset(attrs={"status": "ok"})
+def run(speed: float, persists: bool, status: str = "ok") -> HuntingRun:
+    motion = xr.Dataset(attrs={"status": status, "status_message": f"at {speed:g} m/s: {status}"})
     return HuntingRun(
         speed, "frame", motion, FinalMotion(1e-3, 5.0, 0.0) if persists else FinalMotion(0.0, math.nan, math.nan)
     )
@@ -37,6 +39,46 @@ def test_without_an_onset_in_the_range_there_is_no_critical_speed(persists: bool
     found = bracket([run(40.0, persists), run(46.0, persists)], 3e-3)
     assert math.isnan(found.speed)
     assert found.further_speeds(0.1) == []
+
+
+def test_a_run_that_did_not_come_to_its_end_neither_persists_nor_decays() -> None:
+    lost = [run(speed, moving, "contact_lost") for speed in (30.0, 50.0) for moving in (True, False)]
+    assert not any(one.persists or one.decays for one in lost)
+    found = bracket(lost, 3e-3)
+    assert math.isnan(found.persists)
+    assert math.isnan(found.decays)
+    assert between(found) == "not found: no run came to its end"
+    mixed = bracket([run(20.0, False), *lost, run(60.0, True)], 3e-3)
+    assert (mixed.decays, mixed.persists) == (20.0, 60.0)
+    assert len(mixed.ended_early) == 4
+    assert ended_early_sentence(mixed) == (
+        "4 of 6 runs, from 108 to 180 km/h, did not come to their end and count neither as limit cycle nor as decay. The slowest "
+        "ended so: at 30 m/s: contact_lost"
+    )
+    assert ended_early_sentence(bracket([run(20.0, False)], 3e-3)) == ""
+
+
+def test_the_bracket_is_not_divided_for_ever_where_runs_end_early() -> None:
+    between_them = [run(float(v), False, "derailed") for v in np.linspace(40.0, 46.0, 4)[1:-1]]
+    assert bracket([run(40.0, False), run(46.0, True)], 3e-3).further_speeds(1.0) == [42.0, 44.0]
+    assert bracket([run(40.0, False), run(46.0, True), *between_them], 3e-3).further_speeds(1.0) == []
+
+
+def test_runs_that_ended_early_are_in_the_table_as_such() -> None:
+    one = run(30.0, True, "contact_lost")
+    one = replace(
+        one, motion=one.motion.assign(lateral=(("time", "body"), np.zeros((5, 1)))).assign_coords(time=range(5))
+    )
+    table = hunting_table([one], 3e-3)
+    assert (int(table["persists"][0]), int(table["decays"][0])) == (0, 0)
+    assert math.isnan(float(table["amplitude"][0]))
+
+
+def test_the_linear_critical_speed_is_looked_for_above_the_range() -> None:
+    """The bogie on track begins to hunt at 310 km/h, above the speeds that are looked at unless others are asked for."""
+    found = critical_speed("bogie_track", speeds_kmh=[280.0, 300.0])
+    assert float(found["linear_critical_speed"]) == pytest.approx(310.2, abs=0.1)
+    assert found.attrs["linear_searched_to_kmh"] == HIGHEST_KMH
 
 
 def test_each_definition_has_its_own_name_and_unit() -> None:

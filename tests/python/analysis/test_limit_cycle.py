@@ -18,6 +18,7 @@ from rollerrig.analysis import (
 )
 from rollerrig.analysis.limit_cycle import Branch, CyclePoint, diagram, is_settled, trace
 from rollerrig.config import Case, load_case
+from rollerrig.study.limit_cycle_report import continuation_sentences
 
 ONSET, WIDTH = 50.0, 20.0
 """Of the known system: linear critical speed and the speed that makes mu = 1 [m/s]."""
@@ -106,6 +107,52 @@ def branch(sweep, amplitudes) -> Branch[float]:
 )
 def test_kinds_of_diagram(up, down, linear: float, kind: str) -> None:
     assert diagram(branch("up", up), branch("down", down), linear, 1.0).kind == kind
+
+
+def lost_at(low: float, high: float, a: float, start: float):
+    """The known system, whose runs between two speeds do not come to their end."""
+    form = NormalForm(a, start)
+
+    def settle(speed: float, state: float | None) -> tuple[CyclePoint, float | None]:
+        if low <= speed <= high:
+            return CyclePoint(speed, math.nan, status="contact_lost", message=f"lost at {speed:g} m/s"), None
+        return form(speed, state)
+
+    return settle
+
+
+def test_runs_that_ended_early_are_no_limit_cycles_and_no_rest() -> None:
+    speeds = np.linspace(36.0, 66.0, 13).tolist()
+    up, down = (trace(lost_at(0.0, 99.0, 1.0, 3.0), sweep, speeds, tolerance=0.1) for sweep in ("up", "down"))
+    found = diagram(up, down, ONSET, 0.1)
+    assert len(found.ended_early) == 26
+    assert all(math.isnan(value) for value in (found.lowest_cycle, found.decays, found.jumps))
+    assert found.hysteresis is None
+    assert found.kind == "open"
+    sentences = continuation_sentences(found)
+    assert sentences[0] == "Critical speed by continuation: not found, no run came to its end."
+    assert sentences[1].endswith("ended so: lost at 36 m/s")
+    assert "Critical speed by continuation: 129.6" not in " ".join(sentences)
+
+
+def test_runs_lost_at_the_fold_leave_open_where_limit_cycles_begin() -> None:
+    fold = ONSET - WIDTH / 4
+    speeds = np.linspace(36.0, 66.0, 13).tolist()
+    down = trace(lost_at(fold - 2.0, fold + 2.0, 1.0, 3.0), "down", speeds, tolerance=0.1)
+    found = diagram(trace(NormalForm(1.0, 0.03), "up", speeds), down, ONSET, 0.1)
+    assert found.kind == "open"
+    assert found.decays < fold - 2.0
+    assert found.lowest_cycle > fold + 2.0
+    assert all(p.status == "contact_lost" for p in down.refined[-1:])  # the halving ends where a run says nothing
+
+
+def test_runs_lost_far_above_change_nothing_below() -> None:
+    speeds = np.linspace(36.0, 66.0, 13).tolist()
+    down = trace(lost_at(62.0, 99.0, 1.0, 3.0), "down", speeds, tolerance=0.1)
+    found = diagram(trace(NormalForm(1.0, 0.03), "up", speeds), down, ONSET, 0.1)
+    assert found.kind == "subcritical"
+    assert found.lowest_cycle == pytest.approx(ONSET - WIDTH / 4, abs=0.15)
+    assert len(found.ended_early) == 2
 
 
 def test_ctrl_c_keeps_the_points_that_were_done() -> None:

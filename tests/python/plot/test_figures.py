@@ -84,6 +84,7 @@ def motion() -> xr.Dataset:
 
 def table() -> xr.Dataset:
     values = {"amplitude": [0.0, 1e-3, 2e-3], "oscillation_frequency": [np.nan, 4.0, 5.0], "persists": [0, 1, 1]}
+    values |= {"decays": [1, 0, 0]}
     return xr.Dataset({name: ("speed", v) for name, v in values.items()}, {"speed": SPEED})
 
 
@@ -181,6 +182,30 @@ def drawn(name: str, panel: int, label: str) -> np.ndarray:
     lines = [line for line in FIGURES[name]().axes[panel].lines if line.get_label() == label]
     assert len(lines) == 1
     return np.asarray(lines[0].get_ydata(), dtype=float)
+
+
+def test_runs_that_ended_early_are_drawn_as_neither() -> None:
+    lost = table().assign(persists=("speed", [0, 0, 1]), decays=("speed", [1, 0, 0]))
+    (axes,) = amplitude_over_speed({"steel": lost}).axes
+    lines = {str(line.get_label()): list(line.get_xdata()) for line in axes.lines}
+    assert lines["steel: persists"] == [180.0]
+    assert lines["steel: decays"] == [60.0]
+    assert lines["steel: run ended early"] == [120.0]
+
+
+@pytest.mark.parametrize("count", [2, 4, 12, 40])
+def test_the_damping_map_has_room_for_its_labels(count: int) -> None:
+    """Also with few modes, where the figure is low."""
+    names = [f"mode {k}" for k in range(count)]
+    many = modes().isel(mode=[0] * count).assign_coords(mode=names)
+    figure = damping_map(many)
+    figure.canvas.draw()
+    drawn_on = figure.bbox
+    for axes in figure.axes:
+        for label in (axes.xaxis.label, axes.yaxis.label):
+            box = label.get_window_extent()
+            assert not label.get_text() or (drawn_on.x0 <= box.x0 and box.x1 <= drawn_on.x1), label.get_text()
+            assert not label.get_text() or (drawn_on.y0 <= box.y0 and box.y1 <= drawn_on.y1), label.get_text()
 
 
 def test_figures_draw_their_data_in_the_units_of_their_axes() -> None:

@@ -87,7 +87,7 @@ def interrupt_at(fraction: float):
 
 def test_ctrl_c_keeps_the_speeds_that_were_done(tmp_path) -> None:
     study = StabilityStudy(load_case("wheelset_rollers"), (20.0, 25.0, 30.0, 35.0), with_limit_cycles=False)
-    outcome = study.run(progress=interrupt_at(0.5))
+    outcome = study.run(progress=interrupt_at(0.4))  # two of four speeds; the modes are 0.8 of the whole
     assert outcome is not None
     assert outcome.interrupted
     assert outcome.results.modes["speed"].to_numpy().tolist() == [20.0, 25.0]
@@ -111,6 +111,27 @@ def test_without_limit_cycles_no_run_is_made(tmp_path) -> None:
     assert result.exit_code == 0, result.output
     assert "limit_cycles" not in json.loads((tmp_path / "summary.json").read_text())
     assert not (tmp_path / "limit_cycles.csv").exists()
+
+
+def test_a_critical_speed_above_the_range_is_found_and_said_to_be_there(tmp_path) -> None:
+    """On track the bogie hunts at 310 km/h; asked for are 280 to 300 km/h."""
+    options = ["--speeds-kmh", "280:300:20", "--no-limit-cycles", "--out", str(tmp_path)]
+    result = run("bogie_track", *options)
+    assert result.exit_code == 0, result.output
+    summary = json.loads((tmp_path / "summary.json").read_text())
+    assert summary["linear_critical_speed_kmh"] == pytest.approx(310.2, abs=0.1)
+    assert summary["linear_searched_to_kmh"] == 600.0
+    assert summary["crossings"] == []
+    text = " ".join((tmp_path / "report.html").read_text().split())
+    assert "Linear critical speed: 310.2 km/h" in text
+    assert "It is above the speeds asked for, from 280 to 300 km/h." in text
+    assert "No oscillation begins or ends to grow from 280 to 300 km/h." in text  # in place of a table without rows
+
+
+def test_where_there_is_none_it_says_how_far_it_looked(tmp_path) -> None:
+    result = run("wheelset_rollers", "--speeds-kmh", "560:580:20", "--no-limit-cycles", "--out", str(tmp_path))
+    assert result.exit_code == 0, result.output
+    assert "No linear critical speed from 560 to 580 km/h, nor above up to 600 km/h" in " ".join(result.output.split())
 
 
 def test_runs_are_spread_over_the_range() -> None:

@@ -1,0 +1,125 @@
+"""A vehicle on rollers that nothing holds along the track: refused by name, and named where it has rolled off."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from rollerrig import _core
+from rollerrig.analysis import HuntingSettings, LimitCycleSettings, critical_speeds_by_disturbance, limit_cycles
+from rollerrig.assembly import assemble
+from rollerrig.cases import on_track
+from rollerrig.catalog import catalog_names
+from rollerrig.cli.app import build_app
+from rollerrig.config import Case, ConfigError, load_case
+from rollerrig.restraint import drift
+from rollerrig.simulation import simulate
+from rollerrig.starting_state import equilibrium
+
+WAGON = Path(__file__).parents[1] / "two_axle_wagon.toml"
+CROWN = 0.725 + 0.46
+"""Radii of roller and wheel together [m]."""
+
+
+@pytest.fixture(scope="module")
+def wagon() -> Case:
+    return load_case(WAGON)
+
+
+def held(case: Case, stiffness: float) -> Case:
+    """The wagon with a car body that stands still above it, and one spring between the two along the track [N/m]."""
+    anchor = {"name": "anchor", "mass": 1000.0, "inertia": [1e3, 1e3, 1e3], "position": [0.0, 0.0, 1.6]}
+    spring = {
+        "name": "coupler",
+        "between": ["anchor", "car_body"],
+        "point": [0.0, 0.0, 1.6],
+        "x": {"stiffness": stiffness},
+    }
+    vehicle = case.vehicle.data
+    raw = vehicle.model_dump(exclude_unset=True)
+    return case.with_changes(
+        {
+            "vehicle.data.body": [*raw["body"], anchor],
+            "vehicle.data.element": [*raw["element"], spring],
+            "vehicle.data.cut": {"vehicle": {**raw["cut"]["vehicle"], "fixed": ["anchor"]}},
+        }
+    )
+
+
+def found(case: Case):
+    model = assemble(case)
+    simulation = _core.Simulation(model.core)
+    return drift(simulation, model, equilibrium(simulation, model))
+
+
+@pytest.mark.parametrize("command", ["check", "run", "stability"])
+def test_commands_refuse_it_by_name(command: str, tmp_path) -> None:
+    options = {
+        "check": [],
+        "run": ["--out", str(tmp_path)],
+        "stability": ["--speeds-kmh", "80:80:1", "--out", str(tmp_path)],
+    }
+    result = CliRunner().invoke(build_app(), [command, str(WAGON), *options[command]])
+    assert result.exit_code == 2, result.output
+    line = " ".join(result.output.split())
+    assert "nothing holds the vehicle 'two_axle_wagon' along the track" in line
+    assert "locked = ['x'] for car_body" in line
+
+
+def test_no_critical_speed_is_made_of_runs_that_roll_off(wagon) -> None:
+    with pytest.raises(ConfigError, match="nothing holds the vehicle"):
+        critical_speeds_by_disturbance({"": wagon}, [80.0], settings=HuntingSettings(duration=1.0))
+    for processes in (1, 2):  # also on its way back from another process
+        with pytest.raises(ConfigError, match="nothing holds the vehicle") as error:
+            limit_cycles(wagon, [80.0], np.nan, LimitCycleSettings(longest=1.6), processes=processes)
+        assert len(error.value.problems) == 1
+
+
+def test_a_run_that_rolled_off_says_where_and_when(wagon) -> None:
+    run = simulate(wagon, may_drift=True)
+    assert run.attrs["status"] == "contact_lost"
+    message = run.attrs["status_message"]
+    assert f"t = {run.attrs['stopped_at_s']:.4g} s" in message
+    assert "rolled off its rollers" in message
+    assert "m behind their axis" in message or "m ahead of their axis" in message
+    assert "reduce the speed" not in message
+
+
+def test_the_drift_is_that_of_a_body_on_top_of_a_cylinder(wagon) -> None:
+    """m x'' (1 + Θ / (m r²)) = m g x / (R + r): weight pushes it off, wheelsets turn as they roll."""
+    one = found(wagon)
+    assert one is not None
+    assert one.body == "car_body"
+    assert one.whole
+    mass, turning = 20_000.0 + 2 * 1300.0, 2 * 100.0 / 0.46**2
+    # a wheel that rolls along the track on a driven roller turns by dx (R + r) / (R r) less dx / R: by dx / r
+    expected = np.sqrt(9.81 / CROWN * mass / (mass + turning))
+    assert one.rate == pytest.approx(expected, rel=0.02)  # springs let the wheelsets lean a little
+
+
+def test_only_a_restraint_stiffer_than_the_push_holds_it(wagon) -> None:
+    """The push of the crowns is W / (R + r) per metre: 187 kN/m. A softer spring holds no better than none."""
+    push = 22_600.0 * 9.81 / CROWN
+    assert found(held(wagon, 1.1 * push)) is None
+    assert found(held(wagon, 0.9 * push)) is not None
+
+
+def test_a_wheelset_without_longitudinal_suspension_is_named_alone(wagon) -> None:
+    springs = [e.name for e in wagon.vehicle.data.element if "wheelset_2" in e.between]
+    changes: dict[str, object] = {f"vehicle.element.{name}.x": None for name in springs}
+    one = found(wagon.with_changes({**changes, "vehicle.body.car_body.locked": ["x"]}))
+    assert one is not None
+    assert one.body == "wheelset_2"
+    assert not one.whole
+
+
+def test_on_track_nothing_needs_to_hold_it(wagon) -> None:
+    assert found(on_track(wagon)) is None
+
+
+@pytest.mark.parametrize("name", catalog_names("case"))
+def test_every_case_of_the_catalogue_is_held(name: str) -> None:
+    assert found(load_case(name)) is None
