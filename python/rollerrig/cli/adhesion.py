@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from rollerrig.cli.command import Out, Processes, RigCaseName, carry_out
+from rollerrig.cli.command import AllowCode, Out, Processes, RigCaseName, carry_out, read_case
 
 
 def command(
@@ -16,9 +16,9 @@ def command(
         bool, typer.Option(help="Also run the rig without one imperfection after the other, and repeated tests.")
     ] = True,
     processes: Processes = 2,
+    allow_code: AllowCode = False,
 ) -> None:
     """A brake or traction test on degraded track and on the dry rig that reproduces it, side by side."""
-    from rollerrig.config import load_case
     from rollerrig.study.adhesion import AdhesionStudy
 
-    carry_out(AdhesionStudy(load_case(case), error_budget), out, processes)
+    carry_out(AdhesionStudy(read_case(case, allow_code=allow_code), error_budget), out, processes)

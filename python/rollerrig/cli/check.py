@@ -6,13 +6,23 @@ from typing import Annotated
 
 import typer
 
+from rollerrig.cli.command import code_lines
 
-def command(file: Annotated[str, typer.Argument(help="A TOML file, or a name of the catalogue.")]) -> None:
+
+def command(
+    file: Annotated[str, typer.Argument(help="A TOML file, or a name of the catalogue.")],
+    allow_code: Annotated[
+        bool,
+        typer.Option(
+            "--allow-code", help="Also run the controllers that a case brings, wherever they lie, to check them."
+        ),
+    ] = False,
+) -> None:
     """Validate a file; of a case, print the assembled model, its static wheel loads and masses."""
     from rollerrig.cli.describe import describe_case, describe_part
     from rollerrig.config import Case, load_any
 
-    kind, part = load_any(file)
-    lines = describe_case(part) if isinstance(part, Case) else describe_part(part)
+    kind, part = load_any(file, allow_code=allow_code)
+    lines = describe_case(part, run_code=allow_code) if isinstance(part, Case) else describe_part(part)
     typer.echo(f"{file}: a valid {kind}\n")
-    typer.echo("\n".join(lines))
+    typer.echo("\n".join([*(code_lines(part) if isinstance(part, Case) else []), *lines]))

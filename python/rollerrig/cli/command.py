@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Any, NoReturn
+from typing import TYPE_CHECKING, Annotated, Any, NoReturn
 
 import typer
 
 from rollerrig.cli.progress import lines, progress_bar
 from rollerrig.cli.termination import INTERRUPTED, OK, exit_code, say, stop
+
+if TYPE_CHECKING:
+    from rollerrig.config import Case
 
 CaseName = Annotated[str, typer.Argument(metavar="CASE", help="Case: a name of the catalogue or a TOML file.")]
 RigCaseName = Annotated[
@@ -16,8 +19,32 @@ RigCaseName = Annotated[
     typer.Argument(metavar="CASE", help="Case on rollers with [rig_control]: a name of the catalogue or a TOML file."),
 ]
 Out = Annotated[Path, typer.Option(help="Folder for the results; made if it does not exist.")]
+AllowCode = Annotated[
+    bool,
+    typer.Option("--allow-code", help="Also take controllers from outside the folder of the case that names them."),
+]
 SpeedsKmh = Annotated[str, typer.Option(help="Speeds [km/h] as start:stop:step, or a list with commas.")]
 Processes = Annotated[int, typer.Option(min=1, max=64, help="Runs at a time.")]
+
+
+def read_case(name: str, *, allow_code: bool) -> Case:
+    """The case, and a line to the user for every piece of code that it brings."""
+    from rollerrig.config import load_case
+
+    case = load_case(name, allow_code=allow_code)
+    for line in code_lines(case):
+        say(f"rollerrig: {name}: {line}")
+    return case
+
+
+def code_lines(case: Case) -> list[str]:
+    """The code that a case brings, a line each."""
+    from rollerrig.config import code_of
+
+    return [
+        f"{code.key}: brings code: {'' if code.is_file else 'module '}{code.source}, class {code.name}"
+        for code in code_of(case)
+    ]
 
 
 def carry_out(study: Any, out: Path, processes: int = 1, *, refused: tuple[type[Exception], ...] = ()) -> NoReturn:

@@ -7,8 +7,9 @@ from typing import Annotated
 
 import typer
 
-from rollerrig.cli.command import Out, Processes, SpeedsKmh, carry_out
+from rollerrig.cli.command import AllowCode, Out, Processes, SpeedsKmh, carry_out, code_lines
 from rollerrig.cli.ranges import read_range, read_speeds
+from rollerrig.cli.termination import say
 
 
 def command(
@@ -29,6 +30,7 @@ def command(
     ] = 3.0,
     duration: Annotated[float, typer.Option(min=1.0, max=600.0, help="Length of each of these runs [s].")] = 6.0,
     processes: Processes = 2,
+    allow_code: AllowCode = False,
 ) -> None:
     """One vehicle on several supports side by side: modes, critical speeds, limit cycles, forces, effects of the rollers."""
     from rollerrig.analysis import HuntingSettings
@@ -41,7 +43,9 @@ def command(
     supports = [name.strip() for name in on.split(",")]
     if not all(supports) or len({Path(name).name.removesuffix(".toml") for name in supports}) < len(supports):
         raise typer.BadParameter(f"'{on}': name each support once, like rig,track", param_hint="--on")
-    cases = compared_cases(vehicle, supports, cut)
+    cases = compared_cases(vehicle, supports, cut, allow_code=allow_code)
+    for line in dict.fromkeys(line for case in cases.values() for line in code_lines(case)):
+        say(f"rollerrig: {vehicle}: {line}")
     parts = next(iter(cases.values())).vehicle.data.cut_names()[::-1]
     settings = HuntingSettings(disturbance=1e-3 * disturbance_mm, duration=duration)
     study = CompareStudy(cases, speeds, tuple(parts), tuple(sorted(set(radii))), hunting=settings)

@@ -7,6 +7,7 @@ from typing import Annotated, Literal
 
 import typer
 
+from rollerrig.cli.command import AllowCode, read_case
 from rollerrig.cli.ranges import check_finite, read_range
 from rollerrig.cli.termination import LEFT_VALIDITY, say, stop
 
@@ -26,9 +27,9 @@ def command(
     compare: Annotated[
         bool, typer.Option("--compare", help="Every normal contact and creep law side by side, with its cost.")
     ] = False,
+    allow_code: AllowCode = False,
 ) -> None:
     """List the contact patches of the leading wheelset under its axle load."""
-    from rollerrig.config import load_case
     from rollerrig.contact_analysis.static_contact import contact_csv, contact_table
     from rollerrig.results import output_file, write_bytes, write_text
 
@@ -36,7 +37,7 @@ def command(
         raise typer.BadParameter(f"'{plot}' must end in .png or .svg", param_hint="--plot")
     check_finite(roll_mrad, "--roll-mrad")
     places = _positions(lateral_mm, yaw_mrad, yaw_mrad_per_mm)
-    chosen = load_case(case)
+    chosen = read_case(case, allow_code=allow_code)
     for path in (csv, plot):
         if path is not None:
             output_file(path)

@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from rollerrig.cli.command import Out, Processes, RigCaseName, carry_out
+from rollerrig.cli.command import AllowCode, Out, Processes, RigCaseName, carry_out, read_case
 
 
 def command(
@@ -26,10 +26,14 @@ def command(
         bool, typer.Option(help="Also find the gains at which the loop becomes unstable, computed and measured.")
     ] = True,
     processes: Processes = 2,
+    allow_code: AllowCode = False,
 ) -> None:
     """Controllers of the roller drives: estimators, feedbacks, sample times, drives, wrong parameters; which fails first."""
-    from rollerrig.config import load_case
     from rollerrig.study.control import ControlStudy, study_case
 
     names = tuple(name.strip() for name in families.split(",")) if families else ()
-    carry_out(ControlStudy(study_case(load_case(case), duration), names, controller, loop), out, processes)
+    carry_out(
+        ControlStudy(study_case(read_case(case, allow_code=allow_code), duration), names, controller, loop),
+        out,
+        processes,
+    )

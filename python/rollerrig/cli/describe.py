@@ -15,8 +15,12 @@ from rollerrig.starting_state import degrees_of_freedom, equilibrium_dataset
 Part = Vehicle | Rig | Track | Material | ProfileSpec
 
 
-def describe_case(case: Case) -> list[str]:
+def describe_case(case: Case, *, run_code: bool = False) -> list[str]:
     """The assembled model, static wheel loads and masses.
+
+    Args:
+        case: what is described.
+        run_code: whether controllers that it brings are made and checked; they are only looked at otherwise.
 
     Raises:
         StartError: the model has no equilibrium.
@@ -38,7 +42,7 @@ def describe_case(case: Case) -> list[str]:
     ]
     lines += _table([f"wheels at {speed:.4g} km/h", "vertical kN", "lateral kN", "patches"], rows)
     lines += [""] + _balance(model, run)
-    actuators = actuator_lines(case)
+    actuators = actuator_lines(case, run_code=run_code)
     return [*lines, "", *actuators] if actuators else lines
 
 

@@ -7,8 +7,8 @@ from __future__ import annotations
 
 from rollerrig.actuators import assemble_with_actuators
 from rollerrig.assembly import AssembledModel
-from rollerrig.config import Case
-from rollerrig.mechatronics import COMMANDS, users_controllers
+from rollerrig.config import Case, code_of
+from rollerrig.mechatronics import COMMANDS, look_at_controller, users_controllers
 from rollerrig.mechatronics.setup import estimator_response, feedback_gains, full_brake_torque, rig_controller
 
 _WORDS = {
@@ -18,14 +18,20 @@ _WORDS = {
 }
 
 
-def actuator_lines(case: Case) -> list[str]:
+def actuator_lines(case: Case, *, run_code: bool = False) -> list[str]:
     """Brake, drive, adhesion and controllers, a line each; empty for a case without actuators.
 
+    Args:
+        case: what is described.
+        run_code: whether the user's controllers are made; they are only looked at otherwise.
+
     Raises:
-        ConfigError: a controller of the user cannot be loaded.
+        ConfigError: a controller of the user cannot be used.
         StartError: the virtual train's vehicle has no equilibrium on track.
     """
-    users = users_controllers(case, {})
+    users = users_controllers(case, {}) if run_code else {}
+    for code in code_of(case):
+        look_at_controller(code, case.name)
     if not case.sampled:
         return []
     model = assemble_with_actuators(case)
@@ -36,7 +42,11 @@ def actuator_lines(case: Case) -> list[str]:
     for name in COMMANDS:
         table = getattr(case, name)
         if table is not None:
-            time = users[name].sample_time if name in users else table.sample_time
+            if table.user is not None and name not in users:
+                own = f"class {table.user.rpartition(':')[2]} of your own, acting {1e3 * table.delay:g} ms later"
+                lines.append(f"{name}: {own}; it has not been run, --allow-code does")
+                continue
+            time = users.get(name, table).sample_time
             text = f"{name}: every {1e3 * time:g} ms, acting {1e3 * table.delay:g} ms later"
             if name in users:
                 text += f", {type(users[name]).__name__} of your own"

@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from rollerrig.cli.command import Out, Processes, RigCaseName, carry_out
+from rollerrig.cli.command import AllowCode, Out, Processes, RigCaseName, carry_out, read_case
 from rollerrig.cli.ranges import check_finite, read_range
 
 
@@ -32,17 +32,17 @@ def command(
         int, typer.Option(min=0, max=4, help="How many times cells between different regions are halved.")
     ] = 1,
     processes: Processes = 2,
+    allow_code: AllowCode = False,
 ) -> None:
     """Operating envelope: where the rig reproduces a degraded rail over torque, adhesion and axle load, and what limits it.
 
     Ctrl-C keeps all finished runs; the same command continues with the rest, and another grid takes over those it shares.
     """
-    from rollerrig.config import load_case
     from rollerrig.study.envelope import EnvelopeStudy
 
     check_finite(speed_kmh, "--speed-kmh")
     check_finite(duration, "--duration")
-    chosen = load_case(case)
+    chosen = read_case(case, allow_code=allow_code)
     if speed_kmh is not None:
         chosen = chosen.with_changes({"motion.speed": speed_kmh / 3.6})
     texts = {"torques": (torques_knm, 1e3), "adhesions": (adhesions, 1.0), "loads": (loads, 1.0)}

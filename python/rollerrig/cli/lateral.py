@@ -6,16 +6,18 @@ from typing import Annotated
 
 import typer
 
-from rollerrig.cli.command import Out, Processes, carry_out
+from rollerrig.cli.command import AllowCode, Out, Processes, carry_out, read_case
 
 HELP = "Case on elastic rollers with [rig_control] and a lateral disturbance: adhesion_lateral, or a TOML file."
 
 
 def command(
-    case: Annotated[str, typer.Argument(metavar="CASE", help=HELP)], out: Out, processes: Processes = 2
+    case: Annotated[str, typer.Argument(metavar="CASE", help=HELP)],
+    out: Out,
+    processes: Processes = 2,
+    allow_code: AllowCode = False,
 ) -> None:
     """Lateral motion during a slide: does hunting disturb the rig's control, and does the rig show what the track does?"""
-    from rollerrig.config import load_case
     from rollerrig.study.lateral import LateralStudy
 
-    carry_out(LateralStudy(load_case(case)), out, processes)
+    carry_out(LateralStudy(read_case(case, allow_code=allow_code)), out, processes)

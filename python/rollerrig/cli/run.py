@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from rollerrig.cli.command import CaseName, Out, carry_out
+from rollerrig.cli.command import AllowCode, CaseName, Out, carry_out, read_case
 
 
-def command(case: CaseName, out: Out) -> None:
+def command(case: CaseName, out: Out, allow_code: AllowCode = False) -> None:
     """Simulate one case: run.nc (every signal), summary.json, motion.csv, wheels.csv, running_safety.csv, report.html."""
-    from rollerrig.config import load_case
     from rollerrig.study.run import RunStudy
 
-    carry_out(RunStudy(load_case(case)), out)
+    carry_out(RunStudy(read_case(case, allow_code=allow_code)), out)

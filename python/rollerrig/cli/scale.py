@@ -7,7 +7,7 @@ from typing import Annotated, Any
 
 import typer
 
-from rollerrig.cli.command import Out, Processes, carry_out
+from rollerrig.cli.command import AllowCode, Out, Processes, carry_out, read_case
 from rollerrig.cli.termination import say
 
 
@@ -35,9 +35,9 @@ def command(
     ] = False,
     error_budget: Annotated[bool, typer.Option(help="With --run: also each violation alone.")] = True,
     processes: Processes = 2,
+    allow_code: AllowCode = False,
 ) -> None:
     """A scaled rig by similitude: case.toml, to be run like any other, and what it violates."""
-    from rollerrig.config import load_case
     from rollerrig.results import output_folder, write_text
     from rollerrig.similitude import requirements, similitude
     from rollerrig.study.scale import scale_study
@@ -46,7 +46,12 @@ def command(
     kept = tuple(name.strip() for name in keep.split(",") if name.strip() and keep != "none")
     factors, changes = similitude(strategy, length, time, density), _changes(change or [])
     study = scale_study(
-        load_case(case), factors, strategy=strategy, keep=kept, changes=changes, error_budget=run and error_budget
+        read_case(case, allow_code=allow_code),
+        factors,
+        strategy=strategy,
+        keep=kept,
+        changes=changes,
+        error_budget=run and error_budget,
     )
     typer.echo(write_text(output_folder(out) / "case.toml", study.model.to_short_toml()))
     if not run:

@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from rollerrig.cli.command import CaseName, Out, SpeedsKmh, carry_out
+from rollerrig.cli.command import AllowCode, CaseName, Out, SpeedsKmh, carry_out, read_case
 from rollerrig.cli.ranges import read_speeds
 
 
@@ -41,10 +41,10 @@ def command(
             help="Also compare the contact models, on rig and track, with a run at this speed [km/h].",
         ),
     ] = None,
+    allow_code: AllowCode = False,
 ) -> None:
     """Eigenvalues, damping, frequency and mode shapes over speed; limit cycles; critical speeds."""
     from rollerrig.analysis import LimitCycleSettings
-    from rollerrig.config import load_case
     from rollerrig.study.stability import StabilityStudy
 
     settings = LimitCycleSettings(
@@ -54,5 +54,7 @@ def command(
         tolerance_kmh=tolerance_kmh,
     )
     speeds = read_speeds(speeds_kmh)
-    study = StabilityStudy(load_case(case), speeds, limit_cycles, settings, contacts_kmh, processes)
+    study = StabilityStudy(
+        read_case(case, allow_code=allow_code), speeds, limit_cycles, settings, contacts_kmh, processes
+    )
     carry_out(study, out, processes)

@@ -16,6 +16,7 @@ from rollerrig.config.load.case import (
     load_support,
     load_vehicle,
 )
+from rollerrig.config.load.code import Code, code_of
 from rollerrig.config.schema.actuators import (
     Brake,
     Controller,
@@ -74,6 +75,7 @@ __all__ = [
     "Body",
     "Brake",
     "Case",
+    "Code",
     "Condition",
     "Cone",
     "ConfigError",
@@ -119,6 +121,7 @@ __all__ = [
     "Wheel",
     "WheelSlipControl",
     "case_from_toml",
+    "code_of",
     "json_schema",
     "load_any",
     "load_case",

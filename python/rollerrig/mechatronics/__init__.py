@@ -9,6 +9,7 @@ from rollerrig.mechatronics.controllers import (
     ControllerError,
     UserController,
     ask,
+    look_at_controller,
     users_controllers,
 )
 from rollerrig.mechatronics.setup import mechatronic_setup
@@ -19,6 +20,7 @@ __all__ = [
     "ControllerError",
     "UserController",
     "ask",
+    "look_at_controller",
     "mechatronic_setup",
     "users_controllers",
 ]

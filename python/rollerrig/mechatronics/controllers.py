@@ -8,6 +8,7 @@ and one array of shape (axle,) for each of MEASUREMENTS; commands are a dict wit
 
 from __future__ import annotations
 
+import ast
 import importlib
 import json
 import sys
@@ -20,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rollerrig import _core
-from rollerrig.config import Case, ConfigError, ConfigProblem
+from rollerrig.config import Case, Code, ConfigError, ConfigProblem
 from rollerrig.input_files import LARGEST_TEXT, InputError, read_input
 
 Measurements = dict[str, Any]
@@ -73,6 +74,34 @@ def users_controllers(case: Case, given: Mapping[str, Any]) -> dict[str, UserCon
             )
             raise ConfigError([ConfigProblem(case.name, name, f"{controller.sample_time:g}", allowed)])
     return found
+
+
+def look_at_controller(code: Code, file: str) -> None:
+    """See that a file of code is there, is Python and has the class, without running any of it.
+
+    Args:
+        code: what the case names; of a module nothing can be seen without running it.
+        file: the case, for messages.
+
+    Raises:
+        ConfigError: it cannot be used.
+    """
+    if not code.is_file:
+        return
+    place = f"{code.source}:{code.name}"
+    try:
+        tree = ast.parse(read_input(code.source, LARGEST_TEXT), code.source)
+    except InputError as error:
+        raise _refused(file, code.key, place, f"{error.strerror}; allowed: a Python file") from None
+    except (OSError, SyntaxError, ValueError, RecursionError, MemoryError) as error:
+        raise _refused(file, code.key, place, f"{type(error).__name__}: {error}") from None
+    made = {getattr(node, "name", "") for node in tree.body} | {
+        getattr(part, "id", getattr(part, "asname", None) or getattr(part, "name", ""))
+        for node in tree.body
+        for part in (*getattr(node, "targets", ()), *getattr(node, "names", ()))
+    }
+    if code.name not in made and "*" not in made:
+        raise _refused(file, code.key, place, f"needed: a class {code.name} in that file")
 
 
 def load_controller(place: str, key: str, file: str) -> UserController:

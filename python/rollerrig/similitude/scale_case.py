@@ -73,7 +73,7 @@ def scale_case(
     if "clock" in kept:
         update["time"] = _on_grid(scaled.time, case.time.sampling_step)
     model = scaled.model_copy(update=update)
-    checked = case_from_toml(model.to_toml(), name)
+    checked = case_from_toml(model.to_toml(), name, allow_code=True)
     return checked.with_changes(changes) if changes else checked
 
 

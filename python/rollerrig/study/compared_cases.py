@@ -24,13 +24,16 @@ MATERIAL, FRICTION = "steel", 0.3
 """Contact of a vehicle that comes without a case."""
 
 
-def compared_cases(vehicle: str, on: Sequence[str], cut: str | None = None) -> dict[str, Case]:
+def compared_cases(
+    vehicle: str, on: Sequence[str], cut: str | None = None, *, allow_code: bool = False
+) -> dict[str, Case]:
     """One case per support.
 
     Args:
         vehicle: a vehicle of the catalogue or a file; or a case, whose contact is then kept.
         on: supports: 'rig', 'track', names of the catalogue or files, each once.
         cut: part of the vehicle; of a case by default its own, of a vehicle all of it.
+        allow_code: whether controllers that a case names may lie outside its own folder.
 
     Returns:
         Label (as the user named the support, without folder and suffix) -> case at a constant speed, without torques and
@@ -39,7 +42,7 @@ def compared_cases(vehicle: str, on: Sequence[str], cut: str | None = None) -> d
     Raises:
         ConfigError: all mistakes found.
     """
-    base = _base(vehicle)
+    base = _base(vehicle, allow_code)
     name = base.vehicle.data.name if isinstance(base, Case) else base.name
     cases = {}
     for support in on:
@@ -48,14 +51,14 @@ def compared_cases(vehicle: str, on: Sequence[str], cut: str | None = None) -> d
     return cases
 
 
-def _base(source: str) -> Case | Vehicle:
+def _base(source: str, allow_code: bool) -> Case | Vehicle:
     names = (*catalog_names("vehicle"), *catalog_names("case"))
     needed = "needed: a vehicle or a case, of the catalogue or a TOML file"
     if not Path(source).exists() and not any(source in catalog_names(kind) for kind in _KINDS):
         allowed = f"{needed}; the catalogue has the vehicles {', '.join(catalog_names('vehicle'))} and the cases "
         allowed += ", ".join(catalog_names("case"))
         raise ConfigError([ConfigProblem(source, "", "no such file", allowed, nearest(source, names))])
-    kind, found = load_any(source)
+    kind, found = load_any(source, allow_code=allow_code)
     if isinstance(found, Case | Vehicle):
         return found
     raise ConfigError([ConfigProblem(source, "", f"a {kind}, not a vehicle", needed)])
@@ -97,4 +100,4 @@ def _case(base: Case | Vehicle, name: str, support: Mapping[str, Any], cut: str 
     raw["motion"] = {"speed": "100 km/h"}
     for key in ("axle_torque", "disturbance"):
         raw.pop(key, None)
-    return build_case(Document(raw, source, Path()))
+    return build_case(Document(raw, source, Path()), allow_code=True)  # that of the case was asked for when it was read

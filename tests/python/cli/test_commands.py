@@ -174,7 +174,7 @@ def test_check_loads_the_users_controllers(tmp_path: Path) -> None:
     (tmp_path / "nowhere.py").write_text(
         "class Mine:\n    sample_time = 1e-3\n    def step(self, measurements):\n        return {}\n"
     )
-    done = Done("check", str(tmp_path / "case.toml"))
+    done = Done("check", str(tmp_path / "case.toml"), "--allow-code")
     assert done.code == 0, done.err
     assert "rig_control: every 1 ms, acting 0 ms later, Mine of your own" in done.out
 

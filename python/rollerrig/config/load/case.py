@@ -13,6 +13,7 @@ from typing import Any, Literal, TypeVar, get_args
 
 from rollerrig.config.errors import ConfigError, ConfigProblem
 from rollerrig.config.load.change import apply_changes
+from rollerrig.config.load.code import place_code
 from rollerrig.config.load.resolve import (
     refer,
     relative_to,
@@ -62,7 +63,9 @@ class Case(CaseTables):
             full[f"{head}.data.{rest}" if is_short else str(key)] = value
         problems = apply_changes(raw, full, file)
         try:
-            changed = build_case(Document(raw, file, Path()))
+            changed = build_case(
+                Document(raw, file, Path()), allow_code=True
+            )  # the case's is, new code is the caller's
         except ConfigError as error:
             problems += error.problems
         if problems:
@@ -78,11 +81,12 @@ class Case(CaseTables):
         return to_short_toml(self)
 
 
-def load_case(source: str | Path) -> Case:
+def load_case(source: str | Path, *, allow_code: bool = False) -> Case:
     """Read a case, with the vehicle, support, material and profiles it names.
 
     Args:
         source: name in the catalogue, or path of a TOML file.
+        allow_code: whether controllers that it names may lie outside its own folder; none is run here.
 
     Raises:
         ConfigError: all mistakes found.
@@ -94,7 +98,7 @@ def load_case(source: str | Path) -> Case:
     document = read_document("case", source)
     if (kind := _kind_of(document.raw)) != "case":
         raise ConfigError([_not_a_case(source, kind)])
-    return build_case(document)
+    return build_case(document, own_folder=document.folder, allow_code=allow_code)
 
 
 def _not_a_case(source: str | Path, kind: CatalogKind) -> ConfigProblem:
@@ -102,18 +106,19 @@ def _not_a_case(source: str | Path, kind: CatalogKind) -> ConfigProblem:
     return ConfigProblem(str(source), "", f"a {kind}, not a case", needed)
 
 
-def case_from_toml(text: str, file: str = "case", folder: Path | None = None) -> Case:
+def case_from_toml(text: str, file: str = "case", folder: Path | None = None, *, allow_code: bool = False) -> Case:
     """The case in a TOML text, e.g. the one stored in a result file.
 
     Args:
         text: the TOML.
         file: what messages call it.
-        folder: where relative paths in it start; the current folder by default.
+        folder: where relative paths in it start, its own folder; by default the current one, and it has no own folder.
+        allow_code: whether controllers that it names may lie outside its own folder; none is run here.
 
     Raises:
         ConfigError: all mistakes found.
     """
-    return build_case(parse_document(text, file, folder))
+    return build_case(parse_document(text, file, folder), own_folder=folder, allow_code=allow_code)
 
 
 def load_vehicle(source: str | Path) -> Vehicle:
@@ -145,8 +150,14 @@ def load_profile(source: str | Path, kind: Literal["wheel", "rail"] | None = Non
     return _whole(root.root, mistakes)
 
 
-def load_any(source: str | Path) -> tuple[CatalogKind, Case | Vehicle | Rig | Track | Material | ProfileSpec]:
+def load_any(
+    source: str | Path, *, allow_code: bool = False
+) -> tuple[CatalogKind, Case | Vehicle | Rig | Track | Material | ProfileSpec]:
     """Read a catalogue entry or file of any kind and say which it is by its keys.
+
+    Args:
+        source: name in the catalogue, or path of a TOML file.
+        allow_code: whether controllers that a case names may lie outside its own folder; none is run here.
 
     Raises:
         ConfigError: all mistakes found.
@@ -164,7 +175,7 @@ def load_any(source: str | Path) -> tuple[CatalogKind, Case | Vehicle | Rig | Tr
             return kind, _whole(*resolve_material(document))
         case "profile":
             return kind, load_profile(source)
-    return kind, build_case(document)
+    return kind, build_case(document, own_folder=document.folder, allow_code=allow_code)
 
 
 def _kind_of(raw: Mapping[str, Any]) -> CatalogKind:
@@ -180,8 +191,13 @@ def _kind_of(raw: Mapping[str, Any]) -> CatalogKind:
     return "profile" if "kind" in raw else "case"
 
 
-def build_case(document: Document) -> Case:
+def build_case(document: Document, *, own_folder: Path | None = None, allow_code: bool = False) -> Case:
     """Resolve, validate and check a case.
+
+    Args:
+        document: its raw tables.
+        own_folder: where its controllers may lie; None: nowhere.
+        allow_code: whether they may lie anywhere.
 
     Raises:
         ConfigError: all mistakes found.
@@ -192,7 +208,7 @@ def build_case(document: Document) -> Case:
     support, mistakes = _part(raw, "support", resolve_support, document)
     problems += mistakes
     problems += _material(raw, document)
-    _place_controllers(raw, document.folder)
+    problems += place_code(raw, file, document.folder, own_folder, allow=allow_code)
     case, mistakes = validate(Case, raw, file)
     unresolved = {f"{key}.data" for key, part in (("vehicle", vehicle), ("support", support)) if part is None}
     known = {problem.key for problem in problems if problem.file == file}
@@ -202,15 +218,6 @@ def build_case(document: Document) -> Case:
     if case is not None and not problems:
         problems += check_case(case, file)
     return _whole(case, problems)
-
-
-def _place_controllers(raw: dict[str, Any], folder: Path) -> None:
-    """A controller's file stands relative to the file that names it."""
-    for table in raw.values():
-        user = table.get("user") if isinstance(table, dict) else None
-        if isinstance(user, str) and ".py:" in user and "\0" not in user:
-            file, _, name = user.rpartition(":")
-            table["user"] = f"{(folder / file).absolute()}:{name}"
 
 
 def _part(

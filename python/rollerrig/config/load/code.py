@@ -1,0 +1,92 @@
+"""Code that a case brings: controllers of the user's own, named by the case and run with it.
+
+raw tables + the folder of their file -> [place_code] -> absolute paths, and a problem per piece of code from elsewhere
+
+A case may come from a stranger. What it brings in its own folder came with it and is named before it is run; a file elsewhere,
+also one that a link leads to, or an installed module runs only where the user says so.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from rollerrig.config.errors import ConfigProblem
+from rollerrig.config.schema.case import CaseTables
+
+
+@dataclass(frozen=True)
+class Code:
+    """Code that a case names.
+
+    Attributes:
+        key: where it names it.
+        source: path of a Python file, or name of a module.
+        name: of the class in it.
+    """
+
+    key: str
+    source: str
+    name: str
+
+    @property
+    def is_file(self) -> bool:
+        """Whether the source is a file rather than a module."""
+        return self.source.endswith(".py")
+
+
+def code_of(case: CaseTables) -> tuple[Code, ...]:
+    """All code that runs with a case, in the order of its tables."""
+    tables = {key: getattr(case, key) for key in type(case).model_fields}
+    return tuple(_code(key, user) for key, table in tables.items() if isinstance(user := _user(table), str))
+
+
+def place_code(
+    raw: dict[str, Any], file: str, folder: Path, own_folder: Path | None, *, allow: bool
+) -> list[ConfigProblem]:
+    """Make paths of code absolute, in place.
+
+    Args:
+        raw: tables of a case.
+        file: as messages name it.
+        folder: where relative paths start.
+        own_folder: of the case; None: it has none.
+        allow: whether code from elsewhere may run.
+
+    Returns:
+        A problem for each piece of code that may not run.
+    """
+    problems = []
+    for key, table in raw.items():
+        if isinstance(user := _user(table), str) and "\0" not in user:
+            code = _code(key, user)
+            if code.is_file:
+                table["user"] = f"{(folder / code.source).absolute()}:{code.name}"
+                code = _code(key, table["user"])
+            if ":" in user and not allow and not (code.is_file and _is_below(own_folder, code.source)):
+                what = "a file" if code.is_file else "a module of Python,"
+                where = (
+                    "the case's own folder" if own_folder is None else f"the case's own folder, {own_folder.absolute()}"
+                )
+                allowed = (
+                    f"code from elsewhere: {what} outside {where}; runs only with --allow-code, or allow_code=True"
+                )
+                problems.append(ConfigProblem(file, code.key, repr(table["user"]), allowed))
+    return problems
+
+
+def _user(table: object) -> object:
+    return table.get("user") if isinstance(table, Mapping) else getattr(table, "user", None)
+
+
+def _code(key: str, user: str) -> Code:
+    source, _, name = user.rpartition(":")
+    return Code(f"{key}.user", source, name)
+
+
+def _is_below(folder: Path | None, path: str) -> bool:
+    """Whether a file really lies in a folder: links are followed."""
+    try:
+        return folder is not None and Path(path).resolve().is_relative_to(folder.resolve())
+    except (OSError, RuntimeError):  # links in a circle
+        return False
