@@ -57,6 +57,7 @@ def carry_out(study: Any, out: Path, processes: int = 1, *, refused: tuple[type[
         refused: errors of the study that are the user's.
     """
     from rollerrig.results import output_folder
+    from rollerrig.wording import number
 
     folder = output_folder(out)
     try:
@@ -70,6 +71,8 @@ def carry_out(study: Any, out: Path, processes: int = 1, *, refused: tuple[type[
         if path.parent == folder:
             typer.echo(path)
     say(outcome.summary)
+    for what, times in outcome.study.timings(outcome.results).items():
+        say(f"{what}, as measured now: {', '.join(f'{name} {number(value, 3)}' for name, value in times.items())}")
     if outcome.interrupted and study.resumable:
         say("Finished jobs are kept: the same command continues.")
     raise typer.Exit(max((exit_code(status) for status in outcome.statuses), default=OK))

@@ -18,6 +18,7 @@ from rollerrig.config import Case
 from rollerrig.config.schema.contact_law import NORMAL_LAWS
 from rollerrig.contact_analysis.static_contact import contact_table, leading_wheelset
 from rollerrig.results import variable
+from rollerrig.wording import number
 
 QUANTITIES = {
     "patches": ("1", "patches under load, each counted with its weight"),
@@ -106,14 +107,14 @@ def comparison_text(comparison: xr.Dataset) -> str:
 
         def span(name: str, factor: float, of: xr.Dataset = here) -> str:
             low, high = factor * float(of[name].min()), factor * float(of[name].max())
-            return f"{low:.3g} to {high:.3g}"
+            return f"{number(low, 3)} to {number(high, 3)}"
 
         step = float(np.abs(here["centre"].diff("position")).max()) if comparison.sizes["position"] > 1 else 0.0
-        cost = "" if np.isnan(here["cost"]) else f", {1e6 * float(here['cost']):.2g} us per wheel and evaluation"
+        cost = "" if np.isnan(here["cost"]) else f", {number(1e6 * float(here['cost']), 2)} µs per wheel and evaluation"
         lines.append(
-            f"{model}: {span('patches', 1.0)} patches, approach {span('approach', 1e6)} um, peak pressure "
+            f"{model}: {span('patches', 1.0)} patches, approach {span('approach', 1e6)} µm, peak pressure "
             f"{span('peak_pressure', 1e-6)} MPa, width {span('width', 1e3)} mm; the centre moves by up to "
-            f"{1e3 * step:.3g} mm from one position to the next{cost}"
+            f"{number(1e3 * step, 3)} mm from one position to the next{cost}"
         )
     return "\n".join(lines)
 

@@ -48,7 +48,7 @@ def contact_figure(table: xr.Dataset) -> Figure:
 COMPARED = {
     "centre": ("centre on the\nwheel S [mm]", 1e3),
     "width": ("width [mm]", 1e3),
-    "approach": ("approach [um]", 1e6),
+    "approach": ("approach [µm]", 1e6),
     "peak_pressure": ("peak pressure\n[MPa]", 1e-6),
     "patches": ("patches", 1.0),
 }

@@ -31,6 +31,9 @@ from rollerrig.study.jobs import Progress, whole_run
 BEGIN, RISE = 0.1, 0.2
 """The torque begins to act, and takes so long to its full value [s]."""
 
+LEAST_DURATION = round(2.0 * (BEGIN + RISE), 9)
+"""Of a run: the full torque acts for half of it [s]; rounded, since 0.1 + 0.2 is not quite 0.3."""
+
 FOLLOW = 200.0
 """Rate of the test's control valve and cylinder [1/s]: the torque follows the ramp within a few ms."""
 
@@ -194,8 +197,8 @@ def check(case: Case, torques: Sequence[float], adhesions: Sequence[float], load
         least_load = 1.0 - heaviest / sum(b.mass for b in bodies)
         allowed = f"above {least_load:.2g}, where nothing is left of the heaviest body, which carries the load"
         refuse("loads", f"{load:g}", allowed if heaviest else "1: there is no body but wheelsets to load")
-    if not 2.0 * (BEGIN + RISE) <= duration <= 60.0:
-        refuse("duration", f"{duration:g} s", f"{2 * (BEGIN + RISE):g} s to 60 s")
+    if not LEAST_DURATION <= duration <= 60.0:
+        refuse("duration", f"{duration:g} s", f"{LEAST_DURATION:g} s to 60 s")
     if not 0 <= refine <= MOST_REFINED:
         refuse("refine", refine, f"0 to {MOST_REFINED}")
     elif (count := len(loads) * len(between(torques, 2**refine)) * len(between(adhesions, 2**refine))) > MOST_RUNS:

@@ -1,6 +1,7 @@
 """What every study is: jobs, what is collected from them, reported numbers, figures, limitations.
 
-Study -> [run: jobs on a few processes, journal, progress, Ctrl-C] -> Outcome -> [write] -> summary.json, data, figures, report
+Study -> [run: jobs on a few processes, journal, progress, Ctrl-C] -> Outcome
+    -> [write] -> summary.json, data, figures, report: the same bytes for the same study; timing.json: what is not
 
 A study names its cases and its jobs, collects their results and says what the report shows; all else is here: the folder,
 resuming, the report's head and ends, summary.json, the files of the figures.
@@ -12,6 +13,7 @@ import csv
 import io
 import json
 import math
+import time
 import tomllib
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping, Sequence
@@ -105,8 +107,8 @@ class Study(ABC, Generic[R]):
         """File name -> content, beside report, figures and summary.json."""
         return {}
 
-    def timings(self, results: R) -> dict[str, Any]:
-        """Measured times, the only numbers that differ from run to run: they go to the terminal and to timing.json."""
+    def timings(self, results: R) -> Mapping[str, Mapping[str, float]]:
+        """What was measured with its unit -> of what -> time: the only numbers that differ between identical runs."""
         return {}
 
     def limitations(self) -> list[str]:
@@ -149,6 +151,7 @@ class Study(ABC, Generic[R]):
             StartError: a case finds no equilibrium to start from.
             OutputError: `folder` takes no files.
         """
+        begun = time.perf_counter()
         kept = self.resumable and folder is not None
         journal = Journal(output_folder(folder or ""), self.command, self.plan(), self.irrelevant) if kept else None
         taken_over = 0 if journal is None else len(journal.done)
@@ -157,7 +160,8 @@ class Study(ABC, Generic[R]):
         if journal is not None and self.keeps_jobs:
             journal.settle(done)
         results = self.collect(done)
-        return None if results is None else Outcome(self, results, interrupted, taken_over, journal)
+        seconds = time.perf_counter() - begun
+        return None if results is None else Outcome(self, results, interrupted, taken_over, journal, seconds)
 
 
 def _plain(name: str, value: Any) -> Iterator[tuple[str, Any]]:
@@ -180,6 +184,7 @@ class Outcome(Generic[R]):
         interrupted: whether Ctrl-C ended it early.
         taken_over: jobs that were finished before.
         journal: of the finished jobs.
+        seconds: that it took.
     """
 
     study: Study[R]
@@ -187,6 +192,7 @@ class Outcome(Generic[R]):
     interrupted: bool = False
     taken_over: int = 0
     journal: Journal | None = None
+    seconds: float = math.nan
 
     @cached_property
     def numbers(self) -> dict[str, Any]:
@@ -205,12 +211,18 @@ class Outcome(Generic[R]):
         return "\n".join([*head, *self.study.summary(self.results, self.numbers)])
 
     @property
+    def timing(self) -> dict[str, Any]:
+        """Measured times, which go to the terminal and to timing.json alone."""
+        own: dict[str, Any] = finite(self.study.timings(self.results))
+        return {"wall time [s]": finite(round(self.seconds, 3)), "jobs taken over": self.taken_over, **own}
+
+    @property
     def statuses(self) -> Sequence[str]:
         """How the runs ended; 'interrupted' where Ctrl-C ended the study early."""
         return ["interrupted"] if self.interrupted else self.study.statuses(self.results)
 
     def write(self, out: str | Path) -> list[Path]:
-        """Write the study's files, figures/, summary.json and, last, report.html.
+        """Write the study's files, figures/, summary.json, timing.json and, last, report.html.
 
         Raises:
             OutputError: a file could not be written; those before it are whole.
@@ -222,8 +234,7 @@ class Outcome(Generic[R]):
             written += self._write_picture(folder, picture)
         summary = {**self.numbers, "keys": study.quantities.described()}
         written.append(write_text(folder / "summary.json", _json(summary)))
-        if timings := finite(study.timings(self.results)):
-            written.append(write_text(folder / TIMING, _json(timings)))
+        written.append(write_text(folder / TIMING, _json(self.timing)))
         page = Page(study.title, self.summary, sections, f"rollerrig {__version__}", study.mark)
         written.append(write_text(folder / "report.html", render(page)))
         if self.journal is not None and not (self.interrupted or study.keeps_jobs):

@@ -18,6 +18,7 @@ FILES = {
     "figures/characteristics.svg",
     "figures/characteristics.png",
     "summary.json",
+    "timing.json",
     "report.html",
 }
 QUICK = ("--shift-mm", "4", "--step-mm", "0.5", "--amplitudes-mm", "1:4:1")
@@ -58,7 +59,7 @@ def test_every_key_of_the_summary_is_explained_and_reported(outputs: list[Path])
     assert QUANTITIES.unreported(summary) == []
 
 
-@pytest.mark.parametrize("name", sorted(FILES))
+@pytest.mark.parametrize("name", sorted(FILES - {"timing.json"}))
 def test_same_input_same_bytes(outputs: list[Path], name: str) -> None:
     assert (outputs[0] / name).read_bytes() == (outputs[1] / name).read_bytes()
 

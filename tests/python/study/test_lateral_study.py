@@ -88,6 +88,7 @@ def test_files_hold_every_run_and_every_number_is_explained(outcome: Found, tmp_
     files = {path.name for path in outcome.write(tmp_path)}
     assert {f"{key}.nc" for key in LABELS} | {
         "summary.json",
+        "timing.json",
         "report.html",
         "motion.png",
         "guidance_track.png",

@@ -1,0 +1,57 @@
+"""Identical commands write identical bytes, one worker or two: all measured times stand in timing.json, and nowhere else."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import rollerrig as rr
+
+ENTRY = [sys.executable, "-c", "from rollerrig.cli import main; main()"]
+TIMING = "timing.json"
+
+COMMANDS = {
+    "creep": ("creep", "--law", "table", "--law", "fastsim", "--demands", "0.5,8"),
+    "stability": ("stability", "bogie_rollers_constant", "--speeds-kmh", "240:260:20", "--no-limit-cycles"),
+    "envelope": ("envelope", "CASE", "--torques-knm=-6,-2", "--adhesions", "0.05,0.3", "--loads", "1", "--duration", "0.6",
+                 "--refine", "0"),
+    "adhesion": ("adhesion", "CASE", "--no-error-budget"),
+    "control": ("control", "CASE", "--duration", "1", "--families", "delay", "--no-loop"),
+    "lateral": ("lateral", "LATERAL"),
+    "scale": ("scale", "CASE", "--strategy", "dlr", "--run", "--no-error-budget"),
+    "compare": ("compare", "manchester_vehicle_1", "--cut", "leading_wheelset", "--speeds-kmh", "60,80", "--radii-m", "0.725",
+                "--duration", "1"),
+}  # fmt: skip
+"""Command -> its words; CASE and LATERAL are short cases written for the test."""
+ALONE = {"creep"}
+"""Without --processes: run twice as it is; so are `run` and `conicity` in their own tests."""
+
+
+def files(folder: Path) -> dict[str, bytes]:
+    return {path.relative_to(folder).as_posix(): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_identical_commands_write_identical_bytes(command: str, tmp_path: Path) -> None:
+    short = {"time.duration": "1 s"}
+    (tmp_path / "case.toml").write_text(rr.load_case("adhesion_brake").with_changes(short).to_toml())
+    (tmp_path / "lateral.toml").write_text(rr.load_case("adhesion_lateral").with_changes(short).to_toml())
+    places = {"CASE": tmp_path / "case.toml", "LATERAL": tmp_path / "lateral.toml"}
+    words = [str(places.get(word, word)) for word in COMMANDS[command]]
+    found = []
+    for processes in ("1", "2"):
+        out = tmp_path / processes
+        more = [] if command in ALONE else ["--processes", processes]
+        subprocess.run([*ENTRY, *words, "--out", out, *more], check=True, capture_output=True)
+        found.append(files(out))
+    one, two = found
+    assert one.keys() == two.keys()
+    assert [name for name in one if one[name] != two[name] and name != TIMING] == []
+    assert json.loads(one[TIMING])["wall time [s]"] > 0.0
+    if command == "creep":
+        assert json.loads(one[TIMING])["processor time of a call [ns]"].keys() == {"table", "fastsim"}
+        assert "nanoseconds" not in one["summary.json"].decode()
