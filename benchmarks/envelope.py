@@ -9,13 +9,9 @@ halving cells once adds (--refine 0: none). Then the same again from a folder in
 from __future__ import annotations
 
 import argparse
-import os
 import tempfile
 import time
 from pathlib import Path
-
-os.environ.setdefault("OMP_NUM_THREADS", "1")
-os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 from rollerrig import envelope, load_case
 

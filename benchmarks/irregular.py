@@ -11,11 +11,7 @@ Wheel forces as they are, and through the 20 Hz low-pass of EN 14363, as they ar
 from __future__ import annotations
 
 import argparse
-import os
 import time
-
-os.environ.setdefault("OMP_NUM_THREADS", "1")
-os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import numpy as np
 

@@ -24,13 +24,11 @@ from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
-os.environ.setdefault("OMP_NUM_THREADS", "1")  # one core, as the comparison says
-os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-
 import numpy as np
 from rich.console import Console
 from rich.table import Table
 from scipy.integrate import solve_ivp
+from threadpoolctl import threadpool_limits
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 from validation.independent_model import bogie as numpy_bogie
@@ -128,6 +126,7 @@ def error_against(reference: np.ndarray, signals: np.ndarray) -> float:
     return float((np.abs(signals - reference).max(axis=2) / np.abs(reference).max(axis=2)).max())
 
 
+@threadpool_limits.wrap(limits=1, user_api="blas")  # as rollerrig does: faster for matrices of this size
 def measure_scipy(p, x0, reference, repeat: int) -> Measurement:
     """The NumPy model."""
     study = lambda t, x: numpy_bogie.rhs(t, x, p)  # noqa: E731
@@ -149,6 +148,7 @@ def measure_scipy(p, x0, reference, repeat: int) -> Measurement:
     return m
 
 
+@threadpool_limits.wrap(limits=1, user_api="blas")  # as rollerrig does: faster for matrices of this size
 def measure_numba(p, x0, repeat: int) -> tuple[Measurement, np.ndarray]:
     """The Numba model, and the tight reference computed with it."""
     import numba_model

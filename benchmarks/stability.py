@@ -9,12 +9,8 @@ processes.
 
 from __future__ import annotations
 
-import os
 import sys
 import time
-
-os.environ.setdefault("OMP_NUM_THREADS", "1")
-os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import numpy as np
 

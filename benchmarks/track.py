@@ -7,11 +7,6 @@ States are those of a run, so that the contact search is warm as it is in a run;
 
 from __future__ import annotations
 
-import os
-
-os.environ.setdefault("OMP_NUM_THREADS", "1")
-os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-
 import numpy as np
 from run import best_time
 

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from rollerrig import _core
 from rollerrig.assembly import AssembledModel
+from rollerrig.blas_threads import one_blas_thread
 from rollerrig.config import ConfigError, ConfigProblem, Rig
 
 Vector = NDArray[np.float64]
@@ -46,6 +47,7 @@ class Drift:
     whole: bool
 
 
+@one_blas_thread()
 def drift(simulation: _core.Simulation, model: AssembledModel, state: Vector) -> Drift | None:
     """The motion with which a vehicle rolls off its rollers; None where it is held, and on track.
 

@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from rollerrig import _core
 from rollerrig.actuators import assemble_with_actuators
 from rollerrig.assembly import AssembledModel, assemble
+from rollerrig.blas_threads import one_blas_thread
 from rollerrig.cases import as_case
 from rollerrig.config import Case, ConfigError, ConfigProblem
 from rollerrig.mechatronics import (
@@ -178,6 +179,7 @@ def begin(
     )
 
 
+@one_blas_thread()
 def _check_fixed_step(simulation: _core.Simulation, case: Case, state: Vector) -> None:
     """Refuse a step at which the method lets a decaying motion of the starting state grow.
 

@@ -7,6 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from rollerrig.blas_threads import one_blas_thread
+
 Series = NDArray[np.float64]
 
 
@@ -25,6 +27,7 @@ class Fit:
     largest: float
 
 
+@one_blas_thread()
 def fit(values: Series, *columns: Series) -> Fit:
     """Fit values by a sum of columns.
 

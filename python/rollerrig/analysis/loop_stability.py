@@ -24,6 +24,7 @@ from rollerrig import _core
 from rollerrig.analysis.control_loop import Loop, Wheel
 from rollerrig.analysis.linearise import DIRECTIONS
 from rollerrig.assembly import assemble
+from rollerrig.blas_threads import one_blas_thread
 from rollerrig.cases import without_actuators
 from rollerrig.config import Case, Rig
 from rollerrig.starting_state import starting_state
@@ -185,6 +186,7 @@ def _controller(loop: Loop, z: dict[str, Array]) -> Array:
     return feed_forward + loop.proportional * error + loop.integral * z["sum"]
 
 
+@one_blas_thread()
 def sampled_matrix(loop: Loop, plant: Plant) -> Array:
     """From the state at one sample to that at the next, shape (state, state).
 
@@ -209,6 +211,7 @@ def sampled_matrix(loop: Loop, plant: Plant) -> Array:
     return np.concatenate([x, *(z[name] for name in names), *queue])
 
 
+@one_blas_thread()
 def growth(loop: Loop, plant: Plant, above: float = 0.0) -> tuple[float, float]:
     """Rate [1/s] and frequency [Hz] of the least damped motion; a rate above zero: the loop is unstable.
 

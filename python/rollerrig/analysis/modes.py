@@ -16,6 +16,7 @@ from scipy.linalg import eig
 from scipy.optimize import linear_sum_assignment
 
 from rollerrig.analysis.linearise import Linearisation
+from rollerrig.blas_threads import one_blas_thread
 
 Complex = NDArray[np.complex128]
 Matrix = NDArray[np.float64]
@@ -52,6 +53,7 @@ class Eigensystem:
         return Eigensystem(self.values[columns], self.vectors[:, columns], self.left[:, columns])
 
 
+@one_blas_thread()
 def eigensystem(matrix: Matrix) -> Eigensystem:
     """Eigenvalues, right and left eigenvectors of A."""
     solution: tuple[Complex, Complex, Complex] = eig(matrix, left=True, check_finite=False)  # type: ignore[assignment]
@@ -67,6 +69,7 @@ def oscillates(values: Complex) -> NDArray[np.bool_]:
 # ---------------------------------------------------------------------------------------------------- following
 
 
+@one_blas_thread()
 def modal_assurance(one: Eigensystem, other: Eigensystem) -> Matrix:
     """How much two modes of neighbouring matrices are the same, (L8): 1 for the same mode, 0 for another one.
 
@@ -81,6 +84,7 @@ def modal_assurance(one: Eigensystem, other: Eigensystem) -> Matrix:
     return np.asarray(np.minimum(1.0, across * back / np.maximum(np.outer(own, others_own), 1e-30)))
 
 
+@one_blas_thread()
 def predicted(system: Eigensystem, change: Matrix) -> Complex:
     """Eigenvalues after a small change of the matrix, to first order, (L9)."""
     own = np.sum(system.left.conj() * system.vectors, axis=0)
@@ -101,6 +105,7 @@ def _costs(previous: Eigensystem, following: Eigensystem, change: Matrix | None)
     return np.asarray(0.5 * distance / size + 1.0 - modal_assurance(previous, following))
 
 
+@one_blas_thread()
 def follow(
     previous: Eigensystem, following: Eigensystem, change: Matrix | None = None
 ) -> tuple[NDArray[np.intp], bool]:

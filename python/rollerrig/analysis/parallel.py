@@ -17,6 +17,7 @@ from dataclasses import dataclass
 from typing import Any, Generic, TypeVar
 
 from rollerrig.analysis.workers import end_with_parent
+from rollerrig.blas_threads import one_blas_thread
 
 A = TypeVar("A")
 R = TypeVar("R")
@@ -168,6 +169,7 @@ def _work(function: Job[A, R], argument: A, number: int) -> R | None:
             raise KeyboardInterrupt
 
     try:
-        return function(argument, progress)
+        with one_blas_thread():  # there are as many workers as cores
+            return function(argument, progress)
     except KeyboardInterrupt:
         return None
