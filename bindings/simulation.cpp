@@ -12,6 +12,7 @@
 #include <optional>
 
 #include "convert.hpp"
+#include "rollerrig/contact/adhesion/recovered_rail.hpp"
 #include "rollerrig/integrate/amplification.hpp"
 #include "rollerrig/simulate/driver.hpp"
 #include "rollerrig/simulate/recorder.hpp"
@@ -259,6 +260,7 @@ void bind_simulation(nb::module_& m) {
       .def_prop_ro("coordinate_index", [](Simulation& s) { return s.dynamics().map().coordinate; })
       .def_prop_ro("rate_index", [](Simulation& s) { return s.dynamics().map().rate; });
   m.attr("patches_recorded") = Recorder::patches;
+  m.attr("rail_cells") = RecoveredRail::cells;
   m.attr("body_fields") = field_list(Recorder::body_fields());
   m.attr("wheel_fields") = field_list(Recorder::wheel_fields());
   m.attr("patch_fields") = field_list(Recorder::patch_fields());

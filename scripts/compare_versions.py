@@ -241,8 +241,8 @@ def changed(case: Any, changes: dict[str, Any], factor: float) -> Any:
         return case
     table = case.motion.speed_table
     if table is None:
-        return case.with_changes({"motion.speed": case.motion.speed * factor})
-    rows = [[t, v * factor] for t, v in table]
+        return case.with_changes({"motion.speed": f"{case.motion.speed * factor} m/s"})
+    rows = [[t, f"{v * factor} m/s"] for t, v in table]
     return case.with_changes({"motion.speed_table": rows, "motion.speed": rows[0][1]})
 
 

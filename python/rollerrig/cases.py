@@ -90,7 +90,7 @@ def on_rig(case: Case, radius: float | None = None) -> Case:
         radius: of the rollers at the crown [m]; None: the rig's own.
     """
     rig = case if isinstance(case.support.data, Rig) else _on(case, CATALOG_RIG, {})
-    return rig if radius is None else rig.with_changes({"support.roller_radius": radius})
+    return rig if radius is None else rig.with_changes({"support.roller_radius": f"{radius} m"})
 
 
 def _on(case: Case, support: str, changes: dict[str, object]) -> Case:
@@ -120,7 +120,7 @@ def at_speed(case: Case, speed: float | None = None) -> Case:
         "motion.drive": "speed_controlled",
         "motion.speed_table": None,
         "motion.torque_table": None,
-        "motion.speed": case.motion.speed if speed is None else speed,
+        "motion.speed": f"{case.motion.speed if speed is None else speed} m/s",
     }
     support = case.support.data
     if support.irregularity is not None:

@@ -130,7 +130,7 @@ def cut(name: str, support: str, speed: float, **changes: object) -> AssembledMo
     """A part of the Manchester vehicle on a support, speed held; keys of changes with `__` for the dots."""
     dotted = {key.replace("__", "."): value for key, value in changes.items()}
     case = load_case("bogie_rollers_constant").with_changes(
-        {"vehicle.cut": name, "support.use": support, "motion.speed": speed, "disturbance": [], **dotted}
+        {"vehicle.cut": name, "support.use": support, "motion.speed": f"{speed} m/s", "disturbance": [], **dotted}
     )
     return assemble(case)
 

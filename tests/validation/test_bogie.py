@@ -65,7 +65,9 @@ def test_eigenvalues_on_large_rollers_converge_to_those_on_track_with_slope_one(
     radii = np.array([10.0, 100.0, 1e3, 1e4])
     difference = np.array(
         [
-            largest_relative_difference(track, eigenvalues("full_scale_rig", speed, support__roller_radius=radius))
+            largest_relative_difference(
+                track, eigenvalues("full_scale_rig", speed, support__roller_radius=f"{radius} m")
+            )
             for radius in radii
         ]
     )

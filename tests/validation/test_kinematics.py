@@ -110,7 +110,7 @@ def test_yaw_stiffness_of_a_wheelset_on_rollers(roller_radius: float, expected: 
             "vehicle.wheel.profile": {"kind": "cylinder"},
             "support.profile": {"kind": "arc", "radius": 0.3},
             "support.gauge": 1.428,  # puts the crown of the arc, 72 mm wide, at 750 mm
-            "support.roller_radius": roller_radius,
+            "support.roller_radius": f"{roller_radius} m",
             "vehicle.body.wheelset_1.mass": load / 9.81,
             "motion.speed": 0.0,
             "disturbance": [],

@@ -195,7 +195,7 @@ def limits() -> str:
     track = bogie_checks.eigenvalues("uic60_track", speed)
     body = []
     for radius in (10.0, 100.0, 1e3, 1e4):
-        rig = bogie_checks.eigenvalues("full_scale_rig", speed, support__roller_radius=radius)
+        rig = bogie_checks.eigenvalues("full_scale_rig", speed, support__roller_radius=f"{radius} m")
         body.append([f"{radius:g}", f"{bogie_checks.largest_relative_difference(track, rig):.2e}"])
     return (
         "## Rollers grow into a track\n\n"

@@ -99,7 +99,7 @@ def _one_way_case(
     own = replace(settings, disturbance=ramp.disturbance, duration=duration)
     chosen = hunting_case(case, first, own)
     beyond = 1.001  # the table reaches a little beyond the end, so that no stage of the last step meets its corner
-    table = [[0.0, first], [beyond * duration, first + beyond * (last - first)]]
+    table = [[0.0, f"{first} m/s"], [beyond * duration, f"{first + beyond * (last - first)} m/s"]]
     return chosen.with_changes({"motion.speed_table": table})
 
 

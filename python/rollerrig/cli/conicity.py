@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Annotated
 
 import typer
+from pydantic import BaseModel
 
 from rollerrig.cli.command import Out, carry_out
 from rollerrig.cli.ranges import read_range
@@ -33,15 +34,16 @@ def command(
     ] = False,
 ) -> None:
     """Rolling radius difference, contact angles and positions, and equivalent conicity of a pair of profiles."""
+    from rollerrig.config import Rig, Track, Wheel
     from rollerrig.study.conicity import ConicityStudy
 
     lengths = {
-        "gauge": _length(gauge, "--gauge"),
-        "gauge_depth": _length(gauge_depth, "--gauge-depth"),
-        "back_to_back": _length(back_to_back, "--back-to-back"),
-        "radius": _length(radius, "--radius"),
+        "gauge": _length(gauge, "--gauge", Track, "gauge"),
+        "gauge_depth": _length(gauge_depth, "--gauge-depth", Track, "gauge_depth"),
+        "back_to_back": _length(back_to_back, "--back-to-back", Wheel, "back_to_back"),
+        "radius": _length(radius, "--radius", Wheel, "radius"),
     }
-    roller = None if roller_radius is None else _length(roller_radius, "--roller-radius")
+    roller = None if roller_radius is None else _length(roller_radius, "--roller-radius", Rig, "roller_radius")
     amplitudes = read_range(amplitudes_mm, "--amplitudes-mm")
     if min(amplitudes) <= 0 or max(amplitudes) > shift_mm:
         allowed = f"amplitudes must lie above 0 and up to --shift-mm, {shift_mm:g}"
@@ -63,13 +65,15 @@ def command(
     carry_out(study, out, refused=(ValueError,))
 
 
-def _length(text: str, option: str) -> float:
-    """A length with its unit, in metres."""
-    from rollerrig.config.schema.units import Quantity
+def _length(text: str, option: str, table: type[BaseModel], key: str) -> float:
+    """A length with its unit, in metres, in the range of a key of the configuration."""
+    from rollerrig.config.schema.base import quantity_of
 
+    field = table.model_fields[key]
+    quantity = quantity_of(field.annotation, field.metadata)
+    assert quantity is not None
     try:
-        return Quantity("m", gt=0).parse(text)
+        return quantity.parse(text)
     except ValueError:
-        raise typer.BadParameter(
-            f"'{text}' is not a length; write it with its unit, like 460mm", param_hint=option
-        ) from None
+        needed = f"write it with its unit, like 460mm, from {quantity.least:g} to {quantity.most:g} m"
+        raise typer.BadParameter(f"'{text}': {needed}", param_hint=option) from None

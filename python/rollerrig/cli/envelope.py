@@ -44,7 +44,7 @@ def command(
     check_finite(duration, "--duration")
     chosen = read_case(case, allow_code=allow_code)
     if speed_kmh is not None:
-        chosen = chosen.with_changes({"motion.speed": speed_kmh / 3.6})
+        chosen = chosen.with_changes({"motion.speed": f"{speed_kmh} km/h"})
     texts = {"torques": (torques_knm, 1e3), "adhesions": (adhesions, 1.0), "loads": (loads, 1.0)}
     ranges = {
         name: tuple(

@@ -9,7 +9,10 @@ from fractions import Fraction
 import typer
 
 MOST_VALUES = 100_000
+HIGHEST_KMH = 720.0
+"""200 m/s, the end of the range of motion.speed."""
 _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d{1,2})?")
+_DASHED = re.compile(r"(\d+\.?\d*)(?: ?- ?|\.\.\.?| ?to )(\d+\.?\d*)")
 _FORMS = "write one number, a list like 1,2,5, or start:stop:step like -8:8:0.5"
 
 
@@ -50,6 +53,8 @@ def read_speeds(text: str) -> tuple[float, ...]:
     speeds = read_range(text, "--speeds-kmh")
     if speeds[0] <= 0 or any(b <= a for a, b in zip(speeds, speeds[1:], strict=False)):
         raise _bad("--speeds-kmh", f"'{text}': speeds must be positive and rise")
+    if speeds[-1] > HIGHEST_KMH:
+        raise _bad("--speeds-kmh", f"'{text}' goes to {speeds[-1]:g} km/h; allowed: up to {HIGHEST_KMH:g} km/h")
     return tuple(speeds)
 
 
@@ -65,8 +70,16 @@ def check_finite(value: float | None, option: str) -> None:
 
 def _number(text: str, option: str) -> Fraction:
     if not _NUMBER.fullmatch(text.strip()):
-        raise _bad(option, f"'{text}' is not a number; {_FORMS}")
+        raise _bad(option, f"'{text}' is not a number; {_FORMS}{_meant(text)}")
     return Fraction(text.strip())
+
+
+def _meant(text: str) -> str:
+    """The range that was probably meant by '60-100' or '60..100', "" where it was something else."""
+    ends = _DASHED.fullmatch(text.strip())
+    if ends is None or not float(ends[1]) < float(ends[2]):
+        return ""
+    return f"; did you mean {ends[1]}:{ends[2]}:{(float(ends[2]) - float(ends[1])) / 10:g}?"
 
 
 def _bad(option: str, message: str) -> typer.BadParameter:

@@ -46,6 +46,6 @@ def pair_case(
         "support.gauge_depth": gauge_depth,
     }
     if roller_radius is not None:
-        changes["support.roller_radius"] = roller_radius
+        changes["support.roller_radius"] = f"{roller_radius} m"
     base = load_case("contact_benchmark_track" if roller_radius is None else "contact_benchmark_rollers")
     return base.with_changes({"name": "conicity"}).with_changes(changes)

@@ -52,7 +52,7 @@ def test_every_key_of_the_summary_is_explained(output: Path) -> None:
     ("arguments", "message"),
     [
         (("--law", "coulomb"), "kind: 'coulomb'; allowed: kalker_saturated, kalker_linear"),
-        (("--law", "polach"), "polach: k_A: missing; needed: a number, greater than 0"),
+        (("--law", "polach"), "polach: k_A: missing; needed: a number, from 1e-06 to 1"),
         (("--law", "table", "--law", "table"), "asked for more than once"),
         (("--a-over-b", "20"), "tabulated from 0.1 to 10"),
         (("--a-over-b", "nan"), "not a finite number"),
@@ -61,7 +61,7 @@ def test_every_key_of_the_summary_is_explained(output: Path) -> None:
         (("--k-a", "1"), "belong together"),
         (
             ("--law", "polach", "--k-a", "2", "--k-s", "1"),
-            "polach: k_A: 2.0; allowed: a number, greater than 0 and at most 1",
+            "polach: k_A: 2.0; allowed: a number, from 1e-06 to 1",
         ),
     ],
 )

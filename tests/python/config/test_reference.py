@@ -32,7 +32,7 @@ def test_the_reference_names_every_key_with_its_unit() -> None:
     for table in (Case, Vehicle, Rig, Track, Material):
         for name in table.model_fields:
             assert f"| `{name}` |" in text
-    assert "| `duration` | quantity | s | required | length of the run; greater than 0 s |" in text
+    assert "| `duration` | quantity | s | required | length of the run; from 1e-06 to 100000 s |" in text
     assert "| `speed_table` | rows of two numbers | s, m/s |" in text
     assert "### `[element.x.damper]`, `[element.y.damper]`, `[element.z.damper]`" in text
     rows = [line for line in text.splitlines() if line.startswith("|")]

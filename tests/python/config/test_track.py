@@ -110,10 +110,10 @@ S = 'segment = [{ kind = "straight", length = 50 }'
          "line.toml: segment[1].kind: 'transition'; segments do not join; allowed: a transition between straights or curves, "
          "which it joins"),
         (S + ', { kind = "curve", length = 50, radius = 300, cant = "301 mm" }]',
-         "line.toml: segment[1].cant: '301 mm'; allowed: a number in m or a text with a unit like '460 mm', at least -0.3 m "
-         "and at most 0.3 m"),
+         "line.toml: segment[1].cant: '301 mm'; allowed: a number in m or a text with a unit like '10 mm', from -0.3 "
+         "to 0.3 m"),
         (S + ', { kind = "curve", length = 50, radius = -300 }]',
-         "line.toml: segment[1].radius: -300; allowed: a number in m or a text with a unit like '460 mm', at least 20 m"),
+         "line.toml: segment[1].radius: -300; allowed: a number in m or a text with a unit like '100 m', from 20 to 1e+07 m"),
         (S + ', { kind = "bend", length = 50 }]',
          "line.toml: segment[1].kind: 'bend'; allowed: straight, transition, curve"),
         ('irregularity = { kind = "ore_b176", level = "lower" }',

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import math
+import re
 
 import pytest
 from hypothesis import given
@@ -41,7 +42,9 @@ from rollerrig.config.schema.units import KEY_SUFFIXES, Quantity
     ],
 )
 def test_a_quantity_becomes_the_nearest_float_in_si(unit: str, written: object, si: float) -> None:
-    assert Quantity(unit).parse(written) == si  # exact: the decimal is converted as a fraction and rounded once
+    assert (
+        Quantity(unit, -1e12, 1e12).parse(written) == si
+    )  # exact: the decimal is converted as a fraction and rounded once
 
 
 @pytest.mark.parametrize(
@@ -54,22 +57,51 @@ def test_a_quantity_becomes_the_nearest_float_in_si(unit: str, written: object, 
 )  # fmt: skip
 def test_what_is_no_length_is_refused(written: object) -> None:
     with pytest.raises(ValueError, match=r"allowed: a number in m or a text with a unit like '460 mm'"):
-        Quantity("m").parse(written)
+        Quantity("m", -1e3, 1e3).parse(written)
 
 
 @given(st.text(max_size=30) | st.from_regex(r"[0-9.]{1,5} ?[a-zA-Z*/^() 0-9]{1,12}", fullmatch=True))
 def test_any_text_is_a_number_or_a_value_error(written: str) -> None:
     with contextlib.suppress(ValueError):
-        assert math.isfinite(Quantity("m/s").parse(written))
+        assert math.isfinite(Quantity("m/s", -1e300, 1e300).parse(written))
 
 
 def test_bounds_are_told_in_the_unit() -> None:
-    with pytest.raises(ValueError, match="greater than 0 m and at most 2 m"):
-        Quantity("m", gt=0, le=2).parse("0 mm")
+    with pytest.raises(ValueError, match=r"from 0\.01 to 2 m"):
+        Quantity("m", 0.01, 2.0).parse("0 mm")
+
+
+@pytest.mark.parametrize(
+    ("quantity", "written", "told"),
+    [
+        (Quantity("m/s", 0.0, 200.0, bare=70.0), 80, "80 without a unit is 288 km/h: write '80 km/h' or '80 m/s'"),
+        (Quantity("m", 1e-3, 1e6, bare=10.0), 500, "500 without a unit is 500000 mm: write '500 mm' or '500 m'"),
+        (Quantity("m", 0.01, 2.0), 460, "from 0.01 to 2 m; did you mean '460 mm'?"),
+        (Quantity("m/s", 0.0, 200.0, bare=70.0), 250.0, "did you mean '250 km/h'?"),
+        (Quantity("rad", -0.5, 0.5, bare=0.2), 2, "did you mean '2 deg'?"),
+        (Quantity("Pa", 1e5, 1e14), 210, "did you mean '210 GPa'?"),
+    ],
+)
+def test_a_number_that_was_meant_in_another_unit_is_asked_about(quantity: Quantity, written: float, told: str) -> None:
+    with pytest.raises(ValueError, match=re.escape(told)):
+        quantity.parse(written)
+    assert quantity.least <= quantity.parse(told.rpartition("'")[0].rpartition("'")[2]) <= quantity.most
+
+
+def test_an_example_fits_where_it_is_offered() -> None:
+    assert "'3.8 bar'" in Quantity("Pa", 0.0, 1e8).allowed
+    assert "'82 GPa'" in Quantity("Pa", 1e5, 1e14).allowed
+    assert Quantity("Pa", 0.0, 1e8).parse("3.8 bar") == 3.8e5
+
+
+@given(st.floats(-1e6, 1e6))
+def test_a_quantity_reads_what_it_writes(value: float) -> None:
+    quantity = Quantity("m", -1e6, 1e6, bare=10.0)
+    assert quantity.parse(quantity.as_written(value)) == value
 
 
 def test_every_key_suffix_is_a_unit() -> None:
     units = {"km/h": "m/s", "mm": "m", "deg": "rad", "mrad": "rad", "kN": "N", "kN m": "N m", "t": "kg", "ms": "s",
              "GPa": "Pa"}  # fmt: skip
     for unit in KEY_SUFFIXES.values():
-        assert Quantity(units.get(unit, unit)).parse(f"1 {unit}") > 0
+        assert Quantity(units.get(unit, unit), 0.0, 1e12).parse(f"1 {unit}") > 0

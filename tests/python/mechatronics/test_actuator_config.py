@@ -14,7 +14,7 @@ from rollerrig.mechatronics import COMMANDS
     [
         (
             {"adhesion.rail": {"friction": 1.6}},
-            "adhesion.rail.friction.mu_0: 1.6; allowed: a number, at least 0 and at most 1.5",
+            "adhesion.rail.friction.mu_0: 1.6; allowed: a number, from 0 to 1.5",
         ),
         ({"adhesion.rail": "soapy"}, "allowed: dry, wet, low, very_low, or a table"),
         (
@@ -23,12 +23,12 @@ from rollerrig.mechatronics import COMMANDS
         ),
         (
             {"adhesion.blend": "0.1 s"},
-            "adhesion.blend: '0.1 s'; allowed: a number in m or a text with a unit like '460 mm', at least 0 m, as the pieces "
-            "begin at a distance",
+            "adhesion.blend: '0.1 s'; allowed: a number in m or a text with a unit like '460 mm', from 0 to 100000 m, as the "
+            "pieces begin at a distance",
         ),
         (
             {"adhesion.piece": [{"time": "1 s", "rail": "dry"}], "adhesion.blend": "2 m"},
-            "adhesion.blend: '2 m'; allowed: a number in s or a text with a unit like '10 ms', at least 0 s, as the pieces "
+            "adhesion.blend: '2 m'; allowed: a number in s or a text with a unit like '10 ms', from 0 to 100000 s, as the pieces "
             "begin at a time",
         ),
         (

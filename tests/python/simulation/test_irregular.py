@@ -19,7 +19,7 @@ def test_large_rollers_that_are_steered_are_rails() -> None:
     """Roller radius 100 km against track, same seed: what is left goes with 1 / R."""
     track = rr.simulate(rr.load_case("bogie_track").with_changes({**SHORT, "support.irregularity": RAILS}))
     rig = rr.load_case("bogie_rollers_constant").with_changes(
-        {**SHORT, "support.irregularity": RAILS, "support.roller_radius": 1e5}
+        {**SHORT, "support.irregularity": RAILS, "support.roller_radius": "100 km"}
     )
     for steered, alike in ((True, True), (False, False)):
         rollers = rr.simulate(rig.with_changes({"support.steered": steered}))

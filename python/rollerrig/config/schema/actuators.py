@@ -6,26 +6,29 @@ from pydantic import AfterValidator, Field, StrictBool, model_validator
 from pydantic_core import PydanticCustomError
 
 from rollerrig.config.schema.base import Table, in_order
-from rollerrig.config.schema.units import PositiveLength, PositiveTime, Quantity, Time, Torque
+from rollerrig.config.schema.units import Quantity, Time, Torque
 
-Pressure = Annotated[float, Quantity("Pa", ge=0)]
+Pressure = Annotated[float, Quantity("Pa", 0.0, 1e8)]
 PressureTable = Annotated[tuple[tuple[Time, Pressure], ...], AfterValidator(in_order)]
 TorqueOverTime = Annotated[tuple[tuple[Time, Torque], ...], AfterValidator(in_order)]
 TorqueOverSpeed = Annotated[
-    tuple[tuple[Annotated[float, Quantity("rad/s", ge=0)], Annotated[float, Quantity("N m", ge=0)]], ...],
+    tuple[tuple[Annotated[float, Quantity("rad/s", 0.0, 1e5)], Annotated[float, Quantity("N m", 0.0, 1e9)]], ...],
     AfterValidator(in_order),
 ]
 FrictionOverSpeed = Annotated[
-    tuple[tuple[Annotated[float, Quantity("m/s", ge=0)], Annotated[float, Quantity("1", ge=0, le=1)]], ...],
+    tuple[tuple[Annotated[float, Quantity("m/s", 0.0, 1e3)], Annotated[float, Quantity("1", 0.0, 1.0)]], ...],
     AfterValidator(in_order),
 ]
-PressureRate = Annotated[float, Quantity("Pa/s", gt=0)]
-Rate = Annotated[float, Quantity("1/s", gt=0)]
-Frequency = Annotated[float, Quantity("Hz", gt=0)]
-Ratio = Annotated[float, Quantity("1", gt=0, le=1)]
-Deceleration = Annotated[float, Quantity("m/s^2", gt=0)]
-PositiveSpeed = Annotated[float, Quantity("m/s", gt=0)]
-Delay = Annotated[float, Quantity("s", ge=0)]
+PressureRate = Annotated[float, Quantity("Pa/s", 1.0, 1e10)]
+Rate = Annotated[float, Quantity("1/s", 1e-4, 1e5)]
+Frequency = Annotated[float, Quantity("Hz", 1e-4, 1e7)]
+Ratio = Annotated[float, Quantity("1", 1e-6, 1.0)]
+Deceleration = Annotated[float, Quantity("m/s^2", 1e-4, 1e4)]
+PositiveSpeed = Annotated[float, Quantity("m/s", 1e-6, 1e3)]
+Delay = Annotated[float, Quantity("s", 0.0, 1.0)]
+SampleTime = Annotated[float, Quantity("s", 1e-6, 1.0)]
+Pause = Annotated[float, Quantity("s", 0.0, 1e4)]
+Phase = Annotated[float, Quantity("s", 1e-6, 1e4)]
 
 
 class Motor(Table):
@@ -36,13 +39,13 @@ class Motor(Table):
         description="rows [speed of the driven axle, largest torque], a torque-speed table: each speed once; absent: no limit",
     )
     bandwidth: Frequency = Field(default=50.0, description="of the torque loop")
-    damping_ratio: Annotated[float, Quantity("1", ge=0, le=5)] = Field(
+    damping_ratio: Annotated[float, Quantity("1", 0.0, 5.0)] = Field(
         default=0.0, description="of a torque loop of second order; 0: first order"
     )
-    rotor_inertia: Annotated[float, Quantity("kg m^2", ge=0)] = Field(
+    rotor_inertia: Annotated[float, Quantity("kg m^2", 0.0, 1e8)] = Field(
         default=0.0, description="of the rotor about its shaft; on the driven axle it counts times gear_ratio squared"
     )
-    gear_ratio: Annotated[float, Quantity("1", ge=-20, le=20)] = Field(
+    gear_ratio: Annotated[float, Quantity("1", -20.0, 20.0)] = Field(
         default=-1.0,
         description="speed of the rotor over that of the driven axle, for rotor_inertia alone: torques and speeds of this "
         "table are the driven axle's; negative: the rotor turns against the axle, as with one pair of gears",
@@ -58,22 +61,26 @@ class Brake(Table):
     follow_rate: Rate = Field(default=20.0, description="how fast the control valve closes in on the demand")
     fill_rate: Rate = Field(default=6.0, description="choked filling of the cylinder, p'/p_supply, absolute")
     vent_rate: Rate = Field(default=5.0, description="choked venting of the cylinder, -p'/p, absolute")
-    ambient_pressure: Annotated[float, Quantity("Pa", gt=0)] = Field(
+    ambient_pressure: Annotated[float, Quantity("Pa", 1.0, 1e8)] = Field(
         default=101325.0, description="of the air around: valves choke by ratios of absolute pressures"
     )
-    volume: Annotated[float, Quantity("m^3", gt=0)] = Field(
+    volume: Annotated[float, Quantity("m^3", 1e-10, 10.0)] = Field(
         default=5e-3, description="of one axle's cylinders and pipes"
     )
-    piston_area: Annotated[float, Quantity("m^2", gt=0)] = Field(
+    piston_area: Annotated[float, Quantity("m^2", 1e-8, 10.0)] = Field(
         default=0.085, description="times ratio and efficiency of the rigging, one axle"
     )
-    spring_force: Annotated[float, Quantity("N", ge=0)] = Field(default=500.0, description="of the retracting spring")
+    spring_force: Annotated[float, Quantity("N", 0.0, 1e7)] = Field(
+        default=500.0, description="of the retracting spring"
+    )
     friction: FrictionOverSpeed = Field(
         default=((0.0, 0.38), (50.0, 0.30)),
         description="rows [sliding speed at the friction radius, friction of the pads]",
     )
-    friction_radius: PositiveLength = Field(default=0.247, description="of the disc; of a tread brake the wheel radius")
-    faces: Annotated[float, Quantity("1", gt=0)] = Field(
+    friction_radius: Annotated[float, Quantity("m", 1e-4, 2.0)] = Field(
+        default=0.247, description="of the disc; of a tread brake the wheel radius"
+    )
+    faces: Annotated[float, Quantity("1", 0.01, 100.0)] = Field(
         default=2.0, description="friction faces that the force presses on"
     )
     friction_regularisation_speed: PositiveSpeed = Field(
@@ -97,7 +104,7 @@ class Traction(Table):
         description="what holds the motor against its moment: the bogie frame; nothing of the vehicle; or, axle-hung "
         "(nose-suspended), its bearings on the axle and a link on the frame, which exert two opposite vertical forces",
     )
-    link: PositiveLength | None = Field(
+    link: Annotated[float, Quantity("m", 1e-3, 20.0)] | None = Field(
         default=None,
         description="for suspension = 'axle': distance of that link from the axle, towards the frame's middle",
     )
@@ -114,7 +121,7 @@ class Traction(Table):
 class Controller(Table):
     """When a controller is asked, and who it is."""
 
-    sample_time: PositiveTime = Field(default=5e-3, description="a multiple of time.sampling_step")
+    sample_time: SampleTime = Field(default=5e-3, description="a multiple of time.sampling_step")
     delay: Delay = Field(
         default=1e-3, description="from the sample to the command's acting, a multiple of time.sampling_step"
     )
@@ -131,16 +138,16 @@ class SlideProtection(Controller):
     reference_deceleration: Deceleration = Field(
         default=1.6, description="the reference speed falls at most this fast: no train brakes harder"
     )
-    release_interval: Delay = Field(
+    release_interval: Pause = Field(
         default=3.0, description="while all axles slide one is released this often for the reference speed; 0: never"
     )
-    shortest_release: Delay = Field(default=0.3, description="of such a release: valve and cylinder need some time")
-    longest_release: PositiveTime = Field(default=1.2, description="of such a release")
+    shortest_release: Pause = Field(default=0.3, description="of such a release: valve and cylinder need some time")
+    longest_release: Phase = Field(default=1.2, description="of such a release")
     least_deceleration: Deceleration = Field(
         default=0.2, description="of the reference speed between releases: a braked train slows at least so"
     )
-    regained_after: PositiveTime = Field(default=2.0, description="an axle without slip for so long counts as gripping")
-    filter_time: PositiveTime = Field(default=0.04, description="of the axles' deceleration")
+    regained_after: Phase = Field(default=2.0, description="an axle without slip for so long counts as gripping")
+    filter_time: Phase = Field(default=0.04, description="of the axles' deceleration")
     vent_slip: Ratio = Field(default=0.12, description="relative slip above which a cylinder is vented")
     vent_slip_speed: PositiveSpeed = Field(default=1.0, description="and the least such slip as a speed")
     vent_deceleration: Deceleration = Field(default=4.0, description="a slipping axle that slows faster is vented")
@@ -149,11 +156,9 @@ class SlideProtection(Controller):
     recovery_acceleration: Deceleration = Field(
         default=0.5, description="an axle that gains speed faster is left alone"
     )
-    pulse_time: PositiveTime = Field(
-        default=0.06, description="after a slide filling is stepwise: open for so long ..."
-    )
-    pulse_pause: PositiveTime = Field(default=0.14, description="... closed for so long")
-    longest_vent: PositiveTime = Field(default=5.0, description="after this the watchdog fills")
+    pulse_time: Phase = Field(default=0.06, description="after a slide filling is stepwise: open for so long ...")
+    pulse_pause: Phase = Field(default=0.14, description="... closed for so long")
+    longest_vent: Phase = Field(default=5.0, description="after this the watchdog fills")
     least_speed: PositiveSpeed = Field(default=5.0 / 3.6, description="below it all valves fill")
 
 
@@ -164,29 +169,27 @@ class WheelSlipControl(Controller):
     slip: Ratio = Field(default=0.04, description="relative slip above which torque is taken off")
     slip_speed: PositiveSpeed = Field(default=0.15, description="and the least such slip as a speed")
     acceleration: Deceleration = Field(default=3.0, description="an axle that gains speed faster loses torque as well")
-    filter_time: PositiveTime = Field(default=0.04, description="of the axles' acceleration")
+    filter_time: Phase = Field(default=0.04, description="of the axles' acceleration")
     reduction_rate: Rate = Field(default=4.0, description="of the factor on the torque")
     restoring_rate: Rate = Field(default=0.35, description="of the factor on the torque")
     least_factor: Ratio = Field(default=0.05, description="what is always left of the torque")
-    release_interval: Delay = Field(
+    release_interval: Pause = Field(
         default=3.0, description="while axles slip one is released this often for the reference speed; 0: never"
     )
-    shortest_release: Delay = Field(default=0.4, description="of such a release: the torque needs some time to go")
-    longest_release: PositiveTime = Field(default=1.2, description="of such a release")
+    shortest_release: Pause = Field(default=0.4, description="of such a release: the torque needs some time to go")
+    longest_release: Phase = Field(default=1.2, description="of such a release")
     release_deceleration: Deceleration = Field(
         default=0.5, description="a released axle that slows less has run down to the train's speed"
     )
     least_acceleration: Deceleration = Field(default=0.05, description="of the reference speed between releases")
-    regained_after: PositiveTime = Field(
-        default=3.0, description="without slip for so long the axles count as gripping"
-    )
+    regained_after: Phase = Field(default=3.0, description="without slip for so long the axles count as gripping")
 
 
 class Encoder(Table):
     """Incremental encoder: speed from counts."""
 
-    counts: Annotated[float, Quantity("1", ge=0, le=1e7)] = Field(default=0.0, description="per turn; 0: exact speeds")
-    jitter: Annotated[float, Quantity("1", ge=0, le=100)] = Field(
+    counts: Annotated[float, Quantity("1", 0.0, 1e7)] = Field(default=0.0, description="per turn; 0: exact speeds")
+    jitter: Annotated[float, Quantity("1", 0.0, 100.0)] = Field(
         default=0.0, description="deviation of edges, in counts"
     )
     window: Annotated[int, Field(strict=True, ge=1, le=16)] = Field(
@@ -198,13 +201,13 @@ class ForceSensor(Table):
     """Transducer of a force [N] or a torque [N m]: lag, then noise, resolution and range of each reading."""
 
     bandwidth: Frequency | None = Field(default=None, description="of first order; absent: no lag")
-    noise: Annotated[float, Quantity("1", ge=0)] = Field(
+    noise: Annotated[float, Quantity("1", 0.0, 1e9)] = Field(
         default=0.0, description="standard deviation of a reading, in N or N m"
     )
-    resolution: Annotated[float, Quantity("1", ge=0)] = Field(
+    resolution: Annotated[float, Quantity("1", 0.0, 1e9)] = Field(
         default=0.0, description="of a reading, in N or N m; 0: none"
     )
-    range: Annotated[float, Quantity("1", gt=0)] | None = Field(
+    range: Annotated[float, Quantity("1", 1e-6, 1e9)] | None = Field(
         default=None, description="largest reading, in N or N m; absent: no limit"
     )
 

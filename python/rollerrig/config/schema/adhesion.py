@@ -58,10 +58,12 @@ AnyCondition = Annotated[Condition, BeforeValidator(_by_name)]
 class Piece(Table):
     """From where, or from when, the rail is another one."""
 
-    distance: Annotated[float, Quantity("m", ge=0)] | None = Field(
+    distance: Annotated[float, Quantity("m", 0.0, 1e6)] | None = Field(
         default=None, description="of the wheel from the vehicle's place at the start, where the piece begins"
     )
-    time: Annotated[float, Quantity("s", gt=0)] | None = Field(default=None, description="when it begins, in its place")
+    time: Annotated[float, Quantity("s", 1e-6, 1e6)] | None = Field(
+        default=None, description="when it begins, in its place"
+    )
     rail: AnyCondition = Field(description="dry, wet, low, very_low, or a table")
 
 
@@ -69,17 +71,19 @@ class Adhesion(Table):
     """Adhesion of the rail: on track of the rail itself, on a rig of the virtual rail that the rollers reproduce."""
 
     rail: AnyCondition = Field(description="condition at the start: dry, wet, low, very_low, or a table")
-    piece: tuple[Piece, ...] = Field(default=(), description="where or when it changes, in ascending order")
-    blend: Annotated[float, Quantity("m", ge=0)] = Field(
+    piece: tuple[Piece, ...] = Field(
+        default=(), max_length=10_000, description="where or when it changes, in ascending order"
+    )
+    blend: Annotated[float, Quantity("m", 0.0, 1e5)] = Field(
         default=0.0,
         description="length over which one condition passes into the next, like '10 m'; where pieces begin at a time the "
         "time, like '0.1 s'; 0: a jump",
     )
-    recovery_constant: Annotated[float, Quantity("m^2/J", ge=0)] = Field(
+    recovery_constant: Annotated[float, Quantity("m^2/J", 0.0, 1e6)] = Field(
         default=0.0,
         description="tau of the recovery by dissipated energy per area, lambda = 1 - exp(-tau W); 0: no recovery",
     )
-    cell_length: Annotated[float, Quantity("m", gt=0)] = Field(
+    cell_length: Annotated[float, Quantity("m", 1e-4, 100.0)] = Field(
         default=0.05, description="dissipated energy is kept along the rail in cells of this length"
     )
     recovered: AnyCondition = Field(
@@ -97,7 +101,7 @@ class Adhesion(Table):
     def _as_the_pieces(cls, value: Any, info: ValidationInfo) -> Any:
         """A length, or a time, whichever the pieces have."""
         over_time = any(piece.time is not None for piece in info.data.get("piece", ()))
-        quantity = Quantity("s" if over_time else "m", ge=0)
+        quantity = Quantity("s" if over_time else "m", 0.0, 1e5)
         try:
             return quantity.parse(value)
         except ValueError:

@@ -9,10 +9,12 @@ from rollerrig.config.schema.units import (
     KEY_SUFFIXES,
     Angle,
     AngularSpeed,
+    DamperSpeed,
+    Deflection,
     Force,
-    Length,
+    Position,
     Quantity,
-    Speed,
+    RunningSpeed,
     Time,
     Torque,
 )
@@ -81,10 +83,10 @@ def in_order(rows: tuple[tuple[float, float], ...]) -> tuple[tuple[float, float]
     return rows
 
 
-SpeedTable = Annotated[tuple[tuple[Time, Speed], ...], AfterValidator(in_order)]
+SpeedTable = Annotated[tuple[tuple[Time, RunningSpeed], ...], AfterValidator(in_order)]
 TorqueTable = Annotated[tuple[tuple[Time, Torque], ...], AfterValidator(in_order)]
-ForceOverDeflection = Annotated[tuple[tuple[Length, Force], ...], AfterValidator(in_order)]
-ForceOverSpeed = Annotated[tuple[tuple[Speed, Force], ...], AfterValidator(in_order)]
+ForceOverDeflection = Annotated[tuple[tuple[Deflection, Force], ...], AfterValidator(in_order)]
+ForceOverSpeed = Annotated[tuple[tuple[DamperSpeed, Force], ...], AfterValidator(in_order)]
 MomentOverAngle = Annotated[tuple[tuple[Angle, Torque], ...], AfterValidator(in_order)]
 MomentOverRate = Annotated[tuple[tuple[AngularSpeed, Torque], ...], AfterValidator(in_order)]
-Vector = tuple[Length, Length, Length]
+Vector = tuple[Position, Position, Position]

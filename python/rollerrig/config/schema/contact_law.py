@@ -14,9 +14,9 @@ from pydantic import BeforeValidator, Discriminator, Field, RootModel, StrictBoo
 from rollerrig.config.schema.base import Table
 from rollerrig.config.schema.units import Quantity
 
-Share = Annotated[float, Quantity("1", gt=0, le=1)]
-Fraction = Annotated[float, Quantity("1", ge=0, le=1)]
-Friction = Annotated[float, Quantity("1", ge=0, le=1.5)]
+Share = Annotated[float, Quantity("1", 1e-6, 1.0)]
+Fraction = Annotated[float, Quantity("1", 0.0, 1.0)]
+Friction = Annotated[float, Quantity("1", 0.0, 1.5)]
 
 
 def _law(value: Any) -> Any:
@@ -68,7 +68,7 @@ class ModifiedFastsim(Table):
     kind: Literal["modified_fastsim"] = Field(description="FASTSIM for clean, wet and contaminated surfaces")
     k_0: Share = Field(default=1.0, description="what is left of Kalker's stiffness at small creepage")
     k_inf: Share = Field(default=1.0, description="what is left of k_0 at large creepage")
-    beta: Annotated[float, Quantity("1", ge=0)] = Field(
+    beta: Annotated[float, Quantity("1", 0.0, 1e3)] = Field(
         default=0.0, description="how fast it falls with tau, the force of linear theory over the friction limit"
     )
 
@@ -114,7 +114,7 @@ class Hertz(Table):
         "changes within a patch."
     )
     kind: Literal["hertz"] = Field(description="one ellipse per indented minimum")
-    merging_criterion: Annotated[float, Quantity("1", ge=0, le=1)] = Field(
+    merging_criterion: Annotated[float, Quantity("1", 0.0, 1.0)] = Field(
         default=0.01,
         description="two patches merge smoothly once the rise between them is below this fraction of the approach; 0: the "
         "paper's bare rule, patches appear and vanish at full force",
@@ -150,7 +150,7 @@ class FallingFriction(Table):
     kind: Literal["falling"] = Field(description="Polach's friction")
     mu_0: Friction = Field(description="coefficient of friction at no slip")
     A: Fraction = Field(default=1.0, description="friction at large slip over mu_0; 1: Coulomb's law")
-    B: Annotated[float, Quantity("s/m", ge=0)] = Field(default=0.0, description="how fast it falls with slip")
+    B: Annotated[float, Quantity("s/m", 0.0, 1e4)] = Field(default=0.0, description="how fast it falls with slip")
 
 
 def _friction(value: Any) -> Any:

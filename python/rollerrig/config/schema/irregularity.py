@@ -6,24 +6,24 @@ from typing import Annotated, Literal
 from pydantic import Discriminator, Field, StrictInt, model_validator
 
 from rollerrig.config.schema.base import Table, refused
-from rollerrig.config.schema.units import Length, PositiveLength, Quantity
+from rollerrig.config.schema.units import Quantity
 from rollerrig.irregularity import RailIrregularity, generate, measured_irregularity, read_measured_track
 
 
 class Deviation(Table):
     """What every irregularity may say about itself."""
 
-    length_scale: Annotated[float, Quantity("1", gt=0, le=10)] = Field(
+    length_scale: Annotated[float, Quantity("1", 1e-3, 10.0)] = Field(
         default=1.0,
         description="factor on all lengths, along the track and of the displacements: 0.2 are the rails of a 1:5 model; every "
         "other key is that of the full-scale track",
     )
 
-    fade_in: Annotated[float, Quantity("m", ge=0)] = Field(
+    fade_in: Annotated[float, Quantity("m", 0.0, 1e4)] = Field(
         default=20.0,
         description="length from where the foremost wheelset starts, over which it grows from nothing to its full size",
     )
-    scale: Annotated[float, Quantity("1", ge=0, le=10)] = Field(
+    scale: Annotated[float, Quantity("1", 0.0, 10.0)] = Field(
         default=1.0, description="factor on all displacements; 1.414 reads a published spectrum as a two-sided one"
     )
 
@@ -36,9 +36,9 @@ class SpectrumIrregularity(Deviation):
     seed: Annotated[StrictInt, Field(ge=0, le=2**32 - 1)] = Field(
         default=1, description="another number, other rails of the same spectrum"
     )
-    shortest_wavelength: Annotated[float, Quantity("m", ge=0.5)] = Field(default=3.0, description="shortest wave")
-    longest_wavelength: PositiveLength = Field(default=100.0, description="longest wave")
-    period: Annotated[float, Quantity("m", gt=0, le=1e5)] = Field(
+    shortest_wavelength: Annotated[float, Quantity("m", 0.5, 1e3)] = Field(default=3.0, description="shortest wave")
+    longest_wavelength: Annotated[float, Quantity("m", 0.5, 1e4)] = Field(default=100.0, description="longest wave")
+    period: Annotated[float, Quantity("m", 1.0, 1e5)] = Field(
         default=2000.0,
         description="distance after which the rails repeat; not tied to the run, so that a seed always means the same rails",
     )
@@ -59,7 +59,7 @@ class MeasuredIrregularity(Deviation):
 
     kind: Literal["file"] = Field(description="a CSV file of measured rails, columns with units")
     path: str = Field(min_length=1, description="the file, relative to the file that names it")
-    start: Length | None = Field(
+    start: Annotated[float, Quantity("m", -1e6, 1e6)] | None = Field(
         default=None,
         description="distance in the file at which the middle of the vehicle (or of its cut) starts; absent: the "
         "foremost wheelset starts at the first row",

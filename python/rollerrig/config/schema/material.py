@@ -5,10 +5,11 @@ from typing import Annotated, Any
 from pydantic import Field, model_validator
 
 from rollerrig.config.schema.base import Table, instead_of, refused
-from rollerrig.config.schema.units import Modulus, Quantity
+from rollerrig.config.schema.units import Quantity
 from rollerrig.config.schema.vehicle import Name
 
-_PRESSURE = Quantity("Pa", gt=0)
+_MODULUS = Quantity("Pa", 1e5, 1e14)
+_POISSON = Quantity("1", 0.0, 0.5)
 
 
 class Material(Table):
@@ -17,9 +18,13 @@ class Material(Table):
     name: Name = Field(description="name of the material")
     description: str = Field(default="", description="one line about the material")
     source: str = Field(default="", description="where the data come from")
-    poisson_ratio: Annotated[float, Quantity("1", ge=0, le=0.5)] = Field(description="Poisson's ratio nu")
-    young_modulus: Modulus = Field(description="Young's modulus E", json_schema_extra=instead_of("shear_modulus"))
-    shear_modulus: Modulus = Field(description="shear modulus G", json_schema_extra=instead_of("young_modulus"))
+    poisson_ratio: Annotated[float, _POISSON] = Field(description="Poisson's ratio nu")
+    young_modulus: Annotated[float, _MODULUS] = Field(
+        description="Young's modulus E", json_schema_extra=instead_of("shear_modulus")
+    )
+    shear_modulus: Annotated[float, _MODULUS] = Field(
+        description="shear modulus G", json_schema_extra=instead_of("young_modulus")
+    )
 
     @model_validator(mode="before")
     @classmethod
@@ -27,10 +32,10 @@ class Material(Table):
         if not isinstance(data, dict) or ("young_modulus" in data) == ("shear_modulus" in data):
             return data
         try:
-            factor = 2 * (1 + Quantity("1").parse(data.get("poisson_ratio")))
+            factor = 2 * (1 + _POISSON.parse(data.get("poisson_ratio")))
             if "young_modulus" in data:
-                return {**data, "shear_modulus": _PRESSURE.parse(data["young_modulus"]) / factor}
-            return {**data, "young_modulus": _PRESSURE.parse(data["shear_modulus"]) * factor}
+                return {**data, "shear_modulus": _MODULUS.parse(data["young_modulus"]) / factor}
+            return {**data, "young_modulus": _MODULUS.parse(data["shear_modulus"]) * factor}
         except (ValueError, ZeroDivisionError):  # the fields themselves will say what is wrong
             return data
 

@@ -2,15 +2,33 @@
 
 from typing import Annotated, Any, Literal
 
-from pydantic import Discriminator, Field, RootModel, StrictBool
+from pydantic import BeforeValidator, Discriminator, Field, RootModel, StrictBool
+from pydantic_core import PydanticCustomError
 
 from rollerrig.config.schema.base import Table
-from rollerrig.config.schema.units import Length, Quantity
+from rollerrig.config.schema.units import Quantity
 
-KnotSpacing = Annotated[float, Quantity("m", ge=2e-6, le=1e-3)]
-HalfWidth = Annotated[float, Quantity("m", gt=0, le=0.5)]
-Inclination = Annotated[float, Quantity("1", ge=0, le=0.2)]
+KnotSpacing = Annotated[float, Quantity("m", 2e-6, 1e-3)]
+HalfWidth = Annotated[float, Quantity("m", 1e-4, 0.5)]
+Inclination = Annotated[float, Quantity("1", 0.0, 0.2)]
 _STEP = "distance between the knots of the spline"
+
+
+_CUT_OFF = Quantity("m", 1e-5, 0.05)
+
+
+def _smoothing(value: Any) -> Any:
+    """'auto' or a wavelength: one message for both."""
+    if value == "auto":
+        return value
+    try:
+        return _CUT_OFF.parse(value)
+    except ValueError as error:
+        allowed = str(error).replace("allowed: ", "allowed: 'auto', or ", 1)
+        raise PydanticCustomError("smoothing", "{allowed}", {"allowed": allowed}) from None
+
+
+Smoothing = Annotated[Literal["auto"] | Annotated[float, _CUT_OFF], BeforeValidator(_smoothing)]
 
 
 class ProfileSpec(Table):
@@ -19,7 +37,7 @@ class ProfileSpec(Table):
     name: str = Field(default="", description="name of the profile in tables and plots")
     description: str = Field(default="", description="one line about the profile")
     source: str = Field(default="", description="where the definition comes from")
-    length_scale: Annotated[float, Quantity("1", gt=0, le=10)] = Field(
+    length_scale: Annotated[float, Quantity("1", 1e-3, 10.0)] = Field(
         default=1.0, description="factor on all lengths of the finished curve: 0.2 is the profile of a 1:5 model"
     )
 
@@ -39,7 +57,7 @@ class Cone(ProfileSpec):
     """A wheel whose radius falls off linearly: the conical wheel of theory, without a flange."""
 
     kind: Literal["cone"] = Field(description="a conical wheel without a flange")
-    conicity: Annotated[float, Quantity("1", ge=-1, le=1)] = Field(
+    conicity: Annotated[float, Quantity("1", -1.0, 1.0)] = Field(
         description="radius lost per lateral distance outward, a number or a ratio like '1:20'"
     )
     half_width: HalfWidth = Field(default=60e-3, description="half of the width of the tread")
@@ -69,7 +87,7 @@ class Arc(ProfileSpec):
     """A circular profile, for comparison with theory."""
 
     kind: Literal["arc"] = Field(description="a convex circular rail head or wheel")
-    radius: Annotated[float, Quantity("m", gt=0, le=1e6)] = Field(description="radius of the arc")
+    radius: Annotated[float, Quantity("m", 1e-3, 1e6, bare=10.0)] = Field(description="radius of the arc")
     half_width: HalfWidth = Field(default=36e-3, description="half of its width")
 
 
@@ -90,13 +108,13 @@ class ProfileFile(ProfileSpec):
     z_positive: Literal["auto", "up", "down"] = Field(
         default="auto", description="whether the file's ordinate grows up or down as mounted; auto looks at the flanks"
     )
-    tape_circle: Length = Field(
+    tape_circle: Annotated[float, Quantity("m", -1.0, 1.0)] = Field(
         default=0.0, description="abscissa of the tape circle in the file's own axes; wheels only"
     )
-    inclination: Annotated[float, Quantity("1", ge=-0.2, le=0.2)] = Field(
+    inclination: Annotated[float, Quantity("1", -0.2, 0.2)] = Field(
         default=0.0, description="further lean of a rail towards the track centre; 0 where the file is already inclined"
     )
-    smoothing: Literal["auto"] | Annotated[float, Quantity("m", gt=0, le=0.05)] = Field(
+    smoothing: Smoothing = Field(
         default="auto",
         description="cut-off wavelength of the smoothing; auto: the shortest that leaves a usable curvature",
     )

@@ -5,11 +5,11 @@ from typing import Annotated, Any, Literal
 from pydantic import BeforeValidator, Field
 from pydantic_core import PydanticCustomError
 
-from rollerrig.config.schema.actuators import Controller, Frequency, Motor
+from rollerrig.config.schema.actuators import Controller, Delay, Frequency, Motor, Phase, SampleTime
 from rollerrig.config.schema.base import Table
-from rollerrig.config.schema.units import PositiveLength, PositiveTime, Quantity
+from rollerrig.config.schema.units import Inertia, Quantity, RollerRadius, WheelRadius
 
-Inertia = Annotated[float, Quantity("kg m^2", gt=0)]
+_TRANSFER = Quantity("kg", -1e8, 1e8)
 
 
 def _load_transfer(value: Any) -> Any:
@@ -20,13 +20,13 @@ def _load_transfer(value: Any) -> Any:
     if not isinstance(value, list | tuple):
         raise PydanticCustomError("load_transfer", "{allowed}", {"allowed": allowed})
     try:
-        return tuple(Quantity("kg").parse(number) for number in value)
+        return tuple(_TRANSFER.parse(number) for number in value)
     except ValueError:
         raise PydanticCustomError("load_transfer", "{allowed}", {"allowed": allowed}) from None
 
 
 LoadTransfer = Annotated[
-    Literal["none", "quasi_static"] | tuple[Annotated[float, Quantity("kg")], ...], BeforeValidator(_load_transfer)
+    Literal["none", "quasi_static"] | tuple[Annotated[float, _TRANSFER], ...], BeforeValidator(_load_transfer)
 ]
 
 
@@ -47,17 +47,17 @@ class Estimator(Table):
         default="measured",
         description="of a roller's drive: as [sensors.roller_torque] says, exact if absent; or what the drive was asked for",
     )
-    speed_noise: Annotated[float, Quantity("rad/s", gt=0)] = Field(
+    speed_noise: Annotated[float, Quantity("rad/s", 1e-12, 1e3)] = Field(
         default=1e-3, description="for kind = 'kalman': standard deviation of a measured speed"
     )
-    force_change: Annotated[float, Quantity("N", gt=0)] | None = Field(
+    force_change: Annotated[float, Quantity("N", 1e-6, 1e12)] | None = Field(
         default=None,
         description="for kind = 'kalman': standard deviation of the contact force's change over 1 s; absent: from `bandwidth`",
     )
-    torque_change: Annotated[float, Quantity("N m", gt=0)] | None = Field(
+    torque_change: Annotated[float, Quantity("N m", 1e-6, 1e12)] | None = Field(
         default=None, description="the same of the axle's torque"
     )
-    damping_ratio: Annotated[float, Quantity("1", gt=0, le=2)] = Field(
+    damping_ratio: Annotated[float, Quantity("1", 0.01, 2.0)] = Field(
         default=0.8, description="of the observer's poles"
     )
 
@@ -71,14 +71,16 @@ class Feedback(Table):
     bandwidth: Frequency = Field(
         default=0.7, description="of the loop: far below the estimator, whose errors it is to remove"
     )
-    damping_ratio: Annotated[float, Quantity("1", gt=0, le=5)] = Field(default=0.7, description="of the loop")
-    proportional: Annotated[float, Quantity("N m s/rad", ge=0)] | None = Field(default=None, description="gain")
-    integral: Annotated[float, Quantity("N m/rad", ge=0)] | None = Field(default=None, description="gain")
-    switching: Annotated[float, Quantity("N m", ge=0)] = Field(default=1000.0, description="torque of the sliding mode")
-    boundary_layer: Annotated[float, Quantity("rad/s", gt=0)] = Field(
+    damping_ratio: Annotated[float, Quantity("1", 0.01, 5.0)] = Field(default=0.7, description="of the loop")
+    proportional: Annotated[float, Quantity("N m s/rad", 0.0, 1e10)] | None = Field(default=None, description="gain")
+    integral: Annotated[float, Quantity("N m/rad", 0.0, 1e10)] | None = Field(default=None, description="gain")
+    switching: Annotated[float, Quantity("N m", 0.0, 1e9)] = Field(
+        default=1000.0, description="torque of the sliding mode"
+    )
+    boundary_layer: Annotated[float, Quantity("rad/s", 1e-9, 1e3)] = Field(
         default=0.5, description="of the sliding mode: it acts in proportion within"
     )
-    largest: Annotated[float, Quantity("N m", gt=0)] = Field(
+    largest: Annotated[float, Quantity("N m", 1e-3, 1e9)] = Field(
         default=2e4, description="torque asked of a roller's drive"
     )
 
@@ -86,10 +88,10 @@ class Feedback(Table):
 class Protection(Table):
     """Ends a test before rollers and wheels are damaged."""
 
-    slip: Annotated[float, Quantity("m/s", gt=0)] = Field(
+    slip: Annotated[float, Quantity("m/s", 1e-6, 200.0)] = Field(
         default=1.0, description="real sliding of wheel on roller ..."
     )
-    time: PositiveTime = Field(default=0.2, description="... for longer than this")
+    time: Phase = Field(default=0.2, description="... for longer than this")
 
 
 class Assumed(Table):
@@ -97,17 +99,15 @@ class Assumed(Table):
 
     roller_inertia: Inertia | None = Field(default=None, description="of a roller axle about its axis")
     wheelset_inertia: Inertia | None = Field(default=None, description="about its axis")
-    roller_radius: PositiveLength | None = Field(default=None, description="of the rollers")
-    wheel_radius: PositiveLength | None = Field(default=None, description="of the wheels")
+    roller_radius: RollerRadius | None = Field(default=None, description="of the rollers")
+    wheel_radius: WheelRadius | None = Field(default=None, description="of the wheels")
 
 
 class RigControl(Controller):
     """Controller of the roller drives: the wheels turn as those of a train on the rail of [adhesion]."""
 
-    sample_time: PositiveTime = Field(default=1e-3, description="a multiple of time.sampling_step")
-    delay: Annotated[float, Quantity("s", ge=0)] = Field(
-        default=0.0, description="of the command, a multiple of time.sampling_step"
-    )
+    sample_time: SampleTime = Field(default=1e-3, description="a multiple of time.sampling_step")
+    delay: Delay = Field(default=0.0, description="of the command, a multiple of time.sampling_step")
     load_transfer: LoadTransfer = Field(
         default="quasi_static",
         description="how the virtual train's axle loads change with its acceleration: as geometry and masses of the vehicle "
@@ -117,7 +117,7 @@ class RigControl(Controller):
         default="computed",
         description="of the virtual train's axles: static loads and their transfer, or what [sensors.axle_load] says",
     )
-    locked_speed: Annotated[float, Quantity("m/s", gt=0)] = Field(
+    locked_speed: Annotated[float, Quantity("m/s", 1e-9, 50.0)] = Field(
         default=0.1,
         description="a wheel that turns slower than this while its train runs faster is locked: its virtual wheel is held with "
         "it, and its brake's torque, then the reaction to the roller's, is not used",

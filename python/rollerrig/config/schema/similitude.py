@@ -12,7 +12,7 @@ StrategyName = Literal["mmu", "dlr", "inrets"]
 Kept = Literal["gravity", "material", "clock", "drives"]
 KEPT: tuple[Kept, ...] = get_args(Kept)
 
-Factor = Annotated[float, Quantity("1", gt=0)]
+Factor = Annotated[float, Quantity("1", 1e-4, 1e4)]
 
 
 class ScaledFrom(Table):

@@ -9,7 +9,7 @@ from rollerrig.config.schema.irregularity import AnyIrregularity
 from rollerrig.config.schema.mounting import Mounting
 from rollerrig.config.schema.profile import AnyProfile
 from rollerrig.config.schema.track import Gauge, GaugeDepth, Track
-from rollerrig.config.schema.units import Inertia, Mass, Quantity
+from rollerrig.config.schema.units import Inertia, Mass, RollerRadius
 from rollerrig.config.schema.vehicle import Name
 
 
@@ -23,7 +23,7 @@ class Rig(Table):
     profile: AnyProfile = Field(description="generatrix of the left roller: a rail head")
     gauge: Gauge = Field(default=1.435, description="distance between the gauge sides of the two rollers")
     gauge_depth: GaugeDepth = Field(default=0.014, description="depth below the crown at which the gauge is taken")
-    roller_radius: Annotated[float, Quantity("m", gt=0, le=1e6)] = Field(description="radius at the crown")
+    roller_radius: RollerRadius = Field(description="radius at the crown")
     roller_mass: Mass = Field(description="mass of a pair of rollers with their axle")
     roller_inertia: tuple[Inertia, Inertia, Inertia] = Field(
         description="moments of inertia of a pair about x, y (spin) and z through its centre"

@@ -2,33 +2,38 @@
 
 from typing import Annotated, Literal
 
-from pydantic import Discriminator, Field
+from pydantic import Discriminator, Field, model_validator
 
-from rollerrig.config.schema.base import Table
+from rollerrig.config.schema.base import Table, refused
 from rollerrig.config.schema.irregularity import AnyIrregularity
 from rollerrig.config.schema.mounting import Foundation
 from rollerrig.config.schema.profile import AnyProfile
-from rollerrig.config.schema.units import PositiveLength, Quantity
+from rollerrig.config.schema.units import Quantity
 from rollerrig.config.schema.vehicle import Name
 from rollerrig.track import Line, Segment, build_line
 
-Gauge = Annotated[float, Quantity("m", gt=0.1, le=5.0)]
-GaugeDepth = Annotated[float, Quantity("m", gt=0, le=0.05)]
-Cant = Annotated[float, Quantity("m", ge=-0.3, le=0.3)]
+Gauge = Annotated[float, Quantity("m", 0.01, 5.0)]
+GaugeDepth = Annotated[float, Quantity("m", 1e-5, 0.05)]
+SegmentLength = Annotated[float, Quantity("m", 1e-3, 1e6)]
+Cant = Annotated[float, Quantity("m", -0.3, 0.3)]
+
+
+STEEPEST_CANT = 0.25
+"""Largest cant over the distance it is measured on: 14 degrees, beyond all tracks."""
 
 
 class Straight(Table):
     """A straight, without cant."""
 
     kind: Literal["straight"] = Field(description="no curvature, no cant")
-    length: PositiveLength = Field(description="length")
+    length: SegmentLength = Field(description="length")
 
 
 class Transition(Table):
     """A transition between the straights or curves before and after it, of which it takes over curvature and cant."""
 
     kind: Literal["transition"] = Field(description="joins what stands before and after it")
-    length: PositiveLength = Field(description="length")
+    length: SegmentLength = Field(description="length")
     shape: Literal["clothoid", "bloss"] = Field(
         default="clothoid", description="curvature and cant in proportion to the distance, or along the cubic of Bloss"
     )
@@ -38,8 +43,8 @@ class Curve(Table):
     """A circular curve."""
 
     kind: Literal["curve"] = Field(description="constant curvature and cant")
-    length: PositiveLength = Field(description="length")
-    radius: Annotated[float, Quantity("m", ge=20)] = Field(description="radius of the track's middle")
+    length: SegmentLength = Field(description="length")
+    radius: Annotated[float, Quantity("m", 20.0, 1e7)] = Field(description="radius of the track's middle")
     direction: Literal["left", "right"] = Field(default="left", description="where it leads")
     cant: Cant = Field(default=0.0, description="height of the outer rail over the inner one")
 
@@ -61,19 +66,28 @@ class Track(Table):
     )
     segment: tuple[AnySegment, ...] = Field(
         default=(),
+        max_length=1000,
         description="straights, transitions and curves in the order of the run, which starts where the first begins; the "
         "first continues behind the start, the last beyond its end; absent: straight",
     )
-    smoothing: Annotated[float, Quantity("m", gt=0, le=50)] = Field(
+    smoothing: Annotated[float, Quantity("m", 1e-3, 50.0)] = Field(
         default=4.0, description="length over which a corner of curvature and cant is rounded by a parabola"
     )
-    cant_base: Annotated[float, Quantity("m", gt=0.3, le=5)] = Field(
+    cant_base: Annotated[float, Quantity("m", 0.01, 5.0)] = Field(
         default=1.5, description="distance over which cant is measured"
     )
     irregularity: AnyIrregularity | None = Field(
         default=None, description="what the rails deviate from their design position; absent: nothing"
     )
     foundation: Foundation | None = Field(default=None, description="what the rails lie on; absent: rigid")
+
+    @model_validator(mode="after")
+    def _cant_within_its_base(self) -> "Track":
+        largest = max((abs(segment.cant) for segment in self.segment if isinstance(segment, Curve)), default=0.0)
+        if largest > STEEPEST_CANT * self.cant_base:
+            least = largest / STEEPEST_CANT
+            raise refused("cant_base", f"allowed: at least four times the largest cant, {least:g} m")
+        return self
 
     @property
     def line(self) -> Line | None:

@@ -14,11 +14,14 @@ from fractions import Fraction
 from functools import lru_cache
 from typing import TYPE_CHECKING, Annotated, Any
 
-from pydantic import GetJsonSchemaHandler
+from pydantic import GetJsonSchemaHandler, SerializationInfo
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
 if TYPE_CHECKING:
     import pint
+
+AS_WRITTEN = "as written"
+"""Context of pydantic's serialization in which a number that needs its unit is a text."""
 
 # keys ending in one of these carry their unit in the name: speed_kmh = 100
 KEY_SUFFIXES = {
@@ -38,21 +41,36 @@ KEY_SUFFIXES = {
     "gpa": "GPa",
 }
 
-_EXAMPLES = {
-    "m": "460 mm",
-    "m/s": "100 km/h",
-    "kg": "1813 kg",
-    "kg m^2": "1120 kg m^2",
-    "N": "54 kN",
-    "N m": "4 kN m",
-    "N/m": "3.9 MN/m",
-    "N s/m": "15 kN s/m",
-    "N m/rad": "940 kN m/rad",
-    "N m s/rad": "2 kN m s/rad",
-    "rad": "2.4 mrad",
-    "rad/s": "10 deg/s",
-    "s": "10 ms",
-    "Pa": "82 GPa",
+# texts that a message offers, with their value in SI: the first that is allowed at the key is shown
+_EXAMPLES: dict[str, tuple[tuple[str, float], ...]] = {
+    "m": (("460 mm", 0.46), ("100 m", 100.0), ("10 mm", 0.01), ("0.05 mm", 5e-5)),
+    "m/s": (("100 km/h", 100 / 3.6), ("1 m/s", 1.0), ("1 mm/s", 1e-3)),
+    "kg": (("1813 kg", 1813.0),),
+    "kg m^2": (("1120 kg m^2", 1120.0),),
+    "N": (("54 kN", 54e3),),
+    "N m": (("4 kN m", 4e3),),
+    "N/m": (("3.9 MN/m", 3.9e6),),
+    "N s/m": (("15 kN s/m", 15e3),),
+    "N m/rad": (("940 kN m/rad", 940e3),),
+    "N m s/rad": (("2 kN m s/rad", 2e3),),
+    "rad": (("2.4 mrad", 2.4e-3),),
+    "rad/s": (("10 deg/s", math.radians(10.0)),),
+    "s": (("10 ms", 0.01), ("10 s", 10.0)),
+    "Pa": (("82 GPa", 82e9), ("3.8 bar", 3.8e5)),
+    "Pa/s": (("1.2 bar/s", 1.2e5),),
+    "Hz": (("20 Hz", 20.0),),
+    "m/s^2": (("1.6 m/s^2", 1.6),),
+}
+
+# units that people write and think in, with their value in SI, the most usual first
+_USUAL: dict[str, tuple[tuple[str, float], ...]] = {
+    "m": (("mm", 1e-3), ("m", 1.0)),
+    "m/s": (("km/h", 1 / 3.6), ("m/s", 1.0)),
+    "rad": (("deg", math.radians(1.0)), ("mrad", 1e-3)),
+    "kg": (("t", 1e3),),
+    "N": (("kN", 1e3),),
+    "s": (("ms", 1e-3), ("s", 1.0)),
+    "Pa": (("GPa", 1e9), ("MPa", 1e6), ("bar", 1e5)),
 }
 
 _NUMBER_AND_UNIT = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(\S.*?)\s*")
@@ -75,6 +93,8 @@ def _registry() -> "pint.UnitRegistry[Any]":
 @lru_cache(maxsize=512)
 def unit_factor(unit: str, si_unit: str) -> Fraction | None:
     """Number of ``si_unit`` in one ``unit``; None if ``unit`` is unknown or measures something else."""
+    if unit == si_unit:  # as cases write themselves: pint is not needed
+        return Fraction(1)
     if not _UNIT_TEXT.fullmatch(unit) or _POWER_TOWER.search(unit):
         return None
     registry = _registry()
@@ -90,26 +110,30 @@ def unit_factor(unit: str, si_unit: str) -> Fraction | None:
 
 @dataclass(frozen=True)
 class Quantity:
-    """Pydantic annotation of a float that has a unit and, perhaps, bounds.
+    """Pydantic annotation of a float that has a unit and a range.
+
+    Every number of a configuration has both: what lies outside is a slip of the pen, and would end in an overflow, a hang or
+    a result that means nothing.
 
     Attributes:
         unit: SI unit of the validated number; "1" for a pure number.
-        gt: the value must be greater than this.
-        ge: the value must be this or greater.
-        le: the value must be this or less.
+        least: smallest value that is allowed.
+        most: largest value that is allowed.
+        bare: largest magnitude that may be written without a unit: beyond it another unit was probably meant, `speed = 80`
+            is 288 km/h; None: all may.
     """
 
     unit: str
-    gt: float | None = None
-    ge: float | None = None
-    le: float | None = None
+    least: float
+    most: float
+    bare: float | None = None
 
     @property
     def bounds(self) -> str:
-        """The bounds in words, "" if there are none."""
+        """The range in words."""
         unit = "" if self.unit == "1" else f" {self.unit}"
-        limits = ((self.gt, "greater than"), (self.ge, "at least"), (self.le, "at most"))
-        return " and ".join(f"{word} {limit:g}{unit}" for limit, word in limits if limit is not None)
+        limits = f"from {self.least:g} to {self.most:g}{unit}"
+        return limits if self.bare is None else f"{limits}, with its unit written beyond {self.bare:g}{unit}"
 
     @property
     def allowed(self) -> str:
@@ -117,27 +141,45 @@ class Quantity:
         if self.unit == "1":
             kind = "a number"
         else:
-            kind = f"a number in {self.unit} or a text with a unit"
-            kind += f" like '{_EXAMPLES[self.unit]}'" if self.unit in _EXAMPLES else ""
-        return f"allowed: {kind}" + (f", {self.bounds}" if self.bounds else "")
+            fitting = (text for text, si in _EXAMPLES.get(self.unit, ()) if self.least <= si <= self.most)
+            example = next(fitting, "")
+            kind = f"a number in {self.unit} or a text with a unit" + (f" like '{example}'" if example else "")
+        return f"allowed: {kind}, {self.bounds}"
 
     def parse(self, value: object) -> float:
         """The value in SI.
 
         Raises:
-            ValueError: not a finite number, not a unit of this kind, or out of bounds.
+            ValueError: not a finite number, not a unit of this kind, out of the range, or a number without a unit of which one
+                cannot believe that it is meant in SI.
         """
         number = self._to_si(value)
         if number is None or not math.isfinite(number):
             raise ValueError(self.allowed)
-        outside = (
-            (self.gt is not None and number <= self.gt)
-            or (self.ge is not None and number < self.ge)
-            or (self.le is not None and number > self.le)
-        )
-        if outside:
-            raise ValueError(self.allowed)
+        bare = not isinstance(value, str)
+        if not self.least <= number <= self.most:
+            raise ValueError(self.allowed + (self._meant(number) if bare else ""))
+        if bare and self.bare is not None and abs(number) > self.bare:
+            raise ValueError(f"{self.allowed}; {self._asked(number)}")
         return number
+
+    def as_written(self, value: float) -> float | str:
+        """The number as a file holds it: a text with its unit where `parse` asks for one."""
+        return value if self.bare is None or abs(value) <= self.bare else f"{value!r} {self.unit}"
+
+    def _meant(self, number: float) -> str:
+        """What a number out of the range would be in a unit that people think in, "" if nothing fits."""
+        fits = (
+            f"'{number:g} {unit}'" for unit, si in _USUAL.get(self.unit, ()) if self.least <= number * si <= self.most
+        )
+        guess = next(fits, "")
+        return f"; did you mean {guess}?" if guess and number else ""
+
+    def _asked(self, number: float) -> str:
+        usual = _USUAL[self.unit]
+        unit, si = usual[0]
+        fits = [f"'{number:g} {name}'" for name, factor in usual if self.least <= abs(number) * factor <= self.most]
+        return f"{number:g} without a unit is {number / si:g} {unit}: write {' or '.join(fits)}"
 
     def _to_si(self, value: object) -> float | None:
         if isinstance(value, bool):
@@ -170,34 +212,39 @@ class Quantity:
 
     def __get_pydantic_core_schema__(self, _source: object, _handler: Callable[[object], CoreSchema]) -> CoreSchema:
         """A plain function does all the work."""
-        return core_schema.no_info_plain_validator_function(self._validate)
+        written = core_schema.plain_serializer_function_ser_schema(self._serialize, info_arg=True)
+        return core_schema.no_info_plain_validator_function(self._validate, serialization=written)
+
+    def _serialize(self, value: float, info: SerializationInfo) -> float | str:
+        return self.as_written(value) if info.context == AS_WRITTEN else value
 
     def __get_pydantic_json_schema__(self, _schema: CoreSchema, _handler: GetJsonSchemaHandler) -> dict[str, Any]:
         """A number or a text, with the unit and the bounds beside it."""
-        number: dict[str, Any] = {"type": "number"}
-        for keyword, limit in (("exclusiveMinimum", self.gt), ("minimum", self.ge), ("maximum", self.le)):
-            if limit is not None:
-                number[keyword] = limit
-        return {"anyOf": [number, {"type": "string"}], "x-unit": self.unit}
+        most = self.most if self.bare is None else self.bare
+        number = {"type": "number", "minimum": max(self.least, -most), "maximum": most}
+        return {"anyOf": [number, {"type": "string"}], "x-unit": self.unit, "x-range": [self.least, self.most]}
 
 
-Length = Annotated[float, Quantity("m")]
-PositiveLength = Annotated[float, Quantity("m", gt=0)]
-Angle = Annotated[float, Quantity("rad")]
-Mass = Annotated[float, Quantity("kg", gt=0)]
-Inertia = Annotated[float, Quantity("kg m^2", gt=0)]
-Speed = Annotated[float, Quantity("m/s")]
-AngularSpeed = Annotated[float, Quantity("rad/s")]
-Time = Annotated[float, Quantity("s")]
-PositiveTime = Annotated[float, Quantity("s", gt=0)]
-Force = Annotated[float, Quantity("N")]
-Torque = Annotated[float, Quantity("N m")]
-Stiffness = Annotated[float, Quantity("N/m", ge=0)]
-PositiveStiffness = Annotated[float, Quantity("N/m", gt=0)]
-Damping = Annotated[float, Quantity("N s/m", ge=0)]
-PositiveDamping = Annotated[float, Quantity("N s/m", gt=0)]
-AngularStiffness = Annotated[float, Quantity("N m/rad", ge=0)]
-PositiveAngularStiffness = Annotated[float, Quantity("N m/rad", gt=0)]
-AngularDamping = Annotated[float, Quantity("N m s/rad", ge=0)]
-PositiveAngularDamping = Annotated[float, Quantity("N m s/rad", gt=0)]
-Modulus = Annotated[float, Quantity("Pa", gt=0)]
+# Ranges of what a rig, a vehicle or a model of either can have, from 1:100 models to full scale with a margin of some decades:
+# wide enough for every study, narrow enough that nothing overflows. A key with a range of its own names it where it stands.
+Position = Annotated[float, Quantity("m", -200.0, 200.0)]
+Deflection = Annotated[float, Quantity("m", -10.0, 10.0)]
+Angle = Annotated[float, Quantity("rad", -3.2, 3.2)]
+Mass = Annotated[float, Quantity("kg", 1e-5, 1e8)]
+Inertia = Annotated[float, Quantity("kg m^2", 1e-10, 1e10)]
+RunningSpeed = Annotated[float, Quantity("m/s", 0.0, 200.0, bare=70.0)]
+DamperSpeed = Annotated[float, Quantity("m/s", -1e3, 1e3)]
+AngularSpeed = Annotated[float, Quantity("rad/s", -1e5, 1e5)]
+Time = Annotated[float, Quantity("s", -1e6, 1e6)]
+Force = Annotated[float, Quantity("N", -1e9, 1e9)]
+Torque = Annotated[float, Quantity("N m", -1e9, 1e9)]
+RollerRadius = Annotated[float, Quantity("m", 1e-3, 1e6, bare=10.0)]
+WheelRadius = Annotated[float, Quantity("m", 0.01, 2.0)]
+Stiffness = Annotated[float, Quantity("N/m", 0.0, 1e13)]
+PositiveStiffness = Annotated[float, Quantity("N/m", 1e-6, 1e13)]
+Damping = Annotated[float, Quantity("N s/m", 0.0, 1e11)]
+PositiveDamping = Annotated[float, Quantity("N s/m", 1e-6, 1e11)]
+AngularStiffness = Annotated[float, Quantity("N m/rad", 0.0, 1e13)]
+PositiveAngularStiffness = Annotated[float, Quantity("N m/rad", 1e-6, 1e13)]
+AngularDamping = Annotated[float, Quantity("N m s/rad", 0.0, 1e11)]
+PositiveAngularDamping = Annotated[float, Quantity("N m s/rad", 1e-6, 1e11)]

@@ -24,16 +24,16 @@ from rollerrig.config.schema.units import (
     Damping,
     Force,
     Inertia,
-    Length,
     Mass,
+    Position,
     PositiveAngularDamping,
     PositiveAngularStiffness,
     PositiveDamping,
-    PositiveLength,
     PositiveStiffness,
     Quantity,
     Stiffness,
     Torque,
+    WheelRadius,
 )
 
 Direction = Literal["x", "y", "z", "roll", "pitch", "yaw"]
@@ -45,11 +45,9 @@ class Wheel(Table):
     """The wheels of every wheelset of the vehicle."""
 
     profile: AnyProfile = Field(description="profile of the left wheel: a catalogue name, a file or a table")
-    radius: Annotated[float, Quantity("m", gt=0.01, le=2.0)] = Field(description="radius at the tape circle")
-    back_to_back: Annotated[float, Quantity("m", gt=0.05, le=5.0)] = Field(
-        description="distance between the flange backs"
-    )
-    tape_circle: PositiveLength = Field(
+    radius: WheelRadius = Field(description="radius at the tape circle")
+    back_to_back: Annotated[float, Quantity("m", 0.01, 5.0)] = Field(description="distance between the flange backs")
+    tape_circle: Annotated[float, Quantity("m", 1e-4, 0.5)] = Field(
         default=0.070, description="distance of the tape circle from the flange back, EN 13715"
     )
 
@@ -231,7 +229,7 @@ class Cut(Table):
 
     bodies: tuple[str, ...] = Field(min_length=1, description="bodies kept and free to move")
     fixed: tuple[str, ...] = Field(default=(), description="bodies kept at their design position")
-    origin_x: Length = Field(default=0.0, description="x of the cut's own origin in the vehicle's frame")
+    origin_x: Position = Field(default=0.0, description="x of the cut's own origin in the vehicle's frame")
 
 
 class Vehicle(Table):
@@ -241,8 +239,8 @@ class Vehicle(Table):
     description: str = Field(default="", description="one line about the vehicle")
     source: str = Field(default="", description="where the data come from")
     wheel: Wheel = Field(description="the wheels")
-    body: tuple[Body, ...] = Field(min_length=1, description="the bodies")
-    element: tuple[Element, ...] = Field(default=(), description="the force elements")
+    body: tuple[Body, ...] = Field(min_length=1, max_length=200, description="the bodies")
+    element: tuple[Element, ...] = Field(default=(), max_length=2000, description="the force elements")
     cut: dict[Name, Cut] = Field(default={}, description="parts of the vehicle that are run alone, by name")
 
     def cut_named(self, name: str) -> Cut:

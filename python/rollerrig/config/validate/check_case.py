@@ -9,6 +9,7 @@ from rollerrig.config.schema.vehicle import DIRECTIONS, Vehicle
 from rollerrig.config.validate.check_actuators import check_actuators
 from rollerrig.config.validate.check_patch import check_patch
 from rollerrig.config.validate.check_profile import check_flange_clearance, check_reach
+from rollerrig.config.validate.check_size import check_size
 from rollerrig.config.validate.check_track import check_track
 from rollerrig.config.validate.check_vehicle import labelled, unknown_names
 
@@ -50,6 +51,7 @@ def check_case(case: CaseTables, file: str) -> list[ConfigProblem]:
         problems += check_track(case, file)
     problems += check_actuators(case, file)
     problems += check_patch(case, file)
+    problems += check_size(case, file)
     return list(dict.fromkeys(problems))
 
 

@@ -233,5 +233,7 @@ def _allowed(place: _Place, error: ErrorDetails, context: Mapping[str, Any]) -> 
     if error["type"] == "too_short":
         return f"allowed: at least {context.get('min_length')} entries"
     if error["type"] == "too_long":
-        return f"allowed: exactly {context.get('max_length')} entries"
+        most = context.get("max_length")
+        limited = place.field is not None and any(getattr(m, "max_length", None) == most for m in place.field.metadata)
+        return f"allowed: {'at most' if limited else 'exactly'} {most} entries"
     return _KINDS.get(error["type"], f"allowed: {error['msg'][:1].lower()}{error['msg'][1:]}")
