@@ -21,7 +21,7 @@ Complex = NDArray[np.complex128]
 Matrix = NDArray[np.float64]
 
 HUNTING_SHARE = 0.2
-"""Least share of the kinetic energy that a hunting mode has in the lateral motion of wheelsets."""
+"""Least share of the kinetic energy that a hunting mode has in the lateral motion of wheelsets, on average over speed."""
 
 ONE_BOGIE_SHARE = 0.8
 """A bogie with more than this part of all bogies' energy names the mode alone: 'front bogie'."""
@@ -87,12 +87,14 @@ class Shapes:
         rates: growth rates [1/s], shape (speeds, modes).
         shares: of the kinetic energy, shape (speeds, coordinates, modes).
         parts: displacements, shape (speeds, coordinates, modes).
+        hunting: where a mode hunts, shape (speeds, modes); a mode that does so nowhere is not called hunting.
     """
 
     keys: Sequence[tuple[str, str]]
     rates: Matrix
     shares: Matrix
     parts: Complex
+    hunting: NDArray[np.bool_]
 
 
 def mode_names(shapes: Shapes, who: Roles) -> list[str]:
@@ -113,7 +115,8 @@ def shape_name(keys: Sequence[tuple[str, str]], share: Matrix, parts: Complex, w
         parts: displacements, shape (coordinates,).
         who: roles of the bodies.
     """
-    one = Shapes(keys, np.zeros((1, 1)), share[None, :, None], parts[None, :, None])
+    nowhere = np.zeros((1, 1), dtype=np.bool_)
+    one = Shapes(keys, np.zeros((1, 1)), share[None, :, None], parts[None, :, None], nowhere)
     return mode_names(one, who)[0]
 
 
@@ -155,6 +158,8 @@ def _name(shapes: Shapes, mean: Matrix, who: Roles, mode: int) -> str:
     word = WORDS.get(way, way)
     if kind == "bogie":
         return _of_bogies(shapes, mean, who, mode, way, word)
+    if kind == "wheelsets" and len(who.wheelsets) == 1:
+        kind = "wheelset"
     return f"{kind} {word}"
 
 
@@ -217,7 +222,8 @@ def _phase(front: Complex, rear: Complex) -> str:
 
 def _hunting(shapes: Shapes, mean: Matrix, who: Roles) -> dict[int, str]:
     """Mode -> name for the least damped modes in which wheelsets weave, one for each bogie (or one at all)."""
-    weave = np.flatnonzero(wheelset_lateral_share(shapes.keys, mean) >= HUNTING_SHARE)
+    lateral = wheelset_lateral_share(shapes.keys, mean) >= HUNTING_SHARE
+    weave = np.flatnonzero(lateral & shapes.hunting.any(axis=0))
     order = sorted(weave, key=lambda m: -float(shapes.rates[:, m].mean()))
     if len(who.frames) != 2:
         return {int(m): "hunting" for m in order[:1]}

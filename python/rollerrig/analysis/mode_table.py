@@ -13,6 +13,7 @@ import xarray as xr
 
 from rollerrig import __version__
 from rollerrig.analysis.crossings import diverging, first_onset, growing_at_start, zero_crossings
+from rollerrig.analysis.hunting_modes import frequency_of_hunting
 from rollerrig.analysis.linearise import DIRECTIONS
 from rollerrig.analysis.mode_names import roles
 from rollerrig.analysis.speed_map import SPEEDS_KMH, ModesOverSpeed, modes_over_speed
@@ -34,10 +35,11 @@ def stability(
 
     Returns:
         Dimensions speed, mode, body, direction; `growth_rate` [1/s], `frequency` [Hz], `damping` [1],
-        `shape_amplitude` and `shape_phase` [deg], `energy_share` [1], `position` [m] of the bodies. Modes are ordered by
-        frequency at the highest speed. The attributes hold the linear critical speed within the range, or NaN, all crossings of
-        zero growth (`crossings`, JSON), motions that grow without oscillating (`diverging`, JSON), the name of the least
-        damped hunting mode, and whether Ctrl-C came first (`interrupted`, 0 or 1): then the speeds done until then are there.
+        `shape_amplitude` and `shape_phase` [deg], `energy_share` [1], `position` [m] of the bodies, `hunting_frequency` [Hz] and
+        `hunting_damping` [1] over speed. Modes are ordered by frequency at the highest speed. The attributes hold the linear
+        critical speed within the range, or NaN, all crossings of zero growth (`crossings`, JSON), motions that grow without
+        oscillating (`diverging`, JSON), the name of the least damped hunting mode or '', and whether Ctrl-C came first
+        (`interrupted`, 0 or 1): then the speeds done until then are there.
 
     Raises:
         ValueError: speeds not rising or not positive.
@@ -96,6 +98,7 @@ def _dataset(modes: ModesOverSpeed) -> xr.Dataset:
     position = np.array([modes.lineariser.model.positions[body] for body in bodies])
     who = roles(modes.lineariser.case)
     dims = ("speed", "mode", "body", "direction")
+    hunting = frequency_of_hunting(modes.names, values, modes.hunting[modes.asked])
     variables = {
         "growth_rate": variable(dims[:2], values.real, "1/s", "real part of the eigenvalue; > 0: grows"),
         "angular_frequency": variable(dims[:2], np.abs(values.imag), "rad/s", "imaginary part"),
@@ -104,6 +107,8 @@ def _dataset(modes: ModesOverSpeed) -> xr.Dataset:
         "shape_amplitude": variable(dims, np.abs(shape), "1", "displacement amplitude, m or rad; the largest one is 1"),
         "shape_phase": variable(dims, np.degrees(np.angle(shape)), "deg", "phase lead of the displacement"),
         "energy_share": variable(dims, share, "1", "share of the mode's kinetic energy"),
+        "hunting_frequency": variable("speed", hunting[0], "Hz", "frequency of hunting; NaN where no mode hunts"),
+        "hunting_damping": variable("speed", hunting[1], "1", "its damping ratio"),
         "position": variable(("body", "axis"), position, "m", "design position"),
         "role": ("body", np.array([who.kind(body) for body in bodies], dtype=str), {"long_name": "what the body is"}),
     }

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from rollerrig.analysis.hunting_modes import hunts
 from rollerrig.analysis.linearise import Linearisation, Lineariser
 from rollerrig.analysis.mode_names import Shapes, mode_names, roles
 from rollerrig.analysis.modes import LEAST_FREQUENCY, Complex, Followed, body_shapes, energy_shares, follow_modes
@@ -39,6 +40,7 @@ class ModesOverSpeed:
         keys: (body, direction) of each coordinate.
         shapes: displacements, shape (speeds, coordinates, modes).
         shares: of the kinetic energy, same shape.
+        hunting: where a mode hunts, shape (speeds, modes).
     """
 
     lineariser: Lineariser
@@ -50,6 +52,7 @@ class ModesOverSpeed:
     keys: list[tuple[str, str]]
     shapes: Complex
     shares: Matrix
+    hunting: NDArray[np.bool_]
 
     @property
     def speeds(self) -> Matrix:
@@ -101,8 +104,10 @@ def _named(
     shares = np.array([energy_shares(linear, system, columns) for linear, system in pairs])
     keys = list(linearisations[0].rate_rows)
     values = every[:, columns]
-    names = mode_names(Shapes(keys, values.real, shares, shapes), roles(lineariser.case))
-    return ModesOverSpeed(lineariser, followed, asked, columns, names, values, keys, shapes, shares)
+    who = roles(lineariser.case)
+    hunting = hunts(keys, followed.parameters, values, shapes, who.wheelsets)
+    names = mode_names(Shapes(keys, values.real, shares, shapes, hunting), who)
+    return ModesOverSpeed(lineariser, followed, asked, columns, names, values, keys, shapes, shares, hunting)
 
 
 def refined(speeds: Matrix) -> tuple[Matrix, list[int]]:

@@ -24,7 +24,7 @@ def limit_cycle_diagram(cycles: xr.Dataset, modes: xr.Dataset | None = None) -> 
 
     Args:
         cycles: Dataset of `limit_cycle_table`.
-        modes: Dataset of `stability`: its linear critical speed, and the frequency of its hunting mode for comparison.
+        modes: Dataset of `stability`: its linear critical speed, and the frequency of hunting for comparison.
     """
     labels = ("lateral amplitude of wheelsets [mm]", "frequency [Hz]", "largest |Y| [kN]")
     ratios = {"height_ratios": (2.2, 1, 1)}
@@ -32,10 +32,9 @@ def limit_cycle_diagram(cycles: xr.Dataset, modes: xr.Dataset | None = None) -> 
         amplitude, frequency, force = axes
         for sweep, drawn in LOOKS.items():
             _sweep(axes, cycles.isel(cycle_point=cycles["cycle_sweep"].to_numpy() == sweep), sweep, drawn)
-        if modes is not None and modes.attrs["hunting_mode"]:
-            hunting = modes["frequency"].sel(mode=modes.attrs["hunting_mode"])
+        if modes is not None and bool(modes["hunting_frequency"].notnull().any()):
             linear = {"color": GREY, "linewidth": 1.0, "label": "linear hunting mode"}
-            frequency.plot(modes["speed"], hunting.where(hunting > 0), **linear)  # type: ignore[arg-type]
+            frequency.plot(modes["speed"], modes["hunting_frequency"], **linear)  # type: ignore[arg-type]
             frequency.legend(loc="best")
         critical = {"critical speed by continuation": float(cycles.attrs["critical_speed_by_continuation_kmh"])}
         if modes is not None:

@@ -181,20 +181,19 @@ def hunting_frequencies(linear: dict[str, xr.Dataset], runs: dict[str, xr.Datase
     """Frequency of hunting over speed: linear modes as lines; runs as markers, filled where they end in a limit cycle.
 
     Args:
-        linear: label -> Dataset of `stability`; only its least damped hunting mode is drawn.
+        linear: label -> Dataset of `stability`; drawn where a mode hunts, see `hunting_frequency`.
         runs: label -> Dataset of `hunting_table`; in the colour of the line with the same label, if there is one.
         title: of the figure.
     """
     with panels(["frequency of lateral oscillation [Hz]"], "speed [km/h]", 3.6, legend=False) as (figure, (axes,)):
         for number, (label, modes) in enumerate(linear.items()):
-            if not modes.attrs["hunting_mode"]:
+            frequency = modes["hunting_frequency"]
+            if not bool(frequency.notnull().any()):
                 continue
-            frequency = modes["frequency"].sel(mode=modes.attrs["hunting_mode"])
-            frequency = frequency.where(frequency > 0)
             axes.plot(modes["speed"], frequency, label=f"linear, {label}", **look(number))
             critical = float(modes.attrs["linear_critical_speed_kmh"])
             if math.isfinite(critical):
-                at = np.interp(critical, modes["speed"].to_numpy(), frequency.to_numpy())
+                at = float(modes.attrs["linear_critical_frequency_hz"])
                 axes.plot([critical], [at], marker="x", color=colour(number), markersize=8, markeredgewidth=2)
         for number, (label, table) in enumerate(runs.items()):
             going, decays = (table[name].to_numpy() == 1 for name in ("persists", "decays"))

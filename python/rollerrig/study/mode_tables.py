@@ -61,12 +61,12 @@ def shape_blocks(modes: xr.Dataset) -> list[Block]:
     blocks: list[Block] = [
         Text(
             f"All at {speed:g} km/h, the speed of the table nearest to the linear critical one, or the highest. Displacements "
-            "are not to scale; outlines are schematic: wheelsets red, bogies blue, car body green, dashed in their design "
-            "position. x points forward, y to the left."
+            f"are not to scale; outlines are schematic: {_colours(modes)}, dashed in their design position. x points forward, "
+            "y to the left."
         )
     ]
     critical = modes.attrs["linear_critical_mode"] or modes.attrs["hunting_mode"]
-    if critical:
+    if critical and float(modes["frequency"].sel(mode=critical, speed=speed)) > 0.0:
         figure = mode_shape(modes, critical, speed)
         blocks.append(Picture("critical_mode", figure, f"The mode '{critical}', from above and from behind."))
     suspension = [name for name in shown if name.startswith(SUSPENSION_WORDS)]
@@ -79,6 +79,15 @@ def shape_blocks(modes: xr.Dataset) -> list[Block]:
     )
     ordered = sorted(shown, key=lambda name: not name.startswith("hunting"))
     return [*blocks, Text(scale), *(_shape_table(modes.sel(speed=speed, mode=name)) for name in ordered)]
+
+
+def _colours(modes: xr.Dataset) -> str:
+    """Which outline is what: 'wheelsets red, bogies blue, car body green', of the bodies that there are."""
+    count = [str(role) for role in modes["role"].to_numpy()]
+    wheelsets, bogies = count.count("wheelsets"), count.count("bogie")
+    words = [("wheelset red", "wheelsets red", wheelsets), ("bogie blue", "bogies blue", bogies)]
+    words.append(("car body green", "car bodies green", len(count) - wheelsets - bogies))
+    return ", ".join(one if number == 1 else many for one, many, number in words if number)
 
 
 def _shape_table(mode: xr.Dataset) -> Table:

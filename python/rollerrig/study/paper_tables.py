@@ -40,9 +40,9 @@ def frequency_rows(results: Results) -> list[list[object]]:
     rows: list[list[object]] = [["material", "variant", "speed_kmh", "hunting_frequency_hz", "hunting_damping"]]
     for material, variants in results.modes.items():
         for variant, modes in variants.items():
-            hunting = modes.sel(mode=modes.attrs["hunting_mode"])
             for k, speed in enumerate(modes["speed"].to_numpy().tolist()):
-                rows.append([material, variant, speed, float(hunting["frequency"][k]), float(hunting["damping"][k])])
+                hunting = (float(modes[name][k]) for name in ("hunting_frequency", "hunting_damping"))
+                rows.append([material, variant, speed, *hunting])
     return rows
 
 

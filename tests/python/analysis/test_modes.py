@@ -112,7 +112,7 @@ def named(motion: dict[tuple[str, str], complex], energy: dict[tuple[str, str], 
     keys = list(motion)
     shares = np.array([energy[key] for key in keys])[None, :, None]
     parts = np.array([motion[key] for key in keys], dtype=np.complex128)[None, :, None]
-    return mode_names(Shapes(keys, np.zeros((1, 1)), shares, parts), ROLES)[0]
+    return mode_names(Shapes(keys, np.zeros((1, 1)), shares, parts, np.ones((1, 1), dtype=bool)), ROLES)[0]
 
 
 @pytest.mark.parametrize(("roll", "name"), [(-0.5, "car body lower sway"), (0.5, "car body upper sway")])

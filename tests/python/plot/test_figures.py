@@ -38,9 +38,9 @@ def modes() -> xr.Dataset:
     damping = -growth / np.hypot(growth, 2 * np.pi * frequency)
     coordinates = {"speed": SPEED, "mode": ["hunting", "frame pitch"]}
     return xr.Dataset(
-        {**variables, "damping": (("speed", "mode"), damping)},
+        {**variables, "damping": (("speed", "mode"), damping), "hunting_frequency": ("speed", [np.nan, 4.0, 5.0])},
         coordinates,
-        {"linear_critical_speed_kmh": 110.0, "hunting_mode": "hunting"},
+        {"linear_critical_speed_kmh": 110.0, "linear_critical_frequency_hz": 3.7, "hunting_mode": "hunting"},
     )
 
 

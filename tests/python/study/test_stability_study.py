@@ -113,6 +113,16 @@ def test_without_limit_cycles_no_run_is_made(tmp_path) -> None:
     assert not (tmp_path / "limit_cycles.csv").exists()
 
 
+def test_the_report_of_a_lone_wheelset_is_in_the_singular_and_draws_no_hunting(tmp_path) -> None:
+    result = run("wheelset_rollers", "--speeds-kmh", "40:80:20", "--no-limit-cycles", "--out", str(tmp_path))
+    assert result.exit_code == 0, result.output
+    text = " ".join((tmp_path / "report.html").read_text().split())
+    assert "outlines are schematic: wheelset red, dashed" in text
+    assert "wheelsets" not in text.partition("Limitations")[0]
+    assert "hunting" not in text.partition("Limitations")[0]
+    assert not (tmp_path / "figures" / "critical_mode.svg").exists()
+
+
 def test_a_critical_speed_above_the_range_is_found_and_said_to_be_there(tmp_path) -> None:
     """On track the bogie hunts at 310 km/h; asked for are 280 to 300 km/h."""
     options = ["--speeds-kmh", "280:300:20", "--no-limit-cycles", "--out", str(tmp_path)]
