@@ -5,10 +5,9 @@ All functions take points in our axes, ordered along the profile, in metres, and
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 
+from .course import Course
 from .errors import ProfileError
 from .table import FloatArray
 
@@ -19,56 +18,54 @@ DIRECTION_NOISE = 0.02  # [rad] of one chord, a sixth of the kink to be found
 KINK_WINDOW = 2.5e-3  # [m] on each side, over which the direction is extrapolated
 
 
-def check_fold(file: Path, points: FloatArray, reference: int) -> None:
+def check_fold(course: Course, reference: int) -> None:
     """Refuse an abscissa that turns back before it continues outward.
 
     The back of a flange or the underside of a rail head turn back and stay there: those are merely not used.
 
     Args:
-        file: for the message.
-        points: (n, 2) [m].
+        course: the points.
         reference: index to look outward from.
     """
     for towards in (slice(reference, None), slice(reference, None, -1)):
-        path = points[towards]
+        path = course.points[towards]
         outward = np.abs(path[:, 0] - path[0, 0]) * np.sign((path[:, 0] - path[0, 0]) * (path[-1, 0] - path[0, 0]))
         reached = np.maximum.accumulate(outward)
         returned = reached - outward > FOLD
         goes_on = np.maximum.accumulate(outward[::-1])[::-1] > reached + FOLD
         if np.any(returned & goes_on):
-            y, z = path[int(np.argmax(returned & goes_on))] * 1e3
+            where = course.part(towards).place(int(np.argmax(returned & goes_on)))
             raise ProfileError(
-                f"{file}: the profile folds back near ({y:.4g}, {z:.4g}) mm: its abscissa must grow along the "
-                "running surface; are the points in order along the profile?"
+                f"{course.file}: the profile folds back near {where}: its abscissa must grow along the running surface; "
+                "are the points in order along the profile?"
             )
 
 
-def check_gaps(file: Path, points: FloatArray, low: float, high: float) -> None:
+def check_gaps(course: Course, low: float, high: float) -> None:
     """Refuse neighbours too far apart to know the shape between them, for abscissae in [low, high]."""
-    middle = (points[1:, 0] + points[:-1, 0]) / 2
-    distance = np.hypot(*np.diff(points, axis=0).T) * ((middle > low) & (middle < high))
+    middle = (course.points[1:, 0] + course.points[:-1, 0]) / 2
+    distance = course.spacing * ((middle > low) & (middle < high))
     i = int(np.argmax(distance))
     if distance[i] > LARGEST_GAP:
         raise ProfileError(
-            f"{file}: a gap of {distance[i] * 1e3:.3g} mm after abscissa {points[i, 0] * 1e3:.4g} mm; allowed "
+            f"{course.file}: a gap of {distance[i] * 1e3:.4g} mm after {course.place(i)}; allowed "
             f"{LARGEST_GAP * 1e3:g} mm; points every 0.1 to 0.5 mm are usual"
         )
 
 
-def averaged(points: FloatArray, noise: float) -> FloatArray:
+def averaged(course: Course, noise: float) -> Course:
     """Means of so many neighbours that the chords between them have a direction good to DIRECTION_NOISE.
 
     Args:
-        points: (n, 2) [m].
-        noise: standard deviation of the points [m].
+        course: the points.
+        noise: their standard deviation [m].
 
     Returns:
-        (m, 2) [m]; the very points where they are good enough.
+        The means; the very points where they are good enough.
     """
-    spacing = float(np.median(np.hypot(*np.diff(points, axis=0).T)))
+    spacing = float(np.median(course.spacing))
     count = max(1, int(np.ceil((np.sqrt(2.0) * noise / (DIRECTION_NOISE * spacing)) ** (2 / 3))))
-    groups = len(points) // count
-    return np.asarray(points[: groups * count].reshape(groups, count, 2).mean(axis=1))
+    return course.averaged(min(count, len(course)))
 
 
 def direction_jumps(points: FloatArray) -> FloatArray:
@@ -94,15 +91,15 @@ def direction_jumps(points: FloatArray) -> FloatArray:
     return jump
 
 
-def check_kinks(file: Path, points: FloatArray, low: float, high: float) -> None:
+def check_kinks(course: Course, low: float, high: float) -> None:
     """Refuse a jump of direction, for abscissae in [low, high]; noisy points are to be `averaged` before."""
+    points = course.points
     jump = np.abs(direction_jumps(points)) * ((points[:, 0] > low) & (points[:, 0] < high))
     worst = int(np.argmax(jump))
     if jump[worst] > LARGEST_KINK:
-        y, z = points[worst] * 1e3
         raise ProfileError(
-            f"{file}: not smooth: the direction jumps by {np.degrees(jump[worst]):.3g} degrees near "
-            f"({y:.4g}, {z:.4g}) mm; allowed {np.degrees(LARGEST_KINK):.2g}; a contact force needs a continuous "
+            f"{course.file}: not smooth: the direction jumps by {np.degrees(jump[worst]):.3g} degrees near "
+            f"{course.place(worst)}; allowed {np.degrees(LARGEST_KINK):.2g}; a contact force needs a continuous "
             "curvature: round the edge off, or remove stray points"
         )
 

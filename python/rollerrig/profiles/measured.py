@@ -9,7 +9,7 @@ Source  smoothing: Reinsch (1967), cut-off wavelength as for surface filters; th
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Literal, get_args
 
@@ -18,8 +18,9 @@ from scipy.interpolate import BSpline, make_smoothing_spline
 from scipy.optimize import brentq
 
 from .checks import LARGEST_KINK, averaged, check_fold, check_gaps, check_kinks, direction_jumps
+from .course import MOST_POINTS, Course, without_crowds
 from .errors import ProfileError
-from .point_file import FEWEST_POINTS, FileFormat, LengthUnit, RawProfile, read_point_file
+from .point_file import FEWEST_POINTS, FileFormat, LengthUnit, read_point_file
 from .table import DEFAULT_STEP, STEEPEST_SLOPE, FloatArray, ProfileKind, ProfileTable, tabulate
 
 Side = Literal["auto", "negative", "positive"]
@@ -31,6 +32,7 @@ LONGEST_CUT_OFF = 10e-3  # [m] a longer one would round off the 13 mm corners
 RAIL_DEPTH = 25e-3  # [m] below the top: what lies deeper (underside of the head, web, foot) is left out
 FLANGE_HEIGHT = 15e-3  # [m] a flange stands at least this far above the tape circle; new ones 26 to 30 mm
 RUN_OUT = 40e-3  # [m] beyond this abscissa an edge of a wheel is its outer chamfer, where the profile ends
+LEAST_REACH = 10e-3  # [m] of the usable stretch to either side of the tape circle or the highest point
 SAMPLE = 0.02e-3  # [m] spacing of the samples on which the smooth curve is cut and inverted
 
 
@@ -80,45 +82,40 @@ def profile_from_file(
     if raw.declared not in (None, kind):
         raise ProfileError(f"{file}: the file says it is a {raw.declared}; it is used as a {kind}")
 
-    points, weights = _oriented(raw, kind, inner_side, z_positive, tape_circle)
+    course = _oriented(raw.course, kind, inner_side, z_positive, tape_circle)
     if kind == "wheel":
-        _check_wheel(file, points, require_flange)
+        _check_wheel(course, require_flange)
     else:
         lean = math.atan(inclination)
         turn = np.array([[math.cos(lean), -math.sin(lean)], [math.sin(lean), math.cos(lean)]])  # R, leaning inward
-        points = points @ turn.T
-    return _smoothed_table(file, raw.comment, points, weights, kind, smoothing, step)
+        course = replace(course, points=course.points @ turn.T)
+    return _smoothed_table(course, raw.comment, kind, smoothing, step)
 
 
 def _smoothed_table(
-    file: Path,
+    course: Course,
     comment: str,
-    points: FloatArray,
-    weights: FloatArray,
     kind: ProfileKind,
     smoothing: float | Literal["auto"],
     step: float,
 ) -> ProfileTable:
     """The table of a smooth curve through points in our axes."""
-    points, weights = _thinned(points, weights)
-    _check_count(file, points)
-    noise = _noise(points)
-    points, weights = _relevant(points, weights, kind, noise)
-    _check_count(file, points)
-    check_fold(file, points, _reference(points, kind))
-    curve = _smooth(points, weights, noise, smoothing)
+    file, read = course.file, len(course)
+    each = math.ceil(read / MOST_POINTS)
+    course = without_crowds(course.averaged(each))
+    _check_count(course, "different")
+    noise = _noise(course.points)
+    course = _relevant(course, kind, noise)
+    _check_count(course, "on the running surface")
+    check_fold(course, _reference(course.points, kind))
+    curve = _smooth(course.points, course.weights, noise, smoothing)
     samples = curve.samples()
-    branch = _usable_branch(samples, kind)
+    branch = _usable_branch(course, samples, kind)
     low, high = samples.y[branch.start], samples.y[branch.stop - 1]
-    check_gaps(file, points, low, high)
-    check_kinks(file, averaged(points, noise), low, high)
+    check_gaps(course, low, high)
+    check_kinks(averaged(course, noise), low, high)
     origin = curve.origin(samples, branch, kind)
-    if not (low < origin[0] - 10e-3 and high > origin[0] + 10e-3):
-        where = "tape circle" if kind == "wheel" else "highest point"
-        raise ProfileError(
-            f"{file}: usable from {low * 1e3:.4g} to {high * 1e3:.4g} mm only (slope at most {STEEPEST_SLOPE:g}); "
-            f"needed: 10 mm on each side of the {where}; are the points in order along the profile?"
-        )
+    thinned = f"{read} points averaged by {each}" if each > 1 else ""
     used_cut_off = f"smoothed at {curve.cut_off * 1e3:.2g} mm"
     return tabulate(
         lambda y: curve.height(y + origin[0], samples, branch) - origin[1],
@@ -126,7 +123,7 @@ def _smoothed_table(
         float(high - origin[0]),
         name=file.stem,
         kind=kind,
-        source=", ".join(part for part in (file.name, comment, used_cut_off) if part),
+        source=", ".join(part for part in (file.name, comment, thinned, used_cut_off) if part),
         step=step,
         outline=np.column_stack([samples.y, samples.z])[::5] - origin,
     )
@@ -192,11 +189,9 @@ def _check_options(file: Path, **options: tuple[object, object]) -> None:
             raise ProfileError(f"{file}: {key}: {value!r} is not one of {', '.join(get_args(allowed))}")
 
 
-def _oriented(
-    raw: RawProfile, kind: ProfileKind, inner_side: Side, z_positive: Direction, tape_circle: float
-) -> tuple[FloatArray, FloatArray]:
-    """Points and weights with the abscissa outward, the value as our tables want it, and in the order of the abscissa."""
-    y, z = raw.points[:, 0].copy(), raw.points[:, 1].copy()
+def _oriented(course: Course, kind: ProfileKind, inner_side: Side, z_positive: Direction, tape_circle: float) -> Course:
+    """The points with the abscissa outward, the value as our tables want it, and in the order of the abscissa."""
+    y, z = course.points[:, 0].copy(), course.points[:, 1].copy()
     if kind == "wheel":
         y -= tape_circle
     farthest = int(np.argmax(np.abs(z - np.median(z))))  # tip of a wheel's flange; foot of a rail's flank
@@ -212,22 +207,26 @@ def _oriented(
         z = -z
     points = np.column_stack([y, z])
     order = slice(None, None, -1 if y[-1] < y[0] else 1)
-    return points[order], raw.weights[order]
+    return replace(course, points=points).part(order)
 
 
-def _check_count(file: Path, points: FloatArray) -> None:
-    if len(points) < FEWEST_POINTS:
-        raise ProfileError(f"{file}: {len(points)} different, usable points; a profile has at least {FEWEST_POINTS}")
+def _check_count(course: Course, which: str) -> None:
+    if len(course) < FEWEST_POINTS:
+        where = f", near {course.place(0)}" if len(course) else ""
+        raise ProfileError(
+            f"{course.file}: {len(course)} points are {which}{where}; a profile has at least {FEWEST_POINTS}; are the points in "
+            "order along the profile, and z_positive and inner_side right?"
+        )
 
 
-def _check_wheel(file: Path, points: FloatArray, require_flange: bool) -> None:
-    y, z = points.T
+def _check_wheel(course: Course, require_flange: bool) -> None:
+    file, (y, z) = course.file, course.points.T
     if not y.min() < 0 < y.max():
         raise ProfileError(
             f"{file}: the tape circle (abscissa 0) is not in the profile, which spans {y.min() * 1e3:.4g} to "
             f"{y.max() * 1e3:.4g} mm; set tape_circle to its abscissa in the file"
         )
-    height = float(np.max(z[y < 0]) - z[np.argmin(np.abs(y))])
+    height = float(np.max(z[y < 0]) - z[np.argmin(np.abs(y))]) + 0.0
     if require_flange and height < FLANGE_HEIGHT:
         raise ProfileError(
             f"{file}: no flange: the radius rises {height * 1e3:.4g} mm towards the inner side; at least "
@@ -240,33 +239,21 @@ def _reference(points: FloatArray, kind: ProfileKind) -> int:
     return int(np.argmin(np.abs(points[:, 0])) if kind == "wheel" else np.argmax(points[:, 1]))
 
 
-def _relevant(
-    points: FloatArray, weights: FloatArray, kind: ProfileKind, noise: float
-) -> tuple[FloatArray, FloatArray]:
+def _relevant(course: Course, kind: ProfileKind, noise: float) -> Course:
     """The stretch around the running surface: without a rail's web and foot, or a wheel's outer chamfer."""
+    points = course.points
     first, last = 0, len(points)
     if kind == "wheel":
-        course = averaged(points, noise)
-        edge = (course[:, 0] > RUN_OUT) & (np.abs(direction_jumps(course)) > LARGEST_KINK)
+        means = averaged(course, noise).points
+        edge = (means[:, 0] > RUN_OUT) & (np.abs(direction_jumps(means)) > LARGEST_KINK)
         if np.any(edge):
-            last = int(np.argmax(points[:, 0] >= course[np.argmax(edge), 0]))
+            last = int(np.argmax(points[:, 0] >= means[np.argmax(edge), 0]))
     else:
         top = int(np.argmax(points[:, 1]))
         deep = np.flatnonzero(points[:, 1] < points[top, 1] - RAIL_DEPTH)
         first = max((int(i) + 1 for i in deep if i < top), default=first)
         last = min((int(i) for i in deep if i > top), default=last)
-    return points[first:last], weights[first:last]
-
-
-def _thinned(points: FloatArray, weights: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Without points that crowd closer than a twentieth of the usual spacing: they say nothing about direction."""
-    spacing = np.hypot(*np.diff(points, axis=0).T)
-    least = float(np.median(spacing)) / 20
-    keep = [0]
-    for i in range(1, len(points)):
-        if math.hypot(*(points[i] - points[keep[-1]])) > least:
-            keep.append(i)
-    return points[keep], weights[keep]
+    return course.part(slice(first, last))
 
 
 def _smooth(points: FloatArray, weights: FloatArray, noise: float, smoothing: float | Literal["auto"]) -> SmoothCurve:
@@ -312,11 +299,39 @@ def _noise(points: FloatArray) -> float:
     return float(1.4826 * np.median(np.hypot(*np.asarray(deviations).T)))  # 1.4826: median to standard deviation
 
 
-def _usable_branch(samples: Samples, kind: ProfileKind) -> slice:
-    """The stretch around the tape circle or the highest point where the slope is at most STEEPEST_SLOPE."""
+def _usable_branch(course: Course, samples: Samples, kind: ProfileKind) -> slice:
+    """The stretch around the tape circle or the highest point where the slope is at most STEEPEST_SLOPE.
+
+    Raises:
+        ProfileError: it does not reach LEAST_REACH to both sides.
+    """
     usable = (samples.dy > 0) & (np.abs(samples.dz) <= STEEPEST_SLOPE * samples.dy)
     centre = int(np.argmin(np.abs(samples.y)) if kind == "wheel" else np.argmax(samples.z))
     bad = np.flatnonzero(~usable)
     start = int(bad[bad < centre][-1]) + 1 if np.any(bad < centre) else 0
     stop = int(bad[bad >= centre][0]) if np.any(bad >= centre) else len(usable)
-    return slice(start, max(stop, start + 2))
+    middle = 0.0 if kind == "wheel" else samples.y[centre]
+    short = [
+        end
+        for end, reach in (
+            (start, middle - samples.y[start]),
+            (max(stop - 1, start), samples.y[max(stop - 1, start)] - middle),
+        )
+        if reach <= LEAST_REACH
+    ]
+    if stop - start >= 2 and not short:
+        return slice(start, stop)
+    end = short[0] if short else centre
+    at = course.nearest(np.array([samples.y[end], samples.z[end]]))
+    outermost = end <= 1 or end >= len(usable) - 2
+    why = "the points end" if outermost else f"the profile turns back, or is steeper than {STEEPEST_SLOPE:g}"
+    cure = (
+        "the curve is closed: leave only the running surface"
+        if course.closed
+        else "are the points in order along the profile?"
+    )
+    raise ProfileError(
+        f"{course.file}: {why} at {at}; needed: {1e3 * LEAST_REACH:g} mm on each side of the "
+        f"{'tape circle' if kind == 'wheel' else 'highest point'}, {course.nearest(np.array([middle, samples.z[centre]]))}; "
+        f"{cure}"
+    )

@@ -14,9 +14,11 @@ from pathlib import Path
 from typing import Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 from rollerrig.input_files import LARGEST_TABLE, read_input
 
+from .course import Course, check_order, check_stray
 from .errors import ProfileError
 from .table import FloatArray, ProfileKind
 
@@ -24,9 +26,13 @@ FileFormat = Literal["auto", "two_column", "simpack"]
 LengthUnit = Literal["auto", "mm", "m"]
 
 COMMENT = re.compile(r"(#|!|%|;|//).*")
+#: "-62,5 22,1", "-62,5;22,1": every number with a comma inside and none with a point, columns separated by something else.
+DECIMAL_COMMAS = re.compile(r"\s*[+-]?\d+,\d+([eE][+-]?\d+)?([\s;]+[+-]?\d+(,\d+)?([eE][+-]?\d+)?)+\s*$")
 FEWEST_POINTS = 20
+LARGEST_NUMBER = 1e7
 #: A profile is between 20 mm (the top of a rail head) and 300 mm (a full-width roller) wide.
 WIDTH_RANGE = (20e-3, 300e-3)
+MOST_LINES = 100_000
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,18 +40,19 @@ class RawProfile:
     """Points as a file gives them, in metres.
 
     Attributes:
-        path: the file.
-        points: (n, 2) abscissa and ordinate [m], in the order of the file.
-        weights: (n,) how much each point counts in the smoothing, 1 by default [-].
+        course: the points, in the order of the file.
         declared: "wheel" or "rail" where the file says so.
         comment: description out of the file, may be empty.
     """
 
-    path: Path
-    points: FloatArray
-    weights: FloatArray
+    course: Course
     declared: ProfileKind | None
     comment: str
+
+    @property
+    def path(self) -> Path:
+        """The file."""
+        return self.course.file
 
 
 def read_point_file(path: Path, file_format: FileFormat = "auto", units: LengthUnit = "auto") -> RawProfile:
@@ -72,25 +79,28 @@ def read_point_file(path: Path, file_format: FileFormat = "auto", units: LengthU
     if file_format == "auto":
         simpack = any(COMMENT.sub("", line).strip() == "point.begin" for line in lines)
         file_format = "simpack" if simpack else "two_column"
+    if len(lines) > MOST_LINES:
+        allowed = f"allowed: {MOST_LINES}; points every 0.1 to 0.5 mm are usual, keep every {len(lines) // 1000 + 1}th"
+        raise ProfileError(f"{path}: {len(lines)} lines; {allowed}")
     raw = _read_simpack(path, lines) if file_format == "simpack" else _read_two_columns(path, lines, units)
-
+    check_stray(raw.course)
     low, high = WIDTH_RANGE
-    width = float(np.ptp(raw.points[:, 0]))
+    width = float(np.ptp(raw.course.points[:, 0]))
     if not low <= width <= high:
         raise ProfileError(
             f"{path}: wrong units suspected: the abscissa spans {width * 1e3:.6g} mm; "
             f"allowed {low * 1e3:g} to {high * 1e3:g} mm; set units to 'mm' or 'm'"
         )
+    check_order(raw.course)
     return raw
 
 
 def _read_two_columns(path: Path, lines: list[str], units: LengthUnit) -> RawProfile:
-    rows = _numbers(path, list(enumerate(lines, 1)), columns=(2,), header_allowed=True)
-    points = rows[:, :2]
+    points, numbers = _numbers(path, list(enumerate(lines, 1)), columns=(2,), header_allowed=True)
     if units == "auto":
         units = "mm" if np.ptp(points[:, 0]) > 1.0 else "m"
     scale = {"mm": 1e-3, "m": 1.0}[units]
-    return RawProfile(path, points * scale, np.ones(len(points)), None, "")
+    return RawProfile(Course(path, points * scale, np.ones(len(points)), numbers), None, "")
 
 
 def _read_simpack(path: Path, lines: list[str]) -> RawProfile:
@@ -111,14 +121,16 @@ def _read_simpack(path: Path, lines: list[str]) -> RawProfile:
             raise ProfileError(f"{path}: {key}: {text!r}; it must be a {'positive' if positive else 'finite'} number")
         return value
 
-    rows = _numbers(path, point_lines, columns=(2, 3))
+    rows, numbers = _numbers(path, point_lines, columns=(2, 3))
     y, z = rows[:, 0], rows[:, 1]
     weights = rows[:, 2] if rows.shape[1] == 3 else np.ones(len(rows))
+    kept = np.arange(len(rows))
 
     nearest = number("point.dist.min", 0.0)  # 1
     if nearest > 0:
-        spaced = _spaced(y, z, nearest)
-        y, z, weights = y[spaced], z[spaced], weights[spaced]
+        kept = np.array(_spaced(y, z, nearest))
+        _enough_left(path, len(kept), len(rows), f"point.dist.min = {nearest:g}, in the unit of the points,")
+        y, z, weights = y[kept], z[kept], weights[kept]
     y, z = y + number("shift.y", 0.0), z + number("shift.z", 0.0)  # 2
     angle = number("rotate", 0.0) / number("units.ang.f", 1.0, positive=True)  # 3
     y, z = y * math.cos(angle) - z * math.sin(angle), y * math.sin(angle) + z * math.cos(angle)
@@ -127,15 +139,19 @@ def _read_simpack(path: Path, lines: list[str]) -> RawProfile:
         low, high = number(f"bound.{axis}.min", 1.0), number(f"bound.{axis}.max", 0.0)
         if low < high:
             inside &= (values >= low) & (values <= high)
-    y, z, weights = y[inside], z[inside], weights[inside]
+            span = f"of points from {values.min():g} to {values.max():g}"
+            _enough_left(
+                path, int(inside.sum()), len(rows), f"bound.{axis}.min = {low:g} and bound.{axis}.max = {high:g}", span
+            )
+    y, z, weights, kept = y[inside], z[inside], weights[inside], kept[inside]
     y = -y if number("mirror.y", 0) == 1 else y  # 5
     z = -z if number("mirror.z", 0) == 1 else z
     if number("inversion", 0) == 1:  # 6
-        y, z, weights = y[::-1], z[::-1], weights[::-1]
+        y, z, weights, kept = y[::-1], z[::-1], weights[::-1], kept[::-1]
     points = np.column_stack([y, z]) / number("units.len.f", 1.0, positive=True)  # 7
-    _enough(path, len(points))
     kinds: dict[str, ProfileKind] = {"0": "rail", "1": "wheel"}
-    return RawProfile(path, points, weights, kinds.get(header.get("type", "")), header.get("comment", ""))
+    course = Course(path, points, weights, numbers[kept])
+    return RawProfile(course, kinds.get(header.get("type", "")), header.get("comment", ""))
 
 
 def _simpack_sections(path: Path, lines: list[str]) -> tuple[dict[str, str], list[tuple[int, str]]]:
@@ -160,36 +176,63 @@ def _simpack_sections(path: Path, lines: list[str]) -> tuple[dict[str, str], lis
 
 def _numbers(
     path: Path, lines: list[tuple[int, str]], columns: tuple[int, ...], header_allowed: bool = False
-) -> FloatArray:
-    """Rows of numbers out of numbered lines, comments and blank lines left out."""
+) -> tuple[FloatArray, NDArray[np.intp]]:
+    """Rows of numbers out of numbered lines, comments and blank lines left out, and the number of each row's line."""
     rows: list[list[float]] = []
+    numbers: list[int] = []
     for number, line in lines:
         words = COMMENT.sub("", line).replace(",", " ").split()
         if not words:
             continue
+        if DECIMAL_COMMAS.match(line):
+            raise ProfileError(
+                f"{path}: line {number}: {_shown(line)} has decimal commas; allowed: decimal points, columns separated "
+                "by blanks, tabs or commas"
+            )
         try:
             row = [float(re.sub("[dD]", "e", word)) for word in words]
         except ValueError:
             if header_allowed and not rows:
                 header_allowed = False  # one line of column names
                 continue
-            raise ProfileError(f"{path}: line {number}: {line.strip()!r} is not a row of numbers") from None
-        if len(row) not in columns or (rows and len(row) != len(rows[0])):
-            wanted = " or ".join(str(c) for c in (columns if not rows else (len(rows[0]),)))
-            hint = "; decimal commas are not understood" if "," in line else ""
-            raise ProfileError(f"{path}: line {number}: {len(row)} numbers; allowed {wanted}{hint}")
-        if not all(math.isfinite(x) for x in row):
-            raise ProfileError(f"{path}: line {number}: {line.strip()!r} is not finite; remove or repair the point")
-        if len(row) == 3 and row[2] < 0:
-            raise ProfileError(f"{path}: line {number}: weight {row[2]:g}; it must not be negative")
+            raise ProfileError(f"{path}: line {number}: {_shown(line)} is not a row of numbers") from None
+        _check_row(path, number, line, row, columns if not rows else (len(rows[0]),))
         rows.append(row)
-    _enough(path, len(rows))
-    return np.array(rows)
+        numbers.append(number)
+    if len(rows) < FEWEST_POINTS:
+        raise ProfileError(f"{path}: {len(rows)} points; a profile has at least {FEWEST_POINTS}")
+    return np.array(rows), np.array(numbers)
 
 
-def _enough(path: Path, count: int) -> None:
-    if count < FEWEST_POINTS:
-        raise ProfileError(f"{path}: {count} points; a profile has at least {FEWEST_POINTS}")
+def _shown(line: str) -> str:
+    """A line short enough for a message."""
+    return repr(line.strip()[:60])
+
+
+def _check_row(path: Path, number: int, line: str, row: list[float], columns: tuple[int, ...]) -> None:
+    written = _shown(line)
+    if len(row) not in columns:
+        wanted = " or ".join(map(str, columns))
+        decimal = "; decimal commas are not understood" if "," in line and "." not in line else ""
+        hint = "; a semicolon begins a comment" if ";" in line else decimal
+        raise ProfileError(f"{path}: line {number}: {written}: {len(row)} numbers; allowed {wanted}{hint}")
+    if not all(math.isfinite(x) for x in row):
+        raise ProfileError(f"{path}: line {number}: {written} is not finite; remove or repair the point")
+    if max(abs(x) for x in row) > LARGEST_NUMBER:
+        raise ProfileError(
+            f"{path}: line {number}: {written}: no length of a profile in any unit; remove or repair the point"
+        )
+    if len(row) == 3 and row[2] < 0:
+        raise ProfileError(f"{path}: line {number}: weight {row[2]:g}; it must not be negative")
+
+
+def _enough_left(path: Path, kept: int, count: int, key: str, of: str = "") -> None:
+    """Refuse a header that leaves too few points: most often it is in another unit than they are."""
+    if kept < FEWEST_POINTS:
+        raise ProfileError(
+            f"{path}: {key} leaves {kept} of {count} points{' ' + of if of else ''}; a profile has at least {FEWEST_POINTS}; are "
+            "header and points in the same unit?"
+        )
 
 
 def _spaced(y: FloatArray, z: FloatArray, spacing: float) -> list[int]:

@@ -237,17 +237,20 @@ WHEEL = wheel_points()
 @pytest.mark.parametrize(
     ("points", "message"),
     [
-        (folded(WHEEL), r"folds back near \(1\d\.\d+,"),
-        (kinked(WHEEL), r"not smooth: the direction jumps by 1[345].* degrees near \((9|10)"),
+        (folded(WHEEL), r"folds back near line \d+, \(1\d\.\d+,"),
+        (kinked(WHEEL), r"not smooth: the direction jumps by 1[345].* degrees near line \d+, \((9|10)"),
         (spoiled(WHEEL, 100, np.nan), r"line 101: 'nan nan' is not finite"),
         (spoiled(WHEEL, 7, [1.0, np.inf]), r"line 8: .*inf' is not finite"),
         (WHEEL[::60], r"\d+ points; a profile has at least 20"),
         (WHEEL * 25.4, r"wrong units suspected: the abscissa spans 3"),
         (WHEEL / 25.4, r"wrong units suspected: the abscissa spans 4\.8"),
         (WHEEL[WHEEL[:, 0] > -25], r"no flange: the radius rises"),
-        (WHEEL[(WHEEL[:, 0] < 10) | (WHEEL[:, 0] > 25)], r"a gap of 15.* mm after abscissa 9\.\d+ mm; allowed 5 mm"),
+        (
+            WHEEL[(WHEEL[:, 0] < 10) | (WHEEL[:, 0] > 25)],
+            r"a gap of 15.* mm after line \d+, \(9\.\d+, .*\) mm; allowed 5 mm",
+        ),
         (WHEEL + [70, 0], r"tape circle \(abscissa 0\) is not in the profile.*set tape_circle"),
-        (WHEEL[:, :1], r"line 1: 1 numbers; allowed 2"),
+        (WHEEL[:, :1], r"line 1: .*: 1 numbers; allowed 2"),
     ],
 )
 def test_a_bad_wheel_is_refused_with_file_place_and_cure(tmp_path, points, message):
@@ -263,7 +266,7 @@ def test_a_bad_wheel_is_refused_with_file_place_and_cure(tmp_path, points, messa
         ("", "the file is empty"),
         ("# only a comment\n", "0 points"),
         ("1 2\n3 four\n", "line 2: '3 four' is not a row of numbers"),
-        ("1,5 2,5\n", "line 1: 4 numbers; allowed 2; decimal commas"),
+        ("1,5 2,5\n", "line 1: '1,5 2,5' has decimal commas"),
         ("S z\nmm mm\n", "line 2: 'mm mm' is not a row of numbers"),
     ],
 )
