@@ -23,6 +23,9 @@ from rollerrig.analysis.modes import LEAST_FREQUENCY
 LEAST_PART = 0.7
 """A hunting wheelset moves sideways by at least this part of the largest lateral displacement of any body [1]."""
 
+LEAST_DISPLACEMENT = 0.3
+"""And by at least this much where the largest displacement of the mode is 1 m or rad: else it is no lateral motion."""
+
 MOST_SLIDING = 0.5
 """|dy/dt - V psi| of a hunting wheelset is at most this part of |dy/dt| + |V psi| [1]."""
 
@@ -59,6 +62,7 @@ def hunts(
     most = np.abs(lateral).max(axis=1)
     return np.asarray(
         (values.imag > LEAST_FREQUENCY)
+        & (most >= LEAST_DISPLACEMENT * np.abs(parts).max(axis=1))
         & (most > 0.0)
         & (most >= LEAST_PART * largest)
         & (sliding <= MOST_SLIDING * whole)
@@ -79,10 +83,10 @@ def frequency_of_hunting(
         Both of shape (speeds,); NaN where none of these modes hunts.
     """
     named = np.array([name.startswith("hunting") for name in names], dtype=np.bool_)
-    rates = np.where(hunting & named, values.real, -np.inf)
+    damping = np.where(hunting & named, -values.real / np.maximum(np.abs(values), 1e-30), np.inf)
     found = np.full(len(values), complex(np.nan, np.nan))
     if values.shape[1]:
-        best = rates.argmax(axis=1)
-        some = np.isfinite(rates.max(axis=1))
+        best = damping.argmin(axis=1)
+        some = np.isfinite(damping.min(axis=1))
         found[some] = values[some, best[some]]
     return np.abs(found.imag) / (2 * np.pi), -found.real / np.abs(found)

@@ -23,6 +23,9 @@ Matrix = NDArray[np.float64]
 HUNTING_SHARE = 0.2
 """Least share of the kinetic energy that a hunting mode has in the lateral motion of wheelsets, on average over speed."""
 
+HUNTING_SPEEDS = 0.9
+"""A mode that hunts at this part of the speeds is called so, whoever has the kinetic energy."""
+
 ONE_BOGIE_SHARE = 0.8
 """A bogie with more than this part of all bogies' energy names the mode alone: 'front bogie'."""
 
@@ -223,7 +226,8 @@ def _phase(front: Complex, rear: Complex) -> str:
 def _hunting(shapes: Shapes, mean: Matrix, who: Roles) -> dict[int, str]:
     """Mode -> name for the least damped modes in which wheelsets weave, one for each bogie (or one at all)."""
     lateral = wheelset_lateral_share(shapes.keys, mean) >= HUNTING_SHARE
-    weave = np.flatnonzero(lateral & shapes.hunting.any(axis=0))
+    # in slow hunting a heavy car body that sways along has most of the energy: there the motion itself decides
+    weave = np.flatnonzero((lateral & shapes.hunting.any(axis=0)) | (shapes.hunting.mean(axis=0) >= HUNTING_SPEEDS))
     order = sorted(weave, key=lambda m: -float(shapes.rates[:, m].mean()))
     if len(who.frames) != 2:
         return {int(m): "hunting" for m in order[:1]}
