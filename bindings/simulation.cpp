@@ -180,6 +180,14 @@ class Simulation {
     return d;
   }
 
+  /// (spells, total, longest, longest_from) of each contact.
+  std::vector<std::tuple<int, double, double, double>> contact_losses() const {
+    std::vector<std::tuple<int, double, double, double>> rows;
+    for (auto const& loss : dynamics().contact_losses())
+      rows.emplace_back(loss.spells, loss.total, loss.longest, loss.longest_from);
+    return rows;
+  }
+
   Dynamics& dynamics() { return driver_.plant(); }
   Dynamics const& dynamics() const { return driver_.plant(); }
   double time() const { return driver_.time(); }
@@ -246,6 +254,8 @@ void bind_simulation(nb::module_& m) {
       .def("search_along", &Simulation::search_along, "t"_a, "states"_a)
       .def("statistics", &Simulation::statistics)
       .def("counters", &Simulation::counters)
+      .def("contact_losses", &Simulation::contact_losses,
+           "Per contact: spells without contact; their sum, the longest and when it began [s].")
       .def_prop_ro("time", &Simulation::time)
       .def_prop_ro("state", &Simulation::state, nb::rv_policy::move)
       .def_prop_ro("width", &Simulation::width)

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -32,8 +32,11 @@ from rollerrig.mechatronics import (
     users_controllers,
 )
 from rollerrig.memory import available_memory
+from rollerrig.recording import SLICE, Recording, readings_per_sample
 from rollerrig.restraint import rolled_off
 from rollerrig.results import Outcome, add_energy_audit, add_termination, run_dataset
+from rollerrig.results.contact_loss import add_contact_losses, contact_loss_warning
+from rollerrig.results.readings import reading_columns, with_readings
 from rollerrig.starting_state import StartError, starting_state
 
 __all__ = [
@@ -99,30 +102,44 @@ def simulate(
     case = as_case(case)
     users = users_controllers(case, controllers or {})
     model = assemble_with_actuators(case) if case.sampled else assemble(case)
-    simulation = prepare(model, users, may_drift=may_drift)
-    times, rows = _allocate(case, simulation.width)
+    step = case.time.output_step / readings_per_sample(case)
+    simulation = prepare(model, users, may_drift=may_drift, output_step=step)
+    recording = _room(case, simulation.width, reading_columns(model))
     failure = ""
     try:
         code, _ = march(
             simulation,
             case.time.duration,
-            times,
-            rows,
+            recording.chunk_times,
+            recording.chunk,
             slice_length=case.time.output_step,
+            longest_slice=(SLICE - 2) * step if recording.every > 1 else math.inf,
             users=users,
-            report=progress and _reporter(case, rows, progress),
+            report=progress and _reporter(case, recording.chunk, progress),
+            after_slice=recording.sort,
         )
     except KeyboardInterrupt:
         code = _core.status_codes["interrupted"]
     except ControllerError as error:
         code, failure = _core.status_codes["controller_failed"], str(error)
-    filled = int(np.count_nonzero(np.isfinite(times)))  # also what the last slice wrote before it was cut off
-    run = run_dataset(model, times[:filled], rows[:filled], outcome(simulation, model, code, failure))
-    return _with_warnings(add_energy_audit(add_termination(run, model)))
+    recording.sort()  # also what the last slice wrote before it was cut off
+    filled, read = recording.filled, recording.read
+    run = run_dataset(
+        model, recording.times[:filled], recording.rows[:filled], outcome(simulation, model, code, failure)
+    )
+    run = with_readings(run, model, recording.reading_times[:read], recording.readings[:read])
+    spells = simulation.contact_losses()
+    names = [wheel.name for wheel in model.wheels]
+    run = add_contact_losses(add_termination(run, model), names, [spells[wheel.contact] for wheel in model.wheels])
+    return _with_warnings(add_energy_audit(run))
 
 
 def prepare(
-    model: AssembledModel, users: Mapping[str, UserController] | None = None, *, may_drift: bool = False
+    model: AssembledModel,
+    users: Mapping[str, UserController] | None = None,
+    *,
+    may_drift: bool = False,
+    output_step: float | None = None,
 ) -> _core.Simulation:
     """A simulation of a model with everything that acts on it, at its start.
 
@@ -130,6 +147,7 @@ def prepare(
         model: assembled with its actuators.
         users: the user's controllers, by table of the case.
         may_drift: also where nothing holds the vehicle along the track on its rollers.
+        output_step: interval of what it records [s]; None: that of the case.
 
     Raises:
         ConfigError: the fixed step is unstable, a disturbance moves what is locked, or nothing holds the vehicle on its rollers.
@@ -137,7 +155,7 @@ def prepare(
     """
     start = starting_state(_core.Simulation(model.start_core), model, may_drift=may_drift)
     simulation = _core.Simulation(model.core, mechatronic_setup(model, users))
-    begin(simulation, model, start)
+    begin(simulation, model, start, output_step=output_step)
     return simulation
 
 
@@ -148,6 +166,7 @@ def begin(
     *,
     start_time: float = 0.0,
     end_time: float | None = None,
+    output_step: float | None = None,
 ) -> None:
     """Prepare a simulation with the settings of the model's case.
 
@@ -157,6 +176,7 @@ def begin(
         state: state at the start.
         start_time: time at the start [s].
         end_time: which a step ends at exactly [s]; None: the duration of the case.
+        output_step: interval of what it records [s]; None: that of the case.
 
     Raises:
         ConfigError: the fixed step is beyond the stability limit of the method at the start.
@@ -172,7 +192,7 @@ def begin(
         initial_step=0.0 if own.fixed else own.step or 0.0,
         maximum_step=settings.maximum_step or math.inf,
         final_time=settings.duration if end_time is None else end_time,
-        output_step=settings.output_step,
+        output_step=settings.output_step if output_step is None else output_step,
         breakpoints=list(model.breakpoints),
         t0=start_time,
         x0=state,
@@ -227,7 +247,8 @@ def _with_warnings(run: xr.Dataset) -> xr.Dataset:
             f"energy balance open by {100 * run.attrs['energy_relative_residual']:.2g} % of the energy turned over: the "
             "integration missed something (an impact, a stiff contact); use a smaller step, tolerance or maximum_step"
         )
-    return run.assign_attrs(warnings="\n".join(warnings))
+    warnings.append(contact_loss_warning(run))
+    return run.assign_attrs(warnings="\n".join(filter(None, warnings)))
 
 
 # ---------------------------------------------------------------------------------------------------- integration
@@ -238,14 +259,14 @@ def sample_count(case: Case) -> int:
     return math.floor(case.time.duration / case.time.output_step * (1 + 1e-12) + 1e-9) + 1
 
 
-def _allocate(case: Case, width: int) -> tuple[Vector, Vector]:
-    """Room for all output times, taken once: a run needs no more memory at its end than at its start.
+def _room(case: Case, width: int, columns: Sequence[int]) -> Recording:
+    """Room for all output times and readings, taken once: a run needs no more memory at its end than at its start.
 
     Raises:
         ConfigError: the results, and the copy made when they are written, would not fit.
     """
-    count = sample_count(case)
-    needed, available = 2.0 * 8.0 * count * (width + 1), available_memory()
+    count, every = sample_count(case), readings_per_sample(case)
+    needed, available = 2.0 * 8.0 * Recording.size(count, width, every, len(columns)), available_memory()
     if needed > 0.9 * available:
         least = case.time.duration / (count * 0.9 * available / needed)
         allowed = (
@@ -253,7 +274,7 @@ def _allocate(case: Case, width: int) -> tuple[Vector, Vector]:
             f"{needed / 1e9:.1f} GB of memory, {available / 1e9:.1f} GB are available"
         )
         raise ConfigError([ConfigProblem(case.name, "time.output_step", f"{case.time.output_step:g}", allowed)])
-    return np.full(count, np.nan), np.empty((count, width))
+    return Recording(count, width, every, columns)
 
 
 def march(
@@ -263,9 +284,11 @@ def march(
     rows: Vector,
     *,
     slice_length: float,
+    longest_slice: float = math.inf,
     begin_at: float = 0.0,
     users: Mapping[str, UserController] | None = None,
     report: Callable[[float, int], None] | None = None,
+    after_slice: Callable[[], int] | None = None,
 ) -> tuple[int, int]:
     """Advance a simulation that has begun, in slices that last about 0.2 s of the clock.
 
@@ -275,9 +298,11 @@ def march(
         times: room for the output times, shape (time,).
         rows: and for what is recorded, shape (time, width).
         slice_length: of the first slice [s].
+        longest_slice: no slice is longer [s].
         begin_at: time at which the simulation stands [s].
         users: the user's controllers, asked at their instants.
         report: called after each slice with the time [s] and the number of rows.
+        after_slice: called then; it may take rows away, and returns how many are left.
 
     Returns:
         Code of the first status that is not ok, or of ok; and the rows filled.
@@ -296,8 +321,10 @@ def march(
         elapsed = time.perf_counter() - clock
         if code == ok and report is not None:
             report(at, filled)
+        if after_slice is not None:
+            filled = after_slice()
         if elapsed < 0.5 * _SLICE_SECONDS:
-            length *= 2.0
+            length = min(2.0 * length, longest_slice)
         elif elapsed > 2.0 * _SLICE_SECONDS:
             length = max(0.5 * length, 0.1 * slice_length)  # however slow the model is
     return code, filled

@@ -119,7 +119,7 @@ PYTHON_LAYERS = [
     {"splines", "input_files", "memory", "blas_threads"},
     {"profiles", "track", "irregularity"},
     {"config"},
-    {"core_struct"},
+    {"core_struct", "recording"},
     {"catalog"},
     {"cases"},
     {"contact_laws", "force_laws", "static_loads"},

@@ -64,6 +64,7 @@ constexpr Field wheel_table[] = {
     {"creep_power", "W", "power dissipated by creep forces"},
     {"contact_abscissa", "m", "EN abscissa S of the contact on the wheel profile, weighted mean"},
     {"rolling_radius", "m", "wheel radius at the contact, weighted mean"},
+    {"wear_number", "N", "heat of creep per metre: sum of its patches' wear numbers"},
     {"rail_lateral", "m", "irregularity of the rail, or of the roller that stands for it, to the left"},
     {"rail_vertical", "m", "the same upwards"},
 };
@@ -86,6 +87,7 @@ constexpr Field patch_table[] = {
     {"saturation", "1", "factor that reduces the linear creep force"},
     {"sliding_x", "m/s", "longitudinal sliding, wheel minus roller"},
     {"sliding_y", "m/s", "lateral sliding, positive to the left"},
+    {"wear_number", "N", "creep forces and moment times creepages: heat of creep per metre"},
 };
 
 constexpr Field element_table[] = {
@@ -152,7 +154,8 @@ void record_patch(Patch<double> const& p, double side, double* out) {
                         side * p.creep.spin_moment,
                         p.creep.saturation,
                         p.slip_longitudinal,
-                        side * p.slip_lateral};
+                        side * p.slip_lateral,
+                        p.wear_number()};
   static_assert(std::size(row) == std::size(patch_table));
   std::copy(std::begin(row), std::end(row), out);
 }
@@ -161,7 +164,7 @@ void record_wheel(Dynamics const& d, int wheel, double* out) {
   auto const& contact = d.model().contacts[static_cast<std::size_t>(wheel)];
   double const side = contact.right ? -1.0 : 1.0;
   int const n = d.patch_count(wheel);
-  double load = 0.0, creep = 0.0, moment = 0.0, power = 0.0;
+  double load = 0.0, creep = 0.0, moment = 0.0, power = 0.0, wear = 0.0;
   Vec3<double> force{};
   std::array<double, 7> mean{};
   for (int k = 0; k < n; ++k) {
@@ -172,6 +175,7 @@ void record_wheel(Dynamics const& d, int wheel, double* out) {
     creep += p.creep.longitudinal;
     moment += p.creep.spin_moment;
     power += p.creep_dissipation();
+    wear += p.wear_number();
     double const value[] = {p.slip_longitudinal,
                             side * p.slip_lateral,
                             p.creepage.longitudinal,
@@ -197,6 +201,7 @@ void record_wheel(Dynamics const& d, int wheel, double* out) {
                         power,
                         mean[5],
                         mean[6],
+                        wear,
                         d.work().offset[static_cast<std::size_t>(wheel)].y.value,
                         d.work().offset[static_cast<std::size_t>(wheel)].z.value};
   static_assert(std::size(row) == std::size(wheel_table));

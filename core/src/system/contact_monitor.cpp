@@ -16,13 +16,30 @@ bool is_off(UniformSpline const& profile, double abscissa, double edge) {
 
 }  // namespace
 
+void ContactLoss::add(double from, double to) {
+  ++spells;
+  total += to - from;
+  if (to - from <= longest) return;
+  longest = to - from;
+  longest_from = from;
+}
+
+std::vector<ContactLoss> ContactMonitor::losses() const {
+  auto all = losses_;
+  for (std::size_t i = 0; i < all.size(); ++i)
+    if (lost_since_[i] >= 0.0) all[i].add(lost_since_[i], checked_at_);
+  return all;
+}
+
 void ContactMonitor::reset() {
   counters_ = {};
   failed_contact_ = -1;
+  std::fill(losses_.begin(), losses_.end(), ContactLoss{});
   std::fill(lost_since_.begin(), lost_since_.end(), -1.0);
 }
 
 Status ContactMonitor::check(Model const& model, Evaluation const& evaluation, double t) {
+  checked_at_ = t;
   for (std::size_t i = 0; i < model.contacts.size(); ++i) {
     int const n = evaluation.patch_count[i];
     ++counters_.checked;
@@ -32,7 +49,8 @@ Status ContactMonitor::check(Model const& model, Evaluation const& evaluation, d
       ++counters_.lost;
       if (lost_since_[i] < 0.0) lost_since_[i] = t;
       if (t - lost_since_[i] > model.contact_loss_limit) return Status::contact_lost;
-    } else {
+    } else if (lost_since_[i] >= 0.0) {
+      losses_[i].add(lost_since_[i], t);
       lost_since_[i] = -1.0;
     }
     for (int k = 0; k < n; ++k)

@@ -12,7 +12,16 @@ import numpy as np
 import xarray as xr
 
 from rollerrig.analysis.ride import accelerations, ride, weighted_rms
-from rollerrig.analysis.wheel_rail_forces import QUOTIENT_LIMIT, STATISTICS, filtered, statistics, wheel_forces
+from rollerrig.analysis.track_sections import WHOLE_RUN, TrackSection, track_sections
+from rollerrig.analysis.wheel_rail_forces import (
+    QUOTIENT_LIMIT,
+    STATISTICS,
+    at_output_times,
+    filtered,
+    statistics,
+    wheel_forces,
+)
+from rollerrig.results.resolution import resolved
 
 QUANTITIES = (
     "guiding_force",
@@ -37,6 +46,7 @@ class Assessment:
         points: accelerations at points of the bodies, filtered where the run can be.
         unfiltered: the same, unfiltered.
         weighted: weighted r.m.s. accelerations; None where the run cannot be filtered.
+        sections: of the run, in their order.
         notes: why something is not filtered, a sentence each.
     """
 
@@ -45,24 +55,27 @@ class Assessment:
     points: xr.Dataset
     unfiltered: xr.Dataset
     weighted: xr.DataArray | None
+    sections: tuple[TrackSection, ...]
     notes: tuple[str, ...]
 
 
 @dataclass(frozen=True)
 class Row:
-    """One quantity at one place.
+    """One quantity at one place, in a section of the run or in all of it.
 
     Attributes:
         quantity: name of the variable; accelerations with their direction.
         place: wheel, wheelset or point.
+        section: name of the section, or WHOLE_RUN where a run has several.
         unit: of the statistics and the limit.
         filter: what was done to the signal before.
-        statistics: by the names of STATISTICS; NaN where none exists.
+        statistics: by the names of STATISTICS; NaN where none exists, as the quasi-static value of what is not constant.
         limit: of the quantity's magnitude; NaN if there is none.
     """
 
     quantity: str
     place: str
+    section: str
     unit: str
     filter: str
     statistics: dict[str, float]
@@ -83,7 +96,7 @@ def assess(run: xr.Dataset) -> Assessment:
     """
     notes: list[str] = []
     read, unfiltered = wheel_forces(run), accelerations(run)
-    points, assessed, weighted = unfiltered, read.drop_vars("patch_wear_number"), None
+    points, assessed, weighted = unfiltered, at_output_times(read), None
     try:
         assessed = filtered(read)
     except ValueError as cause:
@@ -93,27 +106,39 @@ def assess(run: xr.Dataset) -> Assessment:
             points, weighted = ride(unfiltered), weighted_rms(unfiltered)
         except ValueError as cause:
             notes.append(f"Accelerations are not filtered: {cause}.")
-    return Assessment(read, assessed, points, unfiltered, weighted, tuple(notes))
+    return Assessment(read, assessed, points, unfiltered, weighted, tuple(track_sections(run)), tuple(notes))
 
 
 def table(assessment: Assessment) -> list[Row]:
-    """All rows, wheels first, then wheelsets, then points of the bodies."""
+    """All rows, section by section; of each wheels first, then wheelsets, then points of the bodies.
+
+    A run of several sections comes first as a whole.
+    """
+    sections = list(assessment.sections)
+    if len(sections) > 1:
+        everywhere = np.ones(assessment.assessed.sizes["time"], dtype=bool)
+        sections.insert(0, TrackSection(WHOLE_RUN, False, everywhere))
+    return [row for section in sections for row in _rows(assessment, section)]
+
+
+def _rows(assessment: Assessment, section: TrackSection) -> list[Row]:
     rows = []
+    within = {"time": section.within}
     for name in QUANTITIES:
         values = assessment.assessed[name]
-        rows += [
-            Row(name, place, str(values.attrs["units"]), values.attrs.get("filter", UNFILTERED), numbers, limit)
-            for place, numbers, limit in _places(values, limits(assessment.assessed, name))
-        ]
+        done = values.attrs.get("filter", UNFILTERED)
+        for place, numbers, limit in _places(values.isel(within), limits(assessment.assessed, name)):
+            numbers = numbers if section.constant else numbers | {"quasi_static": math.nan}
+            rows.append(Row(name, place, section.name, str(values.attrs["units"]), done, numbers, limit))
     for direction in assessment.points["direction"].to_numpy():
-        rows += _acceleration_rows(assessment, str(direction))
+        rows += _acceleration_rows(assessment, str(direction), section)
     return rows
 
 
-def _acceleration_rows(assessment: Assessment, direction: str) -> list[Row]:
+def _acceleration_rows(assessment: Assessment, direction: str, section: TrackSection) -> list[Row]:
     """One direction at all points; a band pass takes the quasi-static value away, so that is the unfiltered signal's."""
     values, unfiltered = (
-        points["acceleration"].sel(direction=direction, drop=True)
+        points["acceleration"].sel(direction=direction, drop=True).isel(time=section.within)
         for points in (assessment.points, assessment.unfiltered)
     )
     filters = values.coords["filter"].to_numpy() if "filter" in values.coords else None
@@ -122,8 +147,9 @@ def _acceleration_rows(assessment: Assessment, direction: str) -> list[Row]:
         zip(_places(values, {}), _places(unfiltered, {}), strict=True)
     ):
         done = UNFILTERED if filters is None else str(filters[k])
-        numbers = numbers | {"quasi_static": before["quasi_static"]}
-        rows.append(Row(f"{direction}_acceleration", place, str(values.attrs["units"]), done, numbers, limit))
+        numbers = numbers | {"quasi_static": before["quasi_static"] if section.constant else math.nan}
+        unit = str(values.attrs["units"])
+        rows.append(Row(f"{direction}_acceleration", place, section.name, unit, done, numbers, limit))
     return rows
 
 
@@ -133,7 +159,8 @@ def limits(assessed: xr.Dataset, name: str) -> dict[str, float]:
     Of Y/Q the lower one of Nadal's and EN 14363's 0.8.
     """
     if name == "guiding_force_sum":
-        return {str(w): float(v) for w, v in zip(assessed["wheelset"], assessed[f"{name}_limit"], strict=True)}
+        by_wheelset = zip(assessed["wheelset"].to_numpy(), assessed[f"{name}_limit"].to_numpy(), strict=True)
+        return {str(wheelset): float(limit) for wheelset, limit in by_wheelset}
     if name == "derailment_quotient":
         lowest = float(np.fmin(assessed["nadal_limit"], QUOTIENT_LIMIT))
         return {str(w): lowest for w in assessed["wheel"].to_numpy()}
@@ -142,7 +169,7 @@ def limits(assessed: xr.Dataset, name: str) -> dict[str, float]:
 
 def _places(values: xr.DataArray, limit: dict[str, float]) -> list[tuple[str, dict[str, float], float]]:
     """Place, statistics and limit of a quantity over time and one other dimension."""
-    numbers = statistics(values).to_numpy()
+    numbers = resolved(statistics(values), str(values.attrs["units"]))
     (dim,) = (d for d in values.dims if d != "time")
     names = [str(name) for name in values[dim].to_numpy()]
     return [

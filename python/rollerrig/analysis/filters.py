@@ -68,7 +68,8 @@ def _filtered(signal: xr.DataArray, cutoff: float, kind: Literal["lowpass", "hig
     sections = butter(2, corner, kind, fs=rate, output="sos")
     axis = signal.get_axis_num("time")
     beyond = min(signal.sizes["time"] - 1, math.ceil(3 * rate / cutoff))  # mirrored beyond both ends
-    return signal.copy(data=sosfiltfilt(sections, signal.to_numpy(), axis=axis, padlen=beyond))
+    # Even: an odd continuation would take the last value, vibration and all, for the level beyond the end.
+    return signal.copy(data=sosfiltfilt(sections, signal.to_numpy(), axis=axis, padlen=beyond, padtype="even"))
 
 
 def sampling_rate(time: Series, cutoff: float) -> float:

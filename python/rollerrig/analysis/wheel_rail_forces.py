@@ -22,12 +22,15 @@ Source: EN 14363:2016; J. Nadal, Annales des Mines 10 (1896); A. Prud'homme, Rev
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
 from rollerrig.analysis.filters import low_pass, sliding_mean
+from rollerrig.recording import MOST_READINGS, READING_STEP
+from rollerrig.results.readings import DIMENSION, PREFIX, readings_of
 from rollerrig.results.run_info import RunInfo
 from rollerrig.track import nadal_limit
 
@@ -65,7 +68,9 @@ def wheel_forces(run: xr.Dataset, *, prudhomme_factor: float = PRUDHOMME_FACTOR)
     Returns:
         Over time and wheel: guiding_force Y, wheel_load Q [N], derailment_quotient Y/Q (NaN where unloaded),
         wheel_unloading (Q0 - Q)/Q0, wear_number Tγ [N]; over time, wheel and patch: patch_wear_number [N]; over time and
-        wheelset: guiding_force_sum ΣY [N]; over time: distance [m] (on a rig that of the rollers' surface).
+        wheelset: guiding_force_sum ΣY [N]; over time: distance [m] (on a rig that of the rollers' surface). The same but
+        for patches between the output times, over `reading_time` and with names that begin with `reading_`: what
+        `filtered` filters; absent where the run has no readings.
         Without time: static_wheel_load Q0 [N] per wheel, guiding_force_sum_limit [N] per wheelset, nadal_limit [-].
         Signs: see the module's text.
 
@@ -84,15 +89,13 @@ def wheel_forces(run: xr.Dataset, *, prudhomme_factor: float = PRUDHOMME_FACTOR)
     wheels = [str(wheel) for wheel in run["wheel"].to_numpy()]
     sides = xr.DataArray([1.0 if wheel.endswith("_left") else -1.0 for wheel in wheels], {"wheel": wheels}, "wheel")
     static = xr.DataArray([loads[wheel.rpartition("_")[0]] for wheel in wheels], {"wheel": wheels}, "wheel")
-    variables = _wheel_forces(run, sides, static) | _wear(run)
-    to_the_left = variables["guiding_force"] * sides
-    sums = [to_the_left.sel(wheel=[f"{name}_left", f"{name}_right"]).sum("wheel") for name in wheelsets]
-    variables["guiding_force_sum"] = _named(
-        xr.concat(sums, xr.DataArray(wheelsets, dims="wheelset", name="wheelset")).transpose("time", "wheelset"),
-        "N",
-        "sum of guiding forces ΣY on the track, positive to the left",
-    )
-    variables["distance"] = _named(run["distance"], "m", "distance run")
+    variables = _over_time(run, sides, static, wheelsets)
+    variables["patch_wear_number"] = run["patch_wear_number"]
+    readings = readings_of(run)
+    if readings is not None:
+        between = _over_time(readings, sides, static, wheelsets)
+        variables |= {f"{PREFIX}{name}": values.rename(time=DIMENSION) for name, values in between.items()}
+    variables["static_wheel_load"] = _named(static, "N", "static wheel load Q0")
     limits = [prudhomme_limit(loads[name], prudhomme_factor) for name in wheelsets]
     variables["guiding_force_sum_limit"] = _named(
         xr.DataArray(limits, {"wheelset": wheelsets}, "wheelset"), "N", "Prud'homme's limit of ΣY"
@@ -109,61 +112,84 @@ def wheel_forces(run: xr.Dataset, *, prudhomme_factor: float = PRUDHOMME_FACTOR)
     return xr.Dataset(variables, attrs=attributes)
 
 
-def _wheel_forces(run: xr.Dataset, sides: xr.DataArray, static: xr.DataArray) -> dict[str, xr.DataArray]:
-    guiding = -run["lateral_force"] * sides  # of the wheel on the rail, outwards; sides: left +1, right -1
-    load = run["vertical_force"]
+def _over_time(
+    run: xr.Dataset, sides: xr.DataArray, static: xr.DataArray, wheelsets: Sequence[str]
+) -> dict[str, xr.DataArray]:
+    """What changes along a run or its readings; sides: left +1, right -1."""
+    to_the_left = -run["lateral_force"]  # of the wheel on the rail
+    guiding, load = to_the_left * sides, run["vertical_force"]
+    sums = [to_the_left.sel(wheel=[f"{name}_left", f"{name}_right"]).sum("wheel") for name in wheelsets]
+    summed = xr.concat(sums, xr.DataArray(list(wheelsets), dims="wheelset", name="wheelset"))
     return {
         "guiding_force": _named(guiding, "N", "guiding force Y on the rail, positive outwards"),
         "wheel_load": _named(load, "N", "wheel load Q on the rail, positive downwards"),
         "derailment_quotient": _named((guiding / load).where(load > 0.0), "1", "Y/Q"),
         "wheel_unloading": _named(1.0 - load / static, "1", "wheel unloading (Q0 - Q)/Q0"),
-        "static_wheel_load": _named(static, "N", "static wheel load Q0"),
-    }
-
-
-def _wear(run: xr.Dataset) -> dict[str, xr.DataArray]:
-    patch = -(
-        run["patch_creep_force_x"] * run["patch_creepage_x"]
-        + run["patch_creep_force_y"] * run["patch_creepage_y"]
-        + run["patch_creep_moment"] * run["patch_creepage_spin"]
-    )
-    return {
-        "wear_number": _named(patch.sum("patch"), "N", "wear number Tγ of the wheel"),
-        "patch_wear_number": _named(patch, "N", "wear number Tγ of the patch"),
+        "guiding_force_sum": _named(
+            summed.transpose("time", "wheelset"), "N", "sum of guiding forces ΣY on the track, positive to the left"
+        ),
+        "wear_number": _named(run["wear_number"], "N", "wear number Tγ of the wheel"),
+        "distance": _named(run["distance"], "m", "distance run"),
     }
 
 
 def filtered(read: xr.Dataset) -> xr.Dataset:
-    """The forces as EN 14363 assesses them.
+    """The forces as EN 14363 assesses them, at the output times.
 
     Y, Q and the wear number: low pass 20 Hz. Y/Q and ΣY: low pass 20 Hz, then the sliding mean over 2 m, which is NaN
-    within 1 m of both ends. Wheel unloading is that of the filtered load.
+    within 1 m of both ends. Wheel unloading is that of the filtered load. Filtered are the readings between the output
+    times where the run has them.
 
     Args:
         read: what `wheel_forces` returns.
 
     Returns:
-        The same variables; each that changes over time says in its attribute `filter` what was done to it.
+        The same variables over `time`, without those of patches and readings; each says in its attribute `filter` what
+        was done to it.
 
     Raises:
-        ValueError: the run's output_step is too coarse, or the run too short.
+        ValueError: the steps of what is filtered are too coarse, or the run too short.
     """
-    kept, distance = read.drop_vars(["patch_wear_number"]), read["distance"]
-    out = {name: low_pass(kept[name], FORCE_CUTOFF) for name in ("guiding_force", "wheel_load", "wear_number")}
-    static, load = read["static_wheel_load"], out["wheel_load"]
-    out["wheel_unloading"] = read["wheel_unloading"].copy(data=1.0 - load / static)
-    for values in out.values():
-        values.attrs["filter"] = f"{FORCE_CUTOFF:g} Hz"
-    quotient = read["derailment_quotient"].copy(data=(out["guiding_force"] / load).where(load > 0.0))
-    forces = low_pass(read["guiding_force_sum"], FORCE_CUTOFF)
-    for name, values in (("derailment_quotient", quotient), ("guiding_force_sum", forces)):
-        out[name] = sliding_mean(values, distance)
-        out[name].attrs["filter"] = f"{FORCE_CUTOFF:g} Hz, mean over 2 m"
-    return kept.assign(out)
+    dense, kept = unfiltered(read), at_output_times(read)
+    if (
+        kept.sizes["time"] == dense.sizes["time"] > 1
+        and float(np.diff(kept["time"][:2])[0]) > MOST_READINGS * READING_STEP
+    ):
+        raise ValueError(
+            f"they are filtered from readings between the outputs, which a run has with an output_step of at most "
+            f"{1e3 * MOST_READINGS * READING_STEP:g} ms"
+        )
+    names = ("guiding_force", "wheel_load", "wear_number", "guiding_force_sum")
+    through = {name: low_pass(dense[name], FORCE_CUTOFF) for name in names}
+    load = through["wheel_load"]
+    through["wheel_unloading"] = dense["wheel_unloading"].copy(data=1.0 - load / read["static_wheel_load"])
+    quotient = (through["guiding_force"] / load).where(load > 0.0)
+    through["derailment_quotient"] = dense["derailment_quotient"].copy(data=quotient)
+    for name, values in through.items():
+        done = f"{FORCE_CUTOFF:g} Hz"
+        if name in ("derailment_quotient", "guiding_force_sum"):
+            values, done = sliding_mean(values, dense["distance"]), f"{done}, mean over 2 m"
+        through[name] = values.sel(time=kept["time"]).assign_attrs(filter=done)
+    return kept.assign(through)
+
+
+def at_output_times(read: xr.Dataset) -> xr.Dataset:
+    """What `wheel_forces` returns, of wheels and wheelsets at the output times only."""
+    others = [str(name) for name in read.variables if str(name).startswith(PREFIX)]
+    return read.drop_vars(["patch_wear_number", *others])
+
+
+def unfiltered(read: xr.Dataset) -> xr.Dataset:
+    """What `wheel_forces` returns, of wheels and wheelsets, over the times of the readings where the run has them."""
+    if f"{PREFIX}distance" not in read:
+        return at_output_times(read)
+    between = [str(name) for name in read.data_vars if str(name).startswith(PREFIX)]
+    whole = read[between].rename({name: name.removeprefix(PREFIX) for name in between} | {DIMENSION: "time"})
+    return at_output_times(read).drop_dims("time").merge(whole).assign_attrs(read.attrs)
 
 
 STATISTICS = {
-    "quasi_static": "median over time",
+    "quasi_static": "median over a section of constant curvature, cant and speed",
     "percentile_0_15": "0.15 % of the values are smaller",
     "percentile_99_85": "99.85 % of the values are smaller",
     "rms": "root mean square, about zero",

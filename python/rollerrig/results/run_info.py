@@ -19,6 +19,7 @@ from rollerrig.assembly import AssembledModel
 from rollerrig.cases import ACTUATORS
 from rollerrig.config import Case, Rig, ScaledFrom
 from rollerrig.profiles import flange_angle
+from rollerrig.track import Segment
 
 ATTRIBUTE = "run_info"
 
@@ -38,6 +39,23 @@ class LowerBody:
 
     body: str
     height: float = _in("m")
+
+
+@dataclass(frozen=True)
+class TrackSegment:
+    """A piece of the line, as it was laid.
+
+    Attributes:
+        kind: what it is.
+        start: distance at which it begins [m].
+        end: and at which it ends [m].
+        curvature: of a straight or a curve, positive to the left; 0 for a transition [1/m].
+    """
+
+    kind: Literal["straight", "transition", "curve"]
+    start: float = _in("m")
+    end: float = _in("m")
+    curvature: float = _in("1/m")
 
 
 @dataclass(frozen=True)
@@ -80,6 +98,7 @@ class RunInfo:
         roller_radius: at the crown [m]; None on track.
         friction: coefficient of friction of the contacts [-].
         flange_angle: steepest slope of the wheel profile towards the flange [rad].
+        segments: of the line, in the order of the run; empty on a straight track without segments and on a rig.
     """
 
     case: str
@@ -98,6 +117,7 @@ class RunInfo:
     roller_radius: float | None = _in("m")
     friction: float = _in("1")
     flange_angle: float = _in("rad")
+    segments: tuple[TrackSegment, ...] = ()
 
     @classmethod
     def of(cls, results: xr.Dataset) -> RunInfo:
@@ -166,7 +186,13 @@ def describe(model: AssembledModel) -> RunInfo:
         roller_radius=support.roller_radius if isinstance(support, Rig) else None,
         friction=case.contact.friction.mu_0,
         flange_angle=flange_angle(model.wheel_profile),
+        segments=() if model.line is None else tuple(_segment(segment) for segment in model.line.segments),
     )
+
+
+def _segment(segment: Segment) -> TrackSegment:
+    curvature = 0.0 if segment.kind == "transition" else segment.curvature[0]
+    return TrackSegment(segment.kind, segment.start, segment.end, curvature)
 
 
 def _body(model: AssembledModel, name: str) -> BodyInfo:

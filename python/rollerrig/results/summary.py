@@ -9,7 +9,12 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from rollerrig.results.contact_loss import ContactLoss, contact_losses
+from rollerrig.results.readings import readings_of
+from rollerrig.results.resolution import resolved
 from rollerrig.results.run_info import RunInfo
+
+Numbers = NDArray[np.float64]
 
 
 def summarise(run: xr.Dataset) -> dict[str, Any]:
@@ -31,7 +36,7 @@ def summarise(run: xr.Dataset) -> dict[str, Any]:
         "energy_relative_residual": attributes["energy_relative_residual"],
         "warnings": attributes["warnings"],
         "bodies": {body: _body(run.sel(body=body)) for body in RunInfo.of(run).moving},
-        "wheels": {str(wheel): _wheel(run.sel(wheel=wheel)) for wheel in run["wheel"].to_numpy()},
+        "wheels": _wheels(run),
         "solver": json.loads(attributes["solver_statistics"]),
         "contact": json.loads(attributes["contact_counters"]),
         "rollerrig_version": attributes["rollerrig_version"],
@@ -39,33 +44,47 @@ def summarise(run: xr.Dataset) -> dict[str, Any]:
 
 
 def _body(run: xr.Dataset) -> dict[str, float | None]:
-    lateral = 1e3 * run["lateral"].to_numpy()
+    lateral = 1e3 * _resolved(run["lateral"])
     tail = lateral[-max(1, len(lateral) // 10) :]
     return {
         "lateral_largest_mm": _largest(lateral),
         "lateral_end_mm": _number(lateral[-1:]),
         "lateral_last_tenth_mm": _largest(tail),
-        "yaw_largest_mrad": _largest(1e3 * run["yaw"].to_numpy()),
+        "yaw_largest_mrad": _largest(1e3 * _resolved(run["yaw"])),
     }
 
 
-def _wheel(run: xr.Dataset) -> dict[str, float | int | None]:
-    q, y = run["vertical_force"].to_numpy(), run["lateral_force"].to_numpy()
+def _wheels(run: xr.Dataset) -> dict[str, dict[str, float | int | None]]:
+    """Forces as they were computed, at every reading; what is assessed goes through filters first."""
+    readings = readings_of(run)
+    dense = run if readings is None else readings
+    lost = {loss.wheel: loss for loss in contact_losses(run)}
+    return {
+        wheel: _wheel(run.sel(wheel=wheel), dense.sel(wheel=wheel), lost.get(wheel))
+        for wheel in map(str, run["wheel"].to_numpy())
+    }
+
+
+def _wheel(run: xr.Dataset, dense: xr.Dataset, loss: ContactLoss | None) -> dict[str, float | int | None]:
+    q, y = dense["vertical_force"].to_numpy(), _resolved(dense["lateral_force"])
     loaded = q > 0
-    sliding = run["longitudinal_sliding"].to_numpy()
+    sliding = _resolved(run["longitudinal_sliding"])
     return {
         "vertical_force_start_n": _number(q[:1]),
         "vertical_force_end_n": _number(q[-1:]),
-        "vertical_force_least_n": _least(q),
-        "lateral_force_largest_n": _largest(y),
-        "derailment_quotient_largest": _largest(y[loaded] / q[loaded]),
+        "vertical_force_least_raw_n": _least(q),
+        "lateral_force_largest_raw_n": _largest(y),
+        "derailment_quotient_largest_raw": _largest(y[loaded] / q[loaded]),
         "longitudinal_sliding_largest_mps": _largest(sliding),
         "longitudinal_sliding_end_mps": _number(sliding[-1:]),
         "samples_with_several_patches": int(np.count_nonzero(run["patch_count"].to_numpy() > 1)),
+        "without_contact_s": loss.total_s if loss else 0.0,
+        "without_contact_longest_s": loss.longest_s if loss else 0.0,
     }
 
 
-Numbers = NDArray[np.float64]
+def _resolved(signal: xr.DataArray) -> Numbers:
+    return resolved(signal, str(signal.attrs["units"]))
 
 
 def _largest(values: Numbers) -> float | None:

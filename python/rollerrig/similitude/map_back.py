@@ -56,7 +56,7 @@ def _mapped(variable: xr.Variable, factors: Similitude) -> xr.Variable:
 
 def _attribute(key: str, value: Any, factors: Similitude) -> Any:
     """An attribute, JSON included, mapped by the unit in its name."""
-    if isinstance(value, str) and value[:1] in "[{" and key in ("crossings", "diverging"):
+    if isinstance(value, str) and value[:1] in "[{" and key in ("crossings", "diverging", "contact_losses"):
         return json.dumps(_inside(json.loads(value), factors))
     return _number(key, value, factors)
 

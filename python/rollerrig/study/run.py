@@ -50,12 +50,17 @@ BODIES = (
 WHEELS = (
     Quantity("wheels.*.vertical_force_start_n", "vertical contact force Q at the first output time", "N", "Q at start"),
     Quantity("wheels.*.vertical_force_end_n", "vertical contact force Q at the last output time", "N", "Q at end"),
-    Quantity("wheels.*.vertical_force_least_n", "smallest vertical contact force Q", "N", "least Q"),
-    Quantity("wheels.*.lateral_force_largest_n", "largest lateral contact force |Y|", "N", "largest Y"),
-    Quantity("wheels.*.derailment_quotient_largest", "largest |Y|/Q while Q > 0", "1", "largest Y/Q"),
+    Quantity("wheels.*.wheel_load_least_n", "smallest Q through 20 Hz; null: cannot be filtered", "N", "least Q"),
+    Quantity("wheels.*.guiding_force_largest_n", "largest |Y| through 20 Hz; null: cannot be filtered", "N", "largest Y"),
+    Quantity("wheels.*.derailment_quotient_largest", "largest |Y/Q|, 20 Hz, 2 m mean; null: not filtered", "1", "largest Y/Q"),
+    Quantity("wheels.*.vertical_force_least_raw_n", "smallest Q, unfiltered", "N", "least Q, raw"),
+    Quantity("wheels.*.lateral_force_largest_raw_n", "largest |Y|, unfiltered", "N", "largest Y, raw"),
+    Quantity("wheels.*.derailment_quotient_largest_raw", "largest |Y|/Q while Q > 0, unfiltered", "1", "largest Y/Q, raw"),
     Quantity("wheels.*.longitudinal_sliding_largest_mps", "largest longitudinal sliding speed", "m/s", "largest sliding"),
     Quantity("wheels.*.longitudinal_sliding_end_mps", "the same at the last output time", "m/s", "sliding at end"),
     Quantity("wheels.*.samples_with_several_patches", "output times with several patches", "", "samples in several patches"),
+    Quantity("wheels.*.without_contact_s", "time without contact", "s", "without contact"),
+    Quantity("wheels.*.without_contact_longest_s", "its longest spell", "s", "longest without"),
 )  # fmt: skip
 CONTACT = (
     Quantity("contact.checked", "wheels looked at: accepted steps times wheels"),
@@ -118,7 +123,10 @@ class RunStudy(Study[Results]):
         return [results.run.attrs["status"]]
 
     def numbers(self, results: Results) -> dict[str, Any]:
-        return {**summarise(results.run), **running_safety.numbers(results.assessment, results.rows)}
+        found = summarise(results.run)
+        for wheel, numbers in running_safety.wheel_numbers(results.assessment).items():
+            found["wheels"][wheel] |= numbers
+        return {**found, **running_safety.numbers(results.assessment, results.rows)}
 
     def summary(self, results: Results, numbers: Numbers) -> list[str]:
         lines = [f"{numbers['case']}: {numbers['stopped_at_s']:g} s computed. {numbers['status_message']}"]

@@ -9,20 +9,23 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
+import numpy as np
 import xarray as xr
 
 from rollerrig.analysis.assessment import Assessment, Row
-from rollerrig.analysis.wheel_rail_forces import QUOTIENT_LIMIT, STATISTICS
+from rollerrig.analysis.wheel_rail_forces import QUOTIENT_LIMIT, STATISTICS, unfiltered
 from rollerrig.plot.wheel_rail_forces import accelerations_along, quotient, track_shifting, wear, wheel_forces
+from rollerrig.results.resolution import resolved
 from rollerrig.study.quantities import Quantities, Quantity
 from rollerrig.study.report import Picture, Section, Table, Text
+from rollerrig.wording import number
 
 QUANTITIES = Quantities(
     Quantity("running_safety.*.*.unit", "unit of the numbers of a quantity at a wheel, wheelset or point; 1: none"),
     Quantity("running_safety.*.*.filter", "low or band pass, mean over 2 m of distance; 'none': unfiltered"),
-    [Quantity(f"running_safety.*.*.{name}", meaning) for name, meaning in STATISTICS.items()],
+    [Quantity(f"running_safety.*.*.sections.*.{name}", meaning) for name, meaning in STATISTICS.items()],
     Quantity("running_safety.*.*.limit", "of the magnitude: Prud'homme's of ΣY, the lower of Nadal's and 0.8 of Y/Q; null: none"),
-    Quantity("running_safety.*.*.part_of_limit", "larger magnitude of the two percentiles over the limit; null: no limit", "1"),
+    Quantity("running_safety.*.*.sections.*.part_of_limit", "larger outer percentile over the limit; null: none", "1"),
     Quantity("running_safety_notes", "why a signal is not filtered, a sentence each"),
     Quantity("nadal_limit", "(tan δ - μ) / (1 + μ tan δ), δ the steepest flange angle; null: friction suffices", "1"),
     Quantity("flange_angle_deg", "steepest slope of the wheel profile towards the flange", "°"),
@@ -49,26 +52,37 @@ SIGNS = (
 )
 
 
+QUASI_STATIC = (
+    "Quasi-static values are medians in sections of constant curvature, cant and speed; a vehicle is in a section while all its "
+    "wheelsets are. Test zones are those of EN 14363 by the radius."
+)
+
+
 def csv_rows(rows: Sequence[Row]) -> list[list[object]]:
     """running_safety.csv, header first."""
-    header: list[object] = ["quantity", "place", "unit", "filter", *STATISTICS, "limit", "part_of_limit"]
+    header: list[object] = ["quantity", "place", "section", "unit", "filter", *STATISTICS, "limit", "part_of_limit"]
     return [header] + [
-        [row.quantity, row.place, row.unit, row.filter, *row.statistics.values(), row.limit, row.part_of_limit]
+        [
+            row.quantity,
+            row.place,
+            row.section,
+            row.unit,
+            row.filter,
+            *row.statistics.values(),
+            row.limit,
+            row.part_of_limit,
+        ]
         for row in rows
     ]
 
 
 def numbers(assessment: Assessment, rows: Sequence[Row]) -> dict[str, Any]:
     """The numbers under the keys of QUANTITIES."""
-    found: dict[str, dict[str, dict[str, object]]] = {}
+    found: dict[str, dict[str, dict[str, Any]]] = {}
     for row in rows:
-        found.setdefault(row.quantity, {})[row.place] = {
-            "unit": row.unit,
-            "filter": row.filter,
-            **row.statistics,
-            "limit": row.limit,
-            "part_of_limit": row.part_of_limit,
-        }
+        general = {"unit": row.unit, "filter": row.filter, "limit": row.limit, "sections": {}}
+        place = found.setdefault(row.quantity, {}).setdefault(row.place, general)
+        place["sections"][row.section] = {**row.statistics, "part_of_limit": row.part_of_limit}
     forces = assessment.forces
     distance = forces["distance"].to_numpy()
     return {
@@ -79,6 +93,28 @@ def numbers(assessment: Assessment, rows: Sequence[Row]) -> dict[str, Any]:
         "distance_m": float(distance[-1]) if len(distance) else None,
         "weighted_acceleration": _weighted(assessment),
     }
+
+
+LARGEST_OF_WHEELS = {
+    "wheel_load": ("wheel_load_least_n", "smallest"),
+    "guiding_force": ("guiding_force_largest_n", "largest"),
+    "derailment_quotient": ("derailment_quotient_largest", "largest"),
+}
+"""Quantity -> key of a wheel's number in the summary, and which extreme of the whole run it is."""
+
+
+def wheel_numbers(assessment: Assessment) -> dict[str, dict[str, float | None]]:
+    """Wheel -> extremes of its filtered forces, by the keys of LARGEST_OF_WHEELS; None where they cannot be filtered."""
+    found: dict[str, dict[str, float | None]] = {}
+    for name, (key, which) in LARGEST_OF_WHEELS.items():
+        values = assessment.assessed[name]
+        for wheel in map(str, values["wheel"].to_numpy()):
+            one = values.sel(wheel=wheel).to_numpy()
+            known = one[np.isfinite(one)] if "filter" in values.attrs else one[:0]
+            extreme = (known.min() if which == "smallest" else np.abs(known).max()) if known.size else None
+            number = None if extreme is None else float(resolved(extreme, str(values.attrs["units"])))
+            found.setdefault(wheel, {})[key] = number
+    return found
 
 
 def _weighted(assessment: Assessment) -> dict[str, dict[str, float]] | None:
@@ -101,8 +137,11 @@ def sections(assessment: Assessment, rows: Sequence[Row], along: xr.DataArray) -
         rows: its table.
         along: time or distance to draw over; with fewer than two samples nothing is drawn.
     """
-    notes = [Text(note) for note in assessment.notes]
-    found = [Section("Wheel-rail forces and running safety", [_most_critical(rows), Text(SIGNS), *notes])]
+    notes = [Text(note) for note in (*assessment.notes, *vibrations(assessment))]
+    by_section = {row.section: [other for other in rows if other.section == row.section] for row in rows}
+    tables = [_most_critical(some, name if len(by_section) > 1 else "") for name, some in by_section.items()]
+    texts = [Text(SIGNS), Text(QUASI_STATIC), *notes]
+    found = [Section("Wheel-rail forces and running safety", [*tables, *texts])]
     if along.sizes["time"] < 2:
         return found
     forces = assessment.assessed
@@ -127,7 +166,37 @@ def sections(assessment: Assessment, rows: Sequence[Row], along: xr.DataArray) -
     ]
 
 
-def _most_critical(rows: Sequence[Row]) -> Table:
+VIBRATING = 0.1
+"""Of the static wheel load: the report speaks of a larger r.m.s. of what the filter takes away."""
+
+
+def vibrations(assessment: Assessment) -> list[str]:
+    """A sentence on what the filter takes away from the wheel loads, where that is much; else nothing.
+
+    A wheelset on the springs of its contacts vibrates at 100 to 300 Hz, hardly damped on a rigid rail or roller. Jumps of the
+    force, as where Hertz patches come and go, and short waves excite it.
+    """
+    assessed, raw = assessment.assessed["wheel_load"], unfiltered(assessment.forces)["wheel_load"]
+    if "filter" not in assessed.attrs:
+        return []
+    part = ((raw.std("time") ** 2 - assessed.std("time") ** 2).clip(min=0.0) ** 0.5) / assessment.forces[
+        "static_wheel_load"
+    ]
+    if not bool((part > VIBRATING).any()):
+        return []
+    wheel = str(part["wheel"].to_numpy()[int(part.to_numpy().argmax())])
+    least = float(raw.min()) <= 0.0
+    return [
+        f"Above the filter the wheel loads vibrate by up to {number(100 * float(part.max()), 2)} % of the static load (r.m.s., "
+        f"{wheel.replace('_', ' ')})"
+        + (", until wheels are unloaded for moments" if least else "")
+        + ": wheelsets on the springs of "
+        "their contacts, which nothing damps on rigid rails or rollers, struck by irregularities and by jumps between contact "
+        "patches. The filtered forces are free of it."
+    ]
+
+
+def _most_critical(rows: Sequence[Row], caption: str = "") -> Table:
     """The place with the largest outer percentile, of each quantity and filter."""
     worst: dict[tuple[str, str], Row] = {}
     for row in rows:
@@ -142,7 +211,7 @@ def _most_critical(rows: Sequence[Row]) -> Table:
         part = Quantity("", "", digits=3).cell(100.0 * row.part_of_limit)
         lines.append([quantity.heading, row.filter, row.place.replace("_", " "), *cells, part])
     header = ("", "filter", "at", "quasi-static", "0.15 %", "99.85 %", "r.m.s.", "limit", "of it [%]")
-    return Table(header, lines)
+    return Table(header, lines, caption)
 
 
 def _outer(row: Row) -> float:

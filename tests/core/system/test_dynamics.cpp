@@ -222,6 +222,33 @@ TEST_CASE("a wheelset lifted off its rollers is reported lost after the limit, w
   CHECK(dynamics.accept(0.3, x.data()) == Status::ok);
 }
 
+TEST_CASE("spells without contact are kept per wheel: how many, how long, and when the longest began") {
+  auto const model = wheelset_model({.lateral_spring = 0.0});
+  Dynamics dynamics(model);
+  auto const down = solve_equilibrium(dynamics, 20.0, 0.0).x;
+  auto up = down;
+  up[static_cast<std::size_t>(dynamics.map().coordinate[0][coord_z])] = 5e-3;
+  dynamics.reset_run();
+  for (auto const& [t, lifted] : {std::pair{0.0, false},
+                                  {0.1, true},
+                                  {0.2, true},
+                                  {0.25, false},
+                                  {0.3, true},
+                                  {0.33, true},
+                                  {0.34, false},
+                                  {0.4, true},
+                                  {0.45, true}})
+    CHECK(dynamics.accept(t, (lifted ? up : down).data()) == Status::ok);
+  for (auto const& loss : dynamics.contact_losses()) {
+    CHECK(loss.spells == 3);
+    CHECK(loss.total == doctest::Approx(0.15 + 0.04 + 0.05));  // the last one goes on
+    CHECK(loss.longest == doctest::Approx(0.15));
+    CHECK(loss.longest_from == doctest::Approx(0.1));
+  }
+  dynamics.reset_run();
+  CHECK(dynamics.contact_losses()[0].spells == 0);
+}
+
 TEST_CASE("a wheel is off its profile at the end of the rail's flank, and derailed with its flange tip on the head") {
   auto const model = wheelset_model({});
   Dynamics dynamics(model);

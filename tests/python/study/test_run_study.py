@@ -44,7 +44,7 @@ def test_running_safety_is_the_same_in_all_files(outcome: Outcome[Results], fold
     with (folder / "running_safety.csv").open() as file:
         rows = list(csv.DictReader(file))
     load = next(row for row in rows if (row["quantity"], row["place"]) == ("wheel_load", "wheelset_3_left"))
-    number = outcome.numbers["running_safety"]["wheel_load"]["wheelset_3_left"]["quasi_static"]
+    number = outcome.numbers["running_safety"]["wheel_load"]["wheelset_3_left"]["sections"]["straight"]["quasi_static"]
     assert float(load["quasi_static"]) == pytest.approx(number, rel=1e-8)  # nine digits
     assert load["limit"] == ""
     assert "a filter at 0.4 Hz needs a run of at least 2.5 s" in outcome.numbers["running_safety_notes"][-1]

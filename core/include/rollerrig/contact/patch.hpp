@@ -66,6 +66,12 @@ struct Patch : NormalPatch<T> {
     return -(creep.longitudinal * slip_longitudinal + creep.lateral * slip_lateral + creep.spin_moment * spin_rate);
   }
 
+  /// T gamma: heat of creep per metre [N]. docs/theory/wheel_rail_forces.md, (R3)
+  T wear_number() const {
+    return -(creep.longitudinal * creepage.longitudinal + creep.lateral * creepage.lateral +
+             creep.spin_moment * creepage.spin);
+  }
+
   /// Multiplies every force by the patch's blending weight.
   void apply_weight() {
     T const& w = this->weight;

@@ -19,21 +19,36 @@ struct ContactCounters {
   long checked{0};               ///< wheels looked at
 };
 
+/// When a wheel was without contact, between the accepted steps that first saw it lost and found again.
+struct ContactLoss {
+  int spells{0};
+  double total{0.0};         ///< [s]
+  double longest{0.0};       ///< spell [s]
+  double longest_from{0.0};  ///< when it began [s]
+
+  void add(double from, double to);
+};
+
 class ContactMonitor {
  public:
-  explicit ContactMonitor(Model const& model) : lost_since_(model.contacts.size(), -1.0) {}
+  explicit ContactMonitor(Model const& model)
+      : lost_since_(model.contacts.size(), -1.0), losses_(model.contacts.size()) {}
 
   void reset();
   Status check(Model const& model, Evaluation const& evaluation, double t);
 
   ContactCounters const& counters() const { return counters_; }
+  /// Per contact; a spell that lasts ends at the last check.
+  std::vector<ContactLoss> losses() const;
   /// The contact that made the last check() fail; -1: none did.
   int failed_contact() const { return failed_contact_; }
 
  private:
   Status check_patch(Model const& model, Evaluation const& evaluation, int contact, int k);
 
-  std::vector<double> lost_since_;  ///< per contact [s]; -1: it is there
+  std::vector<double> lost_since_;   ///< per contact [s]; -1: it is there
+  std::vector<ContactLoss> losses_;  ///< of spells that have ended
+  double checked_at_{0.0};           ///< [s]
   ContactCounters counters_;
   int failed_contact_{-1};
 };

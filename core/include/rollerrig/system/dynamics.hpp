@@ -50,6 +50,7 @@ class Dynamics {
 
   void reset_run() { monitor_.reset(); }
   ContactCounters const& counters() const { return monitor_.counters(); }
+  std::vector<ContactLoss> contact_losses() const { return monitor_.losses(); }
   int failed_contact() const { return monitor_.failed_contact(); }
 
   bool exhaustive_search() const { return evaluation_.exhaustive_search; }
