@@ -79,9 +79,12 @@ def show_value(value: object) -> str:
 
 
 def nearest(word: object, choices: Sequence[str]) -> str:
-    """The choice that ``word`` was probably meant to be, or ""."""
-    matches = get_close_matches(str(word), choices, n=1, cutoff=0.6) if isinstance(word, str) else []
-    return matches[0] if matches else ""
+    """The choice that ``word`` was probably meant to be, in capitals or not, or ""."""
+    if not isinstance(word, str):
+        return ""
+    lower = {choice.lower(): choice for choice in reversed(choices)}
+    matches = get_close_matches(word.lower(), lower, n=1, cutoff=0.6)
+    return lower[matches[0]] if matches else ""
 
 
 def one_of(choices: Iterable[str]) -> str:

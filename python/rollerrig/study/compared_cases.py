@@ -54,7 +54,12 @@ def compared_cases(
 def _base(source: str, allow_code: bool) -> Case | Vehicle:
     names = (*catalog_names("vehicle"), *catalog_names("case"))
     needed = "needed: a vehicle or a case, of the catalogue or a TOML file"
-    if not Path(source).exists() and not any(source in catalog_names(kind) for kind in _KINDS):
+    written_as_a_file = source.endswith(".toml") or "/" in source
+    if (
+        not written_as_a_file
+        and not Path(source).exists()
+        and not any(source in catalog_names(kind) for kind in _KINDS)
+    ):
         allowed = f"{needed}; the catalogue has the vehicles {', '.join(catalog_names('vehicle'))} and the cases "
         allowed += ", ".join(catalog_names("case"))
         raise ConfigError([ConfigProblem(source, "", "no such file", allowed, nearest(source, names))])

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 import typer
 
-from rollerrig.cli.ranges import read_range
+from rollerrig.cli.ranges import read_range, read_speeds
 
 
 @pytest.mark.parametrize(
@@ -49,3 +49,17 @@ def test_decimal_steps_are_exact() -> None:
 def test_mistakes(text: str, message: str) -> None:
     with pytest.raises(typer.BadParameter, match=message):
         read_range(text, "--x")
+
+
+@pytest.mark.parametrize(
+    ("text", "meant"),
+    [("60-100", "60:100:4"), ("60..100", "60:100:4"), ("0.5 - 1", "0.5:1:0.05"), ("60 to 100", "60:100:4")],
+)
+def test_a_range_with_a_dash_is_told_how_it_is_written(text: str, meant: str) -> None:
+    with pytest.raises(typer.BadParameter, match=f"did you mean {meant}"):
+        read_range(text, "--speeds-kmh")
+
+
+def test_a_speed_beyond_all_trains_is_refused() -> None:
+    with pytest.raises(typer.BadParameter, match="goes to 6000 km/h; allowed: up to 720 km/h"):
+        read_speeds("60,6000")

@@ -78,8 +78,7 @@ PRIMARY = 'between = ["front_frame", "wheelset_1"]\npoint = [10.78, 1.0, 0.46]'
          "uic60_track; "
          "did you mean 'full_scale_rig'?"),
         ("case", 'material = "steel"', 'material = "my/steel.toml"',
-         "case.toml: contact.material: 'my/steel.toml'; no such file; allowed: a TOML file, or a material of the "
-         "catalogue: paper, steel, steel_contact_benchmark; did you mean 'steel'?"),
+         "case.toml: contact.material: 'my/steel.toml'; no such file; there is no folder 'my'"),
         # names
         ("case", 'cut = "leading_bogie"', 'cut = "leading_bogy"',
          "case.toml: vehicle.cut: 'leading_bogy'; allowed: vehicle, leading_bogie, leading_wheelset; "
@@ -199,8 +198,21 @@ def test_what_is_no_case_is_told_as_what_it_is(folder: Path, name: str, kind: st
 
 def test_a_missing_case_names_the_nearest(folder: Path) -> None:
     line = line_of("bogie_rollers_rmp.toml")
-    assert line.startswith("bogie_rollers_rmp.toml: no such file; allowed: a TOML file, or a case of the catalogue: ")
-    assert line.endswith("; did you mean 'bogie_rollers_ramp'?")
+    assert line == (
+        "bogie_rollers_rmp.toml: no such file; allowed: a TOML file that exists, or a case that `rollerrig catalog` lists; did "
+        "you mean 'bogie_rollers_ramp'?"
+    )
+    assert "a case of the catalogue: adhesion_brake, " in line_of("bogie_rollers_rmp")
+
+
+def test_a_missing_file_names_the_nearest_beside_it(folder: Path) -> None:
+    (folder / "sub").mkdir()
+    (folder / "sub" / "my_case.toml").write_text("")
+    assert line_of("sub/mycase.toml").endswith("`rollerrig catalog` lists; did you mean 'sub/my_case.toml'?")
+    assert line_of("x.toml") == (
+        "x.toml: no such file; allowed: a TOML file that exists, or a case that `rollerrig catalog` lists"
+    )
+    assert line_of("sab/my_case.toml") == "sab/my_case.toml: no such file; there is no folder 'sab'"
 
 
 def test_a_file_that_cannot_be_read_says_so(folder: Path) -> None:
@@ -253,12 +265,11 @@ def test_a_damper_may_not_feed_energy(mistakes_of: MistakesOf) -> None:
 @pytest.mark.parametrize(
     ("new", "meant"),
     [
-        ("[contact]\nmerge_barrier = 0.01", "normal"),
+        ("[contact]\nmerge_barrier = 0.01", "contact.normal.merging_criterion"),
         ("[contact.normal]\nkind = 'hertz'\nmerge_barrier = 0.01\n[contact]", "merging_criterion"),
         ("[contact]\npolach = { stick_reduction = 1.0 }", "creep"),
         ("[contact]\nstandstill_speed = 0.1", "creepage_regularisation_speed"),
         ("[anti_slip]\n[contact]", "wheel_slip_control"),
-        ("[bench]\nideal_rolling = true\n[contact]", "time"),
         ("[contact]\nideal_rolling = true", "pure_rolling"),
         ("[adhesion]\nrail = {start = 0.1}\n[contact]", "friction"),
     ],
@@ -270,3 +281,55 @@ def test_a_former_key_leads_to_the_present_one(mistakes_of: MistakesOf, new: str
 def test_a_former_word_leads_to_the_present_one(mistakes_of: MistakesOf) -> None:
     (problem,) = mistakes_of('drive = "speed_controlled"', 'drive = "held"')
     assert problem.hint == "speed_controlled"
+
+
+def test_each_key_of_a_divided_table_is_told_its_place(mistakes_of: MistakesOf) -> None:
+    (problem,) = mistakes_of("[contact]", "[bench]\nstep = 1e-3\nstandstill = 1.0\n[contact]")
+    assert problem.key == "bench"
+    for place in ("step is time.sampling_step", "standstill motion.stop_speed", "pure_rolling contact.pure_rolling"):
+        assert place in problem.allowed
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "line"),
+    [
+        ('speed = "150 km/h"', 'speed = "150 km/h"\nspeed_kmh = 150',
+         "case.toml: motion.speed_kmh: 150; allowed: one of `speed` and `speed_kmh`"),
+        ('method = "rk4"', 'method = "RK4"',
+         "case.toml: time.method: 'RK4'; allowed: rodas4, rk4, exponential_rk4, dormand_prince; did you mean 'rk4'?"),
+        ('drive = "speed_controlled"', 'drive = "Speed_Controlled"',
+         "case.toml: motion.drive: 'Speed_Controlled'; allowed: speed_controlled, free, torque; did you mean "
+         "'speed_controlled'?"),
+        ('cut = "leading_bogie"', 'cut = "LEADING_BOGIE"',
+         "case.toml: vehicle.cut: 'LEADING_BOGIE'; allowed: vehicle, leading_bogie, leading_wheelset; did you mean "
+         "'leading_bogie'?"),
+        ("friction = 0.3", "Friction = 0.3",
+         "case.toml: contact.Friction: unknown key (= 0.3); allowed: " + ", ".join(Contact.model_fields)
+         + "; did you mean 'friction'?"),
+    ],
+)  # fmt: skip
+def test_what_was_meant_is_told(mistakes_of: MistakesOf, old: str, new: str, line: str) -> None:
+    assert [str(mistake) for mistake in mistakes_of(old, new)] == [line]
+
+
+def test_a_unit_in_the_key_of_a_table_is_told(mistakes_of: MistakesOf) -> None:
+    mistakes = mistakes_of('speed = "150 km/h"', "speed_table_kmh = [[0, 10], [5, 20]]")
+    told = {mistake.key: mistake.allowed for mistake in mistakes}
+    assert told["motion.speed_table_kmh"] == "allowed: `speed_table`, with a unit in its values"
+
+
+def test_rollers_with_a_controller_are_free(tmp_path: Path) -> None:
+    text = load_case("adhesion_brake").to_toml()
+    (tmp_path / "case.toml").write_text(spoil(text, 'drive = "free"', 'drive = "torque"'))
+    with pytest.raises(ConfigError) as error:
+        load_case(tmp_path / "case.toml")
+    (problem,) = error.value.problems
+    assert (problem.key, problem.value) == ("motion.drive", "'torque'")
+    assert (
+        problem.allowed == "allowed with [rig_control]: 'free', its drives act on the rollers; no motion.torque_table"
+    )
+
+
+def test_an_example_fits_its_key(tmp_path: Path) -> None:
+    with pytest.raises(ConfigError, match=r"a text with a unit like '3\.8 bar'"):
+        load_case("adhesion_brake").with_changes({"brake.demand": [[0, "x"], [1, 0]]})

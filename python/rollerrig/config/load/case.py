@@ -30,7 +30,7 @@ from rollerrig.config.schema.profile import ProfileRoot, ProfileSpec
 from rollerrig.config.schema.support import Rig
 from rollerrig.config.schema.track import Track
 from rollerrig.config.schema.vehicle import Vehicle
-from rollerrig.config.validate.check_case import check_case, check_case_names
+from rollerrig.config.validate.check_case import check_case, check_case_names, check_drive
 from rollerrig.config.validate.check_profile import check_profile
 from rollerrig.config.validate.messages import validate
 from rollerrig.config.write.toml import plain, to_short_toml, to_toml
@@ -211,7 +211,10 @@ def build_case(document: Document, *, own_folder: Path | None = None, allow_code
     problems += place_code(raw, file, document.folder, own_folder, allow=allow_code)
     case, mistakes = validate(Case, raw, file)
     unresolved = {f"{key}.data" for key, part in (("vehicle", vehicle), ("support", support)) if part is None}
-    known = {problem.key for problem in problems if problem.file == file}
+    problems += (drive := check_drive(raw, file))
+    known = {problem.key for problem in problems if problem.file == file} | (
+        {"motion.torque_table"} if drive else set()
+    )
     problems += [m for m in mistakes if m.key not in known and not (m.key in unresolved and problems)]
     if vehicle is not None:
         problems += check_case_names(raw, vehicle, file)

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from rollerrig.config.errors import ConfigError, ConfigProblem, nearest, show_value
-from rollerrig.config.read.document import Document, read_document
+from rollerrig.config.read.document import NO_SUCH_FILE, Document, read_document
 from rollerrig.config.read.library import CatalogKind, catalog_names
 from rollerrig.config.schema.material import Material
 from rollerrig.config.schema.support import Rig, SupportRoot
@@ -67,11 +67,11 @@ def refer(kind: CatalogKind, name: str, document: Document, key: str) -> tuple[D
     try:
         return read_document(kind, name, document.folder), []
     except ConfigError as error:
-        if error.problems[0].value != "no such file":
+        if error.problems[0].value != NO_SUCH_FILE:
             return None, list(error.problems)
         problem = error.problems[0]
         return None, [
-            ConfigProblem(document.file, key, show_value(name), f"no such file; {problem.allowed}", problem.hint)
+            ConfigProblem(document.file, key, show_value(name), f"{NO_SUCH_FILE}; {problem.allowed}", problem.hint)
         ]
 
 

@@ -5,12 +5,17 @@ name or path -> [read_document] -> raw tables + the file's label and folder, or 
 
 import tomllib
 from dataclasses import dataclass
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
 from rollerrig.config.errors import ConfigError, ConfigProblem, nearest
 from rollerrig.config.read.library import CatalogKind, catalog_file, catalog_names
 from rollerrig.input_files import LARGEST_TEXT, read_input
+
+NO_SUCH_FILE = "no such file"
+MOST_FILES = 1000
+"""Of a folder that are looked at for a name that is near."""
 
 
 @dataclass(frozen=True)
@@ -68,13 +73,26 @@ def _read_toml(path: Path, label: str, kind: CatalogKind) -> dict[str, Any]:
     try:
         text = read_input(path, LARGEST_TEXT).decode("utf-8")
     except (FileNotFoundError, NotADirectoryError):
-        names = catalog_names(kind)
-        allowed = f"allowed: a TOML file, or a {kind} of the catalogue: {', '.join(names)}"
-        hint = nearest(Path(label).name.removesuffix(".toml"), names)
-        raise ConfigError([ConfigProblem(label, "", "no such file", allowed, hint)]) from None
+        raise ConfigError([_missing(path, label, kind)]) from None
     except UnicodeDecodeError as error:
         raise ConfigError([ConfigProblem(label, "", f"byte {error.start} is not UTF-8", "allowed: a text")]) from None
     except OSError as error:
         reason, allowed = error.strerror or str(error), "allowed: a TOML file that can be read"
         raise ConfigError([ConfigProblem(label, "", reason, allowed)]) from None
     return parse_document(text, label).raw
+
+
+def _missing(path: Path, label: str, kind: CatalogKind) -> ConfigProblem:
+    """A file that does not exist, with the one beside it or in the catalogue that was probably meant."""
+    names = catalog_names(kind)
+    if path.suffix != ".toml" and path.name == label:  # meant as a name
+        allowed = f"allowed: a TOML file, or a {kind} of the catalogue: {', '.join(names)}"
+        return ConfigProblem(label, "", NO_SUCH_FILE, allowed, nearest(label, names))
+    folder = path.parent
+    if not folder.is_dir():
+        return ConfigProblem(label, "", NO_SUCH_FILE, f"there is no folder '{folder}'")
+    beside = {file.name: str(Path(label).parent / file.name) for file in islice(folder.glob("*.toml"), MOST_FILES)}
+    near = nearest(path.name, tuple(beside))
+    shown = beside[near] if near else nearest(path.name.removesuffix(".toml"), names)
+    allowed = f"allowed: a TOML file that exists, or a {kind} that `rollerrig catalog` lists"
+    return ConfigProblem(label, "", NO_SUCH_FILE, allowed, shown)

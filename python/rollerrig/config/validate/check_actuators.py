@@ -11,6 +11,7 @@ from rollerrig.config.schema.support import Rig
 from rollerrig.config.schema.track import Track
 
 MOST_AXLES = 8
+DRIVE_OF_RIG_CONTROL = "allowed with [rig_control]: 'free', its drives act on the rollers"
 
 
 def check_actuators(case: CaseTables, file: str) -> list[ConfigProblem]:
@@ -80,8 +81,7 @@ def _on_rollers(case: CaseTables, support: Rig, file: str) -> Iterator[ConfigPro
         allowed = "allowed on rollers with [rig_control], which reproduces it: the rollers themselves are dry"
         yield ConfigProblem(file, "adhesion", "a table", allowed)
     if case.rig_control is not None and case.motion.drive != "free":
-        allowed = "allowed with [rig_control]: 'free', its drives act on the rollers"
-        yield ConfigProblem(file, "motion.drive", show_value(case.motion.drive), allowed)
+        yield ConfigProblem(file, "motion.drive", show_value(case.motion.drive), DRIVE_OF_RIG_CONTROL)
 
 
 def _times(case: CaseTables, file: str) -> Iterator[ConfigProblem]:

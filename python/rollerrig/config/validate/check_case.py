@@ -6,7 +6,7 @@ from typing import Any
 from rollerrig.config.errors import ConfigProblem, show_value
 from rollerrig.config.schema.case import CaseTables, Disturbance
 from rollerrig.config.schema.vehicle import DIRECTIONS, Vehicle
-from rollerrig.config.validate.check_actuators import check_actuators
+from rollerrig.config.validate.check_actuators import DRIVE_OF_RIG_CONTROL, check_actuators
 from rollerrig.config.validate.check_patch import check_patch
 from rollerrig.config.validate.check_profile import check_flange_clearance, check_reach
 from rollerrig.config.validate.check_size import check_size
@@ -33,6 +33,14 @@ def check_case_names(raw: Mapping[str, Any], vehicle: Vehicle, file: str) -> lis
     for label, disturbance in labelled(raw, "disturbance"):
         problems += unknown_names(disturbance.get("body"), free, f"{label}.body", file)
     return problems
+
+
+def check_drive(raw: Mapping[str, Any], file: str) -> list[ConfigProblem]:
+    """A torque asked of rollers that a controller drives; works on raw tables: without a table of it the case is no case."""
+    motion = raw.get("motion")
+    if "rig_control" not in raw or not isinstance(motion, Mapping) or motion.get("drive") != "torque":
+        return []
+    return [ConfigProblem(file, "motion.drive", "'torque'", f"{DRIVE_OF_RIG_CONTROL}; no motion.torque_table")]
 
 
 def check_case(case: CaseTables, file: str) -> list[ConfigProblem]:

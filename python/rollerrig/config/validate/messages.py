@@ -11,39 +11,12 @@ from pydantic import BaseModel, RootModel, ValidationError
 from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
-from rollerrig.config.errors import ConfigProblem, join_key, nearest, one_of, show_value
+from rollerrig.config.errors import ConfigProblem, join_key, one_of, show_value
 from rollerrig.config.schema.base import INSTEAD_OF, quantity_of
 from rollerrig.config.schema.units import KEY_SUFFIXES
+from rollerrig.config.validate.former_names import divided, meant
 
 M = TypeVar("M", bound=BaseModel)
-
-_RENAMED: Mapping[str, tuple[str, ...]] = {
-    "anti_skid": ("slide_protection",),
-    "anti_slip": ("wheel_slip_control",),
-    "believed": ("assumed",),
-    "bench": ("time", "motion", "contact"),
-    "cleaned": ("recovered",),
-    "cleaning": ("recovery_constant",),
-    "decay": ("B", "beta", "friction"),
-    "friction_fall": ("friction",),
-    "held": ("fixed", "speed_controlled"),
-    "ideal_rolling": ("pure_rolling",),
-    "initial": ("k_0",),
-    "luenberger": ("observer",),
-    "merge_barrier": ("merging_criterion", "normal"),
-    "polach": ("creep",),
-    "ratio": ("A",),
-    "remaining": ("A", "friction"),
-    "saturate_spin_moment": ("creep",),
-    "slip_reduction": ("k_S",),
-    "standstill_speed": ("creepage_regularisation_speed", "friction_regularisation_speed"),
-    "start": ("mu_0", "friction"),
-    "stick_reduction": ("k_A",),
-    "stiffness_reduction": ("creep",),
-    "ultimate": ("k_inf",),
-    "wsp": ("slide_protection",),
-}
-"""Former key or word -> what it may be called now."""
 
 _NAMING_KEYS = ("name", "wheelset", "body")
 _KINDS = {
@@ -168,9 +141,7 @@ def _problem(model: type[BaseModel], raw: object, error: ErrorDetails, file: str
     context: Mapping[str, Any] = error.get("ctx", {})
     match error["type"]:
         case "extra_forbidden":
-            keys = tuple(place.model.model_fields) if place.model else ()
-            hint = _meant(error["loc"][-1], keys)
-            return ConfigProblem(file, place.key, f"unknown key (= {show_value(error['input'])})", one_of(keys), hint)
+            return _unknown_key(model, raw, error, file, place)
         case "missing":
             holder = _locate(model, raw, error["loc"][:-1]).raw
             if isinstance(holder, Mapping) and _instead(place.field) in holder:
@@ -188,19 +159,28 @@ def _problem(model: type[BaseModel], raw: object, error: ErrorDetails, file: str
             kind = place.raw if by_name else place.raw.get("kind") if isinstance(place.raw, Mapping) else None
             value = "missing" if kind is None else show_value(kind)
             key = place.key if by_name else join_key(place.key, "kind")
-            return ConfigProblem(file, key, value, one_of(tags), nearest(kind, tags))
+            return ConfigProblem(file, key, value, one_of(tags), meant(kind, tags))
         case "literal_error":
             choices = [str(choice) for choice in get_args(_literal(place))]
             return ConfigProblem(
-                file, place.key, show_value(error["input"]), one_of(choices), _meant(error["input"], choices)
+                file, place.key, show_value(error["input"]), one_of(choices), meant(error["input"], choices)
             )
     return ConfigProblem(file, place.key, show_value(error["input"]), _allowed(place, error, context))
 
 
-def _meant(word: object, choices: Sequence[str]) -> str:
-    """The present name of a renamed key or word, or the nearest of those allowed."""
-    present = (new for new in _RENAMED.get(str(word), ()) if new in choices)
-    return next(present, "") or nearest(word, choices)
+def _unknown_key(model: type[BaseModel], raw: object, error: ErrorDetails, file: str, place: _Place) -> ConfigProblem:
+    key = str(error["loc"][-1])
+    keys = tuple(place.model.model_fields) if place.model else ()
+    name, _, suffix = key.rpartition("_")
+    if name in keys and suffix in KEY_SUFFIXES:
+        holder = _locate(model, raw, error["loc"][:-1]).raw
+        both = isinstance(holder, Mapping) and name in holder
+        allowed = f"allowed: one of `{name}` and `{key}`" if both else f"allowed: `{name}`, with a unit in its values"
+        return ConfigProblem(file, place.key, show_value(error["input"]), allowed)
+    hint = meant(key, keys)
+    hint = join_key(place.key.removesuffix(key).rstrip("."), hint) if "." in hint else hint
+    value = f"unknown key (= {show_value(error['input'])})"
+    return ConfigProblem(file, place.key, value, divided(key) or one_of(keys), "" if divided(key) else hint)
 
 
 def _literal(place: _Place) -> Any:
