@@ -1,6 +1,6 @@
 """Which controller of the roller drives tolerates what: one test under many variants, and the limit each exceeds first.
 
-Case -> families of variants -> [ControlStudy] -> tracking and ripple of each run -> failure thresholds, ranking
+Case -> families of variants -> [ControlStudy] -> tracking and ripple of each run -> where each fails, ranking
      -> lightly excited runs over the gains -> growth, beside the eigenvalues of the linear loop
 
 Tracking is the wheel's speed less the virtual wheel's, over the train's speed (docs/theory/rig_control.md).
@@ -14,61 +14,31 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
-import numpy as np
 import xarray as xr
 
-from rollerrig.analysis.torque_ripple import RIPPLE_ABOVE, torque_ripple
-from rollerrig.analysis.tracking import largest, rms, slip, tracking
 from rollerrig.config import Case, ConfigError, ConfigProblem, Rig
 from rollerrig.config.errors import nearest
 from rollerrig.mechatronics import users_controllers
 from rollerrig.plot import control as figures
-from rollerrig.study.control_ranking import RIPPLE_LIMIT, TRACKING_LIMIT, Rank, Result, Threshold, ranking
-from rollerrig.study.control_stability import LOOP_QUANTITIES, loop_blocks, loop_jobs, loop_numbers
+from rollerrig.study.control_blocks import family_picture, range_chart, ranking_table
+from rollerrig.study.control_ranking import (
+    RIPPLE_CRITERION,
+    RIPPLE_LIMIT,
+    TRACKING_CRITERION,
+    TRACKING_LIMIT,
+    Rank,
+    Result,
+    ranking,
+)
+from rollerrig.study.control_runs import OUTPUT_STEP, QUANTITIES, REFERENCE_COLUMNS, RUN, against, run_variant
+from rollerrig.study.control_stability import loop_blocks, loop_jobs, loop_numbers
+from rollerrig.study.control_text import failures_text, rank_numbers
 from rollerrig.study.control_variants import FAMILIES, REFERENCES, USER, Family
 from rollerrig.study.frame import Study
-from rollerrig.study.jobs import Done, Progress, Round, job, whole_run
-from rollerrig.study.quantities import Numbers, Quantities, Quantity
-from rollerrig.study.report import Picture, Section, Table
-
-OUTPUT_STEP = 2e-3
-"""Of the runs compared [s]; ripple is seen up to its Nyquist frequency, 250 Hz."""
-
-KEPT = ["axle_speed", "virtual_speed", "train_speed", "train_distance", "real_sliding", "roller_torque", "valve"]
-PERCENT = ("%", 100.0)
-
-RUN = (
-    Quantity("*.*.status", "how the run ended"),
-    Quantity("*.*.ended_s", "when", "s"),
-    Quantity("*.*.tracking_rms", "wheel less virtual wheel over train speed, RMS", "1", "tracking RMS", 3, PERCENT),
-    Quantity("*.*.tracking_largest", "largest of the same", "1", "largest", 3, PERCENT),
-    Quantity("*.*.largest_slip", "of the wheels against the virtual train, over its speed", "1"),
-    Quantity("*.*.real_sliding_rms_mps", "wheel against roller", "m/s"),
-    Quantity("*.*.real_sliding_largest_mps", "largest of the same", "m/s", "real sliding", 3, ("mm/s", 1e3)),
-    Quantity("*.*.roller_torque_largest_nm", "of a roller drive", "N m", "roller torque", 3, ("kN m", 1e-3)),
-    Quantity("*.*.distance_m", "run by the virtual train", "m"),
-    Quantity("*.*.distance_relative", "over that of the case as shipped, less 1", "1", "distance, less shipped", 3, PERCENT),
-    Quantity("*.*.dump_cycles", "of the slide protection, all axles", "", "dump cycles"),
-    Quantity("*.*.air_litres", "taken by the cylinders, at ambient pressure", "l", "air", 3),
-    Quantity("*.*.ripple_nm", f"persistent roller torque above {RIPPLE_ABOVE:g} Hz, RMS, median of 0.25 s", "N m", "ripple", 3),
-    Quantity("*.*.ripple_hz", "where that ripple has most power", "Hz"),
-)  # fmt: skip
-QUANTITIES = Quantities(
-    Quantity("case", "name of the case"),
-    Quantity("duration_s", "of each run", "s"),
-    Quantity("limits.tracking_rms", "tracking RMS from which on a variant fails", "1"),
-    Quantity("limits.ripple_nm", "torque ripple from which on a variant fails", "N m"),
-    RUN,
-    Quantity("results.*.family", "what is varied"),
-    Quantity("results.*.curve", "under which fixed change"),
-    Quantity("results.*.value", "on the family's axis"),
-    Quantity("results.*.cause", "of the failure: tracking, ripple, or the status of a run that ended early"),
-    Quantity("ranking.*.**", "every curve, the worst first; thresholds: where it fails going out from the case's own value: the "
-             "value at which a limit is passed, interpolated, or a test first ended early; the last good value; the cause"),
-    LOOP_QUANTITIES,
-)  # fmt: skip
-REFERENCE_COLUMNS = ("status", "tracking_rms", "tracking_largest", "real_sliding_largest_mps", "roller_torque_largest_nm",
-                     "ripple_nm", "distance_relative", "dump_cycles", "air_litres")  # fmt: skip
+from rollerrig.study.jobs import Done, Round, job
+from rollerrig.study.quantities import Numbers
+from rollerrig.study.report import Picture, Section
+from rollerrig.wording import percent
 
 
 @dataclass(frozen=True)
@@ -173,7 +143,7 @@ class ControlStudy(Study[Found]):
             return None
         base = done[_name(("references", references[0].curve, math.nan))]["course"].isel(time=slice(None, None, 50))
         references, results = (
-            [replace(r, numbers=_against(r.numbers, base)) for r in rs] for rs in (references, results)
+            [replace(r, numbers=against(r.numbers, base)) for r in rs] for rs in (references, results)
         )
         courses = {references[0].curve: done[_name(("references", references[0].curve, math.nan))]["course"]}
         for key in self._worst(done):
@@ -200,30 +170,30 @@ class ControlStudy(Study[Found]):
                 {"family": r.family, "curve": r.curve, "value": r.value, "cause": r.cause, **r.numbers}
                 for r in results.results
             ],
-            "ranking": [_rank_numbers(rank) for rank in self._ranking(results)],
+            "ranking": [rank_numbers(rank) for rank in self._ranking(results)],
             "loop": loop_numbers(self.case, results.loop) if results.loop else None,
         }
 
     def _ranking(self, results: Found) -> list[Rank]:
-        return ranking(self.case, self.chosen, results.results)
+        return ranking(self.chosen, results.results)
 
     def summary(self, results: Found, numbers: Numbers) -> list[str]:
+        shipped = percent(results.references[0].numbers["tracking_rms"])
         lines = [
-            f"As shipped the wheels follow the virtual train within {100 * results.references[0].numbers['tracking_rms']:.2g} % "
-            f"RMS of its speed. A variant fails above {100 * TRACKING_LIMIT:g} %, with a persistent torque ripple above "
-            f"{RIPPLE_LIMIT:g} N m RMS, or where the test ends early."
+            f"As shipped the wheels follow the virtual train within {shipped} RMS of its speed. A variant fails with a "
+            f"{TRACKING_CRITERION}, with a {RIPPLE_CRITERION}, or where the test ends early."
         ]
         failing: dict[str, list[Rank]] = {}
-        for rank in (rank for rank in self._ranking(results) if rank.thresholds):
+        for rank in (rank for rank in self._ranking(results) if rank.failures):
             failing.setdefault(rank.family.name, []).append(rank)
-        lines.append("Failure thresholds, worst first:" if failing else "No variant failed within the ranges run.")
+        lines.append("Where variants fail, worst first:" if failing else "No variant failed within the ranges run.")
         return lines + [f"– {self._sentence(ranks)}" for ranks in failing.values()]
 
     def _sentence(self, ranks: Sequence[Rank]) -> str:
         """Where the curves of one family fail."""
         family = ranks[0].family
         base = f" (shipped: {family.text(family.base(self.case))})" if family.base is not None else ""
-        return f"{family.title}{base} – {'; '.join(f'{rank.curve}: {_thresholds_text(rank)}' for rank in ranks)}."
+        return f"{family.title}{base} – {'; '.join(f'{rank.curve}: {failures_text(rank)}' for rank in ranks)}."
 
     def files(self, results: Found, numbers: Numbers) -> Mapping[str, Any]:
         names = ("family", "curve", "value", "cause", *(q.key for q in RUN))
@@ -238,7 +208,7 @@ class ControlStudy(Study[Found]):
         courses = figures.courses(results.courses, self.case.vehicle.data.wheel.radius)
         caption = "Leading axle over time: the case as shipped, and the worst runs of each kind that came to their end."
         sections = [
-            Section("Failure thresholds", [self._range_chart(ranked, results), self._ranking_table(ranked)]),
+            Section("Where variants fail", [range_chart(ranked, results.references[0]), ranking_table(self.case, ranked)]),
             Section("Where the error comes from", [
                 QUANTITIES.table(references, REFERENCE_COLUMNS, "the case, and where its error comes from", "run"),
                 Picture("courses", courses, caption)]),
@@ -246,54 +216,10 @@ class ControlStudy(Study[Found]):
         if numbers["loop"] is not None:
             sections.append(Section("Stability of the loop", loop_blocks(numbers["loop"], results.loop)))
         return sections + [
-            Section(f.title, [self._family_picture(f, results)])
+            Section(f.title, [family_picture(self.case, f, results.results)])
             for f in self.chosen
             if any(r.family == f.name for r in results.results)
         ]
-
-    def _range_chart(self, ranked: Sequence[Rank], results: Found) -> Picture:
-        bars = []
-        for rank in ranked:
-            points = [p.numbers for p in rank.points if p.completed] or [rank.worst.numbers]
-            error = [max(100.0 * n["tracking_rms"], 1e-4) for n in points]
-            ripple = [max(n["ripple_nm"], 0.1) for n in points if math.isfinite(n["ripple_nm"])] or [math.nan]
-            label = f"{rank.family.name.replace('_', ' ')}, {rank.curve}"
-            bars.append(
-                figures.Bar(label, (min(error), max(error)), (min(ripple), max(ripple)), not rank.worst.completed)
-            )
-        base = results.references[0].numbers
-        picture = figures.ranges(
-            bars, (100.0 * base["tracking_rms"], base["ripple_nm"]), (100.0 * TRACKING_LIMIT, RIPPLE_LIMIT)
-        )
-        caption = "Range of the errors along each axis, the worst on top. Dashed: failure limit; red: above it; dotted: shipped."
-        return Picture("ranges", picture, caption)
-
-    def _ranking_table(self, ranked: Sequence[Rank]) -> Table:
-        rows = []
-        for rank in ranked:
-            worst, family = rank.worst, rank.family
-            shipped = family.text(family.base(self.case)) if family.base is not None else "–"
-            cells = [QUANTITIES[name].cell(worst.numbers[name]) for name in ("tracking_rms", "ripple_nm")]
-            error = cells[0] if worst.completed else "ended early"
-            fails = _thresholds_text(rank) or "no failure"
-            rows.append([family.title, rank.curve, fails, shipped, family.text(worst.value), error, cells[1]])
-        header = ("varied", "curve", "failure threshold", "shipped", "worst at", "tracking RMS [%]", "ripple [N m]")
-        return Table(header, rows, "every curve, the worst first")
-
-    def _family_picture(self, family: Family, results: Found) -> Picture:
-        curves = []
-        for label in dict.fromkeys(r.curve for r in results.results if r.family == family.name):
-            points = sorted(
-                (r for r in results.results if (r.family, r.curve) == (family.name, label)), key=lambda r: r.value
-            )
-            values = {key: [p.numbers[key] for p in points] for key in ("tracking_rms", "ripple_nm")}
-            tracking_percent = [100.0 * value for value in values["tracking_rms"]]
-            ended = [not p.completed for p in points]
-            curves.append(figures.Curve(label, [p.value for p in points], tracking_percent, values["ripple_nm"], ended))
-        base = family.base(self.case) if family.base is not None else None
-        limits = (100.0 * TRACKING_LIMIT, RIPPLE_LIMIT)
-        picture = figures.over_parameter(curves, family.axis, family.scale, base, limits)
-        return Picture(family.name, picture, f"{family.title}. Dashed: failure limit; dotted: the case as shipped.")
 
 
 # ------------------------------------------------------------------------------------------------------------- cases
@@ -320,73 +246,6 @@ def study_case(case: Case, duration: float | None) -> Case:
     return case.with_changes({"time.duration": length, "time.output_step": max(OUTPUT_STEP, case.time.sampling_step)})
 
 
-# -------------------------------------------------------------------------------------------------------------- jobs
-
-
 def _name(key: tuple[str, str, float]) -> str:
     """Of a variant's job."""
     return ", ".join(map(str, key[:2] if math.isnan(key[2]) else key))
-
-
-def run_variant(case: Case, with_course: bool, progress: Progress | None = None) -> dict[str, Any]:
-    """One run: its `numbers`, and where wanted its `course` over time."""
-    run = whole_run(case, progress)
-    return {"numbers": run_numbers(run), "course": run[KEPT].load() if with_course else None}
-
-
-def run_numbers(run: xr.Dataset) -> dict[str, Any]:
-    """The numbers of one run by name of RUN; as `distance_relative`, time and distance of the last instant compared."""
-    error, largest_error = tracking(run)
-    ripple, frequency = torque_ripple(run["time"].to_numpy(), run["roller_torque"].to_numpy())
-    last, compared = run.isel(time=-1), run.isel(time=slice(None, None, 50)).isel(time=-1)
-    return {
-        "status": run.attrs["status"],
-        "ended_s": float(run.attrs["stopped_at_s"]),
-        "tracking_rms": error,
-        "tracking_largest": largest_error,
-        "largest_slip": largest(slip(run)),
-        "real_sliding_rms_mps": rms(run["real_sliding"]),
-        "real_sliding_largest_mps": float(np.abs(run["real_sliding"]).max()),
-        "roller_torque_largest_nm": float(np.abs(run["roller_torque"]).max()),
-        "distance_m": float(last["train_distance"]),
-        "distance_relative": [float(compared["time"]), float(compared["train_distance"])],
-        "dump_cycles": int(last["dump_cycles"].sum()),
-        "air_litres": 1e3 * float(last["air"].sum()),
-        "ripple_nm": ripple,
-        "ripple_hz": frequency,
-    }
-
-
-def _against(numbers: Mapping[str, Any], base: xr.Dataset) -> dict[str, Any]:
-    """With the distance over that of the base at the same time, less 1."""
-    time, distance = numbers["distance_relative"]
-    shipped = float(np.interp(time, base["time"], base["train_distance"]))
-    return {**numbers, "distance_relative": distance / shipped - 1.0 if shipped > 0.0 else None}
-
-
-# -------------------------------------------------------------------------------------------------------------- texts
-
-
-def _rank_numbers(rank: Rank) -> dict[str, Any]:
-    return {
-        "family": rank.family.name,
-        "curve": rank.curve,
-        "worst_value": rank.worst.value,
-        "worst_tracking_rms": rank.worst.numbers["tracking_rms"],
-        "worst_ripple_nm": rank.worst.numbers["ripple_nm"],
-        "thresholds": [vars(threshold) for threshold in rank.thresholds],
-    }
-
-
-def _thresholds_text(rank: Rank) -> str:
-    return " and ".join(_threshold_text(rank, threshold) for threshold in rank.thresholds)
-
-
-def _threshold_text(rank: Rank, threshold: Threshold) -> str:
-    family, known = rank.family, {"tracking": "tracking error above its limit", "ripple": "persistent torque ripple"}
-    cause = known.get(threshold.cause, f"{threshold.cause.replace('_', ' ')}, test ends early,")
-    if math.isnan(threshold.last_good):
-        return f"{cause} throughout, {family.text(rank.points[0].value)} to {family.text(rank.points[-1].value)}"
-    if threshold.cause in known:
-        return f"{cause} {'below' if threshold.value < threshold.last_good else 'above'} {family.text(threshold.value)}"
-    return f"{cause} between {family.text(threshold.last_good)} and {family.text(threshold.value)}"

@@ -1,16 +1,15 @@
-"""Which limit a controller exceeds first along an axis, and the curves in the order of their worst result.
+"""Which limits a controller exceeds along an axis, and where, and the curves in the order of their worst result.
 
-Results along a family's axis -> [thresholds] -> value at which tracking or ripple passes its limit -> [ranking]
+Results along a family's axis -> [failures] -> parts in which tracking or ripple is beyond its limit -> [ranking]
 """
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
-
-import numpy as np
 
 from rollerrig.results import COMPLETED
 from rollerrig.study.control_variants import Family
@@ -19,7 +18,13 @@ TRACKING_LIMIT = 0.01
 """Tracking RMS over train speed from which on a variant fails: the project's aim for the shipped cases [-]."""
 
 RIPPLE_LIMIT = 500.0
-"""Ripple of a roller's torque [N m] from which on a variant fails: a tenth of what low adhesion asks for, R T_v."""
+"""Ripple of a roller's torque [N m] from which on a variant fails: a tenth of what low adhesion asks for, R T_v.
+
+The one criterion of a torque that does not settle; every verdict names it, see RIPPLE_CRITERION.
+"""
+
+RIPPLE_CRITERION = f"persistent torque ripple above {RIPPLE_LIMIT:g} N m RMS"
+TRACKING_CRITERION = f"tracking error above {100 * TRACKING_LIMIT:g} % RMS"
 
 
 @dataclass(frozen=True)
@@ -64,18 +69,27 @@ class Result:
 
 
 @dataclass(frozen=True)
-class Threshold:
-    """Where a curve first fails on one side of the case's own value.
+class Failure:
+    """A part of a curve in which every value tried fails of one cause.
 
     Attributes:
-        value: at which tracking or ripple passes its limit, interpolated, or at which the test first ended early.
-        last_good: last value without a failure; NaN: none.
         cause: as of Result.
+        begin, end: of the part, ascending; where a value without a failure is next to it, interpolated to where tracking or
+            ripple passes its limit. NaN: it goes on to the end of the values tried.
+        largest: tracking RMS [-] or ripple [N m], the largest there; NaN where the tests ended early.
+        largest_at: value that has it, or whose test ended first.
     """
 
-    value: float
-    last_good: float
     cause: str
+    begin: float
+    end: float
+    largest: float
+    largest_at: float
+
+    @property
+    def throughout(self) -> bool:
+        """Whether it goes on to both ends of the values tried."""
+        return math.isnan(self.begin) and math.isnan(self.end)
 
 
 @dataclass(frozen=True)
@@ -86,13 +100,13 @@ class Rank:
         family: of FAMILIES.
         points: its results along the axis.
         worst: the result of most severity.
-        thresholds: where it fails, 0 to 2 places.
+        failures: the parts of the axis in which it fails.
     """
 
     family: Family
     points: list[Result]
     worst: Result
-    thresholds: list[Threshold]
+    failures: list[Failure]
 
     @property
     def curve(self) -> str:
@@ -100,29 +114,28 @@ class Rank:
         return self.worst.curve
 
 
-def thresholds(family: Family, points: Sequence[Result], base: float | None) -> list[Threshold]:
-    """Where a curve first fails, going out from the base value to either side.
+MEASURED = {"tracking": ("tracking_rms", TRACKING_LIMIT), "ripple": ("ripple_nm", RIPPLE_LIMIT)}
+"""Cause -> the number that decides it, and its limit."""
+
+
+def failures(family: Family, points: Sequence[Result]) -> list[Failure]:
+    """All parts of a curve that fail: a curve may pass again beyond one.
 
     Args:
         family: of the curve.
         points: of one curve, in the order of the axis.
-        base: value of the case; None: outwards from the best point.
     """
-    if not points:
-        return []
-    if base is None:
-        start = min(range(len(points)), key=lambda k: points[k].severity)
-    else:
-        start = int(np.argmin([abs(_along(family, p.value) - _along(family, base)) for p in points]))
-    if points[start].cause:
-        return [Threshold(points[start].value, math.nan, points[start].cause)]
-    found = []
-    for side in (-1, 1):
-        k = start
-        while 0 <= k + side < len(points) and not points[k + side].cause:
-            k += side
-        if 0 <= k + side < len(points):
-            found.append(_crossing(family, points[k], points[k + side]))
+    found, last = [], len(points) - 1
+    for cause, group in itertools.groupby(range(len(points)), key=lambda k: points[k].cause):
+        if not cause:
+            continue
+        places = list(group)
+        worst = points[max(places, key=lambda k: points[k].severity)]
+        largest = float(worst.numbers[MEASURED[cause][0]]) if cause in MEASURED else math.nan
+        low, high = places[0], places[-1]
+        begin = _border(family, points[low], points[low - 1]) if low > 0 else math.nan
+        end = _border(family, points[high], points[high + 1]) if high < last else math.nan
+        found.append(Failure(cause, begin, end, largest, worst.value))
     return found
 
 
@@ -130,26 +143,24 @@ def _along(family: Family, value: float) -> float:
     return math.log(value) if family.scale == "log" else value
 
 
-def _crossing(family: Family, good: Result, bad: Result) -> Threshold:
-    """Interpolated in the logarithm of the error; of a test that ended early, the first value tried."""
-    limits = {"tracking": ("tracking_rms", TRACKING_LIMIT), "ripple": ("ripple_nm", RIPPLE_LIMIT)}
-    if bad.cause not in limits:
-        return Threshold(bad.value, good.value, bad.cause)
-    key, limit = limits[bad.cause]
-    low, high = (math.log(r.numbers[key]) for r in (good, bad))
-    a, b = _along(family, good.value), _along(family, bad.value)
+def _border(family: Family, bad: Result, other: Result) -> float:
+    """Where the failure begins, in the logarithm of the error; the value itself where the neighbour fails too, or tests end."""
+    if other.cause or bad.cause not in MEASURED:
+        return bad.value
+    key, limit = MEASURED[bad.cause]
+    low, high = (math.log(r.numbers[key]) for r in (other, bad))
+    a, b = _along(family, other.value), _along(family, bad.value)
     value = a + (math.log(limit) - low) / (high - low) * (b - a)
-    return Threshold(math.exp(value) if family.scale == "log" else value, good.value, bad.cause)
+    return math.exp(value) if family.scale == "log" else value
 
 
-def ranking(case: Any, families: Sequence[Family], results: Sequence[Result]) -> list[Rank]:
+def ranking(families: Sequence[Family], results: Sequence[Result]) -> list[Rank]:
     """All curves, the most severe result within the range tried first."""
     ranks = []
     for family in families:
         mine = [r for r in results if r.family == family.name]
-        base = family.base(case) if family.base is not None else None
         for curve in dict.fromkeys(r.curve for r in mine):
             points = sorted((r for r in mine if r.curve == curve), key=lambda r: r.value)
             worst = max(points, key=lambda r: r.severity)
-            ranks.append(Rank(family, points, worst, thresholds(family, points, base)))
+            ranks.append(Rank(family, points, worst, failures(family, points)))
     return sorted(ranks, key=lambda rank: rank.worst.severity, reverse=True)

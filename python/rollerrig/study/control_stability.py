@@ -25,9 +25,11 @@ from rollerrig.analysis.loop_stability import (
 )
 from rollerrig.config import Case
 from rollerrig.plot.control import loop_growth
+from rollerrig.study.control_ranking import RIPPLE_CRITERION
 from rollerrig.study.jobs import Progress, Round, job, whole_run
 from rollerrig.study.quantities import Numbers, Quantity
 from rollerrig.study.report import Block, Picture, Text
+from rollerrig.wording import number
 
 FACTORS = tuple(float(f) for f in np.geomspace(1.0, 256.0, 25))
 """On the gains of the PI controller, in the runs that measure its stability."""
@@ -121,14 +123,24 @@ def loop_numbers(case: Case, points: list[dict[str, float]]) -> dict[str, Any] |
 
 def loop_blocks(loop: Numbers, points: list[dict[str, float]]) -> list[Block]:
     """Text and figure of the report."""
-    shown = {key: "–" if not isinstance(value, float) else f"{value:.3g}" for key, value in loop.items()}
+    shown = {key: number(value, 3) if isinstance(value, float) else "–" for key, value in loop.items()}
     text = (
-        f"The PI loop crosses over at {shown['crossover_hz']} Hz with a phase margin of {shown['phase_margin_deg']}° and a gain "
-        f"margin of {shown['gain_margin']}, closed form for one axle. As it is sampled, wheel and roller alone are unstable from "
-        f"{shown['unstable_from_factor_alone']} times its gains on; with the vehicle on its springs the loop is unstable from "
-        f"{shown['unstable_from_factor']} times on while the virtual wheel rolls on a dry rail, and from "
-        f"{shown['unstable_from_factor_sliding']} times while it slides. Computed is the least damped motion above 10 Hz, from "
-        "the core's exact linearisation of the vehicle and the linear controller; measured: lightly excited runs on a dry rail."
+        f"The feedback of one axle alone, in closed form, crosses over at {shown['crossover_hz']} Hz with a phase margin of "
+        f"{shown['phase_margin_deg']}°; its gains could be {shown['gain_margin']} times as large. As it is sampled, with "
+        "estimator and feed-forward, wheel and roller alone are unstable from "
+        f"{shown['unstable_from_factor_alone']} times on. In the vehicle the wheelsets oscillate on their springs along the "
+        f"track, and this decides: unstable from {shown['unstable_from_factor']} times on while the virtual wheel rolls on a dry "
+        f"rail, from {shown['unstable_from_factor_sliding']} times while it slides."
+    )
+    means = (
+        "Unstable means that the smallest oscillation grows; limits of torque and adhesion then hold it at some size, which may "
+        f"fall again at larger gains. Whether that is a failure is decided by its size alone: {RIPPLE_CRITERION}. Computed is "
+        "the least damped motion above 10 Hz, from the core's exact linearisation of the vehicle and the linear controller; "
+        "measured: lightly excited runs on a dry rail."
     )
     picture = loop_growth({key: [point[key] for point in points] for key in points[0]})
-    return [Text(text), Picture("loop_growth", picture, "Growth rate and frequency of the loop over its gains.")]
+    return [
+        Text(text),
+        Text(means),
+        Picture("loop_growth", picture, "Growth rate and frequency of the loop over its gains."),
+    ]

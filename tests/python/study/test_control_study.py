@@ -18,7 +18,8 @@ from rollerrig.config import Case
 from rollerrig.config.schema.rig_control import Estimator, Feedback
 from rollerrig.study import control
 from rollerrig.study.control import ControlStudy, Found, run_variant, study_case
-from rollerrig.study.control_ranking import RIPPLE_LIMIT, TRACKING_LIMIT, Result, thresholds
+from rollerrig.study.control_ranking import RIPPLE_LIMIT, TRACKING_LIMIT, Result, failures, ranking
+from rollerrig.study.control_text import failures_text
 from rollerrig.study.control_variants import FAMILIES, USER, Family
 from rollerrig.study.frame import Outcome
 
@@ -106,11 +107,13 @@ def test_feedback_and_fast_drives_help(outcome: Outcome[Found]) -> None:
 def test_the_ranking_begins_with_what_ended_early(outcome: Outcome[Found]) -> None:
     ranks = outcome.numbers["ranking"]
     assert (ranks[0]["family"], ranks[0]["curve"]) == ("assumed_parameters", "wheel radius")
-    assert [t["cause"] for t in ranks[0]["thresholds"]] == ["rollers_protected"] * 2
-    assert "roller inertia" in {r["curve"] for r in ranks if not r["thresholds"]}
+    assert [f["cause"] for f in ranks[0]["failures"]] == ["rollers_protected"] * 2
+    assert "roller inertia" in {r["curve"] for r in ranks if not r["failures"]}
     slow = next(r for r in ranks if (r["family"], r["curve"]) == ("drive_bandwidth", "PI"))
-    assert 0.2 < slow["thresholds"][0]["value"] < 5.0
-    assert slow["thresholds"][0]["cause"] == "tracking"
+    (failure,) = slow["failures"]
+    assert failure["begin"] is None
+    assert 0.2 < failure["end"] < 5.0
+    assert failure["cause"] == "tracking"
 
 
 def test_the_course_of_the_worst_run_of_each_cause_is_kept(outcome: Outcome[Found]) -> None:
@@ -151,23 +154,42 @@ def result(value: float, rms: float, ripple: float = 1.0, status: str = "ok") ->
     return Result("f", "c", value, {"status": status, "tracking_rms": rms, "ripple_nm": ripple, "ended_s": 1.0})
 
 
-def test_thresholds_are_interpolated_from_the_cases_own_value_outwards() -> None:
+def test_failures_begin_and_end_where_a_limit_is_passed() -> None:
     log = family("drive_bandwidth", (1.0,))
     points = [result(1.0, 0.1), result(10.0, 0.001), result(100.0, 0.0005), result(1000.0, 0.0005, 1e6, "contact_lost")]
-    low, high = thresholds(log, points, 100.0)
-    assert low.value == pytest.approx(math.sqrt(10.0))  # 0.01 is halfway between 0.1 and 0.001 in logarithms
-    assert (low.last_good, low.cause) == (10.0, "tracking")
-    assert (high.value, high.last_good, high.cause) == (1000.0, 100.0, "contact_lost")
+    low, high = failures(log, points)
+    assert math.isnan(low.begin)
+    assert low.end == pytest.approx(math.sqrt(10.0))  # 0.01 is halfway between 0.1 and 0.001 in logarithms
+    assert (low.cause, low.largest, low.largest_at) == ("tracking", 0.1, 1.0)
+    assert (high.cause, high.begin, high.largest_at) == ("contact_lost", 1000.0, 1000.0)
+    assert math.isnan(high.end)
 
     linear = family("assumed_parameters", (0.0,))
     points = [result(0.0, 0.001), result(4.0, 0.001, RIPPLE_LIMIT**2)]  # ripple from 1 to its limit's square
-    (only,) = thresholds(linear, points, 0.0)
-    assert only.value == pytest.approx(2.0)
-    assert only.cause == "ripple"
+    (only,) = failures(linear, points)
+    assert only.begin == pytest.approx(2.0)
+    assert (only.cause, only.largest) == ("ripple", RIPPLE_LIMIT**2)
 
-    assert thresholds(linear, [result(0.0, 0.001), result(1.0, 0.002)], 0.0) == []
-    (nowhere,) = thresholds(linear, [result(0.0, 0.1), result(1.0, 0.2)], None)
-    assert math.isnan(nowhere.last_good)
+    assert failures(linear, [result(0.0, 0.001), result(1.0, 0.002)]) == []
+    (everywhere,) = failures(linear, [result(0.0, 0.1), result(1.0, 0.2)])
+    assert everywhere.throughout
+
+
+def test_what_passes_again_beyond_a_failure_is_not_said_to_fail_there() -> None:
+    """Torque ripple over the gains rises to its limit's double and falls below it again: one criterion, with its number."""
+    gains = family("feedback_gain", (1.0, 16.0, 32.0, 64.0, 256.0), "PI")
+    ripples = {1.0: 5.0, 16.0: 250.0, 32.0: 1000.0, 64.0: 700.0, 256.0: 250.0}
+    points = [replace(result(value, 0.001, ripple), family=gains.name, curve="PI") for value, ripple in ripples.items()]
+    (rank,) = ranking([gains], points)
+    (failure,) = rank.failures
+    assert failure.begin == pytest.approx(16.0 * math.sqrt(2.0))  # 500 is halfway between 250 and 1000 in logarithms
+    assert 64.0 < failure.end < 256.0
+    text = failures_text(rank)
+    assert text.startswith("persistent torque ripple above 500 N m RMS from 22.6× to ")
+    assert text.endswith("(largest 1000 N m at 32×)")
+    assert not points[-1].cause
+    (still,) = ranking([gains], [replace(p, numbers={**p.numbers, "ripple_nm": 900.0}) for p in points[-2:]])
+    assert failures_text(still).startswith("persistent torque ripple above 500 N m RMS throughout, 64× to 256×")
 
 
 def test_ripple_is_what_persists() -> None:
