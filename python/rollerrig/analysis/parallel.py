@@ -8,10 +8,13 @@ Ctrl-C reaches it, as a KeyboardInterrupt.
 
 from __future__ import annotations
 
+import math
 import multiprocessing
 import signal
+import time
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any, Generic, TypeVar
@@ -25,6 +28,9 @@ Progress = Callable[[float, str], None]
 Job = Callable[[A, Progress], R]
 
 _POLL_SECONDS = 0.2
+
+GRACE_SECONDS = 3.0
+"""After Ctrl-C a job has so long to hand back what it has; one that never looks up is ended."""
 
 
 @dataclass(frozen=True)
@@ -98,42 +104,83 @@ def _at_once(
     stop = context.Event()
     fractions = context.Array("d", len(arguments))
     results: list[R | None] = [None] * len(arguments)
-    interrupted = False
     last = names[0]
-    with ProcessPoolExecutor(processes, context, _adopt, (stop, fractions)) as pool:
-        running: dict[Future[R | None], int] = {}
-
-        def halt() -> None:
-            stop.set()
-            for future in running:
-                future.cancel()
-
+    pool = ProcessPoolExecutor(processes, context, _adopt, (stop, fractions))
+    crew: _Crew[R] = _Crew(pool, stop)
+    with crew.at_work():
         try:
             with _deaf_to_ctrl_c():
                 for number, argument in enumerate(arguments):
-                    running[pool.submit(_work, function, argument, number)] = number
+                    crew.running[pool.submit(_work, function, argument, number)] = number
         except KeyboardInterrupt:
-            interrupted = True
-            halt()
-        while running:
+            crew.halt()
+        while crew.running:
             try:
-                done, _ = wait(running, _POLL_SECONDS, FIRST_COMPLETED)
+                crew.lose_patience()
+                done, _ = wait(crew.running, _POLL_SECONDS, FIRST_COMPLETED)
                 for future in done:
-                    number = running[future]
-                    if not future.cancelled():
+                    number = crew.running[future]
+                    if crew.has_answered(future):
                         result, last = future.result(), names[number]
                         results[number], fractions[number] = result, 1.0
                         if result is not None:  # None: Ctrl-C reached it
                             keep(number, result)
-                    del running[future]  # last: where Ctrl-C comes before, the result is met again
+                    del crew.running[future]  # last: where Ctrl-C comes before, the result is met again
                 report(sum(fractions[:]) / len(arguments), last)
             except KeyboardInterrupt:
-                interrupted = True
-                halt()
+                crew.halt()
+    return Finished(results, crew.halted)
+
+
+class _Crew(Generic[R]):
+    """The processes of a pool and the jobs that are not done.
+
+    Attributes:
+        running: number of each job.
+        halted: whether the jobs were asked to give up.
+    """
+
+    def __init__(self, pool: ProcessPoolExecutor, stop: Any) -> None:
+        self.running: dict[Future[R | None], int] = {}
+        self.halted = False
+        self._pool, self._stop, self._patience = pool, stop, math.inf
+
+    def halt(self) -> None:
+        """Ask the jobs to give up, those not begun as soon as they do: cancelled ones trouble the pool's thread."""
+        if not self.halted:
+            self.halted, self._patience = True, time.monotonic() + GRACE_SECONDS
+        self._stop.set()
+
+    def lose_patience(self) -> None:
+        """End the processes of jobs that were asked and do not answer."""
+        if time.monotonic() > self._patience:
+            self.kill()
+
+    def kill(self) -> None:
+        """End the processes."""
+        for process in list((self._pool._processes or {}).values()):
+            process.kill()
+
+    @contextmanager
+    def at_work(self) -> Iterator[None]:
+        """Within it jobs are handed out; after an error, Ctrl-C or the wish to end at once no process is waited for or left."""
+        try:
+            yield
+        except BaseException:
+            self.halt()
+            raise
+        finally:
+            try:
+                if self.halted:  # also a process that has only just begun has nothing to do
+                    self.kill()
+                self._pool.shutdown()
             except BaseException:
-                halt()  # the others shall not run on before the error is told
+                self.kill()
                 raise
-    return Finished(results, interrupted)
+
+    def has_answered(self, future: Future[R | None]) -> bool:
+        """Whether a finished job has a result or an error of its own, and was not given up."""
+        return not (self.halted and isinstance(future.exception(), BrokenProcessPool))
 
 
 @contextmanager
@@ -169,6 +216,7 @@ def _work(function: Job[A, R], argument: A, number: int) -> R | None:
             raise KeyboardInterrupt
 
     try:
+        progress(0.0, "")  # Ctrl-C may have come before the job began
         with one_blas_thread():  # there are as many workers as cores
             return function(argument, progress)
     except KeyboardInterrupt:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any, NoReturn
 
 import typer
 
-from rollerrig.cli.progress import lines, progress_bar
+from rollerrig.cli.progress import progress_bar
 from rollerrig.cli.termination import INTERRUPTED, OK, exit_code, say, stop
 
 if TYPE_CHECKING:
@@ -61,15 +61,19 @@ def carry_out(study: Any, out: Path, processes: int = 1, *, refused: tuple[type[
 
     folder = output_folder(out)
     try:
-        with progress_bar(study.command, lines() if study.resumable else None) as progress:
+        with progress_bar(study.command) as progress:
             outcome = study.run(folder=folder, processes=processes, progress=progress)
     except refused as error:
         stop(error)
     if outcome is None:
         stop("interrupted; finished jobs are kept: the same command continues", INTERRUPTED)
-    for path in outcome.write(folder):
-        if path.parent == folder:
-            typer.echo(path)
+    try:
+        for path in outcome.write(folder):
+            if path.parent == folder:
+                typer.echo(path)
+    except KeyboardInterrupt:
+        kept = "; finished jobs are kept: the same command continues" if study.resumable else ""
+        stop(f"interrupted while its results were written{kept}", INTERRUPTED)
     say(outcome.summary)
     for what, times in outcome.study.timings(outcome.results).items():
         say(f"{what}, as measured now: {', '.join(f'{name} {number(value, 3)}' for name, value in times.items())}")

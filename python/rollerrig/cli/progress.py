@@ -1,77 +1,153 @@
-"""A progress bar on stderr, only where somebody looks at it; and Ctrl-C, which reaches the work through its progress."""
+"""How far a command is: a bar on a terminal, lines now and then in a pipe; and Ctrl-C, which reaches the work through it.
+
+fraction, text -> [progress_bar] -> bar, or a line per REPORT_SECONDS, with the time left as soon as it can be told
+first Ctrl-C -> told at once, KeyboardInterrupt; second Ctrl-C -> the command ends there and then
+"""
 
 from __future__ import annotations
 
+import os
 import signal
 import sys
+import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from types import FrameType
 
 Progress = Callable[[float, str], None]
+Clock = Callable[[], float]
+
+REPORT_SECONDS = 15.0
+"""Between two lines where there is no terminal; what takes less prints none."""
+
+LEAST_GAINED, LEAST_SECONDS = 0.1, 10.0
+"""The time left is told when so much of the whole is done, and so long after the begin [s]."""
+
+JUMP = 0.02
+"""More of the whole within JUMP_SECONDS was not computed now but taken over."""
+JUMP_SECONDS = 0.05
+
+STOPPING = """
+Stopping: jobs at work are given up, what was computed is written. Ctrl-C again ends at once and loses no finished job.
+"""
+INTERRUPTED = 130
+
+
+class CtrlC:
+    """What was heard of Ctrl-C; `check` raises KeyboardInterrupt once more, which Python drops in a callback of the collector."""
+
+    def __init__(self) -> None:
+        self.times = 0
+        self._owed = False
+
+    def heard(self, _signal: int, _frame: FrameType | None) -> None:
+        """The signal's handler.
+
+        Raises:
+            KeyboardInterrupt: the first time.
+            SystemExit: the second time; nothing catches it, and files under their temporary names are removed on its way.
+        """
+        self.times += 1
+        if self.times > 1:
+            raise SystemExit(INTERRUPTED)
+        os.write(2, STOPPING.encode())  # `print` may be at work itself
+        self._owed = True
+        raise KeyboardInterrupt
+
+    def check(self) -> None:
+        """To be called now and then.
+
+        Raises:
+            KeyboardInterrupt: one was dropped.
+        """
+        if self._owed:
+            self._owed = False
+            raise KeyboardInterrupt
 
 
 @contextmanager
-def heard_ctrl_c() -> Iterator[Callable[[], None]]:
-    """A function that raises KeyboardInterrupt once more: Python drops one that comes in a callback of the collector."""
-    interrupted = False
-
-    def on_interrupt(_signal: int, _frame: FrameType | None) -> None:
-        nonlocal interrupted
-        interrupted = True
-        raise KeyboardInterrupt
-
-    def check() -> None:
-        nonlocal interrupted
-        if interrupted:
-            interrupted = False
-            raise KeyboardInterrupt
-
-    if signal.getsignal(signal.SIGINT) is not signal.default_int_handler:  # not the main program, or told to ignore it
-        yield check
+def heard_ctrl_c() -> Iterator[CtrlC]:
+    """Within it, Ctrl-C is heard as CtrlC says, unless this is not the main program or was told to ignore it."""
+    ears = CtrlC()
+    if signal.getsignal(signal.SIGINT) is not signal.default_int_handler:
+        yield ears
         return
-    before = signal.signal(signal.SIGINT, on_interrupt)
+    before = signal.signal(signal.SIGINT, ears.heard)
     try:
-        yield check
+        yield ears
     finally:
         signal.signal(signal.SIGINT, before)
 
 
 @contextmanager
-def progress_bar(title: str, otherwise: Progress | None = None) -> Iterator[Progress]:
-    """A function (fraction, text) that moves a bar, or calls `otherwise` if stderr is no terminal."""
-    with heard_ctrl_c() as check, _shown(title, otherwise) as show:
+def progress_bar(title: str) -> Iterator[Progress]:
+    """A function (fraction, text) that moves a bar, or prints lines where stderr is no terminal."""
+    with heard_ctrl_c() as ears, _shown(title) as show:
 
         def progress(fraction: float, text: str) -> None:
-            check()
-            show(fraction, text)
+            ears.check()
+            show(fraction, "stopping" if ears.times else text)
 
         yield progress
 
 
 @contextmanager
-def _shown(title: str, otherwise: Progress | None) -> Iterator[Progress]:
+def _shown(title: str) -> Iterator[Progress]:
     if not sys.stderr.isatty():
-        yield otherwise or (lambda _fraction, _text: None)
+        yield lines()
         return
     from rich.console import Console
-    from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+    from rich.progress import BarColumn, Progress, TextColumn
 
-    columns = (TextColumn("{task.description}"), BarColumn(), TextColumn("{task.fields[text]}"), TimeRemainingColumn())
-    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
-        task = bar.add_task(title, total=1.0, text="")
-        yield lambda fraction, text: bar.update(task, completed=fraction, text=text)
+    columns = [TextColumn(text) for text in ("{task.description}", "{task.fields[text]}", "{task.fields[left]}")]
+    left = TimeLeft()
+    with Progress(columns[0], BarColumn(), *columns[1:], console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task(title, total=1.0, text="", left="")
+        yield lambda fraction, text: bar.update(task, completed=fraction, text=text, left=left(fraction))
 
 
-def lines() -> Progress:
-    """Progress as a line on stderr per ten per cent, where there is no terminal for a bar."""
-    shown = -1
+class TimeLeft:
+    """The time left from the average since the begin: no jumping about with the last job, and nothing while it is a guess."""
+
+    def __init__(self, clock: Clock = time.monotonic) -> None:
+        self._clock = clock
+        self._begun: float | None = None
+        self._last = (0.0, 0.0)
+        self._taken_over = 0.0
+
+    def __call__(self, fraction: float) -> str:
+        """'about 4 min left', or nothing while too little is done to tell."""
+        now = self._clock()
+        if self._begun is None:
+            self._begun, self._taken_over = now, fraction
+        elif now - self._last[0] < JUMP_SECONDS and fraction - self._last[1] > JUMP:
+            self._taken_over += fraction - self._last[1]
+        self._last = (now, fraction)
+        elapsed, gained = now - self._begun, fraction - self._taken_over
+        if gained < LEAST_GAINED or elapsed < LEAST_SECONDS or fraction >= 1.0:
+            return ""
+        return f"about {duration(elapsed * (1.0 - fraction) / gained)} left"
+
+
+def duration(seconds: float) -> str:
+    """A time as people say it: '40 s', '12 min', '2.5 h'."""
+    if seconds < 90.0:
+        return f"{max(5, 5 * round(seconds / 5.0))} s"
+    return f"{round(seconds / 60.0)} min" if seconds < 5400.0 else f"{seconds / 3600.0:.1f} h"
+
+
+def lines(clock: Clock = time.monotonic) -> Progress:
+    """A line on stderr per REPORT_SECONDS: how much is done, since when, what is left, and what is at work."""
+    begun = last = clock()
+    left = TimeLeft(clock)
 
     def report(fraction: float, text: str) -> None:
-        nonlocal shown
-        tenth = int(10 * fraction)
-        if tenth > shown:
-            shown = tenth
-            print(f"{10 * tenth:3d} %  {text}", file=sys.stderr)
+        nonlocal last
+        remaining, now = left(fraction), clock()
+        if now - last < REPORT_SECONDS:
+            return
+        last = now
+        times = ", ".join(filter(None, (f"{duration(now - begun)} so far", remaining)))
+        print(f"{100 * fraction:3.0f} %  ({times})  {text}".rstrip(), file=sys.stderr, flush=True)
 
     return report

@@ -37,7 +37,7 @@ def traction_checks(run: xr.Dataset, study: xr.Dataset, case: Case) -> Iterator[
         return
     for wheel, place in PLACES:
         yield from _sliding_checks(study, wheel, place)
-    for variable in ("longitudinal_sliding", "longitudinal_force", "vertical_force"):
+    for variable in ("longitudinal_sliding", "longitudinal_creep_force", "vertical_force"):
         yield _symmetry_check(run, variable)
     wheelset, roller = spin_balance(run, study, case, "wheelset_1", "roller_1")
     yield Check("torque − Σ creep force × radius = J dω/dt, front wheelset", wheelset, 0.0, 0.002, SPIN_REASON)
@@ -117,9 +117,9 @@ def _symmetry_check(run: xr.Dataset, variable: str) -> Check:
 def _force_check(own: xr.Dataset, place: str) -> Check:
     last = own.isel(time=-1)
     return Check(
-        f"longitudinal force at the end, {place}: what accelerates wheelset and roller",
-        float(last["longitudinal_force"]),
-        float(last["longitudinal_force_theory"]),
+        f"longitudinal creep force at the end, {place}: what accelerates wheelset and roller",
+        float(last["longitudinal_creep_force"]),
+        float(last["longitudinal_creep_force_theory"]),
         0.005,
         "closed form with the nominal radius; free rolling resistance (a few newtons) left out",
         "N",

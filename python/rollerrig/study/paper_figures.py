@@ -38,8 +38,8 @@ CAPTIONS = {
     "roller_effects": "Steel. Loss of linear critical speed of the bogie from track to rig.",
     "figure_8a": "Figure 8a. Absolute sliding of the right wheels on their rollers (longitudinal, mean of the patches weighted "
     "with normal force), torque and speed. Dotted: slope of the creep law at the start × force × speed.",
-    "figure_8b": "Figure 8b. Longitudinal and vertical contact force on the right wheels. Dotted: closed forms from the balance "
-    "of wheelset, roller and frame.",
+    "figure_8b": "Figure 8b. Longitudinal creep force and vertical contact force on the right wheels. Dotted: closed forms "
+    "from the balance of wheelset, roller and frame.",
 }
 """Picture -> what it shows."""
 

@@ -31,7 +31,8 @@ QUANTITIES = Quantities(
     Quantity("traction", "null: not computed"),
     Quantity("traction.speed_kmh", "figure 8 at the last output time", "km/h"),
     Quantity("traction.*.sliding_mmps", "of a right wheel there", "mm/s"),
-    Quantity("traction.*.longitudinal_force_n", "on a right wheel there", "N"),
+    Quantity("traction.*.longitudinal_creep_force_n", "on a right wheel there", "N"),
+    Quantity("traction.*.longitudinal_force_n", "the same with the part of the normal force that points along the track", "N"),
     Quantity("traction.*.vertical_force_n", "on a right wheel there", "N"),
     Quantity("checks", "empty: nothing was computed that could be checked"),
     Quantity("checks.*.*", "name, value or both ends of its interval, expected, largest deviation and tolerance (absolute or "
@@ -90,6 +91,7 @@ def traction_numbers(study: xr.Dataset) -> dict[str, Any]:
         own = end.sel(wheel=wheel)
         numbers[wheel] = {
             "sliding_mmps": 1e3 * float(own["sliding"]),
+            "longitudinal_creep_force_n": float(own["longitudinal_creep_force"]),
             "longitudinal_force_n": float(own["longitudinal_force"]),
             "vertical_force_n": float(own["vertical_force"]),
         }

@@ -46,7 +46,7 @@ def frequency_rows(results: Results) -> list[list[object]]:
     return rows
 
 
-TRACTION_UNITS = {"sliding": "mps", "longitudinal_force": "n", "vertical_force": "n"}
+TRACTION_UNITS = {"sliding": "mps", "longitudinal_creep_force": "n", "longitudinal_force": "n", "vertical_force": "n"}
 
 
 def traction_columns(study: xr.Dataset) -> dict[str, ArrayLike]:

@@ -2,6 +2,12 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
 from rollerrig.analysis.parallel import Progress, run_jobs
 
 
@@ -46,3 +52,58 @@ def test_each_result_is_handed_over_as_soon_as_it_is_there() -> None:
     kept: dict[int, int] = {}
     run_jobs(interrupted_at_three, [1, 2, 3, 4], keep=kept.__setitem__)
     assert kept == {0: 1, 1: 2}
+
+
+STUBBORN = """
+import os, signal, sys, threading, time
+from rollerrig.analysis import parallel
+
+def stubborn(number, progress):
+    progress(0.0, "")
+    if number:
+        open("begun", "w").close()
+        time.sleep(60.0)  # never looks up
+    return number
+
+def press(times):
+    while not os.path.exists("begun"):
+        time.sleep(0.1)
+    for _ in range(times):
+        os.kill(os.getpid(), signal.SIGINT)
+        time.sleep(0.7)
+
+def main(times):
+    from rollerrig.cli.progress import progress_bar
+    kept = {}
+    def keep(number, result):
+        if number not in kept:  # one that Ctrl-C brings here again
+            kept[number] = result
+            threading.Thread(target=press, args=(times,), daemon=True).start()
+    with progress_bar("stubborn") as progress:
+        begun = time.monotonic()
+        try:
+            done = parallel.run_jobs(stubborn, [0, 1, 2, 3], processes=2, keep=keep, progress=progress)
+            print(done.interrupted, done.results)
+        finally:
+            print(kept, "within", time.monotonic() - begun < 30.0)
+
+if __name__ == "__main__":
+    main(int(sys.argv[1]))
+"""
+
+
+@pytest.mark.parametrize(
+    ("presses", "code", "printed"),
+    [(1, 0, "True [0, None, None, None]\n{0: 0} within True\n"), (2, 130, "{0: 0} within True\n")],
+)
+def test_ctrl_c_ends_jobs_that_never_look_up(presses: int, code: int, printed: str, tmp_path: Path) -> None:
+    """Once: told at once, then a few seconds of patience; twice: at once. What was finished is handed over either way."""
+    script = tmp_path / "stubborn.py"
+    script.write_text(STUBBORN)
+    done = subprocess.run(
+        [sys.executable, script, str(presses)], cwd=tmp_path, capture_output=True, text=True, timeout=120, check=False
+    )
+    assert done.returncode == code, done.stderr
+    assert done.stdout == printed
+    assert done.stderr.count("Stopping: jobs at work are given up") == 1
+    assert "Traceback" not in done.stderr

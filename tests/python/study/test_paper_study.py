@@ -100,14 +100,15 @@ def test_a_wrong_run_fails_its_checks(outcome) -> None:
 
     run, theory = outcome.results.traction, outcome.results.theory
     left = run["wheel"] == "wheelset_1_left"
-    wrong = run.assign(longitudinal_force=run["longitudinal_force"].where(~left, 1.01 * run["longitudinal_force"]))
+    force = run["longitudinal_creep_force"]
+    wrong = run.assign(longitudinal_creep_force=force.where(~left, 1.01 * force))
     wrong = wrong.assign_attrs(energy_relative_residual=1e-3)
-    fitted = theory.assign(longitudinal_force=1.1 * theory["longitudinal_force"])
+    fitted = theory.assign(longitudinal_creep_force=1.1 * theory["longitudinal_creep_force"])
     failed = {check.name for check in traction_checks(wrong, fitted, traction_case(QUICK)) if not check.passed}
     assert failed == {
-        "left = right, longitudinal force",
-        "longitudinal force at the end, front: what accelerates wheelset and roller",
-        "longitudinal force at the end, rear: what accelerates wheelset and roller",
+        "left = right, longitudinal creep force",
+        "longitudinal creep force at the end, front: what accelerates wheelset and roller",
+        "longitudinal creep force at the end, rear: what accelerates wheelset and roller",
         "traction: energy, work in = kinetic + potential + dissipated",
     }
 
