@@ -73,6 +73,15 @@ RENAMED: dict[str, str] = {
 
 EXPECTED: dict[str, str] = {
     "bogie_rollers_constant, strips table": "old: one evaluation at 0.06 s is off; the new agrees with half the step",
+    ": distance": "old: motion.speed t on rollers that are not speed-controlled; the new is what they have run",
+    "adhesion_brake, track: speed": "old: the speed at the start; the new is the train's",
+    **{
+        f": {name}": "new"
+        for name in (
+            *(f"inertial_{axis}_{kind}" for axis in ("roll", "pitch", "yaw") for kind in ("rate", "acceleration")),
+            *("longitudinal_creep_force", "creep_force", "wear_number", "patch_wear_number"),
+        )
+    },
 }
 """'case', 'case: variable' or ': variable' -> why it differs."""
 
@@ -287,6 +296,7 @@ def run_values(case: Any, _: float) -> Values:
     run = rollerrig.simulate(case)
     residual = run["energy_residual"] / run.attrs["energy_turned_over_j"]  # the difference of large numbers
     run = run.assign(energy_residual=residual.assign_attrs(units="balance"))
+    run = run.drop_dims([dim for dim in run.dims if dim == "reading_time"])  # the same forces, more often
     return floats(run.isel(time=slice(None, None, -(-run.sizes["time"] // MOST_SAMPLES))))
 
 
@@ -410,7 +420,7 @@ def differences(
         times = [until(old["time"], good) if over_time else np.nan for good in (difference <= tolerance, compared)]
         found[name] = Finding(float(ratio.max()), float(difference.max()), min(times), times[1])
     known = {renamed(name) for name in old} | set(old)
-    problems += [f"new variable '{name}'" for name in new if name not in known]
+    problems += [f"new variable '{name}'" for name in new if name not in known and not expected("", name)]
     return found, problems
 
 

@@ -67,6 +67,14 @@ def track_sections(run: xr.Dataset) -> list[TrackSection]:
     return found
 
 
+def section_names(run: xr.Dataset) -> NDArray[np.str_]:
+    """Name of the section at every output time, shape (time,)."""
+    names = np.full(run.sizes["time"], "", dtype=object)
+    for section in track_sections(run):
+        names[section.within] = section.name
+    return names.astype(str)
+
+
 def _numbers(info: RunInfo, constant: Sequence[TrackSegment], distance: NDArray[np.float64]) -> NDArray[np.int_]:
     """2 k where the vehicle is wholly in the constant segment k, 2 k + 1 on its way from there to the next, -1 before all."""
     places = [body.position[0] for body in info.wheelsets]

@@ -29,6 +29,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from rollerrig.analysis.filters import low_pass, sliding_mean
+from rollerrig.analysis.track_sections import section_names
 from rollerrig.recording import MOST_READINGS, READING_STEP
 from rollerrig.results.readings import DIMENSION, PREFIX, readings_of
 from rollerrig.results.run_info import RunInfo
@@ -71,6 +72,7 @@ def wheel_forces(run: xr.Dataset, *, prudhomme_factor: float = PRUDHOMME_FACTOR)
         wheelset: guiding_force_sum ΣY [N]; over time: distance [m] (on a rig that of the rollers' surface). The same but
         for patches between the output times, over `reading_time` and with names that begin with `reading_`: what
         `filtered` filters; absent where the run has no readings.
+        The coordinate `section` over time names the straight, transition or curve that the vehicle is in.
         Without time: static_wheel_load Q0 [N] per wheel, guiding_force_sum_limit [N] per wheelset, nadal_limit [-].
         Signs: see the module's text.
 
@@ -109,7 +111,8 @@ def wheel_forces(run: xr.Dataset, *, prudhomme_factor: float = PRUDHOMME_FACTOR)
         "friction": info.friction,
         "prudhomme_factor": prudhomme_factor,
     }
-    return xr.Dataset(variables, attrs=attributes)
+    section = xr.Variable("time", section_names(run), {"long_name": "section of the run"})
+    return xr.Dataset(variables, attrs=attributes).assign_coords(section=section)
 
 
 def _over_time(

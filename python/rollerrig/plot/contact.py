@@ -8,6 +8,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 
 from rollerrig.plot.style import COLOURS, MARKERS, STYLES, house_style, legend_above, new_figure
 
@@ -77,6 +78,8 @@ def comparison_figure(comparison: xr.Dataset, side: str = "left") -> Figure:
                     **look,
                 )
             axes.set_ylabel(label)
+            if name == "patches":
+                axes.yaxis.set_major_locator(MaxNLocator(integer=True))
         panels[-1].set_xlabel("lateral position of the wheelset [mm], positive to the left")
         load = 1e-3 * comparison.attrs["load_n"]
         what = f"{comparison.attrs['case']}: {comparison.attrs['wheelset']} under {load:.4g} kN, {side} wheel"

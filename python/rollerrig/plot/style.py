@@ -27,6 +27,7 @@ SETTINGS: dict[str, Any] = {
     "axes.titlesize": 9.5,
     "axes.labelsize": 9.0,
     "axes.grid": True,
+    "axes.unicode_minus": False,  # one minus in figures, tables and files
     "axes.axisbelow": True,
     "axes.spines.top": False,
     "axes.spines.right": False,

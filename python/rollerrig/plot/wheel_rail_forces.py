@@ -18,6 +18,9 @@ from rollerrig.plot.style import COLOURS, GREY, STYLES, calm, legend_above, line
 LIMIT_IN_SIGHT = 2.5
 """A limit up to this many times the largest value is drawn; a further one is only named, and the values fill the axes."""
 
+LEAST_RANGE = {"force": 2.0, "quotient": 0.05, "wear": 1.0, "acceleration": 0.02}
+"""Least range of an ordinate [kN, -, N, m/s^2]: less is not worth a closer look, and would be drawn as if it were."""
+
 
 def wheel_forces(forces: xr.Dataset, along: xr.DataArray | None = None) -> Figure:
     """Wheel load Q and guiding force Y of every wheel.
@@ -30,7 +33,7 @@ def wheel_forces(forces: xr.Dataset, along: xr.DataArray | None = None) -> Figur
     with _along(labels, forces, along, 5.2) as (figure, axes, along):
         for panel, name in zip(axes, ("wheel_load", "guiding_force"), strict=True):
             wheel_lines(panel, along, 1e-3 * forces[name])
-            calm(panel, 1e-1)
+            calm(panel, LEAST_RANGE["force"])
         _note(axes[0], _filter_of(forces["wheel_load"]))
         return figure
 
@@ -47,6 +50,7 @@ def quotient(forces: xr.Dataset, along: xr.DataArray | None = None, limits: dict
         wheel_lines(axes, along, forces["derailment_quotient"])
         chosen = {"Nadal": float(forces["nadal_limit"])} if limits is None else limits
         _limits(axes, forces["derailment_quotient"], chosen, "", both=False)
+        calm(axes, LEAST_RANGE["quotient"])
         _note(axes, _filter_of(forces["derailment_quotient"]))
         return figure
 
@@ -57,11 +61,11 @@ def track_shifting(forces: xr.Dataset, along: xr.DataArray | None = None) -> Fig
         for number, wheelset in enumerate(_names(forces["wheelset"])):
             force = 1e-3 * forces["guiding_force_sum"].sel(wheelset=wheelset)
             line(axes, along, force, number, STYLES[number % len(STYLES)], wheelset)
-        calm(axes, 1e-1)
         limit = float(forces["guiding_force_sum_limit"].min())
         factor = forces.attrs["prudhomme_factor"]
         name = "Prud'homme, " + (f"{factor:g} " if factor != 1.0 else "") + "(10 kN + 2 Q0/3)"
         _limits(axes, 1e-3 * forces["guiding_force_sum"], {name: 1e-3 * limit}, " kN", both=True)
+        calm(axes, LEAST_RANGE["force"])
         _note(axes, _filter_of(forces["guiding_force_sum"]))
         return figure
 
@@ -70,7 +74,7 @@ def wear(forces: xr.Dataset, along: xr.DataArray | None = None) -> Figure:
     """Wear number of every wheel; arguments as in `wheel_forces`."""
     with _along(["wear number Tγ [N]"], forces, along, 3.2) as (figure, (axes,), along):
         wheel_lines(axes, along, forces["wear_number"])
-        axes.set_ylim(bottom=0.0)
+        axes.set_ylim(0.0, max(axes.get_ylim()[1], LEAST_RANGE["wear"]))
         _note(axes, _filter_of(forces["wear_number"]))
         return figure
 
@@ -88,7 +92,7 @@ def accelerations_along(points: xr.Dataset, along: xr.DataArray | None = None) -
             for number, point in enumerate(_names(points["point"])):
                 values = points["acceleration"].sel(point=point, direction=direction)
                 line(panel, along, values, number, STYLES[number % len(STYLES)], point)
-            calm(panel, 1e-3)
+            calm(panel, LEAST_RANGE["acceleration"])
         bands = sorted(set(map(str, points["filter"].to_numpy()))) if "filter" in points.coords else []
         _note(axes[0], " and ".join(bands) if bands else "unfiltered")
         return figure

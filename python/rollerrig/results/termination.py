@@ -38,7 +38,9 @@ def add_termination(run: xr.Dataset, model: AssembledModel) -> xr.Dataset:
         when, _, rest = message.partition(", ")
         if isinstance(model.case.support.data, Track):
             message = f"{when}, {place}, {rest}"
-        message += f" Largest |Y|/Q of its wheelset in the {LAST_SECONDS:g} s before: {quotient:.2f} at {wheel}."
+        message += (
+            f" Largest unfiltered |Y|/Q of its wheelset in the {LAST_SECONDS:g} s before: {quotient:.2f} at {wheel}."
+        )
     return run.assign_attrs(
         status_message=message,
         stopped_at_m=distance,

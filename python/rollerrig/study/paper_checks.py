@@ -40,7 +40,7 @@ def traction_checks(run: xr.Dataset, study: xr.Dataset, case: Case) -> Iterator[
     for variable in ("longitudinal_sliding", "longitudinal_creep_force", "vertical_force"):
         yield _symmetry_check(run, variable)
     wheelset, roller = spin_balance(run, study, case, "wheelset_1", "roller_1")
-    yield Check("torque − Σ creep force × radius = J dω/dt, front wheelset", wheelset, 0.0, 0.002, SPIN_REASON)
+    yield Check("torque - Σ creep force × radius = J dω/dt, front wheelset", wheelset, 0.0, 0.002, SPIN_REASON)
     yield Check("Σ creep force × radius = J dω/dt, front roller pair", roller, 0.0, 0.002, SPIN_REASON)
     for check in (_force_check, _load_transfer_check):
         for wheel, place in PLACES:

@@ -81,7 +81,7 @@ def solver_table(results: Results) -> Table:
         residual = number(float(attributes["energy_relative_residual"]), 2)
         rows.append((name, attributes["status"], *steps, energy, residual))
     caption = (
-        "Integration, and the energy audit: work in − change of stored energy − heat, over the energy turned over."
+        "Integration, and the energy audit: work in - change of stored energy - heat, over the energy turned over."
     )
     return Table(header, rows, caption)
 

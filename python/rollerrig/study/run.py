@@ -32,7 +32,11 @@ TERMINATION = (
     Quantity("stopped_wheel", "wheel at which the run stopped, empty if none"),
     Quantity("stopped_at_m", "distance at the last output time", "m"),
     Quantity("stopped_segment", "segment of the track there, empty if it has none"),
-    Quantity("stopped_quotient", "largest |Y|/Q of the wheelset that stopped the run in the half second before", "1"),
+    Quantity(
+        "stopped_quotient",
+        "largest unfiltered |Y|/Q of the wheelset that stopped the run in the half second before",
+        "1",
+    ),
     Quantity("stopped_quotient_wheel", "wheel that had it, empty if none"),
     Quantity("samples", "number of output times"),
     Quantity("speed_start_kmh", "running speed at the first output time", "km/h"),

@@ -38,7 +38,7 @@ SHOWN = Quantities(
     Quantity("guiding_force", "", "N", "guiding force Y", 3, ("kN", 1e-3)),
     Quantity("wheel_load", "", "N", "wheel load Q", 3, ("kN", 1e-3)),
     Quantity("derailment_quotient", "", "1", "Y/Q", 3),
-    Quantity("wheel_unloading", "", "1", "wheel unloading (Q0 − Q)/Q0", 3),
+    Quantity("wheel_unloading", "", "1", "wheel unloading (Q0 - Q)/Q0", 3),
     Quantity("guiding_force_sum", "", "N", "sum of guiding forces ΣY", 3, ("kN", 1e-3)),
     Quantity("wear_number", "", "N", "wear number Tγ", 3),
     Quantity("lateral_acceleration", "", "m/s²", "lateral acceleration", 3),

@@ -6,6 +6,7 @@ import matplotlib as mpl
 import numpy as np
 import pytest
 import xarray as xr
+from matplotlib.text import Text
 
 from rollerrig.plot import (
     amplitude_over_speed,
@@ -23,6 +24,8 @@ from rollerrig.plot import (
     traction_sliding,
     wheel_rail_forces,
 )
+from rollerrig.plot.contact import COMPARED, comparison_figure
+from rollerrig.plot.style import house_style
 
 TIME = np.linspace(0, 2, 201)
 SPEED = np.array([60.0, 120.0, 180.0])
@@ -163,6 +166,52 @@ def test_the_same_figure_gives_the_same_bytes(name: str) -> None:
         second = figure_bytes(FIGURES[name]())
     assert first == second
     assert b"<dc:date>" not in first
+
+
+def test_what_hardly_changes_is_not_drawn_as_if_it_did() -> None:
+    """Y/Q of a vehicle that runs straight on is 0.011 and a millionth: no axis of 1e-6 with an offset."""
+    still = read_off()
+    for name in ("guiding_force", "wheel_load", "wear_number", "derailment_quotient", "guiding_force_sum"):
+        middle = 0.011 if name in ("derailment_quotient", "wear_number") else 54e3
+        still[name] = still[name].copy(data=middle * (1.0 + 2.5e-11 * still[name].to_numpy()))
+    still["nadal_limit"] = 1.3
+    (axes,) = wheel_rail_forces.quotient(still, limits={"EN 14363": 0.8}).axes
+    assert np.ptp(axes.get_ylim()) == pytest.approx(0.05)
+    for figure in (wheel_rail_forces.wheel_forces(still), wheel_rail_forces.track_shifting(still)):
+        assert all(np.ptp(axes.get_ylim()) >= 2.0 for axes in figure.axes)  # [kN]
+    (axes,) = wheel_rail_forces.wear(still).axes
+    assert axes.get_ylim() == (0.0, 1.0)
+
+
+def test_a_limit_in_sight_stays_in_sight_of_values_that_hardly_change() -> None:
+    still = read_off()
+    still["derailment_quotient"] = still["derailment_quotient"].copy(
+        data=0.4 + 1e-7 * still["derailment_quotient"].to_numpy()
+    )
+    (axes,) = wheel_rail_forces.quotient(still, limits={"EN 14363": 0.8}).axes
+    assert axes.get_ylim()[1] >= 0.8
+
+
+def test_patches_are_counted_in_whole_numbers() -> None:
+    lateral, models = 1e-3 * np.arange(-4.0, 5.0), ["hertz", "strips"]
+    shape = (len(lateral), 2, 2)
+    data = {name: (("lateral", "side", "model"), np.ones(shape)) for name in COMPARED}
+    data["patches"] = (("lateral", "side", "model"), np.ones(shape) + (np.arange(9) % 2)[:, None, None])
+    attributes = {"load_n": 54e3, "case": "bogie_track", "wheelset": "wheelset_1"}
+    coordinates = {"lateral": lateral, "side": ["left", "right"], "model": models}
+    figure = comparison_figure(xr.Dataset(data, coordinates, attributes))
+    ticks = next(axes.get_yticks() for axes in figure.axes if axes.get_ylabel() == "patches")
+    assert len(ticks) >= 2
+    assert np.all(ticks == np.round(ticks))
+
+
+@pytest.mark.parametrize("name", FIGURES)
+def test_numbers_in_figures_have_one_minus(name: str) -> None:
+    with house_style():
+        figure = FIGURES[name]()
+        figure.draw_without_rendering()
+        texts = [text.get_text() for axes in figure.axes for text in axes.findobj(Text)]  # type: ignore[attr-defined]
+    assert not [text for text in texts if "\N{MINUS SIGN}" in text]
 
 
 def test_limits_in_sight_are_drawn_and_others_named() -> None:

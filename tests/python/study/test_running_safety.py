@@ -63,6 +63,9 @@ def test_sections_of_a_curve_have_names_and_only_the_constant_ones_quasi_static_
     assert median == pytest.approx(13.34e3, rel=1e-3)
     assert found[CURVE] == pytest.approx(median, rel=1e-4)  # filtered or not: a median of what hardly changes
     assert found["1 straight"] == pytest.approx(560, rel=0.01)
+    named = forces["section"].to_numpy()
+    assert list(dict.fromkeys(named.tolist())) == list(found)[1:]
+    assert (named == CURVE).tolist() == inside.to_numpy().tolist()
 
 
 def test_sections_stand_in_table_file_and_summary(curve: Outcome[Results]) -> None:
