@@ -19,6 +19,7 @@ from rollerrig.study import critical_speeds as speeds
 from rollerrig.study import paper_tables as tables
 from rollerrig.study import paper_text as text
 from rollerrig.study.checks import check_table, counts_text
+from rollerrig.study.contact_sensitivity import sensitivity_table
 from rollerrig.study.frame import Study
 from rollerrig.study.jobs import Done, Round, job, whole_modes, whole_run
 from rollerrig.study.paper_checks import energy_checks, order_check, traction_checks
@@ -35,6 +36,7 @@ from rollerrig.study.paper_plan import (
     PaperPlan,
     Results,
     case_of,
+    contact_model_cases,
     rig_case,
     traction_case,
 )
@@ -85,6 +87,8 @@ class PaperStudy(Study[Results]):
             first[f"ramp {material}"] = job(ramp_run, (rig, plan.ramps[material], plan.hunting))
             for variant, case in ((VEHICLE, case_of(VEHICLE, material)), (RIG, rig)):
                 cases[f"{variant} {material}"], started[f"{variant} {material}"] = case, plan.runs_kmh[material]
+        models = contact_model_cases(plan)
+        cases, started = cases | models, started | dict.fromkeys(models, plan.sensitivity_kmh)
         yield jobs
         first["traction"] = job(whole_run, traction_case(plan))
         for more in speeds.disturbance_rounds(cases, started, plan.bracket_kmh, plan.hunting, done):
@@ -118,6 +122,7 @@ class PaperStudy(Study[Results]):
             ramps=ramps,
             runs=runs,
             vehicle_runs=of(VEHICLE),
+            sensitivity=speeds.brackets(list(contact_model_cases(plan)), plan.hunting, done),
             over_radius={material: one for material, one in radii.items() if one is not None},
             effects={material: one for material, one in splits.items() if one is not None},
             traction=run,
@@ -246,4 +251,6 @@ class PaperStudy(Study[Results]):
                 "Linear critical speed [km/h] of the bogie on the rig over the merging criterion of adjacent patches."
             )
             blocks.append(Table(("merging criterion", *(text.NAMES[m] for m in MATERIALS)), rows, caption))
+        if results.sensitivity:
+            blocks.append(sensitivity_table(results.sensitivity))
         return blocks

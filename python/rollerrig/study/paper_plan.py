@@ -13,6 +13,7 @@ from rollerrig.analysis.roller_effects import RADII, CriticalSpeedOverRadius, Ef
 from rollerrig.cases import restrained_along_track
 from rollerrig.config import Case, load_case
 from rollerrig.study.checks import Check
+from rollerrig.study.contact_sensitivity import sensitivity_cases
 from rollerrig.study.interval import Interval
 from rollerrig.study.report import Mark
 
@@ -52,6 +53,7 @@ class PaperPlan:
         traction_case: name of the case in the catalogue.
         traction_changes: changes to it.
         criteria: values of contact.normal.merging_criterion for the sensitivity.
+        sensitivity_kmh: first speeds of runs of the bogie, steel, with each model of normal contact [km/h].
         radii: of the rollers in the table of critical speeds [m].
         mark: said on every page, table and figure; None: the numbers may be relied on.
     """
@@ -64,6 +66,7 @@ class PaperPlan:
     traction_case: str = "bogie_rollers_traction"
     traction_changes: dict[str, object] = field(default_factory=dict)
     criteria: tuple[float, ...] = MERGING_CRITERIA
+    sensitivity_kmh: tuple[float, ...] = (120.0, 160.0, 200.0, 240.0, 280.0)
     radii: tuple[float, ...] = RADII
     mark: Mark | None = None
 
@@ -89,6 +92,7 @@ QUICK = PaperPlan(
     ramps={"steel": _kmh(140, 180, 40, 20), "paper": _kmh(100, 140, 40, 20)},
     hunting=HuntingSettings(duration=1.0, output_step=1e-2),
     criteria=(0.0, 0.01),
+    sensitivity_kmh=(100.0, 200.0),
     radii=(0.725,),
     mark=Mark("quick", "few and short runs, which show that everything works; no number here is a result to be quoted"),
 )
@@ -103,6 +107,12 @@ def case_of(variant: str, material: str) -> Case:
 def rig_case(material: str) -> Case:
     """The bogie on the rig."""
     return case_of(RIG, material)
+
+
+def contact_model_cases(plan: PaperPlan) -> dict[str, Case]:
+    """The bogie, steel, on rig and track with each model of normal contact."""
+    supports = {"rig": rig_case(MATERIALS[0]), "track": case_of("bogie on track", MATERIALS[0])}
+    return sensitivity_cases(supports, plan.criteria)
 
 
 def traction_case(plan: PaperPlan) -> Case:
@@ -121,6 +131,7 @@ class Results:
         ramps: Datasets of `ramp_run`.
         runs: critical speed by disturbance on the rig, with its runs.
         vehicle_runs: the same of the whole vehicle on track.
+        sensitivity: the same of the bogie, steel, by label of `sensitivity_cases`.
         over_radius: critical speeds over the rollers' radius.
         effects: of the rollers on the bogie's critical speed.
         traction: the traction run, all signals.
@@ -133,6 +144,7 @@ class Results:
     ramps: dict[str, xr.Dataset]
     runs: dict[str, CriticalSpeedByDisturbance]
     vehicle_runs: dict[str, CriticalSpeedByDisturbance]
+    sensitivity: dict[str, CriticalSpeedByDisturbance]
     over_radius: dict[str, CriticalSpeedOverRadius]
     effects: dict[str, EffectSplit]
     traction: xr.Dataset | None

@@ -55,7 +55,15 @@ def numbers(folder) -> dict:
 def test_everything_is_written(folder) -> None:
     names = {path.name for path in folder.iterdir()}
     tables = {"modes.csv", "runs.csv", "wheels.csv", "critical_speeds.csv", "roller_effects.csv"}
-    assert {"report.html", "summary.json", "timing.json", "disturbed_rig.nc", "disturbed_track.nc", "figures", *tables} == names
+    assert {
+        "report.html",
+        "summary.json",
+        "timing.json",
+        "disturbed_rig.nc",
+        "disturbed_track.nc",
+        "figures",
+        *tables,
+    } == names
     for kind in ("svg", "png"):
         drawn = {path.stem for path in (folder / "figures").glob(f"*.{kind}")}
         assert drawn == {"modes", "hunting", "amplitude", "radius", "roller_effects", "disturbed", "characteristics"}
