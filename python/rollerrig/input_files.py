@@ -1,6 +1,6 @@
 """The one door through which files of the user come in.
 
-    path -> [read_input] -> its bytes, or InputError before anything was read
+    path -> [read_input, open_input] -> its bytes, or InputError before anything was read
 
 Only regular files of a size that makes sense pass: a device never ends, a pipe may never begin, and what is far too large is
 not what was meant. Whoever asks turns the error into its own, which names the file and what is allowed.
@@ -12,6 +12,7 @@ import errno
 import os
 import stat
 from pathlib import Path
+from typing import BinaryIO
 
 MEGABYTE = 1_000_000
 LARGEST_TEXT = 4 * MEGABYTE
@@ -61,14 +62,33 @@ def read_input(path: str | Path, largest: int) -> bytes:
         InputError: not a regular file, or larger than allowed.
         OSError: there is no such file, or it cannot be read.
     """
-    check_input(path, largest)  # also before it is opened: some devices act on that
-    flags = os.O_RDONLY | getattr(os, "O_BINARY", 0) | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_NOCTTY", 0)
-    with os.fdopen(os.open(path, flags), "rb") as file:
-        _check(os.fstat(file.fileno()), largest)  # it may have been exchanged meanwhile
+    with open_input(path, largest) as file:
         content = file.read(largest + 1)  # files of the kernel do not tell their size
     if len(content) > largest:
         raise _too_large(len(content), largest)
     return content
+
+
+def open_input(path: str | Path, largest: int | None = None) -> BinaryIO:
+    """A file open for reading bytes.
+
+    Args:
+        path: the file.
+        largest: allowed size [bytes]; None: any.
+
+    Raises:
+        InputError: not a regular file, or larger than allowed.
+        OSError: there is no such file, or it cannot be read.
+    """
+    check_input(path, largest)  # also before it is opened: some devices act on that
+    flags = os.O_RDONLY | getattr(os, "O_BINARY", 0) | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_NOCTTY", 0)
+    file = os.fdopen(os.open(path, flags), "rb")
+    try:
+        _check(os.fstat(file.fileno()), largest)  # it may have been exchanged meanwhile
+    except InputError:
+        file.close()
+        raise
+    return file
 
 
 def _check(status: os.stat_result, largest: int | None) -> None:

@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from rollerrig.cli.command import AllowCode, Out, Processes, RigCaseName, carry_out, read_case
+from rollerrig.cli.command import AllowCode, Force, Out, Processes, RigCaseName, carry_out, read_case
 
 
 def command(
@@ -17,8 +17,9 @@ def command(
     ] = True,
     processes: Processes = 2,
     allow_code: AllowCode = False,
+    force: Force = False,
 ) -> None:
     """A brake or traction test on degraded track and on the dry rig that reproduces it, side by side."""
     from rollerrig.study.adhesion import AdhesionStudy
 
-    carry_out(AdhesionStudy(read_case(case, allow_code=allow_code), error_budget), out, processes)
+    carry_out(AdhesionStudy(read_case(case, allow_code=allow_code), error_budget), out, processes, force=force)

@@ -9,7 +9,7 @@ from importlib.util import find_spec
 import typer
 
 from rollerrig import __version__
-from rollerrig.cli.termination import INTERRUPTED, readable_errors
+from rollerrig.cli.termination import CLOSED, INTERRUPTED, readable_errors
 
 COMMANDS = (
     "paper",
@@ -31,8 +31,8 @@ COMMANDS = (
 
 HELP = """A roller rig for railway bogies, in software.
 
-CASE is the name of a case in the catalogue (rollerrig catalog) or a TOML file. Exit codes: 0 done, 2 bad input, 3 the run
-left the model's validity (results up to there are kept), 130 interrupted (results up to there are kept)."""
+CASE is the name of a case in the catalogue (rollerrig catalog) or a TOML file. Exit codes: 0 done, 1 output closed, 2 bad input,
+3 the run left the model's validity (results up to there are kept), 130 interrupted (results up to there are kept)."""
 
 
 def print_version(wanted: bool) -> None:
@@ -74,4 +74,4 @@ def main() -> None:
         sys.exit(INTERRUPTED)
     except BrokenPipeError:  # `rollerrig catalog | head`
         sys.stderr.close()
-        sys.exit(1)
+        sys.exit(CLOSED)

@@ -19,6 +19,12 @@ RigCaseName = Annotated[
     typer.Argument(metavar="CASE", help="Case on rollers with [rig_control]: a name of the catalogue or a TOML file."),
 ]
 Out = Annotated[Path, typer.Option(help="Folder for the results; made if it does not exist.")]
+Force = Annotated[
+    bool,
+    typer.Option(
+        "--force", help="Replace files that this command did not write: of other commands, of other programs, yours."
+    ),
+]
 AllowCode = Annotated[
     bool,
     typer.Option("--allow-code", help="Also take controllers from outside the folder of the case that names them."),
@@ -47,29 +53,30 @@ def code_lines(case: Case) -> list[str]:
     ]
 
 
-def carry_out(study: Any, out: Path, processes: int = 1, *, refused: tuple[type[Exception], ...] = ()) -> NoReturn:
+def carry_out(
+    study: Any, out: Path, processes: int = 1, *, force: bool = False, refused: tuple[type[Exception], ...] = ()
+) -> NoReturn:
     """Run a study, write what it found and print its summary; the exit code says how its runs ended.
 
     Args:
         study: a `rollerrig.study.frame.Study`.
         out: folder for the results.
         processes: jobs at a time.
+        force: whether files that the command did not write may be replaced in the folder.
         refused: errors of the study that are the user's.
     """
-    from rollerrig.results import output_folder
     from rollerrig.wording import number
 
-    folder = output_folder(out)
     try:
         with progress_bar(study.command) as progress:
-            outcome = study.run(folder=folder, processes=processes, progress=progress)
+            outcome = study.run(folder=out, force=force, processes=processes, progress=progress)
     except refused as error:
         stop(error)
     if outcome is None:
         stop("interrupted; finished jobs are kept: the same command continues", INTERRUPTED)
     try:
-        for path in outcome.write(folder):
-            if path.parent == folder:
+        for path in outcome.write(out, force=force):
+            if path.parent == out:
                 typer.echo(path)
     except KeyboardInterrupt:
         kept = "; finished jobs are kept: the same command continues" if study.resumable else ""

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from rollerrig.cli.command import AllowCode, Out, Processes, SpeedsKmh, carry_out, code_lines
+from rollerrig.cli.command import AllowCode, Force, Out, Processes, SpeedsKmh, carry_out, code_lines
 from rollerrig.cli.ranges import read_range, read_speeds
 from rollerrig.cli.termination import say
 
@@ -31,6 +31,7 @@ def command(
     duration: Annotated[float, typer.Option(min=1.0, max=600.0, help="Length of each of these runs [s].")] = 6.0,
     processes: Processes = 2,
     allow_code: AllowCode = False,
+    force: Force = False,
 ) -> None:
     """One vehicle on several supports side by side: modes, critical speeds, limit cycles, forces, effects of the rollers."""
     from rollerrig.analysis import HuntingSettings
@@ -49,4 +50,4 @@ def command(
     parts = next(iter(cases.values())).vehicle.data.cut_names()[::-1]
     settings = HuntingSettings(disturbance=1e-3 * disturbance_mm, duration=duration)
     study = CompareStudy(cases, speeds, tuple(parts), tuple(sorted(set(radii))), hunting=settings)
-    carry_out(study, out, processes)
+    carry_out(study, out, processes, force=force)

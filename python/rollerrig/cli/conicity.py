@@ -7,7 +7,7 @@ from typing import Annotated
 import typer
 from pydantic import BaseModel
 
-from rollerrig.cli.command import Out, carry_out
+from rollerrig.cli.command import Force, Out, carry_out
 from rollerrig.cli.ranges import read_range
 from rollerrig.cli.termination import stop
 
@@ -32,6 +32,7 @@ def command(
     with_roll: Annotated[
         bool, typer.Option("--with-roll", help="Roll the wheelset until both wheels touch; neglected otherwise.")
     ] = False,
+    force: Force = False,
 ) -> None:
     """Rolling radius difference, contact angles and positions, and equivalent conicity of a pair of profiles."""
     from rollerrig.config import Rig, Track, Wheel
@@ -62,7 +63,7 @@ def command(
         )
     except ValueError as error:
         stop(f"{wheel} on {rail}: {error}")
-    carry_out(study, out, refused=(ValueError,))
+    carry_out(study, out, refused=(ValueError,), force=force)
 
 
 def _length(text: str, option: str, table: type[BaseModel], key: str) -> float:

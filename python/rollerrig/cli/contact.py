@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 
 import typer
 
-from rollerrig.cli.command import AllowCode, read_case
+from rollerrig.cli.command import AllowCode, Force, read_case
 from rollerrig.cli.ranges import check_finite, read_range
 from rollerrig.cli.termination import LEFT_VALIDITY, say, stop
 
@@ -28,6 +28,7 @@ def command(
         bool, typer.Option("--compare", help="Every normal contact and creep law side by side, with its cost.")
     ] = False,
     allow_code: AllowCode = False,
+    force: Force = False,
 ) -> None:
     """List the contact patches of the leading wheelset under its axle load."""
     from rollerrig.contact_analysis.static_contact import contact_csv, contact_table
@@ -38,9 +39,10 @@ def command(
     check_finite(roll_mrad, "--roll-mrad")
     places = _positions(lateral_mm, yaw_mrad, yaw_mrad_per_mm)
     chosen = read_case(case, allow_code=allow_code)
-    for path in (csv, plot):
+    tables = _known_tables()
+    for path in (csv, plot, *((_beside(csv), plot and _beside(plot)) if compare else ())):
         if path is not None:
-            output_file(path)
+            output_file(path, tables=tables, force=force)
     roll = None if roll_mrad is None else 1e-3 * roll_mrad
     if compare:
         from rollerrig.contact_analysis.comparison import compare_contacts, comparison_csv, comparison_text
@@ -53,20 +55,20 @@ def command(
         table = compare_contacts(chosen, places, roll=roll)
         typer.echo(comparison_text(table))
         typer.echo(creep_text(creep))
-        typer.echo(write_text(csv, comparison_csv(table)))
-        typer.echo(write_text(_beside(csv), creep_csv(creep)))
+        typer.echo(write_text(csv, comparison_csv(table), tables=tables, force=force))
+        typer.echo(write_text(_beside(csv), creep_csv(creep), tables=tables, force=force))
     else:
         table = contact_table(chosen, places, roll=roll)
-        typer.echo(write_text(csv, contact_csv(table)))
+        typer.echo(write_text(csv, contact_csv(table), tables=tables, force=force))
     if plot is not None:
         from rollerrig.plot import figure_bytes
         from rollerrig.plot.contact import comparison_figure, contact_figure, creep_comparison_figure
 
         kind: Literal["svg", "png"] = "svg" if plot.suffix.lower() == ".svg" else "png"
         figure = comparison_figure(table) if compare else contact_figure(table)
-        typer.echo(write_bytes(plot, figure_bytes(figure, kind)))
+        typer.echo(write_bytes(plot, figure_bytes(figure, kind), force=force))
         if compare:
-            typer.echo(write_bytes(_beside(plot), figure_bytes(creep_comparison_figure(creep), kind)))
+            typer.echo(write_bytes(_beside(plot), figure_bytes(creep_comparison_figure(creep), kind), force=force))
     if table.attrs["failed_positions"]:
         for line in table.attrs["failed_positions"].splitlines():
             say(f"rollerrig: {chosen.name}: {line}")
@@ -83,6 +85,13 @@ def _positions(lateral_mm: str, yaw_mrad: str | None, yaw_mrad_per_mm: float | N
         return [(1e-3 * y, 1e-3 * (y * yaw_mrad_per_mm)) for y in lateral]
     yaw = read_range(yaw_mrad, "--yaw-mrad") if yaw_mrad is not None else [0.0]
     return [(1e-3 * y, 1e-3 * psi) for psi in yaw for y in lateral]
+
+
+def _known_tables() -> tuple[str, ...]:
+    """First lines of the tables that this command writes: those it may replace."""
+    from rollerrig.contact_analysis import comparison, creep_comparison, static_contact
+
+    return tuple(module.CSV_HEAD for module in (static_contact, comparison, creep_comparison))
 
 
 def _beside(path: Path) -> Path:

@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from rollerrig.cli.command import AllowCode, Out, Processes, RigCaseName, carry_out, read_case
+from rollerrig.cli.command import AllowCode, Force, Out, Processes, RigCaseName, carry_out, read_case
 
 
 def command(
@@ -27,6 +27,7 @@ def command(
     ] = True,
     processes: Processes = 2,
     allow_code: AllowCode = False,
+    force: Force = False,
 ) -> None:
     """Controllers of the roller drives: estimators, feedbacks, sample times, drives, wrong parameters; which fails first."""
     from rollerrig.study.control import ControlStudy, study_case
@@ -36,4 +37,5 @@ def command(
         ControlStudy(study_case(read_case(case, allow_code=allow_code), duration), names, controller, loop),
         out,
         processes,
+        force=force,
     )

@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from rollerrig.cli.command import Out, carry_out
+from rollerrig.cli.command import Force, Out, carry_out
 from rollerrig.cli.ranges import check_finite, read_range
 from rollerrig.cli.termination import stop
 
@@ -26,6 +26,7 @@ def command(
     ] = "0.05,0.1,0.25,0.5,0.75,1,1.5,2,3,5,10",
     k_A: Annotated[float | None, typer.Option("--k-a", help="polach: k_A; dry 1.0, wet 0.3.")] = None,
     k_S: Annotated[float | None, typer.Option("--k-s", help="polach: k_S; dry 0.4, wet 0.1.")] = None,
+    force: Force = False,
 ) -> None:
     """Forces and spin moment of creep laws beside the exact theory, with their errors and cost."""
     from rollerrig.study.creep import CreepStudy
@@ -43,4 +44,4 @@ def command(
         study = CreepStudy(a_over_b, tuple(laws), poisson_ratio, sizes, {"polach": polach})
     except ValueError as error:
         stop(error)
-    carry_out(study, out, refused=(ValueError, RuntimeError))
+    carry_out(study, out, refused=(ValueError, RuntimeError), force=force)

@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from rollerrig.cli.command import AllowCode, Out, Processes, RigCaseName, carry_out, read_case
+from rollerrig.cli.command import AllowCode, Force, Out, Processes, RigCaseName, carry_out, read_case
 from rollerrig.cli.ranges import check_finite, read_range
 
 
@@ -33,6 +33,7 @@ def command(
     ] = 1,
     processes: Processes = 2,
     allow_code: AllowCode = False,
+    force: Force = False,
 ) -> None:
     """Operating envelope: where the rig reproduces a degraded rail over torque, adhesion and axle load, and what limits it.
 
@@ -53,4 +54,4 @@ def command(
         for name, (text, factor) in texts.items()
         if text is not None
     }
-    carry_out(EnvelopeStudy(chosen, duration=duration, refine=refine, **ranges), out, processes)
+    carry_out(EnvelopeStudy(chosen, duration=duration, refine=refine, **ranges), out, processes, force=force)

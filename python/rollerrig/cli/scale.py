@@ -7,7 +7,7 @@ from typing import Annotated, Any
 
 import typer
 
-from rollerrig.cli.command import AllowCode, Out, Processes, carry_out, read_case
+from rollerrig.cli.command import AllowCode, Force, Out, Processes, carry_out, read_case
 from rollerrig.cli.termination import say
 
 
@@ -36,11 +36,12 @@ def command(
     error_budget: Annotated[bool, typer.Option(help="With --run: also each violation alone.")] = True,
     processes: Processes = 2,
     allow_code: AllowCode = False,
+    force: Force = False,
 ) -> None:
     """A scaled rig by similitude: case.toml, to be run like any other, and what it violates."""
-    from rollerrig.results import output_folder, write_text
+    from rollerrig.results import ResultFolder, check_folder
     from rollerrig.similitude import requirements, similitude
-    from rollerrig.study.scale import scale_study
+    from rollerrig.study.scale import CASE_FILE, scale_study
     from rollerrig.study.scale_tables import model_summary
 
     kept = tuple(name.strip() for name in keep.split(",") if name.strip() and keep != "none")
@@ -53,11 +54,13 @@ def command(
         changes=changes,
         error_budget=run and error_budget,
     )
-    typer.echo(write_text(output_folder(out) / "case.toml", study.model.to_short_toml()))
-    if not run:
-        say("\n".join(model_summary(study.model, requirements(study.full, study.model))))
-        return
-    carry_out(study, out, processes)
+    if run:
+        carry_out(study, out, processes, force=force)
+    check_folder(out, study.command, (CASE_FILE,), force=force)
+    with ResultFolder(out, study.command, {study.model.name: study.model}, force=force) as folder:
+        typer.echo(folder.add(CASE_FILE, study.model.to_short_toml().encode()))
+        folder.commit()
+    say("\n".join(model_summary(study.model, requirements(study.full, study.model))))
 
 
 def _changes(texts: list[str]) -> dict[str, Any]:

@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from rollerrig.cli.command import AllowCode, CaseName, Out, SpeedsKmh, carry_out, read_case
+from rollerrig.cli.command import AllowCode, CaseName, Force, Out, SpeedsKmh, carry_out, read_case
 from rollerrig.cli.ranges import read_speeds
 
 
@@ -42,6 +42,7 @@ def command(
         ),
     ] = None,
     allow_code: AllowCode = False,
+    force: Force = False,
 ) -> None:
     """Eigenvalues, damping, frequency and mode shapes over speed; limit cycles; critical speeds."""
     from rollerrig.analysis import LimitCycleSettings
@@ -57,4 +58,4 @@ def command(
     study = StabilityStudy(
         read_case(case, allow_code=allow_code), speeds, limit_cycles, settings, contacts_kmh, processes
     )
-    carry_out(study, out, processes)
+    carry_out(study, out, processes, force=force)

@@ -10,6 +10,7 @@ from typing import NoReturn, ParamSpec, TypeVar
 import typer
 
 OK = 0
+CLOSED = 1
 BAD_INPUT = 2
 LEFT_VALIDITY = 3
 INTERRUPTED = 130

@@ -81,11 +81,14 @@ def compare_contacts(
     return xr.Dataset(variables, coordinates, {**title, "failed_positions": "\n".join(failed)})
 
 
+CSV_HEAD = "normal_contact,lateral_mm,yaw_mrad,side,patches,normal_n,centre_s_mm,width_mm,area_mm2,approach_mm,peak_pressure_mpa"
+"""First line of a table of normal contacts."""
+
+
 def comparison_csv(comparison: xr.Dataset) -> str:
     """The comparison as CSV text, one row per model, position and wheel, in mm, mrad, N and MPa."""
     factors = {"patches": 1.0, "normal": 1.0, "centre": 1e3, "width": 1e3, "area": 1e6, "approach": 1e3}
-    head = "normal_contact,lateral_mm,yaw_mrad,side,patches,normal_n,centre_s_mm,width_mm,area_mm2,approach_mm"
-    lines = [head + ",peak_pressure_mpa"]
+    lines = [CSV_HEAD]
     for model in comparison["model"].to_numpy():
         for j in range(comparison.sizes["position"]):
             for side in ("left", "right"):

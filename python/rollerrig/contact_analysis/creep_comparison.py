@@ -134,9 +134,13 @@ def creep_text(comparison: xr.Dataset) -> str:
     return "\n".join(lines)
 
 
+CSV_HEAD = "normal_contact,law,lateral_mm,yaw_mrad,side,force_x_percent,force_y_percent,error_percent"
+"""First line of a table of creep laws."""
+
+
 def creep_csv(comparison: xr.Dataset) -> str:
     """One row per normal contact, law, position and wheel, in mm, mrad and % of mu N; the exact solver is the law `exact`."""
-    lines = ["normal_contact,law,lateral_mm,yaw_mrad,side,force_x_percent,force_y_percent,error_percent"]
+    lines = [CSV_HEAD]
     errors = creep_errors(comparison)
     for n, normal in enumerate(comparison["normal"].to_numpy()):
         for i, law in enumerate([*comparison["law"].to_numpy(), "exact"]):

@@ -110,13 +110,17 @@ def contact_table(case: Case, positions: Iterable[tuple[float, float]], *, roll:
     return xr.Dataset(variables, attrs={**attributes, "failed_positions": "\n".join(failed)})
 
 
+CSV_HEAD = ",".join(_COLUMNS)
+"""First line of a table of contacts."""
+
+
 def contact_csv(table: xr.Dataset) -> str:
     """The table as CSV text in mm, mrad, N and MPa; lengths, angles and forces with twelve digits."""
     columns = []
     for name, factor in _COLUMNS.values():
         values = table[name].to_numpy()
         columns.append([str(v) for v in values] if factor is None else [f"{factor * v + 0.0:.12g}" for v in values])
-    lines = [",".join(_COLUMNS), *(",".join(row) for row in zip(*columns, strict=True))]
+    lines = [CSV_HEAD, *(",".join(row) for row in zip(*columns, strict=True))]
     return "\n".join(lines) + "\n"
 
 

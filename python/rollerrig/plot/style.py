@@ -14,6 +14,8 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
+from rollerrig.results.marks import PROGRAM
+
 COLOURS = ("#0b5394", "#c0392b", "#2e7d32", "#8e5ea2", "#b9770e", "#455a64", "#00838f", "#6d4c41")
 """Dark enough for print; lines that share a figure also differ in style or marker."""
 
@@ -187,7 +189,7 @@ def watermark(figure: Figure, text: str) -> None:
 def figure_bytes(figure: Figure, kind: Literal["svg", "png"] = "svg", dpi: int = 150) -> bytes:
     """The figure as a file in memory; no dates, no random names, so the same figure gives the same bytes."""
     buffer = io.BytesIO()
-    metadata = {"Date": None, "Creator": None} if kind == "svg" else {"Software": None}
+    metadata = {"Date": None, "Creator": PROGRAM} if kind == "svg" else {"Software": PROGRAM}
     with house_style():
         figure.savefig(buffer, format=kind, dpi=dpi, metadata=metadata)
     return buffer.getvalue()

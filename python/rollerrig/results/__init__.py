@@ -9,12 +9,14 @@ from rollerrig.results.files import (
     OutputError,
     ResultsError,
     load_run,
+    netcdf_bytes,
     output_file,
     output_folder,
     save_run,
     write_bytes,
     write_text,
 )
+from rollerrig.results.folder import Manifest, ResultFolder, check_folder, read_manifest
 from rollerrig.results.run_info import RunInfo
 from rollerrig.results.summary import summarise
 from rollerrig.results.tables import motion_table, wheel_table
@@ -22,16 +24,21 @@ from rollerrig.results.termination import add_termination
 
 __all__ = [
     "COMPLETED",
+    "Manifest",
     "Outcome",
     "OutputError",
+    "ResultFolder",
     "ResultsError",
     "RunInfo",
     "add_energy_audit",
     "add_termination",
+    "check_folder",
     "load_run",
     "motion_table",
+    "netcdf_bytes",
     "output_file",
     "output_folder",
+    "read_manifest",
     "run_dataset",
     "save_run",
     "sources_of",

@@ -12,13 +12,16 @@ import errno
 import io
 import os
 import tempfile
+from collections.abc import Sequence
 from pathlib import Path
+from typing import IO
 
 import numpy as np
 import xarray as xr
 
 from rollerrig.input_files import check_input
 from rollerrig.memory import available_memory
+from rollerrig.results.marks import PROGRAM, exists, is_ours
 
 FORMAT = 2
 """Version of the files' layout; raised when variables, attributes or their meaning change."""
@@ -40,6 +43,10 @@ _REMEDIES = {
 }
 
 
+FOREIGN = "not written by this program; choose another name, or replace it with --force (force=True)"
+"""Of a file that is in the way."""
+
+
 class ResultsError(ValueError):
     """A file holds results that this version cannot read."""
 
@@ -47,9 +54,12 @@ class ResultsError(ValueError):
 class OutputError(Exception):
     """A result could not be written; nothing half-written was left."""
 
-    def __init__(self, path: Path, cause: OSError) -> None:
-        remedy = _REMEDIES.get(cause.errno or 0, f"{cause.strerror or cause}; choose another folder")
-        super().__init__(f"{path}: cannot be written: {remedy}")
+    def __init__(self, path: Path, cause: OSError | str) -> None:
+        if isinstance(cause, OSError):
+            cause = "cannot be written: " + _REMEDIES.get(
+                cause.errno or 0, f"{cause.strerror or cause}; choose another folder"
+            )
+        super().__init__(f"{path}: {cause}")
         self.path = path
 
 
@@ -80,17 +90,26 @@ def output_folder(path: str | Path) -> Path:
     return folder
 
 
-def output_file(path: str | Path) -> Path:
+def output_file(path: str | Path, *, tables: Sequence[str] = (), force: bool = False) -> Path:
     """The path of a file, its folder made if need be and known to take files.
 
+    Args:
+        path: the file.
+        tables: first lines of the tables that may be replaced there.
+        force: whether a file of another program may be replaced.
+
     Raises:
-        OutputError: the folder cannot be made or written to, or the path is a folder.
+        OutputError: the folder cannot be made or written to, or the path is a folder or a file that this program did not
+            write.
     """
     target = _named(path)
     if target.is_dir():
         raise OutputError(target, IsADirectoryError(errno.EISDIR, "is a folder"))
-    if not _is_device(target):
-        output_folder(target.resolve().parent)
+    if _is_device(target):
+        return target
+    if exists(target) and not (force or is_ours(target, tables)):
+        raise OutputError(target, FOREIGN)
+    output_folder(target.resolve().parent)
     return target
 
 
@@ -99,14 +118,24 @@ def _is_device(target: Path) -> bool:
     return target.exists() and not target.is_file()
 
 
-def write_bytes(path: str | Path, content: bytes | memoryview) -> Path:
+def write_bytes(
+    path: str | Path, content: bytes | memoryview, *, tables: Sequence[str] = (), force: bool = False
+) -> Path:
     """Write a file under a temporary name and rename it; an older file of that name stays until then.
 
+    Args:
+        path: the file; its folder exists.
+        content: all of it.
+        tables: first lines of the tables that may be replaced there.
+        force: whether a file of another program may be replaced.
+
     Raises:
-        OutputError: it could not be written.
+        OutputError: it could not be written, or would have replaced a file that this program did not write.
     """
     target = _named(path).resolve()
     temporary: Path | None = None
+    if exists(target) and not (force or _is_device(target) or is_ours(target, tables)):
+        raise OutputError(Path(path), FOREIGN)
     try:
         if _is_device(target):
             with target.open("wb", buffering=0) as file:
@@ -115,9 +144,7 @@ def write_bytes(path: str | Path, content: bytes | memoryview) -> Path:
         handle, name = tempfile.mkstemp(prefix=f".{target.name}.", dir=target.parent)
         temporary = Path(name)
         with os.fdopen(handle, "wb") as file:
-            file.write(content)
-            file.flush()
-            os.fsync(file.fileno())
+            _write_all(file, content)
         temporary.chmod(0o666 & ~_umask())
         temporary.replace(target)
     except OSError as cause:
@@ -128,22 +155,39 @@ def write_bytes(path: str | Path, content: bytes | memoryview) -> Path:
     return Path(path)
 
 
-def write_text(path: str | Path, text: str) -> Path:
+def write_new(path: Path, content: bytes | memoryview) -> None:
+    """Write a file that does not exist yet, down to the disk.
+
+    Raises:
+        OSError: it could not be written; what is there of it is not whole.
+    """
+    with path.open("xb") as file:
+        _write_all(file, content)
+
+
+def _write_all(file: IO[bytes], content: bytes | memoryview) -> None:
+    file.write(content)
+    file.flush()
+    os.fsync(file.fileno())
+
+
+def write_text(path: str | Path, text: str, *, tables: Sequence[str] = (), force: bool = False) -> Path:
     """Write a text file as `write_bytes` does, in UTF-8."""
-    return write_bytes(path, text.encode())
+    return write_bytes(path, text.encode(), tables=tables, force=force)
 
 
-def save_run(run: xr.Dataset, path: str | Path) -> Path:
+def save_run(run: xr.Dataset, path: str | Path, *, force: bool = False) -> Path:
     """Write a Dataset as compressed NetCDF 4; the same Dataset gives the same bytes.
 
     Args:
         run: results of `simulate` or any other Dataset.
-        path: the file; its name ends in .nc by custom.
+        path: the file; its name ends in .nc by custom. Results that are there already are replaced.
+        force: whether a file that this program did not write may be replaced, too.
 
     Raises:
-        OutputError: it could not be written.
+        OutputError: it could not be written, or would have replaced such a file.
     """
-    return write_bytes(path, netcdf_bytes(run))
+    return write_bytes(path, netcdf_bytes(run), force=force)
 
 
 def netcdf_bytes(run: xr.Dataset) -> memoryview:
@@ -170,7 +214,7 @@ def netcdf_bytes(run: xr.Dataset) -> memoryview:
             outer = [str(c) for c in variable.coords if c not in run.dims and str(c) != name]
             if outer and name in run.data_vars:
                 file.variables[str(name)].attrs["coordinates"] = " ".join(outer)
-        for key, value in (run.attrs | {"format": FORMAT}).items():
+        for key, value in (run.attrs | {"format": FORMAT, "program": PROGRAM}).items():
             file.attrs[key] = value
     return buffer.getbuffer()
 
@@ -190,7 +234,8 @@ def load_run(path: str | Path) -> xr.Dataset:
         raise FileNotFoundError(f"{path}: no such file") from None
     except OSError as error:  # those of the HDF5 library have no strerror
         raise ResultsError(f"{path}: {error.strerror or 'no file of results, or a damaged one'}") from None
-    del run.attrs["format"]
+    for name in ("format", "program"):
+        run.attrs.pop(name, None)
     return run
 
 

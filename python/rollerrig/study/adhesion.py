@@ -118,6 +118,7 @@ class AdhesionStudy(Study[Runs]):
 
     command = "adhesion"
     quantities = QUANTITIES
+    writes = ("track.nc", "rig.nc", "axles.csv")
     irrelevant = ("description", "error_budget")
 
     def __post_init__(self) -> None:

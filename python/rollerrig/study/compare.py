@@ -123,6 +123,7 @@ class CompareStudy(Study[Results]):
 
     command = "compare"
     quantities = QUANTITIES
+    writes = ("modes.csv", "runs.csv", "wheels.csv", "critical_speeds.csv", "roller_effects.csv", "disturbed_*.nc")
     formats = ("svg", "png")
     round_ends = (0.25, 0.8)
 

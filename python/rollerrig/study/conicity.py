@@ -121,6 +121,7 @@ class ConicityStudy(Study[Characteristics]):
 
     command = "conicity"
     quantities = QUANTITIES
+    writes = ("shift.csv", "conicity.csv")
     formats = ("svg", "png")
     resumable = False
 

@@ -69,6 +69,7 @@ class ControlStudy(Study[Found]):
 
     command = "control"
     quantities = QUANTITIES
+    writes = ("variants.csv", "loop.csv")
     irrelevant = ("description", "families", "loop")
     round_ends = (0.98, 1.0)
 

@@ -52,6 +52,7 @@ class CreepStudy(Study[xr.Dataset]):
 
     command = "creep"
     quantities = QUANTITIES
+    writes = ("creep.csv",)
     formats = ("svg", "png")
     resumable = False
 

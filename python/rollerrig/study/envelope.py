@@ -116,6 +116,7 @@ class EnvelopeStudy(Study[Envelope]):
 
     command = "envelope"
     quantities = QUANTITIES
+    writes = ("envelope.nc", "envelope.csv")
     keeps_jobs = True
     irrelevant = ("description", "time.duration", "time.output_step", "torques", "adhesions", "loads", "refine")
 

@@ -20,7 +20,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import nullcontext
 from dataclasses import dataclass, fields
 from functools import cached_property
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 from typing import Any, ClassVar, Generic, Literal, TypeVar
 
 import numpy as np
@@ -31,14 +31,15 @@ from rollerrig import __version__
 from rollerrig.config import Case
 from rollerrig.plot import figure_bytes
 from rollerrig.plot.style import watermark
-from rollerrig.results import output_folder, save_run, sources_of, write_bytes, write_text
+from rollerrig.results import ResultFolder, check_folder, netcdf_bytes, sources_of
 from rollerrig.study.jobs import Done, Progress, Round, run_rounds
-from rollerrig.study.journal import Journal
+from rollerrig.study.journal import Journal, check_jobs
 from rollerrig.study.limitations import limitations
 from rollerrig.study.quantities import Numbers, Quantities, finite
 from rollerrig.study.report import Block, Mark, Page, Picture, Preformatted, Section, Table, Text, render
 
 R = TypeVar("R")
+SUMMARY, REPORT = "summary.json", "report.html"
 TIMING = "timing.json"
 """The one file whose bytes differ between identical runs: measured times."""
 Content = xr.Dataset | str | Mapping[str, ArrayLike] | Sequence[Sequence[object]]
@@ -51,6 +52,7 @@ class Study(ABC, Generic[R]):
     Attributes:
         command: of the command line, for messages.
         quantities: what it reports.
+        writes: names of its own files, with wildcards: looked for in the folder before the work begins.
         formats: of the figures' files; the first one is shown in the report.
         resumable: whether finished jobs are kept until the report is written.
         keeps_jobs: whether they stay, for another study of the same folder to take over.
@@ -60,6 +62,7 @@ class Study(ABC, Generic[R]):
 
     command: ClassVar[str]
     quantities: ClassVar[Quantities]
+    writes: ClassVar[tuple[str, ...]] = ()
     formats: ClassVar[tuple[Literal["svg", "png"], ...]] = ("png",)
     resumable: ClassVar[bool] = True
     keeps_jobs: ClassVar[bool] = False
@@ -134,14 +137,20 @@ class Study(ABC, Generic[R]):
     # -------------------------------------------------------------------------------------------------- running it
 
     def run(
-        self, *, folder: str | Path | None = None, processes: int = 1, progress: Progress | None = None
+        self,
+        *,
+        folder: str | Path | None = None,
+        processes: int = 1,
+        progress: Progress | None = None,
+        force: bool = False,
     ) -> Outcome[R] | None:
         """Do the jobs and collect their results.
 
         Args:
-            folder: where finished jobs are kept and looked for; None: nowhere.
+            folder: where finished jobs are kept and looked for, and where the outcome shall be written; None: nowhere.
             processes: jobs at a time.
             progress: called with the fraction done and a short text.
+            force: whether results of other commands and files of the user may be replaced there.
 
         Returns:
             What was found; None where Ctrl-C left too little to report.
@@ -149,11 +158,16 @@ class Study(ABC, Generic[R]):
         Raises:
             ConfigError: a case cannot be run, or `folder` has the jobs of another plan.
             StartError: a case finds no equilibrium to start from.
-            OutputError: `folder` takes no files.
+            OutputError: `folder` takes no files, or holds what must not be replaced.
         """
-        begun = time.perf_counter()
-        kept = self.resumable and folder is not None
-        journal = Journal(output_folder(folder or ""), self.command, self.plan(), self.irrelevant) if kept else None
+        begun, journal = time.perf_counter(), None
+        if folder is not None:
+            own = (*self.writes, *(f"figures/*.{kind}" for kind in self.formats), SUMMARY, TIMING, REPORT)
+            checked = check_folder(folder, self.command, own, force=force)
+            if self.resumable:
+                journal = Journal(checked, self.command, self.plan(), self.irrelevant)
+            else:
+                check_jobs(checked, self.command)
         taken_over = 0 if journal is None else len(journal.done)
         with journal or nullcontext():
             done, interrupted = run_rounds(self.rounds, journal, self.round_ends, processes, progress)
@@ -221,35 +235,45 @@ class Outcome(Generic[R]):
         """How the runs ended; 'interrupted' where Ctrl-C ended the study early."""
         return ["interrupted"] if self.interrupted else self.study.statuses(self.results)
 
-    def write(self, out: str | Path) -> list[Path]:
-        """Write the study's files, figures/, summary.json, timing.json and, last, report.html.
+    def write(self, out: str | Path, *, force: bool = False) -> list[Path]:
+        """Write the study's files, figures/, summary.json, timing.json and report.html: all of them, or nothing is changed.
+
+        What the same command wrote there before is replaced; what it does not write again is removed.
+
+        Args:
+            out: folder, made if need be.
+            force: whether results of other commands and files of the user may be replaced.
 
         Raises:
-            OutputError: a file could not be written; those before it are whole.
+            OutputError: a file could not be written, or `out` holds what must not be replaced.
         """
-        folder, study = output_folder(out), self.study
-        written = self._write_data(folder)
-        sections = self._sections()
-        for picture in (block for section in sections for block in section.blocks if isinstance(block, Picture)):
-            written += self._write_picture(folder, picture)
-        summary = {**self.numbers, "keys": study.quantities.described()}
-        written.append(write_text(folder / "summary.json", _json(summary)))
-        written.append(write_text(folder / TIMING, _json(self.timing)))
-        page = Page(study.title, self.summary, sections, f"rollerrig {__version__}", study.mark)
-        written.append(write_text(folder / "report.html", render(page)))
+        study = self.study
+        with ResultFolder(out, study.command, study.cases(), interrupted=self.interrupted, force=force) as folder:
+            written = self._add_data(folder)
+            sections = self._sections()
+            for picture in (block for section in sections for block in section.blocks if isinstance(block, Picture)):
+                written += self._add_picture(folder, picture)
+            summary = {**self.numbers, "keys": study.quantities.described()}
+            written.append(folder.add(SUMMARY, _json(summary)))
+            written.append(folder.add(TIMING, _json(self.timing), varies=True))
+            page = Page(study.title, self.summary, sections, f"rollerrig {__version__}", study.mark)
+            written.append(folder.add(REPORT, render(page).encode()))
+            folder.commit()
         if self.journal is not None and not (self.interrupted or study.keeps_jobs):
             self.journal.discard()
         return written
 
-    def _write_data(self, folder: Path) -> list[Path]:
+    def _add_data(self, folder: ResultFolder) -> list[Path]:
         """The study's files; the name of a marked study stands in theirs."""
         mark, written = self.study.mark, []
         for name, content in self.study.files(self.results, self.numbers).items():
-            path = folder / name
-            written.append(_write(path if mark is None else path.with_stem(f"{path.stem}_{mark.name}"), content))
+            path = PurePosixPath(name)
+            assert any(path.match(pattern) for pattern in self.study.writes), f"{name} is missing in `writes`"
+            marked = path if mark is None else path.with_stem(f"{path.stem}_{mark.name}")
+            written.append(folder.add(marked.as_posix(), _bytes(content)))
         return written
 
-    def _write_picture(self, folder: Path, picture: Picture) -> list[Path]:
+    def _add_picture(self, folder: ResultFolder, picture: Picture) -> list[Path]:
         """The files of a figure; the first one is shown in the report."""
         if self.study.mark is not None:
             watermark(picture.figure, self.study.mark.title)
@@ -258,7 +282,7 @@ class Outcome(Generic[R]):
             content = figure_bytes(picture.figure, kind, dpi=150 if number == 0 else 200)
             if number == 0:
                 picture.image = content
-            written.append(write_bytes(output_folder(folder / "figures") / f"{picture.name}.{kind}", content))
+            written.append(folder.add(f"figures/{picture.name}.{kind}", content))
         return written
 
     def _sections(self) -> list[Section]:
@@ -273,18 +297,17 @@ class Outcome(Generic[R]):
         return [*sections, Section("Case and sources", blocks)] if blocks else sections
 
 
-def _json(numbers: Mapping[str, Any]) -> str:
-    return json.dumps(numbers, indent=2, ensure_ascii=False) + "\n"
+def _json(numbers: Mapping[str, Any]) -> bytes:
+    return (json.dumps(numbers, indent=2, ensure_ascii=False) + "\n").encode()
 
 
-def _write(path: Path, content: Content) -> Path:
-    output_folder(path.parent)
+def _bytes(content: Content) -> bytes | memoryview:
     if isinstance(content, xr.Dataset):
-        return save_run(content, path)
+        return netcdf_bytes(content)
     if isinstance(content, Mapping):
         columns = (np.asarray(values).tolist() for values in content.values())
         content = [list(content), *zip(*columns, strict=True)]
-    return write_text(path, content if isinstance(content, str) else csv_text(content))
+    return (content if isinstance(content, str) else csv_text(content)).encode()
 
 
 def csv_text(rows: Sequence[Sequence[object]]) -> str:

@@ -12,7 +12,6 @@ import itertools
 import json
 import os
 import re
-import shutil
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import fields, is_dataclass
 from importlib import import_module
@@ -34,6 +33,29 @@ _CURE = "allowed: what the finished jobs were made with; undo the change, choose
 _MOST_DIFFERENCES = 5
 LARGEST_JOURNAL = 1000 * MEGABYTE
 """Of the lines; a thousand runs of an envelope have some 2 MB [bytes]."""
+
+
+_BEGIN = b'{"study": '
+_DATASET = re.compile(rb'"\$dataset": "jobs/([a-z0-9_]+\.nc)"')
+
+
+def check_jobs(folder: Path, study: str) -> None:
+    """Refuse a folder with unfinished jobs of another study.
+
+    Raises:
+        OutputError: it has such.
+    """
+    path = folder / NAME
+    try:
+        line, whole, _ = read_input(path, LARGEST_JOURNAL).partition(b"\n")
+    except FileNotFoundError:
+        return
+    except OSError as cause:
+        raise OutputError(path, cause) from None
+    found = (_parsed(line) or {}).get("study")
+    if found != study and (whole or not line.startswith(_BEGIN)):  # of a torn line nothing is kept
+        what = "its first line is not ours" if found is None else f"finished jobs of `rollerrig {found}`"
+        raise OutputError(path, f"{what}; choose another --out, or delete the file")
 
 
 class Journal:
@@ -65,9 +87,10 @@ class Journal:
         content = read_input(self.path, LARGEST_JOURNAL) if self.path.exists() else b""
         whole = content[: content.rfind(b"\n") + 1]
         lines = [_parsed(line) for line in whole.splitlines()]
-        if not any(line is not None for line in lines):
+        if not any(line is not None for line in lines) and (not content or content.startswith(_BEGIN)):
             self.path.unlink(missing_ok=True)
             return
+        lines = lines or [None]
         _refuse_another(self.path, lines[0], self._header, irrelevant)
         for line in lines[1:]:
             if line is not None and line.keys() == {"job", "result"}:
@@ -119,13 +142,18 @@ class Journal:
         lines = [line for line in map(_parsed, read_input(self.path, LARGEST_JOURNAL).splitlines()) if line is not None]
         jobs = {line["job"]: line for line in lines if "job" in line}
         ordered = [jobs.pop(name) for name in names if name in jobs]
-        write_bytes(self.path, b"".join(map(_line, (self._header, *ordered, *jobs.values()))))
+        write_bytes(self.path, b"".join(map(_line, (self._header, *ordered, *jobs.values()))), force=True)
 
     def discard(self) -> None:
         """Remove it: the study is finished."""
         self.__exit__(None, None, None)
-        self.path.unlink(missing_ok=True)
-        shutil.rmtree(self.folder / DATA, ignore_errors=True)
+        data = self.folder / DATA
+        if self.path.exists():
+            for name in set(_DATASET.findall(read_input(self.path, LARGEST_JOURNAL))):
+                (data / name.decode()).unlink(missing_ok=True)
+            self.path.unlink()
+        if data.is_dir() and not any(data.iterdir()):  # what else lies there is not ours
+            data.rmdir()
 
 
 def _line(value: Mapping[str, Any]) -> bytes:

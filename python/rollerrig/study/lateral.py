@@ -92,6 +92,7 @@ class LateralStudy(Study[dict[str, xr.Dataset]]):
 
     command = "lateral"
     quantities = QUANTITIES
+    writes = ("*.nc",)
 
     def __post_init__(self) -> None:
         """Refuse a case that says nothing about lateral motion in a slide.

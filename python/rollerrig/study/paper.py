@@ -57,6 +57,7 @@ class PaperStudy(Study[Results]):
 
     command = "paper"
     quantities = QUANTITIES
+    writes = ("data/*.nc", "data/*.csv")
     formats = ("svg", "png")
     round_ends = (0.2, 0.8)
 

@@ -107,6 +107,7 @@ class RunStudy(Study[Results]):
 
     command = "run"
     quantities = QUANTITIES
+    writes = ("run.nc", "motion.csv", "wheels.csv", "running_safety.csv")
     resumable = False
 
     @property

@@ -69,6 +69,8 @@ LEFT_OUT = (
     "weight; leave `gravity` out of --keep for such a one. What is computed beside the model, virtual train and rail, pneumatic "
     "brake, slide protection, runs at the model's time."
 )
+CASE_FILE = "case.toml"
+"""The scaled rig, to be run like any other."""
 MICROMETRE = 1e-6
 """Lateral motion below it is round-off [m]."""
 
@@ -146,6 +148,7 @@ class ScaleStudy(Study[Scaled]):
 
     command = "scale"
     quantities = QUANTITIES
+    writes = (CASE_FILE, "full.nc", "model.nc", "axles.csv")
     round_ends = (0.8, 1.0)
 
     @property
@@ -251,7 +254,8 @@ class ScaleStudy(Study[Scaled]):
 
     def files(self, results: Scaled, numbers: Numbers) -> Mapping[str, Any]:
         axles = {"axles.csv": axle_rows(results.full, results.mapped["model"])} if "train_speed" in results.full else {}
-        return {"full.nc": results.full, "model.nc": results.mapped["model"], **axles}
+        runs = {"full.nc": results.full, "model.nc": results.mapped["model"]}
+        return {CASE_FILE: self.model.to_short_toml(), **runs, **axles}
 
     def sections(self, results: Scaled, numbers: Numbers) -> list[Section]:
         runs = {"full scale": numbers["full"], "model, mapped back": numbers["model_mapped_back"]}

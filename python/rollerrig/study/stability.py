@@ -88,6 +88,7 @@ class StabilityStudy(Study[Results]):
 
     command = "stability"
     quantities = QUANTITIES
+    writes = ("stability.nc", "modes.csv", "shapes.csv", "limit_cycles.csv", "contact_effects.csv")
     formats = ("svg",)
     irrelevant = ("description", "processes")
 

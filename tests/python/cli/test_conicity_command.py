@@ -13,6 +13,7 @@ from rollerrig.cli.app import build_app
 from rollerrig.study.conicity import QUANTITIES
 
 FILES = {
+    "rollerrig.json",
     "shift.csv",
     "conicity.csv",
     "figures/characteristics.svg",

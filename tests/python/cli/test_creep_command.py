@@ -15,7 +15,15 @@ from rollerrig.contact_analysis.creep_laws import REFERENCE, compare_laws, error
 from rollerrig.contact_laws import creep_law
 from rollerrig.study.creep import QUANTITIES
 
-FILES = {"creep.csv", "figures/creep.svg", "figures/creep.png", "summary.json", "timing.json", "report.html"}
+FILES = {
+    "rollerrig.json",
+    "creep.csv",
+    "figures/creep.svg",
+    "figures/creep.png",
+    "summary.json",
+    "timing.json",
+    "report.html",
+}
 
 
 def creep(*arguments: object) -> Result:

@@ -74,7 +74,7 @@ def test_a_full_disk_leaves_the_old_file(tmp_path: Path, monkeypatch: pytest.Mon
     target.write_text("old")
     monkeypatch.setattr(files.os, "fsync", full)
     with pytest.raises(rr.OutputError, match=r"summary.json: cannot be written: the disk is full"):
-        results.write_text(target, "new")
+        results.write_text(target, "new", force=True)
     assert target.read_text() == "old"
     assert list(tmp_path.iterdir()) == [target]
 

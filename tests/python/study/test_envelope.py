@@ -392,6 +392,7 @@ def test_the_command_writes_its_files(tmp_path: Path) -> None:
         "summary.json",
         "timing.json",
         "report.html",
+        "rollerrig.json",
     }
     summary = json.loads((out / "summary.json").read_text())
     assert summary["runs"] == sum(summary["regions"].values()) == 6

@@ -1,0 +1,60 @@
+"""Which single files this program wrote: those it may write anew.
+
+    path -> [is_ours] -> whether the file carries our mark
+
+A figure and a file of results say it in their metadata, a table by its first line. Files of a study need no marks: the manifest
+of their folder knows them by their checksums (results/folder.py).
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from pathlib import Path
+
+from rollerrig.input_files import open_input
+
+PROGRAM = "rollerrig"
+"""Stands in the metadata of every figure and file of results."""
+
+_HEAD = 4096
+"""Metadata and first lines stand within so many bytes."""
+_MARKS = {
+    b"\x89PNG": f"Software\0{PROGRAM}".encode(),
+    b"<?xml": f"<dc:title>{PROGRAM}</dc:title>".encode(),
+}
+"""How a figure begins -> what says that it is ours."""
+
+
+def is_ours(path: Path, tables: Sequence[str] = ()) -> bool:
+    """Whether this program wrote a file.
+
+    Args:
+        path: an existing file.
+        tables: first lines of the tables that may stand there.
+    """
+    try:
+        with open_input(path) as file:
+            head = file.read(_HEAD)
+    except OSError:
+        return False
+    if head.startswith(b"\x89HDF"):
+        return _is_our_dataset(path)
+    if any(head.startswith(f"{line}\n".encode()) for line in tables):
+        return True
+    return any(head.startswith(begin) and mark in head for begin, mark in _MARKS.items())
+
+
+def _is_our_dataset(path: Path) -> bool:
+    import h5py
+
+    try:
+        with h5py.File(path, "r") as file:
+            return bool(file.attrs.get("program") == PROGRAM)
+    except OSError:  # damaged
+        return False
+
+
+def exists(path: Path) -> bool:
+    """Whether something has that name, be it a link to nothing."""
+    return os.path.lexists(path)

@@ -1,0 +1,188 @@
+"""However a command ends, nothing is half-written and the next one goes on: kill -9, full disks, closed pipes, other locales."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+import rollerrig as rr
+from rollerrig.cli import termination
+from rollerrig.cli.app import build_app
+from rollerrig.results import read_manifest
+from rollerrig.results.folder import NAME, checksum
+
+ENTRY = [sys.executable, "-c", "from rollerrig.cli import main; main()"]
+ENVELOPE = (
+    "envelope adhesion_brake --torques-knm=-4,-8 --adhesions 0.05,0.2 --loads 1 --duration 0.6 --refine 0 --processes 1"
+)
+CASE = """
+name = "short"
+vehicle = { use = "manchester_vehicle_1", cut = "leading_wheelset" }
+support = { use = "full_scale_rig" }
+contact = { material = "steel" }
+motion = { speed = "40 km/h" }
+disturbance = [{ body = "wheelset_1", lateral = "3 mm" }]
+time = { duration = "0.05 s" }
+"""
+
+
+@pytest.fixture
+def case(tmp_path: Path) -> Path:
+    path = tmp_path / "short.toml"
+    path.write_text(CASE)
+    return path
+
+
+def contents(folder: Path) -> dict[str, bytes]:
+    """All files but the one whose bytes differ between identical runs."""
+    found = (path for path in folder.rglob("*") if path.is_file() and path.name != "timing.json")
+    return {path.relative_to(folder).as_posix(): path.read_bytes() for path in found}
+
+
+def call(*arguments: object) -> tuple[int, str]:
+    """In this process: what the others are compared with."""
+    result = CliRunner().invoke(build_app(), [str(argument) for argument in arguments])
+    if result.exception is not None and not isinstance(result.exception, SystemExit):
+        raise result.exception
+    return result.exit_code, result.stdout + result.stderr
+
+
+def test_a_study_killed_at_any_moment_goes_on_to_the_same_results(tmp_path: Path) -> None:
+    """Killed again and again, each time somewhat later, until it comes to its end."""
+    assert call(*ENVELOPE.split(), "--out", tmp_path / "whole")[0] == 0
+    out, kills = tmp_path / "out", 0
+    while True:
+        process = subprocess.Popen(
+            [*ENTRY, *ENVELOPE.split(), "--out", str(out)], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+        )
+        done = sum(1 for _ in (out / "jobs.jsonl").open("rb")) if (out / "jobs.jsonl").exists() else 0
+        while process.poll() is None:
+            lines = (out / "jobs.jsonl").read_bytes().count(b"\n") if (out / "jobs.jsonl").exists() else 0
+            if kills < 2 and lines > done:  # one job further than the last time
+                time.sleep(0.2 * kills)
+                process.kill()
+                kills += 1
+                break
+            time.sleep(0.005)
+        _, errors = process.communicate()
+        if process.returncode != -signal.SIGKILL:
+            break
+        for path in out.rglob("*.nc"):  # what is there under its name is whole
+            rr.load_run(path)
+    assert process.returncode == 0, errors
+    assert kills == 2
+    assert contents(out) == contents(tmp_path / "whole")
+
+
+def test_a_run_killed_while_it_writes_leaves_no_torn_file(case: Path, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    assert call("run", case, "--out", out)[0] == 0
+    before = contents(out)
+    dying = (
+        "import os, signal\nfrom pathlib import Path\nreplace, left = Path.replace, [4]\n"
+        "def dies(self, target):\n    left[0] -= 1\n    left[0] or os.kill(os.getpid(), signal.SIGKILL)\n"
+        "    return replace(self, target)\nPath.replace = dies\n"
+    )
+    case.write_text(CASE.replace("3 mm", "2 mm"))
+    command = [sys.executable, "-c", dying + ENTRY[-1], "run", str(case), "--out", str(out)]
+    assert subprocess.run(command, capture_output=True, check=False).returncode == -signal.SIGKILL
+    rr.load_run(out / "run.nc")
+    json.loads((out / "summary.json").read_text())
+    manifest = read_manifest(out)
+    assert manifest is not None
+    for name in manifest.files:
+        assert manifest.owns(out, name), name
+    case.write_text(CASE)
+    assert call("run", case, "--out", out)[0] == 0
+    assert contents(out) == before
+
+
+def test_a_full_disk_keeps_the_results_of_before(case: Path, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    assert call("run", case, "--out", out)[0] == 0
+    before = contents(out)
+    case.write_text(CASE.replace("0.05 s", "0.5 s"))
+    limited = (
+        "import resource, signal; signal.signal(signal.SIGXFSZ, signal.SIG_IGN);"
+        f"resource.setrlimit(resource.RLIMIT_FSIZE, ({len(before['run.nc']) + 10_000},) * 2);"
+    )
+    command = [sys.executable, "-c", limited + ENTRY[-1], "run", str(case), "--out", str(out)]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.returncode == 2
+    assert "cannot be written: the file would be larger than allowed here" in done.stderr
+    assert contents(out) == before
+
+
+def test_a_table_on_a_full_disk() -> None:
+    code, text = call("contact", "contact_benchmark_track", "--lateral-mm=0", "--csv", "/dev/full")
+    assert code == 2
+    assert text.startswith("rollerrig: /dev/full: cannot be written: the disk is full; free some space or")
+
+
+@pytest.mark.skipif(not Path("/sys/kernel").is_dir(), reason="needs a place that takes no files from anybody")
+def test_a_folder_that_takes_no_files(case: Path) -> None:
+    code, text = call("run", case, "--out", "/sys/kernel/out")
+    assert code == 2
+    assert re.fullmatch(r"rollerrig: /sys/kernel/out: cannot be written: [^\n]*; choose another folder\n", text)
+
+
+def test_a_closed_pipe_costs_no_results(case: Path, tmp_path: Path) -> None:
+    """`rollerrig run ... | true`: what was to be printed is lost, what was computed is not."""
+    out = tmp_path / "out"
+    read, write = os.pipe()
+    os.close(read)
+    done = subprocess.run(
+        [*ENTRY, "run", str(case), "--out", str(out)], stdout=write, stderr=subprocess.PIPE, check=False
+    )
+    os.close(write)
+    assert done.returncode == termination.CLOSED
+    assert b"Traceback" not in done.stderr
+    manifest = read_manifest(out)
+    assert manifest is not None
+    assert all(checksum(out / name) == sum_ for name, sum_ in manifest.files.items() if sum_ is not None)
+    assert (out / NAME).exists()
+
+
+def test_a_closed_pipe_ends_a_list_quietly() -> None:
+    done = subprocess.run(
+        ["bash", "-c", '"$@" | true; exit ${PIPESTATUS[0]}', "bash", *ENTRY, "catalog", "show", "manchester_vehicle_1"],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode in (termination.OK, termination.CLOSED)
+    assert done.stderr == ""
+
+
+@pytest.mark.parametrize(
+    "environment",
+    [
+        {"LC_ALL": "C", "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0", "PYTHONIOENCODING": "ascii"},
+        {"LC_ALL": "POSIX", "TZ": "Asia/Kathmandu"},
+    ],
+    ids=["ascii", "posix"],
+)
+def test_results_do_not_depend_on_the_locale(case: Path, tmp_path: Path, environment: dict[str, str]) -> None:
+    assert call("run", case, "--out", tmp_path / "here")[0] == 0
+    command = [*ENTRY, "run", str(case), "--out", str(tmp_path / "there")]
+    done = subprocess.run(command, capture_output=True, text=True, check=False, env={**os.environ, **environment})
+    assert done.returncode == 0, done.stderr
+    assert contents(tmp_path / "here") == contents(tmp_path / "there")
+
+
+def test_exit_codes_are_those_of_the_documentation() -> None:
+    page = Path(__file__).resolve().parents[3] / "docs" / "reference" / "command_line.md"
+    documented = {int(code) for code in re.findall(r"^\| (\d+) \|", page.read_text(), re.MULTILINE)}
+    own = {value for name, value in vars(termination).items() if name.isupper() and isinstance(value, int)}
+    assert documented == own
+    shown = call("--help")[1]
+    assert all(re.search(rf"\b{code}\b", shown) for code in own)
