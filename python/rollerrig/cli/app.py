@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Callable
 from importlib import import_module
 from importlib.util import find_spec
 
@@ -62,8 +63,13 @@ def build_app() -> typer.Typer:
             if hasattr(module, "app"):
                 app.add_typer(module.app, name=name)
             else:
-                app.command(name)(readable_errors(module.command))
+                app.command(name, short_help=first_line(module.command))(readable_errors(module.command))
     return app
+
+
+def first_line(command: Callable[..., object]) -> str:
+    """What a command does, whole: the list of commands would cut it off."""
+    return (command.__doc__ or "").strip().partition("\n")[0]
 
 
 def main() -> None:

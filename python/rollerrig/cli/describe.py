@@ -37,7 +37,7 @@ def describe_case(case: Case, *, run_code: bool = False) -> list[str]:
     lateral = [float(v) for v in run["lateral_force"]]
     speed = 3.6 * float(run["speed"])
     rows = [
-        [wheel.name, f"{q / 1e3:.3f}", f"{y / 1e3:.3f}", f"{count:.0f}"]
+        [wheel.name, f"{q / 1e3:z.3f}", f"{y / 1e3:z.3f}", f"{count:z.0f}"]
         for wheel, q, y, count in zip(model.wheels, vertical, lateral, run["patch_count"].to_numpy(), strict=True)
     ]
     lines += _table([f"wheels at {speed:.4g} km/h", "vertical kN", "lateral kN", "patches"], rows)
@@ -53,7 +53,7 @@ def describe_part(part: Part) -> list[str]:
             total = sum(body.mass for body in part.body)
             cuts = ", ".join(part.cut) or "none"
             return [
-                f"{part.name}: {len(part.body)} bodies, {len(part.element)} force elements, {total / 1e3:.3f} t",
+                f"{part.name}: {len(part.body)} bodies, {len(part.element)} force elements, {total / 1e3:z.3f} t",
                 f"cuts: {cuts}",
             ]
         case Rig():
@@ -86,7 +86,7 @@ def _bodies(model: AssembledModel) -> list[str]:
     rows = []
     for body in model.bodies:
         state = ", ".join(free[body]) if free[body] else ("speed-controlled" if body in model.rollers else "fixed")
-        rows.append([body, f"{model.masses[body]:.0f}", state])
+        rows.append([body, f"{model.masses[body]:z.0f}", state])
     count = sum(len(directions) for directions in free.values())
     return _table([f"bodies ({count} degrees of freedom)", "mass kg", "free"], rows)
 
@@ -104,7 +104,7 @@ def _elements(model: AssembledModel) -> list[str]:
             else "ground - roller"
         )
         directions = ", ".join(element.laws) if element else "mounting"
-        preload = f"{model.preloads[name] / 1e3:.3f}" if name in model.preloads else ""
+        preload = f"{model.preloads[name] / 1e3:z.3f}" if name in model.preloads else ""
         rows.append([name, between, directions, preload])
     return _table(["force elements", "between", "acts along", "preload kN"], rows)
 
@@ -114,18 +114,18 @@ def _balance(model: AssembledModel, run: xr.Dataset) -> list[str]:
     own = list(model.lateral_bodies)
     mass = sum(model.masses[body] for body in own)
     weight = model.case.gravity * mass
-    lines = [f"mass of {', '.join(own)}: {mass / 1e3:.3f} t, weight {weight / 1e3:.3f} kN"]
+    lines = [f"mass of {', '.join(own)}: {mass / 1e3:z.3f} t, weight {weight / 1e3:z.3f} kN"]
     supported = sum(
         _downward(run, element, model.fixed) for element in model.case.vehicle.data.elements_in(model.case.vehicle.part)
     )
     if model.fixed:
         design = sum(model.axle_loads.values()) - weight
         lines.append(
-            f"load from {', '.join(model.fixed)}, which is fixed: {supported / 1e3:.3f} kN, in the design position "
-            f"{design / 1e3:.3f} kN"
+            f"load from {', '.join(model.fixed)}, which is fixed: {supported / 1e3:z.3f} kN, in the design position "
+            f"{design / 1e3:z.3f} kN"
         )
     total, on_wheels = weight + supported, float(run["vertical_force"].sum())
-    sums = f"total weight {total / 1e3:.3f} kN, sum of the wheel loads {on_wheels / 1e3:.3f} kN"
+    sums = f"total weight {total / 1e3:z.3f} kN, sum of the wheel loads {on_wheels / 1e3:z.3f} kN"
     if float(run["curvature"]) or float(run["cant"]):  # the plane of the track takes a part of both forces
         return [*lines, f"{sums}, normal to the track in the curve where the run starts"]
     return [*lines, f"{sums} (difference {on_wheels - total:+.1e} N)"]

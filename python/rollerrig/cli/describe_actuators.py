@@ -65,7 +65,7 @@ def _brake(case: Case, load: float) -> list[str]:
     by = "by the traction motors" if case.brake.motors_stand_in else "by friction brakes"
     return [
         f"brake: {pressure / 1e5:.3g} bar at most, {torque / 1e3:.3g} kN m per axle {by}, "
-        f"which asks for an adhesion of {torque / radius / load:.3f}"
+        f"which asks for an adhesion of {torque / radius / load:z.3f}"
     ]
 
 
@@ -74,7 +74,7 @@ def _traction(case: Case, load: float) -> list[str]:
         return []
     torque = max((abs(row[1]) for row in case.traction.demand), default=0.0)
     asks = torque / case.vehicle.data.wheel.radius / load
-    return [] if torque == 0.0 else [f"traction: {torque / 1e3:.3g} kN m per axle at most, an adhesion of {asks:.3f}"]
+    return [] if torque == 0.0 else [f"traction: {torque / 1e3:.3g} kN m per axle at most, an adhesion of {asks:z.3f}"]
 
 
 def _adhesion(case: Case) -> list[str]:
@@ -89,8 +89,8 @@ def _adhesion(case: Case) -> list[str]:
 
 def _train(model: AssembledModel) -> str:
     train = rig_controller(model).train
-    loads = ", ".join(f"{q / 1e3:.1f}" for q in train.static_load)
-    return f"virtual train: {train.mass / 1e3:.3f} t on {len(train.static_load)} axles, static axle loads {loads} kN"
+    loads = ", ".join(f"{q / 1e3:z.1f}" for q in train.static_load)
+    return f"virtual train: {train.mass / 1e3:z.3f} t on {len(train.static_load)} axles, static axle loads {loads} kN"
 
 
 def _rig_control(model: AssembledModel) -> str:
@@ -105,6 +105,6 @@ def _rig_control(model: AssembledModel) -> str:
     if estimator.kind != "exact":
         text += "; measured on the estimates:"
         for name, (bandwidth, delay) in estimator_response(model).items():
-            text += f" {name} {bandwidth:.1f} Hz and {1e3 * delay:.1f} ms,"
+            text += f" {name} {bandwidth:z.1f} Hz and {1e3 * delay:z.1f} ms,"
         text = text.removesuffix(",")
     return text

@@ -42,7 +42,7 @@ def _curve(segment: Segment, base: float, gravity: float) -> list[str]:
     return [
         f"{1 / abs(curvature):g} {side}",
         f"{1e3 * outer + 0.0:g}",
-        "none" if math.isnan(balanced) else f"{3.6 * balanced:.1f}",
+        "none" if math.isnan(balanced) else f"{3.6 * balanced:z.1f}",
     ]
 
 
@@ -52,12 +52,16 @@ def _run(case: Case, track: Track, segment: Segment) -> list[str]:
     if speeds is None:
         return ["not reached", "", ""]
     if segment.kind != "curve":
-        return [f"{3.6 * speeds[1]:.1f}", "", ""]
+        return [f"{3.6 * speeds[1]:z.1f}", "", ""]
     curvature, cant = segment.curvature[0], segment.cant[0]
     left_over = plane_acceleration(speeds[1], curvature, cant, track.cant_base, case.gravity)
     outward = math.copysign(1.0, curvature) * left_over
     highest = highest_speed_on(case, track, segment)
-    return [f"{3.6 * speeds[1]:.1f}", f"{1e3 * track.cant_base * outward / case.gravity:.0f}", f"{3.6 * highest:.0f}"]
+    return [
+        f"{3.6 * speeds[1]:z.1f}",
+        f"{1e3 * track.cant_base * outward / case.gravity:z.0f}",
+        f"{3.6 * highest:z.0f}",
+    ]
 
 
 def irregularity_lines(support: Rig | Track, rails: RailIrregularity | None = None) -> list[str]:
@@ -75,7 +79,7 @@ def irregularity_lines(support: Rig | Track, rails: RailIrregularity | None = No
     lines = [f"irregularity: {origin}{scaled}, fading in over {chosen.fade_in:g} m"]
     if rails is not None:
         sizes = ", ".join(
-            f"{name.replace('_', ' ')} {1e3 * size:.2f}" for name, size in rails.root_mean_square().items()
+            f"{name.replace('_', ' ')} {1e3 * size:z.2f}" for name, size in rails.root_mean_square().items()
         )
         lines.append(f"root mean square [mm]: {sizes}")
     return lines

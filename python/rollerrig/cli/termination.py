@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import functools
+import shutil
+import sys
+import textwrap
 import tomllib
 from collections.abc import Callable, Mapping
 from typing import NoReturn, ParamSpec, TypeVar
@@ -20,8 +23,15 @@ R = TypeVar("R")
 
 
 def say(line: str) -> None:
-    """A line for the user beside the results: to stderr."""
-    typer.echo(line, err=True)
+    """A line for the user beside the results: to stderr, folded between words where a terminal shows it."""
+    typer.echo(folded(line, shutil.get_terminal_size().columns) if sys.stderr.isatty() else line, err=True)
+
+
+def folded(text: str, width: int) -> str:
+    """Text whose lines are at most so many letters wide, no word broken; what continues a line is set in."""
+    lines = (textwrap.wrap(line, max(width, 20), subsequent_indent="  ", break_long_words=False, break_on_hyphens=False)
+             for line in text.split("\n"))  # fmt: skip
+    return "\n".join("\n".join(parts) for parts in lines)
 
 
 def stop(message: object, code: int = BAD_INPUT) -> NoReturn:

@@ -297,8 +297,8 @@ def _distance(numbers: Numbers) -> Iterator[str]:
         yield f"No stop to compare: at the end of the shorter run the distances differ by {percent(at_end, signed=True)}."
         return
     yield (
-        f"Target {'met' if abs(relative) <= DISTANCE_TARGET else 'missed'}: stopping distance {track['distance_m']:.1f} m on "
-        f"track, {rig['distance_m']:.1f} m on the rig, {percent(relative, signed=True)} "
+        f"Target {'met' if abs(relative) <= DISTANCE_TARGET else 'missed'}: stopping distance {track['distance_m']:z.1f} m on "
+        f"track, {rig['distance_m']:z.1f} m on the rig, {percent(relative, signed=True)} "
         f"(target: within {percent(DISTANCE_TARGET)})."
     )
 

@@ -238,10 +238,10 @@ def _findings(label: str, values: Numbers) -> Iterator[str]:
     elif wave is None:
         text = "equivalent conicity 0 at 3 mm: the rolling radii do not differ"
     else:
-        text = f"equivalent conicity {conicity:.4f} at 3 mm, wavelength {wave:.2f} m"
+        text = f"equivalent conicity {conicity:z.4f} at 3 mm, wavelength {wave:z.2f} m"
         if values["roller_radius_mm"] is not None:
             wheels, rollers = values["conicity_of_wheels_3mm"], values["conicity_of_rollers_3mm"]
-            text += f"; {wheels:.4f} from the wheels' radii, {rollers:+.4f} from the rollers'"
+            text += f"; {wheels:z.4f} from the wheels' radii, {rollers:+z.4f} from the rollers'"
     yield f"{label}: {text}."
     if values["ended"]:
         yield f"{label}: {values['ended']}."

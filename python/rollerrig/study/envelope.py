@@ -215,7 +215,7 @@ class EnvelopeStudy(Study[Envelope]):
 
     def summary(self, results: Envelope, numbers: Numbers) -> list[str]:
         counts = numbers["regions"]
-        share = f"{100 * numbers['reproduced']:.0f} %"
+        share = f"{100 * numbers['reproduced']:z.0f} %"
         lines = [
             f"{numbers['runs']} runs at {numbers['speed_kmh']:.4g} km/h: the rig reproduces the rail in {share} of them."
         ]

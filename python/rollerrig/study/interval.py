@@ -47,8 +47,8 @@ class Interval:
             return "–"
         if not self.bounded:
             word, end = ("above", self.low) if math.isfinite(self.low) else ("at most", self.high)
-            return f"{word} {end:.{digits}f} {unit}"
-        ends = [f"{end:.{digits}f}" for end in (self.low, self.high)]
+            return f"{word} {end:z.{digits}f} {unit}"
+        ends = [f"{end:z.{digits}f}" for end in (self.low, self.high)]
         return f"{' … '.join(dict.fromkeys(ends))} {unit}"
 
     def within(self, low: float, high: float) -> bool | None:

@@ -6,82 +6,33 @@ Case on elastic rollers with a disturbance -> [LateralStudy] -> runs displaced a
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
 import xarray as xr
 
 from rollerrig.analysis.lateral_guidance import (
     Guidance,
-    amplitude,
     amplitudes_over_time,
     creep_force,
     guidance,
-    hunting_frequency,
     lateral_creep_coefficient,
     leading_lateral,
-    on_rig,
     slide_begins,
     train_slip,
 )
-from rollerrig.analysis.tracking import largest, rms, tracking, wheel_radius
+from rollerrig.analysis.tracking import wheel_radius
 from rollerrig.config import Case, ConfigError, ConfigProblem, Rig
 from rollerrig.plot import lateral as figures
 from rollerrig.results import COMPLETED
 from rollerrig.study.adhesion_variants import track_case
 from rollerrig.study.frame import Study
 from rollerrig.study.jobs import Done, Round, job, whole_run
-from rollerrig.study.quantities import Numbers, Quantities, Quantity
+from rollerrig.study.lateral_numbers import GUIDANCE, GUIDED, LABELS, QUANTITIES, RUN, guidance_numbers, run_numbers
+from rollerrig.study.quantities import Numbers
 from rollerrig.study.report import Block, Picture, Section, Text
-from rollerrig.wording import percent
-
-LABELS = {
-    "rig": "rig as it is, displaced",
-    "rig_centred": "rig as it is, centred",
-    "rig_rigid": "rigid rollers, displaced",
-    "rig_rigid_centred": "rigid rollers, centred",
-    "rig_dry": "rig as it is, displaced, dry virtual rail",
-    "track": "track, displaced",
-    "track_dry": "track, displaced, dry rail",
-    "track_exact": "track, displaced, exact creep theory",
-}
-"""Key of a run -> its label; displaced: by the case's disturbance."""
-
-GUIDED = ("track", "track_exact")
-"""Runs whose lateral creep is compared with the closed form."""
-
-RUN = (
-    Quantity("runs.*.status", "how the run ended"),
-    Quantity("runs.*.tracking_rms", "wheel less virtual wheel over train speed, RMS; on track null", "1", digits=3),
-    Quantity("runs.*.tracking_largest", "largest of the same", "1", digits=3),
-    Quantity("runs.*.real_sliding_rms_mps", "wheel against roller along the track; on track wheel against rail", "m/s", digits=3),
-    Quantity("runs.*.real_sliding_largest_mps", "largest of the same", "m/s", digits=3),
-    Quantity("runs.*.largest_slip", "of the wheels against the train, over its speed", "1", digits=3),
-    Quantity("runs.*.amplitude_before_mm", "leading wheelset, half peak to peak in the second before the slide", "mm", digits=3),
-    Quantity("runs.*.amplitude_in_slide_mm", "largest of the same over seconds, from 1 s into the slide on", "mm", digits=3),
-    Quantity("runs.*.amplitude_end_mm", "of the last second", "mm", digits=3),
-    Quantity("runs.*.frequency_hz", "of the half-waves in the second before the slide; null: none", "Hz", digits=3),
-    Quantity("runs.*.largest_lateral_mm", "displacement of the leading wheelset", "mm", digits=3),
-    Quantity("runs.*.roller_lateral_mm", "largest displacement of a roller axle", "mm", digits=3),
-    Quantity("runs.*.lateral_creep_largest_kn", "of one wheel", "kN", digits=3),
-)  # fmt: skip
-GUIDANCE = (
-    Quantity(
-        "guidance.*.slope", "lateral creep force of fully sliding axles over -F v_y / w; 1: Coulomb", "1", digits=3
-    ),
-    Quantity("guidance.*.correlation", "of the two", "1", digits=3),
-    Quantity("guidance.*.rolling_ns_per_m", "damping of a rolling wheel, f22 / V", "N s/m", "rolling f22/V", 3),
-    Quantity("guidance.*.sliding_ns_per_m", "of a sliding one, median of F / w", "N s/m", "sliding F/w", 3),
-)
-QUANTITIES = Quantities(
-    Quantity("case", "name of the case"),
-    Quantity("slide_begins_s", "on track, the time that divides all runs; null: never", "s"),
-    RUN,
-    GUIDANCE,
-)
+from rollerrig.wording import number, percent
 
 
 @dataclass(frozen=True)
@@ -126,7 +77,7 @@ class LateralStudy(Study[dict[str, xr.Dataset]]):
         return {"rig": self.case, "track": track_case(self.case)}
 
     def rounds(self, done: Done) -> Iterator[Round]:
-        yield {key: job(whole_run, case) for key, case in self.runs().items()}
+        yield {LABELS[key]: job(whole_run, case) for key, case in self.runs().items()}
 
     def runs(self) -> dict[str, Case]:
         """The cases that are run, by key of LABELS."""
@@ -146,7 +97,7 @@ class LateralStudy(Study[dict[str, xr.Dataset]]):
         }
 
     def collect(self, done: Done) -> dict[str, xr.Dataset] | None:
-        return {key: done[key] for key in LABELS if key in done} if "rig" in done else None
+        return {key: done[label] for key, label in LABELS.items() if label in done} if LABELS["rig"] in done else None
 
     def statuses(self, results: dict[str, xr.Dataset]) -> Sequence[str]:
         return [run.attrs["status"] for run in results.values()]
@@ -160,7 +111,7 @@ class LateralStudy(Study[dict[str, xr.Dataset]]):
             "case": self.case.name,
             "slide_begins_s": begin,
             "runs": {key: run_numbers(run, begin) for key, run in results.items()},
-            "guidance": {key: _guidance_numbers(found) for key, found in left.items() if found is not None},
+            "guidance": {key: guidance_numbers(found) for key, found in left.items() if found is not None},
         }
 
     def guidance_of(self, run: xr.Dataset) -> Guidance | None:
@@ -171,18 +122,18 @@ class LateralStudy(Study[dict[str, xr.Dataset]]):
         runs, lines = numbers["runs"], []
         errors = {key: runs[key]["tracking_rms"] for key in ("rig", "rig_centred", "rig_rigid") if key in runs}
         if len(errors) == 3 and all(errors.values()):
-            sliding = {key: f"{runs[key]['real_sliding_largest_mps']:.2g} m/s" for key in errors}
+            sliding = {key: f"{number(runs[key]['real_sliding_largest_mps'], 2)} m/s" for key in errors}
             lines.append(
                 f"Tracking error, RMS of train speed: {percent(errors['rig_centred'])} while the bogie stays centred, "
                 f"{percent(errors['rig_rigid'])} where it hunts on rigid rollers, {percent(errors['rig'])} on elastic ones "
-                f"({errors['rig'] / errors['rig_centred']:.2g} times as much): wheels then slide on the rollers at up to "
+                f"({number(errors['rig'] / errors['rig_centred'], 2)} times as much): wheels then slide on the rollers at up to "
                 f"{sliding['rig']}, rigid {sliding['rig_rigid']}, centred {sliding['rig_centred']}."
             )
         if "track" in runs and None not in (
             runs["track"]["amplitude_in_slide_mm"],
             runs["rig"]["amplitude_in_slide_mm"],
         ):
-            sizes = {key: f"{runs[key]['amplitude_before_mm']:.2g} and {runs[key]['amplitude_in_slide_mm']:.2g} mm"
+            sizes = {key: f"{number(runs[key]['amplitude_before_mm'], 2)} and {number(runs[key]['amplitude_in_slide_mm'], 2)} mm"
                      for key in ("track", "rig")}  # fmt: skip
             lines.append(
                 "Hunting, amplitude of the leading wheelset before the slide and later than 1 s into it: on track "
@@ -192,9 +143,9 @@ class LateralStudy(Study[dict[str, xr.Dataset]]):
         if "track" in numbers["guidance"]:
             left, exact = numbers["guidance"]["track"], numbers["guidance"].get("track_exact")
             lines.append(
-                f"What remains of lateral creep on a sliding wheel is viscous, {left['sliding_ns_per_m']:.3g} N s/m instead of "
-                f"{left['rolling_ns_per_m']:.3g}. Against -F v_y/w its slope is {left['slope']:.2f} with the case's creep law"
-                + (f", {exact['slope']:.2f} with the exact theory." if exact is not None else ".")
+                f"What remains of lateral creep on a sliding wheel is viscous, {number(left['sliding_ns_per_m'], 3)} N s/m "
+                f"instead of {number(left['rolling_ns_per_m'], 3)}. Against −F v_y/w its slope is {left['slope']:z.2f} with the "
+                "case's creep law" + (f", {exact['slope']:z.2f} with the exact theory." if exact is not None else ".")
             )
         ended = {key: run for key, run in results.items() if run.attrs["status"] not in COMPLETED}
         return lines + [f"{LABELS[key]}: {run.attrs['status_message']}" for key, run in ended.items()]
@@ -203,9 +154,7 @@ class LateralStudy(Study[dict[str, xr.Dataset]]):
         return {f"{key}.nc": run for key, run in results.items()}
 
     def sections(self, results: dict[str, xr.Dataset], numbers: Numbers) -> list[Section]:
-        # A centred bogie stays in the middle to 1e-10 mm: tables show no rounding.
-        shown = {LABELS[key]: {name: round(v, 6) if isinstance(v, float) else v for name, v in run.items()}
-                 for key, run in numbers["runs"].items()}  # fmt: skip
+        shown = {LABELS[key]: run for key, run in numbers["runs"].items()}
         table = QUANTITIES.list_table(shown, [quantity.name for quantity in RUN])
         sections = [Section("Numbers", [table])]
         sections += [Section(title, [Picture(*picture)]) for title, *picture in _pictures(results)]
@@ -230,43 +179,9 @@ class LateralStudy(Study[dict[str, xr.Dataset]]):
         return [Text(text), QUANTITIES.table(entries, [q.name for q in GUIDANCE], head="run"), *pictures]
 
 
-def run_numbers(run: xr.Dataset, slide: float) -> dict[str, Any]:
-    """The numbers of one run by name of RUN; NaN where not defined.
-
-    Args:
-        run: of the study.
-        slide: when the wheels begin to slide, the same for all runs [s]; NaN: they do not.
-    """
-    error, largest_error = tracking(run) if on_rig(run) else (math.nan, math.nan)
-    time, lateral = run["time"].to_numpy(), leading_lateral(run)
-    begin = slide if math.isfinite(slide) else float(time[-1])
-    later = [amplitude(time, lateral, t, t + 1.0) for t in np.arange(begin + 1.0, time[-1] - 0.999)]
-    rollers = [body for body in map(str, run["body"].to_numpy()) if "roller" in body]
-    return {
-        "status": run.attrs["status"],
-        "tracking_rms": error,
-        "tracking_largest": largest_error,
-        "real_sliding_rms_mps": rms(run["real_sliding"]),
-        "real_sliding_largest_mps": float(np.abs(run["real_sliding"]).max()),
-        "largest_slip": largest(train_slip(run)),
-        "amplitude_before_mm": amplitude(time, lateral, begin - 1.0, begin),
-        "amplitude_in_slide_mm": max(later, default=math.nan),
-        "amplitude_end_mm": amplitude(time, lateral, time[-1] - 1.0, time[-1]),
-        "frequency_hz": hunting_frequency(time, lateral, begin - 1.0, begin),
-        "largest_lateral_mm": float(np.abs(lateral).max()),
-        "roller_lateral_mm": 1e3 * float(np.abs(run["lateral"].sel(body=rollers)).max()) if rollers else math.nan,
-        "lateral_creep_largest_kn": 1e-3 * float(np.abs(creep_force(run, "y")).max()),
-    }
-
-
 def _slide(results: Mapping[str, xr.Dataset]) -> float:
     """When the wheels begin to slide, on track where that was run [s]."""
     return slide_begins(results.get("track", results["rig"]))
-
-
-def _guidance_numbers(found: Guidance) -> dict[str, float]:
-    values = (found.slope, found.correlation, found.rolling, found.sliding)
-    return dict(zip((q.name for q in GUIDANCE), values, strict=True))
 
 
 def _pictures(results: Mapping[str, xr.Dataset]) -> list[tuple[str, str, Any, str]]:

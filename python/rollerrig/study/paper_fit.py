@@ -41,7 +41,7 @@ def fit_paragraphs(results: Results) -> list[str]:
     found = critical_speeds(results)
     if not found:
         return []
-    texts = [f"The paper reports growing oscillations above {PAPER_CRITICAL_KMH:.0f} km/h. {_nearest(found)}"]
+    texts = [f"The paper reports growing oscillations above {PAPER_CRITICAL_KMH:z.0f} km/h. {_nearest(found)}"]
     if all(m in results.contact for m in MATERIALS):
         texts.append(_effect_of_the_material(results))
     sensitivity = _sensitivity(results)
@@ -59,7 +59,7 @@ def _nearest(found: dict[tuple[str, str], Interval]) -> str:
     (material, kind), speed = nearest, found[nearest]
     text = f"The nearest critical speed is that of {NAMES[material]} ({kind}), {speed.text('km/h', 1)}"
     others = [distance.low for (other, _), distance in distances.items() if other != material]
-    text += f"; the other material differs from the paper by at least {min(others):.0f} km/h. " if others else ". "
+    text += f"; the other material differs from the paper by at least {min(others):z.0f} km/h. " if others else ". "
     verdict = fits(speed)
     if verdict:
         return f"{text}That is within a tenth of the paper's value."
@@ -91,10 +91,10 @@ def _effect_of_the_material(results: Results) -> str:
     steel, soft = (results.contact[m] for m in MATERIALS)
     moduli = [rig_case(m).contact.material.shear_modulus for m in MATERIALS]
     text = (
-        f"Effect of the material: with G = {1e-9 * moduli[1]:.0f} GPa the wheels sink in {soft.approach / steel.approach:.1f} "
-        f"times as deep ({1e6 * soft.approach:.0f} instead of {1e6 * steel.approach:.0f} µm), and the creep stiffness Σf₁₁ of "
-        f"a wheel falls to {100 * soft.creep_stiffness / steel.creep_stiffness:.0f} % (Hertz and Kalker together give G^(1/3), "
-        f"which is {100 * (moduli[1] / moduli[0]) ** (1 / 3):.0f} %): the creep forces at the same creepage fall by as much."
+        f"Effect of the material: with G = {1e-9 * moduli[1]:z.0f} GPa the wheels sink in {soft.approach / steel.approach:z.1f} "
+        f"times as deep ({1e6 * soft.approach:z.0f} instead of {1e6 * steel.approach:z.0f} µm), and the creep stiffness Σf₁₁ of "
+        f"a wheel falls to {100 * soft.creep_stiffness / steel.creep_stiffness:z.0f} % (Hertz and Kalker together give G^(1/3), "
+        f"which is {100 * (moduli[1] / moduli[0]) ** (1 / 3):z.0f} %): the creep forces at the same creepage fall by as much."
     )
     soft_name, steel_name = MATERIALS[1], MATERIALS[0]
     by_disturbance = results.by_disturbance(soft_name).below(results.by_disturbance(steel_name))
@@ -106,8 +106,8 @@ def _effect_of_the_material(results: Results) -> str:
         text += (
             " With either material the wheels steer more strongly at finite amplitude: at the onset of hunting the wavelength is "
             f"{waves[0]:.1f} m with steel and {waves[1]:.1f} m with the paper's material, against {steel.wavelength:.1f} m and "
-            f"{soft.wavelength:.1f} m for small motion at low speed, as if the conicity were {steeper[0]:.1f} and "
-            f"{steeper[1]:.1f} times "
+            f"{soft.wavelength:z.1f} m for small motion at low speed, as if the conicity were {steeper[0]:z.1f} and "
+            f"{steeper[1]:z.1f} times "
             "as large. This agrees with hunting from a disturbance well below the linear critical speed."
         )
     return text
@@ -118,7 +118,7 @@ def _sensitivity(results: Results) -> str:
     for material in MATERIALS:
         known = [v for scan in results.merging.get(material, {}).values() if math.isfinite(v := scan.speed_kmh)]
         if len(known) > 1:
-            parts.append(f"{NAMES[material]} {min(known):.0f} to {max(known):.0f} km/h")
+            parts.append(f"{NAMES[material]} {min(known):z.0f} to {max(known):z.0f} km/h")
     if not parts:
         return ""
     return (

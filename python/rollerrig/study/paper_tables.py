@@ -65,7 +65,7 @@ def _audited(results: Results) -> Iterator[tuple[str, dict[str, Any]]]:
         if material in results.ramps:
             yield f"ramp, {NAMES[material]}", results.ramps[material].attrs
         for run in results.runs[material].runs if material in results.runs else []:
-            yield f"{3.6 * run.speed:.1f} km/h, {NAMES[material]}", run.motion.attrs
+            yield f"{3.6 * run.speed:z.1f} km/h, {NAMES[material]}", run.motion.attrs
     if results.traction is not None:
         yield "traction", results.traction.attrs
 
@@ -77,7 +77,7 @@ def solver_table(results: Results) -> Table:
     for name, attributes in _audited(results):
         counts = json.loads(attributes["solver_statistics"])
         steps = int(counts["steps"]), int(counts["rejected_steps"]), number(float(counts["smallest_step"]), 2)
-        energy = f"{1e-3 * float(attributes['energy_turned_over_j']):.1f}"
+        energy = f"{1e-3 * float(attributes['energy_turned_over_j']):z.1f}"
         residual = number(float(attributes["energy_relative_residual"]), 2)
         rows.append((name, attributes["status"], *steps, energy, residual))
     caption = (
@@ -113,8 +113,8 @@ def parameters(plan: PaperPlan) -> list[Block]:
         ("rig", rig.description),
         ("its source", rig.source),
         ("roller", roller),
-        ("steel", f"G = {1e-9 * steel.shear_modulus:.2f} GPa, ν = {steel.poisson_ratio:g}"),
-        ("paper's material", f"G = {1e-9 * soft.shear_modulus:.2f} GPa, ν = {soft.poisson_ratio:g}; {soft.source}"),
+        ("steel", f"G = {1e-9 * steel.shear_modulus:z.2f} GPa, ν = {steel.poisson_ratio:g}"),
+        ("paper's material", f"G = {1e-9 * soft.shear_modulus:z.2f} GPa, ν = {soft.poisson_ratio:g}; {soft.source}"),
         ("friction", f"{case.contact.friction.mu_0:g}"),
         ("creep law, normal law", f"{case.contact.creep.kind}, {case.contact.normal.kind}"),
         ("merging criterion", f"{getattr(case.contact.normal, 'merging_criterion', 0.0):g}"),

@@ -38,7 +38,7 @@ RAMP = (
 def linear(value: float, plan: PaperPlan) -> str:
     """A linear critical speed [km/h] as text; where there is none, the range that was looked at."""
     if math.isfinite(value):
-        return f"{value:.1f} km/h"
+        return f"{value:z.1f} km/h"
     return f"none from {plan.linear_kmh[0]:g} to {plan.linear_kmh[-1]:g} km/h"
 
 
@@ -60,8 +60,8 @@ def summary(results: Results, numbers: Numbers, plan: PaperPlan) -> list[str]:
     if end is not None:
         front, rear = (end[f"wheelset_{k}_right"]["sliding_mmps"] for k in (1, 2))
         lines.append(
-            f"Traction: at the end the front wheels slide at {front:.1f} mm/s and the rear ones at {rear:.1f} mm/s, "
-            f"at a speed of {end['speed_kmh']:.0f} km/h."
+            f"Traction: at the end the front wheels slide at {front:z.1f} mm/s and the rear ones at {rear:z.1f} mm/s, "
+            f"at a speed of {end['speed_kmh']:z.0f} km/h."
         )
     return [*lines, counts_text(results.checks)] if results.checks else lines
 
@@ -81,18 +81,18 @@ def critical_paragraphs(results: Results) -> list[str]:
         if not (math.isfinite(small) and large.known):
             continue
         text = (
-            f"{_name(material)}: small disturbances grow above {small:.1f} km/h. From {1e3 * found.disturbance:g} mm the "
+            f"{_name(material)}: small disturbances grow above {small:z.1f} km/h. From {1e3 * found.disturbance:g} mm the "
             f"critical speed is {large.text('km/h', 1)}; at the lower end the motion decays, at the upper one it persists."
         )
         if large.high < small - 5:
             text += (
-                f" From {large.high:.0f} to {small:.0f} km/h both are possible: small disturbances decay, larger ones end in "
+                f" From {large.high:z.0f} to {small:z.0f} km/h both are possible: small disturbances decay, larger ones end in "
                 "a limit cycle, and a hunting bogie continues to hunt while the rollers slow down, until the lower of the two "
                 "speeds (hysteresis, a subcritical bifurcation)."
             )
         ramp = results.ramps.get(material)
         end = 3.6 * end_of_hunting(ramp, "front_frame") if ramp is not None else math.nan
-        texts.append(text + (f" On the ramp down, the hunting ends at {end:.0f} km/h." if math.isfinite(end) else ""))
+        texts.append(text + (f" On the ramp down, the hunting ends at {end:z.0f} km/h." if math.isfinite(end) else ""))
     return texts
 
 
@@ -111,7 +111,7 @@ def frequency_paragraphs(results: Results, plan: PaperPlan) -> list[str]:
         rig, vehicle = results.by_disturbance(material), results.by_disturbance(material, VEHICLE)
         text = (
             f"{_name(material)}: at the {len(apart)} speeds at which both oscillate, the frequency of the bogie on "
-            f"the rig differs from that of the vehicle on the rails by {100 * min(apart):+.0f} to {100 * max(apart):+.0f} %."
+            f"the rig differs from that of the vehicle on the rails by {100 * min(apart):+z.0f} to {100 * max(apart):+z.0f} %."
         )
         if rig.known and vehicle.known:
             ratio = rig.over(vehicle)
@@ -148,7 +148,8 @@ def rig_paragraphs(results: Results) -> list[str]:
         known = [100 * value for value in apart if math.isfinite(value)]
         text = f"{_name(material)}. {' '.join(speeds.radius_sentences(table))}"
         if known:
-            text += f" The bogie with fixed car body differs by {min(known):+.1f} to {max(known):+.1f} % from the whole vehicle."
+            ends = f"{min(known):+z.1f} to {max(known):+z.1f} %"
+            text += f" The bogie with fixed car body differs by {ends} from the whole vehicle."
         texts.append(text)
     return texts + [f"{_name(m)}, bogie. {speeds.effects_sentence(split)}" for m, split in results.effects.items()]
 

@@ -29,6 +29,7 @@ class Quantity:
         label: in tables; absent: the last name of the key.
         digits: significant digits in tables.
         shown: unit and factor in tables where another unit reads better, e.g. ("%", 100.0).
+        least: what is smaller is round-off, zero in tables; in `unit`.
     """
 
     key: str
@@ -37,6 +38,7 @@ class Quantity:
     label: str = ""
     digits: int = 4
     shown: tuple[str, float] | None = None
+    least: float = 0.0
 
     @property
     def name(self) -> str:
@@ -47,7 +49,13 @@ class Quantity:
     def heading(self) -> str:
         """Label with the unit that tables show."""
         unit = {"": "", "1": " [-]"}.get(self.shown_unit, f" [{self.shown_unit}]")
-        return (self.label or self.name.replace("_", " ")) + unit
+        return (self.label or self.in_words) + unit
+
+    @property
+    def in_words(self) -> str:
+        """Last name of the key without the unit that it ends in."""
+        name = self.name.removesuffix(f"_{_in_a_key(self.unit)}") if self.unit not in ("", "1") else self.name
+        return " ".join(_CAPITALS.get(word, word) for word in name.split("_"))
 
     @property
     def shown_unit(self) -> str:
@@ -69,7 +77,8 @@ class Quantity:
             return value.replace("_", " ")
         if isinstance(value, int | np.integer) and self.shown is None:
             return number(int(value))
-        return number((self.shown[1] if self.shown else 1.0) * float(value), self.digits)
+        size = 0.0 if abs(value) < self.least else float(value)
+        return number((self.shown[1] if self.shown else 1.0) * size, self.digits)
 
     def matches(self, path: Sequence[str]) -> bool:
         """Whether a place in summary.json is this quantity's."""
@@ -77,6 +86,19 @@ class Quantity:
         if pattern[-1] == "**":
             pattern, path = pattern[:-1], path[: len(pattern) - 1]
         return len(pattern) == len(path) and all(p in ("*", name) for p, name in zip(pattern, path, strict=True))
+
+
+_CAPITALS = {"rms": "RMS", "q": "Q", "y": "Y"}
+_KEY_UNITS = {"°": "deg", "%": "percent", "l": "litres", "1/s": "per_s", "1/mm": "per_mm"}
+
+
+def _in_a_key(unit: str) -> str:
+    """A unit as keys spell it: 'N m' is nm, 'km/h' kmh, 'm/s' mps, 'rad/s' rad_per_s, 'N s/m' ns_per_m."""
+    plain = _KEY_UNITS.get(unit, unit.replace("µ", "u").replace(" ", "").lower())
+    if plain == "km/h":
+        return "kmh"
+    over = "p" if plain in ("m/s", "mm/s") else "_per_"
+    return plain.replace("/", over)
 
 
 COMMON = (

@@ -41,8 +41,9 @@ from rollerrig.similitude import (
 from rollerrig.simulation import simulate
 from rollerrig.study.frame import Study
 from rollerrig.study.jobs import Done, Round, job
-from rollerrig.study.quantities import Numbers, Quantities, Quantity
+from rollerrig.study.quantities import Numbers
 from rollerrig.study.report import Picture, Section
+from rollerrig.study.scale_numbers import FIDELITY, LABELS, QUANTITIES, RUN
 from rollerrig.study.scale_tables import (
     VIOLATION,
     axle_rows,
@@ -51,18 +52,8 @@ from rollerrig.study.scale_tables import (
     model_summary,
     violations_table,
 )
-from rollerrig.wording import percent
+from rollerrig.wording import number, percent
 
-LABELS = {
-    "full": "full scale",
-    "model": "the model as it is",
-    "ideal": "ideal: everything scaled",
-    "gravity": "gravity alone not scaled",
-    "material": "material alone not scaled",
-    "clock": "controllers' clock alone not scaled",
-    "drives": "bandwidth of the drives alone not scaled",
-    "own": "the model's own actuators alone",
-}
 LEFT_OUT = (
     "The suspension of the model is built to scale: elements, bearings and play of a real model have friction and tolerances of "
     "their own. Where the weight is to be right although gravity is not scaled, a model needs vertical forces beside its own "
@@ -73,48 +64,6 @@ CASE_FILE = "case.toml"
 """The scaled rig, to be run like any other."""
 MICROMETRE = 1e-6
 """Lateral motion below it is round-off [m]."""
-
-RUN = (
-    Quantity("*.status", "how the run ended: at full scale, and that of the model mapped back"),
-    Quantity("*.status_message", "the same as a sentence"),
-    Quantity("*.duration_s", "end of the test", "s"),
-    Quantity("*.wheel_load_n", "mean wheel load at the start", "N"),
-    Quantity("*.lateral_largest_m", "largest lateral displacement of a wheelset", "m"),
-    Quantity("*.stopped", "whether the train came to a stop before the end of the run"),
-    Quantity("*.distance_m", "run by the train", "m"),
-    Quantity("*.speed_end_kmh", "of the train at the end", "km/h"),
-    Quantity("*.wheel_slip_largest", "largest |wheel speed - train speed| over train speed, above 2 m/s", "1"),
-    Quantity("*.tracking_rms", "RMS of wheel speed less that of the virtual train, over train speed; null: none", "1"),
-    Quantity("*.real_sliding_largest_mps", "wheel against roller", "m/s"),
-    Quantity("*.axle_torque_largest_nm", "of brake and traction on one axle", "N m"),
-    Quantity("*.dump_cycles", "times that dump valves opened to vent, all axles"),
-    Quantity("*.linear_critical_speed_kmh", "with speed-controlled rollers; null: none from 40 to 520 km/h", "km/h"),
-)
-FIDELITY = (
-    Quantity("fidelity.lateral_rms_m", "wheelsets of the model mapped back less full scale at the same time, RMS", "m"),
-    Quantity("fidelity.wheel_speed_rms", "the same of wheel speeds over the train's highest speed, RMS", "1"),
-    Quantity("fidelity.wheel_speed_largest", "largest of the same", "1"),
-    Quantity("fidelity.train_speed_largest_mps", "the same of the train", "m/s"),
-    Quantity("fidelity.distance_relative", "distance over that at full scale, less 1", "1"),
-    Quantity("fidelity.linear_critical_speed_relative", "linear critical speed over that at full scale, less 1", "1"),
-)
-CONTACT = (
-    Quantity("contact.*.wheel_load", "first wheel in steady running, each at its own scale", "N"),
-    Quantity("contact.*.semi_axis", "sqrt(a b) of its largest patch", "m"),
-    Quantity("contact.*.pressure", "largest in it", "Pa"),
-    Quantity("contact.*.roller_share", "semi-axis over the roller's radius", "1"),
-)
-QUANTITIES = Quantities(
-    Quantity("case", "name of the full-scale case"),
-    Quantity("model", "name of its model"),
-    Quantity("similitude.**", "strategy, factors full/model, and what was not scaled"),
-    RUN,
-    FIDELITY,
-    Quantity("error_budget.*.*", "the same numbers of the ideal model, and of models with one violation each"),
-    *(Quantity(f"violations.*.{key}", meaning) for key, meaning in VIOLATION.items()),
-    CONTACT,
-    Quantity("motor_limited_share", "part of the time in which a motor of the model is at its limit; null: no limit", "1"),
-)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -236,12 +185,12 @@ class ScaleStudy(Study[Scaled]):
                 )
         elif near["lateral_rms_m"] is not None:
             lines.append(
-                f"Mapped back, the wheelsets' lateral displacement differs by {1e3 * near['lateral_rms_m']:.3g} mm RMS."
+                f"Mapped back, the wheelsets' lateral displacement differs by {number(1e3 * near['lateral_rms_m'], 3)} mm RMS."
             )
         if near["linear_critical_speed_relative"] is not None:
             lines.append(
-                f"Linear critical speed: {numbers['full']['linear_critical_speed_kmh']:.1f} km/h at full scale, "
-                f"{numbers['model_mapped_back']['linear_critical_speed_kmh']:.1f} km/h by the model "
+                f"Linear critical speed: {numbers['full']['linear_critical_speed_kmh']:z.1f} km/h at full scale, "
+                f"{numbers['model_mapped_back']['linear_critical_speed_kmh']:z.1f} km/h by the model "
                 f"({percent(near['linear_critical_speed_relative'], 3, signed=True)})."
             )
         if numbers["motor_limited_share"]:

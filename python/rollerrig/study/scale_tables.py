@@ -11,7 +11,7 @@ from rollerrig.analysis.scaled_model import at_times_of
 from rollerrig.config import Case
 from rollerrig.similitude import FACTORS, STRATEGIES, ContactAtRest, Requirement, factors_of
 from rollerrig.study.report import Table
-from rollerrig.wording import number
+from rollerrig.wording import number, percent
 
 VIOLATION = {
     "name": "of the requirement", "quantity": "of the model", "unit": "of what follows", "required": "for similitude",
@@ -25,7 +25,7 @@ HEADER = ("requirement", "quantity of the model", "needed", "is", "unit", "devia
 
 def deviation(value: float) -> str:
     """A deviation with its sign; what full scale does not have is new."""
-    return f"{100 * value:+.3g} %" if math.isfinite(value) else "new"
+    return percent(value, 3, signed=True) if math.isfinite(value) else "new"
 
 
 def model_summary(model: Case, found: Sequence[Requirement]) -> list[str]:

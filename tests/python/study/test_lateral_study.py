@@ -12,7 +12,8 @@ import xarray as xr
 from rollerrig import ConfigError, load_case, load_run
 from rollerrig.analysis.lateral_guidance import amplitude, amplitudes_over_time, slide_begins
 from rollerrig.study.frame import Outcome
-from rollerrig.study.lateral import LABELS, LateralStudy, run_numbers
+from rollerrig.study.lateral import LateralStudy
+from rollerrig.study.lateral_numbers import LABELS, run_numbers
 
 Found = Outcome[dict[str, xr.Dataset]]
 

@@ -7,6 +7,7 @@ import math
 import numpy as np
 import pytest
 
+from rollerrig.study import STUDIES
 from rollerrig.study.quantities import Quantities, Quantity, finite
 
 REGISTRY = Quantities(
@@ -38,10 +39,37 @@ def test_a_star_stands_for_one_name_alone() -> None:
 
 def test_a_table_shows_other_units_than_the_file() -> None:
     table = REGISTRY.table({"rig": {"error_rms": 0.01234, "force_n": None}}, ["error_rms", "force_n"], head="on")
-    assert table.header == ("on", "error, RMS [%]", "force n [N]")
+    assert table.header == ("on", "error, RMS [%]", "force [N]")
     assert table.rows == [["rig", "1.2", "–"]]
     columns = REGISTRY.list_table({"a": {"force_n": 1.5}, "b": {"force_n": math.nan}}, ["force_n"])
-    assert columns.rows == [["force n [N]", "1.5", "–"]]
+    assert columns.rows == [["force [N]", "1.5", "–"]]
+
+
+@pytest.mark.parametrize(
+    ("key", "unit", "heading"),
+    [
+        ("real_sliding_rms_mps", "m/s", "real sliding RMS [m/s]"),
+        ("axle_torque_nm", "N m", "axle torque [N m]"),
+        ("rolling_ns_per_m", "N s/m", "rolling [N s/m]"),
+        ("approach_um", "µm", "approach [µm]"),
+        ("rate_per_s", "1/s", "rate [1/s]"),
+        ("speed_kmh", "km/h", "speed [km/h]"),
+        ("tracking_rms", "1", "tracking RMS [-]"),
+    ],
+)
+def test_the_unit_at_the_end_of_a_key_is_not_said_twice(key: str, unit: str, heading: str) -> None:
+    assert Quantity(key, "", unit).heading == heading
+
+
+def test_headings_are_words_and_no_keys() -> None:
+    spelled = {"mps", "mmps", "kmh", "nm", "kn", "hz", "um"}
+    found = {q.heading for study in STUDIES for q in study.quantities if "*" not in q.heading}
+    assert [heading for heading in found if spelled & set(heading.partition(" [")[0].split())] == []
+
+
+def test_round_off_is_shown_as_zero() -> None:
+    small = Quantity("amplitude_mm", "", "mm", least=1e-6)
+    assert [small.cell(value) for value in (1e-10, -1e-10, 2e-6)] == ["0", "0", "2·10⁻⁶"]
 
 
 def test_a_csv_file_has_registered_columns_only() -> None:

@@ -83,7 +83,7 @@ _RATIO = re.compile(r"\s*(\d{1,6}(?:\.\d{1,6})?)\s*:\s*(\d{1,9}(?:\.\d{1,6})?)\s
 def _registry() -> "pint.UnitRegistry[Any]":
     import pint
 
-    registry: pint.UnitRegistry[Any] = pint.UnitRegistry()
+    registry: pint.UnitRegistry[Any] = pint.UnitRegistry(on_redefinition="ignore")  # its own Nm is a yarn count
     registry.define("newton_metre_joined = newton * meter = Nm")  # railway texts write kNm and kNs
     registry.define("newton_second_joined = newton * second = Ns")
     registry.define("kilometre_per_hour_joined = kilometer / hour = kmh")
