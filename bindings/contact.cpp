@@ -3,7 +3,7 @@
 
 #include <ctime>
 
-#include "convert.hpp"
+#include "arguments.hpp"
 #include "rollerrig/system/static_wheelset_contact.hpp"
 
 using namespace nb::literals;
@@ -23,38 +23,40 @@ void bind_contact(nb::module_& m) {
               Member{"roll_moment", &LoadedWheelset::roll_moment}, Member{"patches", &LoadedWheelset::patches})
       .def_prop_ro("z", [](LoadedWheelset const& w) { return w.position.z; })
       .def_prop_ro("roll", [](LoadedWheelset const& w) { return w.position.roll; });
-  nb::class_<Contact>(m, "StaticWheelsetContact", "A wheelset on its rollers or rails, quasi-static; SI, b frame.")
-      .def(nb::init<std::shared_ptr<Model const>, int, int>(), "model"_a, "left"_a, "right"_a)
-      .def(
-          "solve",
-          [](Contact& self, double x, double y, double yaw, double roll, double load, bool free_to_roll) {
-            return self.solve({x, y, 0.0, roll, yaw}, load, free_to_roll);
-          },
-          "x"_a, "y"_a, "yaw"_a, "roll"_a, "load"_a, "free_to_roll"_a)
-      .def(
-          "touch_height",
-          [](Contact& self, double x, double y, double yaw, double roll, bool right) {
-            return self.touch_height({x, y, 0.0, roll, yaw}, right);
-          },
-          "x"_a, "y"_a, "yaw"_a, "roll"_a, "right"_a)
-      .def(
-          "patches",
-          [](Contact& self, double x, double y, double z, double yaw, double roll, bool right) {
-            return self.patches({x, y, z, roll, yaw}, right);
-          },
-          "x"_a, "y"_a, "z"_a, "yaw"_a, "roll"_a, "right"_a)
-      .def(
-          "seconds_per_contact",
-          [](Contact& self, double x, double y, double z, double yaw, double roll, bool right, int repeats) {
-            std::clock_t const start = std::clock();  // of this process: others on the machine do not count
-            for (int i = 0; i < repeats; ++i) self.patches({x, y, z, roll, yaw}, right);
-            return static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC / repeats;
-          },
-          "x"_a, "y"_a, "z"_a, "yaw"_a, "roll"_a, "right"_a, "repeats"_a)
-      .def(
-          "minima",
-          [](Contact& self, double x, double y, double z, double yaw, double roll, bool right, double reach) {
-            return self.minima({x, y, z, roll, yaw}, right, reach);
-          },
-          "x"_a, "y"_a, "z"_a, "yaw"_a, "roll"_a, "right"_a, "reach"_a);
+  auto contact =
+      nb::class_<Contact>(m, "StaticWheelsetContact", "A wheelset on its rollers or rails, quasi-static; SI, b frame.");
+  contact.def(nb::init<std::shared_ptr<Model const>, int, int>(), "model"_a, "left"_a, "right"_a);
+  Argument const along{"x"}, across{"y"}, height{"z"}, turned{"yaw"}, tilted{"roll"}, side{"right"};
+  def_method(
+      contact, "solve", "The equilibrium under a vertical load [N].",
+      +[](Contact& self, double x, double y, double yaw, double roll, double load, bool free_to_roll) {
+        return self.solve({x, y, 0.0, roll, yaw}, load, free_to_roll);
+      },
+      along, across, turned, tilted, Argument{"load", positive}, Argument{"free_to_roll"});
+  def_method(
+      contact, "touch_height", "Height z at which the wheel of one side just touches [m].",
+      +[](Contact& self, double x, double y, double yaw, double roll, bool right) {
+        return self.touch_height({x, y, 0.0, roll, yaw}, right);
+      },
+      along, across, turned, tilted, side);
+  def_method(
+      contact, "patches", "The patches of one side.",
+      +[](Contact& self, double x, double y, double z, double yaw, double roll, bool right) {
+        return self.patches({x, y, z, roll, yaw}, right);
+      },
+      along, across, height, turned, tilted, side);
+  def_method(
+      contact, "seconds_per_contact", "Processor time of one evaluation of `patches` [s].",
+      +[](Contact& self, double x, double y, double z, double yaw, double roll, bool right, int repeats) {
+        std::clock_t const start = std::clock();  // of this process: others on the machine do not count
+        for (int i = 0; i < repeats; ++i) self.patches({x, y, z, roll, yaw}, right);
+        return static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC / repeats;
+      },
+      along, across, height, turned, tilted, side, Argument{"repeats", Range{1.0, 1e5, "between 1 and 100000"}});
+  def_method(
+      contact, "minima", "All minima of the gap closer than `reach` [m] of one side.",
+      +[](Contact& self, double x, double y, double z, double yaw, double roll, bool right, double reach) {
+        return self.minima({x, y, z, roll, yaw}, right, reach);
+      },
+      along, across, height, turned, tilted, side, Argument{"reach"});
 }

@@ -6,11 +6,10 @@
 #include <nanobind/stl/variant.h>
 #include <nanobind/stl/vector.h>
 
-#include <algorithm>
 #include <cmath>
 #include <optional>
 
-#include "convert.hpp"
+#include "arguments.hpp"
 #include "fields.hpp"
 #include "rollerrig/contact/creep/rolling_reference.hpp"
 #include "rollerrig/contact/patch.hpp"
@@ -19,6 +18,10 @@ using namespace nb::literals;
 using namespace rollerrig;
 
 namespace {
+
+constexpr Range aspect_range{1e-2, 1e2, "between 0.01 and 100"};  ///< a/b that the series and grids are made for
+constexpr Range fineness_range{0.1, 4.0, "between 0.1 and 4"};    ///< memory grows with its fourth power
+constexpr Range table_cells{1.0, 1000.0, "between 1 and 1000"};
 
 std::array<double, 5> hertz_ellipse(double load, double d1, double d2, double shear_modulus, double poisson_ratio) {
   auto const h = hertz_contact(Material{shear_modulus, poisson_ratio}, d1, d2);
@@ -58,8 +61,11 @@ using Floats = nb::ndarray<float const, nb::ndim<1>, nb::c_contig, nb::device::c
 
 std::shared_ptr<CreepTable> creep_table(double log_aspect_end, double rho_0, int aspects,
                                         std::array<int, 3> const& cells, Floats const& coefficients) {
-  if (!(log_aspect_end > 0.0) || !(rho_0 > 0.0) || aspects < 1 || *std::min_element(cells.begin(), cells.end()) < 1)
-    throw nb::value_error("a creep table needs positive sizes");
+  check_value(log_aspect_end, positive, "CreepTable", "log_aspect_end");
+  check_value(rho_0, positive, "CreepTable", "rho_0");
+  check_value(aspects, table_cells, "CreepTable", "aspects");
+  check_value(cells, table_cells, "CreepTable", "cells");
+  check_value(coefficients, finite_number, "CreepTable", "coefficients");
   auto table = std::make_shared<CreepTable>(CreepTable{log_aspect_end, rho_0, aspects, cells, {}});
   if (coefficients.shape(0) != table->size())
     throw nb::value_error("the creep table has not as many coefficients as its shape asks for");
@@ -77,6 +83,16 @@ auto friction_over_slip(FrictionLaw const& law, Column const& slip) {
 auto creep_forces(Rows3 const& creepage, double a, double b, double load, double friction, double shear_modulus,
                   double poisson_ratio, CreepLaw const& law, double direction,
                   std::optional<std::array<double, 2>> const& reduction) {
+  char const* const own = "creep_forces";
+  check_value(creepage, finite_number, own, "creepage");
+  check_value(a, positive, own, "a");
+  check_value(b, positive, own, "b");
+  check_value(load, positive, own, "load");
+  check_value(friction, positive, own, "friction");
+  check_value(shear_modulus, positive, own, "shear_modulus");
+  check_value(poisson_ratio, poissons_ratio, own, "poisson_ratio");
+  check_value(direction, finite_number, own, "direction");
+  check_value(reduction, fraction, own, "reduction");
   auto query = query_of(a, b, friction * load, shear_modulus, poisson_ratio, direction);
   std::size_t const n = creepage.shape(0);
   std::vector<double> out(4 * n);
@@ -123,29 +139,44 @@ void bind_contact_laws(nb::module_& m) {
   bind_struct<RollerEffects>(m, "RollerEffects", "Which of a roller's differences from a rail count.");
   bind_struct<ContactLaws>(m, "ContactLaws", "What a contact is made of.");
 
-  m.def("hertz_ellipse", &hertz_ellipse, "load"_a, "d1"_a, "d2"_a, "shear_modulus"_a, "poisson_ratio"_a,
-        "Semi-axes a, b [m], approach [m], peak pressure [Pa] and stiffness [N/m^1.5]; eqs (13)-(19).");
-  m.def("kalker_coefficients", &kalker, "a_over_b"_a, "poisson_ratio"_a, "C11, C22, C23, C33.");
-  m.def("kalker_stiffness", &stiffness, "a"_a, "b"_a, "shear_modulus"_a, "poisson_ratio"_a,
-        "f11, f22 [N], f23 [N m], f33 [N m^2] of an ellipse with semi-axes a, b [m]; eq. (22).");
-  m.def("creepage_units", &creepage_units, "a_over_b"_a, "poisson_ratio"_a,
-        "Reduced creepages xi, eta, chi that each demand about mu N of the linear theory.");
-  m.def("friction_at", &friction_over_slip, "law"_a, "slip"_a, "Friction coefficient per slip velocity [m/s], (A1).");
+  Argument const shear{"shear_modulus", positive}, poisson{"poisson_ratio", poissons_ratio};
+  Argument const a{"a", positive}, b{"b", positive}, aspect{"a_over_b", aspect_range};
+  def_function(m, "hertz_ellipse",
+               "Semi-axes a, b [m], approach [m], peak pressure [Pa] and stiffness [N/m^1.5]; eqs (13)-(19).",
+               &hertz_ellipse, Argument{"load", positive}, Argument{"d1", positive}, Argument{"d2", positive}, shear,
+               poisson);
+  def_function(m, "kalker_coefficients", "C11, C22, C23, C33.", &kalker, aspect, poisson);
+  def_function(m, "kalker_stiffness",
+               "f11, f22 [N], f23 [N m], f33 [N m^2] of an ellipse with semi-axes a, b [m]; eq. (22).", &stiffness, a,
+               b, shear, poisson);
+  def_function(m, "creepage_units", "Reduced creepages xi, eta, chi that each demand about mu N of the linear theory.",
+               &creepage_units, aspect, poisson);
+  def_function(m, "friction_at", "Friction coefficient per slip velocity [m/s], (A1).", &friction_over_slip,
+               Argument{"law"}, Argument{"slip"});
   m.def("creep_forces", &creep_forces, "creepage"_a, "a"_a, "b"_a, "load"_a, "friction"_a, "shear_modulus"_a,
         "poisson_ratio"_a, "law"_a, "direction"_a = 1.0, "reduction"_a = nb::none(),
         "T_x, T_y [N], M_sp [N m] on the wheel and the saturation, per row of creepage; on a rail with a reduction "
         "k_A, k_S.");
-  m.def(
-      "mean_reduction", [](double k_A, double k_S) { return mean_reduction(RailSurface<double>{0.0, k_A, k_S}); },
-      "k_A"_a, "k_S"_a, "What a rail's condition leaves of the slope of the creep curve, (A4).");
-  nb::class_<RollingReference>(m, "RollingReference", "Exact rolling contact on an elliptic patch; reduced units.")
+  def_function(
+      m, "mean_reduction", "What a rail's condition leaves of the slope of the creep curve, (A4).",
+      +[](double k_A, double k_S) { return mean_reduction(RailSurface<double>{0.0, k_A, k_S}); },
+      Argument{"k_A", fraction}, Argument{"k_S", fraction});
+  auto reference =
+      nb::class_<RollingReference>(m, "RollingReference", "Exact rolling contact on an elliptic patch; reduced units.");
+  reference
       .def(
           "__init__",
           [](RollingReference* self, double a_over_b, double poisson_ratio, double fineness) {
+            check_value(a_over_b, aspect_range, "RollingReference", "a_over_b");
+            check_value(poisson_ratio, poissons_ratio, "RollingReference", "poisson_ratio");
+            check_value(fineness, fineness_range, "RollingReference", "fineness");
             new (self) RollingReference(a_over_b, poisson_ratio, RollingGrid::for_ellipse(a_over_b, fineness));
           },
           "a_over_b"_a, "poisson_ratio"_a, "fineness"_a)
-      .def("solve", &rolling_solutions, "creepage"_a,
-           "Force along, across, moment, fraction of the patch that sticks, steps, converged; per row of xi, eta, chi.")
       .def("kalker_coefficients", &RollingReference::kalker_coefficients, "C11, C22, C23, C33 of this grid.");
+  def_method(
+      reference, "solve",
+      "Force along, across, moment, fraction of the patch that sticks, steps, converged; per row of xi, eta, chi.",
+      +[](RollingReference& self, Rows3 const& creepage) { return rolling_solutions(self, creepage); },
+      Argument{"creepage"});
 }

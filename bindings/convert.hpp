@@ -8,6 +8,7 @@
 
 #include <array>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "rollerrig/fields.hpp"
@@ -80,12 +81,14 @@ auto keyword(OptionalMember<Record, Value> const& field) {
   return nb::arg(field.name).none();
 }
 
-/// Binds a struct whose fields Python gives by name, every one of them, and may read: defaults live in Python.
+/// Binds a struct whose fields Python gives by name, every one of them and each within its range, and may read: defaults live
+/// in Python. Nothing of it can be written, so that what was checked stays so.
 template <class Record, template <class, class> class... Members, class... Values>
 nb::class_<Record> bind_description(nb::module_& m, char const* name, char const* doc,
                                     Members<Record, Values>... fields) {
   nb::class_<Record> type(m, name, doc);
-  auto const make = [fields...](Record* self, Values... values) {
+  auto const make = [fields..., owner = std::string(name)](Record* self, Values... values) {
+    (check_value(values, fields.range, owner, fields.name), ...);
     new (self) Record{};
     ((self->*fields.member = std::move(values)), ...);
   };

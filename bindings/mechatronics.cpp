@@ -4,9 +4,11 @@
 #include <nanobind/stl/shared_ptr.h>
 #include <nanobind/stl/variant.h>
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 
+#include "arguments.hpp"
 #include "fields.hpp"
 #include "rollerrig/simulate/setup.hpp"
 #include "rollerrig/system/model.hpp"
@@ -20,7 +22,7 @@ namespace {
 VirtualRail virtual_rail(Model const& model, int contact, std::shared_ptr<AdhesionMap const> adhesion,
                          EquivalentPatch const& patch, double cell) {
   VirtualRail rail;
-  ContactLaws const& laws = model.contacts.at(static_cast<std::size_t>(contact)).laws;
+  ContactLaws const& laws = model.contact(contact, "contact").laws;
   rail.creep = laws.creep;
   rail.creepage_regularisation_speed = laws.creepage_regularisation_speed;
   rail.friction = laws.friction;
@@ -34,14 +36,15 @@ VirtualRail virtual_rail(Model const& model, int contact, std::shared_ptr<Adhesi
 
 void bind_actuators(nb::module_& m) {
   bind_struct<Motor>(m, "Motor", "A drive from torque command to torque.");
-  m.def("reflected_inertia", &reflected_inertia, "rotor_inertia"_a, "gear_ratio"_a,
-        "Of a geared rotor on the axle that it drives [kg m^2].");
-  bind_struct<PneumaticBrake>(m, "PneumaticBrake", "Friction brake of an axle, from demand and valve to torque.")
-      .def("torque", &PneumaticBrake::torque<double>, "cylinder_pressure"_a, "axle_speed"_a,
-           "Torque on the axle [N m], against its turning.");
-  bind_description(m, "AxleBrake", "A friction brake between an axle and a body, or -1: the ground.",
-                   Member{"wheelset", &AxleBrake::wheelset}, Member{"reaction", &AxleBrake::reaction},
-                   Member{"brake", &AxleBrake::brake});
+  def_function(m, "reflected_inertia", "Of a geared rotor on the axle that it drives [kg m^2].", &reflected_inertia,
+               Argument{"rotor_inertia"}, Argument{"gear_ratio"});
+  auto brake =
+      bind_struct<PneumaticBrake>(m, "PneumaticBrake", "Friction brake of an axle, from demand and valve to torque.");
+  def_method(
+      brake, "torque", "Torque on the axle [N m], against its turning.",
+      +[](PneumaticBrake const& self, double pressure, double speed) { return self.torque(pressure, speed); },
+      Argument{"cylinder_pressure"}, Argument{"axle_speed"});
+  bind_struct<AxleBrake>(m, "AxleBrake", "A friction brake between an axle and a body, or -1: the ground.");
   bind_struct<Encoder>(m, "Encoder", "Speed of an axle from counts.");
   bind_struct<ForceSensor>(m, "ForceSensor", "Transducer of a force or a torque.");
   bind_struct<Sensors>(m, "Sensors", "What controllers see of speeds, torques and loads.");
@@ -52,24 +55,23 @@ void bind_controllers(nb::module_& m) {
   bind_struct<AssumedParameters>(m, "AssumedParameters", "Wheel and roller as a controller assumes them.");
   bind_laws<AnyEstimator>(m, "estimators", "Estimator");
   bind_laws<AnyFeedback>(m, "feedbacks", "Feedback");
-  m.def(
-      "estimator_response",
-      [](AnyEstimator const& estimator, AssumedParameters const& assumed, double period) {
+  def_function(
+      m, "estimator_response", "Bandwidth [rad/s] and delay [s] of the estimates of force and of torque, measured.",
+      +[](AnyEstimator const& estimator, AssumedParameters const& assumed, double period) {
         auto const of = [&](Estimated what) {
           auto const found = measure_response(estimator, assumed, what, period);
           return std::pair{found.bandwidth, found.delay};
         };
         return std::pair{of(Estimated::force), of(Estimated::torque)};
       },
-      "estimator"_a, "assumed"_a, "period"_a,
-      "Bandwidth [rad/s] and delay [s] of the estimates of force and of torque, measured.");
-  m.def(
-      "kalman_gain",
-      [](KalmanFilter const& filter, AssumedParameters const& assumed, double period) {
+      Argument{"estimator"}, Argument{"assumed"}, Argument{"period", positive});
+  def_function(
+      m, "kalman_gain",
+      "Stationary gain for a sample time [s], (D11): rows W, w, T, C over the innovations of W and w.",
+      +[](KalmanFilter const& filter, AssumedParameters const& assumed, double period) {
         return filter.gain(assumed, period);
       },
-      "filter"_a, "assumed"_a, "period"_a,
-      "Stationary gain for a sample time [s], (D11): rows W, w, T, C over the innovations of W and w.");
+      Argument{"filter"}, Argument{"assumed"}, Argument{"period", positive});
   m.def(
       "feedback_gains",
       [](ProportionalIntegral const& feedback, AssumedParameters const& assumed) {
@@ -84,14 +86,25 @@ void bind_controllers(nb::module_& m) {
       .def_ro("a", &EquivalentPatch::a)
       .def_ro("b", &EquivalentPatch::b)
       .def_ro("width", &EquivalentPatch::width);
-  m.def("equivalent_patch", &equivalent_patch, "load"_a, "a"_a, "b"_a,
-        "The ellipse with the area of all patches of a wheel together and their mean shape, from their semi-axes [m].");
+  def_function(
+      m, "equivalent_patch",
+      "The ellipse with the area of all patches of a wheel together and their mean shape, from their semi-axes [m].",
+      +[](double load, std::vector<double> const& a, std::vector<double> const& b) {
+        double area = 0.0;  // an absent patch has none
+        for (std::size_t i = 0; i < std::min(a.size(), b.size()); ++i) area += a[i] * b[i];
+        if (a.size() != b.size() || !(area > 0.0))
+          throw nb::value_error("equivalent_patch: a, b must be semi-axes of as many patches, one of them not empty");
+        return equivalent_patch(load, a, b);
+      },
+      Argument{"load", positive}, Argument{"a", not_negative}, Argument{"b", not_negative});
   nb::class_<VirtualRail>(m, "VirtualRail", "The degraded rail under the virtual train.")
       .def(
           "__init__",
           [](VirtualRail* self, std::shared_ptr<Model const> const& model, int contact,
-             std::shared_ptr<AdhesionMap const> adhesion, EquivalentPatch const& patch,
-             double cell) { new (self) VirtualRail(virtual_rail(*model, contact, std::move(adhesion), patch, cell)); },
+             std::shared_ptr<AdhesionMap const> adhesion, EquivalentPatch const& patch, double cell) {
+            check_value(cell, positive, "VirtualRail", "cell");
+            new (self) VirtualRail(virtual_rail(*model, contact, std::move(adhesion), patch, cell));
+          },
           nb::kw_only(), "model"_a, "contact"_a, "adhesion"_a.none(), "patch"_a, "cell"_a, nb::keep_alive<1, 2>());
   bind_laws<AnyController>(m, "controllers");
 }

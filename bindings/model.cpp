@@ -4,7 +4,7 @@
 #include <nanobind/stl/shared_ptr.h>
 #include <nanobind/stl/variant.h>
 
-#include "convert.hpp"
+#include "arguments.hpp"
 #include "fields.hpp"
 #include "rollerrig/system/model_builder.hpp"
 #include "rollerrig/system/statics.hpp"
@@ -33,61 +33,30 @@ PiecewiseCubic piecewise_cubic(BreakRows const& rows) {
   return curve;
 }
 
-void bind_bodies(nb::module_& m) {
-  using E = ForceElement;
-  bind_description(m, "Body", "A rigid body; SI.", Member{"mass", &Body::mass}, Member{"inertia", &Body::inertia},
-                   Member{"position", &Body::position}, Member{"axisymmetric", &Body::axisymmetric},
-                   Member{"locked", &Body::locked}, Member{"speed_controlled_radius", &Body::speed_controlled_radius},
-                   Member{"in_moving_frame", &Body::in_moving_frame});
+void bind_descriptions(nb::module_& m) {
+  bind_struct<Body>(m, "Body", "A rigid body; SI.");
   bind_laws<ForceLaw>(m, "force_laws", "ForceLaw");
-  bind_description(m, "DirectionLaw", "Force of an element in one direction; SI.",
-                   Member{"preload", &DirectionLaw::preload}, Member{"laws", &DirectionLaw::laws});
-  bind_description(m, "ForceElement", "Springs and dampers between two bodies, -1: the ground.",
-                   Member{"body_a", &E::body_a}, Member{"body_b", &E::body_b}, Member{"point_on_b", &E::r_b},
-                   Member{"law", &E::law}, Member{"clamped", &E::clamped});
-}
-
-void bind_contacts(nb::module_& m) {
-  using C = ContactDescription;
-  bind_description(m, "ContactDescription", "One wheel on one roller or rail; SI.", Member{"wheelset", &C::wheelset},
-                   Member{"roller", &C::roller}, Member{"roller_radius", &C::roller_radius}, Member{"right", &C::right},
-                   Member{"wheel_profile", &C::wheel_profile}, Member{"rail_profile", &C::rail_profile},
-                   Member{"wheel_radius", &C::wheel_radius}, Member{"tape_circle_y", &C::tape_circle_y},
-                   Member{"rail_origin_y", &C::rail_origin_y}, Member{"size", &C::size}, Member{"laws", &C::laws});
-}
-
-void bind_actuators(nb::module_& m) {
-  using A = AxleTorque;
-  using R = RunningResistance;
-  bind_description(m, "AxleTorque", "Torque about an axle: of a traction motor, or one that a test prescribes.",
-                   Member{"wheelset", &A::wheelset}, Member{"reaction", &A::reaction}, Member{"torque", &A::torque},
-                   Member{"link", &A::link}, Member{"gear_ratio", &A::gear_ratio},
-                   Member{"rotor_inertia", &A::rotor_inertia});
-  bind_description(m, "RollerTorque", "Torque on a roller about its axle.", Member{"roller", &RollerTorque::roller},
-                   Member{"torque", &RollerTorque::torque}, Member{"gear_ratio", &RollerTorque::gear_ratio},
-                   Member{"rotor_inertia", &RollerTorque::rotor_inertia});
-  bind_description(m, "RunningResistance", "Davis' formula on one body, and the gradient.", Member{"body", &R::body},
-                   Member{"constant", &R::constant}, Member{"linear", &R::linear}, Member{"quadratic", &R::quadratic},
-                   Member{"gradient", &R::gradient});
+  bind_struct<DirectionLaw>(m, "DirectionLaw", "Force of an element in one direction; SI.");
+  bind_struct<ForceElement>(m, "ForceElement", "Springs and dampers between two bodies, -1: the ground.");
+  bind_struct<ContactDescription>(m, "ContactDescription", "One wheel on one roller or rail; SI.");
+  bind_struct<AxleTorque>(m, "AxleTorque", "Torque about an axle: of a traction motor, or one that a test prescribes.");
+  bind_struct<RollerTorque>(m, "RollerTorque", "Torque on a roller about its axle.");
+  bind_struct<RunningResistance>(m, "RunningResistance", "Davis' formula on one body, and the gradient.");
 }
 
 void bind_statics(nb::module_& m) {
-  bind_description(m, "StandingBody", "A body of a vehicle at rest.", Member{"mass", &StandingBody::mass},
-                   Member{"position", &StandingBody::position}, Member{"on_wheels", &StandingBody::on_wheels});
-  bind_description(m, "LoadSpring", "An element that carries load in the design position.",
-                   Member{"body_a", &LoadSpring::body_a}, Member{"body_b", &LoadSpring::body_b},
-                   Member{"point", &LoadSpring::point});
+  bind_struct<StandingBody>(m, "StandingBody", "A body of a vehicle at rest.");
+  bind_struct<LoadSpring>(m, "LoadSpring", "An element that carries load in the design position.");
   bind_result(m, "StaticLoads", "How a vehicle stands.", Member{"preload", &StaticLoads::preload},
               Member{"on_body", &StaticLoads::on_body}, Member{"imbalance", &StaticLoads::imbalance});
-  m.def("static_loads", &static_loads, "bodies"_a, "springs"_a, "gravity"_a);
+  def_function(m, "static_loads", "Preloads and axle loads of a vehicle at rest.", &static_loads, Argument{"bodies"},
+               Argument{"springs"}, Argument{"gravity"});
 }
 
 }  // namespace
 
 void bind_model(nb::module_& m) {
-  bind_bodies(m);
-  bind_contacts(m);
-  bind_actuators(m);
+  bind_descriptions(m);
   bind_statics(m);
   nb::class_<Model>(m, "Model", "Constant data of one assembled system; see rollerrig.assembly.")
       .def_ro("gravity", &Model::gravity)

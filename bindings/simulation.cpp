@@ -8,10 +8,13 @@
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
+#include <cmath>
+#include <limits>
 #include <memory>
 #include <optional>
+#include <stdexcept>
 
-#include "convert.hpp"
+#include "arguments.hpp"
 #include "rollerrig/contact/adhesion/recovered_rail.hpp"
 #include "rollerrig/integrate/amplification.hpp"
 #include "rollerrig/simulate/driver.hpp"
@@ -36,6 +39,22 @@ Method method_named(std::string const& name) {
   throw nb::value_error("unknown method; known: rk4, exponential_rk4, dormand_prince, rodas4");
 }
 
+/// A simulation serves one thread at a time: advance() runs beside other Python threads, which must not touch it meanwhile.
+class Turn {
+ public:
+  explicit Turn(bool& taken) : taken_{taken} {
+    if (taken_)
+      throw std::logic_error("the simulation is advancing in another thread; each thread needs one of its own");
+    taken_ = true;
+  }
+  ~Turn() { taken_ = false; }
+  Turn(Turn const&) = delete;
+  Turn& operator=(Turn const&) = delete;
+
+ private:
+  bool& taken_;  ///< read and written under the interpreter's lock only
+};
+
 class Simulation {
  public:
   Simulation(std::shared_ptr<Model const> const& model, std::optional<MechatronicSetup> setup)
@@ -44,8 +63,10 @@ class Simulation {
   int start(std::string const& method, double step, double relative, std::vector<double> const& absolute,
             double initial_step, double maximum_step, double final_time, double output_step,
             std::vector<double> const& breakpoints, double t0, Column const& x0) {
+    Turn const turn(taken_);
     Options options;
     options.method = method_named(method);
+    check_value(x0, Range{0.0, 1e5, "within 1e5 m, rad, m/s, rad/s", false, false, true}, "start", "x0");
     check_state(x0);
     options.step = step;
     options.relative_tolerance = relative;
@@ -60,30 +81,52 @@ class Simulation {
 
   /// Advances to t_stop and writes one row per output time; returns status and rows filled so far.
   std::tuple<int, int> advance(double t_stop, Vector times, Table rows, int filled) {
+    Turn const turn(taken_);
     require_start();
+    if (std::isnan(t_stop)) throw nb::value_error("advance: t_stop must be a time, got nan");
     if (static_cast<int>(rows.shape(1)) != driver_.width()) throw nb::value_error("rows must have `width` columns");
-    auto const capacity = static_cast<int>(std::min(rows.shape(0), times.shape(0)));
+    if (times.shape(0) != rows.shape(0))
+      throw nb::value_error("times and rows must have room for equally many outputs");
+    auto const capacity = static_cast<int>(std::min<std::size_t>(rows.shape(0), std::numeric_limits<int>::max()));
+    check_value(filled, Range{0.0, static_cast<double>(capacity), "the number of rows filled so far"}, "advance",
+                "filled");
+    int left_out = 0;
     Status status = Status::ok;
     {
       nb::gil_scoped_release other_threads_may_run;
       status = driver_.advance(t_stop, [&](double t, double const* x, double const* z) {
-        if (filled >= capacity) return;
+        if (filled >= capacity) {
+          ++left_out;
+          return;
+        }
         times.data()[filled] = t;
         driver_.record(t, x, z, rows.data() + static_cast<std::size_t>(filled) * rows.shape(1));
         ++filled;
       });
     }
+    if (left_out > 0)
+      throw nb::value_error(("times, rows: room for " + std::to_string(capacity) + " outputs, " +
+                             std::to_string(left_out) + " more were due until t_stop")
+                                .c_str());
     return {static_cast<int>(status), filled};
   }
 
-  bool waits_for(std::string const& controller) { return blocks().waits_for(controller); }
-  std::vector<double> measurement() { return blocks().measurement(); }
+  bool waits_for(std::string const& controller) {
+    Turn const turn(taken_);
+    return blocks().waits_for(controller);
+  }
+  std::vector<double> measurement() {
+    Turn const turn(taken_);
+    return blocks().measurement();
+  }
   void set_command(std::string const& controller, std::vector<double> const& command) {
+    Turn const turn(taken_);
     blocks();
     driver_.set_command(controller, command);
   }
 
   auto derivative(double t, Column const& x) {
+    Turn const turn(taken_);
     check_state(x);
     auto const sizes = dynamics().sizes();
     std::vector<double> x_dot(static_cast<std::size_t>(sizes.states)),
@@ -95,6 +138,7 @@ class Simulation {
 
   /// df/dx, row-major.
   auto jacobian(double t, Column const& x) {
+    Turn const turn(taken_);
     check_state(x);
     JacobianData j(dynamics().sizes());
     dynamics().jacobian(t, x.data(), j);
@@ -103,6 +147,7 @@ class Simulation {
 
   /// What one step of a fixed-step method does to a small deviation from x, row-major.
   auto step_amplification(std::string const& method, double step, double t, Column const& x) {
+    Turn const turn(taken_);
     check_state(x);
     JacobianData j(dynamics().sizes());
     dynamics().jacobian(t, x.data(), j);
@@ -113,9 +158,21 @@ class Simulation {
 
   nb::dict equilibrium(double speed, double t, std::vector<std::tuple<int, int, double>> const& fixed,
                        std::optional<Column> const& near) {
+    Turn const turn(taken_);
+    check_value(speed, finite_number, "equilibrium", "speed");
+    check_value(t, finite_number, "equilibrium", "t");
     std::vector<FixedCoordinate> coordinates;
-    for (auto const& [body, coordinate, value] : fixed) coordinates.push_back({body, coordinate, value});
-    if (near) check_state(*near);
+    for (auto const& [body, coordinate, value] : fixed) {
+      int const bodies = static_cast<int>(dynamics().model().bodies.size());
+      check_value(body, Range{0.0, bodies - 1.0, "the index of a body"}, "equilibrium", "fixed");
+      check_value(coordinate, Range{0.0, 5.0, "a coordinate, 0 to 5"}, "equilibrium", "fixed");
+      check_value(value, finite_number, "equilibrium", "fixed");
+      coordinates.push_back({body, coordinate, value});
+    }
+    if (near) {
+      check_value(*near, finite_number, "equilibrium", "near");
+      check_state(*near);
+    }
     auto r = solve_equilibrium(
         dynamics(), speed, t, coordinates,
         near ? std::vector<double>(near->data(), near->data() + near->shape(0)) : std::vector<double>());
@@ -129,7 +186,10 @@ class Simulation {
   }
 
   auto record(double t, Column const& x, Column const& z) {
+    Turn const turn(taken_);
     check_state(x);
+    if (static_cast<int>(z.shape(0)) != dynamics().sizes().quadratures)
+      throw nb::value_error("z must hold one value per quadrature");
     std::vector<double> row(static_cast<std::size_t>(recorder_.width()));
     recorder_.record(driver_.observed(), t, x.data(), z.data(), row.data());
     auto const n = row.size();
@@ -138,6 +198,7 @@ class Simulation {
 
   /// The contact search alone along a sequence of states, one per row.
   void search_along(double t, nb::ndarray<double const, nb::ndim<2>, nb::c_contig, nb::device::cpu> states) {
+    Turn const turn(taken_);
     if (static_cast<int>(states.shape(1)) != dynamics().sizes().states) throw nb::value_error("one state per row");
     for (std::size_t i = 0; i < states.shape(0); ++i)
       dynamics().search_contacts(t, states.data() + i * states.shape(1));
@@ -145,6 +206,7 @@ class Simulation {
 
   /// x_dot of a sequence of states, one per row, in one call.
   auto derivatives(double t, nb::ndarray<double const, nb::ndim<2>, nb::c_contig, nb::device::cpu> states) {
+    Turn const turn(taken_);
     std::size_t const n = states.shape(1);
     if (static_cast<int>(n) != dynamics().sizes().states) throw nb::value_error("one state per row");
     std::vector<double> x_dot(states.shape(0) * n);
@@ -192,6 +254,7 @@ class Simulation {
   Dynamics const& dynamics() const { return driver_.plant(); }
   double time() const { return driver_.time(); }
   auto state() const {
+    if (taken_) throw std::logic_error("the simulation is advancing in another thread");
     require_start();
     auto const n = static_cast<std::size_t>(dynamics().sizes().states);
     return owned_array<nb::ndim<1>>(std::vector<double>(driver_.states(), driver_.states() + n), {n});
@@ -223,6 +286,7 @@ class Simulation {
 
   Driver driver_;
   Recorder recorder_;
+  bool taken_{false};
 };
 
 nb::list field_list(std::span<Field const> fields) {
@@ -235,24 +299,31 @@ nb::list field_list(std::span<Field const> fields) {
 }  // namespace
 
 void bind_simulation(nb::module_& m) {
-  nb::class_<Simulation>(m, "Simulation", "Integrates one model; SI, states as in docs/theory.")
+  using S = Simulation;
+  Argument const t{"t"}, x{"x"}, states{"states"}, controller{"controller"}, step{"step", positive};
+  nb::class_<S> simulation(m, "Simulation", "Integrates one model; SI, states as in docs/theory.");
+  simulation
       .def(nb::init<std::shared_ptr<Model const>, std::optional<MechatronicSetup>>(), "model"_a, "setup"_a = nb::none(),
            "Of a model, with sensors, controllers and actuators around it if `setup` is given.")
-      .def("start", &Simulation::start, "method"_a, "step"_a, "relative_tolerance"_a, "absolute_tolerance"_a,
-           "initial_step"_a, "maximum_step"_a, "final_time"_a, "output_step"_a, "breakpoints"_a, "t0"_a, "x0"_a)
-      .def("advance", &Simulation::advance, "t_stop"_a, "times"_a, "rows"_a, "filled"_a)
-      .def("waits_for", &Simulation::waits_for, "controller"_a,
-           "Whether a controller of the caller must be answered for before advance() continues.")
-      .def("measurement", &Simulation::measurement, "What controllers see, axle by axle: measurement_fields.")
-      .def("set_command", &Simulation::set_command, "controller"_a, "command"_a)
-      .def("derivative", &Simulation::derivative, "t"_a, "x"_a)
-      .def("jacobian", &Simulation::jacobian, "t"_a, "x"_a)
-      .def("step_amplification", &Simulation::step_amplification, "method"_a, "step"_a, "t"_a, "x"_a)
-      .def("equilibrium", &Simulation::equilibrium, "speed"_a, "t"_a, "fixed"_a, "near"_a = nb::none())
-      .def("record", &Simulation::record, "t"_a, "x"_a, "z"_a)
-      .def("derivatives", &Simulation::derivatives, "t"_a, "states"_a)
-      .def("search_along", &Simulation::search_along, "t"_a, "states"_a)
-      .def("statistics", &Simulation::statistics)
+      .def("start", &S::start, "method"_a, "step"_a, "relative_tolerance"_a, "absolute_tolerance"_a, "initial_step"_a,
+           "maximum_step"_a, "final_time"_a, "output_step"_a, "breakpoints"_a, "t0"_a, "x0"_a)
+      .def("advance", &S::advance, "t_stop"_a, "times"_a.noconvert(), "rows"_a.noconvert(), "filled"_a,
+           "Status and rows filled; raises ValueError where `times` and `rows` have no room for the outputs due.")
+      .def("equilibrium", &S::equilibrium, "speed"_a, "t"_a, "fixed"_a, "near"_a = nb::none());
+  def_method(simulation, "waits_for",
+             "Whether a controller of the caller must be answered for before advance() continues.", &S::waits_for,
+             controller);
+  def_method(simulation, "measurement", "What controllers see, axle by axle: measurement_fields.", &S::measurement);
+  def_method(simulation, "set_command", "Answers for a controller, one number per axle.", &S::set_command, controller,
+             Argument{"command"});
+  def_method(simulation, "derivative", "x_dot and z_dot in a state.", &S::derivative, t, x);
+  def_method(simulation, "jacobian", "df/dx, dg/dx, df/dt, dg/dt in a state.", &S::jacobian, t, x);
+  def_method(simulation, "step_amplification", "What one step of a fixed-step method does to a small deviation from x.",
+             &S::step_amplification, Argument{"method"}, step, t, x);
+  def_method(simulation, "record", "One row of the plant's outputs in a state.", &S::record, t, x, Argument{"z"});
+  def_method(simulation, "derivatives", "x_dot of one state per row.", &S::derivatives, t, states);
+  def_method(simulation, "search_along", "The contact search alone, one state per row.", &S::search_along, t, states);
+  simulation.def("statistics", &Simulation::statistics)
       .def("counters", &Simulation::counters)
       .def("contact_losses", &Simulation::contact_losses,
            "Per contact: spells without contact; their sum, the longest and when it began [s].")

@@ -22,8 +22,10 @@ CORE_SOURCES = ROOT / "core" / "src"
 PACKAGE = ROOT / "python" / "rollerrig"
 
 CORE_LAYERS = [
-    {"scalar.hpp", "status.hpp", "fields.hpp"},
+    {"scalar.hpp", "status.hpp"},
     {"math"},
+    {"range.hpp"},
+    {"fields.hpp"},
     {"integrate"},
     {"track"},
     {"multibody"},

@@ -14,13 +14,16 @@
 #include <tuple>
 #include <variant>
 
+#include "rollerrig/range.hpp"
+
 namespace rollerrig {
 
-/// A data member and its name.
+/// A data member, its name and the numbers that it may hold.
 template <class Struct, class Value>
 struct Member {
   char const* name;
   Value Struct::* member;
+  Range range{finite_number};
 };
 
 /// The same of a pointer that may be null.
@@ -28,11 +31,19 @@ template <class Struct, class Value>
 struct OptionalMember {
   char const* name;
   Value Struct::* member;
+  Range range{finite_number};
 };
 
 /// A struct that names its fields, in the order of its members.
 template <class S>
 concept Described = requires { S::fields(); };
+
+/// Every field of a struct against its range; throws std::invalid_argument with the owner's and the field's name.
+template <Described S>
+void check_fields(S const& s, std::string_view owner) {
+  std::apply([&](auto const&... field) { (check_value(s.*field.member, field.range, owner, field.name), ...); },
+             S::fields());
+}
 
 /// One of several laws, with the name that a configuration knows it by.
 template <class L>

@@ -43,7 +43,7 @@ EstimatorResponse measure(Law const& law, AssumedParameters const& assumed, Esti
   // A window of whole cycles, long against the transient, fine in frequency.
   double window = 0.0;
   if constexpr (requires { law.bandwidth; }) window = 2000.0 / (law.bandwidth * period);
-  int const samples = std::clamp(static_cast<int>(window), 2000, 400000);
+  int const samples = static_cast<int>(std::clamp(window, 2000.0, 400000.0));
   double const unit = 2.0 * pi / (samples * period);
   auto const from_rest = law.start(assumed, period, {});
   Trial<Law> const trial{law, assumed, from_rest, what, period, samples};

@@ -3,18 +3,54 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <stdexcept>
+#include <string>
 #include <vector>
 
 #include "rollerrig/system/outputs.hpp"
 
 namespace rollerrig {
+namespace {
+
+constexpr double longest_count = 1e15;  ///< of steps, far within 64 bits
+
+/// Every length of a step that a run may be cut into, against its duration: a run that would not end is refused.
+void check_lengths(integrate::Options const& o, double t0, double sampling_step) {
+  check_value(t0, finite_number, "start", "t0");
+  check_value(o.final_time, finite_number, "start", "final_time");
+  check_value(o.step, not_negative, "start", "step");
+  check_value(o.initial_step, not_negative, "start", "initial_step");
+  check_value(o.maximum_step, positive_or_infinite, "start", "maximum_step");
+  check_value(o.output_step, not_negative, "start", "output_step");
+  check_value(o.relative_tolerance, positive, "start", "relative_tolerance");
+  check_value(o.absolute_tolerance, positive, "start", "absolute_tolerance");
+  check_value(o.breakpoints, finite_number, "start", "breakpoints");
+  auto const need_length = [&](double length, char const* name, double least) {
+    if (length == 0.0 || !(o.final_time > t0)) return;
+    if (length < least || (o.final_time - t0) / length > static_cast<double>(o.max_steps))
+      throw std::invalid_argument(std::string("start: ") + name + " is too short: " +
+                                  std::to_string((o.final_time - t0) / length) + " of it until final_time");
+  };
+  // Time does not move by less than some units in the last place.
+  double const resolution =
+      16.0 * std::numeric_limits<double>::epsilon() * std::max({1.0, std::abs(t0), std::abs(o.final_time)});
+  need_length(o.step, "step", resolution);
+  need_length(o.maximum_step, "maximum_step", resolution);
+  need_length(o.output_step, "output_step", resolution);
+  need_length(sampling_step, "the sampling step of its setup", resolution);
+}
+
+}  // namespace
 
 Driver::Driver(std::shared_ptr<Model const> model, std::optional<MechatronicSetup> setup)
     : plant_{model}, observed_{model}, recorder_{*model}, setup_{std::move(setup)} {
-  if (setup_) system_.emplace(*setup_);
+  if (!setup_) return;
+  check_setup(*setup_, *model);
+  system_.emplace(*setup_);
 }
 
 Status Driver::start(integrate::Options options, double t0, double const* x0) {
+  check_lengths(options, t0, setup_ ? setup_->step : 0.0);
   plant_.reset_run();
   final_time_ = options.final_time;
   step_ = 0;
@@ -22,7 +58,8 @@ Status Driver::start(integrate::Options options, double t0, double const* x0) {
   if (setup_) {
     system_.emplace(*setup_);
     system_->prepare(plant_.model(), inputs_);
-    output_every_ = std::max(1L, std::lround(options.output_step / setup_->step));
+    output_every_ =
+        std::max<std::int64_t>(1, std::llround(std::min(options.output_step / setup_->step, longest_count)));
     options.output_step = 0.0;
     options.final_time = std::numeric_limits<double>::infinity();  // of whole sampling steps
   }
@@ -46,8 +83,9 @@ void Driver::start_without_slip(double* x) {
   }
 }
 
-long Driver::steps_until(double t_stop) const {
-  return std::lround(std::floor(std::min(t_stop, final_time_) / setup_->step + 1e-6));
+std::int64_t Driver::steps_until(double t_stop) const {
+  double const steps = std::floor(std::min(t_stop, final_time_) / setup_->step + 1e-6);
+  return std::llround(std::clamp(steps, -1.0, longest_count));
 }
 
 void Driver::sample() {

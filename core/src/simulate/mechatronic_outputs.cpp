@@ -104,7 +104,7 @@ std::vector<double> MechatronicSystem::measurement() const {
   return out;
 }
 
-void MechatronicSystem::record(Dynamics const& plant, long step, double const* z, Inputs const& inputs,
+void MechatronicSystem::record(Dynamics const& plant, std::int64_t step, double const* z, Inputs const& inputs,
                                double* row) const {
   for (std::size_t i = 0; i < axles(); ++i, row += std::size(axle_table)) record_axle(plant, i, inputs, row);
   auto const* control = frame_moves() ? nullptr : rig_state();

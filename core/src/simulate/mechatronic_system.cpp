@@ -22,14 +22,8 @@ std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 MechatronicSystem::MechatronicSystem(MechatronicSetup setup)
     : setup_{std::move(setup)}, sensors_{axles()}, actuators_{axles()}, train_{setup_.speed} {
-  if (axles() > at(most_axles))
-    throw std::invalid_argument("at most " + std::to_string(most_axles) + " axles have sensors and actuators, not " +
-                                std::to_string(axles()));
   for (auto const& [sampling, any] : setup_.controllers) {
     auto const [name, command] = std::visit([](auto const& law) { return std::pair{law.name, law.command}; }, any);
-    if (sampling.every < 1 || sampling.delay < 0)
-      throw std::invalid_argument(std::string(name) +
-                                  ": its sample time must be one step or more, its delay none or more");
     auto const index = at(static_cast<int>(command));
     controllers_.push_back({name, index, {}, {command_fields[index].initial, sampling.delay}});
     shortest_ = shortest_ == 0 ? sampling.every : std::min(shortest_, sampling.every);
@@ -58,7 +52,7 @@ void MechatronicSystem::start(Dynamics const& plant) {
   }
 }
 
-bool MechatronicSystem::sample(Dynamics const& plant, long step, double const* z) {
+bool MechatronicSystem::sample(Dynamics const& plant, std::int64_t step, double const* z) {
   sensors_.follow(setup_, plant, actuators_);
   auto const due = [&](SampledController const& c) { return step % c.sampling.every == 0; };
   if (std::none_of(setup_.controllers.begin(), setup_.controllers.end(), due)) return true;
@@ -71,7 +65,7 @@ bool MechatronicSystem::sample(Dynamics const& plant, long step, double const* z
 }
 
 /// One sample of a controller; of an external rig controller the estimates and the virtual train, for the caller to read.
-void MechatronicSystem::ask(std::size_t index, long step) {
+void MechatronicSystem::ask(std::size_t index, std::int64_t step) {
   Controller& own = controllers_[index];
   Sampling const& sampling = setup_.controllers[index].sampling;
   own.waits = sampling.external;
@@ -102,7 +96,7 @@ void MechatronicSystem::read_true_forces(Dynamics const& plant) {
   }
 }
 
-void MechatronicSystem::act(Dynamics const& plant, long step, Inputs& inputs) {
+void MechatronicSystem::act(Dynamics const& plant, std::int64_t step, Inputs& inputs) {
   for (Controller& own : controllers_) {
     own.commands.advance(step);
     acting_[own.command] = own.commands.acting();
@@ -139,7 +133,7 @@ void MechatronicSystem::dissipate(Dynamics const& plant, Inputs& inputs) {
     }
 }
 
-Status MechatronicSystem::advance(Dynamics const& plant, long step) {
+Status MechatronicSystem::advance(Dynamics const& plant, std::int64_t step) {
   if (frame_moves()) train_.advance(setup_.step);
   if (wheels_slide(plant)) return Status::rollers_protected;
   return time(step) > settling_time && train_speed(plant) < setup_.stop_speed ? Status::stopped : Status::ok;
@@ -202,10 +196,15 @@ bool MechatronicSystem::waits_for(std::string_view controller) const {
                      [&](Controller const& c) { return c.waits && c.name == controller; });
 }
 
-void MechatronicSystem::set_command(std::string_view controller, std::span<double const> command, long step) {
+void MechatronicSystem::set_command(std::string_view controller, std::span<double const> command, std::int64_t step) {
   if (command.size() != axles()) throw std::invalid_argument("a command has one number per axle");
   for (Controller& own : controllers_) {
     if (own.name != controller || !own.waits) continue;
+    CommandField const& field = command_fields[own.command];
+    for (double number : command)
+      if (!(number >= field.lowest && number <= field.highest) || (field.whole && number != std::round(number)))
+        throw std::invalid_argument("command: " + std::string(field.name) + " = " + std::to_string(number) +
+                                    "; allowed: " + std::string(field.allowed));
     PerAxle<double> value{};
     std::copy(command.begin(), command.end(), value.begin());
     own.commands.send(value, step);

@@ -60,8 +60,8 @@ void Dynamics::search_contacts(double t, double const* x) {
   for (std::size_t i = 0; i < model_->contacts.size(); ++i) forces.search_contact(i, forces.placement(i).pose);
 }
 
-long Dynamics::search_evaluations() const {
-  long sum = 0;
+std::int64_t Dynamics::search_evaluations() const {
+  std::int64_t sum = 0;
   for (auto const& search : evaluation_.search) sum += search.node_evaluations();
   return sum;
 }

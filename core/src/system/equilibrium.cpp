@@ -1,9 +1,10 @@
 #include "rollerrig/system/equilibrium.hpp"
 
 #include <Eigen/LU>
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
+
+#include "rollerrig/math/least_norm.hpp"
 
 namespace rollerrig {
 namespace {
@@ -148,11 +149,9 @@ Eigen::VectorXd newton_step(Dynamics& dynamics, Problem const& problem, double t
   // spin of a wheelset without friction is: forces that change by less than a hundred newton per unit do not count.
   double const floor = 1e2;
   Eigen::VectorXd const scale = matrix.colwise().norm().cwiseMax(floor).cwiseInverse();
-  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> solver;
-  solver.setThreshold(1e-10);
-  solver.compute(matrix * scale.asDiagonal());
-  Eigen::VectorXd const step = scale.asDiagonal() * solver.solve(residual);
-  out_of_reach = solver.rank() < n ? (residual - matrix * step).cwiseAbs().maxCoeff() : 0.0;
+  LeastNorm const found = least_norm(matrix * scale.asDiagonal(), residual, 1e-10);
+  Eigen::VectorXd const step = scale.asDiagonal() * found.x;
+  out_of_reach = found.rank < n ? (residual - matrix * step).cwiseAbs().maxCoeff() : 0.0;
   return step;
 }
 

@@ -13,42 +13,43 @@ std::size_t at(int i) { return static_cast<std::size_t>(i); }
 void need(bool condition, std::string const& message) {
   if (!condition) throw std::invalid_argument(message);
 }
-void need_positive(double value, std::string const& what) {
-  need(value > 0.0 && std::isfinite(value), what + " must be positive, got " + std::to_string(value));
-}
-void need_finite(std::initializer_list<double> values, std::string const& what) {
-  for (double v : values) need(std::isfinite(v), what + " must be finite");
-}
-void need_table(PiecewiseLinear const& table, std::string const& what) {
-  need(table.x.size() == table.y.size(), what + " must have one value per point");
-  for (std::size_t i = 0; i < table.x.size(); ++i) {
-    need_finite({table.x[i], table.y[i]}, what);
-    need(i == 0 || table.x[i - 1] < table.x[i], what + " must be given at increasing points");
-  }
-}
-/// Numbers and tables of a force law; damping and stiffness at an inner node, which are divided by.
+/// What a law with an inner node divides by.
 template <NamedLaw Law>
 void need_law(Law const& law, std::string const& what) {
-  auto const need_field = [&](auto const& field) {
-    auto const& value = law.*field.member;
-    if constexpr (std::same_as<std::remove_cvref_t<decltype(value)>, double>)
-      need_finite({value}, what + field.name);
-    else
-      need_table(value, what + field.name);
-  };
-  std::apply([&](auto const&... field) { (need_field(field), ...); }, Law::fields());
+  check_fields(law, what + Law::name);
   if constexpr (HasNode<Law>) {
-    need_positive(law.node().damping, what + Law::name + ": damping of its inner node");
-    need_positive(law.node().stiffness, what + Law::name + ": stiffness at its inner node");
+    check_value(law.node().damping, positive, what + Law::name, "damping of its inner node");
+    check_value(law.node().stiffness, positive, what + Law::name, "stiffness at its inner node");
   }
 }
+
+constexpr Range spline_step{1e-9, 1e6, "between 1e-9 and 1e6"};
+constexpr double widest_profile = 10.0;  ///< over the size of its contact [m]
+constexpr Range on_profile{-10.0, 10.0, "within 10 m"};
+constexpr Range profile_slope{-1e3, 1e3, "at most 1000"};
+
 void need_spline(UniformSpline const& spline, std::string const& what) {
-  need_positive(spline.step, what + ": step");
-  need(!spline.pieces.empty(), what + " has no pieces");
-  for (auto const& c : spline.pieces) need_finite({c[0], c[1], c[2], c[3]}, what);
+  check_value(spline.start, finite_number, what, "start");
+  check_value(spline.step, spline_step, what, "step");
+  need(!spline.pieces.empty(), what + ": pieces must not be empty");
+  need(spline.start + spline.step > spline.start, what + ": step must move the start");
+  check_value(spline.pieces, finite_number, what, "pieces");
 }
-void need_increasing(PiecewiseCubic const& curve, std::string const& what) {
+/// A profile is searched cell by cell: where it lies and how long its arc is must stay within reason.
+void need_profile(UniformSpline const& profile, std::string const& what) {
+  need_spline(profile, what);
+  for (double end : {profile.start, profile.end()}) check_value(end, on_profile, what, "start and end");
+  for (auto const& [c0, c1, c2, c3] : profile.pieces) {
+    double const h = profile.step;
+    for (double z : {c0, c0 + h * (c1 + h * (c2 + h * c3))}) check_value(z, on_profile, what, "pieces: height");
+    for (double slope : {c1, c1 + h * (2.0 * c2 + 3.0 * h * c3)})
+      check_value(slope, profile_slope, what, "pieces: slope");
+  }
+}
+void need_curve(PiecewiseCubic const& curve, std::string const& what) {
   need(curve.start.size() == curve.coefficient.size(), what + " must have one row per break");
+  check_value(curve.start, finite_number, what, "breaks");
+  check_value(curve.coefficient, finite_number, what, "coefficients");
   for (std::size_t i = 1; i < curve.start.size(); ++i)
     need(curve.start[i - 1] < curve.start[i], what + ": breaks must increase");
 }
@@ -59,7 +60,9 @@ std::string number(std::string const& what, std::size_t i) { return what + " " +
 double flange_tip(UniformSpline const& wheel, double size) {
   double const least_height = 0.015 * size;  // [m]
   double tip = wheel.start;
-  for (double s = wheel.start; s < 0.0; s += wheel.step)
+  double s = wheel.start;
+  for (std::size_t i = 0; i < wheel.pieces.size() && s < 0.0;
+       ++i, s = wheel.start + wheel.step * static_cast<double>(i))
     if (wheel.at(s).value > wheel.at(tip).value) tip = s;
   return wheel.at(tip).value > least_height ? tip : wheel.start - 1.0;
 }
@@ -110,7 +113,7 @@ StateMap::StateMap(std::vector<Body> const& bodies, std::size_t inner_nodes) : n
 ModelBuilder::ModelBuilder(double gravity) { set_gravity(gravity); }
 
 void ModelBuilder::set_gravity(double gravity) {
-  need_finite({gravity}, "gravity");
+  check_value(gravity, finite_number, "model", "gravity");
   model_.gravity = gravity;
 }
 
@@ -120,11 +123,7 @@ void ModelBuilder::check_body(int body, std::string const& what, bool may_be_gro
 }
 
 int ModelBuilder::add_body(Body const& body) {
-  std::string const what = number("body", model_.bodies.size());
-  need_positive(body.mass, what + ": mass");
-  for (double moment : {body.inertia.x, body.inertia.y, body.inertia.z}) need_positive(moment, what + ": inertia");
-  need_finite({body.position.x, body.position.y, body.position.z}, what + ": position");
-  need(body.speed_controlled_radius >= 0.0, what + ": speed_controlled_radius must not be negative");
+  check_fields(body, number("body", model_.bodies.size()));
   model_.bodies.push_back(body);
   return static_cast<int>(model_.bodies.size()) - 1;
 }
@@ -133,15 +132,17 @@ int ModelBuilder::add_element(ForceElement const& element) {
   std::string const what = number("element", model_.elements.size());
   check_body(element.body_a, what + ": body_a", true);
   check_body(element.body_b, what + ": body_b", true);
-  need_finite({element.r_b.x, element.r_b.y, element.r_b.z}, what + ": point_on_b");
+  check_fields(element, what);
+  for (DirectionLaw const& direction : element.law) {
+    check_fields(direction, what);
+    for (ForceLaw const& law : direction.laws)
+      std::visit([&](auto const& chosen) { need_law(chosen, what + ": "); }, law);
+  }
   ForceElement& added = model_.elements.emplace_back(element);
   for (std::size_t c = 0; c < 6; ++c) {
     added.node[c] = static_cast<int>(model_.nodes.size());
-    need_finite({added.law[c].preload}, what + ": preload");
-    for (ForceLaw const& law : added.law[c].laws) {
-      std::visit([&](auto const& chosen) { need_law(chosen, what + ": "); }, law);
+    for (ForceLaw const& law : added.law[c].laws)
       if (auto const node = inner_node(law)) model_.nodes.push_back(*node);
-    }
   }
   added.node.back() = static_cast<int>(model_.nodes.size());
   for (int c : {coord_roll, coord_pitch, coord_yaw}) added.rotational |= added.law[at(c)].active();
@@ -149,7 +150,7 @@ int ModelBuilder::add_element(ForceElement const& element) {
 }
 
 int ModelBuilder::add_profile(UniformSpline const& profile) {
-  need_spline(profile, number("profile", profiles_.size()));
+  need_profile(profile, number("profile", profiles_.size()));
   profiles_.push_back(std::make_shared<UniformSpline const>(profile));
   model_.tables.push_back(profiles_.back());
   return static_cast<int>(profiles_.size()) - 1;
@@ -162,8 +163,11 @@ int ModelBuilder::add_contact(ContactDescription const& d) {
   for (int profile : {d.wheel_profile, d.rail_profile})
     need(profile >= 0 && profile < static_cast<int>(profiles_.size()),
          what + ": there is no profile " + std::to_string(profile));
-  need_positive(d.wheel_radius, what + ": wheel_radius");
-  need_positive(d.size, what + ": size");
+  check_fields(d, what);
+  for (int profile : {d.wheel_profile, d.rail_profile})
+    need(profiles_[at(profile)]->end() - profiles_[at(profile)]->start <= widest_profile * d.size,
+         what + ": size is too small for profile " + std::to_string(profile));
+  if (d.laws.friction.map) d.laws.friction.map->check();
   Body const& wheelset = model_.bodies[at(d.wheelset)];
   bool const rail = d.roller_radius == 0.0;
 
@@ -202,7 +206,7 @@ int ModelBuilder::add_axle_torque(AxleTorque const& torque) {
   std::string const what = number("axle torque", model_.axle_torques.size());
   check_body(torque.wheelset, what + ": wheelset");
   check_body(torque.reaction, what + ": reaction", true);
-  need_table(torque.torque.points, what);
+  check_fields(torque, what);
   need(torque.link == 0.0 || torque.reaction != ground, what + ": a link needs a body to hang on");
   AxleTorque& added = model_.axle_torques.emplace_back(torque);
   auto const x = [&](int body) { return model_.bodies[at(body)].position.x; };
@@ -213,7 +217,7 @@ int ModelBuilder::add_axle_torque(AxleTorque const& torque) {
 int ModelBuilder::add_roller_torque(RollerTorque const& torque) {
   std::string const what = number("roller torque", model_.roller_torques.size());
   check_body(torque.roller, what + ": roller");
-  need_table(torque.torque.points, what);
+  check_fields(torque, what);
   model_.roller_torques.push_back(torque);
   return static_cast<int>(model_.roller_torques.size()) - 1;
 }
@@ -236,6 +240,9 @@ int ModelBuilder::add_rolling_constraint(int wheelset) {
     added = {wheelset, c.roller, c.pair.wheel_radius, c.roller_radius()};
     ++wheels;
   }
+  for (int body : {wheelset, added.roller})
+    need(wheels != 2 || !model_.bodies[at(body)].locked[coord_pitch],
+         "rolling constraint: body " + std::to_string(body) + " cannot turn");
   need(wheels == 2, "rolling constraint: body " + std::to_string(wheelset) + " has not two wheels");
   model_.rolling_constraints.push_back(added);
   return static_cast<int>(model_.rolling_constraints.size()) - 1;
@@ -244,41 +251,55 @@ int ModelBuilder::add_rolling_constraint(int wheelset) {
 void ModelBuilder::set_adhesion(int contact, std::shared_ptr<AdhesionMap const> const& map) {
   need(contact >= 0 && contact < static_cast<int>(model_.contacts.size()),
        "adhesion map: there is no contact " + std::to_string(contact));
+  need(map != nullptr, "adhesion map: there is none");
   map->check();
   model_.contacts[at(contact)].laws.friction.map = map;
 }
 
 void ModelBuilder::set_contact_loss_limit(double duration) {
-  need_positive(duration, "contact_loss_limit");
+  check_value(duration, positive, "model", "contact_loss_limit");
   model_.contact_loss_limit = duration;
 }
 
 void ModelBuilder::set_resistance(RunningResistance const& resistance) {
   check_body(resistance.body, "running resistance: body", true);
-  need_finite({resistance.constant, resistance.linear, resistance.quadratic, resistance.gradient},
-              "running resistance");
+  check_fields(resistance, "running resistance");
+  constexpr Range newton{0.0, 1e9, "within 1e9 N", false, false, true};
+  constexpr Range per_speed{0.0, 1e6, "within 1e6 N s/m, N s^2/m^2", false, false, true};
+  check_value(resistance.constant, newton, "running resistance", "constant");
+  check_value(resistance.linear, per_speed, "running resistance", "linear");
+  check_value(resistance.quadratic, per_speed, "running resistance", "quadratic");
   model_.resistance = resistance;
 }
 
 void ModelBuilder::set_speed(TimeTable const& speed) {
-  need_table(speed.points, "speed");
+  check_value(speed, finite_number, "model", "speed");
   model_.speed = speed;
 }
 
 void ModelBuilder::set_line(Line const& line, double start) {
-  need_increasing(line.curvature, "curvature");
-  need_increasing(line.cant, "cant");
-  need_positive(line.cant_base, "cant_base");
+  need_curve(line.curvature, "curvature");
+  need_curve(line.cant, "cant");
+  check_value(line.cant_base, positive, "line", "cant_base");
+  check_value(start, finite_number, "line", "start");
   model_.line = line;
   model_.start = start;
 }
 
 void ModelBuilder::set_irregularity(Irregularity const& irregularity) {
-  for (auto const* curve : {&irregularity.left_y, &irregularity.left_z, &irregularity.right_y, &irregularity.right_z}) {
-    need_spline(*curve, "irregularity");
-    need(std::abs(curve->end() - irregularity.period) <= 1e-9 * irregularity.period,
-         "irregularity: each curve must have period / step pieces");
-  }
+  check_value(irregularity.period, positive, "irregularity", "period");
+  check_value(irregularity.fade_in, not_negative, "irregularity", "fade_in");
+  auto const need_curve_of = [&](UniformSpline const& curve, std::string const& name) {
+    std::string const what = "irregularity: " + name;
+    need_spline(curve, what);
+    need(curve.start == 0.0, what + " must start at 0");
+    need(std::abs(curve.end() - irregularity.period) <= 1e-9 * irregularity.period,
+         what + " must have period / step pieces");
+  };
+  need_curve_of(irregularity.left_y, "left_y");
+  need_curve_of(irregularity.left_z, "left_z");
+  need_curve_of(irregularity.right_y, "right_y");
+  need_curve_of(irregularity.right_z, "right_z");
   model_.irregularity = irregularity;
 }
 
@@ -312,7 +333,7 @@ std::shared_ptr<Model const> ModelBuilder::finish() const {
 }
 
 std::shared_ptr<Model const> with_speed(Model const& model, TimeTable const& speed) {
-  need_table(speed.points, "speed");
+  check_value(speed, finite_number, "model", "speed");
   auto copy = std::make_shared<Model>(model);
   copy->speed = speed;
   return copy;

@@ -52,9 +52,11 @@ StaticPatch seen(WheelContact const& contact, NormalPatch<double> const& patch) 
 
 StaticWheelsetContact::StaticWheelsetContact(std::shared_ptr<Model const> model, int left, int right)
     : model_{std::move(model)},
-      contact_{&model_->contacts.at(static_cast<std::size_t>(left)),
-               &model_->contacts.at(static_cast<std::size_t>(right))},
-      search_{ContactSearch(contact_[0]->pair), ContactSearch(contact_[1]->pair)} {}
+      contact_{&model_->contact(left, "left"), &model_->contact(right, "right")},
+      search_{ContactSearch(contact_[0]->pair), ContactSearch(contact_[1]->pair)} {
+  if (contact_[0]->right || !contact_[1]->right || contact_[0]->wheelset != contact_[1]->wheelset)
+    throw std::invalid_argument("left and right must be the two contacts of one wheelset");
+}
 
 RelativePose<double> StaticWheelsetContact::pose(WheelsetPosition const& p, bool right) const {
   Body body;

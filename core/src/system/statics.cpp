@@ -1,7 +1,8 @@
 #include "rollerrig/system/statics.hpp"
 
-#include <Eigen/QR>
 #include <stdexcept>
+
+#include "rollerrig/math/least_norm.hpp"
 
 namespace rollerrig {
 
@@ -36,7 +37,7 @@ StaticLoads static_loads(std::vector<StandingBody> const& bodies, std::vector<Lo
   }
   Eigen::VectorXd preload = Eigen::VectorXd::Zero(columns);
   if (rows > 0 && columns > 0) {
-    preload = balance.completeOrthogonalDecomposition().solve(load);
+    preload = least_norm(balance, load).x;
     load -= balance * preload;
   }
 

@@ -184,7 +184,7 @@ def ask(controller: UserController, role: str, measurements: Measurements) -> ND
         raise failed(f"returned {found}; needed: a dict with the one key {command!r}")
     try:
         values = np.asarray(answer[command], dtype=np.float64)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise failed(f"{command} holds what is no number") from None
     if values.shape != (axles,):
         raise failed(f"{command} has shape {values.shape}; needed: ({axles},), one per axle")

@@ -92,7 +92,7 @@ def test_too_many_axles_are_refused_by_number() -> None:
 
 
 def _setup(axles: int) -> _core.MechatronicSetup:
-    none = dict.fromkeys(("wheelset", "axle_torque", "brake", "roller", "roller_torque"), -1)
+    none = {"wheelset": 0} | dict.fromkeys(("axle_torque", "brake", "roller", "roller_torque"), -1)
     drive = _core.Motor(envelope=[], bandwidth=1.0, damping_ratio=0.0)
     encoder = core_struct(_core.Encoder, Encoder())
     brake = core_struct(

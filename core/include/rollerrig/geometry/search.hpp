@@ -13,6 +13,7 @@
 // Equations (G5), (G6) of docs/theory/contact_geometry.md.
 #pragma once
 #include <array>
+#include <cstdint>
 #include <vector>
 
 #include "rollerrig/geometry/reduction.hpp"
@@ -44,7 +45,7 @@ class ContactSearch {
   /// The maximum of the gap between the minima i and i + 1, kept by find_indented() and find_all(pose, 0).
   GapMinimum const& barrier(int i) const { return barriers_[static_cast<std::size_t>(i)]; }
 
-  long node_evaluations() const { return node_evaluations_; }
+  std::int64_t node_evaluations() const { return node_evaluations_; }
 
  private:
   enum class CellState : char { unknown, empty, one_minimum, many };
@@ -52,7 +53,7 @@ class ContactSearch {
     double residual{0.0}, gradient{0.0}, gap{0.0};
     double y{0.0};  ///< of the wheel's point on the generatrix' abscissa [m]
     bool valid{false};
-    long call{-1};
+    std::int64_t call{-1};
   };
   /// What the bounds on F are made of.
   struct Placement {
@@ -115,8 +116,8 @@ class ContactSearch {
   std::vector<double> node_rail_y_;                     ///< abscissa on the generatrix under each node [m]
   std::array<GapMinimum, max_minima> minima_, barriers_;
   int count_{0};
-  long call_{0};
-  long node_evaluations_{0};
+  std::int64_t call_{0};
+  std::int64_t node_evaluations_{0};
   double motion_{0.0};
   RelativePose<double> last_pose_;
   Placement now_;

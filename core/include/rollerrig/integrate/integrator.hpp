@@ -53,6 +53,7 @@ class Integrator {
     y_old_ = y_;
     f_.statistics = {};
     grid_steps_ = outputs_ = 0;
+    crawled_ = 0;
     next_breakpoint_ = 0;
     h_ = 0;
     hold_ = std::numeric_limits<double>::infinity();
@@ -117,6 +118,9 @@ class Integrator {
 
  private:
   using AnyMethod = std::variant<RungeKutta4, ExponentialRungeKutta4, DormandPrince, Rodas4>;
+  static constexpr double crawling_step = 1e-9;  ///< [s] thousands of times below any step that a vehicle asks for ...
+  static constexpr int longest_crawl = 1'000;    ///< ... so many of them in a row: the run will not end
+  static constexpr double least_tolerance = 1e-30;  ///< of a state that stays zero
   static constexpr double epsilon = std::numeric_limits<double>::epsilon();
 
   static AnyMethod make_method(Method method, Evaluator<System> const& f) {
@@ -141,11 +145,13 @@ class Integrator {
     bool const fixed = o.method == Method::rk4 || o.method == Method::exponential_rk4;
     require(o.step > 0 || !fixed, "methods rk4 and exponential_rk4 need a step");
     require(o.method != Method::rodas4 || HasJacobian<System>, "method rodas4 needs a Jacobian");
-    require(o.relative_tolerance > 0, "relative_tolerance must be positive");
+    require(std::isfinite(o.step) && std::isfinite(o.output_step), "step and output_step must be finite");
+    require(o.relative_tolerance > 0 && std::isfinite(o.relative_tolerance), "relative_tolerance must be positive");
     require(tolerances == 1 || tolerances == n_, "absolute_tolerance must hold one value, or one per state");
-    for (double a : o.absolute_tolerance) require(a > 0, "absolute_tolerance must be positive");
+    for (double a : o.absolute_tolerance)
+      require(a >= least_tolerance && std::isfinite(a), "absolute_tolerance must be 1e-30 or more");
     require(o.maximum_step > 0, "maximum_step must be positive");
-    require(o.initial_step >= 0, "initial_step must not be negative");
+    require(o.initial_step >= 0 && std::isfinite(o.initial_step), "initial_step must be finite and not negative");
     require(o.output_step >= 0, "output_step must not be negative");
     for (double b : o.breakpoints) require(std::isfinite(b), "a breakpoint must be a finite time");
   }
@@ -226,7 +232,8 @@ class Integrator {
       if (status == Status::ok && error <= 1) {
         h_ = controller_.accepted(h, error);
         commit(h, end);
-        return Status::ok;
+        crawled_ = h < crawling_step ? crawled_ + 1 : 0;
+        return crawled_ < longest_crawl ? Status::ok : Status::step_too_small;
       }
       ++f_.statistics.rejected_steps;
       bool const failed = status != Status::ok;
@@ -332,9 +339,10 @@ class Integrator {
   double t0_ = 0, t_ = 0, t_old_ = 0;  // [s]
   double h_ = 0;                       // [s] next step to try
   double step_length_ = 1;             // [s] of the last accepted step
-  long grid_steps_ = 0;                // fixed steps: grid points passed
-  long outputs_ = 0;                   // output times shown
+  std::int64_t grid_steps_ = 0;        // fixed steps: grid points passed
+  std::int64_t outputs_ = 0;           // output times shown
   std::size_t next_breakpoint_ = 0;
+  int crawled_ = 0;  // tiny steps in a row
   bool pending_output_ = false;
   bool prepared_ = false;                                  // the next step
   double hold_ = std::numeric_limits<double>::infinity();  // [s]

@@ -1,5 +1,6 @@
 // integrate/options.hpp - what a user may choose, and what a run has cost.
 #pragma once
+#include <cstdint>
 #include <limits>
 #include <vector>
 
@@ -22,16 +23,16 @@ struct Options {
   double final_time = std::numeric_limits<double>::infinity();    ///< [s] hit exactly
   double output_step = 0;                                         ///< [s] grid of outputs; 0: every step's end
   std::vector<double> breakpoints = {};                           ///< [s] hit exactly: kinks and jumps of inputs
-  long max_steps = 100'000'000;                                   ///< accepted and rejected together
+  std::int64_t max_steps = 100'000'000;                           ///< accepted and rejected together
 };
 
 /// Counts of one run.  Tests assert them, so that a slower integrator fails a test.
 struct Statistics {
-  long steps = 0;           ///< accepted
-  long rejected_steps = 0;  ///< error too large, or the system could not be evaluated
-  long derivative_calls = 0;
-  long jacobian_calls = 0;
-  long factorisations = 0;
+  std::int64_t steps = 0;           ///< accepted
+  std::int64_t rejected_steps = 0;  ///< error too large, or the system could not be evaluated
+  std::int64_t derivative_calls = 0;
+  std::int64_t jacobian_calls = 0;
+  std::int64_t factorisations = 0;
   double smallest_step = std::numeric_limits<double>::infinity();  ///< [s] accepted
   double largest_step = 0;                                         ///< [s] accepted
 };

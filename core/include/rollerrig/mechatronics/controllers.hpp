@@ -12,6 +12,9 @@ namespace rollerrig {
 
 using AnyController = std::variant<WheelSlideProtection, WheelSlipControl, RigController>;
 
+inline constexpr Range sampling_steps{1.0, 1e9, "one step or more"};
+inline constexpr Range delay_steps{0.0, 1e5, "none to 100000 steps"};  ///< each is kept
+
 /// When a controller is asked, and how long its answer takes.
 struct Sampling {
   int every{1};          ///< sample time in sampling steps
@@ -19,7 +22,7 @@ struct Sampling {
   bool external{false};  ///< the caller computes the command
 
   static constexpr auto fields() {
-    return std::tuple{Member{"every", &Sampling::every}, Member{"delay", &Sampling::delay},
+    return std::tuple{Member{"every", &Sampling::every, sampling_steps}, Member{"delay", &Sampling::delay, delay_steps},
                       Member{"external", &Sampling::external}};
   }
 };

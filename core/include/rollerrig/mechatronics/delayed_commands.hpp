@@ -1,5 +1,6 @@
 // mechatronics/delayed_commands.hpp - commands of one controller between their sample and their acting.
 #pragma once
+#include <cstdint>
 #include <vector>
 
 #include "rollerrig/mechatronics/axles.hpp"
@@ -14,12 +15,12 @@ class DelayedCommands {
     acting_.fill(initial);
   }
 
-  void send(PerAxle<double> const& value, long step) {
+  void send(PerAxle<double> const& value, std::int64_t step) {
     sent_[(first_ + count_++) % sent_.size()] = {value, step + delay_};
   }
 
   /// Takes up what acts from this step on.
-  void advance(long step) {
+  void advance(std::int64_t step) {
     for (; count_ > 0 && sent_[first_].acts_at <= step; --count_) {
       acting_ = sent_[first_].value;
       first_ = (first_ + 1) % sent_.size();
@@ -31,7 +32,7 @@ class DelayedCommands {
  private:
   struct Sent {
     PerAxle<double> value{};
-    long acts_at{0};
+    std::int64_t acts_at{0};
   };
 
   int delay_;

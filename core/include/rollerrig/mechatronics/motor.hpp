@@ -18,8 +18,8 @@ struct Motor {
   double damping_ratio{};      ///< of a second-order loop; 0: first order
 
   static constexpr auto fields() {
-    return std::tuple{Member{"envelope", &Motor::envelope}, Member{"bandwidth", &Motor::bandwidth},
-                      Member{"damping_ratio", &Motor::damping_ratio}};
+    return std::tuple{Member{"envelope", &Motor::envelope}, Member{"bandwidth", &Motor::bandwidth, positive},
+                      Member{"damping_ratio", &Motor::damping_ratio, not_negative}};
   }
 
   /// The command within what the motor can do at this speed.

@@ -49,19 +49,19 @@ struct PneumaticBrake {
 
   static constexpr auto fields() {
     using P = PneumaticBrake;
-    return std::tuple{Member{"application_rate", &P::application_rate},
-                      Member{"release_rate", &P::release_rate},
-                      Member{"follow_rate", &P::follow_rate},
-                      Member{"fill_rate", &P::fill_rate},
-                      Member{"vent_rate", &P::vent_rate},
-                      Member{"ambient_pressure", &P::ambient_pressure},
-                      Member{"volume", &P::volume},
-                      Member{"piston_area", &P::piston_area},
+    return std::tuple{Member{"application_rate", &P::application_rate, not_negative},
+                      Member{"release_rate", &P::release_rate, not_negative},
+                      Member{"follow_rate", &P::follow_rate, not_negative},
+                      Member{"fill_rate", &P::fill_rate, not_negative},
+                      Member{"vent_rate", &P::vent_rate, not_negative},
+                      Member{"ambient_pressure", &P::ambient_pressure, positive},
+                      Member{"volume", &P::volume, not_negative},
+                      Member{"piston_area", &P::piston_area, not_negative},
                       Member{"spring_force", &P::spring_force},
                       Member{"friction", &P::friction},
-                      Member{"friction_radius", &P::friction_radius},
-                      Member{"faces", &P::faces},
-                      Member{"friction_regularisation_speed", &P::friction_regularisation_speed}};
+                      Member{"friction_radius", &P::friction_radius, not_negative},
+                      Member{"faces", &P::faces, not_negative},
+                      Member{"friction_regularisation_speed", &P::friction_regularisation_speed, positive}};
   }
 
   /// Rates of control valve pressure and cylinder pressure.

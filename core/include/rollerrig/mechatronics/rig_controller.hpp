@@ -41,7 +41,7 @@ struct RigController {
     return std::tuple{Member{"assumed", &P::assumed},
                       Member{"estimator", &P::estimator},
                       Member{"feedback", &P::feedback},
-                      Member{"largest", &P::largest},
+                      Member{"largest", &P::largest, not_negative},
                       Member{"commanded_torque", &P::commanded_torque},
                       Member{"measured_loads", &P::measured_loads},
                       Member{"locked_speed", &P::locked_speed},

@@ -38,8 +38,8 @@ struct ForceSensor {
 
   static constexpr auto fields() {
     using P = ForceSensor;
-    return std::tuple{Member{"bandwidth", &P::bandwidth}, Member{"noise", &P::noise},
-                      Member{"resolution", &P::resolution}, Member{"range", &P::range}};
+    return std::tuple{Member{"bandwidth", &P::bandwidth, positive}, Member{"noise", &P::noise, not_negative},
+                      Member{"resolution", &P::resolution, not_negative}, Member{"range", &P::range, positive}};
   }
 };
 
@@ -76,6 +76,10 @@ class ForceReading {
   std::uint64_t samples_{0};
 };
 
+/// Samples over which an encoder's counts may be differenced.
+inline constexpr int longest_window = 16;
+inline constexpr Range window_range{0.0, longest_window, "0 to 16 samples"};
+
 /// Incremental encoder on an axle: counts per turn, speed from the counts of the last few samples.
 struct Encoder {
   double counts{};  ///< per turn; 0: an ideal sensor
@@ -83,16 +87,15 @@ struct Encoder {
   int window{};     ///< samples over which counts are differenced, 1..16
 
   static constexpr auto fields() {
-    return std::tuple{Member{"counts", &Encoder::counts}, Member{"jitter", &Encoder::jitter},
-                      Member{"window", &Encoder::window}};
+    return std::tuple{Member{"counts", &Encoder::counts, not_negative},
+                      Member{"jitter", &Encoder::jitter, not_negative},
+                      Member{"window", &Encoder::window, window_range}};
   }
 };
 
 /// State of one encoder.
 class EncoderReading {
  public:
-  static constexpr int longest_window = 16;
-
   void reset(double angle, double speed) {
     filled_ = 0;
     last_speed_ = speed;
@@ -165,7 +168,7 @@ struct Sensors {
     using P = Sensors;
     return std::tuple{Member{"axles", &P::axles}, Member{"rollers", &P::rollers},
                       Member{"roller_torque", &P::roller_torque}, Member{"axle_load", &P::axle_load},
-                      Member{"seed", &P::seed}};
+                      Member{"seed", &P::seed, any_integer}};
   }
 };
 

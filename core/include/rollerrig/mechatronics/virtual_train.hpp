@@ -36,9 +36,9 @@ struct VirtualTrain {
 
   static constexpr auto fields() {
     using P = VirtualTrain;
-    return std::tuple{Member{"mass", &P::mass},
-                      Member{"wheelset_inertia", &P::wheelset_inertia},
-                      Member{"wheel_radius", &P::wheel_radius},
+    return std::tuple{Member{"mass", &P::mass, positive},
+                      Member{"wheelset_inertia", &P::wheelset_inertia, positive},
+                      Member{"wheel_radius", &P::wheel_radius, positive},
                       Member{"resistance_constant", &P::resistance_constant},
                       Member{"resistance_linear", &P::resistance_linear},
                       Member{"resistance_quadratic", &P::resistance_quadratic},

@@ -41,9 +41,9 @@ struct WheelSlideProtection {
 
   static constexpr auto fields() {
     using P = WheelSlideProtection;
-    return std::tuple{Member{"wheel_radius", &P::wheel_radius},
+    return std::tuple{Member{"wheel_radius", &P::wheel_radius, positive},
                       Member{"reference_deceleration", &P::reference_deceleration},
-                      Member{"filter_time", &P::filter_time},
+                      Member{"filter_time", &P::filter_time, not_negative},
                       Member{"vent_slip", &P::vent_slip},
                       Member{"vent_slip_speed", &P::vent_slip_speed},
                       Member{"vent_deceleration", &P::vent_deceleration},

@@ -34,12 +34,12 @@ struct WheelSlipControl {
 
   static constexpr auto fields() {
     using P = WheelSlipControl;
-    return std::tuple{Member{"wheel_radius", &P::wheel_radius},
+    return std::tuple{Member{"wheel_radius", &P::wheel_radius, positive},
                       Member{"reference_acceleration", &P::reference_acceleration},
                       Member{"slip", &P::slip},
                       Member{"slip_speed", &P::slip_speed},
                       Member{"acceleration", &P::acceleration},
-                      Member{"filter_time", &P::filter_time},
+                      Member{"filter_time", &P::filter_time, not_negative},
                       Member{"reduction_rate", &P::reduction_rate},
                       Member{"restoring_rate", &P::restoring_rate},
                       Member{"least_factor", &P::least_factor},

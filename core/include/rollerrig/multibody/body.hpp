@@ -7,7 +7,9 @@
 // only as the rate theta_dot, so hours of running cost no accuracy.
 #pragma once
 #include <array>
+#include <tuple>
 
+#include "rollerrig/fields.hpp"
 #include "rollerrig/math/vector.hpp"
 
 namespace rollerrig {
@@ -22,6 +24,17 @@ struct Body {
   std::array<bool, 6> locked{};         ///< per Coordinate
   double speed_controlled_radius{0.0};  ///< of a roller whose pitch rate is prescribed: V over this [m]; 0: it is free
   bool in_moving_frame{true};           ///< on a track: moves with the vehicle; false: a piece of the track itself
+
+  static constexpr auto fields() {
+    using P = Body;
+    return std::tuple{Member{"mass", &P::mass, positive},
+                      Member{"inertia", &P::inertia, positive},
+                      Member{"position", &P::position},
+                      Member{"axisymmetric", &P::axisymmetric},
+                      Member{"locked", &P::locked},
+                      Member{"speed_controlled_radius", &P::speed_controlled_radius, not_negative},
+                      Member{"in_moving_frame", &P::in_moving_frame}};
+  }
 
   /// A roller on rigid bearings: its frame coincides with the world's.
   bool only_spins() const {

@@ -25,6 +25,12 @@ struct ForceElement {
   bool rotational{false};  ///< has a law of rotation; set by ModelBuilder
   bool clamped{false};     ///< half of the force acts in the axes of b, at P_a
 
+  static constexpr auto fields() {
+    using P = ForceElement;
+    return std::tuple{Member{"body_a", &P::body_a, index_or_none}, Member{"body_b", &P::body_b, index_or_none},
+                      Member{"point_on_b", &P::r_b}, Member{"law", &P::law}, Member{"clamped", &P::clamped}};
+  }
+
   int first_node() const { return node.front(); }
   int end_node() const { return node.back(); }
 };

@@ -10,6 +10,7 @@
 // travelling frame and the dissipated energy, shifts a velocity by less than step / 6 times the jump, docs/theory/rig_control.md
 // (D8). An adaptive method evaluates it anew.
 #pragma once
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -28,7 +29,7 @@ class Driver {
   /// Throws std::invalid_argument for a setup that cannot be run.
   Driver(std::shared_ptr<Model const> model, std::optional<MechatronicSetup> setup);
 
-  /// Begins a run; throws std::invalid_argument for impossible options.
+  /// Begins a run; throws std::invalid_argument for impossible options, and for an end that the steps would never reach.
   Status start(integrate::Options options, double t0, double const* x0);
 
   /// Runs to time t_stop, to where an external controller waits, or to the end; shows the observer each output time.
@@ -37,7 +38,7 @@ class Driver {
   template <class Observer>
   Status advance(double t_stop, Observer&& observer) {
     if (!system_) return status_ = integrator_->advance(t_stop, observer);
-    long const last = steps_until(t_stop);
+    std::int64_t const last = steps_until(t_stop);
     while (status_ == Status::ok && step_ < last) {
       if (!std::exchange(sampled_, true)) sample();
       if (system_->waits()) return status_;
@@ -66,7 +67,7 @@ class Driver {
   }
 
  private:
-  long steps_until(double t_stop) const;
+  std::int64_t steps_until(double t_stop) const;
   void sample();
   void advance_step();
   void start_without_slip(double* x);
@@ -88,9 +89,9 @@ class Driver {
   std::optional<MechatronicSystem> system_;
   std::optional<integrate::Integrator<DrivenDynamics>> integrator_;
   double final_time_{0.0};
-  long step_{0};          ///< sampling steps done
-  long output_every_{1};  ///< in sampling steps
-  bool sampled_{false};   ///< at this instant
+  std::int64_t step_{0};          ///< sampling steps done
+  std::int64_t output_every_{1};  ///< in sampling steps
+  bool sampled_{false};           ///< at this instant
   Status status_{Status::ok};
 };
 

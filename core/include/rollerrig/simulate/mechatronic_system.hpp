@@ -37,16 +37,16 @@ class MechatronicSystem {
   /// Reads the sensors and asks every controller that is due; false where the caller must answer first.
   ///
   /// @param z  the plant's quadratures, for the angles
-  bool sample(Dynamics const& plant, long step, double const* z);
+  bool sample(Dynamics const& plant, std::int64_t step, double const* z);
   /// Sets the inputs over the step that begins.
-  void act(Dynamics const& plant, long step, Inputs& inputs);
+  void act(Dynamics const& plant, std::int64_t step, Inputs& inputs);
   /// After a step: the train's motion, and whether the run ends here.
-  Status advance(Dynamics const& plant, long step);
+  Status advance(Dynamics const& plant, std::int64_t step);
 
   MechatronicSetup const& setup() const { return setup_; }
   int width() const;
   /// One row of the train's and all axles' columns, in the plant's last evaluation.
-  void record(Dynamics const& plant, long step, double const* z, Inputs const& inputs, double* row) const;
+  void record(Dynamics const& plant, std::int64_t step, double const* z, Inputs const& inputs, double* row) const;
 
   /// Whether the caller must answer for some controller, or for that of this name.
   bool waits() const;
@@ -54,7 +54,7 @@ class MechatronicSystem {
   /// What a controller sees, axle by axle.
   std::vector<double> measurement() const;
   /// Answers for an external controller; throws std::invalid_argument where there is none of that name.
-  void set_command(std::string_view controller, std::span<double const> command, long step);
+  void set_command(std::string_view controller, std::span<double const> command, std::int64_t step);
 
  private:
   struct Controller {
@@ -67,12 +67,12 @@ class MechatronicSystem {
 
   std::size_t axles() const { return setup_.axles.size(); }
   bool frame_moves() const { return setup_.frame.train_mass > 0.0; }
-  double time(long step) const { return setup_.step * static_cast<double>(step); }
+  double time(std::int64_t step) const { return setup_.step * static_cast<double>(step); }
   double train_speed(Dynamics const& plant) const;
   double reference_speed() const;
   RigController const* rig() const;
   RigController::State const* rig_state() const;
-  void ask(std::size_t index, long step);
+  void ask(std::size_t index, std::int64_t step);
   void read_true_forces(Dynamics const& plant);
   void dissipate(Dynamics const& plant, Inputs& inputs);
   bool wheels_slide(Dynamics const& plant);

@@ -27,9 +27,12 @@ struct AxleParts {
 
   static constexpr auto fields() {
     using P = AxleParts;
-    return std::tuple{
-        Member{"wheelset", &P::wheelset}, Member{"axle_torque", &P::axle_torque},     Member{"brake", &P::brake},
-        Member{"roller", &P::roller},     Member{"roller_torque", &P::roller_torque}, Member{"contacts", &P::contacts}};
+    return std::tuple{Member{"wheelset", &P::wheelset, an_index},
+                      Member{"axle_torque", &P::axle_torque, index_or_none},
+                      Member{"brake", &P::brake, index_or_none},
+                      Member{"roller", &P::roller, index_or_none},
+                      Member{"roller_torque", &P::roller_torque, index_or_none},
+                      Member{"contacts", &P::contacts, index_or_none}};
   }
 };
 
@@ -59,7 +62,8 @@ struct RollerProtection {
   double time{};  ///< ... for longer than this [s]
 
   static constexpr auto fields() {
-    return std::tuple{Member{"slip", &RollerProtection::slip}, Member{"time", &RollerProtection::time}};
+    return std::tuple{Member{"slip", &RollerProtection::slip, not_negative},
+                      Member{"time", &RollerProtection::time, not_negative}};
   }
 };
 
@@ -70,7 +74,8 @@ struct TravellingFrame {
 
   static constexpr auto fields() {
     using P = TravellingFrame;
-    return std::tuple{Member{"train_mass", &P::train_mass}, Member{"fixed_mass", &P::fixed_mass}};
+    return std::tuple{Member{"train_mass", &P::train_mass, not_negative},
+                      Member{"fixed_mass", &P::fixed_mass, not_negative}};
   }
 };
 
@@ -88,7 +93,7 @@ struct MechatronicSetup {
 
   static constexpr auto fields() {
     using P = MechatronicSetup;
-    return std::tuple{Member{"step", &P::step},
+    return std::tuple{Member{"step", &P::step, positive},
                       Member{"speed", &P::speed},
                       Member{"stop_speed", &P::stop_speed},
                       Member{"axles", &P::axles},
@@ -97,8 +102,13 @@ struct MechatronicSetup {
                       Member{"controllers", &P::controllers},
                       Member{"protection", &P::protection},
                       Member{"frame", &P::frame},
-                      Member{"rail_cell", &P::rail_cell}};
+                      Member{"rail_cell", &P::rail_cell, positive}};
   }
 };
+
+struct Model;
+
+/// Throws std::invalid_argument where a setup names what the model does not have, or has not what a controller needs.
+void check_setup(MechatronicSetup const& setup, Model const& model);
 
 }  // namespace rollerrig

@@ -9,14 +9,14 @@ namespace rollerrig {
 
 /// What happened in the contacts of a run, summed over accepted steps.
 struct ContactCounters {
-  long limited_curvature{0};     ///< patches whose curvatures were outside Hertz' theory
-  long clamped_aspect{0};        ///< patches with a/b outside Kalker's table
-  long overlapping{0};           ///< pairs of patches of one wheel whose ellipses overlap
-  long several_patches{0};       ///< wheels with more than one patch
-  long faded{0};                 ///< patches that counted in part, contact/normal/blending_weight.hpp
-  long lost{0};                  ///< wheels without contact
-  long negative_dissipation{0};  ///< patches whose creep law fed energy in
-  long checked{0};               ///< wheels looked at
+  std::int64_t limited_curvature{0};     ///< patches whose curvatures were outside Hertz' theory
+  std::int64_t clamped_aspect{0};        ///< patches with a/b outside Kalker's table
+  std::int64_t overlapping{0};           ///< pairs of patches of one wheel whose ellipses overlap
+  std::int64_t several_patches{0};       ///< wheels with more than one patch
+  std::int64_t faded{0};                 ///< patches that counted in part, contact/normal/blending_weight.hpp
+  std::int64_t lost{0};                  ///< wheels without contact
+  std::int64_t negative_dissipation{0};  ///< patches whose creep law fed energy in
+  std::int64_t checked{0};               ///< wheels looked at
 };
 
 /// When a wheel was without contact, between the accepted steps that first saw it lost and found again.

@@ -56,7 +56,7 @@ class Dynamics {
   bool exhaustive_search() const { return evaluation_.exhaustive_search; }
   void set_exhaustive_search(bool on) { evaluation_.exhaustive_search = on; }
   /// Evaluations of the reduced contact equation at cell borders, all wheels: what the warm search saves.
-  long search_evaluations() const;
+  std::int64_t search_evaluations() const;
 
  private:
   void unpack(double const* x);

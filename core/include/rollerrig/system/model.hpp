@@ -7,6 +7,8 @@
 // Only ModelBuilder makes one. A copy shares the tables, so that it may outlive the original.
 #pragma once
 #include <memory>
+#include <stdexcept>
+#include <string>
 #include <vector>
 
 #include "rollerrig/contact/patch.hpp"
@@ -47,6 +49,16 @@ struct AxleTorque {
   double gear_ratio{1.0};        ///< rotor over axle; negative: they turn against each other
   double rotor_inertia{0.0};     ///< [kg m^2]
   double link_on_reaction{0.0};  ///< x of the link from the reaction body's centre of mass [m]; set by ModelBuilder
+
+  static constexpr auto fields() {
+    using P = AxleTorque;
+    return std::tuple{Member{"wheelset", &P::wheelset, an_index},
+                      Member{"reaction", &P::reaction, index_or_none},
+                      Member{"torque", &P::torque},
+                      Member{"link", &P::link},
+                      Member{"gear_ratio", &P::gear_ratio},
+                      Member{"rotor_inertia", &P::rotor_inertia, not_negative}};
+  }
 };
 
 /// Torque on a roller about its axle, positive when it drives the wheel forward (turns the roller backwards).
@@ -55,6 +67,12 @@ struct RollerTorque {
   TimeTable torque{};         ///< [N m], beside that of the inputs
   double gear_ratio{1.0};     ///< of the drive's rotor over the roller
   double rotor_inertia{0.0};  ///< [kg m^2]
+
+  static constexpr auto fields() {
+    using P = RollerTorque;
+    return std::tuple{Member{"roller", &P::roller, an_index}, Member{"torque", &P::torque},
+                      Member{"gear_ratio", &P::gear_ratio}, Member{"rotor_inertia", &P::rotor_inertia, not_negative}};
+  }
 };
 
 /// A friction brake between an axle and the body that carries its callipers or blocks.
@@ -62,6 +80,12 @@ struct AxleBrake {
   int wheelset{0};
   int reaction{ground};
   PneumaticBrake brake{};
+
+  static constexpr auto fields() {
+    using P = AxleBrake;
+    return std::tuple{Member{"wheelset", &P::wheelset, an_index}, Member{"reaction", &P::reaction, index_or_none},
+                      Member{"brake", &P::brake}};
+  }
 };
 
 /// Running resistance by Davis' formula on one body, and the gradient on all bodies in moving track frames.
@@ -71,6 +95,13 @@ struct RunningResistance {
   double linear{0.0};     ///< [N s/m]
   double quadratic{0.0};  ///< [N s^2/m^2]
   double gradient{0.0};   ///< positive uphill [-]
+
+  static constexpr auto fields() {
+    using P = RunningResistance;
+    return std::tuple{Member{"body", &P::body, index_or_none}, Member{"constant", &P::constant},
+                      Member{"linear", &P::linear}, Member{"quadratic", &P::quadratic},
+                      Member{"gradient", &P::gradient}};
+  }
 
   template <Scalar T>
   T force(T const& speed) const {
@@ -130,6 +161,13 @@ struct Model {
   Eigen::MatrixXd coupling_matrix;         ///< inverse of G, system/couplings.hpp
   std::vector<int> constraint_of_contact;  ///< rolling constraint of the axle; -1: none
   std::vector<std::shared_ptr<void const>> tables;  ///< keeps what the contacts point to
+
+  /// Throws std::invalid_argument that names the argument where there is no such contact.
+  WheelContact const& contact(int index, char const* argument) const {
+    if (index < 0 || index >= static_cast<int>(contacts.size()))
+      throw std::invalid_argument(std::string(argument) + ": there is no contact " + std::to_string(index));
+    return contacts[static_cast<std::size_t>(index)];
+  }
 };
 
 /// Energies that accumulate over a run, in this order behind the angles in z [J].

@@ -46,7 +46,7 @@ struct LoadedWheelset {
 
 class StaticWheelsetContact {
  public:
-  /// @param left, right  indices of the wheelset's contacts; throws std::out_of_range where there is none
+  /// @param left, right  indices of the wheelset's contacts; throws std::invalid_argument where they are not
   StaticWheelsetContact(std::shared_ptr<Model const> model, int left, int right);
 
   /// The equilibrium under `load` [N]; free to roll, or at position.roll.

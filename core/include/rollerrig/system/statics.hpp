@@ -2,8 +2,10 @@
 //
 //   masses and load-carrying springs -> [least squares] -> preload of each spring, load of each axle
 #pragma once
+#include <tuple>
 #include <vector>
 
+#include "rollerrig/fields.hpp"
 #include "rollerrig/math/vector.hpp"
 
 namespace rollerrig {
@@ -13,12 +15,24 @@ struct StandingBody {
   double mass{0.0};         ///< [kg]
   Vec3<double> position{};  ///< of its centre of mass [m]
   bool on_wheels{false};    ///< a wheelset: whatever presses on it, the track carries
+
+  static constexpr auto fields() {
+    using P = StandingBody;
+    return std::tuple{Member{"mass", &P::mass, not_negative}, Member{"position", &P::position},
+                      Member{"on_wheels", &P::on_wheels}};
+  }
 };
 
 /// An element that carries load in the design position.
 struct LoadSpring {
   int body_a{0}, body_b{0};
   Vec3<double> point{};  ///< where its force acts [m]
+
+  static constexpr auto fields() {
+    using P = LoadSpring;
+    return std::tuple{Member{"body_a", &P::body_a, an_index}, Member{"body_b", &P::body_b, an_index},
+                      Member{"point", &P::point}};
+  }
 };
 
 struct StaticLoads {

@@ -8,6 +8,7 @@
 //         Meacci, Rindi, Pugi et al., degraded adhesion with recovery by dissipated energy: (A2), (A3).
 #pragma once
 #include <algorithm>
+#include <functional>
 #include <stdexcept>
 #include <vector>
 
@@ -22,8 +23,8 @@ struct RailCondition {
   double k_A{1.0};  ///< [-]; k_A = k_S = 1: as the creep law on a clean surface
   double k_S{1.0};  ///< at most k_A [-]
   static constexpr auto fields() {
-    return std::tuple{Member{"friction", &RailCondition::friction}, Member{"k_A", &RailCondition::k_A},
-                      Member{"k_S", &RailCondition::k_S}};
+    return std::tuple{Member{"friction", &RailCondition::friction}, Member{"k_A", &RailCondition::k_A, fraction},
+                      Member{"k_S", &RailCondition::k_S, fraction}};
   }
 
   template <Scalar T>
@@ -43,7 +44,7 @@ struct RailAdhesion {
   double recovery_constant{0.0};  ///< tau [m^2/J]; 0: no recovery
   static constexpr auto fields() {
     return std::tuple{Member{"degraded", &RailAdhesion::degraded}, Member{"recovered", &RailAdhesion::recovered},
-                      Member{"recovery_constant", &RailAdhesion::recovery_constant}};
+                      Member{"recovery_constant", &RailAdhesion::recovery_constant, not_negative}};
   }
 
   template <Scalar T>
@@ -63,11 +64,13 @@ struct AdhesionMap {
   bool over_time{false};          ///< borders are times
   static constexpr auto fields() {
     return std::tuple{Member{"pieces", &AdhesionMap::pieces}, Member{"borders", &AdhesionMap::borders},
-                      Member{"blend", &AdhesionMap::blend}, Member{"over_time", &AdhesionMap::over_time}};
+                      Member{"blend", &AdhesionMap::blend, not_negative}, Member{"over_time", &AdhesionMap::over_time}};
   }
 
   void check() const {
     if (pieces.size() != borders.size() + 1) throw std::invalid_argument("adhesion map: one border less than pieces");
+    if (std::adjacent_find(borders.begin(), borders.end(), std::greater_equal<>{}) != borders.end())
+      throw std::invalid_argument("adhesion map: borders must increase");
   }
 
   /// @param at  arc length along the rail [m], or time [s]

@@ -15,7 +15,7 @@ namespace rollerrig {
 struct ConstantFriction {
   static constexpr char const* name = "constant";
   double mu_0{0.3};  ///< [-]
-  static constexpr auto fields() { return std::tuple{Member{"mu_0", &ConstantFriction::mu_0}}; }
+  static constexpr auto fields() { return std::tuple{Member{"mu_0", &ConstantFriction::mu_0, not_negative}}; }
 
   template <Scalar T>
   T operator()(T const& /*slip*/) const {
@@ -30,7 +30,7 @@ struct FallingFriction {
   double A{1.0};     ///< friction at large slip over mu_0 [-]
   double B{0.0};     ///< [s/m]
   static constexpr auto fields() {
-    return std::tuple{Member{"mu_0", &FallingFriction::mu_0}, Member{"A", &FallingFriction::A},
+    return std::tuple{Member{"mu_0", &FallingFriction::mu_0, not_negative}, Member{"A", &FallingFriction::A},
                       Member{"B", &FallingFriction::B}};
   }
 

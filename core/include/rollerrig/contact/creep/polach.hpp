@@ -60,7 +60,9 @@ struct Polach {
   static constexpr char const* name = "polach";
   double k_A{1.0};  ///< of the area of adhesion [-]; k_A = k_S = 1: clean
   double k_S{1.0};  ///< of the area of slip, at most k_A [-]
-  static constexpr auto fields() { return std::tuple{Member{"k_A", &Polach::k_A}, Member{"k_S", &Polach::k_S}}; }
+  static constexpr auto fields() {
+    return std::tuple{Member{"k_A", &Polach::k_A, fraction}, Member{"k_S", &Polach::k_S, fraction}};
+  }
 
   template <Scalar T>
   CreepForce<T> operator()(CreepQuery<T> const& query) const {

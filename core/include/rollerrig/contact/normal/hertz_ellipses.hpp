@@ -30,7 +30,9 @@ void hertz_patch(Material const& material, NormalPatch<T>& patch) {
 struct HertzEllipses {
   static constexpr char const* name = "hertz";
   double merging_criterion{0.01};  ///< normal/blending_weight.hpp [-]; 0: patches appear and vanish at full force
-  static constexpr auto fields() { return std::tuple{Member{"merging_criterion", &HertzEllipses::merging_criterion}}; }
+  static constexpr auto fields() {
+    return std::tuple{Member{"merging_criterion", &HertzEllipses::merging_criterion, not_negative}};
+  }
 
   template <Scalar T, std::derived_from<NormalPatch<T>> P>
   int operator()(NormalSetting const& wheel, RelativePose<T> const& pose, ContactSearch const& search,

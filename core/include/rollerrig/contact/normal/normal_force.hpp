@@ -13,8 +13,8 @@ struct NormalDamping {
   double damping{1e5};           ///< k_v [N s/m]
   double smoothing_speed{1e-4};  ///< [m/s]
   static constexpr auto fields() {
-    return std::tuple{Member{"damping", &NormalDamping::damping},
-                      Member{"smoothing_speed", &NormalDamping::smoothing_speed}};
+    return std::tuple{Member{"damping", &NormalDamping::damping, not_negative},
+                      Member{"smoothing_speed", &NormalDamping::smoothing_speed, not_negative}};
   }
 
   /// k_v max(0, -gap_rate) with its corner rounded: departs from (12) by at most k_v smoothing_speed / 2 (5 N), so that

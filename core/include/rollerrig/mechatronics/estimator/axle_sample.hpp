@@ -20,8 +20,9 @@ struct AssumedParameters {
 
   static constexpr auto fields() {
     using P = AssumedParameters;
-    return std::tuple{Member{"roller_inertia", &P::roller_inertia}, Member{"roller_radius", &P::roller_radius},
-                      Member{"wheelset_inertia", &P::wheelset_inertia}, Member{"wheel_radius", &P::wheel_radius}};
+    return std::tuple{
+        Member{"roller_inertia", &P::roller_inertia, positive}, Member{"roller_radius", &P::roller_radius, positive},
+        Member{"wheelset_inertia", &P::wheelset_inertia, positive}, Member{"wheel_radius", &P::wheel_radius, positive}};
   }
 };
 

@@ -15,7 +15,7 @@ struct FilteredDerivative {
   static constexpr char const* name = "filtered_derivative";
   double bandwidth{};  ///< pole of the filter [rad/s]
 
-  static constexpr auto fields() { return std::tuple{Member{"bandwidth", &FilteredDerivative::bandwidth}}; }
+  static constexpr auto fields() { return std::tuple{Member{"bandwidth", &FilteredDerivative::bandwidth, positive}}; }
 
   struct State {
     double last_roller_speed{}, force{};

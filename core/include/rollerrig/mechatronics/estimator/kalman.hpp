@@ -20,8 +20,10 @@ struct KalmanFilter {
 
   static constexpr auto fields() {
     using P = KalmanFilter;
-    return std::tuple{Member{"bandwidth", &P::bandwidth}, Member{"speed_noise", &P::speed_noise},
-                      Member{"force_change", &P::force_change}, Member{"torque_change", &P::torque_change}};
+    return std::tuple{Member{"bandwidth", &P::bandwidth, positive},
+                      Member{"speed_noise", &P::speed_noise, not_negative},
+                      Member{"force_change", &P::force_change, not_negative},
+                      Member{"torque_change", &P::torque_change, not_negative}};
   }
 
   /// Rows W, w, T, C over the innovations of W and w.

@@ -18,7 +18,8 @@ struct DisturbanceObserver {
 
   static constexpr auto fields() {
     using P = DisturbanceObserver;
-    return std::tuple{Member{"bandwidth", &P::bandwidth}, Member{"damping_ratio", &P::damping_ratio}};
+    return std::tuple{Member{"bandwidth", &P::bandwidth, positive},
+                      Member{"damping_ratio", &P::damping_ratio, positive}};
   }
 
   struct State {

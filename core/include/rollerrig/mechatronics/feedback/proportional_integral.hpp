@@ -23,7 +23,8 @@ struct ProportionalIntegral {
 
   static constexpr auto fields() {
     using P = ProportionalIntegral;
-    return std::tuple{Member{"bandwidth", &P::bandwidth}, Member{"damping_ratio", &P::damping_ratio},
+    return std::tuple{Member{"bandwidth", &P::bandwidth, positive},
+                      Member{"damping_ratio", &P::damping_ratio, not_negative},
                       Member{"proportional", &P::proportional}, Member{"integral", &P::integral}};
   }
 

@@ -14,7 +14,7 @@ struct SlidingMode {
 
   static constexpr auto fields() {
     using P = SlidingMode;
-    return std::tuple{Member{"switching", &P::switching}, Member{"boundary_layer", &P::boundary_layer}};
+    return std::tuple{Member{"switching", &P::switching}, Member{"boundary_layer", &P::boundary_layer, positive}};
   }
 
   struct State {};

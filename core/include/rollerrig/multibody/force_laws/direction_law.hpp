@@ -53,6 +53,11 @@ struct DirectionLaw {
   double preload{0.0};           ///< force on b along +axis at zero deflection [N or N m]
   std::vector<ForceLaw> laws{};  ///< in parallel
 
+  static constexpr auto fields() {
+    using P = DirectionLaw;
+    return std::tuple{Member{"preload", &P::preload}, Member{"laws", &P::laws}};
+  }
+
   bool active() const { return preload != 0.0 || !laws.empty(); }
 };
 

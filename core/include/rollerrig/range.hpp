@@ -1,0 +1,99 @@
+// range.hpp - which numbers a field or an argument may hold, and the one check of them.
+//
+//   value, range -> [check_value] -> nothing, or std::invalid_argument "Body: mass must be positive, got nan"
+//
+// Checked once where data come in (bindings, model builder), never in a loop: what passed here cannot make an index run away,
+// a loop endless or a size overflow. What is physically sensible is the matter of the configuration, not of this file.
+#pragma once
+#include <array>
+#include <concepts>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <sstream>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "rollerrig/math/piecewise_linear.hpp"
+#include "rollerrig/math/vector.hpp"
+
+namespace rollerrig {
+
+struct Range {
+  double lowest;
+  double highest;
+  char const* text;       ///< ends the sentence "... must be"
+  bool beyond{false};     ///< above the lowest, not at it
+  bool endless{false};    ///< infinity is allowed
+  bool magnitude{false};  ///< of the absolute value
+
+  template <class Number>
+  constexpr bool holds(Number value) const {
+    double const given = static_cast<double>(value);  // exact for the integers in use
+    double const v = magnitude && given < 0.0 ? -given : given;
+    if (endless && v == std::numeric_limits<double>::infinity()) return true;
+    return (beyond ? v > lowest : v >= lowest) && v <= highest;  // not a number: neither
+  }
+};
+
+// Far beyond any machine and far from where squares and cubes overflow.
+inline constexpr double largest_number = 1e60;
+inline constexpr double smallest_number = 1e-60;
+
+inline constexpr Range finite_number{0.0, largest_number, "finite", false, false, true};
+inline constexpr Range positive{smallest_number, largest_number, "positive"};
+inline constexpr Range not_negative{0.0, largest_number, "finite and not negative"};
+inline constexpr Range positive_or_infinite{smallest_number, largest_number, "positive", false, true};
+inline constexpr Range fraction{0.0, 1.0, "between 0 and 1"};
+inline constexpr Range poissons_ratio{0.0, 0.5, "at least 0 and below 0.5"};
+inline constexpr Range an_index{0.0, 2147483646.0, "an index from 0"};
+inline constexpr Range index_or_none{-1.0, 2147483646.0, "an index from 0, or -1 for none"};
+inline constexpr Range any_integer{0.0, 1.8446744073709552e19, "an integer", false, false, true};
+
+/// Throws std::invalid_argument "<owner>: <name> must be <range>, got <value>".
+template <class Number>
+[[noreturn]] void refuse_value(Number value, Range const& range, std::string_view owner, char const* name) {
+  std::ostringstream message;
+  message.precision(6);
+  message << owner << ": " << name << " must be " << range.text << ", got " << +value;
+  throw std::invalid_argument(message.str());
+}
+
+/// Numbers in any of the containers that descriptions are made of; objects in them have been checked where they were made.
+template <class Value>
+void check_value(Value const& value, Range const& range, std::string_view owner, char const* name) {
+  if constexpr (std::same_as<Value, bool>) {
+  } else if constexpr (std::is_arithmetic_v<Value>) {
+    if (!range.holds(value)) refuse_value(value, range, owner, name);
+  }
+}
+template <class Value>
+void check_value(std::optional<Value> const& value, Range const& range, std::string_view owner, char const* name) {
+  if (value) check_value(*value, range, owner, name);
+}
+template <class Value>
+void check_value(std::vector<Value> const& values, Range const& range, std::string_view owner, char const* name) {
+  for (auto const& value : values) check_value(value, range, owner, name);
+}
+template <class Value, std::size_t n>
+void check_value(std::array<Value, n> const& values, Range const& range, std::string_view owner, char const* name) {
+  for (auto const& value : values) check_value(value, range, owner, name);
+}
+inline void check_value(Vec3<double> const& v, Range const& range, std::string_view owner, char const* name) {
+  for (double component : {v.x, v.y, v.z}) check_value(component, range, owner, name);
+}
+/// Values in the range, at increasing finite points.
+inline void check_value(PiecewiseLinear const& table, Range const& range, std::string_view owner, char const* name) {
+  check_value(table.x, finite_number, owner, name);
+  check_value(table.y, range, owner, name);
+  for (std::size_t i = 1; i < table.x.size(); ++i)
+    if (!(table.x[i - 1] < table.x[i]))
+      throw std::invalid_argument(std::string(owner) + ": " + name + " must be given at increasing points");
+}
+inline void check_value(TimeTable const& table, Range const& range, std::string_view owner, char const* name) {
+  check_value(table.points, range, owner, name);
+}
+
+}  // namespace rollerrig

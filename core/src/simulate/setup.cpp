@@ -1,0 +1,79 @@
+#include "rollerrig/simulate/setup.hpp"
+
+#include <stdexcept>
+#include <string>
+
+#include "rollerrig/mechatronics/axles.hpp"
+#include "rollerrig/system/model.hpp"
+
+namespace rollerrig {
+namespace {
+
+constexpr double motor_resolution = 1000.0;  ///< of a second-order torque loop: bandwidth times step; it is cut finer
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+void need(bool condition, std::string const& message) {
+  if (!condition) throw std::invalid_argument(message);
+}
+
+template <class Item>
+void need_item(std::vector<Item> const& items, int index, std::string const& owner, char const* name,
+               bool may_be_absent) {
+  bool const known = index >= 0 && index < static_cast<int>(items.size());
+  need(known || (may_be_absent && index == absent),
+       owner + ": " + name + " = " + std::to_string(index) + ", the model has " + std::to_string(items.size()));
+}
+
+/// Encoders count its turning: a body of revolution that is free to turn.
+void need_turning(Model const& model, int body, std::string const& owner, char const* name) {
+  need(model.map.angle[at(body)] >= 0, owner + ": " + name + ", body " + std::to_string(body) + ", does not turn");
+}
+
+void check_axle(AxleParts const& parts, Model const& model, std::string const& owner) {
+  need_item(model.bodies, parts.wheelset, owner, "wheelset", false);
+  need_turning(model, parts.wheelset, owner, "wheelset");
+  need_item(model.axle_torques, parts.axle_torque, owner, "axle_torque", true);
+  need_item(model.brakes, parts.brake, owner, "brake", true);
+  need_item(model.bodies, parts.roller, owner, "roller", true);
+  need_item(model.roller_torques, parts.roller_torque, owner, "roller_torque", true);
+  for (int contact : parts.contacts) need_item(model.contacts, contact, owner, "contacts", true);
+  need(parts.roller_torque == absent || parts.roller != absent, owner + ": roller_torque needs a roller");
+  if (parts.roller == absent) return;
+  need_turning(model, parts.roller, owner, "roller");
+  int const left = parts.contacts[0];
+  need(left != absent && model.contacts[at(left)].roller == parts.roller,
+       owner + ": contacts must be those of its roller");
+}
+
+void check_motor(Motor const& motor, double step, char const* name) {
+  need(!(motor.damping_ratio > 0.0) || motor.bandwidth * step <= motor_resolution,
+       std::string(name) + ": bandwidth is too high for the step");
+}
+
+void check_controller(RigController const& control, std::size_t axles) {
+  for (auto const* of_axles : {&control.train.static_load, &control.train.load_transfer, &control.train.position})
+    need(of_axles->size() >= axles,
+         "rig_control: train: static_load, load_transfer and position need one number per axle");
+}
+void check_controller(WheelSlideProtection const& /*control*/, std::size_t /*axles*/) {}
+void check_controller(WheelSlipControl const& /*control*/, std::size_t /*axles*/) {}
+
+}  // namespace
+
+void check_setup(MechatronicSetup const& setup, Model const& model) {
+  check_fields(setup, "MechatronicSetup");
+  std::size_t const axles = setup.axles.size();
+  need(axles >= 1, "MechatronicSetup: axles must not be empty");
+  need(axles <= at(most_axles),
+       "at most " + std::to_string(most_axles) + " axles have sensors and actuators, not " + std::to_string(axles));
+  for (std::size_t i = 0; i < axles; ++i) check_axle(setup.axles[i], model, "axle " + std::to_string(i));
+  check_motor(setup.actuators.motor, setup.step, "motor");
+  check_motor(setup.actuators.roller_drive, setup.step, "roller_drive");
+  for (auto const& [sampling, any] : setup.controllers) {
+    check_fields(sampling, "Sampling");
+    std::visit([&](auto const& law) { check_controller(law, axles); }, any);
+  }
+}
+
+}  // namespace rollerrig

@@ -1,0 +1,368 @@
+"""Valid objects of rollerrig._core and valid calls of everything in it, for the abuses to spoil.
+
+shipped cases -> recorded calls of ModelBuilder, setup -> [examples] -> calls by name, whole models leaf by leaf
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import re
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import numpy as np
+from recipes import recipes
+
+import rollerrig as rr
+from rollerrig import _core
+from rollerrig.assembly import assemble
+from rollerrig.contact_laws import shipped_table
+
+Arguments = dict[str, Any]
+
+
+@dataclasses.dataclass(frozen=True)
+class Call:
+    """A function of the arguments, and arguments with which it works."""
+
+    function: Callable[..., Any]
+    arguments: Arguments
+
+
+def parameters(function: Any) -> list[str]:
+    """Names of the parameters that a bound function documents, without self."""
+    signature = function.__nb_signature__[0][0]
+    depth, flat = 0, ""
+    for c in signature[signature.index("(") + 1 :]:
+        depth += c in "([" or -(c in ")]")
+        if depth < 0:
+            break
+        flat += c if depth == 0 else ""
+    return [name for name in re.findall(r"(\w+):", flat) if name != "self"]
+
+
+def described(value: Any) -> bool:
+    """Whether an object of the core can be made anew from its own attributes."""
+    own = type(value)
+    return (
+        own.__module__ == _core.__name__
+        and hasattr(own.__init__, "__nb_signature__")
+        and all(isinstance(getattr(own, name, None), property) for name in parameters(own.__init__))
+    )
+
+
+def fields(value: Any) -> Arguments:
+    """The arguments that make a described object."""
+    return {name: getattr(value, name) for name in parameters(type(value).__init__)}
+
+
+# ---------------------------------------------------------------------------------------------------- calls
+
+
+def start_arguments(state: np.ndarray, width: int) -> Arguments:
+    """Of Simulation.start: rodas4 over 20 ms."""
+    del width
+    return {
+        "method": "rodas4", "step": 0.0, "relative_tolerance": 1e-4, "absolute_tolerance": [1e-6], "initial_step": 0.0,
+        "maximum_step": 0.01, "final_time": 0.02, "output_step": 0.005, "breakpoints": [0.013], "t0": 0.0, "x0": state,
+    }  # fmt: skip
+
+
+def run_fully(simulation: Any, state: np.ndarray, **changes: Any) -> Any:
+    """A whole short run."""
+    simulation.start(**(start_arguments(state, 0) | changes))
+    return simulation.advance(0.02, np.zeros(10), np.zeros((10, simulation.width)), 0)
+
+
+WITH_WHAT_THE_RECIPES_GIVE = (
+    "add_body",
+    "add_element",
+    "add_profile",
+    "add_contact",
+    "add_brake",
+    "add_roller_torque",
+    "set_adhesion",
+    "set_resistance",
+    "set_speed",
+    "set_line",
+    "set_irregularity",
+)
+"""Methods of the builder."""
+
+
+class Examples:
+    """Valid calls of every class, method, attribute and function of the core, by name."""
+
+    def __init__(self) -> None:
+        self.recipes = recipes()
+        self.models = {name: recipe.model() for name, recipe in self.recipes.items()}
+        self.plain = assemble(rr.load_case("wheelset_rollers")).core
+        self.plain_state = _core.Simulation(self.plain).equilibrium(30.0, 0.0, [])["x"]
+
+    def simulation(self, started: bool = False) -> Any:
+        """A fresh simulation of one wheelset."""
+        simulation = _core.Simulation(self.plain)
+        if started:
+            simulation.start(**start_arguments(self.plain_state, 0))
+        return simulation
+
+    def waiting(self) -> Any:
+        """A simulation whose external controller waits for an answer."""
+        recipe = self.recipes["brake"]
+        parts = fields(recipe.setup)
+        parts["controllers"] = [
+            _core.SampledController(
+                sampling=_core.Sampling(every=c.sampling.every, delay=c.sampling.delay, external=True),
+                controller=c.controller,
+            )
+            for c in recipe.setup.controllers
+        ]
+        simulation = _core.Simulation(self.models["brake"], _core.MechatronicSetup(**parts))
+        simulation.start(**start_arguments(recipe.state, 0))
+        simulation.advance(0.02, np.zeros(10), np.zeros((10, simulation.width)), 0)
+        assert simulation.waits_for("slide_protection")
+        return simulation
+
+    def objects(self) -> dict[str, Any]:
+        """One described object of each class, out of the models."""
+        found: dict[str, Any] = {}
+
+        def walk(value: Any) -> None:
+            if isinstance(value, list | tuple):
+                for item in value:
+                    walk(item)
+            elif described(value):
+                found.setdefault(type(value).__name__, value)
+                for item in fields(value).values():
+                    walk(item)
+
+        for recipe in self.recipes.values():
+            walk([given for _, given in recipe.steps])
+            walk(recipe.setup)
+        walk(self._rarely_used())
+        return found
+
+    def _rarely_used(self) -> list[Any]:
+        """Objects that the recipes do without."""
+        constant = _core.Constant(mu_0=0.3)
+        return [
+            _core.KalkerSaturated(saturate_spin_moment=True),
+            _core.KalkerLinear(),
+            _core.Fastsim(),
+            _core.Hertz(merging_criterion=0.01),
+            _core.ModifiedFastsim(k_0=0.7, k_inf=0.1, beta=0.8),
+            _core.Polach(k_A=0.8, k_S=0.3),
+            _core.Strips(),
+            _core.Table(table=shipped_table()),
+            constant,
+            _core.Falling(mu_0=0.3, A=0.4, B=0.6),
+            _core.TableForceLaw(table=[(-0.01, -1e4), (0.0, 0.0), (0.01, 1e4)]),
+            _core.DampingTableForceLaw(damping_table=[(-1.0, -1e4), (0.0, 0.0), (1.0, 1e4)]),
+            _core.DampingForceLaw(damping=1e4),
+            _core.StiffnessForceLaw(stiffness=1e6),
+            _core.DamperForceLaw(damping=1e4, series_stiffness=1e6),
+            _core.ForceSensor(bandwidth=100.0, noise=10.0, resolution=1.0, range=1e5),
+            _core.AxleTorque(
+                wheelset=0, reaction=-1, torque=[(0.0, 0.0), (1.0, 100.0)], link=0.0, gear_ratio=1.0, rotor_inertia=0.0
+            ),
+            _core.ObserverEstimator(bandwidth=60.0, damping_ratio=0.7),
+            _core.FilteredDerivativeEstimator(bandwidth=60.0),
+            _core.KalmanEstimator(bandwidth=60.0, speed_noise=1e-3, force_change=1e5, torque_change=1e5),
+            _core.ExactEstimator(),
+            _core.ProportionalIntegralFeedback(bandwidth=10.0, damping_ratio=0.7, proportional=100.0, integral=10.0),
+            _core.SlidingModeFeedback(switching=100.0, boundary_layer=0.1),
+            _core.NoneFeedback(),
+            _core.StandingBody(mass=1e3, position=(0.0, 0.0, 1.0), on_wheels=False),
+            _core.LoadSpring(body_a=1, body_b=0, point=(1.0, 1.0, 1.0)),
+        ]
+
+    def calls(self) -> dict[str, Call]:
+        """Every constructor, method and function with arguments that work."""
+        objects = self.objects()
+        found = {name: Call(type(value), fields(value)) for name, value in objects.items()}
+        found |= (
+            self._law_calls(objects) | self._model_calls(objects) | self._contact_calls() | self._simulation_calls()
+        )
+        return found
+
+    def _law_calls(self, objects: dict[str, Any]) -> dict[str, Call]:
+        table = shipped_table()
+        coefficients = np.zeros(4 * 4 * 4 * 5 * 4, dtype=np.float32)
+        creepage = np.array([[1e-3, 0.0, 0.0], [2e-3, 1e-3, 0.1]])
+        assumed, period = objects["AssumedParameters"], 1e-3
+        patch = {"a": 6e-3, "b": 4e-3, "load": 5e4, "friction": 0.3, "shear_modulus": 8e10, "poisson_ratio": 0.28}
+        reference = _core.RollingReference(1.5, 0.28, 0.5)
+        brake = objects["PneumaticBrake"]
+        return {
+            "CreepTable.of": Call(
+                _core.CreepTable.of,
+                {"log_aspect_end": 2.3, "rho_0": 1.5, "aspects": 1, "cells": (1, 1, 1), "coefficients": coefficients},
+            ),
+            "hertz_ellipse": Call(
+                _core.hertz_ellipse, {"load": 5e4, "d1": 2.0, "d2": 3.0, "shear_modulus": 8e10, "poisson_ratio": 0.28}
+            ),
+            "kalker_coefficients": Call(_core.kalker_coefficients, {"a_over_b": 1.5, "poisson_ratio": 0.28}),
+            "kalker_stiffness": Call(
+                _core.kalker_stiffness, {"a": 6e-3, "b": 4e-3, "shear_modulus": 8e10, "poisson_ratio": 0.28}
+            ),
+            "creepage_units": Call(_core.creepage_units, {"a_over_b": 1.5, "poisson_ratio": 0.28}),
+            "friction_at": Call(_core.friction_at, {"law": objects["Falling"], "slip": np.linspace(0.0, 5.0, 4)}),
+            "creep_forces": Call(
+                _core.creep_forces,
+                {"creepage": creepage, **patch, "law": _core.Table(table=table), "direction": 1.0, "reduction": None},
+            ),
+            "creep_forces, polach": Call(
+                _core.creep_forces,
+                {"creepage": creepage, **patch, "law": objects["Polach"], "direction": 1.0, "reduction": (0.8, 0.4)},
+            ),
+            "creep_forces, fastsim": Call(
+                _core.creep_forces,
+                {"creepage": creepage, **patch, "law": objects["Fastsim"], "direction": 1.0, "reduction": None},
+            ),
+            "mean_reduction": Call(_core.mean_reduction, {"k_A": 0.8, "k_S": 0.4}),
+            "RollingReference": Call(_core.RollingReference, {"a_over_b": 1.5, "poisson_ratio": 0.28, "fineness": 0.5}),
+            "RollingReference.solve": Call(reference.solve, {"creepage": np.array([[0.5, 0.1, 0.2]])}),
+            "RollingReference.kalker_coefficients": Call(reference.kalker_coefficients, {}),
+            "reflected_inertia": Call(_core.reflected_inertia, {"rotor_inertia": 2.0, "gear_ratio": 3.0}),
+            "PneumaticBrake.torque": Call(brake.torque, {"cylinder_pressure": 3e5, "axle_speed": 60.0}),
+            "estimator_response": Call(
+                _core.estimator_response,
+                {"estimator": objects["ObserverEstimator"], "assumed": assumed, "period": period},
+            ),
+            "kalman_gain": Call(
+                _core.kalman_gain, {"filter": objects["KalmanEstimator"], "assumed": assumed, "period": period}
+            ),
+            "feedback_gains": Call(
+                _core.feedback_gains, {"feedback": objects["ProportionalIntegralFeedback"], "assumed": assumed}
+            ),
+            "equivalent_patch": Call(_core.equivalent_patch, {"load": 5e4, "a": [6e-3, 3e-3], "b": [4e-3, 2e-3]}),
+            "VirtualRail": Call(
+                _core.VirtualRail,
+                {
+                    "model": self.models["brake"],
+                    "contact": 0,
+                    "adhesion": objects["AdhesionMap"],
+                    "patch": _core.equivalent_patch(5e4, [6e-3], [4e-3]),
+                    "cell": 0.05,
+                },
+            ),
+        }
+
+    def _model_calls(self, objects: dict[str, Any]) -> dict[str, Call]:
+        def upon(recipe: str, method: str) -> Callable[..., Any]:
+            """A method of a builder that has the whole recipe behind it; then the model is finished."""
+
+            def call(**given: Any) -> Any:
+                own = self.recipes[recipe]
+                builder = _core.ModelBuilder(gravity=own.gravity)
+                for name, earlier in own.steps:
+                    getattr(builder, name)(*earlier)
+                getattr(builder, method)(**given)
+                return builder.finish()
+
+            return call
+
+        steps = {name: given for recipe in self.recipes.values() for name, given in recipe.steps}
+        bodies = [objects["StandingBody"], _core.StandingBody(mass=1.0, position=(0.0, 0.0, 0.0), on_wheels=True)]
+        found = {
+            "ModelBuilder": Call(_core.ModelBuilder, {"gravity": 9.81}),
+            "ModelBuilder.finish": Call(_core.ModelBuilder(gravity=9.81).finish, {}),
+            "ModelBuilder.set_gravity": Call(upon("brake", "set_gravity"), {"gravity": 9.81}),
+            "ModelBuilder.add_rolling_constraint": Call(
+                upon("brake", "add_rolling_constraint"), {"wheelset": self.recipes["brake"].setup.axles[0].wheelset}
+            ),
+            "ModelBuilder.add_axle_torque": Call(upon("brake", "add_axle_torque"), {"torque": objects["AxleTorque"]}),
+            "Model.with_speed": Call(self.plain.with_speed, {"speed": [(0.0, 30.0), (1.0, 20.0)]}),
+            "static_loads": Call(
+                _core.static_loads, {"bodies": bodies, "springs": [objects["LoadSpring"]], "gravity": 9.81}
+            ),
+        }
+        for name in WITH_WHAT_THE_RECIPES_GIVE:  # fmt: skip
+            recipe = next(r.name for r in self.recipes.values() if any(step == name for step, _ in r.steps))
+            given = dict(zip(parameters(getattr(_core.ModelBuilder, name)), steps[name], strict=True))
+            found[f"ModelBuilder.{name}"] = Call(upon(recipe, name), given)
+        return found
+
+    def _contact_calls(self) -> dict[str, Call]:
+        contact = _core.StaticWheelsetContact(self.plain, 0, 1)
+        place = {"x": 0.0, "y": 1e-3, "yaw": 1e-3, "roll": 0.0}
+        at_height = {"x": 0.0, "y": 1e-3, "z": -1e-4, "yaw": 1e-3, "roll": 0.0, "right": True}
+        return {
+            "StaticWheelsetContact": Call(_core.StaticWheelsetContact, {"model": self.plain, "left": 0, "right": 1}),
+            "StaticWheelsetContact.solve": Call(contact.solve, place | {"load": 1e5, "free_to_roll": True}),
+            "StaticWheelsetContact.touch_height": Call(contact.touch_height, place | {"right": True}),
+            "StaticWheelsetContact.patches": Call(contact.patches, at_height),
+            "StaticWheelsetContact.seconds_per_contact": Call(contact.seconds_per_contact, at_height | {"repeats": 2}),
+            "StaticWheelsetContact.minima": Call(contact.minima, at_height | {"reach": 1e-3}),
+        }
+
+    def _simulation_calls(self) -> dict[str, Call]:
+        x, brake = self.plain_state, self.recipes["brake"]
+        width = self.simulation().width
+        quadratures = np.zeros(self.simulation().quadrature_count)
+        states = np.stack([x, x])
+
+        def fresh(method: str, started: bool = False) -> Callable[..., Any]:
+            return lambda **given: getattr(self.simulation(started), method)(**given)
+
+        def run(**given: Any) -> Any:
+            return run_fully(self.simulation(), **given)
+
+        sampled_state = self.recipes["brake"].state
+        sampled = {name: value for name, value in start_arguments(x, 0).items() if name != "x0"}
+        sampled_start = {"state": sampled_state, **sampled, "method": "rk4", "step": 1e-3}
+
+        return {
+            "Simulation": Call(_core.Simulation, {"model": self.models["brake"], "setup": brake.setup}),
+            "Simulation.start": Call(run, {"state": x} | sampled),
+            "Simulation.start, rk4": Call(run, {"state": x} | sampled | {"method": "rk4", "step": 1e-3}),
+            "Simulation.start, dormand_prince": Call(run, {"state": x} | sampled | {"method": "dormand_prince"}),
+            "Simulation.start, sampled": Call(
+                lambda **given: run_fully(_core.Simulation(self.models["brake"], brake.setup), **given), sampled_start
+            ),
+            "Simulation.advance": Call(
+                fresh("advance", started=True),
+                {"t_stop": 0.02, "times": np.zeros(10), "rows": np.zeros((10, width)), "filled": 0},
+            ),
+            "Simulation.waits_for": Call(
+                lambda **given: self.waiting().waits_for(**given), {"controller": "slide_protection"}
+            ),
+            "Simulation.measurement": Call(lambda: self.waiting().measurement(), {}),
+            "Simulation.set_command": Call(
+                lambda **given: self.waiting().set_command(**given),
+                {"controller": "slide_protection", "command": [0.0, 1.0]},
+            ),
+            "Simulation.derivative": Call(fresh("derivative"), {"t": 0.0, "x": x}),
+            "Simulation.jacobian": Call(fresh("jacobian"), {"t": 0.0, "x": x}),
+            "Simulation.step_amplification": Call(
+                fresh("step_amplification"), {"method": "rk4", "step": 1e-3, "t": 0.0, "x": x}
+            ),
+            "Simulation.equilibrium": Call(
+                fresh("equilibrium"), {"speed": 30.0, "t": 0.0, "fixed": [(0, 1, 1e-3)], "near": x}
+            ),
+            "Simulation.record": Call(fresh("record"), {"t": 0.0, "x": x, "z": quadratures}),
+            "Simulation.derivatives": Call(fresh("derivatives"), {"t": 0.0, "states": states}),
+            "Simulation.search_along": Call(fresh("search_along"), {"t": 0.0, "states": states}),
+            "Simulation.statistics": Call(fresh("statistics"), {}),
+            "Simulation.counters": Call(fresh("counters"), {}),
+            "Simulation.exhaustive_search": Call(
+                lambda value: setattr(self.simulation(), "exhaustive_search", value), {"value": True}
+            ),
+            "status_sentence": Call(_core.status_sentence, {"status": 0}),
+        }
+
+
+def public_names() -> Iterator[str]:
+    """Every constructor, method, writable attribute and function of the core."""
+    for name, item in vars(_core).items():
+        if name.startswith("_"):
+            continue
+        if isinstance(item, type):
+            if hasattr(item.__init__, "__nb_signature__"):
+                yield name
+            for attribute, own in vars(item).items():
+                writable = isinstance(own, property) and own.fset is not None
+                if not attribute.startswith("_") and (writable or callable(own)):
+                    yield f"{name}.{attribute}"
+        elif callable(item):
+            yield name
