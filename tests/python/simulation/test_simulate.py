@@ -142,7 +142,9 @@ def test_an_interrupted_run_keeps_what_was_computed() -> None:
     run = rr.simulate(short_case(), progress=interrupt)
     assert run.attrs["status"] == "interrupted"
     assert 0 < run.sizes["time"] < 101
-    assert run.equals(rr.simulate(short_case()).isel(time=slice(run.sizes["time"])))
+    part = {dim: slice(run.sizes[dim]) for dim in ("time", "reading_time")}
+    assert run.sizes["reading_time"] > run.sizes["time"]
+    assert run.equals(rr.simulate(short_case()).isel(part))
 
 
 def test_leaving_the_model_is_named_with_time_and_wheel() -> None:
@@ -182,9 +184,10 @@ def test_results_that_do_not_fit_are_refused(monkeypatch: pytest.MonkeyPatch) ->
 
 def test_memory_is_taken_once() -> None:
     case = short_case()
-    times, rows = simulation_module._allocate(case, 10)
-    assert rows.shape == (simulation_module.sample_count(case), 10)
-    assert len(times) == 101
+    room = simulation_module._room(case, 10, [3, 4, 9])
+    assert room.rows.shape == (simulation_module.sample_count(case), 10)
+    assert len(room.times) == 101
+    assert room.readings.shape == (100 * room.every + 1, 3)
 
 
 def test_an_unstable_fixed_step_is_refused_with_the_step_that_works() -> None:
