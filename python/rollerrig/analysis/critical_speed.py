@@ -26,6 +26,7 @@ from typing import Literal
 
 import numpy as np
 import xarray as xr
+from numpy.typing import NDArray
 
 from rollerrig.analysis.crossings import Crossing, first_onset, growing_at_start, zero_crossings
 from rollerrig.analysis.hunting import HuntingRun, HuntingSettings, hunting_run
@@ -66,9 +67,10 @@ def critical_speed(
         progress: called with the fraction done and a short text.
 
     Returns:
-        `linear_critical_speed`, `critical_speed_by_disturbance`, `critical_speed_by_continuation` [km/h], those asked for; NaN
-        where there is none in the range. The linear one is looked for up to HIGHEST_KMH where the range has none; the attribute
-        `linear_searched_to_kmh` says how far.
+        `linear_critical_speed`, `critical_speed_by_disturbance`, `critical_speed_by_continuation` [km/h], those asked for. The
+        latter two are known between two speeds and have the dimension `end`: 'decays', the highest one below at which the motion
+        comes to rest, and 'persists', the lowest at which it does not; NaN where there is none. The linear one is looked for up
+        to HIGHEST_KMH where the range has none; the attribute `linear_searched_to_kmh` says how far.
 
     Raises:
         ConfigError: runs are asked for, and nothing holds the vehicle along the track on its rollers.
@@ -84,7 +86,8 @@ def critical_speed(
     unknown = set(methods) - {"linear", "disturbance", "continuation"}
     if unknown:
         raise ValueError(f"methods: {', '.join(sorted(unknown))}; allowed: linear, disturbance, continuation")
-    chosen, found, searched_to = as_case(case), {}, math.nan
+    chosen, searched_to = as_case(case), math.nan
+    found: dict[str, float | NDArray[np.float64]] = {}
     report: Progress = progress or (lambda _fraction, _text: None)
 
     def part(number: int) -> Progress:
@@ -97,14 +100,17 @@ def critical_speed(
         elif method == "disturbance":
             runs = critical_speeds_by_disturbance({"": chosen}, speeds_kmh, bracket_kmh=bracket_kmh, processes=processes,
                                                   progress=part(number))  # fmt: skip
-            found["critical_speed_by_disturbance"] = runs[""].speed
+            found["critical_speed_by_disturbance"] = np.array([runs[""].decays, runs[""].persists])
         else:
             diagram = limit_cycles(chosen, speeds_kmh, math.nan, LimitCycleSettings(tolerance_kmh=bracket_kmh),
                                    processes=min(2, processes), progress=part(number))  # fmt: skip
-            found["critical_speed_by_continuation"] = diagram.lowest_cycle
-    variables = {name: variable((), 3.6 * v, "km/h", name.replace("_", " ")) for name, v in found.items()}
+            found["critical_speed_by_continuation"] = np.array([diagram.decays, diagram.lowest_cycle])
+    variables = {
+        name: variable(("end",)[: np.ndim(v)], 3.6 * v, "km/h", name.replace("_", " ")) for name, v in found.items()
+    }
+    ends = {"end": ["decays", "persists"]} if any(np.ndim(v) for v in found.values()) else {}
     attributes = {"case": chosen.name, "title": f"Critical speed of {chosen.name}"}
-    return xr.Dataset(variables, attrs=attributes | {"linear_searched_to_kmh": searched_to})
+    return xr.Dataset(variables, ends, attributes | {"linear_searched_to_kmh": searched_to})
 
 
 def _onset(case: Case, speeds_kmh: Sequence[float], progress: Progress) -> tuple[Crossing | None, float]:
@@ -236,11 +242,6 @@ class CriticalSpeedByDisturbance:
     disturbance: float
     runs: list[HuntingRun]
     interrupted: bool = False
-
-    @property
-    def speed(self) -> float:
-        """Middle of the two [m/s]; NaN if there is no onset in the range."""
-        return 0.5 * (self.decays + self.persists)
 
     def further_speeds(self, width: float) -> list[float]:
         """Speeds of the next round of runs, the bracket in thirds [m/s]; none if it is narrower than a width [m/s].

@@ -27,6 +27,7 @@ from rollerrig.plot.modes import hunting_frequencies
 from rollerrig.study import compared_forces as forces
 from rollerrig.study import critical_speeds as speeds
 from rollerrig.study.frame import Study
+from rollerrig.study.interval import Interval, change_in_words
 from rollerrig.study.jobs import Done, Round, job, whole_modes
 from rollerrig.study.mode_tables import MODE_COLUMNS, mode_rows
 from rollerrig.study.quantities import Numbers, Quantities, Quantity
@@ -96,9 +97,10 @@ class Results:
         """Linear critical speed [km/h]; NaN if there is none or it was not computed."""
         return self.linear[label].speed_kmh if label in self.linear else math.nan
 
-    def by_disturbance_kmh(self, label: str) -> float:
-        """Critical speed by disturbance [km/h]; NaN likewise."""
-        return 3.6 * self.by_disturbance[label].speed if label in self.by_disturbance else math.nan
+    def by_disturbance_kmh(self, label: str) -> Interval:
+        """Between which speeds the critical speed by disturbance lies [km/h]."""
+        found = self.by_disturbance.get(label)
+        return Interval(-math.inf, math.inf) if found is None else Interval.of_bracket(found)
 
 
 @dataclass(frozen=True)
@@ -162,7 +164,7 @@ class CompareStudy(Study[Results]):
     def _disturbed_kmh(self, done: Done) -> float:
         found = speeds.brackets(list(self.supports), self.hunting, done)
         critical = [done[f"linear critical speed {label}"].speed_kmh for label in self.supports]
-        critical += [3.6 * one.speed for one in found.values()]
+        critical += [3.6 * end for one in found.values() for end in (one.decays, one.persists)]
         lowest = min((v for v in critical if math.isfinite(v)), default=self.speeds_kmh[-1])
         return min(self.speeds_kmh, key=lambda v: abs(v - DISTURBED_SHARE * lowest))
 
@@ -226,11 +228,12 @@ class CompareStudy(Study[Results]):
                 lines.append(f"On {label}: {speeds.ended_early_sentence(found)}")
         *others, last = self.supports
         for label in others:
-            parts = []
-            for kind, of in (("linear", results.linear_kmh), ("by disturbance", results.by_disturbance_kmh)):
-                change = of(label) / of(last) - 1
-                if math.isfinite(change):
-                    parts.append(f"{100 * abs(change):.1f} % {'lower' if change < 0 else 'higher'} ({kind})")
+            linear = results.linear_kmh(label) / results.linear_kmh(last)
+            ratios = {
+                "linear": Interval(linear, linear),
+                "by disturbance": results.by_disturbance_kmh(label).over(results.by_disturbance_kmh(last)),
+            }
+            parts = [f"{change_in_words(ratio)} ({kind})" for kind, ratio in ratios.items() if ratio.bounded]
             if parts:
                 lines.append(f"Against {last}, the critical speed on {label} is {' and '.join(parts)}.")
         if results.effects is not None and math.isfinite(results.effects.loss):

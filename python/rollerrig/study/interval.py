@@ -75,6 +75,15 @@ class Interval:
         return Interval(self.low / other.high, self.high / other.low if other.low > 0.0 else math.inf)
 
 
+def change_in_words(ratio: Interval) -> str:
+    """A ratio as a change: '18.4 % lower', '20.4 to 22.4 % lower', 'between 1.0 % lower and 0.5 % higher'."""
+    low, high = 100.0 * (ratio.low - 1.0), 100.0 * (ratio.high - 1.0)
+    if low < 0.0 < high:
+        return f"between {-low:.1f} % lower and {high:.1f} % higher"
+    ends = sorted({f"{abs(end):.1f}" for end in (low, high)}, key=float)
+    return f"{' to '.join(ends)} % {'lower' if high <= 0.0 else 'higher'}"
+
+
 def in_words(verdict: bool | None) -> str:
     """'yes', 'no', or 'not decided'."""
     return {True: "yes", False: "no", None: NOT_DECIDED}[verdict]

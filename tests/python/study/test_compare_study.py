@@ -18,6 +18,7 @@ from rollerrig.config import ConfigError, Rig, Track, load_case, load_support
 from rollerrig.study.compare import QUANTITIES, CompareStudy
 from rollerrig.study.compared_cases import compared_cases
 from rollerrig.study.critical_speeds import radius_sentences, radius_table
+from rollerrig.study.interval import Interval, change_in_words
 
 runner = CliRunner()
 BOGIE = "leading_bogie"
@@ -220,3 +221,16 @@ def test_wrong_input_is_told_before_anything_runs(arguments: list[str], message:
 def test_an_unknown_part_is_a_config_error() -> None:
     with pytest.raises(ConfigError, match="leading_bogie"):
         compared_cases("manchester_vehicle_1", ["rig"], "bogie")
+
+
+@pytest.mark.parametrize(
+    ("ratio", "words"),
+    [
+        (Interval(0.816, 0.816), "18.4 % lower"),
+        (Interval(0.777, 0.8), "20.0 to 22.3 % lower"),
+        (Interval(1.02, 1.05), "2.0 to 5.0 % higher"),
+        (Interval(0.99, 1.005), "between 1.0 % lower and 0.5 % higher"),
+    ],
+)
+def test_a_change_between_brackets_is_told_with_both_ends(ratio: Interval, words: str) -> None:
+    assert change_in_words(ratio) == words
