@@ -10,6 +10,7 @@ Equations: docs/theory/creep_laws.md, (C13)-(C15). The samples are quasi-random,
 from __future__ import annotations
 
 import argparse
+import io
 from pathlib import Path
 
 import numpy as np
@@ -20,6 +21,7 @@ from scipy.stats import qmc
 
 from rollerrig import _core
 from rollerrig.contact_laws import write_table
+from rollerrig.results import write_bytes
 
 Array = NDArray[np.float64]
 
@@ -228,9 +230,11 @@ def main() -> None:
         print(f"a/b = {np.exp(log_aspect):.3g}: fitted", flush=True)
     options.out.parent.mkdir(parents=True, exist_ok=True)
     made_with = {"poisson_ratio": POISSON_RATIO, "fineness": FINENESS, "samples": len(force) * (ASPECTS + 1)}
+    content = io.BytesIO()
     write_table(
-        options.out, LOG_ASPECT_END, RHO_0, ASPECTS, CELLS, along_aspect(np.array(knots)).astype(np.float32), made_with
+        content, LOG_ASPECT_END, RHO_0, ASPECTS, CELLS, along_aspect(np.array(knots)).astype(np.float32), made_with
     )
+    write_bytes(options.out, content.getbuffer(), force=True)
     print(f"{options.out}: {options.out.stat().st_size / 1e6:.2f} MB")
 
 

@@ -11,7 +11,7 @@ import signal
 import sys
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from types import FrameType
 
 Progress = Callable[[float, str], None]
@@ -148,6 +148,7 @@ def lines(clock: Clock = time.monotonic) -> Progress:
             return
         last = now
         times = ", ".join(filter(None, (f"{duration(now - begun)} so far", remaining)))
-        print(f"{100 * fraction:3.0f} %  ({times})  {text}".rstrip(), file=sys.stderr, flush=True)
+        with suppress(BrokenPipeError):  # nobody reads any more (`2>&1 | head`): the work goes on
+            print(f"{100 * fraction:3.0f} %  ({times})  {text}".rstrip(), file=sys.stderr, flush=True)
 
     return report

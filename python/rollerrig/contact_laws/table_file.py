@@ -13,7 +13,6 @@ import zipfile
 from collections.abc import Mapping
 from functools import cache
 from importlib.resources import files
-from pathlib import Path
 from types import MappingProxyType
 from typing import Any, BinaryIO
 
@@ -89,13 +88,13 @@ def read_table(data: bytes, name: str) -> _core.CreepTable:
 
 
 def write_table(
-    target: Path | BinaryIO, log_aspect_end: float, rho_0: float, aspects: int, cells: tuple[int, int, int],
+    target: BinaryIO, log_aspect_end: float, rho_0: float, aspects: int, cells: tuple[int, int, int],
     coefficients: npt.NDArray[np.float32], made_with: Mapping[str, Any] = MappingProxyType({}),
 ) -> None:  # fmt: skip
     """Write what `read_table` reads.
 
     Args:
-        target: file.
+        target: what takes the bytes.
         log_aspect_end: largest ln(a/b) of the table, [-].
         rho_0: see core/include/rollerrig/contact/creep/creep_table.hpp.
         aspects: intervals of ln(a/b).

@@ -139,6 +139,7 @@ class Journal:
         self.__exit__(None, None, None)
         if not self.path.exists():
             return
+        self._remove_torn(self._datasets())
         lines = [line for line in map(_parsed, read_input(self.path, LARGEST_JOURNAL).splitlines()) if line is not None]
         jobs = {line["job"]: line for line in lines if "job" in line}
         ordered = [jobs.pop(name) for name in names if name in jobs]
@@ -149,11 +150,23 @@ class Journal:
         self.__exit__(None, None, None)
         data = self.folder / DATA
         if self.path.exists():
-            for name in set(_DATASET.findall(read_input(self.path, LARGEST_JOURNAL))):
-                (data / name.decode()).unlink(missing_ok=True)
+            names = self._datasets()
+            self._remove_torn(names)
+            for name in names:
+                (data / name).unlink(missing_ok=True)
             self.path.unlink()
         if data.is_dir() and not any(data.iterdir()):  # what else lies there is not ours
             data.rmdir()
+
+    def _datasets(self) -> list[str]:
+        """Names of the files in the folder of Datasets that the lines name."""
+        return sorted({name.decode() for name in _DATASET.findall(read_input(self.path, LARGEST_JOURNAL))})
+
+    def _remove_torn(self, names: Iterable[str]) -> None:
+        """Remove what a killed program left of files under their temporary names."""
+        for name in names:
+            for left in (self.folder / DATA).glob(f".{name}.*"):
+                left.unlink(missing_ok=True)
 
 
 def _line(value: Mapping[str, Any]) -> bytes:

@@ -152,6 +152,18 @@ def test_a_closed_pipe_costs_no_results(case: Path, tmp_path: Path) -> None:
     assert (out / NAME).exists()
 
 
+def test_progress_into_a_closed_pipe_costs_no_results(case: Path, tmp_path: Path) -> None:
+    """`rollerrig run ... 2>&1 | head -1`, where the run goes on for hours."""
+    read, write = os.pipe()
+    os.close(read)
+    often = "import rollerrig.cli.progress as p; p.REPORT_SECONDS = 0.0; "
+    command = [sys.executable, "-c", often + ENTRY[-1], "run", str(case), "--out", str(tmp_path / "out")]
+    done = subprocess.run(command, stdout=write, stderr=write, check=False)
+    os.close(write)
+    assert done.returncode == termination.CLOSED
+    assert read_manifest(tmp_path / "out") is not None
+
+
 def test_a_closed_pipe_ends_a_list_quietly() -> None:
     done = subprocess.run(
         ["bash", "-c", '"$@" | true; exit ${PIPESTATUS[0]}', "bash", *ENTRY, "catalog", "show", "manchester_vehicle_1"],

@@ -20,6 +20,7 @@ import xarray as xr
 
 from rollerrig.config import ConfigError
 from rollerrig.plot.style import new_figure
+from rollerrig.results import OutputError
 from rollerrig.study.frame import Study
 from rollerrig.study.jobs import Done, Round, job
 from rollerrig.study.journal import NAME, Journal
@@ -72,6 +73,16 @@ class Squares(Study[dict[str, float]]):
 
     def sections(self, results: dict[str, float], numbers: Mapping[str, Any]) -> list[Section]:
         return [Section("Squares", [Picture("empty", new_figure()[0], "nothing")])]
+
+
+class Runs(Squares):
+    """One job, whose result is a Dataset."""
+
+    def rounds(self, done: Done) -> Iterator[Round]:
+        yield {"run": job(xr.Dataset, {"x": 1.0})}
+
+    def numbers(self, results: dict[str, Any]) -> dict[str, Any]:
+        return {"sum": 1.0, "missing": math.nan}
 
 
 @pytest.fixture(autouse=True)
@@ -198,6 +209,43 @@ t.Squares().run(folder={str(tmp_path)!r})
     whole = Squares().run(folder=tmp_path)  # nothing of the torn line is left to spoil those after it
     assert whole is not None
     assert whole.taken_over == 4
+
+
+def test_files_of_the_user_that_are_called_like_ours_stay(tmp_path: Path) -> None:
+    """`--out .` where there is a folder jobs, or a file jobs.jsonl."""
+    (tmp_path / "jobs").mkdir()
+    (tmp_path / "jobs" / "mine.nc").write_text("mine")
+    outcome = Runs().run(folder=tmp_path)
+    assert outcome is not None
+    kept = [path.name for path in (tmp_path / "jobs").iterdir() if path.name != "mine.nc"]
+    assert len(kept) == 1
+    (tmp_path / "jobs" / f".{kept[0]}.x1y2z3").write_bytes(b"torn")  # what a killed program leaves
+    outcome.write(tmp_path)
+    assert [path.name for path in (tmp_path / "jobs").iterdir()] == ["mine.nc"]
+    for text in ("my own list of jobs", "[1, 2]\n", "\n"):
+        (tmp_path / NAME).write_text(text)
+        with pytest.raises(ConfigError, match="its first line is not ours"):
+            Squares().run(folder=tmp_path)
+        assert (tmp_path / NAME).read_text() == text
+
+
+def test_another_study_refuses_a_folder_before_it_begins(tmp_path: Path) -> None:
+    class Cubes(Squares):
+        command = "cubes"
+        resumable = False
+
+    done = Squares().run(folder=tmp_path)
+    assert done is not None
+    CALLS.clear()
+    with pytest.raises(OutputError, match=r"jobs.jsonl: finished jobs of `rollerrig squares`"):
+        Cubes().run(folder=tmp_path, force=True)
+    done.write(tmp_path)
+    with pytest.raises(OutputError, match=r"holds results of `rollerrig squares`; choose another --out"):
+        Cubes().run(folder=tmp_path)
+    (tmp_path / "report.html").write_text("mine")
+    with pytest.raises(OutputError, match=r"report.html: not written by this program, or changed since"):
+        Squares().run(folder=tmp_path)
+    assert CALLS == []
 
 
 def test_a_damaged_line_costs_its_job_alone(tmp_path: Path) -> None:
