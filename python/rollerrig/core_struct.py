@@ -36,24 +36,6 @@ def core_struct(struct: type[S], table: BaseModel | None = None, *, without: Col
     return struct(**values)
 
 
-def core_law(
-    registry: Mapping[str, Any], kind: str, table: BaseModel, *, without: Collection[str] = (), **given: Any
-) -> Any:
-    """The law of that name in a registry of the core; the table has the parameters of all of them.
-
-    Raises:
-        TypeError: the registry has no such law, or a field of the table is a parameter of none of them.
-    """
-    if kind not in registry:
-        raise TypeError(f"no law {kind!r}; known: {', '.join(registry)}")
-    values = _values(table, (*without, "kind"), given)
-    unknown = set(values) - {name for law in registry.values() for name in law.fields}
-    if unknown:
-        raise TypeError(f"{', '.join(registry)}: unknown {sorted(unknown)}")
-    struct = registry[kind]
-    return core_struct(struct, **{name: value for name, value in values.items() if name in struct.fields})
-
-
 def _values(table: BaseModel | None, without: Collection[str], given: Mapping[str, Any]) -> dict[str, Any]:
     fields = type(table).model_fields if table is not None else ()
     return {name: getattr(table, name) for name in fields if name not in without} | dict(given)

@@ -19,6 +19,13 @@ from rollerrig.actuators import assemble_with_actuators
 from rollerrig.analysis.contact_state import rolling_state
 from rollerrig.cases import wheelsets, without_actuators
 from rollerrig.config import Case, Rig
+from rollerrig.config.schema.rig_control import (
+    BandwidthEstimator,
+    KalmanFilter,
+    Observer,
+    ProportionalIntegral,
+    SlidingMode,
+)
 from rollerrig.core_struct import angular
 from rollerrig.mechatronics.setup import assumed_parameters, estimator, feedback_gains, rotor_inertia
 
@@ -122,14 +129,15 @@ def loop_of(case: Case, creep: float, *, sliding: bool) -> Loop | None:
     motors = (control.motor, *((case.traction.motor,) if case.traction is not None else ()))
     if any(motor.rotor_inertia for motor in motors):  # the plant has none
         return None
-    model, table = assemble_with_actuators(case), control.feedback
+    model, table, estimates = assemble_with_actuators(case), control.feedback, control.estimator
+    assert isinstance(estimates, BandwidthEstimator)
     assumed = assumed_parameters(model)
     gains = (0.0, 0.0)
-    if table.kind == "proportional_integral":
+    if isinstance(table, ProportionalIntegral):
         gains = feedback_gains(model)
-    elif table.kind == "sliding_mode":
+    elif isinstance(table, SlidingMode):
         gains = (table.switching / table.boundary_layer, 0.0)  # within its boundary layer
-    kalman = control.estimator.kind == "kalman"
+    kalman = isinstance(estimates, KalmanFilter)
     return Loop(
         real=wheel_of(case),
         assumed=Wheel(*(getattr(assumed, name) for name in Wheel.__dataclass_fields__)),
@@ -143,8 +151,8 @@ def loop_of(case: Case, creep: float, *, sliding: bool) -> Loop | None:
         proportional=gains[0],
         integral=gains[1],
         estimator=control.estimator.kind,
-        bandwidth=angular(control.estimator.bandwidth),
-        damping=control.estimator.damping_ratio,
+        bandwidth=angular(estimates.bandwidth),
+        damping=estimates.damping_ratio if isinstance(estimates, Observer) else Observer().damping_ratio,
         kalman_gain=np.array(_core.kalman_gain(estimator(control), assumed, control.sample_time)) if kalman else None,
     )
 

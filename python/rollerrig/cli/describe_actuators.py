@@ -8,6 +8,7 @@ from __future__ import annotations
 from rollerrig.actuators import assemble_with_actuators
 from rollerrig.assembly import AssembledModel
 from rollerrig.config import Case, code_of
+from rollerrig.config.schema.rig_control import BandwidthEstimator
 from rollerrig.mechatronics import COMMANDS, look_at_controller, users_controllers
 from rollerrig.mechatronics.setup import estimator_response, feedback_gains, full_brake_torque, rig_controller
 
@@ -97,7 +98,8 @@ def _rig_control(model: AssembledModel) -> str:
     control = model.case.rig_control
     assert control is not None
     estimator, kind = control.estimator, control.feedback.kind
-    text = f", {estimator.kind.replace('_', ' ')} {estimator.bandwidth:g} Hz, {_WORDS.get(kind, kind)}"
+    pole = f" {estimator.bandwidth:g} Hz" if isinstance(estimator, BandwidthEstimator) else ""
+    text = f", {estimator.kind.replace('_', ' ')}{pole}, {_WORDS.get(kind, kind)}"
     if kind == "proportional_integral":
         proportional, integral = feedback_gains(model)
         text += f" {proportional / 1e3:.3g} kN m s/rad and {integral / 1e3:.3g} kN m/rad"

@@ -12,7 +12,8 @@ from rollerrig import _core
 from rollerrig.actuators import pneumatic_brake
 from rollerrig.assembly import AssembledModel
 from rollerrig.config import Adhesion, Brake, Case, Encoder, ForceSensor, Motor, Rig, RigControl, Sensors
-from rollerrig.core_struct import angular, core_law, core_struct
+from rollerrig.config.schema.rig_control import BandwidthEstimator, NoFeedback, ProportionalIntegral, SlidingMode
+from rollerrig.core_struct import angular, core_struct
 from rollerrig.mechatronics.controllers import UserController
 from rollerrig.mechatronics.virtual_train import load_transfer, rail_patch, train_mass
 
@@ -161,7 +162,7 @@ def rig_controller(model: AssembledModel) -> _core.RigControl:
         without=without,
         assumed=assumed_parameters(model),
         estimator=estimator(control),
-        feedback=feedback(control),
+        feedback=feedback(control.feedback),
         largest=control.feedback.largest,
         commanded_torque=control.estimator.torque == "commanded",
         measured_loads=control.loads == "measured",
@@ -179,15 +180,14 @@ def rig_controller(model: AssembledModel) -> _core.RigControl:
 def estimator(control: RigControl) -> Any:
     """The estimator of contact force and axle torque."""
     table = control.estimator
-    return core_law(_core.estimators, table.kind, table, without=("torque",), bandwidth=angular(table.bandwidth))
+    given = {"bandwidth": angular(table.bandwidth)} if isinstance(table, BandwidthEstimator) else {}
+    return core_struct(_core.estimators[table.kind], table, without=("kind", "torque"), **given)
 
 
-def feedback(control: RigControl, kind: str | None = None) -> Any:
-    """The feedback on the axles' speeds: the case's, or that of another kind with the case's numbers."""
-    table = control.feedback
-    return core_law(
-        _core.feedbacks, kind or table.kind, table, without=("largest",), bandwidth=angular(table.bandwidth)
-    )
+def feedback(table: ProportionalIntegral | SlidingMode | NoFeedback) -> Any:
+    """A feedback on the axles' speeds."""
+    given = {"bandwidth": angular(table.bandwidth)} if isinstance(table, ProportionalIntegral) else {}
+    return core_struct(_core.feedbacks[table.kind], table, without=("kind", "largest"), **given)
 
 
 def assumed_parameters(model: AssembledModel) -> _core.AssumedParameters:
@@ -242,10 +242,14 @@ def full_brake_torque(case: Case) -> float:
 
 
 def feedback_gains(model: AssembledModel) -> tuple[float, float]:
-    """Proportional [N m s/rad] and integral gain [N m/rad] of PI feedback on a rig with [rig_control], (D6)."""
+    """Proportional [N m s/rad] and integral gain [N m/rad] of PI feedback on a rig with [rig_control], (D6).
+
+    Those of the case; with feedback of another kind those that PI feedback has by default.
+    """
     control = model.case.rig_control
     assert control is not None
-    proportional, integral = _core.feedback_gains(feedback(control, "proportional_integral"), assumed_parameters(model))
+    table = control.feedback if isinstance(control.feedback, ProportionalIntegral) else ProportionalIntegral()
+    proportional, integral = _core.feedback_gains(feedback(table), assumed_parameters(model))
     return proportional, integral
 
 

@@ -77,6 +77,11 @@ def scale_case(
     return checked.with_changes(changes) if changes else checked
 
 
+def scaled_table(table: M, factors: Similitude) -> M:
+    """A table of full-scale numbers at the scale of a model."""
+    return _scaled(table, factors, {})
+
+
 def factors_of(case: Case) -> Similitude:
     """The factors in a scaled case.
 

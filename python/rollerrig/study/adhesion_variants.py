@@ -9,6 +9,7 @@ from typing import Any
 
 from rollerrig.cases import on_track
 from rollerrig.config import Case, ConfigError, ConfigProblem, Rig
+from rollerrig.config.schema.rig_control import ExactEstimator
 
 STEPS = ("rolling", "drives", "estimator")
 VARIANTS = {
@@ -56,6 +57,6 @@ def variant(case: Case, name: str) -> Case:
         changes["motor"] = control.motor.model_copy(update=fast)
         changes["feedback"] = control.feedback.model_copy(update={"largest": NO_LIMIT})
     if "estimator" in taken:
-        changes["estimator"] = control.estimator.model_copy(update={"kind": "exact"})
+        changes["estimator"] = ExactEstimator(kind="exact", torque=control.estimator.torque)
     contact = case.contact.model_copy(update={"pure_rolling": True})
     return case.model_copy(update={"rig_control": control.model_copy(update=changes), "contact": contact})

@@ -33,7 +33,7 @@ from rollerrig.study.control_ranking import (
 from rollerrig.study.control_runs import OUTPUT_STEP, QUANTITIES, REFERENCE_COLUMNS, RUN, against, run_variant
 from rollerrig.study.control_stability import loop_blocks, loop_jobs, loop_numbers
 from rollerrig.study.control_text import failures_text, rank_numbers
-from rollerrig.study.control_variants import FAMILIES, REFERENCES, USER, Family
+from rollerrig.study.control_variants import FAMILIES, REFERENCES, USER, Family, references
 from rollerrig.study.frame import Study
 from rollerrig.study.jobs import Done, Round, job
 from rollerrig.study.quantities import Numbers
@@ -113,14 +113,14 @@ class ControlStudy(Study[Found]):
     def variants(self) -> dict[tuple[str, str, float], Case]:
         """Family, curve and value of each variant -> its case; those of 'references' have no value."""
         own: dict[str, Any] = {USER: {"rig_control.user": self.user}} if self.user else {}
-        references = {("references", label, math.nan): changes for label, changes in (REFERENCES | own).items()}
+        shipped = {("references", label, math.nan): changes for label, changes in (references(self.case) | own).items()}
         varied = {
             (family.name, label, float(value)): family.changes(self.case, curve, value)
             for family in self.chosen
             for label, curve in (dict(family.curves) | (own if family.user else {})).items()
             for value in family.values
         }
-        return {key: self.case.with_changes(changes) for key, changes in (references | varied).items()}
+        return {key: self.case.with_changes(changes) for key, changes in (shipped | varied).items()}
 
     def rounds(self, done: Done) -> Iterator[Round]:
         jobs = {_name(key): job(run_variant, case, key[0] == "references") for key, case in self.variants.items()}

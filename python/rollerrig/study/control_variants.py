@@ -6,15 +6,28 @@ of the case with their new values.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Literal, get_args
+from typing import Literal
 
 from rollerrig.actuators import assemble_with_actuators
 from rollerrig.analysis.control_loop import Wheel, wheel_of
 from rollerrig.config import Case
-from rollerrig.config.schema.rig_control import Estimator
+from rollerrig.config.schema.rig_control import (
+    BandwidthEstimator,
+    Estimator,
+    ExactEstimator,
+    Feedback,
+    FilteredDerivative,
+    KalmanFilter,
+    NoFeedback,
+    Observer,
+    ProportionalIntegral,
+    SlidingMode,
+)
 from rollerrig.mechatronics.setup import feedback_gains
+from rollerrig.similitude.scale_case import factors_of, scaled_table
 
 Changes = Mapping[str, object]
 Vary = Callable[[Case, float], Changes]
@@ -70,15 +83,35 @@ def label(key: str) -> str:
     return key.replace("_", " ")
 
 
-ESTIMATORS: dict[str, Changes | Vary] = {
-    label(kind): {"rig_control.estimator.kind": kind} for kind in get_args(Estimator.model_fields["kind"].annotation)
+def _of_kind(part: Literal["estimator", "feedback"], table: Estimator | Feedback) -> Vary:
+    """An estimator or a feedback: the case's numbers where its own kind has them, for the rest the defaults at its scale."""
+
+    def changes(case: Case, _value: float) -> Changes:
+        control = case.rig_control
+        assert control is not None
+        own = getattr(control, part)
+        usual = table if case.similitude is None else scaled_table(table, factors_of(case))
+        more = {name: getattr(usual, name) for name in type(usual).model_fields if name not in type(own).model_fields}
+        key = f"rig_control.{part}"
+        return {f"{key}.kind": getattr(table, "kind", None)} | {f"{key}.{name}": value for name, value in more.items()}
+
+    return changes
+
+
+OBSERVER, PI, SLIDING_MODE = Observer(), ProportionalIntegral(), SlidingMode(kind="sliding_mode")
+
+LIMITED: dict[str, Vary] = {
+    label(table.kind): _of_kind("estimator", table)
+    for table in (OBSERVER, FilteredDerivative(kind="filtered_derivative"), KalmanFilter(kind="kalman"))
 }
+"""Estimators of limited bandwidth."""
+ESTIMATORS: dict[str, Vary] = {**LIMITED, "exact": _of_kind("estimator", ExactEstimator(kind="exact"))}
 """Every kind of estimator that the case file knows."""
 
-FEEDBACKS: dict[str, Changes | Vary] = {
-    "PI": {"rig_control.feedback.kind": "proportional_integral"},
-    "sliding mode": {"rig_control.feedback.kind": "sliding_mode"},
-    "no feedback": {"rig_control.feedback.kind": "none"},
+FEEDBACKS: dict[str, Vary] = {
+    "PI": _of_kind("feedback", PI),
+    "sliding mode": _of_kind("feedback", SLIDING_MODE),
+    "no feedback": _of_kind("feedback", NoFeedback(kind="none")),
 }
 
 USER = "user's controller"
@@ -89,25 +122,32 @@ def _set(key: str) -> Vary:
     return lambda _case, value: {key: value}
 
 
-def _as_it_is(key: str) -> Callable[[Case], float]:
-    """The number at a dotted key of a case."""
+def _as_it_is(key: str, otherwise: float = math.nan) -> Callable[[Case], float]:
+    """The number at a dotted key of a case, or another one where its table has no such key."""
 
     def read(case: Case) -> float:
         value: object = case
         for part in key.split("."):
-            value = getattr(value, part)
+            value = getattr(value, part, otherwise)
         assert isinstance(value, int | float)
         return float(value)
 
     return read
 
 
-def _gain(case: Case, factor: float) -> Changes:
-    """Gains of all kinds of feedback times a factor."""
-    assert case.rig_control is not None
+def _pi_gains(case: Case, factor: float) -> Changes:
+    """PI feedback with its gains times a factor."""
     proportional, integral = feedback_gains(assemble_with_actuators(case))
-    gains = {"proportional": proportional, "integral": integral, "switching": case.rig_control.feedback.switching}
-    return {f"rig_control.feedback.{key}": factor * gain for key, gain in gains.items()}
+    gains = {"proportional": factor * proportional, "integral": factor * integral}
+    return {**FEEDBACKS["PI"](case, factor), **{f"rig_control.feedback.{key}": gain for key, gain in gains.items()}}
+
+
+def _switching(case: Case, factor: float) -> Changes:
+    """A sliding mode with its torque times a factor."""
+    key = "rig_control.feedback.switching"
+    changes = FEEDBACKS["sliding mode"](case, factor)
+    torque = _as_it_is(key, SLIDING_MODE.switching)(case.with_changes(changes))
+    return {**changes, key: factor * torque}
 
 
 def _sample_time(_case: Case, value: float) -> Changes:
@@ -147,21 +187,29 @@ REFERENCES: dict[str, Changes] = {
 """Runs that show where the tracking error of the case itself comes from."""
 
 
+def references(case: Case) -> dict[str, Changes]:
+    """REFERENCES of a case; without the bandwidth of its estimator where that has none."""
+    assert case.rig_control is not None
+    left_out = () if isinstance(case.rig_control.estimator, BandwidthEstimator) else tuple(_FAST_ESTIMATOR)
+    return {name: {k: v for k, v in changes.items() if k not in left_out} for name, changes in REFERENCES.items()}
+
+
 def _key_family(name: str, title: str, axis: str, unit: str, key: str, values: tuple[float, ...],
                 curves: Mapping[str, Changes | Vary], *, scale: Literal["log", "linear"] = "log", user: bool = False,
-                vary: Vary | None = None) -> Family:  # fmt: skip
+                vary: Vary | None = None, otherwise: float = math.nan) -> Family:  # fmt: skip
     """A family along one number of the case."""
-    return Family(name, title, axis, unit, values, vary or _set(key), curves, scale, _as_it_is(key), user)
+    return Family(name, title, axis, unit, values, vary or _set(key), curves, scale, _as_it_is(key, otherwise), user)
 
 
 FAMILIES: tuple[Family, ...] = (
     _key_family("estimator_bandwidth", "Estimators and their bandwidth", "bandwidth of the estimator [Hz]", "Hz",
-                "rig_control.estimator.bandwidth", (1, 2, 5, 10, 20, 50, 100, 200), ESTIMATORS),
+                "rig_control.estimator.bandwidth", (1, 2, 5, 10, 20, 50, 100, 200), LIMITED, otherwise=OBSERVER.bandwidth),
     Family("feedback_gain", "Gains of the feedback", "factor on the gains [-]", "×",
-           (0.1, 0.25, 0.5, 1, 2, 4, 8, 16, 32, 64, 128, 256), _gain,
-           {key: FEEDBACKS[key] for key in ("PI", "sliding mode")}, base=lambda _case: 1.0),
+           (0.1, 0.25, 0.5, 1, 2, 4, 8, 16, 32, 64, 128, 256), lambda _case, _factor: {},
+           {"PI": _pi_gains, "sliding mode": _switching}, base=lambda _case: 1.0),
     _key_family("feedback_bandwidth", "Bandwidth of the PI loop", "bandwidth of the loop [Hz]", "Hz",
-                "rig_control.feedback.bandwidth", (0.05, 0.1, 0.2, 0.35, 0.7, 1.4, 2.8, 5.6, 11.2), {"PI": FEEDBACKS["PI"]}),
+                "rig_control.feedback.bandwidth", (0.05, 0.1, 0.2, 0.35, 0.7, 1.4, 2.8, 5.6, 11.2), {"PI": FEEDBACKS["PI"]},
+                otherwise=PI.bandwidth),
     _key_family("sample_time", "Sample time", "sample time of the controller [s]", "s", "rig_control.sample_time",
                 (1e-4, 2e-4, 5e-4, 1e-3, 2e-3, 5e-3, 1e-2),
                 {**FEEDBACKS, **{f"PI, {key}": fixed for key, fixed in ESTIMATORS.items() if key != "observer"}},
@@ -189,6 +237,6 @@ FAMILIES: tuple[Family, ...] = (
            f"Bandwidth of the estimators behind encoders of {COUNTS:g} counts, differenced over {WINDOW} samples",
            "bandwidth of the estimator [Hz]", "Hz", (1, 2, 5, 10, 20, 50, 100),
            lambda _case, value: {**_encoders(counts=COUNTS, window=WINDOW), "rig_control.estimator.bandwidth": value},
-           ESTIMATORS),
+           LIMITED),
 )  # fmt: skip
 """Everything that `rollerrig control` varies."""

@@ -154,6 +154,12 @@ def whole_cases() -> dict[str, Raw]:
     brake["train"] = {"gradient": 0.01}
     brake["adhesion"]["piece"] = [{"distance": 10.0, "rail": "low"}]
     brake["support"]["data"]["mounting"] = {"lateral": {"stiffness": 1e8}, "yaw": {"stiffness": 1e8}}
+    kalman = plain(load_case("adhesion_brake"))
+    kalman["rig_control"] |= {
+        "estimator": {"kind": "kalman", "force_change": 1e3, "torque_change": 1e3}, "feedback": {"kind": "sliding_mode"}
+    }  # fmt: skip
+    derivative = plain(load_case("adhesion_brake"))
+    derivative["rig_control"] |= {"estimator": {"kind": "filtered_derivative"}, "feedback": {"kind": "none"}}
     track = plain(load_case("vehicle_track_irregular"))
     track["support"]["data"]["foundation"] = {"rail_mass": 60.0, "lateral": {"stiffness": 1e8}}
     damped = {"damper": {"damping": 1e4, "series_stiffness": 1e6}}
@@ -179,7 +185,8 @@ def whole_cases() -> dict[str, Raw]:
     flat["vehicle"]["data"]["wheel"]["profile"] = {"kind": "cylinder"}
     curve = plain(load_case("vehicle_curve"))
     cases = {
-        "brake": brake, "track": track, "curve": curve, "small": small, "ramp": ramp, "torque": torque, "arcs": arcs,
+        "brake": brake, "kalman": kalman, "derivative": derivative, "track": track, "curve": curve, "small": small,
+        "ramp": ramp, "torque": torque, "arcs": arcs,
         "flat": flat, "files": _with_files(),
     }  # fmt: skip
     return {name: plain(build(raw)) for name, raw in cases.items()}  # every key with its value

@@ -8,6 +8,7 @@ import pytest
 
 from rollerrig.catalog import catalog_text
 from rollerrig.config import ConfigError, Contact, load_any, load_case, load_vehicle
+from rollerrig.config.schema.rig_control import KalmanFilter, NoFeedback
 
 from .conftest import MistakesOf, spoil
 
@@ -333,3 +334,40 @@ def test_rollers_with_a_controller_are_free(tmp_path: Path) -> None:
 def test_an_example_fits_its_key(tmp_path: Path) -> None:
     with pytest.raises(ConfigError, match=r"a text with a unit like '3\.8 bar'"):
         load_case("adhesion_brake").with_changes({"brake.demand": [[0, "x"], [1, 0]]})
+
+
+@pytest.mark.parametrize(
+    ("changes", "line"),
+    [
+        ({"rig_control.estimator": "kalmann"},
+         "rig_control.estimator: 'kalmann'; allowed: observer, filtered_derivative, kalman, exact; did you mean 'kalman'?"),
+        ({"rig_control.estimator": {"kind": "Luenberger"}},
+         "rig_control.estimator.kind: 'Luenberger'; allowed: observer, filtered_derivative, kalman, exact; did you mean "
+         "'observer'?"),
+        ({"rig_control.estimator": {"speed_noise": 1e-3}},
+         "rig_control.estimator.speed_noise: unknown key (= 0.001); allowed: torque, bandwidth, kind, damping_ratio"),
+        ({"rig_control.estimator": {"kind": "exact", "bandwidth": 20}},
+         "rig_control.estimator.bandwidth: unknown key (= 20); allowed: torque, kind"),
+        ({"rig_control.feedback": {"kind": "none", "proportional": 1e3}},
+         "rig_control.feedback.proportional: unknown key (= 1000.0); allowed: largest, kind"),
+        ({"rig_control.feedback": {"kind": "proportional_integral", "switching": 1e3}},
+         "rig_control.feedback.switching: unknown key (= 1000.0); allowed: largest, kind, bandwidth, damping_ratio, "
+         "proportional, integral"),
+    ],
+)  # fmt: skip
+def test_a_key_of_another_kind_is_refused(changes: dict[str, object], line: str) -> None:
+    with pytest.raises(ConfigError) as error:
+        load_case("adhesion_brake").with_changes(changes)
+    assert str(error.value) == f"adhesion_brake (changed): {line}"
+
+
+def test_a_name_alone_and_a_new_kind_ask_for_its_defaults() -> None:
+    case = load_case("adhesion_brake").with_changes(
+        {"rig_control.estimator.damping_ratio": 0.5, "rig_control.feedback": "none"}
+    )
+    control = case.rig_control
+    assert control is not None
+    assert control.feedback == NoFeedback(kind="none")
+    other = case.with_changes({"rig_control.estimator.kind": "kalman"}).rig_control
+    assert other is not None
+    assert other.estimator == KalmanFilter(kind="kalman", bandwidth=control.estimator.bandwidth)

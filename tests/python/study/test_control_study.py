@@ -7,7 +7,7 @@ import json
 import math
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, get_args
+from typing import Any
 
 import numpy as np
 import pytest
@@ -15,12 +15,13 @@ import pytest
 from rollerrig import ConfigError, load_case
 from rollerrig.analysis.torque_ripple import torque_ripple
 from rollerrig.config import Case
-from rollerrig.config.schema.rig_control import Estimator, Feedback
+from rollerrig.config.schema.rig_control import ESTIMATORS, FEEDBACKS
 from rollerrig.study import control
 from rollerrig.study.control import ControlStudy, Found, run_variant, study_case
 from rollerrig.study.control_ranking import RIPPLE_LIMIT, TRACKING_LIMIT, Result, failures, ranking
 from rollerrig.study.control_text import failures_text
 from rollerrig.study.control_variants import FAMILIES, USER, Family
+from rollerrig.study.control_variants import FEEDBACKS as FEEDBACK_VARIANTS
 from rollerrig.study.frame import Outcome
 
 MINE = """
@@ -79,11 +80,19 @@ def test_families_change_what_they_say() -> None:
 
 
 def test_every_estimator_and_feedback_of_the_case_file_is_compared() -> None:
-    for name, table in (("estimator_bandwidth", Estimator), ("drive_bandwidth", Feedback)):
+    case = brake()
+    for name, part, known in (("sample_time", "estimator", ESTIMATORS), ("drive_bandwidth", "feedback", FEEDBACKS)):
         found = next(f for f in FAMILIES if f.name == name)
-        keys = [dict(c) for c in found.curves.values() if not callable(c)]
-        kinds = {value for changes in keys for key, value in changes.items() if key.endswith(".kind")}
-        assert kinds == set(get_args(table.model_fields["kind"].annotation)), name
+        variants = [case.with_changes(found.changes(case, curve, found.values[0])) for curve in found.curves.values()]
+        assert {getattr(variant.rig_control, part).kind for variant in variants} == set(known), name
+
+
+def test_kinds_of_a_scaled_case_have_numbers_at_its_scale() -> None:
+    """1:5, DLR: torque over 312.5, angular speed times sqrt(5)."""
+    case = load_case("scaled_brake")
+    feedback = case.with_changes(FEEDBACK_VARIANTS["sliding mode"](case, 1.0)).rig_control.feedback
+    assert (feedback.switching, feedback.largest) == pytest.approx((3.2, 64.0))
+    assert feedback.boundary_layer == pytest.approx(0.5 * math.sqrt(5.0))
 
 
 def test_a_users_feed_forward_is_the_built_in_one_without_feedback(outcome: Outcome[Found]) -> None:

@@ -5,11 +5,13 @@ raw tables + {"body.car_body.mass": "30 t"} -> [apply_changes] -> raw tables, no
 
 import re
 from collections.abc import Mapping
+from functools import cache
 from typing import Any
 
 from rollerrig.config.errors import ConfigProblem, nearest, one_of, show_value
+from rollerrig.config.schema.case import CaseTables
 from rollerrig.config.schema.units import KEY_SUFFIXES
-from rollerrig.config.validate.messages import item_label
+from rollerrig.config.validate.messages import item_label, tables_below, tag_of
 from rollerrig.config.write.toml import plain
 
 # A new value of the first makes the second meaningless.
@@ -75,10 +77,26 @@ def _write(raw: dict[str, Any], key: str, value: object, keys: set[str], file: s
         holder[last] = value
         base, _, suffix = last.rpartition("_")
         spellings = (base,) if suffix in KEY_SUFFIXES else tuple(f"{last}_{suffix}" for suffix in KEY_SUFFIXES)
-        for sibling in (*_REPLACES.get(last, ()), *spellings):
+        for sibling in (*_REPLACES.get(last, ()), *spellings, *(_of_other_kinds(value) if last == "kind" else ())):
             if key.removesuffix(last) + sibling not in keys:
                 holder.pop(sibling, None)
     return None
+
+
+@cache
+def _keys_by_kind() -> Mapping[str, frozenset[str]]:
+    """Keys of the tables of each `kind`, those of the same word together."""
+    found: dict[str, frozenset[str]] = {}
+    for table in tables_below(CaseTables):
+        if tag := tag_of(table):
+            found[tag] = found.get(tag, frozenset()) | table.model_fields.keys()
+    return found
+
+
+def _of_other_kinds(kind: object) -> frozenset[str]:
+    """Keys that a table of another kind may have and one of this kind may not: they go where the kind is changed."""
+    own = _keys_by_kind().get(str(kind))
+    return frozenset().union(*_keys_by_kind().values()) - own if own else frozenset()
 
 
 def _index(items: list[Any], part: str) -> int | None:

@@ -1,12 +1,14 @@
 """The rig's controller: how it reproduces the train, how it estimates, how it corrects, and when it gives up."""
 
+from collections.abc import Mapping
 from typing import Annotated, Any, Literal
 
-from pydantic import BeforeValidator, Field
+from pydantic import BeforeValidator, Discriminator, Field
 from pydantic_core import PydanticCustomError
 
 from rollerrig.config.schema.actuators import Controller, Delay, Frequency, Motor, Phase, SampleTime
 from rollerrig.config.schema.base import Table
+from rollerrig.config.schema.contact_law import kinds
 from rollerrig.config.schema.units import Inertia, Quantity, RollerRadius, WheelRadius
 
 _TRANSFER = Quantity("kg", -1e8, 1e8)
@@ -30,43 +32,92 @@ LoadTransfer = Annotated[
 ]
 
 
+def _by_kind(usual: str) -> BeforeValidator:
+    """A name alone asks for that kind with its defaults, a table without `kind` for the usual one."""
+
+    def completed(value: Any) -> Any:
+        if isinstance(value, str):
+            return {"kind": value}
+        return {"kind": usual, **value} if isinstance(value, Mapping) else value
+
+    return BeforeValidator(completed)
+
+
 class Estimator(Table):
     """Contact force and axle torque from the rollers' side."""
 
-    kind: Literal["observer", "filtered_derivative", "kalman", "exact"] = Field(
-        default="observer",
-        description="of disturbance (Luenberger); a filtered derivative of the roller's speed; a Kalman filter of both speeds, "
-        "force and torque; or exact: force and torque that really act, for studies of what estimating costs",
+    torque: Literal["measured", "commanded"] = Field(
+        default="measured",
+        description="of a roller's drive: as [sensors.roller_torque] says, exact if absent; or what the drive was asked for",
     )
+
+
+class BandwidthEstimator(Estimator):
+    """An estimator of limited bandwidth."""
+
     bandwidth: Frequency = Field(
         default=20.0,
         description="pole of the filter, natural frequency of the observer; `rollerrig check` prints bandwidth and delay that "
         "are measured on the estimate",
     )
-    torque: Literal["measured", "commanded"] = Field(
-        default="measured",
-        description="of a roller's drive: as [sensors.roller_torque] says, exact if absent; or what the drive was asked for",
-    )
-    speed_noise: Annotated[float, Quantity("rad/s", 1e-12, 1e3)] = Field(
-        default=1e-3, description="for kind = 'kalman': standard deviation of a measured speed"
-    )
-    force_change: Annotated[float, Quantity("N", 1e-6, 1e12)] | None = Field(
-        default=None,
-        description="for kind = 'kalman': standard deviation of the contact force's change over 1 s; absent: from `bandwidth`",
-    )
-    torque_change: Annotated[float, Quantity("N m", 1e-6, 1e12)] | None = Field(
-        default=None, description="the same of the axle's torque"
-    )
+
+
+class Observer(BandwidthEstimator):
+    """Observer of disturbance (Luenberger)."""
+
+    kind: Literal["observer"] = Field(default="observer", description="observer of disturbance (Luenberger)")
     damping_ratio: Annotated[float, Quantity("1", 0.01, 2.0)] = Field(
         default=0.8, description="of the observer's poles"
     )
 
 
-class Feedback(Table):
-    """What corrects the wheels' speeds; gains that are absent follow from bandwidth, damping and inertias."""
+class FilteredDerivative(BandwidthEstimator):
+    """A filtered derivative of the roller's speed."""
 
-    kind: Literal["proportional_integral", "sliding_mode", "none"] = Field(
-        default="proportional_integral", description="on virtual minus measured axle speed"
+    kind: Literal["filtered_derivative"] = Field(description="a filtered derivative of the roller's speed")
+
+
+class KalmanFilter(BandwidthEstimator):
+    """A Kalman filter of both speeds, force and torque."""
+
+    kind: Literal["kalman"] = Field(description="a Kalman filter of both speeds, force and torque")
+    speed_noise: Annotated[float, Quantity("rad/s", 1e-12, 1e3)] = Field(
+        default=1e-3, description="standard deviation of a measured speed"
+    )
+    force_change: Annotated[float, Quantity("N", 1e-6, 1e12)] | None = Field(
+        default=None,
+        description="standard deviation of the contact force's change over 1 s; absent: from `bandwidth`",
+    )
+    torque_change: Annotated[float, Quantity("N m", 1e-6, 1e12)] | None = Field(
+        default=None, description="the same of the axle's torque"
+    )
+
+
+class ExactEstimator(Estimator):
+    """Force and torque that really act, for studies of what estimating costs."""
+
+    kind: Literal["exact"] = Field(description="force and torque that really act, as on no real rig")
+
+
+AnyEstimator = Annotated[
+    Observer | FilteredDerivative | KalmanFilter | ExactEstimator, Discriminator("kind"), _by_kind("observer")
+]
+ESTIMATORS = kinds(AnyEstimator)
+
+
+class Feedback(Table):
+    """What corrects the wheels' speeds, by virtual minus measured axle speed."""
+
+    largest: Annotated[float, Quantity("N m", 1e-3, 1e9)] = Field(
+        default=2e4, description="torque asked of a roller's drive"
+    )
+
+
+class ProportionalIntegral(Feedback):
+    """Proportional-integral feedback; gains that are absent follow from bandwidth, damping and inertias."""
+
+    kind: Literal["proportional_integral"] = Field(
+        default="proportional_integral", description="proportional-integral feedback"
     )
     bandwidth: Frequency = Field(
         default=0.7, description="of the loop: far below the estimator, whose errors it is to remove"
@@ -74,15 +125,30 @@ class Feedback(Table):
     damping_ratio: Annotated[float, Quantity("1", 0.01, 5.0)] = Field(default=0.7, description="of the loop")
     proportional: Annotated[float, Quantity("N m s/rad", 0.0, 1e10)] | None = Field(default=None, description="gain")
     integral: Annotated[float, Quantity("N m/rad", 0.0, 1e10)] | None = Field(default=None, description="gain")
+
+
+class SlidingMode(Feedback):
+    """Sliding-mode feedback with a boundary layer."""
+
+    kind: Literal["sliding_mode"] = Field(description="a switched torque, proportional within a boundary layer")
     switching: Annotated[float, Quantity("N m", 0.0, 1e9)] = Field(
         default=1000.0, description="torque of the sliding mode"
     )
     boundary_layer: Annotated[float, Quantity("rad/s", 1e-9, 1e3)] = Field(
         default=0.5, description="of the sliding mode: it acts in proportion within"
     )
-    largest: Annotated[float, Quantity("N m", 1e-3, 1e9)] = Field(
-        default=2e4, description="torque asked of a roller's drive"
-    )
+
+
+class NoFeedback(Feedback):
+    """Feed-forward alone."""
+
+    kind: Literal["none"] = Field(description="feed-forward alone")
+
+
+AnyFeedback = Annotated[
+    ProportionalIntegral | SlidingMode | NoFeedback, Discriminator("kind"), _by_kind("proportional_integral")
+]
+FEEDBACKS = kinds(AnyFeedback)
 
 
 class Protection(Table):
@@ -122,8 +188,10 @@ class RigControl(Controller):
         description="a wheel that turns slower than this while its train runs faster is locked: its virtual wheel is held with "
         "it, and its brake's torque, then the reaction to the roller's, is not used",
     )
-    estimator: Estimator = Field(default=Estimator(), description="of the contact force")
-    feedback: Feedback = Field(default=Feedback(), description="on the axles' speeds")
+    estimator: AnyEstimator = Field(default=Observer(), description="of the contact force: its kind, or a table")
+    feedback: AnyFeedback = Field(
+        default=ProportionalIntegral(), description="on the axles' speeds: its kind, or a table"
+    )
     motor: Motor = Field(default=Motor(), description="drive of each roller axle")
     protection: Protection = Field(default=Protection(), description="of the rollers")
     assumed: Assumed = Field(default=Assumed(), description="what the controller believes in")

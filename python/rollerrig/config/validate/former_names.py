@@ -39,7 +39,7 @@ _DIVIDED: Mapping[str, str] = {
 
 def meant(word: object, choices: Sequence[str]) -> str:
     """The present name of a renamed key or word, or the nearest of those allowed; "" if nothing is near."""
-    present = (new for new in _RENAMED.get(str(word), ()) if new.split(".")[0] in choices)
+    present = (new for new in _RENAMED.get(str(word).lower(), ()) if new.split(".")[0] in choices)
     return next(present, "") or nearest(word, choices)
 
 

@@ -83,6 +83,22 @@ def tables_in(annotation: Any) -> tuple[type[BaseModel], ...]:
     return ()
 
 
+def tables_below(root: type[BaseModel]) -> tuple[type[BaseModel], ...]:
+    """The model and all that may stand in it, at any depth."""
+    found: dict[type[BaseModel], None] = {}
+
+    def visit(annotation: Any) -> None:
+        if isinstance(annotation, type) and issubclass(annotation, BaseModel) and annotation not in found:
+            found[annotation] = None
+            for field in annotation.model_fields.values():
+                visit(field.annotation)
+        for part in get_args(annotation):
+            visit(part)
+
+    visit(root)
+    return tuple(found)
+
+
 def tag_of(table: type[BaseModel]) -> str:
     """The value of ``kind`` that selects this table in a union, or ""."""
     kind = table.model_fields.get("kind")
