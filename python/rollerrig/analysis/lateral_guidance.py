@@ -1,7 +1,7 @@
 """Lateral motion of a bogie whose wheels slide along the track: amplitudes, and the lateral creep that remains.
 
 run -> [slide_begins, amplitude, amplitudes_over_time] -> hunting before and in the slide
-run -> [guidance] -> lateral creep force of sliding axles against -F v_y / w, (Q6) of docs/theory/rig_control.md
+run -> [guidance] -> lateral creep force of sliding axles against -F v_y / v_s, (Q6) of docs/theory/rig_control.md
 
 A wheel that slides along the track has its friction used up: what remains of lateral creep is viscous.
 """
@@ -92,10 +92,10 @@ class Guidance:
 
     Attributes:
         force: lateral creep force of an axle [N].
-        expected: sum of -F v_y / w over its wheels [N], F the length of a wheel's creep force.
+        expected: sum of -F v_y / v_s over its wheels [N], F the length of a wheel's creep force.
         slope: of force over expected; 1: Coulomb's law.
         correlation: of the two.
-        rolling, sliding: damping of one wheel -dF_y/dv_y [N s/m]: f22 / V of Kalker's theory, and the median of F / w.
+        rolling, sliding: damping of one wheel -dF_y/dv_y [N s/m]: f22 / V of Kalker's theory, and the median of F / v_s.
     """
 
     force: Array

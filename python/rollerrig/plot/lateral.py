@@ -88,7 +88,7 @@ def viscous(expected: Array, force: Array, slope: float) -> Figure:
     """Lateral creep force of sliding wheels over the closed form.
 
     Args:
-        expected: -F v_y / w [N].
+        expected: -F v_y / v_s [N].
         force: of the run [N].
         slope: of the line through both.
     """
@@ -98,7 +98,7 @@ def viscous(expected: Array, force: Array, slope: float) -> Figure:
         ends = np.array([expected.min(), expected.max()])
         axes.plot(ends, ends, "--", color=GREY, label="Coulomb: opposite to sliding")
         axes.plot(ends, slope * ends, "-", color=COLOURS[1], linewidth=1.0, label=f"slope {slope:.2f}")
-        axes.set_xlabel("-F v_y / w, both wheels [N]")
+        axes.set_xlabel("-F v_y / v_s, both wheels [N]")
         axes.set_ylabel("lateral creep force\nof the axle [N]")
         axes.legend(fontsize=8.0)
     return figure

@@ -144,8 +144,9 @@ class LateralStudy(Study[dict[str, xr.Dataset]]):
             left, exact = numbers["guidance"]["track"], numbers["guidance"].get("track_exact")
             lines.append(
                 f"What remains of lateral creep on a sliding wheel is viscous, {number(left['sliding_ns_per_m'], 3)} N s/m "
-                f"instead of {number(left['rolling_ns_per_m'], 3)}. Against −F v_y/w its slope is {left['slope']:z.2f} with the "
-                "case's creep law" + (f", {exact['slope']:z.2f} with the exact theory." if exact is not None else ".")
+                f"instead of {number(left['rolling_ns_per_m'], 3)}. Against −F v_y/v_s its slope is {left['slope']:z.2f} with "
+                "the case's creep law"
+                + (f", {exact['slope']:z.2f} with the exact theory." if exact is not None else ".")
             )
         ended = {key: run for key, run in results.items() if run.attrs["status"] not in COMPLETED}
         return lines + [f"{LABELS[key]}: {run.attrs['status_message']}" for key, run in ended.items()]
@@ -162,10 +163,10 @@ class LateralStudy(Study[dict[str, xr.Dataset]]):
 
     def _guidance_blocks(self, results: dict[str, xr.Dataset], numbers: Numbers) -> list[Block]:
         text = (
-            "On a wheel that slides along the track at a speed w far above its lateral speed v_y, friction opposes the sliding: "
-            "F_y = -F v_y / w, viscous and weak, where a rolling wheel has f22 / V. Kalker's theory saturated by its length "
-            "keeps the direction of the linear force, so that its slope is near f22 / f11; the exact theory and FASTSIM turn to "
-            "Coulomb's. The parts of spin on left and right cancel in an axle."
+            "On a wheel that slides along the track at a speed v_s far above its lateral speed v_y, friction opposes the "
+            "sliding: F_y = −F v_y/v_s, viscous and weak, where a rolling wheel has f₂₂/V. Kalker's theory saturated by its "
+            "length keeps the direction of the linear force, so that its slope is near f₂₂/f₁₁; the exact theory and FASTSIM "
+            "turn to Coulomb's. The parts of spin on left and right cancel in an axle."
         )
         found = {key: self.guidance_of(results[key]) for key in numbers["guidance"]}
         if not found:

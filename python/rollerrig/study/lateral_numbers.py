@@ -68,11 +68,11 @@ RUN = (
     Quantity("runs.*.lateral_creep_largest_kn", "of one wheel", "kN", "lateral creep force of a wheel, largest", 3, least=1e-6),
 )  # fmt: skip
 GUIDANCE = (
-    Quantity("guidance.*.slope", "lateral creep force of fully sliding axles over -F v_y / w; 1: Coulomb", "1",
-             "slope against −F v_y/w", 3),
+    Quantity("guidance.*.slope", "lateral creep force of fully sliding axles over -F v_y / v_s; 1: Coulomb", "1",
+             "slope against −F v_y/v_s", 3),
     Quantity("guidance.*.correlation", "of the two", "1", "correlation", 3),
     Quantity("guidance.*.rolling_ns_per_m", "damping of a rolling wheel, f22 / V", "N s/m", "rolling: f₂₂/V", 3),
-    Quantity("guidance.*.sliding_ns_per_m", "of a sliding one, median of F / w", "N s/m", "sliding: F/w", 3),
+    Quantity("guidance.*.sliding_ns_per_m", "of a sliding one, median of F / v_s", "N s/m", "sliding: F/v_s", 3),
 )  # fmt: skip
 QUANTITIES = Quantities(
     Quantity("case", "name of the case"),

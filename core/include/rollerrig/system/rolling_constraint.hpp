@@ -5,10 +5,10 @@
 // The patches keep normal forces, lateral creep and what differs between left and right (yaw). What they do together along
 // the track and about the two axles is taken out, and T keeps the mean longitudinal slip at nominal radii at nothing:
 //
-//   s = v_x - V_x - r Omega - R Omega_r        s' = -s / tau        (D13)
+//   delta = v_x - V_x - r Omega - R Omega_r        delta' = -delta / tau        (D13)
 //
 // with Omega about the body's own axle (of a roller negative in forward running), V_x of a roller on springs. It is a coupling
-// of system/couplings.hpp: alone, T = -(s'_0 + s / tau) / (1/m + r^2/I + 1/m_r + R^2/I_r).
+// of system/couplings.hpp: alone, T = -(delta'_0 + delta / tau) / (1/m + r^2/I + 1/m_r + R^2/I_r).
 #pragma once
 #include "rollerrig/system/contact_placement.hpp"
 

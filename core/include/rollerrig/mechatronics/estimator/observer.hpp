@@ -1,6 +1,7 @@
 // mechatronics/estimator/observer.hpp - contact force by a Luenberger observer of the roller.
 //
-// States W and T with T' = 0; the error's poles are those of s^2 + 2 zeta w s + w^2, and the prediction is discretised exactly.
+// States W and T with T' = 0; the error's poles are those of s^2 + 2 zeta w s + w^2, and the prediction is discretised exactly,
+// gains (D16).
 //
 // Source  Malvezzi, Pugi et al., roller rig control; docs/theory/rig_control.md.
 #pragma once
@@ -36,7 +37,7 @@ struct DisturbanceObserver {
         s.roller_speed + period * (now.roller_torque + p.roller_radius * s.force) / p.roller_inertia;
     double const error = now.roller_speed - predicted;
     double const w = bandwidth * period;
-    double const l1 = 1.0 - std::exp(-2.0 * damping_ratio * w);
+    double const l1 = 1.0 - std::exp(-2.0 * damping_ratio * w);  // (D16), as l2
     double const root = std::sqrt(std::fabs(1.0 - damping_ratio * damping_ratio));
     double const turn = damping_ratio < 1.0 ? std::cos(w * root) : std::cosh(w * root);
     double const l2 = 1.0 + std::exp(-2.0 * damping_ratio * w) - 2.0 * std::exp(-damping_ratio * w) * turn;
