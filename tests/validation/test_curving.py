@@ -128,7 +128,9 @@ def test_a_vehicle_that_lifts_its_wheels_is_told_with_place_and_quotient() -> No
     message = run.attrs["status_message"]
     place = r"3\d\.\d+ m \(segment\[2\], a curve of radius 150 m to the right\), wheelset_1_right: "
     assert re.match(r"t = 1\.\d+ s, " + place, message)
-    assert re.search(r"Largest \|Y\|/Q of its wheelset in the 0\.5 s before: 1\.\d\d at wheelset_1_left\.$", message)
+    assert re.search(
+        r"Largest unfiltered \|Y\|/Q of its wheelset in the 0\.5 s before: 1\.\d\d at wheelset_1_left\.$", message
+    )
     assert run.sizes["time"] > 200  # what was computed is kept
     summary = summarise(run)
     assert summary["stopped_quotient"] == run.attrs["stopped_quotient"]
