@@ -209,6 +209,7 @@ def test_a_missing_case_names_the_nearest(folder: Path) -> None:
 def test_a_missing_file_names_the_nearest_beside_it(folder: Path) -> None:
     (folder / "sub").mkdir()
     (folder / "sub" / "my_case.toml").write_text("")
+    (folder / "y.toml").write_text("")  # has nothing in common with x.toml but the suffix
     assert line_of("sub/mycase.toml").endswith("`rollerrig catalog` lists; did you mean 'sub/my_case.toml'?")
     assert line_of("x.toml") == (
         "x.toml: no such file; allowed: a TOML file that exists, or a case that `rollerrig catalog` lists"
@@ -287,7 +288,11 @@ def test_a_former_word_leads_to_the_present_one(mistakes_of: MistakesOf) -> None
 def test_each_key_of_a_divided_table_is_told_its_place(mistakes_of: MistakesOf) -> None:
     (problem,) = mistakes_of("[contact]", "[bench]\nstep = 1e-3\nstandstill = 1.0\n[contact]")
     assert problem.key == "bench"
-    for place in ("step is time.sampling_step", "standstill motion.stop_speed", "pure_rolling contact.pure_rolling"):
+    for place in (
+        "step is now time.sampling_step",
+        "standstill motion.stop_speed",
+        "pure_rolling contact.pure_rolling",
+    ):
         assert place in problem.allowed
 
 

@@ -91,8 +91,8 @@ def _missing(path: Path, label: str, kind: CatalogKind) -> ConfigProblem:
     folder = path.parent
     if not folder.is_dir():
         return ConfigProblem(label, "", NO_SUCH_FILE, f"there is no folder '{folder}'")
-    beside = {file.name: str(Path(label).parent / file.name) for file in islice(folder.glob("*.toml"), MOST_FILES)}
-    near = nearest(path.name, tuple(beside))
+    beside = {file.stem: str(Path(label).parent / file.name) for file in islice(folder.glob("*.toml"), MOST_FILES)}
+    near = nearest(path.name.removesuffix(".toml"), tuple(beside))
     shown = beside[near] if near else nearest(path.name.removesuffix(".toml"), names)
     allowed = f"allowed: a TOML file that exists, or a {kind} that `rollerrig catalog` lists"
     return ConfigProblem(label, "", NO_SUCH_FILE, allowed, shown)

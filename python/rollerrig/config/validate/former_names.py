@@ -32,7 +32,7 @@ _RENAMED: Mapping[str, tuple[str, ...]] = {
 """Former key or word -> what it may be called now; a dotted one stands in a table of that name."""
 
 _DIVIDED: Mapping[str, str] = {
-    "bench": "now [bench] step is time.sampling_step, its standstill motion.stop_speed, its pure_rolling contact.pure_rolling"
+    "bench": "its step is now time.sampling_step, its standstill motion.stop_speed, its pure_rolling contact.pure_rolling"
 }
 """Former table -> where each of its keys went."""
 
