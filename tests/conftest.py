@@ -15,14 +15,21 @@ def pytest_addoption(parser: pytest.Parser) -> None:
         help="folder with the third-party files that tests/validation/third_party compares with; without it "
         "they are deselected",
     )
+    parser.addoption(
+        "--long", action="store_true", help="also tests that take minutes each; without it they are deselected"
+    )
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """The third-party files are not ours to ship: comparisons with them run only where a folder is named."""
+    """What runs only when asked for: comparisons with third-party files, which are not ours to ship, and long tests."""
     if config.getoption("--shared") is None:
         third_party = [item for item in items if item.path.parent.name == "third_party"]
         config.hook.pytest_deselected(items=third_party)
         items[:] = [item for item in items if item not in third_party]
+    if not config.getoption("--long"):
+        long = [item for item in items if item.get_closest_marker("long")]
+        config.hook.pytest_deselected(items=long)
+        items[:] = [item for item in items if item not in long]
 
 
 @pytest.fixture(scope="session")

@@ -110,9 +110,19 @@ def test_what_is_not_a_number_is_refused_by_the_name_of_its_argument(calls: Watc
         assert shown in end, f"{name} -> {end}"
 
 
-@pytest.mark.slow
 def test_no_number_in_a_model_crashes_or_hangs_what_is_done_with_it() -> None:
-    models = watch("models")
+    check_models(stride=401)
+
+
+@pytest.mark.long
+def test_no_number_in_a_model_at_all_crashes_or_hangs_what_is_done_with_it() -> None:
+    check_models(stride=1)
+
+
+def check_models(stride: int) -> None:
+    """Every so many of the abuses of whole models: built, linearised, run, each with a number spoiled."""
+    models = watch("models", stride)
+    assert len(models.outcomes) > 15000 / stride
     assert not models.deaths
     assert not list(models.wrong)
 
