@@ -1,7 +1,7 @@
 """The arrow of the data is a test: a folder may use only what stands to its left.
 
 core:    scalar -> math -> integrate -> track -> multibody -> geometry -> contact -> mechatronics -> system -> simulate
-Python:  wording -> splines, input_files, memory, blas_threads -> profiles, track, irregularity -> config -> core_struct
+Python:  wording -> splines, input_files, memory, workers, blas_threads -> profiles, track, irregularity -> config -> core_struct
          -> catalog -> cases -> contact_laws, force_laws, static_loads -> assembly -> actuators -> results -> restraint
          -> starting_state -> mechatronics -> simulation -> similitude -> contact_analysis -> analysis -> plot -> study
          -> commands -> cli
@@ -118,7 +118,7 @@ def test_the_core_knows_no_python_no_files_no_clock(source: Path) -> None:
 PYTHON_LAYERS = [
     {"_core", "_version"},
     {"wording"},
-    {"splines", "input_files", "memory", "blas_threads"},
+    {"splines", "input_files", "memory", "workers", "blas_threads"},
     {"profiles", "track", "irregularity"},
     {"config"},
     {"core_struct", "recording"},

@@ -19,7 +19,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any, Generic, TypeVar
 
-from rollerrig.analysis.workers import end_with_parent
+from rollerrig import workers
 from rollerrig.blas_threads import one_blas_thread
 
 A = TypeVar("A")
@@ -105,7 +105,7 @@ def _at_once(
     fractions = context.Array("d", len(arguments))
     results: list[R | None] = [None] * len(arguments)
     last = names[0]
-    pool = ProcessPoolExecutor(processes, context, _adopt, (stop, fractions))
+    pool = ProcessPoolExecutor(processes, context, workers.begin, (__name__, _adopt.__name__, stop, fractions))
     crew: _Crew[R] = _Crew(pool, stop)
     with crew.at_work():
         try:
@@ -204,7 +204,6 @@ _fractions: Any = None
 
 def _adopt(stop: Any, fractions: Any) -> None:
     global _stop, _fractions
-    end_with_parent()
     _stop, _fractions = stop, fractions
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent hears Ctrl-C and sets `stop`
 

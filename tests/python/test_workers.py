@@ -14,7 +14,7 @@ import pytest
 from rollerrig.analysis.parallel import Progress
 
 BOUND = 10.0
-"""A worker that is still being imported ends when it is ready to work: after some seconds on a busy machine [s]."""
+"""A worker asks for its parent's end before it loads anything: within a second, unless the machine is busy [s]."""
 
 pytestmark = pytest.mark.skipif(not Path("/proc/self/task").is_dir(), reason="looks for processes in /proc")
 
