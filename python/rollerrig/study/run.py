@@ -86,6 +86,15 @@ QUANTITIES = Quantities(
 )
 
 
+SOLVER = {
+    "derivative_calls": "evaluations of the right-hand side",
+    "jacobian_calls": "evaluations of the Jacobian",
+    "smallest_step": "smallest step [s]",
+    "largest_step": "largest step [s]",
+}
+"""Counts of the integrator as the report names them, where the key says too little."""
+
+
 @dataclass(frozen=True)
 class Results:
     """A run, and its wheel-rail forces and accelerations assessed."""
@@ -176,14 +185,16 @@ class RunStudy(Study[Results]):
                 ("Energy", energy_over_time, "Work put in = change of stored energy + heat + residual."),
             )
             sections += [Section(title, [Picture(title.lower(), draw(run), text)]) for title, draw, text in drawings]
-        solver = [(name.replace("_", " "), "–" if v is None else v) for name, v in numbers["solver"].items()]
+        solver = [
+            (SOLVER.get(name, name.replace("_", " ")), "–" if v is None else v) for name, v in numbers["solver"].items()
+        ]
         contact = [
             (q.name.replace("_", " "), numbers["contact"][q.name], q.meaning)
             for q in CONTACT
             if q.name in numbers["contact"]
         ]
         tables = [
-            Table(("count", "value"), solver, "integration; steps [s]"),
+            Table(("count", "value"), solver, "integration"),
             Table(("count", "value", "meaning"), contact, "contacts, counted over accepted steps and wheels"),
         ]
         return [*sections, Section("How it was computed", list(tables))]

@@ -7,6 +7,7 @@ from html.parser import HTMLParser
 from matplotlib.figure import Figure
 
 from rollerrig.study.report import (
+    Mark,
     Page,
     Picture,
     Preformatted,
@@ -56,3 +57,12 @@ def test_what_is_given_is_escaped() -> None:
 def test_the_kind_of_a_picture_is_known() -> None:
     assert Picture("a", Figure(), "", PNG).source.startswith("data:image/png;base64,")
     assert Picture("a", Figure(), "", b"<svg/>").source.startswith("data:image/svg+xml;base64,")
+
+
+def test_printed_pages_are_numbered_and_marked() -> None:
+    """A browser prints the page number in the margin; what must not be quoted says so on every printed page."""
+    marked = render(Page("A title", "summary", [], mark=Mark("quick", "few runs")))
+    assert 'content: counter(page) " / " counter(pages)' in marked
+    assert ".mark { position: fixed;" in marked.partition("@media print")[2]
+    assert '<p class="mark"><strong>QUICK</strong>: few runs.</p>' in marked
+    assert '<p class="mark">' not in render(page())

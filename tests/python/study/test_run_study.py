@@ -72,3 +72,10 @@ def test_a_run_with_one_sample_has_a_report_without_figures(tmp_path: Path) -> N
     one = Outcome(found.study, Results(found.results.run.isel(time=[0]), found.results.assessment, found.results.rows))
     one.write(tmp_path)
     assert (tmp_path / "report.html").exists()
+
+
+def test_the_integrator_is_counted_in_words(folder: Path) -> None:
+    text = (folder / "report.html").read_text()
+    for words in ("evaluations of the right-hand side", "evaluations of the Jacobian", "smallest step [s]"):
+        assert f"<td>{words}</td>" in text
+    assert "derivative calls" not in text
