@@ -117,7 +117,8 @@ def test_patches_where_they_are_ellipses(results: dict, file: str) -> None:
         # The reference counts cells of 0.2 mm: its lengths are good to a cell, its area is high by half a rim.
         assert 2 * c.largest.a / mm == pytest.approx(r["patch_len_x"], abs=0.2 + 0.03 * r["patch_len_x"]), r["y_ws"]
         assert 2 * c.largest.b / mm == pytest.approx(r["patch_len_s"], abs=0.45), r["y_ws"]
-        assert -0.1 < c.ratio("area", "patch_area") < 0.0, r["y_ws"]
+        # Of four cells across it is 11 % high: test_yawed_contact.py has that patch on a fine grid, to 1 %.
+        assert -(0.1 if r["patch_len_s"] > 0.8 else 0.11) < c.ratio("area", "patch_area") < 0.0, r["y_ws"]
         # On the roller its pressures scatter by up to 7.5 % from shift to shift where ours change smoothly.
         assert c.pressure == pytest.approx(r["pmax"], rel=0.08 if r["roller_R_mm"] else 0.025), r["y_ws"]
 

@@ -12,12 +12,6 @@ struct End {
   bool is_root;
 };
 
-/// The gap's slope over the abscissa: F across the wheel's surface.
-double slope_of(WheelRollerPair const& pair, ReducedSlope const& f, double s) {
-  double const slope = pair.wheel->at(s).slope;
-  return -f.residual / std::sqrt(1.0 + slope * slope);
-}
-
 /// From a minimum outwards to where the surfaces part: steps until the gap is positive, then Newton inside that bracket.
 End find_end(WheelRollerPair const& pair, RelativePose<double> const& pose, GapMinimum const& minimum, double limit) {
   double const direction = limit > minimum.s ? 1.0 : -1.0;
@@ -56,7 +50,7 @@ End find_end(WheelRollerPair const& pair, RelativePose<double> const& pose, GapM
   double s = outside;
   double const resolution = 3e-9;  // of a step [m]: the next one, with a slope good to some thousandths, is below 1e-11
   for (int i = 0; i < 60; ++i) {
-    double next = s - f.gap / slope_of(pair, f, s);
+    double next = s - f.gap / f.gap_slope;
     if (!(direction * (next - inside) > 0.0 && direction * (outside - next) >= 0.0)) next = 0.5 * (inside + outside);
     double const change = std::abs(next - s);
     s = next;

@@ -121,3 +121,72 @@ TEST_CASE("Hertz contact holds for a scalar with no implicit conversions") {
   auto const h = hertz_contact(steel, ExplicitReal(1.3), ExplicitReal(0.7));
   CHECK(h.stiffness.x == hertz_contact(steel, 1.3, 0.7).stiffness);
 }
+
+namespace {
+
+/// Principal curvatures d1, d2 with the axis of d1 turned by an angle from the rolling direction.
+template <class T>
+CurvatureTensor<T> turned(double d1, double d2, T const& angle) {
+  using std::cos;
+  using std::sin;
+  return curvature_tensor(T(d1), T(d2), Twist<T>{sin(angle), cos(angle)});
+}
+
+}  // namespace
+
+TEST_CASE("a turned ellipse keeps its stiffness and area; its equivalent has its moments along and across rolling") {
+  for (double ratio : {0.02, 0.5, 1.0, 1.7, 60.0})
+    for (double angle : {0.0, 0.05, -0.4, 0.7}) {
+      auto const straight = hertz_contact(steel, 2.0, 2.0 * ratio);
+      auto const h = hertz_contact(steel, turned(2.0, 2.0 * ratio, angle));
+      CAPTURE(ratio);
+      CAPTURE(angle);
+      // 1e-9 of the mean keeps the principal curvatures apart where they are equal.
+      CHECK(h.stiffness == doctest::Approx(straight.stiffness).epsilon(1e-8));
+      CHECK(h.a_per_root * h.b_per_root == doctest::Approx(straight.a_per_root * straight.b_per_root).epsilon(1e-8));
+      double const a2 = square(straight.a_per_root), b2 = square(straight.b_per_root);
+      double const c2 = square(std::cos(angle)), s2 = square(std::sin(angle));
+      CHECK(square(h.a_per_root / h.b_per_root) ==
+            doctest::Approx((a2 * c2 + b2 * s2) / (a2 * s2 + b2 * c2)).epsilon(1e-7));
+      CHECK(h.log_aspect == doctest::Approx(std::log(h.a_per_root / h.b_per_root)).epsilon(1e-7).scale(1.0));
+      CHECK(h.reach_per_root == doctest::Approx(std::sqrt(a2 * s2 + b2 * c2)).epsilon(1e-7));
+    }
+}
+
+TEST_CASE("without a turn the tensor gives what the two curvatures give, to round-off") {
+  for (double ratio : {0.001, 0.02, 0.7, 3.0, 150.0}) {
+    auto const straight = hertz_contact(steel, 1.3, 1.3 * ratio);
+    auto const h = hertz_contact(steel, CurvatureTensor<double>{1.3, 0.0, 1.3 * ratio});
+    CHECK(h.stiffness == doctest::Approx(straight.stiffness).epsilon(1e-13));
+    CHECK(h.a_per_root == doctest::Approx(straight.a_per_root).epsilon(1e-13));
+    CHECK(h.b_per_root == doctest::Approx(straight.b_per_root).epsilon(1e-13));
+    CHECK(h.log_aspect == doctest::Approx(straight.log_aspect).epsilon(1e-12));
+    CHECK(h.limited == straight.limited);
+  }
+}
+
+TEST_CASE("derivatives over the tensor are those of differences, through the circle too") {
+  for (auto const& [along, mixed, across] :
+       {std::array{1.3, 0.2, 40.0}, {1.3, 0.2, 1.3}, {1.3, 1e-4, 1.3002}, {3.0, -0.5, 0.4}}) {
+    using D = Dual<3>;
+    auto const h =
+        hertz_contact(steel, CurvatureTensor<D>{D::variable(along, 0), D::variable(mixed, 1), D::variable(across, 2)});
+    for (int i = 0; i < 3; ++i) {
+      double const step = 1e-5;
+      auto const at = [&](double by) {
+        std::array<double, 3> q{along, mixed, across};
+        q[static_cast<std::size_t>(i)] += by;
+        return hertz_contact(steel, CurvatureTensor<double>{q[0], q[1], q[2]});
+      };
+      auto const up = at(step), down = at(-step);
+      CAPTURE(along);
+      CAPTURE(i);
+      auto const slope = [&](double high, double low) { return (high - low) / (2.0 * step); };
+      CHECK(h.stiffness.d[i] ==
+            doctest::Approx(slope(up.stiffness, down.stiffness)).epsilon(1e-5).scale(1e-2 * up.stiffness));
+      CHECK(h.a_per_root.d[i] ==
+            doctest::Approx(slope(up.a_per_root, down.a_per_root)).epsilon(1e-5).scale(1e-2 * up.a_per_root));
+      CHECK(h.log_aspect.d[i] == doctest::Approx(slope(up.log_aspect, down.log_aspect)).epsilon(1e-5).scale(1e-2));
+    }
+  }
+}

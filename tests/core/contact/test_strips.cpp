@@ -2,6 +2,7 @@
 #include <doctest/doctest.h>
 
 #include "profiles.hpp"
+#include "rollerrig/contact/normal/hertz_ellipses.hpp"
 #include "rollerrig/contact/normal/strip_contact.hpp"
 
 using namespace rollerrig;
@@ -20,6 +21,7 @@ Strips<double> parabola(double a_curvature, double b_curvature, double approach)
   double const half = std::sqrt(approach / b_curvature);
   int const n = s.count();
   s.width[0] = 2.0 * half / n;
+  s.reach[0] = 1.0;
   for (int i = 0; i < n; ++i) {
     auto const k = static_cast<std::size_t>(i);
     s.position[k] = -half + (i + 0.5) * s.width[0];
@@ -106,6 +108,41 @@ TEST_CASE("a parabolic gap gives Hertz' ellipse") {
   }
 }
 
+TEST_CASE("at yaw strips carry what the turned Hertz ellipse carries") {
+  // A cone, steep as a flange, on a round rail head: one ellipse, 10 to 20 times as long as wide, turned and sheared.
+  auto const cone = test::spline_of([](double s) { return -2.0 * s; }, -20e-3, 20e-3, 1e-3);
+  auto const head = test::spline_of([](double y) { return 2.0 * y - std::sqrt(125.0) * square(y) / (2.0 * 40e-3); },
+                                    -20e-3, 20e-3, 0.1e-3);
+  ArcLength const arc(cone);
+  for (double inverse_radius : {0.0, 2.0})
+    for (double yaw : {0.0, 20e-3, 50e-3, -80e-3}) {
+      WheelRollerPair const pair{&cone, &head, 0.46, 0.75, 0.75, inverse_radius};
+      ContactSearch search(pair);
+      double low = 0.44, high = 0.48;
+      for (int i = 0; i < 60; ++i) {
+        double const middle = 0.5 * (low + high);
+        (search.find_all(pose_of(0.0, 0.0, middle, 0.0, yaw), 0.0) > 0 ? low : high) = middle;
+      }
+      auto const pose = pose_of(0.0, 0.0, low - 60e-6, 0.0, yaw);
+      REQUIRE(search.find_all(pose, 0.0) == 1);
+      NormalPatch<double> hertz;
+      hertz.point = contact_point(pair, pose, search[0].s, search[0].gradient);
+      hertz_patch(steel, hertz);
+      auto const found = strip_contact({pair, steel, &arc}, pose, search);
+      REQUIRE(found.count == 1);
+      auto const& patch = found.patch[0];
+      CAPTURE(inverse_radius);
+      CAPTURE(yaw);
+      // As without yaw above: a few strips carry load, two passes.
+      CHECK(patch.normal == doctest::Approx(hertz.elastic).epsilon(0.04));
+      CHECK(patch.peak_pressure == doctest::Approx(hertz.peak_pressure).epsilon(0.07));
+      CHECK(patch.a * patch.b == doctest::Approx(hertz.a * hertz.b).epsilon(0.06));
+      CHECK(patch.a / patch.b == doctest::Approx(hertz.a / hertz.b).epsilon(0.08));
+      CHECK(patch.width == doctest::Approx(hertz.width).epsilon(0.08));
+      CHECK(std::abs(patch.point.x - hertz.point.p.x) < 0.05 * patch.a);
+    }
+}
+
 TEST_CASE("scaling of a half-space: twice the size, four times the force at the same pressure") {
   auto const small = sums(parabola(2.0, 3.0, 30e-6));
   auto const large = sums(parabola(1.0, 1.5, 60e-6));
@@ -115,9 +152,13 @@ TEST_CASE("scaling of a half-space: twice the size, four times the force at the 
 
 TEST_CASE("derivatives of the patches are those of differences, along every direction of the pose") {
   for (double inverse_radius : {0.0, 2.0})
-    for (auto const& [y, depth] : {std::pair{0.3e-3, 0.30e-3}, {2.5e-3, 0.06e-3}, {-3e-3, 0.3e-3}}) {
+    for (auto const& [y, depth, yaw0] : {std::array{0.3e-3, 0.30e-3, 4e-3},
+                                         {2.5e-3, 0.06e-3, 4e-3},
+                                         {-3e-3, 0.3e-3, 4e-3},
+                                         {2.5e-3, inverse_radius > 0.0 ? 0.75e-3 : 0.12e-3, 50e-3},
+                                         {6e-3, inverse_radius > 0.0 ? -0.72e-3 : -1.15e-3, 50e-3}}) {
       Wheel wheel(inverse_radius);
-      double const x0 = 0.4e-3, roll0 = 0.02e-3, yaw0 = 4e-3;
+      double const x0 = 0.4e-3, roll0 = 0.02e-3;
       auto const force = [&](std::array<double, 5> const& q) {
         auto const c = wheel.at(q[1], q[2], q[3], q[4], q[0]);
         REQUIRE(c.count >= 1);
@@ -148,12 +189,33 @@ TEST_CASE("derivatives of the patches are those of differences, along every dire
         auto const up = force(high), down = force(low);
         for (std::size_t k = 0; k < up.size(); ++k) {
           double const difference = (up[k] - down[k]) / (2.0 * h);
+          // Places are exact to 1e-13 m, 1e-5 in such a difference; the place along the rail shows it at large yaw.
+          double const noise = k == 3 && yaw0 > 10e-3 ? 0.1 : 0.0;
           CAPTURE(inverse_radius);
           CAPTURE(y);
           CAPTURE(i);
           CAPTURE(k);
-          CHECK(exact[k].d[i] == doctest::Approx(difference).epsilon(1e-4).scale(1e-4 * largest * scale[k]));
+          CHECK(exact[k].d[i] ==
+                doctest::Approx(difference).epsilon(1e-4).scale(std::max(1e-4 * largest * scale[k], noise)));
         }
+      }
+    }
+}
+
+TEST_CASE("regions end where the gap vanishes, at yaw too") {
+  for (double inverse_radius : {0.0, 2.0})
+    for (double yaw : {0.0, 20e-3, 50e-3}) {
+      Wheel wheel(inverse_radius);
+      double height = 0.463;  // lowered until it carries load
+      while (wheel.search.find_all(pose_of(0.4e-3, 6e-3, height, 0.0, yaw), 0.0) == 0) height -= 20e-6;
+      auto const pose = pose_of(0.4e-3, 6e-3, height, 0.0, yaw);
+      std::array<InterpenetrationRegion, max_regions> regions;
+      int const n = find_regions(wheel.profiles.pair, pose, wheel.search, regions);
+      for (int k = 0; k < n; ++k) {
+        auto const& region = regions[static_cast<std::size_t>(k)];
+        CAPTURE(yaw);
+        if (region.left_is_root) CHECK(std::abs(reduce(wheel.profiles.pair, pose, region.left).gap) < 1e-11);
+        if (region.right_is_root) CHECK(std::abs(reduce(wheel.profiles.pair, pose, region.right).gap) < 1e-11);
       }
     }
 }

@@ -103,6 +103,26 @@ TEST_CASE("a sphere-like wheel on a sphere-like roller: the normal joins the cen
   CHECK(point.wheel_curvature_along == doctest::Approx(1.0 / r).epsilon(1e-7));
   CHECK(point.rail_curvature_along == doctest::Approx(1.0 / big).epsilon(1e-7));
   CHECK(point.rail_curvature_across == doctest::Approx(1.0 / big).epsilon(1e-5));
+  // Spheres have no principal directions: whatever the twist, the combined curvature is round.
+  auto const both = point.combined_curvature();
+  CHECK(std::abs(point.twist.sin) > 1e-3);
+  CHECK(both.along == doctest::Approx(0.5 / r + 0.5 / big).epsilon(1e-5));
+  CHECK(both.across == doctest::Approx(0.5 / r + 0.5 / big).epsilon(1e-5));
+  CHECK(std::abs(both.mixed) < 1e-5);
+}
+
+TEST_CASE(
+    "at yaw the wheel's circumference is turned from the rail by the yaw angle over the cosine of the contact angle") {
+  for (double slope : {0.0, -0.1, -2.0})
+    for (double yaw : {0.0, 5e-3, -50e-3}) {
+      auto const flank = line(slope), rail = line(-slope);
+      WheelRollerPair const pair{&flank, &rail, 0.46, 0.75, 0.75, 0.0};
+      auto const point = contact_point(pair, pose_of(0.0, 0.0, 0.46, 0.0, yaw), 0.0, -1.0);
+      double const lean = std::hypot(point.n.x, point.n.z);
+      CHECK(point.twist.sin ==
+            doctest::Approx(std::sin(yaw) * std::sqrt(1.0 + slope * slope) * point.n.z / lean).epsilon(0.02));
+      CHECK(point.twist.sin * point.twist.sin + point.twist.cos * point.twist.cos == doctest::Approx(1.0));
+    }
 }
 
 TEST_CASE("a cone on a circular rail head touches where the head has the cone's slope") {

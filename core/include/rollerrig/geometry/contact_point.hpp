@@ -1,6 +1,6 @@
 // geometry/contact_point.hpp - one solution of (7)-(8) with everything the contact forces need, with derivatives.
 #pragma once
-#include "rollerrig/geometry/reduction.hpp"
+#include "rollerrig/geometry/combined_curvature.hpp"
 
 namespace rollerrig {
 
@@ -16,6 +16,14 @@ struct ContactPoint {
   T wheel_curvature_across;  ///< k_2r [1/m]
   T rail_curvature_along;    ///< k_1b [1/m]
   T rail_curvature_across;   ///< k_2b [1/m]
+  Twist<T> twist{};          ///< of the wheel's principal directions against the roller's
+
+  /// D: half the sum of both bodies' curvatures in the roller's axes, eqs (14), (G8) [1/m].
+  CurvatureTensor<T> combined_curvature() const {
+    auto const wheel = curvature_tensor(wheel_curvature_along, wheel_curvature_across, twist);
+    return {0.5 * (wheel.along + rail_curvature_along), 0.5 * wheel.mixed,
+            0.5 * (wheel.across + rail_curvature_across)};
+  }
 };
 
 /// The contact point near the root s of F, as a function of the pose.
@@ -46,6 +54,7 @@ ContactPoint<T> contact_point(WheelRollerPair const& pair, RelativePose<T> const
   point.wheel_curvature_across = -(line.profile.second / (wheel_norm2 * wheel_norm));        // (15), r > 0
   point.rail_curvature_along = kappa / ((1.0 + kappa * rail_point.rail.value) * rail_norm);  // (15), roller
   point.rail_curvature_across = -(rail_point.rail.second / (rail_norm2 * rail_norm));        // (15)
+  point.twist = twist_of(point.n, pose.R.ey, wheel_norm, rail_norm);
   return point;
 }
 

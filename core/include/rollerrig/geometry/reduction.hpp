@@ -146,6 +146,7 @@ struct ReducedSlope {
   double residual{0.0};    ///< F [-]
   double gradient{0.0};    ///< dF/ds at a fixed pose [1/m]
   double gap{0.0};         ///< [m]
+  double gap_slope{0.0};   ///< dgap/ds at a fixed pose [-]
   double y{0.0};           ///< abscissa of the wheel's point along the generatrix [m]
   double rail_y{0.0};      ///< abscissa of the contact point on the generatrix [m]
   double slope{0.0};       ///< of the wheel across the normal line, F minus the generatrix' slope [-]
@@ -290,6 +291,8 @@ ReducedSlope reduce_with_slope(WheelRollerPair const& pair, RelativePose<double>
   out.residual = h.slope + line.slope;
   out.gradient = h.second * y_rate + line.slope_rate;
   out.gap = -((line.y - point.y) * line.m_y + (line.height - h.value) * line.m_u) * inverse_normal;
+  // Along the wheel's normal the gap changes by the travel of the roller's point alone: at yaw not the wheel's.
+  out.gap_slope = line.m_u * inverse_normal * out.residual * y_rate;
   return out;
 }
 

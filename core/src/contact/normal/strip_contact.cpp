@@ -1,5 +1,7 @@
 #include "rollerrig/contact/normal/strip_contact.hpp"
 
+#include "rollerrig/contact/normal/strip_layout.hpp"
+
 namespace rollerrig {
 namespace {
 
@@ -7,80 +9,32 @@ std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 constexpr int per_region = Strips<double>::per_region;
 
-/// What each strip is besides the elastic problem.
-template <Scalar T>
-struct StripPlaces {
-  std::array<T, Strips<T>::capacity> wheel_s, rail_y;
-  std::array<Vec3<T>, Strips<T>::capacity> point, normal;
-};
-
-/// Lays the strips of one region, equally wide along the profile's arc.
-template <Scalar T>
-void lay_strips(WheelRollerPair const& pair, ArcLength const& arc, RelativePose<T> const& pose,
-                InterpenetrationRegion const& region, int index, Strips<T>& strips, StripPlaces<T>& places) {
-  using std::sqrt;
-  auto const end = [&](double s, bool is_root) {
-    if constexpr (std::same_as<T, double>) return s;
-    if (!is_root) return T(s);
-    RelativePose<Dual<1>> fixed;
-    auto const constant = [](Vec3<T> const& v) { return lift<Dual<1>>({value_of(v.x), value_of(v.y), value_of(v.z)}); };
-    fixed = {constant(pose.o), {constant(pose.R.ex), constant(pose.R.ey), constant(pose.R.ez)}};
-    return region_end(pair, pose, s, reduce(pair, fixed, Dual<1>::variable(s, 0)).gap.d[0]);
-  };
-  T const left = arc.length(end(region.left, region.left_is_root));
-  T const right = arc.length(end(region.right, region.right_is_root));
-  T const width = (right - left) / static_cast<double>(per_region);
-  strips.width[at(index)] = width;
-  double const kappa = pair.hertz_curvature();
-  for (int k = 0; k < per_region; ++k) {
-    std::size_t const i = at(index * per_region + k);
-    T const length = left + (k + 0.5) * width;
-    T const s = arc.abscissa(length);
-    auto const here = reduce(pair, pose, s);
-    strips.position[i] = length;
-    if (!here.rail_point.found) {
-      strips.interpenetration[i] = T(-1.0);
-      strips.curvature[i] = T(1.0);
-      continue;
-    }
-    auto const& line = here.line;
-    auto const& rail = here.rail_point.rail;
-    strips.interpenetration[i] = -here.gap;
-    strips.curvature[i] =
-        0.5 / (line.radius * sqrt(1.0 + line.profile.slope * line.profile.slope)) +
-        0.5 * kappa / ((1.0 + kappa * rail.value) * sqrt(1.0 + rail.slope * rail.slope));  // (14), (15)
-    places.wheel_s[i] = s;
-    places.rail_y[i] = here.rail_point.y;
-    places.normal[i] = -line.n;
-    places.point[i] = line.p + here.gap * line.n;
-  }
-}
-
 /// How far the middle of a loaded strip at the end of a run is from where the load vanishes [m].
 double to_edge(double width, double load, double inner_load) {
   return load < inner_load ? std::min(width * load / (inner_load - load), width) : 0.5 * width;
 }
 
-/// Sums the strips first .. last-1 to one patch; false if none of them carries load.
+/// Strips first .. last-1 of one region, which lie along (turn.cos, turn.sin).
+struct Run {
+  int first, last;
+  int region() const { return first / per_region; }
+};
+
+/// Resultant and centre of the pressures; false if no strip carries load. (S6)
 template <Scalar T>
-bool gather(Strips<T> const& strips, StripPlaces<T> const& places, int first, int last, StripPatch<T>& patch) {
+bool find_resultant(Strips<T> const& strips, StripPlaces<T> const& places, Run const& run, StripPatch<T>& patch) {
   using std::sqrt;
   Vec3<T> force{}, centre{};
-  T sum(0.0), s(0.0), y(0.0), area(0.0), along_x(0.0), across(0.0), position(0.0);
-  for (int i = first; i < last; ++i) {
-    double const load = value_of(strips.load[at(i)]);
-    if (!(load > 0.0)) continue;
-    T const width = strips.width[at(i / per_region)];
+  T sum(0.0), s(0.0), y(0.0);
+  T const width = strips.width[at(run.region())];
+  for (int i = run.first; i < run.last; ++i) {
+    if (!(strips.load[at(i)] > 0.0)) continue;
     T const f = strips.load[at(i)] * width;
-    T const& a = strips.half_length[at(i)];
     sum += f;
     force += f * places.normal[at(i)];
     centre += f * places.point[at(i)];
     s += f * places.wheel_s[at(i)];
     y += f * places.rail_y[at(i)];
-    position += f * strips.position[at(i)];
-    area += 2.0 * a * width;
-    along_x += 0.25 * f * a * a;
   }
   if (!(sum > 0.0)) return false;
   T const inverse = 1.0 / sum;
@@ -89,32 +43,91 @@ bool gather(Strips<T> const& strips, StripPlaces<T> const& places, int first, in
   patch.point = inverse * centre;
   patch.wheel_s = inverse * s;
   patch.rail_y = inverse * y;
-  position = inverse * position;
   patch.moment = {};
-  patch.approach = patch.peak_pressure = patch.width = 0.0;
-  double left_edge = 0.0;
-  for (int i = first; i < last; ++i) {
-    patch.approach = std::max(patch.approach, value_of(strips.interpenetration[at(i)]));
-    double const load = value_of(strips.load[at(i)]);
-    if (!(load > 0.0)) continue;
-    T const width = strips.width[at(i / per_region)];
-    T const f = strips.load[at(i)] * width;
-    T const aside = strips.position[at(i)] - position;
-    across += f * (aside * aside + width * width / 12.0);
-    patch.moment += cross(places.point[at(i)] - patch.point, f * places.normal[at(i)]);
-    patch.peak_pressure = std::max(patch.peak_pressure, 2.0 * load / (pi * value_of(strips.half_length[at(i)])));
-    // The patch's edges lie where the load of its outermost strips runs out.
-    double const h = value_of(width);
-    double const middle = value_of(strips.position[at(i)]);
-    auto const neighbour = [&](int j) { return j >= first && j < last ? value_of(strips.load[at(j)]) : 0.0; };
-    if (!(neighbour(i - 1) > 0.0)) left_edge = middle - to_edge(h, load, neighbour(i + 1));
-    if (!(neighbour(i + 1) > 0.0)) patch.width += middle + to_edge(h, load, neighbour(i - 1)) - left_edge;
+  for (int i = run.first; i < run.last; ++i)
+    if (strips.load[at(i)] > 0.0)
+      patch.moment += cross(places.point[at(i)] - patch.point, (strips.load[at(i)] * width) * places.normal[at(i)]);
+  return true;
+}
+
+/// The equivalent ellipse: of the same area, with the ratio of the pressures' second moments along and across rolling. (S7)
+template <Scalar T>
+void find_ellipse(Strips<T> const& strips, StripPlaces<T> const& places, Run const& run, StripPatch<T>& patch) {
+  using std::sqrt;
+  T const width = strips.width[at(run.region())];
+  T sum(0.0), area(0.0), x(0.0), y(0.0);
+  for (int i = run.first; i < run.last; ++i) {
+    T const& w = strips.load[at(i)];
+    if (!(w > 0.0)) continue;
+    sum += w;
+    x += w * places.along[at(i)];
+    y += w * places.across[at(i)];
+    area += 2.0 * strips.half_length[at(i)] * width;
   }
-  // Of a Hertz pressure the second moments are a^2/5 and b^2/5, and pi a b the area.
-  T const ratio = sqrt(along_x / across);  // a/b
+  x = x / sum;
+  y = y / sum;
+  T xx(0.0), xy(0.0), yy(0.0);
+  for (int i = run.first; i < run.last; ++i) {
+    T const& w = strips.load[at(i)];
+    if (!(w > 0.0)) continue;
+    T const ahead = places.along[at(i)] - x;
+    T const aside = places.across[at(i)] - y;
+    xx += w * (ahead * ahead + 0.25 * strips.half_length[at(i)] * strips.half_length[at(i)]);
+    xy += w * ahead * aside;
+    yy += w * (aside * aside + width * width / 12.0);
+  }
+  // From the strips' axes to those of rolling. Of a Hertz pressure the moments are a^2/5 and b^2/5, and pi a b the area.
+  Twist<T> const& turn = places.turn[at(run.region())];
+  T const cos2 = turn.cos * turn.cos;
+  T const sin2 = turn.sin * turn.sin;
+  T const exchanged = 2.0 * turn.sin * turn.cos * xy;
+  T const along = cos2 * xx + sin2 * yy - exchanged;
+  T const across = cos2 * yy + sin2 * xx + exchanged;
+  T const ratio = sqrt(along / across);  // a/b
   T const product = area / pi;
   patch.a = sqrt(product * ratio);
   patch.b = sqrt(product / ratio);
+}
+
+/// Largest interpenetration and pressure, and the width across rolling.
+template <Scalar T>
+void find_extremes(Strips<T> const& strips, StripPlaces<T> const& places, Run const& run, StripPatch<T>& patch) {
+  patch.approach = patch.peak_pressure = patch.width = 0.0;
+  double const h = value_of(strips.width[at(run.region())]);
+  double const sine = value_of(places.turn[at(run.region())].sin);
+  double const cosine = value_of(places.turn[at(run.region())].cos);
+  auto const load_of = [&](int j) { return j >= run.first && j < run.last ? value_of(strips.load[at(j)]) : 0.0; };
+  double left = 0.0;
+  double right = 0.0;
+  for (int i = run.first; i < run.last; ++i) {
+    patch.approach = std::max(patch.approach, value_of(strips.interpenetration[at(i)]));
+    double const load = load_of(i);
+    if (!(load > 0.0)) continue;
+    double const a = value_of(strips.half_length[at(i)]);
+    patch.peak_pressure = std::max(patch.peak_pressure, 2.0 * load / (pi * a));
+    // The patch's edges lie where the load of its outermost strips runs out, or where a turned strip ends.
+    double const ahead = sine * value_of(places.along[at(i)]);
+    double const across = value_of(places.across[at(i)]);
+    double const middle = ahead + cosine * across;
+    double const reach = a * std::abs(sine);
+    bool const opens = !(load_of(i - 1) > 0.0);
+    bool const closes = !(load_of(i + 1) > 0.0);
+    if (opens) left = right = middle;
+    left = std::min(left, middle - reach);
+    right = std::max(right, middle + reach);
+    if (opens) left = std::min(left, ahead + cosine * (across - to_edge(h, load, load_of(i + 1))));
+    if (!closes) continue;
+    right = std::max(right, ahead + cosine * (across + to_edge(h, load, load_of(i - 1))));
+    patch.width += right - left;
+  }
+}
+
+/// Sums the strips of a run to one patch; false if none of them carries load.
+template <Scalar T>
+bool gather(Strips<T> const& strips, StripPlaces<T> const& places, Run const& run, StripPatch<T>& patch) {
+  if (!find_resultant(strips, places, run, patch)) return false;
+  find_ellipse(strips, places, run, patch);
+  find_extremes(strips, places, run, patch);
   return true;
 }
 
@@ -136,16 +149,14 @@ StripSolution<T> strip_contact(NormalSetting const& wheel, RelativePose<T> const
   std::array<InterpenetrationRegion, max_regions> regions;
   Strips<T> strips;
   StripPlaces<T> places;
-  strips.regions = find_regions(wheel.pair, here, search, regions);
-  for (int k = 0; k < strips.regions; ++k)
-    lay_strips(wheel.pair, *wheel.wheel_arc, pose, regions[at(k)], k, strips, places);
+  lay_strips(wheel, pose, regions, find_regions(wheel.pair, here, search, regions), strips, places);
   solve_strips(wheel.material, strips);
 
   StripSolution<T> out;
   auto const add = [&](int first, int last, T const& weight) {
     if (out.count == StripSolution<T>::capacity || !(weight > 0.0)) return;
     auto& patch = out.patch[at(out.count)];
-    if (!gather(strips, places, first, last, patch)) return;
+    if (!gather(strips, places, {first, last}, patch)) return;
     patch.weight = weight;
     ++out.count;
   };
@@ -165,9 +176,8 @@ StripSolution<T> strip_contact(NormalSetting const& wheel, RelativePose<T> const
       T const m = merged_weight(gap(top), gap(search[i]), gap(search[i + 1]));
       if (!(m < 1.0)) continue;
       one = select(m < one, m, one);
-      double const length = wheel.wheel_arc->length(top.s);
       int next = cut[at(cuts - 1)];
-      while (next < last && value_of(strips.position[at(next)]) < length) ++next;
+      while (next < last && value_of(places.wheel_s[at(next)]) < top.s) ++next;
       cut[at(cuts++)] = next;
     }
     cut[at(cuts)] = last;

@@ -12,6 +12,34 @@ using Row = std::array<double, capacity>;
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
+/// The kernel's two integrals, and what they lose on a point that is not beside the strip's middle but `ahead` of it: far
+/// away a point load's field, near by the second order of the distance (both in half-lengths).
+struct Deflection {
+  StripKernel const& kernel;
+  template <Scalar T>
+  T operator()(T const& k) const {
+    return kernel.deflection(k);
+  }
+  template <Scalar T>
+  static T ahead(T const& beside2, T const& ahead2) {
+    using std::sqrt;
+    return sqrt(beside2 / (beside2 + ahead2));
+  }
+};
+struct Curvature {
+  StripKernel const& kernel;
+  template <Scalar T>
+  T operator()(T const& k) const {
+    return kernel.curvature(k);
+  }
+  template <Scalar T>
+  static T ahead(T const& beside2, T const& ahead2) {
+    T const nearer = Deflection::ahead(beside2, ahead2);
+    T const nearer2 = nearer * nearer;
+    return nearer * nearer2 * (nearer2 - 2.0 * ahead2 / (beside2 + ahead2));
+  }
+};
+
 /// K and S of the strips: influence of strip i on the middle of strip j, from the kernel's integral.
 ///
 /// @param wanted  which strips act and are looked at; others between them may be looked at too
@@ -44,7 +72,10 @@ void influences(Strips<T> const& s, std::array<T, capacity> const& a, std::array
         if (!wanted[at(j)] || j / per_region == region) continue;
         T distance = (s.position[at(j)] - s.position[at(i)]) * inverse;
         if (distance < 0.0) distance = -distance;
-        store(i, j, read(distance + 0.5 * h) - read(distance - 0.5 * h));
+        T const ahead = (s.offset[at(j)] - s.offset[at(i)]) * inverse;
+        store(i, j,
+              (read(distance + 0.5 * h) - read(distance - 0.5 * h)) *
+                  Read::ahead(1.0 + distance * distance, ahead * ahead));
       }
     }
   }
@@ -105,12 +136,12 @@ void solve_load(StripKernel const& kernel, double compliance, Strips<T>& s, std:
     all[at(i)] = value_of(s.interpenetration[at(i)]) > 0.0;
     a_value[at(i)] = value_of(a[at(i)]);
     plain.position[at(i)] = value_of(s.position[at(i)]);
+    plain.offset[at(i)] = value_of(s.offset[at(i)]);
   }
   for (int k = 0; k < s.regions; ++k) plain.width[at(k)] = value_of(s.width[at(k)]);
   std::array<Row, capacity> matrix;
-  influences(
-      plain, a_value, all, [&](double k) { return kernel.deflection(k); },
-      [&](int i, int j, double value) { matrix[at(i)][at(j)] = compliance * value; });
+  influences(plain, a_value, all, Deflection{kernel},
+             [&](int i, int j, double value) { matrix[at(i)][at(j)] = compliance * value; });
 
   LoadedStrips system;
   Row w;
@@ -139,9 +170,8 @@ void solve_load(StripKernel const& kernel, double compliance, Strips<T>& s, std:
     // K dw = dd - dK w, derivative by derivative.
     std::array<T, capacity> residual;
     for (int i = 0; i < n; ++i) residual[at(i)] = s.interpenetration[at(i)];
-    influences(
-        s, a, loaded, [&](T const& k) { return kernel.deflection(k); },
-        [&](int i, int j, T const& value) { residual[at(j)] -= (compliance * w[at(i)]) * value; });
+    influences(s, a, loaded, Deflection{kernel},
+               [&](int i, int j, T const& value) { residual[at(j)] -= (compliance * w[at(i)]) * value; });
     for (int seed = 0; seed < residual[0].d.size(); ++seed) {
       Row change{};
       for (int i = 0; i < n; ++i)
@@ -165,10 +195,12 @@ void start_from_hertz(HertzTable const& hertz, Strips<T>& s, int region, std::ar
     depth += select(s.interpenetration[at(i)] > 0.0, s.interpenetration[at(i)], T(0.0));
     along_x += s.curvature[at(i)];
   }
-  depth = (1.5 / per_region) * depth;  // a parabola's height over its mean
   along_x = (1.0 / per_region) * along_x;
+  // A parabola's height over its mean, 3/2 where the strips cover it up to its ends.
+  T const reach2 = s.reach[at(region)] * s.reach[at(region)];
   T const half_width = (0.5 * per_region) * s.width[at(region)];
-  T const across = depth / (half_width * half_width);
+  depth = (reach2 / (reach2 - 1.0 / 3.0) / per_region) * depth;
+  T const across = depth / (reach2 * half_width * half_width);
   T const ratio = along_x / across;
   double const limit = HertzTable::limit;
   T const x = log(select(ratio < 1.0 / limit, T(1.0 / limit), select(ratio > limit, T(limit), ratio)));
@@ -206,9 +238,8 @@ void update_lengths(StripKernel const& kernel, double compliance, Strips<T>& s,
   using std::sqrt;
   std::array<T, capacity> sum;
   sum.fill(T(0.0));
-  influences(
-      s, s.half_length, loaded, [&](T const& k) { return kernel.curvature(k); },
-      [&](int i, int j, T const& value) { sum[at(j)] += 0.25 * q[at(i)] * value; });
+  influences(s, s.half_length, loaded, Curvature{kernel},
+             [&](int i, int j, T const& value) { sum[at(j)] += 0.25 * q[at(i)] * value; });
   for (int j = 0; j < s.count(); ++j) {
     if (!loaded[at(j)]) continue;
     T const root = sqrt(s.curvature[at(j)] / sum[at(j)]);

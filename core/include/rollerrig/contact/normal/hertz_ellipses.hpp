@@ -14,16 +14,14 @@ template <Scalar T>
 void hertz_patch(Material const& material, NormalPatch<T>& patch) {
   using std::sqrt;
   auto const& point = patch.point;
-  T const d1 = 0.5 * (point.wheel_curvature_along + point.rail_curvature_along);    // (14)
-  T const d2 = 0.5 * (point.wheel_curvature_across + point.rail_curvature_across);  // (14)
-  auto const hertz = hertz_contact(material, d1, d2);                               // (13), (16)
+  auto const hertz = hertz_contact(material, point.combined_curvature());  // (13), (14), (16)
   T const root_depth = sqrt(select(point.gap < 0.0, -point.gap, T(regularisation::approach)));
   patch.a = hertz.a_per_root * root_depth;  // (17), (18)
   patch.b = hertz.b_per_root * root_depth;
   patch.log_aspect = hertz.log_aspect;
   patch.limited = hertz.limited;
   patch.elastic = elastic_force(hertz.stiffness, point.gap);  // (12)
-  patch.width = 2.0 * value_of(patch.b);
+  patch.width = 2.0 * hertz.reach_per_root * value_of(root_depth);
   patch.peak_pressure = 1.5 / pi * value_of(patch.elastic) / (value_of(patch.a) * value_of(patch.b));
 }
 

@@ -28,8 +28,10 @@ struct Strips {
   static constexpr int capacity = per_region * max_regions;
 
   int regions{0};
-  std::array<T, max_regions> width;          ///< of the strips of an region [m]
-  std::array<T, capacity> position;          ///< of the middle, along the profile's arc [m]
+  std::array<T, max_regions> width;  ///< of the strips of an region [m]
+  std::array<T, max_regions> reach;  ///< width of the overlap over that of all strips of a region, 1 or more [-]
+  std::array<T, capacity> position;  ///< of the middle, across the rolling direction along the surfaces [m]
+  std::array<T, capacity> offset;    ///< of the middle, along the rolling direction [m]
   std::array<T, capacity> interpenetration;  ///< d [m]; negative: the surfaces are apart
   std::array<T, capacity> curvature;         ///< A, half the sum of both curvatures along x [1/m]
   std::array<T, capacity> load;              ///< w [N/m]; result, not negative
