@@ -18,6 +18,8 @@ DIMENSIONS = {
     ("time", "wheel", "patch"): "Per contact patch",
     ("time", "element"): "Per force element",
     ("time",): "Of the whole run",
+    ("reading_time", "wheel"): "Readings per wheel",
+    ("reading_time",): "Readings of the whole run",
 }
 
 ATTRIBUTES = {
@@ -39,6 +41,7 @@ ATTRIBUTES = {
     "rollerrig_version": "version of the program",
     "energy_turned_over_j": "half the sum of the total variations of all energy accounts [J]",
     "energy_relative_residual": "largest energy residual over the energy turned over",
+    "contact_losses": "wheels that lost contact, with time and place, JSON",
     "warnings": "restrictions of the validity of the run, one line each; empty if none",
 }
 
