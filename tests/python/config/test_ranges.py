@@ -177,6 +177,19 @@ def test_sizes_that_only_together_are_too_large_are_refused(
     assert told in problem.allowed
 
 
+def test_wheel_and_rail_of_different_models_are_refused() -> None:
+    with pytest.raises(ConfigError) as error:
+        build(with_length_scale(copy.deepcopy(whole_cases()["flat"]), 1e-3))
+    (problem,) = error.value.problems
+    assert (problem.key, problem.value) == ("support.data.profile.length_scale", "1.0")
+    assert problem.allowed == "allowed: about that of the wheel, 0.001, at most a factor of 10 from it"
+
+
+def with_length_scale(raw: Raw, scale: float) -> Raw:
+    raw["vehicle"]["data"]["wheel"]["profile"]["length_scale"] = scale
+    return raw
+
+
 @pytest.mark.parametrize(
     ("old", "new", "told"),
     [

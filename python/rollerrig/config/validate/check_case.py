@@ -8,7 +8,7 @@ from rollerrig.config.schema.case import CaseTables, Disturbance
 from rollerrig.config.schema.vehicle import DIRECTIONS, Vehicle
 from rollerrig.config.validate.check_actuators import DRIVE_OF_RIG_CONTROL, check_actuators
 from rollerrig.config.validate.check_patch import check_patch
-from rollerrig.config.validate.check_profile import check_flange_clearance, check_reach
+from rollerrig.config.validate.check_profile import check_flange_clearance, check_reach, check_scales
 from rollerrig.config.validate.check_size import check_size
 from rollerrig.config.validate.check_track import check_track
 from rollerrig.config.validate.check_vehicle import labelled, unknown_names
@@ -46,7 +46,8 @@ def check_drive(raw: Mapping[str, Any], file: str) -> list[ConfigProblem]:
 def check_case(case: CaseTables, file: str) -> list[ConfigProblem]:
     """What only a case of valid tables can be asked."""
     wheel, support = case.vehicle.data.wheel, case.support.data
-    problems = check_reach(wheel, support, file) or check_flange_clearance(wheel, support, file)
+    problems = check_scales(wheel, support, file) or check_reach(wheel, support, file)
+    problems = problems or check_flange_clearance(wheel, support, file)
     bodies = [disturbance.body for disturbance in case.disturbance]
     for disturbance in case.disturbance:
         if bodies.count(disturbance.body) > 1:

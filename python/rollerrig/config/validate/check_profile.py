@@ -10,6 +10,7 @@ from rollerrig.config.schema.vehicle import Wheel
 from rollerrig.profiles import ProfileError, ProfileTable, gauge_point, profile_from_spec
 
 FLANGE_DEPTH = 0.010  # [m] below the tape circle, where the thickness of a flange is taken, EN 13715
+WIDEST_SCALES = 10.0  # [-] between the lengths of wheel and rail: beyond it they are of different models
 WIDEST_CLEARANCE = 0.040  # [m] between the flanges of a wheelset and the rails, both sides together
 
 
@@ -55,6 +56,15 @@ def check_reach(wheel: Wheel, support: Rig | Track, file: str) -> list[ConfigPro
         f"{half_wheel[0] * 1e3:.0f} to {half_wheel[1] * 1e3:.0f} mm about its tape circle"
     )
     return [ConfigProblem(file, "support.data.gauge", show_value(support.gauge), allowed)]
+
+
+def check_scales(wheel: Wheel, support: Rig | Track, file: str) -> list[ConfigProblem]:
+    """Wheel and rail must be of one model: the contact between them is looked for at the wheel's scale."""
+    of_wheel, of_rail = wheel.profile.length_scale, support.profile.length_scale
+    if 1.0 / WIDEST_SCALES <= of_rail / of_wheel <= WIDEST_SCALES:
+        return []
+    allowed = f"allowed: about that of the wheel, {of_wheel:g}, at most a factor of {WIDEST_SCALES:g} from it"
+    return [ConfigProblem(file, "support.data.profile.length_scale", show_value(of_rail), allowed)]
 
 
 def check_flange_clearance(wheel: Wheel, support: Rig | Track, file: str) -> list[ConfigProblem]:
