@@ -271,7 +271,7 @@ class CaseTables(Table):
 
     name: Name = Field(description="name of the case")
     description: str = Field(default="", description="one line about the case")
-    gravity: Annotated[float, Quantity("m/s^2", 1e-3, 1e4)] = Field(
+    gravity: Annotated[float, Quantity("m/s^2", 0.05, 1e4)] = Field(
         default=GRAVITY, description="acceleration of gravity; another one only in ideal similitude"
     )
     vehicle: VehicleChoice = Field(description="the vehicle")

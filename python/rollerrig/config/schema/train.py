@@ -16,6 +16,6 @@ class Train(Table):
         default=0.0,
         description="A in the part of the running resistance that these axles overcome, R = A + B v + C v^2",
     )
-    resistance_linear: Annotated[float, Quantity("N s/m", 0.0, 1e8)] = Field(default=0.0, description="B")
-    resistance_quadratic: Annotated[float, Quantity("N s^2/m^2", 0.0, 1e8)] = Field(default=0.0, description="C")
+    resistance_linear: Annotated[float, Quantity("N s/m", 0.0, 1e6)] = Field(default=0.0, description="B")
+    resistance_quadratic: Annotated[float, Quantity("N s^2/m^2", 0.0, 1e6)] = Field(default=0.0, description="C")
     gradient: Annotated[float, Quantity("1", -0.1, 0.1)] = Field(default=0.0, description="positive uphill")
