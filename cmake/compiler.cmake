@@ -1,9 +1,20 @@
 # Two interface targets: what every object of the build is compiled with, and warnings for our own files.
+# GCC, Clang, AppleClang and MSVC (also clang-cl).
 
 add_library(rollerrig_code_generation INTERFACE)
 add_library(rollerrig_warnings INTERFACE)
 
-if(CMAKE_CXX_COMPILER_ID MATCHES "GNU|Clang")
+if(MSVC)
+  # UTF-8 sources; the C++ and preprocessor rules of the standard; objects with more sections than the old format counts.
+  # /fp:precise: no NaN or infinity is assumed away, by them a diverging run is noticed.
+  target_compile_options(rollerrig_code_generation INTERFACE
+    /utf-8 /EHsc /permissive- /Zc:__cplusplus /Zc:preprocessor /bigobj /fp:precise)
+  target_compile_definitions(rollerrig_code_generation INTERFACE NOMINMAX _USE_MATH_DEFINES)
+  target_compile_options(rollerrig_warnings INTERFACE /W3)
+  if(ROLLERRIG_WERROR)
+    target_compile_options(rollerrig_warnings INTERFACE /WX)
+  endif()
+elseif(CMAKE_CXX_COMPILER_ID MATCHES "GNU|Clang")
   # No -ffast-math: NaN and infinity are how a diverging run is noticed.  The two flags below only
   # drop errno and floating-point traps, which nothing here reads; results are unchanged.
   target_compile_options(rollerrig_code_generation INTERFACE
