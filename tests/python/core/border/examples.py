@@ -345,6 +345,7 @@ class Examples:
             "Simulation.search_along": Call(fresh("search_along"), {"t": 0.0, "states": states}),
             "Simulation.statistics": Call(fresh("statistics"), {}),
             "Simulation.counters": Call(fresh("counters"), {}),
+            "Simulation.contact_losses": Call(fresh("contact_losses"), {}),
             "Simulation.exhaustive_search": Call(
                 lambda value: setattr(self.simulation(), "exhaustive_search", value), {"value": True}
             ),
