@@ -29,6 +29,7 @@ from rollerrig.starting_state import equilibrium
 Array = NDArray[np.float64]
 
 EXACT_EVERY = 4  # positions; the exact solver takes some 10 ms a patch
+LEAST_SOLUTIONS = 8  # exact solutions, of loaded wheels, that a mean or a worst case is given from
 LEAST_SPEED = 1.0  # [m/s]; slower, the viscous friction of standstill mixes in
 SIDES = ("left", "right")
 _FIELDS = tuple(name for name, _, _ in _core.patch_fields)
@@ -119,18 +120,26 @@ def creep_errors(comparison: xr.Dataset) -> xr.DataArray:
 
 
 def creep_text(comparison: xr.Dataset) -> str:
-    """A table for the terminal: per law its error against the exact solver with each normal contact, and its cost."""
+    """A table for the terminal: per law its error against the exact solver with each normal contact, and its cost.
+
+    Says how many exact solutions the statistics of a normal contact rest on; from fewer than LEAST_SOLUTIONS none is given.
+    """
     errors = 100 * creep_errors(comparison)
     normals = [str(name) for name in comparison["normal"].to_numpy()]
+    solved = {name: int(comparison["exact_x"].sel(normal=name).notnull().sum()) for name in normals}
     head = "".join(f"{f'{name}: mean':>16}{'worst':>8}" for name in normals)
     lines = ["creep force, off the exact solver [% of mu N]", f"{'law':<18}{head}{'ns per call':>13}"]
     for law in comparison["law"].to_numpy():
         cells = ""
         for name in normals:
             one = errors.sel(law=law, normal=name)
-            cells += f"{float(one.mean()):>16.1f}{float(one.max()):>8.1f}"
+            enough = solved[name] >= LEAST_SOLUTIONS
+            cells += f"{float(one.mean()):>16.1f}{float(one.max()):>8.1f}" if enough else f"{'-':>16}{'-':>8}"
         seconds = float(comparison["cost"].sel(law=law))
         lines.append(f"{law!s:<18}{cells}{'-' if np.isnan(seconds) else f'{1e9 * seconds:.0f}':>13}")
+    counts = ", ".join(f"{name} {count}" for name, count in solved.items())
+    few = f"; '-': fewer than {LEAST_SOLUTIONS}" if min(solved.values()) < LEAST_SOLUTIONS else ""
+    lines[0] += f"; exact solutions: {counts}{few}"
     return "\n".join(lines)
 
 

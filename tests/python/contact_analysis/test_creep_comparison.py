@@ -10,6 +10,7 @@ from rollerrig import load_case
 from rollerrig.contact_analysis.creep_comparison import (
     _FIELDS,
     EXACT_EVERY,
+    LEAST_SOLUTIONS,
     _Rolling,
     compare_creep,
     creep_csv,
@@ -82,6 +83,16 @@ def test_a_row_for_every_force_that_is_known(comparison: xr.Dataset) -> None:
     assert set(comparison["law"].to_numpy()) <= {
         line.split()[0] for line in creep_text(comparison).splitlines() if line
     }
+
+
+def test_a_statistic_says_what_it_rests_on_and_is_not_given_from_too_few(comparison: xr.Dataset) -> None:
+    text = creep_text(comparison)
+    assert f"exact solutions: hertz 4, strips 4; '-': fewer than {LEAST_SOLUTIONS}" in text  # two positions, two wheels
+    assert all(line.split()[1:5] == ["-"] * 4 for line in text.splitlines() if line.startswith(("table", "fastsim")))
+    more = creep_text(comparison.isel(position=[0, 4, 0, 4]))
+    assert "hertz 8, strips 8" in more
+    assert "fewer" not in more
+    assert all("-" not in line.split()[1:5] for line in more.splitlines() if line.startswith("table"))
 
 
 def test_the_picture_shows_the_forces(comparison: xr.Dataset) -> None:
