@@ -250,18 +250,28 @@ int RollingReference::revise(bool may_stick) {
   return moved;
 }
 
-RollingSolution RollingReference::solve(ReducedCreepage const& e) {
-  RollingSolution s;
+/// Newton's method from the present tractions. True if it converged; counts its steps.
+bool RollingReference::iterate(ReducedCreepage const& e, int& steps) {
   find_slip(e);
-  for (s.steps = 1; s.steps <= max_steps; ++s.steps) {
+  for (int step = 1; step <= max_steps; ++step) {
+    ++steps;
     double const change = newton_step();
     find_slip(e);
-    int const moved = revise(s.steps < settle);
-    if (moved == 0 && change < tolerance) {
-      s.converged = true;
-      break;
-    }
+    int const moved = revise(step < settle);
+    if (moved == 0 && change < tolerance) return true;
     if (moved) find_slip(e);
+  }
+  return false;
+}
+
+RollingSolution RollingReference::solve(ReducedCreepage const& e) {
+  RollingSolution s;
+  s.converged = iterate(e, s.steps);
+  if (!s.converged) {  // the last solution was too far away to start from: once more from full stick
+    std::ranges::fill(traction_x, 0.0);
+    std::ranges::fill(traction_y, 0.0);
+    std::ranges::fill(slipping_, 0);
+    s.converged = iterate(e, s.steps);
   }
   double stuck = 0.0;
   double all = 0.0;

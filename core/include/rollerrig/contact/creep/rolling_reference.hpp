@@ -50,7 +50,7 @@ class RollingReference {
   RollingReference(double a_over_b, double poisson_ratio)
       : RollingReference(a_over_b, poisson_ratio, RollingGrid::for_ellipse(a_over_b)) {}
 
-  /// Starts from the last solution: cases in an order of small steps are cheaper.
+  /// Starts from the last solution: cases in an order of small steps are cheaper. Where that does not converge, from full stick.
   RollingSolution solve(ReducedCreepage const& creepage);
 
   /// C11, C22, C23, C33 of this grid: no slip anywhere, one linear system.
@@ -69,6 +69,7 @@ class RollingReference {
   void fill_sticking(std::size_t element, NewtonSystem& system) const;
   void fill_slipping(std::size_t element, NewtonSystem& system) const;
   double newton_step();
+  bool iterate(ReducedCreepage const& creepage, int& steps);
   int revise(bool may_stick);
   std::size_t count() const { return x.size(); }
 
