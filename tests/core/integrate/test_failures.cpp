@@ -123,7 +123,7 @@ TEST_CASE("a state that is not a number is noticed at the step where it appears"
   CHECK(integrator.start(0, start) == Status::not_finite);
 }
 
-TEST_CASE("a solution that goes to infinity ends at its pole, not finite") {
+TEST_CASE("a solution that goes to infinity ends at its pole, in steps that are too small or not finite") {
   // x' = x^2, x(0) = 1 has its pole at t = 1.
   struct Pole {
     Sizes sizes() const { return {1, 0}; }
@@ -140,7 +140,8 @@ TEST_CASE("a solution that goes to infinity ends at its pole, not finite") {
     Integrator integrator(problem, adaptive(method, 1e-8, 2));
     double const x0 = 1;
     integrator.start(0, &x0);
-    CHECK(integrator.advance(2) == Status::not_finite);
+    Status const end = integrator.advance(2);
+    CHECK((end == Status::not_finite || end == Status::step_too_small));
     CHECK(integrator.time() == doctest::Approx(1).epsilon(1e-6));
   }
 }
