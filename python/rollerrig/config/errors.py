@@ -75,7 +75,10 @@ def show_value(value: object) -> str:
         text = repr(list(value) if isinstance(value, tuple) else value)
     except (ValueError, RecursionError):  # an integer of thousands of digits; lists nested beyond reason
         text = f"a very long {type(value).__name__}"
-    return text if len(text) <= _LONGEST_VALUE else text[: _LONGEST_VALUE - 3] + "..."
+    if len(text) <= _LONGEST_VALUE:
+        return text
+    end = _LONGEST_VALUE // 2 if isinstance(value, str) else 0  # where a path has its file
+    return f"{text[: _LONGEST_VALUE - 3 - end]}...{text[len(text) - end :]}"
 
 
 def nearest(word: object, choices: Sequence[str]) -> str:

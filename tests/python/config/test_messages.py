@@ -8,6 +8,7 @@ import pytest
 
 from rollerrig.catalog import catalog_text
 from rollerrig.config import ConfigError, Contact, load_any, load_case, load_vehicle
+from rollerrig.config.errors import show_value
 from rollerrig.config.schema.rig_control import KalmanFilter, NoFeedback
 
 from .conftest import MistakesOf, spoil
@@ -376,3 +377,11 @@ def test_a_name_alone_and_a_new_kind_ask_for_its_defaults() -> None:
     other = case.with_changes({"rig_control.estimator.kind": "kalman"}).rig_control
     assert other is not None
     assert other.estimator == KalmanFilter(kind="kalman", bandwidth=control.estimator.bandwidth)
+
+
+def test_a_long_path_keeps_its_file_name_in_a_message() -> None:
+    path = "/somewhere/" + 20 * "long/" + "wheel_profile.toml"
+    shown = show_value(path)
+    assert len(shown) == 80
+    assert shown.startswith("'/somewhere/")
+    assert shown.endswith("wheel_profile.toml'")

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from rollerrig.config import ConfigError, load_profile
+from rollerrig.config.errors import show_value
 from rollerrig.profiles import ProfileError, profile_from_spec
 
 from .test_measured import PLAIN, SIMPACK, rail_points, simpack, wheel_points, write
@@ -74,7 +75,7 @@ def test_a_spoiled_profile_of_a_case_names_the_case_too(tmp_path):
     path = write(tmp_path / "points.txt", spoiled("rail", "closed"))
     with pytest.raises(ConfigError) as error:
         load_profile(str(path), "rail")
-    assert str(error.value).startswith(f"{path}: '{path}'; ")
+    assert str(error.value).startswith(f"{path}: {show_value(str(path))}; ")
 
 
 @pytest.mark.parametrize(("separator", "shown"), [(" ", " "), (";", ";"), ("\t", "\\t")])

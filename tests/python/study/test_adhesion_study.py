@@ -76,7 +76,7 @@ def test_every_number_is_explained_and_written(outcome: Outcome[Runs], tmp_path:
     summary = json.loads((tmp_path / "summary.json").read_text(encoding="utf-8"))
     assert QUANTITIES.unexplained(summary) == []
     pictures = {path for path in written if path.startswith("figures/")}
-    assert written - pictures == {"track.nc", "rig.nc", "axles.csv", "summary.json", "report.html"}
+    assert written - pictures == {*("track.nc", "rig.nc", "axles.csv", "summary.json", "report.html", "timing.json")}
     assert {"figures/error_budget.png", "figures/brakes.png", "figures/sliding.png"} <= pictures
     assert "figures/traction.png" not in pictures  # a brake test
     rows = (tmp_path / "axles.csv").read_text().splitlines()

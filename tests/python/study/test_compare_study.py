@@ -60,6 +60,7 @@ def test_everything_is_written(folder) -> None:
         "report.html",
         "summary.json",
         "timing.json",
+        "rollerrig.json",
         "disturbed_rig.nc",
         "disturbed_track.nc",
         "figures",
