@@ -264,14 +264,28 @@ bool RollingReference::iterate(ReducedCreepage const& e, int& steps) {
   return false;
 }
 
+void RollingReference::release() {
+  std::ranges::fill(traction_x, 0.0);
+  std::ranges::fill(traction_y, 0.0);
+  std::ranges::fill(slipping_, 0);
+}
+
 RollingSolution RollingReference::solve(ReducedCreepage const& e) {
   RollingSolution s;
   s.converged = iterate(e, s.steps);
   if (!s.converged) {  // the last solution was too far away to start from: once more from full stick
-    std::ranges::fill(traction_x, 0.0);
-    std::ranges::fill(traction_y, 0.0);
-    std::ranges::fill(slipping_, 0);
+    release();
     s.converged = iterate(e, s.steps);
+  }
+  if (!s.converged) {  // ... and along creepages that fall to this one, from nearly full sliding
+    release();
+    for (double factor : {16.0, 8.0, 4.0, 2.0, 1.4, 1.0})
+      s.converged = iterate({factor * e.longitudinal, factor * e.lateral, factor * e.spin}, s.steps);
+  }
+  if (!s.converged) {  // ... or that rise to it, from full stick
+    release();
+    for (double factor : {0.2, 0.4, 0.6, 0.8, 0.9, 1.0})
+      s.converged = iterate({factor * e.longitudinal, factor * e.lateral, factor * e.spin}, s.steps);
   }
   double stuck = 0.0;
   double all = 0.0;

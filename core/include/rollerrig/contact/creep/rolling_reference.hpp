@@ -50,7 +50,8 @@ class RollingReference {
   RollingReference(double a_over_b, double poisson_ratio)
       : RollingReference(a_over_b, poisson_ratio, RollingGrid::for_ellipse(a_over_b)) {}
 
-  /// Starts from the last solution: cases in an order of small steps are cheaper. Where that does not converge, from full stick.
+  /// Starts from the last solution: cases in an order of small steps are cheaper. Where that does not converge, from full stick,
+  /// then along creepages in the same ratio that fall or rise to the one asked for.
   RollingSolution solve(ReducedCreepage const& creepage);
 
   /// C11, C22, C23, C33 of this grid: no slip anywhere, one linear system.
@@ -71,6 +72,7 @@ class RollingReference {
   double newton_step();
   bool iterate(ReducedCreepage const& creepage, int& steps);
   int revise(bool may_stick);
+  void release();  ///< full stick, no traction
   std::size_t count() const { return x.size(); }
 
   double c_area_{0.0};
