@@ -30,21 +30,27 @@ double degraded_force(int, double slip, double, double load) {
   return mu(std::abs(slip)) * load * std::tanh(slip / 0.1);
 }
 
-}  // namespace
-
-TEST_CASE("with pure rolling and exact torque the rig's wheels turn as those of the virtual train") {
+/// Without feedback, on a rail of falling friction.
+RigController controller_of_two_axles(AnyEstimator const& estimator, double largest, double regularisation_speed) {
   RigController controller{
       .assumed = {.roller_inertia = J_r, .roller_radius = R, .wheelset_inertia = J_w, .wheel_radius = r},
-      .estimator = ExactForces{},
+      .estimator = estimator,
       .feedback = NoFeedback{},
-      .largest = 1e9,
+      .largest = largest,
       .train = train_of_two_axles()};
   controller.train.position = {1.3, -1.3};
   VirtualRail& rail = controller.rail;
   rail.friction.law = FallingFriction{0.08, 0.4, 0.2};
   rail.wheel_load = 54546.0, rail.a = 6e-3, rail.b = 4e-3, rail.width = 6e-3, rail.cell = 0.05;
-  rail.log_aspect = std::log(1.5), rail.creepage_regularisation_speed = 0.1;
+  rail.log_aspect = std::log(1.5), rail.creepage_regularisation_speed = regularisation_speed;
   rail.stiffness = kalker_stiffness(KalkerTable(0.28).at(rail.log_aspect), 82e9, rail.a, rail.b, 1.0);
+  return controller;
+}
+
+}  // namespace
+
+TEST_CASE("with pure rolling and exact torque the rig's wheels turn as those of the virtual train") {
+  RigController controller = controller_of_two_axles(ExactForces{}, 1e9, 0.1);
 
   double const period = 1e-3, reduced = J_w + J_r * (r / R) * (r / R);
   Measurements now{.axles = 2};
@@ -67,17 +73,7 @@ TEST_CASE("with pure rolling and exact torque the rig's wheels turn as those of 
 }
 
 TEST_CASE("the drives of locked wheels give the rail's force without ringing, whatever the estimator") {
-  RigController controller{
-      .assumed = {.roller_inertia = J_r, .roller_radius = R, .wheelset_inertia = J_w, .wheel_radius = r},
-      .feedback = NoFeedback{},
-      .largest = 2e4,
-      .train = train_of_two_axles()};
-  controller.train.position = {1.3, -1.3};
-  VirtualRail& rail = controller.rail;
-  rail.friction.law = FallingFriction{0.08, 0.4, 0.2};
-  rail.wheel_load = 54546.0, rail.a = 6e-3, rail.b = 4e-3, rail.width = 6e-3, rail.cell = 0.05;
-  rail.log_aspect = std::log(1.5), rail.creepage_regularisation_speed = 1.0;
-  rail.stiffness = kalker_stiffness(KalkerTable(0.28).at(rail.log_aspect), 82e9, rail.a, rail.b, 1.0);
+  RigController controller = controller_of_two_axles(ExactForces{}, 2e4, 1.0);
   double const period = 1e-3, reduced = J_w + J_r * (r / R) * (r / R);
   double const brake = 3e4;                              // holds the wheel: viscous [N m s/rad]
   double const drive = 1.0 - std::exp(-314.0 * period);  // of 50 Hz
