@@ -1,0 +1,214 @@
+// math/lane.hpp - W numbers side by side in a vector register: the scalar of formulas that are evaluated for several wheels
+// or patches at once.
+//
+// Arithmetic acts on every lane; a comparison gives a Mask, and select(mask, yes, no) chooses lane by lane. A formula written
+// for any Scalar, without an `if` on a T, runs in lanes as it stands; a table is read with truncated() and gather(). The same
+// source with T = double is width 1.
+//
+// Source  ISO/IEC TS 19570 (std::experimental::simd). Where the standard library lacks it lanes are one wide, and a Lane of 1
+//         is a plain double.
+#pragma once
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <type_traits>
+
+#include "rollerrig/scalar.hpp"
+
+#if defined(__has_include)
+#if __has_include(<experimental/simd>)
+#include <experimental/simd>
+#endif
+#endif
+#if defined(__cpp_lib_experimental_parallel_simd) && defined(__GLIBCXX__)
+#define ROLLERRIG_LANES 1
+#else
+#define ROLLERRIG_LANES 0
+#endif
+
+// GCC 12 trips over its own vector intrinsics (`__m512d __Y = __Y;`) wherever they are inlined.
+#if defined(__GNUC__) && !defined(__clang__)
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wuninitialized"
+#endif
+
+namespace rollerrig {
+
+#if ROLLERRIG_LANES
+namespace simd = std::experimental::parallelism_v2;
+
+/// How many doubles one register of this build holds: 8 with AVX-512, 4 with AVX2, 2 with SSE2 or NEON.
+constexpr int native_lanes = static_cast<int>(simd::native_simd<double>::size());
+
+/// What a comparison of lanes answers.
+template <int W>
+struct Mask {
+  using Register = simd::simd_mask<double, simd::simd_abi::deduce_t<double, W>>;
+  Register v;
+
+  friend Mask operator&&(Mask a, Mask b) { return {a.v && b.v}; }
+  friend Mask operator||(Mask a, Mask b) { return {a.v || b.v}; }
+  friend Mask operator!(Mask a) { return {!a.v}; }
+  friend bool any(Mask a) { return simd::any_of(a.v); }
+  friend bool all(Mask a) { return simd::all_of(a.v); }
+  bool operator[](int i) const { return v[static_cast<std::size_t>(i)]; }
+};
+
+template <class Number, int W>
+struct Lane;
+
+template <int W>
+struct Lane<double, W> {
+  using Register = simd::simd<double, simd::simd_abi::deduce_t<double, W>>;
+  Register v;
+
+  Lane() = default;  ///< not set, as a double
+  explicit Lane(double x) : v(x) {}
+  explicit Lane(Register const& x) : v(x) {}
+
+  /// From W numbers in memory.
+  static Lane load(double const* x) { return Lane(Register(x, simd::element_aligned)); }
+  void store(double* x) const { v.copy_to(x, simd::element_aligned); }
+  double operator[](int i) const { return v[static_cast<std::size_t>(i)]; }
+  void set(int i, double x) { v[static_cast<std::size_t>(i)] = x; }
+
+  Lane& operator+=(Lane const& b) {
+    v += b.v;
+    return *this;
+  }
+  Lane& operator-=(Lane const& b) {
+    v -= b.v;
+    return *this;
+  }
+  friend Lane operator-(Lane const& a) { return Lane(-a.v); }
+  friend Lane operator+(Lane const& a, Lane const& b) { return Lane(a.v + b.v); }
+  friend Lane operator-(Lane const& a, Lane const& b) { return Lane(a.v - b.v); }
+  friend Lane operator*(Lane const& a, Lane const& b) { return Lane(a.v * b.v); }
+  friend Lane operator/(Lane const& a, Lane const& b) { return Lane(a.v / b.v); }
+  friend Lane operator+(Lane const& a, double b) { return Lane(a.v + Register(b)); }
+  friend Lane operator+(double a, Lane const& b) { return Lane(Register(a) + b.v); }
+  friend Lane operator-(Lane const& a, double b) { return Lane(a.v - Register(b)); }
+  friend Lane operator-(double a, Lane const& b) { return Lane(Register(a) - b.v); }
+  friend Lane operator*(Lane const& a, double b) { return Lane(a.v * Register(b)); }
+  friend Lane operator*(double a, Lane const& b) { return Lane(Register(a) * b.v); }
+  friend Lane operator/(Lane const& a, double b) { return Lane(a.v / Register(b)); }
+  friend Lane operator/(double a, Lane const& b) { return Lane(Register(a) / b.v); }
+
+  friend Mask<W> operator<(Lane const& a, Lane const& b) { return {a.v < b.v}; }
+  friend Mask<W> operator>(Lane const& a, Lane const& b) { return {a.v > b.v}; }
+  friend Mask<W> operator<(Lane const& a, double b) { return {a.v < Register(b)}; }
+  friend Mask<W> operator>(Lane const& a, double b) { return {a.v > Register(b)}; }
+
+  friend Lane sqrt(Lane const& a) { return Lane(Register(simd::sqrt(a.v))); }
+  friend Lane abs(Lane const& a) { return Lane(Register(simd::abs(a.v))); }
+  friend Lane min(Lane const& a, Lane const& b) { return Lane(simd::min(a.v, b.v)); }
+  friend Lane max(Lane const& a, Lane const& b) { return Lane(simd::max(a.v, b.v)); }
+  friend Lane log(Lane const& a) {
+    return each(a, [](double x) { return std::log(x); });
+  }
+  friend Lane exp(Lane const& a) {
+    return each(a, [](double x) { return std::exp(x); });
+  }
+  friend Lane sin(Lane const& a) {
+    return each(a, [](double x) { return std::sin(x); });
+  }
+  friend Lane cos(Lane const& a) {
+    return each(a, [](double x) { return std::cos(x); });
+  }
+  friend Lane atan2(Lane const& a, Lane const& b) {
+    return Lane(Register([&](auto i) { return std::atan2(a.v[i], b.v[i]); }));
+  }
+
+  template <class F>
+  friend Lane each(Lane const& a, F const& f) {
+    return Lane(Register([&](auto i) { return f(a.v[i]); }));
+  }
+};
+
+template <int W>
+Lane<double, W> select(Mask<W> const& condition, Lane<double, W> const& yes, Lane<double, W> const& no) {
+  Lane<double, W> out = no;
+  simd::where(condition.v, out.v) = yes.v;
+  return out;
+}
+
+/// W numbers that are searched and decided with: the lanes themselves.
+template <int W>
+Lane<double, W> value_of(Lane<double, W> const& x) {
+  return x;
+}
+
+template <class T>
+constexpr int lanes_of = 1;
+template <int W>
+constexpr int lanes_of<Lane<double, W>> = W;
+#else
+constexpr int native_lanes = 1;
+template <class T>
+constexpr int lanes_of = 1;
+#endif
+
+/// The scalar of W cases at once.
+template <int W>
+struct LanesOf {
+#if ROLLERRIG_LANES
+  using type = Lane<double, W>;
+#endif
+};
+template <>
+struct LanesOf<1> {
+  using type = double;
+};
+template <int W>
+using Lanes = typename LanesOf<W>::type;
+
+inline bool any(bool condition) { return condition; }
+inline bool all(bool condition) { return condition; }
+
+/// A place in a table, of every lane.
+template <class T>
+struct IndexOf {
+  using type = int;
+};
+#if ROLLERRIG_LANES
+template <int W>
+struct IndexOf<Lane<double, W>> {
+  using type = std::array<int, static_cast<std::size_t>(W)>;
+};
+#endif
+template <class T>
+using Index = typename IndexOf<T>::type;
+
+/// Towards zero; within +-2^31.
+inline int truncated(double x) { return static_cast<int>(x); }
+/// The number itself.
+template <class T>
+T number_of(int i) {
+  return T(static_cast<double>(i));
+}
+/// table[i].
+inline double gather(double const* table, int i) { return table[i]; }
+
+#if ROLLERRIG_LANES
+template <int W>
+Index<Lane<double, W>> truncated(Lane<double, W> const& x) {
+  Index<Lane<double, W>> out;
+  simd::static_simd_cast<simd::fixed_size_simd<int, W>>(x.v).copy_to(out.data(), simd::element_aligned);
+  return out;
+}
+template <class T, std::size_t W>
+T number_of(std::array<int, W> const& i) {
+  return T(typename T::Register([&](auto k) { return static_cast<double>(i[k]); }));
+}
+template <std::size_t W>
+Lane<double, static_cast<int>(W)> gather(double const* table, std::array<int, W> const& i) {
+  using L = Lane<double, static_cast<int>(W)>;
+  return L(typename L::Register([&](auto k) { return table[i[k]]; }));
+}
+#endif
+
+}  // namespace rollerrig
+
+#if defined(__GNUC__) && !defined(__clang__)
+#pragma GCC diagnostic pop
+#endif
