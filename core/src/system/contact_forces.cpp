@@ -38,33 +38,56 @@ void ForceAssembly<T>::search_contact(std::size_t index, RelativePose<T> const& 
   }
 }
 
+/// Patches of the wheels of one group, which have the same laws: all are placed first, then each law sees all of them at once.
 template <Scalar T>
-void ForceAssembly<T>::apply_contact(T const& t, std::size_t index) const {
-  WheelContact const& contact = model_.contacts[index];
-  auto const placed = placement(index);
-  search_contact(index, placed.pose);
+void ForceAssembly<T>::find_patches(T const& t, std::vector<int> const& group, Selection const* selection) const {
+  ContactLaws const& laws = model_.contacts[at(group.front())].laws;
+  w_.wheels.clear();
+  for (int i : group) {
+    std::size_t const index = at(i);
+    if (selection && !selection->contact[index]) continue;
+    auto& placed = w_.placed[index];
+    placed = placement(index);
+    if (follows_minima(laws.normal)) search_contact(index, placed.pose);
+    WheelContact const& contact = model_.contacts[index];
+    w_.wheels.push_back({{contact.pair, laws.material, contact.laws.wheel_arc.get()},
+                         &placed.pose,
+                         &evaluation_.search[index],
+                         &w_.patches[index],
+                         &w_.patch_count[index]});
+  }
+  normal_patches<T, Patch<T>>(laws.normal, w_.wheels);
+  for (int i : group) {
+    std::size_t const index = at(i);
+    if (selection && !selection->contact[index]) continue;
+    auto const& placed = w_.placed[index];
+    for (int k = 0; k < w_.patch_count[index]; ++k) {
+      auto& patch = w_.patches[index][at(k)];
+      add_creep_force(model_.contacts[index].laws, placed.pose, placed.motion, t, patch);
+      patch.apply_weight();
+    }
+  }
+}
 
+/// What the patches of a wheel do to both bodies.
+template <Scalar T>
+void ForceAssembly<T>::apply_contact(std::size_t index) const {
+  WheelContact const& contact = model_.contacts[index];
+  auto const& placed = w_.placed[index];
   ContactWrenches<T> sum;  // of all patches, b components
   int const constraint = model_.constraint_of_contact[index];
-  WheelPatches<T> patches;
-  int const count =
-      wheel_patches(contact.pair, contact.laws, evaluation_.search[index], placed.pose, placed.motion, t, patches);
-  for (int k = 0; k < count; ++k) {
-    auto const& patch = patches[at(k)];
+  for (int k = 0; k < w_.patch_count[index]; ++k) {
+    auto const& patch = w_.patches[index][at(k)];
     sum += contact_wrenches(contact.laws.roller, placed, patch);
     w_.power[stored_contacts] -= patch.elastic_power;
     w_.power[dissipated_normal] -= patch.normal.damping * patch.gap_rate;
     w_.power[dissipated_creep] += patch.creep_dissipation();
     if (constraint >= 0)
       w_.axle_creep[at(constraint)] += axle_creep(contact, placed, w_.motion[at(contact.wheelset)].R.ey, patch);
-    if constexpr (std::same_as<T, double>) evaluation_.patches[index * max_patches + at(k)] = patch;
   }
   w_.power[work_of_drive] += prescribed_power(placed, sum);
   sum = in_wheelset_frame(contact, placed, sum);
-  if constexpr (std::same_as<T, double>) {
-    evaluation_.patch_count[index] = count;
-    evaluation_.longitudinal_force += sum.force.x;
-  }
+  if constexpr (std::same_as<T, double>) evaluation_.longitudinal_force += sum.force.x;
   auto& wheelset = w_.wrench[at(contact.wheelset)];
   wheelset.force += sum.force;
   wheelset.moment += sum.on_wheelset;
@@ -74,9 +97,16 @@ void ForceAssembly<T>::apply_contact(T const& t, std::size_t index) const {
   if (!contact.rail) under.moment -= w_.motion[at(contact.roller)].R * sum.on_roller;  // a rail does not turn
 }
 
+template <Scalar T>
+void ForceAssembly<T>::apply_contacts(T const& t, Selection const* selection) const {
+  for (auto const& group : model_.contact_groups) find_patches(t, group, selection);
+  for (std::size_t i = 0; i < model_.contacts.size(); ++i)
+    if (!selection || selection->contact[i]) apply_contact(i);
+}
+
 template ContactPlacement<double> ForceAssembly<double>::placement(std::size_t) const;
 template void ForceAssembly<double>::search_contact(std::size_t, RelativePose<double> const&) const;
-template void ForceAssembly<double>::apply_contact(double const&, std::size_t) const;
-template void ForceAssembly<JacobianDual>::apply_contact(JacobianDual const&, std::size_t) const;
+template void ForceAssembly<double>::apply_contacts(double const&, Selection const*) const;
+template void ForceAssembly<JacobianDual>::apply_contacts(JacobianDual const&, Selection const*) const;
 
 }  // namespace rollerrig

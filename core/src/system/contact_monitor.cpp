@@ -41,7 +41,7 @@ void ContactMonitor::reset() {
 Status ContactMonitor::check(Model const& model, Evaluation const& evaluation, double t) {
   checked_at_ = t;
   for (std::size_t i = 0; i < model.contacts.size(); ++i) {
-    int const n = evaluation.patch_count[i];
+    int const n = evaluation.patch_count(static_cast<int>(i));
     ++counters_.checked;
     counters_.several_patches += n > 1;
     failed_contact_ = static_cast<int>(i);

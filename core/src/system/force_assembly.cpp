@@ -118,8 +118,7 @@ void ForceAssembly<T>::accelerate(T const& t, Selection const* selection) const 
     if (selected(b)) apply_weight(b);
   for (std::size_t i = 0; i < model_.elements.size(); ++i)
     if (!selection || selection->element[i]) apply_element(i);
-  for (std::size_t i = 0; i < model_.contacts.size(); ++i)
-    if (!selection || selection->contact[i]) apply_contact(t, i);
+  apply_contacts(t, selection);
   apply_axle_torques(t);
   apply_roller_torques(t);
   apply_brakes(t);

@@ -86,6 +86,36 @@ Coupling coupling_of(RollingConstraint const& c) {
   return {{{{c.wheelset, 1.0, 0.0, -c.wheel_radius}, {c.roller, -1.0, 0.0, -c.roller_radius}}}, 0.0, c.rate};
 }
 
+template <class V>
+bool same(V const& a, V const& b) {
+  return a == b;
+}
+template <Described V>
+bool same(V const& a, V const& b);
+template <class... Laws>
+bool same(std::variant<Laws...> const& a, std::variant<Laws...> const& b) {
+  return a.index() == b.index() && std::visit([&]<class L>(L const& law) { return same(law, std::get<L>(b)); }, a);
+}
+template <Described V>
+bool same(V const& a, V const& b) {
+  return std::apply([&](auto const&... field) { return (same(a.*field.member, b.*field.member) && ...); }, V::fields());
+}
+
+/// Contacts that one call of each law may see together. Friction is asked patch by patch.
+std::vector<std::vector<int>> contact_groups(std::vector<WheelContact> const& contacts) {
+  std::vector<std::vector<int>> groups;
+  for (std::size_t i = 0; i < contacts.size(); ++i) {
+    auto const like = [&](std::vector<int> const& group) {
+      ContactLaws without_friction = contacts[i].laws;
+      without_friction.friction = contacts[at(group.front())].laws.friction;
+      return same(without_friction, contacts[at(group.front())].laws);
+    };
+    auto const group = std::ranges::find_if(groups, like);
+    (group == groups.end() ? groups.emplace_back() : *group).push_back(static_cast<int>(i));
+  }
+  return groups;
+}
+
 }  // namespace
 
 StateMap::StateMap(std::vector<Body> const& bodies, std::size_t inner_nodes) : nodes(static_cast<int>(inner_nodes)) {
@@ -305,6 +335,7 @@ void ModelBuilder::set_irregularity(Irregularity const& irregularity) {
 
 std::shared_ptr<Model const> ModelBuilder::finish() const {
   auto model = std::make_shared<Model>(model_);
+  model->contact_groups = contact_groups(model->contacts);
   model->map = StateMap(model->bodies, model->nodes.size());
   for (WheelContact const& c : model->contacts) {
     model->on_rails = model->on_rails || c.rail;

@@ -88,10 +88,12 @@ std::vector<StaticPatch> StaticWheelsetContact::patches(WheelsetPosition const& 
   WheelContact const& contact = *contact_[right];
   ContactSearch& search = search_[right];
   auto const at = pose(p, right);
-  search.find_indented(at);
-  NormalSetting const wheel{contact.pair, contact.laws.material, contact.laws.wheel_arc.get()};
+  if (follows_minima(contact.laws.normal)) search.find_indented(at);
   PatchList<NormalPatch<double>> found;
-  int const count = normal_patches(contact.laws.normal, wheel, at, search, found);
+  int count = 0;
+  std::array const wheel{NormalContact<double, NormalPatch<double>>{
+      {contact.pair, contact.laws.material, contact.laws.wheel_arc.get()}, &at, &search, &found, &count}};
+  normal_patches<double, NormalPatch<double>>(contact.laws.normal, wheel);
   std::vector<StaticPatch> list;
   for (int k = 0; k < count; ++k) list.push_back(seen(contact, found[static_cast<std::size_t>(k)]));
   return list;

@@ -54,7 +54,7 @@ template <class Take>
 std::size_t StiffCreepModes::for_each_slip(Group const& group, Evaluation const& evaluation, Take const& take) {
   std::size_t count = 0;
   for (int c : group.contact)
-    for (int k = 0; k < evaluation.patch_count[at(c)] && count + 2 <= most_slips; ++k, count += 2) take(c, k);
+    for (int k = 0; k < evaluation.patch_count(c) && count + 2 <= most_slips; ++k, count += 2) take(c, k);
   return count;
 }
 
@@ -83,27 +83,21 @@ bool StiffCreepModes::look_up_viscosities(Model const& model, Evaluation const& 
   return !same;
 }
 
-bool StiffCreepModes::renew(Model const& model, Inputs const& inputs, Evaluation& evaluation, StiffModes const& now,
+bool StiffCreepModes::renew(Model const& model, Evaluation const& evaluation, StiffModes const& now,
                             StiffModes& next) const {
   if (!look_up_viscosities(model, evaluation, now, next)) return false;
   for (std::size_t i = 0; i < model.nodes.size(); ++i) {
     next.begin(model.nodes[i].relaxation_rate(), 0.0);
     next.add(model.map.coordinates + model.map.rates + static_cast<int>(i), 1.0, 1.0);
   }
-  ForceAssembly<double> const forces(model, inputs, evaluation, evaluation.work);
   std::size_t origin = 2;
   for (Group const& group : groups_) {
     Slips slips;
     std::size_t own = origin;
     origin += most_slips;
-    int placed_contact = -1;
-    ContactPlacement<double> placed;
     for_each_slip(group, evaluation, [&](int c, int k) {
-      if (placed_contact != c) placed = forces.placement(at(c));
-      placed_contact = c;
       for (bool lateral : {false, true})
-        if (double const v = next.origin[own++]; v > 0.0)
-          add_slip(model, evaluation, group, c, k, placed, lateral, v, slips);
+        if (double const v = next.origin[own++]; v > 0.0) add_slip(model, evaluation, group, c, k, lateral, v, slips);
     });
     add_modes(model, group, slips, next);
   }
@@ -113,9 +107,9 @@ bool StiffCreepModes::renew(Model const& model, Inputs const& inputs, Evaluation
 /// Unit force at a patch along or across the rolling direction, times the root of the viscosity: what it is on the velocities
 /// of a group, and what accelerations follow.
 void StiffCreepModes::add_slip(Model const& model, Evaluation const& evaluation, Group const& group, int contact, int k,
-                               ContactPlacement<double> const& placed, bool lateral, double viscosity,
-                               Slips& slips) const {
+                               bool lateral, double viscosity, Slips& slips) const {
   WheelContact const& own = model.contacts[at(contact)];
+  ContactPlacement<double> const& placed = evaluation.work.placed[at(contact)];
   Patch<double> unit;
   unit.point = evaluation.patch(contact, k).point;
   Vec3<double> const& n = unit.point.n;

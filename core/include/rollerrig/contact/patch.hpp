@@ -165,20 +165,4 @@ void add_creep_force(ContactLaws const& laws, RelativePose<T> const& pose, Conta
 template <Scalar T>
 using WheelPatches = PatchList<Patch<T>>;
 
-/// All patches of one wheel: the normal law on the minima of the search, then the creep law on each patch.
-///
-/// @return  how many
-template <Scalar T>
-int wheel_patches(WheelRollerPair const& pair, ContactLaws const& laws, ContactSearch const& search,
-                  RelativePose<T> const& pose, ContactMotion<T> const& motion, T const& time,
-                  WheelPatches<T>& patches) {
-  NormalSetting const wheel{pair, laws.material, laws.wheel_arc.get()};
-  int const count = normal_patches(laws.normal, wheel, pose, search, patches);
-  for (std::size_t k = 0; k < static_cast<std::size_t>(count); ++k) {
-    add_creep_force(laws, pose, motion, time, patches[k]);
-    patches[k].apply_weight();
-  }
-  return count;
-}
-
 }  // namespace rollerrig

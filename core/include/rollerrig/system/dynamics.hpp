@@ -31,7 +31,7 @@ class Dynamics {
   /// Inner nodes of elements, and slips against creep.
   StiffModes stiff_modes() const { return stiff_creep_modes_.room(); }
   bool renew_stiff_modes(StiffModes const& now, StiffModes& next) {
-    return stiff_creep_modes_.renew(*model_, evaluated_inputs_, evaluation_, now, next);
+    return stiff_creep_modes_.renew(*model_, evaluation_, now, next);
   }
 
   /// Evaluates the model and leaves motion, forces and patches to be read; not again where it did so last.
@@ -44,7 +44,7 @@ class Dynamics {
   StateMap const& map() const { return model_->map; }
   Evaluation const& evaluation() const { return evaluation_; }
   Workspace<double> const& work() const { return evaluation_.work; }
-  int patch_count(int contact) const { return evaluation_.patch_count[static_cast<std::size_t>(contact)]; }
+  int patch_count(int contact) const { return evaluation_.patch_count(contact); }
   /// b components; of a right wheel in its mirror image.
   Patch<double> const& patch(int contact, int k) const { return evaluation_.patch(contact, k); }
 

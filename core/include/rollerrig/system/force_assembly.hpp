@@ -51,8 +51,9 @@ class ForceAssembly {
 
   void apply_weight(std::size_t body) const;
   void apply_element(std::size_t index) const;
-  void apply_contact(T const& t, std::size_t index) const;
-  void keep_patch(std::size_t contact, int k, Patch<T> const& patch) const;
+  void find_patches(T const& t, std::vector<int> const& group, Selection const* selection) const;
+  void apply_contact(std::size_t index) const;
+  void apply_contacts(T const& t, Selection const* selection) const;
   void apply_axle_torques(T const& t) const;
   void apply_reaction(AxleTorque const& torque, Vec3<T> const& moment) const;
   void apply_roller_torques(T const& t) const;

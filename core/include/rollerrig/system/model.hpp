@@ -160,6 +160,7 @@ struct Model {
   std::size_t rotors{0};                   ///< of the couplings
   Eigen::MatrixXd coupling_matrix;         ///< inverse of G, system/couplings.hpp
   std::vector<int> constraint_of_contact;  ///< rolling constraint of the axle; -1: none
+  std::vector<std::vector<int>> contact_groups;     ///< contacts of the same laws, friction aside
   std::vector<std::shared_ptr<void const>> tables;  ///< keeps what the contacts point to
 
   /// Throws std::invalid_argument that names the argument where there is no such contact.

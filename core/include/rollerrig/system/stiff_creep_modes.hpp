@@ -21,8 +21,7 @@ class StiffCreepModes {
   StiffModes room() const;
 
   /// Fills `next` and returns true where the last evaluation asks for other modes than `now`.
-  bool renew(Model const& model, Inputs const& inputs, Evaluation& evaluation, StiffModes const& now,
-             StiffModes& next) const;
+  bool renew(Model const& model, Evaluation const& evaluation, StiffModes const& now, StiffModes& next) const;
 
  private:
   static constexpr std::size_t most_slips = 8;   ///< of one wheelset: two for each of four patches
@@ -48,8 +47,8 @@ class StiffCreepModes {
   static std::size_t for_each_slip(Group const& group, Evaluation const& evaluation, Take const& take);
   bool look_up_viscosities(Model const& model, Evaluation const& evaluation, StiffModes const& now,
                            StiffModes& next) const;
-  void add_slip(Model const& model, Evaluation const& evaluation, Group const& group, int contact, int k,
-                ContactPlacement<double> const& placed, bool lateral, double viscosity, Slips& slips) const;
+  void add_slip(Model const& model, Evaluation const& evaluation, Group const& group, int contact, int k, bool lateral,
+                double viscosity, Slips& slips) const;
   double add_velocities(Model const& model, Evaluation const& evaluation, int body, Wrench<double> const& wrench,
                         double* d, double* u) const;
   void add_modes(Model const& model, Group const& group, Slips const& slips, StiffModes& out) const;

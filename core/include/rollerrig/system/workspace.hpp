@@ -6,12 +6,11 @@
 
 #include "rollerrig/geometry/search.hpp"
 #include "rollerrig/multibody/moving_frame.hpp"
+#include "rollerrig/system/contact_placement.hpp"
 #include "rollerrig/system/model.hpp"
 #include "rollerrig/system/rolling_constraint.hpp"
 
 namespace rollerrig {
-
-constexpr int max_patches = ContactSearch::max_minima;  ///< of one wheel
 
 /// Motion and forces in one state, in the scalar of the evaluation.
 template <Scalar T>
@@ -27,6 +26,11 @@ struct Workspace {
   std::vector<AxleCreep<T>> axle_creep;  ///< per rolling constraint
   std::vector<Vec3<T>> gyroscopic;       ///< per body, body components [N m]
   std::vector<T> coupling_load;          ///< per coupling
+
+  std::vector<ContactPlacement<T>> placed;         ///< per contact
+  std::vector<WheelPatches<T>> patches;            ///< per contact
+  std::vector<int> patch_count;                    ///< per contact
+  std::vector<NormalContact<T, Patch<T>>> wheels;  ///< those of one group that are evaluated
 
   Travel<T> travel;
   std::vector<RailOffset<T>> offset;  ///< per contact, of the irregularity
@@ -45,11 +49,15 @@ struct Workspace {
         axle_creep(model.rolling_constraints.size()),
         gyroscopic(model.bodies.size()),
         coupling_load(model.couplings.size()),
+        placed(model.contacts.size()),
+        patches(model.contacts.size()),
+        patch_count(model.contacts.size(), 0),
         offset(model.contacts.size()),
         frame(model.bodies.size()),
         common(model.bodies.size()),
         common_wrench(model.bodies.size()) {
     update_motion(Body{}, ground_motion);
+    wheels.reserve(model.contacts.size());
   }
 };
 
@@ -58,8 +66,6 @@ struct Evaluation {
   Workspace<double> work;
   std::vector<ContactSearch> search;  ///< per contact: it starts from the minima of the evaluation before
   bool exhaustive_search{false};      ///< look at every cell in every evaluation (verification)
-  std::vector<Patch<double>> patches;
-  std::vector<int> patch_count;                           ///< per contact
   std::vector<std::array<double, 6>> element_force;       ///< on body b along its direction [N, N m]
   std::vector<std::array<double, 6>> element_deflection;  ///< [m, rad]
   std::vector<double> brake_torque;                       ///< per brake [N m]
@@ -68,8 +74,6 @@ struct Evaluation {
 
   explicit Evaluation(Model const& model)
       : work(model),
-        patches(model.contacts.size() * max_patches),
-        patch_count(model.contacts.size(), 0),
         element_force(model.elements.size()),
         element_deflection(model.elements.size()),
         brake_torque(model.brakes.size(), 0.0),
@@ -77,8 +81,9 @@ struct Evaluation {
     for (auto const& c : model.contacts) search.emplace_back(c.pair);
   }
 
+  int patch_count(int contact) const { return work.patch_count[static_cast<std::size_t>(contact)]; }
   Patch<double> const& patch(int contact, int k) const {
-    return patches[static_cast<std::size_t>(contact * max_patches + k)];
+    return work.patches[static_cast<std::size_t>(contact)][static_cast<std::size_t>(k)];
   }
 };
 

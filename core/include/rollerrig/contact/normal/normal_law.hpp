@@ -4,8 +4,12 @@
 //
 // To add a law: a struct in a header of its own, with its name, its fields and
 // `int operator()(NormalSetting const&, RelativePose<T> const&, ContactSearch const&, PatchList<P>&) const`, which returns
-// the number of patches, and its line below: docs/how_to/contact_law.md.
+// the number of patches, and its line below: docs/how_to/contact_law.md. A law that is cheaper for several wheels at once has
+// `void operator()(std::span<NormalContact<T, P> const>) const` instead, and one that needs no minima of the gap says
+// `static constexpr bool follows_minima = false`.
 #pragma once
+#include <span>
+
 #include "rollerrig/contact/normal/hertz_ellipses.hpp"
 #include "rollerrig/contact/normal/strip_contact.hpp"
 #include "rollerrig/fields.hpp"
@@ -15,10 +19,29 @@ namespace rollerrig {
 using NormalLaw = OneOf<HertzEllipses,  // the paper's
                         ElasticStrips>;
 
+/// Whether the search of each wheel must have been done.
+inline bool follows_minima(NormalLaw const& law) {
+  return std::visit(
+      []<class L>(L const&) {
+        if constexpr (requires { L::follows_minima; })
+          return L::follows_minima;
+        else
+          return true;
+      },
+      law);
+}
+
+/// The patches of several wheels.
 template <Scalar T, std::derived_from<NormalPatch<T>> P>
-int normal_patches(NormalLaw const& law, NormalSetting const& wheel, RelativePose<T> const& pose,
-                   ContactSearch const& search, PatchList<P>& patches) {
-  return std::visit([&](auto const& chosen) { return chosen(wheel, pose, search, patches); }, law);
+void normal_patches(NormalLaw const& law, std::span<NormalContact<T, P> const> wheels) {
+  std::visit(
+      [&](auto const& chosen) {
+        if constexpr (requires { chosen(wheels); })
+          chosen(wheels);
+        else
+          for (auto const& w : wheels) *w.count = chosen(w.wheel, *w.pose, *w.search, *w.patches);
+      },
+      law);
 }
 
 }  // namespace rollerrig

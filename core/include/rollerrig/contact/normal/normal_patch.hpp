@@ -37,4 +37,14 @@ struct NormalSetting {
   ArcLength const* wheel_arc{nullptr};  ///< for laws that follow the profile
 };
 
+/// One of several wheels whose normal contacts are computed in one call.
+template <Scalar T, std::derived_from<NormalPatch<T>> P>
+struct NormalContact {
+  NormalSetting wheel;
+  RelativePose<T> const* pose;
+  ContactSearch const* search;  ///< its minima are those of the pose; not set for a law that follows none
+  PatchList<P>* patches;        ///< result
+  int* count;                   ///< result: of them
+};
+
 }  // namespace rollerrig
