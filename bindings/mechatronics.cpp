@@ -38,11 +38,14 @@ void bind_actuators(nb::module_& m) {
   bind_struct<Motor>(m, "Motor", "A drive from torque command to torque.");
   def_function(m, "reflected_inertia", "Of a geared rotor on the axle that it drives [kg m^2].", &reflected_inertia,
                Argument{"rotor_inertia"}, Argument{"gear_ratio"});
+  bind_laws<AnyAir>(m, "airs", "Air");
+  bind_struct<ControlValve>(m, "ControlValve", "A brake's control valve and the volume of a cylinder behind it.");
+  bind_struct<Pneumatics>(m, "Pneumatics", "From brake demand and dump valves' commands to cylinder pressures.");
   auto brake =
-      bind_struct<PneumaticBrake>(m, "PneumaticBrake", "Friction brake of an axle, from demand and valve to torque.");
+      bind_struct<FrictionBrake>(m, "FrictionBrake", "From cylinder pressure to the torque of an axle's brake.");
   def_method(
       brake, "torque", "Torque on the axle [N m], against its turning.",
-      +[](PneumaticBrake const& self, double pressure, double speed) { return self.torque(pressure, speed); },
+      +[](FrictionBrake const& self, double pressure, double speed) { return self.torque(pressure, speed); },
       Argument{"cylinder_pressure"}, Argument{"axle_speed"});
   bind_struct<AxleBrake>(m, "AxleBrake", "A friction brake between an axle and a body, or -1: the ground.");
   bind_struct<Encoder>(m, "Encoder", "Speed of an axle from counts.");

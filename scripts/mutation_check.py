@@ -119,7 +119,7 @@ MUTANTS = (
     Mutant("stiff modes: phi_2 of the exponential method", "include/rollerrig/integrate/exponential_runge_kutta_4.hpp",
            "phi2 = 0.5 + z * phi3;",
            "phi2 = 0.5 + 2.0 * z * phi3;", ("integrate/test_exponential.cpp",)),
-    Mutant("brake torque with the turning", "include/rollerrig/mechatronics/pneumatic_brake.hpp",
+    Mutant("brake torque with the turning", "include/rollerrig/mechatronics/friction_brake.hpp",
            "return -(faces * friction_radius *",
            "return (faces * friction_radius *", ("mechatronics/test_actuators.cpp",)),
     Mutant("WSP: vents below its threshold of slip", "include/rollerrig/mechatronics/wheel_slide_protection.hpp",

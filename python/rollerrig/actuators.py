@@ -12,6 +12,7 @@ import math
 from rollerrig import _core
 from rollerrig.assembly import ABSENT, GROUND, AssembledModel, Assembly, AxleActuators
 from rollerrig.config import Brake, Case, Track, Traction
+from rollerrig.config.schema.pneumatics import ReservoirAir
 from rollerrig.contact_laws import adhesion_map
 from rollerrig.core_struct import core_struct
 
@@ -49,7 +50,7 @@ def _add_axle(assembly: Assembly, number: int, name: str) -> AxleActuators:
     contacts = tuple(wheel.contact for wheel in assembly.wheels if wheel.wheelset == name)
     brake = axle_torque = roller = roller_torque = ABSENT
     if case.brake is not None and not case.brake.motors_stand_in:
-        brake = builder.add_brake(_core.AxleBrake(wheelset=wheelset, reaction=frame, brake=pneumatic_brake(case.brake)))
+        brake = builder.add_brake(_core.AxleBrake(wheelset=wheelset, reaction=frame, brake=friction_brake(case.brake)))
     if case.traction is not None:
         axle_torque = builder.add_axle_torque(_traction_motor(assembly, name, frame, case.traction))
     if assembly.rollers:
@@ -79,9 +80,19 @@ def _traction_motor(assembly: Assembly, name: str, frame: int, traction: Tractio
     )
 
 
-def pneumatic_brake(brake: Brake) -> _core.PneumaticBrake:
-    """The friction brake of an axle."""
-    return core_struct(_core.PneumaticBrake, brake, without=("demand", "motors_stand_in"))
+def friction_brake(brake: Brake) -> _core.FrictionBrake:
+    """From cylinder pressure to the torque of an axle's brake."""
+    return core_struct(_core.FrictionBrake, **{name: getattr(brake, name) for name in _core.FrictionBrake.fields})
+
+
+def pneumatics(brake: Brake) -> _core.Pneumatics:
+    """From brake demand and the dump valves' commands to cylinder pressures."""
+    valve = core_struct(_core.ControlValve, **{name: getattr(brake, name) for name in _core.ControlValve.fields})
+    given = {}
+    if isinstance(brake.air, ReservoirAir) and brake.air.reservoir_pressure is None:
+        given = {"reservoir_pressure": brake.air.main_pipe_pressure}
+    air = core_struct(_core.airs[brake.air.kind], brake.air, without=("kind",), **given)
+    return core_struct(_core.Pneumatics, control_valve=valve, air=air)
 
 
 def _add_resistance(assembly: Assembly) -> None:

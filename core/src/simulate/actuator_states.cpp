@@ -6,7 +6,6 @@
 namespace rollerrig {
 namespace {
 
-constexpr int brake_parts = 8;              ///< of a step: the flow near equal pressures changes fast
 constexpr double largest_motor_part = 0.2;  ///< of a second-order torque loop, over its time constant
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
@@ -29,20 +28,27 @@ void step_motor(Motor const& motor, double* state, double command, double speed,
   }
 }
 
-/// One step of a brake's pneumatics in fine midpoint steps.
-void step_brake(PneumaticBrake const& brake, ActuatorStates::Axle& axle, double demand, double h) {
-  double const part = h / brake_parts;
-  for (int k = 0; k < brake_parts; ++k) {
-    double rate[2], middle[2], inflow = 0.0;
-    brake.rates(axle.pressure, demand, axle.valve, rate, inflow);
-    for (int j = 0; j < 2; ++j) middle[j] = axle.pressure[j] + 0.5 * part * rate[j];
-    brake.rates(middle, demand, axle.valve, rate, inflow);
-    for (int j = 0; j < 2; ++j) axle.pressure[j] = std::max(0.0, axle.pressure[j] + part * rate[j]);
-    axle.air += brake.air(part * inflow);
-  }
-}
-
 }  // namespace
+
+ActuatorStates::ActuatorStates(MechatronicSetup const& setup)
+    : axle_(setup.axles.size()),
+      cylinder_(setup.axles.size()),
+      supply_{std::visit([](auto const& air) { return air.start(); }, setup.actuators.pneumatics.air)} {}
+
+/// All cylinders together: they may draw on one reservoir.
+void ActuatorStates::step_pneumatics(MechatronicSetup const& setup, double t, PerAxle<double> const& valve) {
+  Pneumatics const& pneumatics = setup.actuators.pneumatics;
+  PerAxle<DumpValve> command{};
+  PerAxle<double> demand{};
+  for (std::size_t i = 0; i < cylinder_.size(); ++i) {
+    command[i] = static_cast<DumpValve>(static_cast<int>(valve[i]));
+    demand[i] = setup.actuators.brake_demand.at(t);
+  }
+  auto const step = [&](auto const& air) {
+    air.step(pneumatics.control_valve, cylinder_, supply_, command, demand, setup.step);
+  };
+  std::visit(step, pneumatics.air);
+}
 
 void ActuatorStates::step(MechatronicSetup const& setup, double t, ActingCommands const& acting, Dynamics const& plant,
                           Inputs& inputs) {
@@ -50,20 +56,16 @@ void ActuatorStates::step(MechatronicSetup const& setup, double t, ActingCommand
   auto const& [valve, factor, roller_torque] = acting;
   auto const line = [&](double from, double to) { return HeldInput{t, from, (to - from) / h}; };
   auto const spin = [&](int body) { return plant.work().motion[at(body)].rate[coord_pitch]; };
+  PerAxle<double> before{};
+  for (std::size_t i = 0; i < axle_.size(); ++i) before[i] = cylinder_[i].pressure;
+  if (setup.braked()) step_pneumatics(setup, t, valve);
   for (std::size_t i = 0; i < axle_.size(); ++i) {
     AxleParts const& parts = setup.axles[i];
     Axle& axle = axle_[i];
-    double const speed = spin(parts.wheelset);
+    double const speed = spin(parts.wheelset), pressure = cylinder_[i].pressure;
 
-    auto const position = static_cast<DumpValve>(static_cast<int>(valve[i]));
-    axle.dump_cycles += position == DumpValve::vent && axle.valve != DumpValve::vent;
-    axle.valve = position;
-    double const before = axle.pressure[1];
-    bool const braked = parts.brake != absent || setup.actuators.motors_stand_in;
-    if (braked) step_brake(setup.actuators.brake, axle, setup.actuators.brake_demand.at(t), h);
-    if (parts.brake != absent) inputs.cylinder[at(parts.brake)] = line(before, axle.pressure[1]);
-
-    axle.stand_in = setup.actuators.motors_stand_in ? setup.actuators.brake.torque(axle.pressure[1], speed) : 0.0;
+    if (parts.brake != absent) inputs.cylinder[at(parts.brake)] = line(before[i], pressure);
+    axle.stand_in = setup.actuators.motors_stand_in ? setup.actuators.brake.torque(pressure, speed) : 0.0;
     if (parts.axle_torque != absent) {
       double const from = axle.motor[0];
       double const demand = factor[i] * setup.actuators.torque_demand.at(t) + axle.stand_in;

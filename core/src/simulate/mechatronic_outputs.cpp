@@ -14,7 +14,7 @@ constexpr Field axle_table[] = {
     {"measured_axle_speed", "rad/s", "reading of the encoder at the last sample"},
     {"roller_speed", "rad/s", "true speed of the roller, positive as under a wheel that rolls forward"},
     {"cylinder_pressure", "Pa", "brake cylinder pressure over the ambient"},
-    {"valve", "1", "dump valve: 0 fill, 1 hold, 2 vent"},
+    {"valve", "1", "command of the dump valve: 0 fill, 1 hold, 2 vent"},
     {"brake_torque", "N m", "of the friction brake, or of the motor that stands in for it"},
     {"traction_torque", "N m", "of the traction motor"},
     {"torque_factor", "1", "part of the traction demand that wheel-slip control admits"},
@@ -38,6 +38,9 @@ constexpr Field axle_table[] = {
     {"measured_roller_torque", "N m", "reading of the torque sensor of the roller's drive at the last sample"},
     {"measured_load", "N", "vertical force on the axle's rollers as measured at the last sample"},
     {"dissipated_energy_density", "J/m^2", "energy per area dissipated on the rail under the axle"},
+    {"inlet_open", "1", "1 while the dump valve's inlet to the cylinder is open"},
+    {"outlet_open", "1", "1 while the dump valve's outlet to the ambient is open"},
+    {"exhausted_air", "m^3", "air let out of the cylinder since the start, at ambient pressure"},
 };
 
 constexpr Field train_table[] = {
@@ -47,6 +50,10 @@ constexpr Field train_table[] = {
     {"reference_speed", "m/s", "train speed as slide protection, or else wheel-slip control, estimates it"},
     {"brake_demand", "Pa", "cylinder pressure asked for"},
     {"traction_demand", "N m", "torque per axle asked for"},
+    {"reservoir_pressure", "Pa",
+     "of the brake's auxiliary reservoir, over the ambient; 0 where the supply is unlimited"},
+    {"main_pipe_air", "m^3",
+     "air that the reservoir has drawn from the main pipe since the start, at ambient pressure"},
 };
 
 constexpr Field measurement_table[] = {
@@ -120,11 +127,14 @@ void MechatronicSystem::record(Dynamics const& plant, std::int64_t step, double 
   row[3] = reference_speed();
   row[4] = setup_.actuators.brake_demand.at(t);
   row[5] = setup_.actuators.torque_demand.at(t);
+  row[6] = actuators_.supply().reservoir;
+  row[7] = actuators_.supply().drawn;
 }
 
 void MechatronicSystem::record_axle(Dynamics const& plant, std::size_t i, Inputs const& inputs, double* out) const {
   AxleParts const& parts = setup_.axles[i];
   auto const& actuators = actuators_.axle(i);
+  auto const& cylinder = actuators_.cylinder(i);
   auto const* control = rig_state();
   auto const own = control != nullptr ? control->axle[i] : RigController::AxleState{};
   int const axle = static_cast<int>(i);
@@ -138,7 +148,7 @@ void MechatronicSystem::record_axle(Dynamics const& plant, std::size_t i, Inputs
   double const row[] = {wheel,
                         measured_.axle_speed[i],
                         roller,
-                        actuators.pressure[1],
+                        cylinder.pressure,
                         command(Command::dump_valve),
                         setup_.actuators.motors_stand_in ? actuators.stand_in
                         : parts.brake != absent          ? plant.evaluation().brake_torque[at(parts.brake)]
@@ -151,14 +161,17 @@ void MechatronicSystem::record_axle(Dynamics const& plant, std::size_t i, Inputs
                         own.estimate.torque,
                         control != nullptr ? control->train.axle_speed(axle) : 0.0,
                         control != nullptr ? control->train.force(axle) : 0.0,
-                        actuators.air,
-                        static_cast<double>(actuators.dump_cycles),
+                        cylinder.air,
+                        static_cast<double>(cylinder.dump_cycles),
                         force.total,
                         force.creep,
                         contact.pair.wheel_radius * wheel - surface - plant.work().motion[at(parts.wheelset)].v.x,
                         sensors_.torque_reading(i),
                         measured_.axle_load[i],
-                        control != nullptr ? own.energy : inputs.dissipated_energy[at(parts.contacts[0])]};
+                        control != nullptr ? own.energy : inputs.dissipated_energy[at(parts.contacts[0])],
+                        static_cast<double>(cylinder.inlet_open),
+                        static_cast<double>(cylinder.outlet_open),
+                        cylinder.exhausted};
   static_assert(std::size(row) == std::size(axle_table));
   std::copy(std::begin(row), std::end(row), out);
 }

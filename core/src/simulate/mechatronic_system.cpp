@@ -21,7 +21,7 @@ std::size_t at(int i) { return static_cast<std::size_t>(i); }
 }  // namespace
 
 MechatronicSystem::MechatronicSystem(MechatronicSetup setup)
-    : setup_{std::move(setup)}, sensors_{axles()}, actuators_{axles()}, train_{setup_.speed} {
+    : setup_{std::move(setup)}, sensors_{axles()}, actuators_{setup_}, train_{setup_.speed} {
   for (auto const& [sampling, any] : setup_.controllers) {
     auto const [name, command] = std::visit([](auto const& law) { return std::pair{law.name, law.command}; }, any);
     auto const index = at(static_cast<int>(command));

@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from rollerrig import _core
-from rollerrig.actuators import pneumatic_brake
+from rollerrig.actuators import friction_brake, pneumatics
 from rollerrig.assembly import AssembledModel
 from rollerrig.config import Adhesion, Brake, Case, Encoder, ForceSensor, Motor, Rig, RigControl, Sensors
 from rollerrig.config.schema.rig_control import BandwidthEstimator, NoFeedback, ProportionalIntegral, SlidingMode
@@ -92,7 +92,8 @@ def _actuators(case: Case, control: RigControl) -> _core.Actuators:
     traction = case.traction
     return core_struct(
         _core.Actuators,
-        brake=pneumatic_brake(brake),
+        brake=friction_brake(brake),
+        pneumatics=pneumatics(brake),
         motors_stand_in=brake.motors_stand_in,
         brake_demand=brake.demand,
         motor=motor(traction.motor if traction else Motor()),
@@ -238,7 +239,7 @@ def full_brake_torque(case: Case) -> float:
         return 0.0
     pressure = max(row[1] for row in case.brake.demand)
     speed = case.motion.speed / case.vehicle.data.wheel.radius
-    return -float(pneumatic_brake(case.brake).torque(pressure, speed))
+    return -float(friction_brake(case.brake).torque(pressure, speed))
 
 
 def feedback_gains(model: AssembledModel) -> tuple[float, float]:

@@ -22,6 +22,7 @@ from rollerrig.config.schema.base import quantity_of
 from rollerrig.config.schema.case import Contact, SupportChoice, TimeSettings, VehicleChoice
 from rollerrig.config.schema.irregularity import Deviation
 from rollerrig.config.schema.material import Material
+from rollerrig.config.schema.pneumatics import ReservoirAir
 from rollerrig.config.schema.profile import ProfileSpec
 from rollerrig.config.schema.similitude import KEPT, ScaledFrom
 from rollerrig.similitude.factors import Similitude
@@ -128,7 +129,12 @@ def _exceptions(kept: tuple[str, ...]) -> Exceptions:
     fields: dict[str, tuple[tuple[type[BaseModel], str], ...]] = {
         "gravity": ((Case, "gravity"),),
         "material": ((Material, "young_modulus"), (Material, "shear_modulus"), (Contact, "friction")),
-        "clock": ((Controller, "sample_time"), (Controller, "delay"), (TimeSettings, "sampling_step")),
+        "clock": (
+            *((ReservoirAir, key) for key in ("opening_time", "closing_time", "least_pulse")),
+            (Controller, "sample_time"),
+            (Controller, "delay"),
+            (TimeSettings, "sampling_step"),
+        ),
         "drives": ((Motor, "bandwidth"),),
     }
     return {field: _unchanged for name in kept for field in fields[name]}

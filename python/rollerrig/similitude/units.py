@@ -52,7 +52,7 @@ def exponents(unit: str) -> Exponents:
     """
     above, stroke, below = unit.partition("/")
     total = [0, 0, 0]
-    for text, sign in ((above, 1), *([(below, -1)] if stroke else [])):
+    for text, sign in ((above, 1), *([(below.strip("()"), -1)] if stroke else [])):
         for word in text.split():
             token = _TOKEN.fullmatch(word)
             if token is None or token[1] not in _BASE:

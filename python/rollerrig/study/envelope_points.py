@@ -18,7 +18,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from scipy.optimize import brentq
 
-from rollerrig.actuators import pneumatic_brake
+from rollerrig.actuators import friction_brake
 from rollerrig.analysis.rig_limits import Patch, grip_slip, patch_of, rail_shape, rig_limits
 from rollerrig.analysis.run_limits import Record, assess_limits, failed
 from rollerrig.assembly import assemble
@@ -135,7 +135,7 @@ def _braking(case: Case, torque: float) -> dict[str, object]:
         "application_rate": 100.0 * pressure / RISE,
         "release_rate": 100.0 * pressure / RISE,
         "follow_rate": FOLLOW,
-        "fill_rate": FOLLOW,
+        "air": {"kind": "unlimited", "fill_rate": FOLLOW},
         "motors_stand_in": False,
     }
     protection: object = {} if case.slide_protection is None else case.slide_protection
@@ -145,7 +145,7 @@ def _braking(case: Case, torque: float) -> dict[str, object]:
 
 def brake_pressure(brake: Brake, torque: float) -> float:
     """Cylinder pressure of a brake with constant friction for a torque on the axle [Pa], from the core's brake."""
-    core, fast = pneumatic_brake(brake), 1e9  # rad/s: far above the speed below which friction is regularised
+    core, fast = friction_brake(brake), 1e9  # rad/s: far above the speed below which friction is regularised
 
     def excess(pressure: float) -> float:
         return -float(core.torque(pressure, fast)) - torque

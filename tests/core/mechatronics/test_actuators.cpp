@@ -1,4 +1,4 @@
-// Motor, pneumatic brake, wheel slide protection, wheel-slip control, encoders.
+// Motor, wheel slide protection, wheel-slip control, encoders.
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -10,7 +10,6 @@
 #include "rollerrig/math/dual.hpp"
 #include "rollerrig/mechatronics/delayed_commands.hpp"
 #include "rollerrig/mechatronics/motor.hpp"
-#include "rollerrig/mechatronics/pneumatic_brake.hpp"
 #include "rollerrig/mechatronics/sensor.hpp"
 #include "rollerrig/mechatronics/wheel_slide_protection.hpp"
 #include "rollerrig/mechatronics/wheel_slip_control.hpp"
@@ -18,20 +17,6 @@
 using namespace rollerrig;
 
 namespace {
-
-PneumaticBrake const coach{.application_rate = 1.2e5,
-                           .release_rate = 1.2e5,
-                           .follow_rate = 20.0,
-                           .fill_rate = 6.0,
-                           .vent_rate = 5.0,
-                           .ambient_pressure = 101325.0,
-                           .volume = 5e-3,
-                           .piston_area = 0.085,
-                           .spring_force = 500.0,
-                           .friction = {{0.0, 50.0}, {0.35, 0.35}},
-                           .friction_radius = 0.247,
-                           .faces = 2.0,
-                           .friction_regularisation_speed = 0.05};
 
 WheelSlideProtection const wsp{.wheel_radius = 0.46,
                                .reference_deceleration = 1.6,
@@ -215,40 +200,6 @@ TEST_CASE("a second-order torque loop overshoots as its damping says") {
   }
   double const overshoot = std::exp(-pi * 0.5 / std::sqrt(1 - 0.25));
   CHECK(largest == doctest::Approx(1000.0 * (1 + overshoot)).epsilon(1e-3));
-}
-
-TEST_CASE("orifice flow is choked, falls, and ends at equal pressures with a finite slope") {
-  CHECK(orifice_flow(0.1) == doctest::Approx(1.0).epsilon(1e-12));
-  CHECK(orifice_flow(0.39) == doctest::Approx(1.0).epsilon(1e-12));
-  CHECK(orifice_flow(0.7) == doctest::Approx(std::sqrt(0.75)).epsilon(1e-2));  // the rounding of its end
-  CHECK(orifice_flow(1.0) == doctest::Approx(0.0).epsilon(1e-12));
-  auto const slope = orifice_flow(Dual<1>::variable(1.0, 0)).d[0];
-  CHECK(std::isfinite(slope));
-  CHECK(slope < 0.0);
-}
-
-TEST_CASE("a cylinder fills to the demand, holds, vents to nothing, and its torque opposes the turning") {
-  PneumaticBrake const& brake = coach;
-  double state[2] = {0.0, 0.0}, rate[2], inflow = 0.0, filled = 0.0;
-  double const h = 1e-3;
-  auto const run = [&](double seconds, DumpValve valve) {
-    for (int k = 0; k < static_cast<int>(seconds / h); ++k) {
-      brake.rates(state, 3.8e5, valve, rate, inflow);
-      state[0] += h * rate[0], state[1] += h * rate[1], filled += h * inflow;
-    }
-  };
-  run(6.0, DumpValve::fill);
-  CHECK(state[1] == doctest::Approx(3.8e5).epsilon(1e-3));
-  CHECK(filled == doctest::Approx(state[1]).epsilon(1e-9));
-  CHECK(brake.torque(state[1], 50.0) < -5000.0);
-  CHECK(brake.torque(state[1], -50.0) == doctest::Approx(-brake.torque(state[1], 50.0)).epsilon(1e-12));
-  CHECK(brake.torque(state[1], 0.0) == 0.0);
-  double const held = state[1];
-  run(1.0, DumpValve::hold);
-  CHECK(state[1] == held);
-  run(3.0, DumpValve::vent);
-  CHECK(std::abs(state[1]) < 2e3);
-  CHECK(brake.torque(0.0, 50.0) == 0.0);
 }
 
 TEST_CASE("wheel slide protection vents a sliding axle, refills it, and lets a gripping one alone") {

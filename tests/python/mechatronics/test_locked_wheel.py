@@ -5,11 +5,11 @@ import pytest
 import xarray as xr
 
 from rollerrig import simulate
+from rollerrig.actuators import friction_brake
 from rollerrig.analysis.control_loop import creep_slope, loop_of
 from rollerrig.analysis.loop_stability import growth, rolling_plant
 from rollerrig.analysis.torque_ripple import torque_ripple
 from rollerrig.config import Case, load_case
-from rollerrig.mechatronics.setup import pneumatic_brake
 
 LOCKED = slice(12.0, 25.0)
 """Both wheels stand by then, and the train still runs [s]."""
@@ -50,7 +50,7 @@ def test_reaction_of_the_brake_closes_a_loop_that_rings() -> None:
     assert loop is not None
     pressure = max(row[1] for row in case.brake.demand)
     speed = 1e-4
-    holds = -pneumatic_brake(case.brake).torque(pressure, speed) / speed
+    holds = -friction_brake(case.brake).torque(pressure, speed) / speed
     rate, frequency = growth(loop, rolling_plant(loop.real, loop.creep, holds))
     assert rate > 1.0
     assert growth(loop, rolling_plant(loop.real, loop.creep))[0] < 0.0, "the turning wheel is stable"

@@ -8,13 +8,16 @@ import pytest
 from pydantic import BaseModel
 
 from rollerrig import _core
+from rollerrig.actuators import friction_brake, pneumatics
 from rollerrig.config import Brake, Case, Encoder, ForceSensor, Motor, Sensors
 from rollerrig.config.schema.contact_law import kinds
+from rollerrig.config.schema.pneumatics import AnyAir
 from rollerrig.config.schema.rig_control import AnyEstimator, AnyFeedback, Assumed, Protection
 from rollerrig.config.validate.check_actuators import MOST_AXLES
 from rollerrig.core_struct import core_struct
 
 FAMILIES = {
+    "airs": (_core.airs, AnyAir, set()),
     "estimators": (_core.estimators, AnyEstimator, {"torque"}),
     "feedbacks": (_core.feedbacks, AnyFeedback, {"largest"}),
 }
@@ -46,7 +49,6 @@ def test_each_controller_of_the_core_is_a_table_of_the_case() -> None:
 @pytest.mark.parametrize(
     ("struct", "table", "others"),
     [
-        (_core.PneumaticBrake, Brake, {"demand", "motors_stand_in"}),
         (_core.Motor, Motor, {"rotor_inertia", "gear_ratio"}),
         (_core.Encoder, Encoder, set()),
         (_core.ForceSensor, ForceSensor, set()),
@@ -57,6 +59,11 @@ def test_each_controller_of_the_core_is_a_table_of_the_case() -> None:
 )
 def test_tables_and_structs_have_the_same_fields(struct: Any, table: type[BaseModel], others: set[str]) -> None:
     assert set(table.model_fields) - others == set(struct.fields)
+
+
+def test_a_brake_s_table_has_the_fields_of_its_parts() -> None:
+    parts = {*_core.FrictionBrake.fields, *_core.ControlValve.fields}
+    assert set(Brake.model_fields) - {"demand", "motors_stand_in", "air"} == parts
 
 
 def test_the_configuration_allows_as_many_axles_as_the_core_has_room_for() -> None:
@@ -87,9 +94,7 @@ def _setup(axles: int) -> _core.MechatronicSetup:
     none = {"wheelset": 0} | dict.fromkeys(("axle_torque", "brake", "roller", "roller_torque"), -1)
     drive = _core.Motor(envelope=[], bandwidth=1.0, damping_ratio=0.0)
     encoder = core_struct(_core.Encoder, Encoder())
-    brake = core_struct(
-        _core.PneumaticBrake, Brake(demand=((0.0, 0.0), (1.0, 0.0))), without=("demand", "motors_stand_in")
-    )
+    brake = Brake(demand=((0.0, 0.0), (1.0, 0.0)))
     return core_struct(
         _core.MechatronicSetup,
         step=1e-3,
@@ -98,7 +103,8 @@ def _setup(axles: int) -> _core.MechatronicSetup:
         axles=[_core.AxleParts(**none, contacts=[-1, -1]) for _ in range(axles)],
         actuators=core_struct(
             _core.Actuators,
-            brake=brake,
+            brake=friction_brake(brake),
+            pneumatics=pneumatics(brake),
             motors_stand_in=False,
             brake_demand=[],
             motor=drive,

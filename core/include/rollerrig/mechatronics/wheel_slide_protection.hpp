@@ -10,8 +10,8 @@
 #include <tuple>
 
 #include "rollerrig/fields.hpp"
+#include "rollerrig/mechatronics/dump_valve.hpp"
 #include "rollerrig/mechatronics/measurements.hpp"
-#include "rollerrig/mechatronics/pneumatic_brake.hpp"
 #include "rollerrig/mechatronics/reference_speed.hpp"
 
 namespace rollerrig {

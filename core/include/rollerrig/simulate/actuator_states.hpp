@@ -15,23 +15,25 @@ using ActingCommands = std::array<PerAxle<double>, command_count>;
 class ActuatorStates {
  public:
   struct Axle {
-    double motor[2]{};     ///< torque of the traction motor [N m], its rate
-    double drive[2]{};     ///< of the roller's drive
-    double pressure[2]{};  ///< of control valve and cylinder over the ambient [Pa]
-    double air{};          ///< taken by the cylinder since the start, at ambient pressure [m^3]
-    double stand_in{};     ///< brake torque that the motor stands in for [N m]
-    int dump_cycles{};     ///< times that the dump valve has opened to vent
-    DumpValve valve{DumpValve::fill};
+    double motor[2]{};  ///< torque of the traction motor [N m], its rate
+    double drive[2]{};  ///< of the roller's drive
+    double stand_in{};  ///< brake torque that the motor stands in for [N m]
   };
 
-  explicit ActuatorStates(std::size_t axles) : axle_(axles) {}
+  explicit ActuatorStates(MechatronicSetup const& setup);
 
   void step(MechatronicSetup const& setup, double t, ActingCommands const& acting, Dynamics const& plant,
             Inputs& inputs);
   Axle const& axle(std::size_t i) const { return axle_[i]; }
+  Cylinder const& cylinder(std::size_t i) const { return cylinder_[i]; }
+  AirSupply const& supply() const { return supply_; }
 
  private:
+  void step_pneumatics(MechatronicSetup const& setup, double t, PerAxle<double> const& valve);
+
   std::vector<Axle> axle_;
+  std::vector<Cylinder> cylinder_;
+  AirSupply supply_;
 };
 
 }  // namespace rollerrig

@@ -2,14 +2,16 @@
 //
 //   plant -> sensors -> controllers -> actuators -> inputs of the plant
 #pragma once
+#include <algorithm>
 #include <array>
 #include <tuple>
 #include <vector>
 
 #include "rollerrig/fields.hpp"
 #include "rollerrig/mechatronics/controllers.hpp"
+#include "rollerrig/mechatronics/friction_brake.hpp"
 #include "rollerrig/mechatronics/motor.hpp"
-#include "rollerrig/mechatronics/pneumatic_brake.hpp"
+#include "rollerrig/mechatronics/pneumatics.hpp"
 #include "rollerrig/mechatronics/sensor.hpp"
 
 namespace rollerrig {
@@ -38,7 +40,8 @@ struct AxleParts {
 
 /// The same on each axle; what no axle has is never evaluated.
 struct Actuators {
-  PneumaticBrake brake{};
+  FrictionBrake brake{};
+  Pneumatics pneumatics{};
   bool motors_stand_in{};    ///< the traction motors exert the brake's torque
   TimeTable brake_demand{};  ///< cylinder pressure over the ambient [Pa]
   Motor motor{};
@@ -48,6 +51,7 @@ struct Actuators {
   static constexpr auto fields() {
     using P = Actuators;
     return std::tuple{Member{"brake", &P::brake},
+                      Member{"pneumatics", &P::pneumatics},
                       Member{"motors_stand_in", &P::motors_stand_in},
                       Member{"brake_demand", &P::brake_demand},
                       Member{"motor", &P::motor},
@@ -90,6 +94,13 @@ struct MechatronicSetup {
   RollerProtection protection{};
   TravellingFrame frame{};
   double rail_cell{};  ///< length of the cells of rail in which dissipated energy is kept [m]
+
+  /// Whether there are cylinders to be filled.
+  bool braked() const {
+    bool const any =
+        std::any_of(axles.begin(), axles.end(), [](AxleParts const& axle) { return axle.brake != absent; });
+    return any || actuators.motors_stand_in;
+  }
 
   static constexpr auto fields() {
     using P = MechatronicSetup;

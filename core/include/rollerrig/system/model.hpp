@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "rollerrig/contact/patch.hpp"
-#include "rollerrig/mechatronics/pneumatic_brake.hpp"
+#include "rollerrig/mechatronics/friction_brake.hpp"
 #include "rollerrig/multibody/force_element.hpp"
 #include "rollerrig/system/couplings.hpp"
 #include "rollerrig/track/irregularity.hpp"
@@ -79,7 +79,7 @@ struct RollerTorque {
 struct AxleBrake {
   int wheelset{0};
   int reaction{ground};
-  PneumaticBrake brake{};
+  FrictionBrake brake{};
 
   static constexpr auto fields() {
     using P = AxleBrake;

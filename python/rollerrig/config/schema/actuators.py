@@ -6,9 +6,9 @@ from pydantic import AfterValidator, Field, StrictBool, model_validator
 from pydantic_core import PydanticCustomError
 
 from rollerrig.config.schema.base import Table, in_order
+from rollerrig.config.schema.pneumatics import AnyAir, Pressure, Rate, UnlimitedAir, Volume
 from rollerrig.config.schema.units import Quantity, Time, Torque
 
-Pressure = Annotated[float, Quantity("Pa", 0.0, 1e8)]
 PressureTable = Annotated[tuple[tuple[Time, Pressure], ...], AfterValidator(in_order)]
 TorqueOverTime = Annotated[tuple[tuple[Time, Torque], ...], AfterValidator(in_order)]
 TorqueOverSpeed = Annotated[
@@ -20,7 +20,6 @@ FrictionOverSpeed = Annotated[
     AfterValidator(in_order),
 ]
 PressureRate = Annotated[float, Quantity("Pa/s", 1.0, 1e10)]
-Rate = Annotated[float, Quantity("1/s", 1e-4, 1e5)]
 Frequency = Annotated[float, Quantity("Hz", 1e-4, 1e7)]
 Ratio = Annotated[float, Quantity("1", 1e-6, 1.0)]
 Deceleration = Annotated[float, Quantity("m/s^2", 1e-4, 1e4)]
@@ -59,14 +58,11 @@ class Brake(Table):
     application_rate: PressureRate = Field(default=1.2e5, description="rise of the control valve's pressure")
     release_rate: PressureRate = Field(default=1.2e5, description="its fall")
     follow_rate: Rate = Field(default=20.0, description="how fast the control valve closes in on the demand")
-    fill_rate: Rate = Field(default=6.0, description="choked filling of the cylinder, p'/p_supply, absolute")
-    vent_rate: Rate = Field(default=5.0, description="choked venting of the cylinder, -p'/p, absolute")
+    air: AnyAir = Field(default=UnlimitedAir(), description="what fills and vents the cylinders: its kind, or a table")
     ambient_pressure: Annotated[float, Quantity("Pa", 1.0, 1e8)] = Field(
         default=101325.0, description="of the air around: valves choke by ratios of absolute pressures"
     )
-    volume: Annotated[float, Quantity("m^3", 1e-10, 10.0)] = Field(
-        default=5e-3, description="of one axle's cylinders and pipes"
-    )
+    volume: Volume = Field(default=5e-3, description="of one axle's cylinders and pipes")
     piston_area: Annotated[float, Quantity("m^2", 1e-8, 10.0)] = Field(
         default=0.085, description="times ratio and efficiency of the rigging, one axle"
     )

@@ -1,8 +1,9 @@
 """The model all configuration tables derive from, and the tables of numbers inside them."""
 
+from collections.abc import Mapping
 from typing import Annotated, Any, get_args
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, JsonValue, model_validator
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, JsonValue, model_validator
 from pydantic_core import PydanticCustomError
 
 from rollerrig.config.schema.units import (
@@ -43,6 +44,17 @@ INSTEAD_OF = "x-instead-of"
 def instead_of(key: str) -> dict[str, JsonValue]:
     """Mark of a field that a file may leave out where it gives ``key``; it has a value once the file is read."""
     return {INSTEAD_OF: key}
+
+
+def by_kind(usual: str) -> BeforeValidator:
+    """A name alone asks for that kind with its defaults, a table without `kind` for the usual one."""
+
+    def completed(value: Any) -> Any:
+        if isinstance(value, str):
+            return {"kind": value}
+        return {"kind": usual, **value} if isinstance(value, Mapping) else value
+
+    return BeforeValidator(completed)
 
 
 class Table(BaseModel):

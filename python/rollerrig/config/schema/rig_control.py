@@ -1,13 +1,12 @@
 """The rig's controller: how it reproduces the train, how it estimates, how it corrects, and when it gives up."""
 
-from collections.abc import Mapping
 from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Discriminator, Field
 from pydantic_core import PydanticCustomError
 
 from rollerrig.config.schema.actuators import Controller, Delay, Frequency, Motor, Phase, SampleTime
-from rollerrig.config.schema.base import Table
+from rollerrig.config.schema.base import Table, by_kind
 from rollerrig.config.schema.contact_law import kinds
 from rollerrig.config.schema.units import Inertia, Quantity, RollerRadius, WheelRadius
 
@@ -30,17 +29,6 @@ def _load_transfer(value: Any) -> Any:
 LoadTransfer = Annotated[
     Literal["none", "quasi_static"] | tuple[Annotated[float, _TRANSFER], ...], BeforeValidator(_load_transfer)
 ]
-
-
-def _by_kind(usual: str) -> BeforeValidator:
-    """A name alone asks for that kind with its defaults, a table without `kind` for the usual one."""
-
-    def completed(value: Any) -> Any:
-        if isinstance(value, str):
-            return {"kind": value}
-        return {"kind": usual, **value} if isinstance(value, Mapping) else value
-
-    return BeforeValidator(completed)
 
 
 class Estimator(Table):
@@ -100,7 +88,7 @@ class ExactEstimator(Estimator):
 
 
 AnyEstimator = Annotated[
-    Observer | FilteredDerivative | KalmanFilter | ExactEstimator, Discriminator("kind"), _by_kind("observer")
+    Observer | FilteredDerivative | KalmanFilter | ExactEstimator, Discriminator("kind"), by_kind("observer")
 ]
 ESTIMATORS = kinds(AnyEstimator)
 
@@ -146,7 +134,7 @@ class NoFeedback(Feedback):
 
 
 AnyFeedback = Annotated[
-    ProportionalIntegral | SlidingMode | NoFeedback, Discriminator("kind"), _by_kind("proportional_integral")
+    ProportionalIntegral | SlidingMode | NoFeedback, Discriminator("kind"), by_kind("proportional_integral")
 ]
 FEEDBACKS = kinds(AnyFeedback)
 

@@ -60,6 +60,7 @@ _EXAMPLES: dict[str, tuple[tuple[str, float], ...]] = {
     "Pa/s": (("1.2 bar/s", 1.2e5),),
     "Hz": (("20 Hz", 20.0),),
     "m/s^2": (("1.6 m/s^2", 1.6),),
+    "m^3/(s Pa)": (("20 dm^3/(s bar)", 2e-7),),
 }
 
 # units that people write and think in, with their value in SI, the most usual first

@@ -7,10 +7,12 @@ from collections.abc import Iterator
 
 from rollerrig.config.errors import ConfigProblem, show_value
 from rollerrig.config.schema.case import CaseTables
+from rollerrig.config.schema.pneumatics import ReservoirAir
 from rollerrig.config.schema.support import Rig
 from rollerrig.config.schema.track import Track
 
 MOST_AXLES = 8
+_DEAD_TIMES = ("opening_time", "closing_time", "least_pulse")
 DRIVE_OF_RIG_CONTROL = "allowed with [rig_control]: 'free', its drives act on the rollers"
 
 
@@ -35,6 +37,7 @@ def _tables(case: CaseTables, file: str) -> Iterator[ConfigProblem]:
             yield ConfigProblem(file, key, "a table", f"allowed only with {of}, on which it acts")
     if brake is not None and brake.motors_stand_in and traction is None:
         yield ConfigProblem(file, "brake.motors_stand_in", "true", "needed: [traction], the motors that stand in")
+    yield from _air(case, file)
     vehicle = case.vehicle
     wheelsets = [body for body in vehicle.data.bodies_in(vehicle.part) if body.kind == "wheelset"]
     if len(wheelsets) > MOST_AXLES:
@@ -57,6 +60,23 @@ def _tables(case: CaseTables, file: str) -> Iterator[ConfigProblem]:
             )
         return
     yield from _on_rollers(case, support, file)
+
+
+def _air(case: CaseTables, file: str) -> Iterator[ConfigProblem]:
+    """A reservoir that presses the pads at all once it has shared its air with the cylinders."""
+    brake = case.brake
+    if brake is None or not isinstance(brake.air, ReservoirAir):
+        return
+    air, key = brake.air, "brake.air.reservoir_pressure"
+    given = air.reservoir_pressure is not None
+    start = air.reservoir_pressure if air.reservoir_pressure is not None else air.main_pipe_pressure
+    wheelsets = [body for body in case.vehicle.data.bodies_in(case.vehicle.part) if body.kind == "wheelset"]
+    share = air.reservoir_volume / (air.reservoir_volume + len(wheelsets) * brake.volume)
+    least = brake.spring_force / brake.piston_area / share
+    if start <= least:
+        empty = "a reservoir that is empty from the start brakes nothing"
+        allowed = f"{empty}; allowed: above {least / 1e5:.3g} bar, at which the pads touch"
+        yield ConfigProblem(file, key if given else "brake.air.main_pipe_pressure", f"{start / 1e5:.3g} bar", allowed)
 
 
 def _train(case: CaseTables, axles: int, file: str) -> Iterator[ConfigProblem]:
@@ -93,10 +113,13 @@ def _times(case: CaseTables, file: str) -> Iterator[ConfigProblem]:
         if controller is not None:
             times.append((f"{key}.sample_time", controller.sample_time))
             times.append((f"{key}.delay", controller.delay))
+    if case.brake is not None and isinstance(case.brake.air, ReservoirAir):
+        times += [(f"brake.air.{key}", getattr(case.brake.air, key)) for key in _DEAD_TIMES]
     for key, value in times:
         steps = value / step
-        if abs(steps - round(steps)) > 1e-6 * max(1.0, steps) or (round(steps) == 0 and not key.endswith("delay")):
-            near = max(round(steps), 0 if key.endswith("delay") else 1) * step
+        least = 0 if key.endswith(("delay", *_DEAD_TIMES)) else 1
+        if abs(steps - round(steps)) > 1e-6 * max(1.0, steps) or round(steps) < least:
+            near = max(round(steps), least) * step
             allowed = f"allowed: a multiple of time.sampling_step, {1e3 * step:g} ms; the nearest is {1e3 * near:g} ms"
             yield ConfigProblem(file, key, f"{1e3 * value:g} ms", allowed)
     if step > 2e-3:

@@ -16,7 +16,9 @@ from recipes import recipes
 import rollerrig as rr
 from rollerrig import _core
 from rollerrig.assembly import assemble
+from rollerrig.config.schema.pneumatics import ReservoirAir
 from rollerrig.contact_laws import shipped_table
+from rollerrig.core_struct import core_struct
 
 Arguments = dict[str, Any]
 
@@ -161,6 +163,7 @@ class Examples:
             _core.DampingForceLaw(damping=1e4),
             _core.StiffnessForceLaw(stiffness=1e6),
             _core.DamperForceLaw(damping=1e4, series_stiffness=1e6),
+            core_struct(_core.ReservoirAir, ReservoirAir(kind="reservoir", reservoir_pressure=8e5), without=("kind",)),
             _core.ForceSensor(bandwidth=100.0, noise=10.0, resolution=1.0, range=1e5),
             _core.AxleTorque(
                 wheelset=0, reaction=-1, torque=[(0.0, 0.0), (1.0, 100.0)], link=0.0, gear_ratio=1.0, rotor_inertia=0.0
@@ -192,7 +195,7 @@ class Examples:
         assumed, period = objects["AssumedParameters"], 1e-3
         patch = {"a": 6e-3, "b": 4e-3, "load": 5e4, "friction": 0.3, "shear_modulus": 8e10, "poisson_ratio": 0.28}
         reference = _core.RollingReference(1.5, 0.28, 0.5)
-        brake = objects["PneumaticBrake"]
+        brake = objects["FrictionBrake"]
         return {
             "CreepTable.of": Call(
                 _core.CreepTable.of,
@@ -224,7 +227,7 @@ class Examples:
             "RollingReference.solve": Call(reference.solve, {"creepage": np.array([[0.5, 0.1, 0.2]])}),
             "RollingReference.kalker_coefficients": Call(reference.kalker_coefficients, {}),
             "reflected_inertia": Call(_core.reflected_inertia, {"rotor_inertia": 2.0, "gear_ratio": 3.0}),
-            "PneumaticBrake.torque": Call(brake.torque, {"cylinder_pressure": 3e5, "axle_speed": 60.0}),
+            "FrictionBrake.torque": Call(brake.torque, {"cylinder_pressure": 3e5, "axle_speed": 60.0}),
             "estimator_response": Call(
                 _core.estimator_response,
                 {"estimator": objects["ObserverEstimator"], "assumed": assumed, "period": period},

@@ -1,0 +1,63 @@
+// mechatronics/air/control_valve.hpp - the pressure that a brake's control valve asks for, and the cylinders behind it.
+//
+//   demand -> [control valve: limited in rate] -> pressure asked for -> unlimited.hpp or reservoir.hpp -> cylinder pressure
+//
+// Pressures are over the ambient [Pa], but for ratios. Air is counted as a volume at the ambient pressure [m^3].
+#pragma once
+#include <algorithm>
+#include <tuple>
+
+#include "rollerrig/fields.hpp"
+#include "rollerrig/mechatronics/dump_valve.hpp"
+
+namespace rollerrig {
+
+/// Of one axle.
+struct Cylinder {
+  double control{};       ///< pressure asked for [Pa]
+  double pressure{};      ///< [Pa]
+  double air{};           ///< taken since the start [m^3]
+  double exhausted{};     ///< let out since the start [m^3]
+  bool inlet_open{true};  ///< of the dump valve
+  bool outlet_open{false};
+  int dump_cycles{};  ///< times that the outlet has opened
+  DumpUnit unit{};    ///< of a law whose valves take time
+
+  void move_valves(bool inlet, bool outlet) {
+    dump_cycles += outlet && !outlet_open;
+    inlet_open = inlet;
+    outlet_open = outlet;
+  }
+};
+
+/// What feeds all cylinders.
+struct AirSupply {
+  double reservoir{};  ///< its pressure [Pa]
+  double drawn{};      ///< from the main pipe since the start [m^3]
+};
+
+struct ControlValve {
+  double application_rate{};  ///< rise of its pressure [Pa/s]
+  double release_rate{};      ///< its fall [Pa/s]
+  double follow_rate{};       ///< once within reach [1/s]
+  double ambient_pressure{};  ///< of the air around [Pa]
+  double volume{};            ///< of a cylinder and its pipe [m^3]
+
+  static constexpr auto fields() {
+    using P = ControlValve;
+    return std::tuple{
+        Member{"application_rate", &P::application_rate, not_negative},
+        Member{"release_rate", &P::release_rate, not_negative}, Member{"follow_rate", &P::follow_rate, not_negative},
+        Member{"ambient_pressure", &P::ambient_pressure, positive}, Member{"volume", &P::volume, positive}};
+  }
+
+  double rate(double control, double demand) const {
+    return std::clamp(follow_rate * (demand - control), -release_rate, application_rate);
+  }
+  /// Volume at ambient pressure of the air that changes a cylinder's pressure by so much.
+  double air(double pressure) const { return volume * pressure / ambient_pressure; }
+};
+
+constexpr int air_parts = 8;  ///< of a sampling step: the flow near equal pressures changes fast
+
+}  // namespace rollerrig

@@ -1,0 +1,120 @@
+// mechatronics/air/reservoir.hpp - an auxiliary reservoir, fed by the main pipe, behind dump valves with dead times.
+//
+//   main pipe -> [choke, check valve] -> auxiliary reservoir -> [relay valve, inlet] -> cylinders -> [outlet] -> ambient
+//                                                     control valve's pressure -^
+//
+//     V p' = p_0 C p_1 phi(p_2/p_1)        (A13), with (A12): isothermal, every part of the air at the reference temperature
+//
+// The relay valve opens in proportion to what is missing at the cylinder and lets out what is too much; nothing flows back into
+// the reservoir or the main pipe. What one volume loses another gains, to the last bit but one: air is conserved.
+// Source  ISO 6358-1; docs/theory/adhesion.md. A midpoint step never moves more than makes two pressures equal.
+#pragma once
+#include <algorithm>
+#include <cmath>
+#include <span>
+#include <tuple>
+
+#include "rollerrig/mechatronics/air/control_valve.hpp"
+#include "rollerrig/mechatronics/orifice.hpp"
+
+namespace rollerrig {
+
+struct ReservoirAir {
+  static constexpr char const* name = "reservoir";
+
+  double fill_conductance{};      ///< C from the reservoir to a cylinder [m^3/(s Pa)]
+  double vent_conductance{};      ///< C from a cylinder to the ambient [m^3/(s Pa)]
+  double critical_ratio{};        ///< b of all orifices [-]
+  double relay_band{};            ///< missing pressure from which the relay valve is wide open [Pa]
+  double opening_time{};          ///< dead time of a magnet valve [s]
+  double closing_time{};          ///< [s]
+  double least_pulse{};           ///< that a magnet valve's command stays at least [s]
+  double reservoir_volume{};      ///< for all cylinders together [m^3]
+  double reservoir_pressure{};    ///< at the start [Pa]
+  double main_pipe_pressure{};    ///< [Pa]
+  double charging_conductance{};  ///< C of the choke between main pipe and reservoir [m^3/(s Pa)]
+  double reference_pressure{};    ///< p_0, at which conductances are stated [Pa]
+
+  static constexpr auto fields() {
+    using P = ReservoirAir;
+    return std::tuple{Member{"fill_conductance", &P::fill_conductance, not_negative},
+                      Member{"vent_conductance", &P::vent_conductance, not_negative},
+                      Member{"critical_ratio", &P::critical_ratio, Range{0.0, 0.99, "0 to 0.99"}},
+                      Member{"relay_band", &P::relay_band, positive},
+                      Member{"opening_time", &P::opening_time, not_negative},
+                      Member{"closing_time", &P::closing_time, not_negative},
+                      Member{"least_pulse", &P::least_pulse, not_negative},
+                      Member{"reservoir_volume", &P::reservoir_volume, positive},
+                      Member{"reservoir_pressure", &P::reservoir_pressure, positive},
+                      Member{"main_pipe_pressure", &P::main_pipe_pressure, not_negative},
+                      Member{"charging_conductance", &P::charging_conductance, not_negative},
+                      Member{"reference_pressure", &P::reference_pressure, positive}};
+  }
+
+  AirSupply start() const { return {.reservoir = reservoir_pressure, .drawn = 0.0}; }
+
+  void step(ControlValve const& valve, std::span<Cylinder> cylinders, AirSupply& supply,
+            std::span<DumpValve const> command, std::span<double const> demand, double h) const {
+    auto const steps = [&](double time) { return static_cast<int>(std::lround(time / h)); };
+    SwitchingSteps const switching{steps(opening_time), steps(closing_time), steps(least_pulse)};
+    for (std::size_t i = 0; i < cylinders.size(); ++i) {
+      DumpUnit& unit = cylinders[i].unit;
+      unit.step(command[i], switching);
+      cylinders[i].move_valves(unit.inlet_open(), unit.outlet_open());
+    }
+    for (int k = 0; k < air_parts; ++k) advance(valve, cylinders, supply, demand, h / air_parts);
+  }
+
+ private:
+  /// p V per time that flows through an orifice [Pa m^3/s]; pressures over the ambient.
+  double flow(double conductance, double from, double to, double ambient) const {
+    double const upstream = from + ambient;
+    return reference_pressure * conductance * upstream * orifice_flow((to + ambient) / upstream, critical_ratio);
+  }
+
+  /// p V per time into a cylinder from the reservoir, and out of it to the ambient [Pa m^3/s].
+  struct Exchange {
+    double in{}, out{};
+  };
+  Exchange exchange(Cylinder const& own, double control, double pressure, double reservoir, double ambient) const {
+    double const relay = own.inlet_open ? std::clamp((control - pressure) / relay_band, -1.0, 1.0) : 0.0;
+    Exchange found;
+    if (relay > 0.0) found.in = relay * flow(fill_conductance, reservoir, pressure, ambient);
+    if (relay < 0.0) found.out = -relay * flow(fill_conductance, pressure, 0.0, ambient);
+    if (own.outlet_open) found.out += flow(vent_conductance, pressure, 0.0, ambient);
+    return found;
+  }
+
+  void advance(ControlValve const& valve, std::span<Cylinder> cylinders, AirSupply& supply,
+               std::span<double const> demand, double part) const {
+    double const ambient = valve.ambient_pressure, volume = valve.volume;
+    double taken = 0.0;
+    for (Cylinder const& own : cylinders)
+      taken += exchange(own, own.control, own.pressure, supply.reservoir, ambient).in;
+    double const charged = flow(charging_conductance, main_pipe_pressure, supply.reservoir, ambient);
+    double const reservoir = std::fmax(0.0, supply.reservoir + 0.5 * part * (charged - taken) / reservoir_volume);
+    for (std::size_t i = 0; i < cylinders.size(); ++i) {
+      Cylinder& own = cylinders[i];
+      double const control = own.control + 0.5 * part * valve.rate(own.control, demand[i]);
+      auto const first = exchange(own, own.control, own.pressure, supply.reservoir, ambient);
+      double const middle = std::fmax(0.0, own.pressure + 0.5 * part * (first.in - first.out) / volume);
+      own.control = std::fmax(0.0, own.control + part * valve.rate(control, demand[i]));
+      auto const now = exchange(own, control, middle, reservoir, ambient);
+      double const between = volume * reservoir_volume / (volume + reservoir_volume);
+      double const in = std::min({part * now.in, std::fmax(0.0, supply.reservoir - own.pressure) * between,
+                                  std::fmax(0.0, own.control - own.pressure) * volume});
+      double const floor = own.outlet_open ? 0.0 : std::fmin(own.control, own.pressure);
+      double const out = std::fmin(part * now.out, in + (own.pressure - floor) * volume);
+      own.pressure += (in - out) / volume;
+      supply.reservoir -= in / reservoir_volume;
+      own.air += in / ambient;
+      own.exhausted += out / ambient;
+    }
+    double const missing = std::fmax(0.0, main_pipe_pressure - supply.reservoir) * reservoir_volume;
+    double const fed = std::fmin(part * flow(charging_conductance, main_pipe_pressure, reservoir, ambient), missing);
+    supply.reservoir += fed / reservoir_volume;
+    supply.drawn += fed / ambient;
+  }
+};
+
+}  // namespace rollerrig
