@@ -15,9 +15,10 @@ void bind_contact(nb::module_& m) {
   bind_result(m, "StaticPatch", "One patch of a wheelset at rest; SI, b frame.", Member{"right", &P::right},
               Member{"wheel_s", &P::wheel_s}, Member{"rail_y", &P::rail_y}, Member{"angle", &P::angle},
               Member{"a", &P::a}, Member{"b", &P::b}, Member{"approach", &P::approach}, Member{"normal", &P::normal},
-              Member{"weight", &P::weight}, Member{"peak_pressure", &P::peak_pressure}, Member{"width", &P::width},
-              Member{"area", &P::area}, Member{"point", &P::point}, Member{"direction", &P::direction},
-              Member{"wheel_radius", &P::wheel_radius}, Member{"limited", &P::limited});
+              Member{"weight", &P::weight}, Member{"peak_pressure", &P::peak_pressure}, Member{"length", &P::length},
+              Member{"width", &P::width}, Member{"area", &P::area}, Member{"point", &P::point},
+              Member{"direction", &P::direction}, Member{"wheel_radius", &P::wheel_radius},
+              Member{"limited", &P::limited});
   bind_result(m, "LoadedWheelset", "Equilibrium of a wheelset on its patches; SI.",
               Member{"converged", &LoadedWheelset::converged}, Member{"vertical", &LoadedWheelset::vertical},
               Member{"roll_moment", &LoadedWheelset::roll_moment}, Member{"patches", &LoadedWheelset::patches})

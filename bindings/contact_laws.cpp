@@ -21,6 +21,8 @@ namespace {
 
 constexpr Range aspect_range{1e-2, 1e2, "between 0.01 and 100"};  ///< a/b that the series and grids are made for
 constexpr Range fineness_range{0.1, 4.0, "between 0.1 and 4"};    ///< memory grows with its fourth power
+constexpr Range row_elements{2.0, 200.0, "between 2 and 200"};
+constexpr std::size_t most_rows = 200;
 constexpr Range table_cells{1.0, 1000.0, "between 1 and 1000"};
 
 std::array<double, 5> hertz_ellipse(double load, double d1, double d2, double shear_modulus, double poisson_ratio) {
@@ -109,6 +111,27 @@ auto creep_forces(Rows3 const& creepage, double a, double b, double load, double
   return owned_array<nb::shape<-1, 4>>(std::move(out), {n, 4});
 }
 
+using PatchRows = nb::ndarray<double const, nb::shape<-1, 4>, nb::c_contig, nb::device::cpu>;
+
+RollingReference on_rows(PatchRows const& rows, double spacing, double poisson_ratio, int elements) {
+  char const* const owner = "RollingReference.on_rows";
+  check_value(spacing, positive, owner, "spacing");
+  check_value(poisson_ratio, poissons_ratio, owner, "poisson_ratio");
+  check_value(elements, row_elements, owner, "elements");
+  if (rows.shape(0) == 0 || rows.shape(0) > most_rows)
+    throw std::invalid_argument("RollingReference.on_rows: argument must have 1 to 200 rows, got " +
+                                std::to_string(rows.shape(0)));
+  std::vector<PatchRow> list;
+  for (std::size_t i = 0; i < rows.shape(0); ++i) {
+    check_value(rows(i, 0), finite_number, owner, "rows");
+    check_value(rows(i, 1), finite_number, owner, "rows");
+    check_value(rows(i, 2), positive, owner, "rows");
+    check_value(rows(i, 3), positive, owner, "rows");
+    list.push_back({rows(i, 0), rows(i, 1), rows(i, 2), rows(i, 3)});
+  }
+  return {list, spacing, poisson_ratio, elements};
+}
+
 auto rolling_solutions(RollingReference& reference, Rows3 const& creepage) {
   std::size_t const n = creepage.shape(0);
   std::vector<double> out(6 * n);
@@ -162,7 +185,7 @@ void bind_contact_laws(nb::module_& m) {
       +[](double k_A, double k_S) { return mean_reduction(RailSurface<double>{0.0, k_A, k_S}); },
       Argument{"k_A", fraction}, Argument{"k_S", fraction});
   auto reference =
-      nb::class_<RollingReference>(m, "RollingReference", "Exact rolling contact on an elliptic patch; reduced units.");
+      nb::class_<RollingReference>(m, "RollingReference", "Exact rolling contact; reduced units. For an ellipse.");
   reference
       .def(
           "__init__",
@@ -173,6 +196,8 @@ void bind_contact_laws(nb::module_& m) {
             new (self) RollingReference(a_over_b, poisson_ratio, RollingGrid::for_ellipse(a_over_b, fineness));
           },
           "a_over_b"_a, "poisson_ratio"_a, "fineness"_a)
+      .def_static("on_rows", &on_rows, "rows"_a, "spacing"_a, "poisson_ratio"_a, "elements"_a,
+                  "For a patch given by rows: y and x of the middle, half-length [c], load, rising y at equal spacing.")
       .def("kalker_coefficients", &RollingReference::kalker_coefficients, "C11, C22, C23, C33 of this grid.");
   def_method(
       reference, "solve",

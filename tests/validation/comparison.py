@@ -9,10 +9,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import brentq
 
 from rollerrig import _core
 from rollerrig.contact_laws import creep_law
+from validation.pressed_wheel import PressedWheel, press
 from validation.reference import POISSON_RATIO, SHEAR_MODULUS, benchmark_contact, mm, rows
 
 FRICTION = 0.3
@@ -24,38 +24,10 @@ FILES = {
 
 
 @dataclass(frozen=True)
-class Comparison:
-    """One pose; lengths in mm, forces in N; `reference` is the row of the file."""
+class Comparison(PressedWheel):
+    """One pose; `reference` is the row of the file."""
 
     reference: dict
-    patches: list[_core.StaticPatch]
-    height: float
-    normal: float
-
-    @property
-    def largest(self) -> _core.StaticPatch:
-        return max(self.patches, key=lambda patch: patch.normal)
-
-    @property
-    def angle(self) -> float:
-        return abs(self.largest.angle)
-
-    @property
-    def approach(self) -> float:
-        return max(patch.approach for patch in self.patches) / mm
-
-    @property
-    def area(self) -> float:
-        return float(sum(patch.weight * patch.area for patch in self.patches) / mm**2)
-
-    @property
-    def width(self) -> float:
-        """Loaded width of all patches."""
-        return float(sum(patch.weight * patch.width for patch in self.patches) / mm)
-
-    @property
-    def pressure(self) -> float:
-        return max(patch.peak_pressure for patch in self.patches) / 1e6
 
     @property
     def abscissa(self) -> float:
@@ -104,18 +76,16 @@ class Comparison:
 
 
 def compare(contact: _core.StaticWheelsetContact, row: dict, normal: str) -> Comparison:
-    right = row["side"] == "right"
-    y, yaw, roll = -row["y_ws"] * mm, -row["yaw"], row["roll"]
-
-    def patches(z: float) -> list[_core.StaticPatch]:
-        if normal == "hertz":  # the paper's bare rule
-            return contact.minima(0.0, y, z, yaw, roll, right, 0.0)
-        return contact.patches(0.0, y, z, yaw, roll, right)
-
-    touch = contact.touch_height(0.0, y, yaw, roll, right)
-    z = brentq(lambda z: sum(patch.normal for patch in patches(z)) - row["Fn"], touch - 0.4 * mm, touch, xtol=1e-13)
-    found = patches(z)
-    return Comparison(row, found, -z / mm, sum(patch.normal for patch in found))
+    wheel = press(
+        contact,
+        (0.0, -row["y_ws"] * mm),
+        -row["yaw"],
+        row["roll"],
+        row["Fn"],
+        right=row["side"] == "right",
+        normal=normal,
+    )
+    return Comparison(wheel.patches, -wheel.height, wheel.normal, row)
 
 
 def comparisons(file: str, normal: str = "hertz") -> list[Comparison]:

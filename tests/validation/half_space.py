@@ -23,17 +23,18 @@ COMPLIANCE = (1.0 - POISSON_RATIO) / (np.pi * SHEAR_MODULUS * 1e-6)
 
 @dataclass(frozen=True)
 class Pose:
-    """Wheelset on rails or rollers: centre at (0, y, height + 460), in the frame of the crown or the rail's top."""
+    """Wheelset on rails or rollers: centre at (x, y, height + 460), in the frame of the crown or the rail's top."""
 
     y: float
     height: float
     yaw: float
     roll: float = 0.0
     roller_radius: float | None = None
+    x: float = 0.0
 
     @property
     def centre(self) -> Array:
-        return np.array([0.0, self.y, WHEEL_RADIUS + self.height])
+        return np.array([self.x, self.y, WHEEL_RADIUS + self.height])
 
     @property
     def rotation(self) -> Array:
@@ -50,7 +51,9 @@ class Solution:
     pressure: float  # largest
     area: float
     approach: float  # largest interpenetration
-    width: float  # across the rolling direction
+    length: float  # along the rolling direction
+    width: float  # across it
+    centre: tuple[float, float, float]  # of the pressures, on the tangent plane
 
 
 @dataclass(frozen=True)
@@ -160,17 +163,19 @@ def solve(surfaces: Surfaces, pose: Pose, grid: Grid) -> Solution:
     """One pose; the grid must hold the whole patch."""
     depth = surfaces.interpenetration(pose, grid)
     if not (depth > 0).any():
-        return Solution(0.0, 0.0, 0.0, float(depth.max()), 0.0)
+        return Solution(0.0, 0.0, 0.0, float(depth.max()), 0.0, 0.0, (np.nan,) * 3)
     p = pressures(depth, grid.spacing)
     loaded = p > 0
     if loaded[[0, -1]].any() or loaded[:, [0, -1]].any():
         raise ValueError("the grid is too small")
     cell = grid.spacing[0] * grid.spacing[1]
-    rows = np.flatnonzero(loaded.any(axis=0))
+    x, y, z = np.tensordot(p / p.sum(), grid.places(), 2)
     return Solution(
         float(p.sum() * cell),
         float(p.max()),
         float(loaded.sum() * cell),
         float(depth.max()),
-        float((rows[-1] - rows[0] + 1) * grid.spacing[1]),
+        float(loaded.any(axis=1).sum() * grid.spacing[0]),
+        float(loaded.any(axis=0).sum() * grid.spacing[1]),
+        (float(x), float(y), float(z)),
     )

@@ -42,7 +42,8 @@ StaticPatch seen(WheelContact const& contact, NormalPatch<double> const& patch) 
   out.point = {point.p.x, side * point.p.y, point.p.z};
   out.direction = {point.n.x, side * point.n.y, point.n.z};
   out.a = patch.a, out.b = patch.b, out.area = pi * patch.a * patch.b;
-  out.approach = -point.gap, out.width = patch.width, out.peak_pressure = patch.peak_pressure;
+  out.approach = -point.gap, out.peak_pressure = patch.peak_pressure;
+  out.length = patch.length, out.width = patch.width;
   out.weight = patch.weight, out.normal = patch.weight * patch.elastic;
   out.limited = patch.limited;
   return out;

@@ -55,3 +55,27 @@ def test_mirrored_creepage_gives_mirrored_forces() -> None:
     found = _core.RollingReference(2.0, 0.28, 0.5).solve(creepage)
     mirrored = _core.RollingReference(2.0, 0.28, 0.5).solve(creepage * mirror)
     np.testing.assert_allclose(mirrored[:, :3], found[:, :3] * mirror, atol=0.015)
+
+
+def ellipse_rows(a_over_b: float, count: int) -> tuple[np.ndarray, float]:
+    """Rows of an ellipse as the solver cuts it, and their spacing."""
+    a, b = np.sqrt(a_over_b), 1 / np.sqrt(a_over_b)
+    spacing = 2 * b / (count + 0.2)
+    across = -b + (np.arange(count) + 0.6) * spacing
+    half = a * np.sqrt(1 - (across / b) ** 2)
+    return np.column_stack([across, 0 * across, half, half**2]), spacing
+
+
+def test_a_patch_given_by_rows() -> None:
+    """An ellipse is itself; moved by (dx, dy) it meets other creepages at its middle, and turns the moment's arm."""
+    rows, spacing = ellipse_rows(2.0, 12)
+    xi, eta, chi, dx, dy = 0.5, 0.2, 0.4, 0.3, -0.7
+    creepage = np.array([[xi, eta, chi]])
+    solver = _core.RollingReference.on_rows(rows, spacing, 0.28, 16)
+    force = solver.solve(creepage)[0]
+    moved = _core.RollingReference.on_rows(rows + [dy, dx, 0, 0], spacing, 0.28, 16)
+    same = moved.solve(np.array([[xi + chi * dy, eta - chi * dx, chi]]))[0]
+    assert same[:2] == pytest.approx(force[:2], abs=1e-9)
+    assert same[2] == pytest.approx(force[2] + dx * force[1] - dy * force[0], abs=1e-9)
+    full = _core.RollingReference(2.0, 0.28, 1.0).solve(creepage)[0]
+    assert force[:3] == pytest.approx(full[:3], abs=0.005)

@@ -29,7 +29,8 @@ struct StaticPatch {
   double normal{0.0};                    ///< [N]
   double weight{1.0};         ///< blending weight: contact/normal/blending_weight.hpp, contact/normal/strip_contact.hpp
   double peak_pressure{0.0};  ///< [Pa]
-  double width{0.0};          ///< across the rolling direction [m]
+  double length{0.0};         ///< along the rolling direction [m]
+  double width{0.0};          ///< across it [m]
   double area{0.0};           ///< [m^2]
   Vec3<double> point{}, direction{};  ///< on the roller and normal, b frame, not mirrored
   double wheel_radius{0.0};           ///< rolling radius at the contact [m]

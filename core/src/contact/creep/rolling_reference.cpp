@@ -1,4 +1,4 @@
-// Kalker's exact theory of rolling on an elliptic patch; see the header.
+// Kalker's exact theory of rolling; see the header.
 #include "rollerrig/contact/creep/rolling_reference.hpp"
 
 #include <Eigen/Core>
@@ -49,46 +49,59 @@ RollingGrid RollingGrid::for_ellipse(double a_over_b, double fineness) {
   return {at_least(rows, 6.0), at_least(elements, 12.0)};
 }
 
-RollingReference::RollingReference(double a_over_b, double nu, RollingGrid grid)
-    : rows_{grid.rows}, elements_{grid.elements} {
+std::vector<PatchRow> RollingReference::ellipse_rows(double a_over_b, int rows) {
   double const a = std::sqrt(a_over_b);
   double const b = 1.0 / a;
-  double const dy = 2.0 * b / (rows_ + 0.2);
-  std::vector<double> length;
-  double total = 0.0;
-  for (int row = 0; row < rows_; ++row) {
-    double const at = -b + (row + 0.6) * dy;
-    double const half = a * std::sqrt(1.0 - square(at / b));
-    double const h = 2.0 * half / (elements_ + 0.1507);
-    // Integrals over x of the bound, sqrt(half^2 - x^2), and of x times it.
-    auto const primitive = [&](double s) {
-      s = std::clamp(s / half, -1.0, 1.0);
-      return 0.5 * half * half * (s * std::sqrt(1.0 - s * s) + std::asin(s));
-    };
-    auto const moment = [&](double s) { return -std::pow(std::max(half * half - s * s, 0.0), 1.5) / 3.0; };
-    for (int i = 0; i <= elements_; ++i) {
-      slip_x_.push_back(half - (i + 0.32535) * h);
-      slip_y_.push_back(at);
-      if (i == elements_) break;
-      x.push_back(half - (i + 0.82535) * h);
-      y.push_back(at);
-      area_.push_back(h * dy);
-      length.push_back(h);
-      double const front = i == 0 ? half : x.back() + 0.5 * h;
-      double const back = std::max(x.back() - 0.5 * h, -half);
-      double const integral = primitive(front) - primitive(back);
-      arm_.push_back((moment(front) - moment(back)) / integral);
-      bound.push_back(integral / h);
-      total += bound.back() * area_.back();
-    }
+  double const spacing = ellipse_spacing(a_over_b, rows);
+  std::vector<PatchRow> list;
+  for (int row = 0; row < rows; ++row) {
+    double const across = -b + (row + 0.6) * spacing;
+    double const half = a * std::sqrt(1.0 - square(across / b));
+    list.push_back({across, 0.0, half, half * half});
   }
+  return list;
+}
+
+RollingReference::RollingReference(std::vector<PatchRow> const& rows, double spacing, double nu, int elements)
+    : elements_{elements} {
+  std::vector<double> length;
+  for (PatchRow const& row : rows) place_elements(row, spacing, length);
+  double total = 0.0;
+  for (std::size_t i = 0; i < count(); ++i) total += bound[i] * area_[i];
   for (double& g : bound) g /= total;
   traction_x.assign(count(), 0.0);
   traction_y.assign(count(), 0.0);
   slipping_.assign(count(), 0);
   velocity_x_.assign(slip_x_.size(), 0.0);
   velocity_y_.assign(slip_x_.size(), 0.0);
-  find_influences(length, dy, nu);
+  find_influences(length, spacing, nu);
+}
+
+void RollingReference::place_elements(PatchRow const& row, double spacing, std::vector<double>& length) {
+  double const half = row.half_length;
+  double const h = 2.0 * half / (elements_ + 0.1507);
+  double const scale = row.load / (half * half);
+  // Integrals over x of the bound, sqrt(half^2 - x^2), and of x times it.
+  auto const primitive = [&](double s) {
+    s = std::clamp(s / half, -1.0, 1.0);
+    return 0.5 * half * half * (s * std::sqrt(1.0 - s * s) + std::asin(s));
+  };
+  auto const moment = [&](double s) { return -std::pow(std::max(half * half - s * s, 0.0), 1.5) / 3.0; };
+  for (int i = 0; i <= elements_; ++i) {
+    slip_x_.push_back(row.middle + half - (i + 0.32535) * h);
+    slip_y_.push_back(row.across);
+    if (i == elements_) break;
+    double const at = half - (i + 0.82535) * h;
+    x.push_back(row.middle + at);
+    y.push_back(row.across);
+    area_.push_back(h * spacing);
+    length.push_back(h);
+    double const front = i == 0 ? half : at + 0.5 * h;
+    double const back = std::max(at - 0.5 * h, -half);
+    double const integral = primitive(front) - primitive(back);
+    arm_.push_back(row.middle + (moment(front) - moment(back)) / integral);
+    bound.push_back(scale * integral / h);
+  }
 }
 
 /// Slip at each point per unit of traction on each element: differences of displacements over an element's length.

@@ -1,5 +1,7 @@
 #include "rollerrig/contact/normal/strip_contact.hpp"
 
+#include <limits>
+
 #include "rollerrig/contact/normal/strip_layout.hpp"
 
 namespace rollerrig {
@@ -89,7 +91,7 @@ void find_ellipse(Strips<T> const& strips, StripPlaces<T> const& places, Run con
   patch.b = sqrt(product / ratio);
 }
 
-/// Largest interpenetration and pressure, and the width across rolling.
+/// Largest interpenetration and pressure, the length along rolling and the width across it.
 template <Scalar T>
 void find_extremes(Strips<T> const& strips, StripPlaces<T> const& places, Run const& run, StripPatch<T>& patch) {
   patch.approach = patch.peak_pressure = patch.width = 0.0;
@@ -99,6 +101,8 @@ void find_extremes(Strips<T> const& strips, StripPlaces<T> const& places, Run co
   auto const load_of = [&](int j) { return j >= run.first && j < run.last ? value_of(strips.load[at(j)]) : 0.0; };
   double left = 0.0;
   double right = 0.0;
+  double front = -std::numeric_limits<double>::infinity();
+  double back = -front;
   for (int i = run.first; i < run.last; ++i) {
     patch.approach = std::max(patch.approach, value_of(strips.interpenetration[at(i)]));
     double const load = load_of(i);
@@ -108,6 +112,9 @@ void find_extremes(Strips<T> const& strips, StripPlaces<T> const& places, Run co
     // The patch's edges lie where the load of its outermost strips runs out, or where a turned strip ends.
     double const ahead = sine * value_of(places.along[at(i)]);
     double const across = value_of(places.across[at(i)]);
+    double const centre = cosine * value_of(places.along[at(i)]) - sine * across;
+    front = std::max(front, centre + a * cosine);
+    back = std::min(back, centre - a * cosine);
     double const middle = ahead + cosine * across;
     double const reach = a * std::abs(sine);
     bool const opens = !(load_of(i - 1) > 0.0);
@@ -120,6 +127,7 @@ void find_extremes(Strips<T> const& strips, StripPlaces<T> const& places, Run co
     right = std::max(right, ahead + cosine * (across + to_edge(h, load, load_of(i - 1))));
     patch.width += right - left;
   }
+  patch.length = front - back;
 }
 
 /// Sums the strips of a run to one patch; false if none of them carries load.

@@ -224,6 +224,15 @@ class Examples:
             ),
             "mean_reduction": Call(_core.mean_reduction, {"k_A": 0.8, "k_S": 0.4}),
             "RollingReference": Call(_core.RollingReference, {"a_over_b": 1.5, "poisson_ratio": 0.28, "fineness": 0.5}),
+            "RollingReference.on_rows": Call(
+                _core.RollingReference.on_rows,
+                {
+                    "rows": np.array([[-0.3, 0.0, 0.5, 1.0], [0.3, 0.1, 0.6, 1.2]]),
+                    "spacing": 0.6,
+                    "poisson_ratio": 0.28,
+                    "elements": 4,
+                },
+            ),
             "RollingReference.solve": Call(reference.solve, {"creepage": np.array([[0.5, 0.1, 0.2]])}),
             "RollingReference.kalker_coefficients": Call(reference.kalker_coefficients, {}),
             "reflected_inertia": Call(_core.reflected_inertia, {"rotor_inertia": 2.0, "gear_ratio": 3.0}),

@@ -1,15 +1,18 @@
-// contact/creep/rolling_reference.hpp - the exact tangential contact of two rolling half-spaces of one material on an elliptic patch,
-// for verification and for building tables. Offline: it allocates, and a solution takes milliseconds.
+// contact/creep/rolling_reference.hpp - the exact tangential contact of two rolling half-spaces of one material, on an elliptic
+// patch or on one given row by row; for verification and for building tables. Offline: it allocates, and a solution takes
+// milliseconds.
 //
 // Kalker's variational theory, discretised with boundary elements: piecewise constant tractions, exact displacements of a
 // rectangle under uniform traction, Coulomb's law in every element. How, and how well: docs/theory/creep_laws.md, (C1)-(C4).
 //
-// Units   reduced: forces in mu N, lengths in c = sqrt(ab), so the result depends on a/b, nu and the reduced creepages only
+// Units   reduced: forces in mu N, lengths in c = sqrt(ab) or in any other c where the patch is no ellipse,
+//         so the result depends on the shape of the patch and its pressure, nu and the reduced creepages only
 //             xi = G ab e_x / (mu N),   eta = G ab e_y / (mu N),   chi = G (ab)^1.5 e_sp / (mu N).
 // Signs   as in contact/creep/creep_law.hpp: forward rolling along x, forces and moment on the wheel.
 // Source  Kalker, Three-Dimensional Elastic Bodies in Rolling Contact (1990), ch. 4, with its active-set algorithm; James, Comput. Methods Appl. Mech. Eng. 1 (1972) for the places of loads and slip in an element.
 #pragma once
 #include <array>
+#include <cmath>
 #include <vector>
 
 namespace rollerrig {
@@ -44,9 +47,21 @@ struct RollingGrid {
   static RollingGrid for_ellipse(double a_over_b, double fineness = 1.0);
 };
 
+/// A row of the patch, its pressure semi-elliptic along it.
+struct PatchRow {
+  double across;       ///< y of its middle [c]
+  double middle;       ///< x of its middle [c]
+  double half_length;  ///< [c]
+  double load;         ///< of the row, in any unit: only the ratios of the rows count
+};
+
 class RollingReference {
  public:
-  RollingReference(double a_over_b, double poisson_ratio, RollingGrid grid);
+  /// @param spacing  of the rows, equal [c]; the outermost ones end 0.1 of it inside the patch's edges
+  RollingReference(std::vector<PatchRow> const& rows, double spacing, double poisson_ratio, int elements);
+  RollingReference(double a_over_b, double poisson_ratio, RollingGrid grid)
+      : RollingReference(ellipse_rows(a_over_b, grid.rows), ellipse_spacing(a_over_b, grid.rows), poisson_ratio,
+                         grid.elements) {}
   RollingReference(double a_over_b, double poisson_ratio)
       : RollingReference(a_over_b, poisson_ratio, RollingGrid::for_ellipse(a_over_b)) {}
 
@@ -65,6 +80,9 @@ class RollingReference {
 
  private:
   struct NewtonSystem;
+  static double ellipse_spacing(double a_over_b, int rows) { return 2.0 / std::sqrt(a_over_b) / (rows + 0.2); }
+  static std::vector<PatchRow> ellipse_rows(double a_over_b, int rows);
+  void place_elements(PatchRow const& row, double spacing, std::vector<double>& length);
   void find_influences(std::vector<double> const& length, double dy, double poisson_ratio);
   void find_slip(ReducedCreepage const& creepage);
   void fill_sticking(std::size_t element, NewtonSystem& system) const;
@@ -75,8 +93,7 @@ class RollingReference {
   void release();  ///< full stick, no traction
   std::size_t count() const { return x.size(); }
 
-  double c_area_{0.0};
-  int rows_, elements_;
+  int elements_;
   std::vector<double> area_;                     // of an element [c^2]
   std::vector<double> arm_;                      // x of the centre of its bound [c]
   std::vector<double> slip_x_, slip_y_;          // where slip is taken

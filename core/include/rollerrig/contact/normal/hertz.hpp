@@ -39,7 +39,8 @@ struct HertzContact {
   T a_per_root;           ///< a / sqrt(approach) [m^0.5], a along the rolling direction
   T b_per_root;           ///< b / sqrt(approach) [m^0.5]
   T log_aspect;           ///< ln(a/b)
-  double reach_per_root;  ///< how far the ellipse reaches across the rolling direction, / sqrt(approach) [m^0.5]
+  double ahead_per_root;  ///< how far the ellipse reaches along the rolling direction, / sqrt(approach) [m^0.5]
+  double reach_per_root;  ///< how far it reaches across [m^0.5]
   bool limited;           ///< the curvatures were outside the theory (conformal or saddle) and were limited
 };
 
@@ -68,6 +69,7 @@ HertzContact<T> hertz_contact(Material const& material, T const& d1, T const& d2
   contact.a_per_root = table.semi_axis.at(x).value / root_sum;                           // (17), (18)
   contact.b_per_root = table.semi_axis.at(-x).value / root_sum;
   contact.log_aspect = table.log_aspect.at(x).value;
+  contact.ahead_per_root = value_of(contact.a_per_root);
   contact.reach_per_root = value_of(contact.b_per_root);
   contact.limited = too_long || too_wide;
   return contact;
@@ -113,6 +115,7 @@ HertzContact<T> hertz_contact(Material const& material, CurvatureTensor<T> const
   contact.a_per_root = contact.a_per_root * stretch;
   contact.b_per_root = contact.b_per_root / stretch;
   contact.log_aspect = contact.log_aspect + 0.5 * log(turned);
+  contact.ahead_per_root = sqrt(value_of(a2 + exchanged));
   contact.reach_per_root = sqrt(value_of(reach2));
   return contact;
 }

@@ -21,6 +21,7 @@ void hertz_patch(Material const& material, NormalPatch<T>& patch) {
   patch.log_aspect = hertz.log_aspect;
   patch.limited = hertz.limited;
   patch.elastic = elastic_force(hertz.stiffness, point.gap);  // (12)
+  patch.length = 2.0 * hertz.ahead_per_root * value_of(root_depth);
   patch.width = 2.0 * hertz.reach_per_root * value_of(root_depth);
   patch.peak_pressure = 1.5 / pi * value_of(patch.elastic) / (value_of(patch.a) * value_of(patch.b));
 }

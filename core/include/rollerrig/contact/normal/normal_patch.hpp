@@ -22,7 +22,8 @@ struct NormalPatch {
   bool tilts{false};      ///< whether the pressures' normals differ, so that they have ...
   Vec3<T> pressure_moment{};  ///< ... a moment about the point [N m]
   double peak_pressure{0.0};  ///< [Pa]
-  double width{0.0};          ///< loaded width across the rolling direction [m]
+  double length{0.0};         ///< loaded length along the rolling direction [m]
+  double width{0.0};          ///< loaded width across it [m]
   bool limited{false};        ///< the curvatures were outside Hertz' theory and were limited
 };
 

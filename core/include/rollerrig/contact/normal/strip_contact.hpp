@@ -29,7 +29,8 @@ struct StripPatch {
   T a, b;                     ///< ellipse of the same area and the same ratio of the pressures' second moments [m]
   double approach{0.0};       ///< largest interpenetration [m]
   double peak_pressure{0.0};  ///< [Pa]
-  double width{0.0};          ///< across the rolling direction, gaps between loaded strips left out [m]
+  double length{0.0};         ///< along the rolling direction [m]
+  double width{0.0};          ///< across it, gaps between loaded strips left out [m]
 };
 
 template <Scalar T>
@@ -90,7 +91,8 @@ StripSolution<T> strip_contact_of(NormalSetting const& wheel, RelativePose<T> co
       auto const& p = found.patch[k];
       out.patch[k] = {chain(p.weight),  chain(p.normal),  chain3(p.direction), chain3(p.point),
                       chain3(p.moment), chain(p.wheel_s), chain(p.rail_y),     chain(p.a),
-                      chain(p.b),       p.approach,       p.peak_pressure,     p.width};
+                      chain(p.b),       p.approach,       p.peak_pressure,     p.length,
+                      p.width};
     }
     return out;
   }
@@ -129,6 +131,7 @@ struct ElasticStrips {
       patch.tilts = true;
       patch.pressure_moment = strip.moment;
       patch.peak_pressure = strip.peak_pressure;
+      patch.length = strip.length;
       patch.width = strip.width;
     }
     return found.count;
