@@ -10,7 +10,6 @@ from collections.abc import Iterator
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
-from scipy.optimize import brentq
 
 from rollerrig import _core
 from rollerrig.assembly import AssembledModel
@@ -61,7 +60,7 @@ def starting_state(simulation: _core.Simulation, model: AssembledModel, *, may_d
         if index >= 0 and body not in disturbed
     ]
     for more in ([], others):
-        found = simulation.equilibrium(case.motion.speed, 0.0, [*prescribed, *more])
+        found = simulation.equilibrium(case.motion.speed, 0.0, [*prescribed, *more], rest)
         state = _state(found)
         # The core stands a wheelset on its rollers to begin with, even where a disturbance lifts it.
         kept = all(
@@ -92,6 +91,8 @@ def _set_down(simulation: _core.Simulation, model: AssembledModel, state: Vector
     def acceleration(height: float) -> float:
         state[place] = here + height
         return float(simulation.derivative(0.0, state)[0][rate])
+
+    from scipy.optimize import brentq
 
     if not acceleration(-_SET_DOWN_REACH) > 0.0 > acceleration(_SET_DOWN_REACH):
         raise StartError(

@@ -18,6 +18,10 @@ bool is_wheelset(Model const& model, int body) {
   return std::ranges::any_of(model.contacts, [body](auto const& c) { return c.wheelset == body; });
 }
 
+bool is_held(std::vector<FixedCoordinate> const& fixed, int body, int coordinate) {
+  return std::ranges::any_of(fixed, [&](auto const& h) { return h.body == body && h.coordinate == coordinate; });
+}
+
 /// Which states are unknown, which rows must vanish, and the factor that turns a row into a force or moment.
 struct Problem {
   std::vector<int> columns, rows;
@@ -28,16 +32,13 @@ Problem set_up(Dynamics const& dynamics, std::vector<FixedCoordinate> const& fix
   Model const& model = dynamics.model();
   StateMap const& map = dynamics.map();
   Problem problem;
-  auto const is_held = [&](int b, int c) {
-    return std::ranges::any_of(fixed, [&](auto const& h) { return h.body == b && h.coordinate == c; });
-  };
   for (int b = 0; b < static_cast<int>(model.bodies.size()); ++b) {
     Body const& body = model.bodies[at(b)];
     double const inertia[6] = {body.mass, body.mass, body.mass, body.inertia.x, body.inertia.y, body.inertia.z};
     for (int c = 0; c < 6; ++c) {
       int const rate = map.rate[at(b)][at(c)];
       int const coordinate = map.coordinate[at(b)][at(c)];
-      if (rate < 0 || is_held(b, c)) continue;
+      if (rate < 0 || is_held(fixed, b, c)) continue;
       if (coordinate >= 0) {
         problem.columns.push_back(coordinate);
       } else {
@@ -61,32 +62,54 @@ double vertical_force_on(Dynamics& dynamics, double t, std::vector<double> const
   return dynamics.work().wrench[at(body)].force.z;
 }
 
-/// Lowers a wheelset onto its rollers until they carry what presses on it.
-void set_down(Dynamics& dynamics, double t, std::vector<double>& x, int body) {
+/// Lowers or lifts a wheelset to where its rollers carry what presses on it: in steps that double, then by halving. A search
+/// of contacts that begins near the last one costs least.
+void set_down(Dynamics& dynamics, double t, std::vector<double>& x, int body, double reach, double resolution) {
   int const z = dynamics.map().coordinate[at(body)][coord_z];
   if (z < 0) return;
-  double high = 20e-3 * dynamics.model().contacts.front().pair.size;  // in the air: pulled down
-  double low = -high;                                                 // in the roller: pushed up
-  for (int i = 0; i < 50; ++i) {
-    x[at(z)] = 0.5 * (low + high);
-    (vertical_force_on(dynamics, t, x, body) > 0.0 ? low : high) = x[at(z)];
+  double const start = x[at(z)];
+  bool const in_air = !(vertical_force_on(dynamics, t, x, body) > 0.0);
+  double inner = 0.0, outer = 16.0 * resolution;  // distances from the start, on this and on the other side [m]
+  auto const beyond = [&](double distance) {
+    x[at(z)] = in_air ? start - distance : start + distance;
+    return (vertical_force_on(dynamics, t, x, body) > 0.0) == in_air;
+  };
+  while (!beyond(outer) && outer < reach) inner = outer, outer *= 2.0;
+  while (outer - inner > resolution) {
+    double const middle = 0.5 * (inner + outer);
+    (beyond(middle) ? outer : inner) = middle;
   }
 }
 
-/// Where only one wheel stands after that: turns the wheelset about its running direction until the wheels balance.
-void level(Dynamics& dynamics, double t, std::vector<double>& x, int body) {
+bool is_hanging(Dynamics const& dynamics, int body) {
   Model const& model = dynamics.model();
-  bool hanging = false;
   for (int c = 0; c < static_cast<int>(model.contacts.size()); ++c)
-    hanging = hanging || (model.contacts[at(c)].wheelset == body && dynamics.patch_count(c) == 0);
+    if (model.contacts[at(c)].wheelset == body && dynamics.patch_count(c) == 0) return true;
+  return false;
+}
+
+/// Stands a wheelset on its rollers; where only one wheel stands then, turns it about its running direction until both do.
+void stand(Dynamics& dynamics, double t, std::vector<double>& x, int body, bool may_turn) {
+  double const size = dynamics.model().contacts.front().pair.size;
+  double const resolution = 2e-6 * size;  // [m] an approach is about 100e-6 of it
+  double const widest = 20e-3;            // [rad], times the size [m]
+  set_down(dynamics, t, x, body, widest * size, resolution);
   int const roll = dynamics.map().coordinate[at(body)][coord_roll];
-  if (!hanging || roll < 0) return;
-  double low = -20e-3;  // the left wheel carries: turned to the left side up
-  double high = 20e-3;
-  for (int i = 0; i < 40; ++i) {
-    x[at(roll)] = 0.5 * (low + high);
-    set_down(dynamics, t, x, body);
-    (dynamics.work().wrench[at(body)].moment.x > 0.0 ? low : high) = x[at(roll)];
+  if (!may_turn || roll < 0 || !is_hanging(dynamics, body)) return;
+  double const start = x[at(roll)];
+  bool const left_carries = dynamics.work().wrench[at(body)].moment.x > 0.0;  // it is turned to the left side up
+  double inner = 0.0, outer = 0.2e-3;                                         // angles from the start [rad]
+  bool found = false;                                                         // an angle beyond which the other carries
+  while (is_hanging(dynamics, body) && (found ? outer - inner > 1e-7 : outer < 2.0 * widest)) {
+    double const angle = found ? 0.5 * (inner + outer) : outer;
+    x[at(roll)] = left_carries ? start + angle : start - angle;
+    set_down(dynamics, t, x, body, widest * size, resolution);
+    bool const beyond = (dynamics.work().wrench[at(body)].moment.x > 0.0) != left_carries;
+    found = found || beyond;
+    if (beyond)
+      outer = angle;
+    else
+      inner = angle, outer = found ? outer : 2.0 * angle;
   }
 }
 
@@ -104,20 +127,23 @@ void fix_and_roll(Dynamics const& dynamics, double speed, std::vector<FixedCoord
   }
 }
 
-/// First guess: wheels roll at the running speed, fixed coordinates are where they belong, wheelsets stand on their wheels.
-std::vector<double> first_guess(Dynamics& dynamics, double speed, double t, std::vector<FixedCoordinate> const& fixed) {
+/// Wheels roll at the running speed, fixed coordinates are where they belong, and wheelsets stand on their wheels: all are set
+/// down, or those alone of which a wheel hangs in the air.
+void fix_and_stand(Dynamics& dynamics, double speed, double t, std::vector<FixedCoordinate> const& fixed, bool all,
+                   std::vector<double>& x) {
   Model const& model = dynamics.model();
-  StateMap const& map = dynamics.map();
-  std::vector<double> x(at(map.states()), 0.0);
   fix_and_roll(dynamics, speed, fixed, x);
-  auto const is_held = [&](int b, int c) {
-    return std::ranges::any_of(fixed, [b, c](auto const& h) { return h.body == b && h.coordinate == c; });
-  };
+  if (!all) dynamics.evaluate(t, x.data());
   for (int b = 0; b < static_cast<int>(model.bodies.size()); ++b) {
-    if (!is_wheelset(model, b) || is_held(b, coord_z)) continue;
-    set_down(dynamics, t, x, b);
-    if (!is_held(b, coord_roll)) level(dynamics, t, x, b);
+    if (is_wheelset(model, b) && (all || is_hanging(dynamics, b)) && !is_held(fixed, b, coord_z))
+      stand(dynamics, t, x, b, !is_held(fixed, b, coord_roll));
   }
+}
+
+/// First guess: everything else where it was designed.
+std::vector<double> first_guess(Dynamics& dynamics, double speed, double t, std::vector<FixedCoordinate> const& fixed) {
+  std::vector<double> x(at(dynamics.map().states()), 0.0);
+  fix_and_stand(dynamics, speed, t, fixed, true, x);
   return x;
 }
 
@@ -254,7 +280,7 @@ Equilibrium solve_equilibrium(Dynamics& dynamics, double speed, double t, std::v
                               std::vector<double> const& near) {
   if (!near.empty()) {
     std::vector<double> x = near;
-    fix_and_roll(dynamics, speed, fixed, x);
+    fix_and_stand(dynamics, speed, t, fixed, false, x);
     if (auto result = newton(dynamics, t, fixed, std::move(x)); result.converged) return result;
   }
   auto result = newton(dynamics, t, fixed, first_guess(dynamics, speed, t, fixed));

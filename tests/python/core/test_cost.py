@@ -37,3 +37,11 @@ def test_the_traction_study_takes_few_steps() -> None:
     statistics = run_to_the_end("bogie_rollers_traction", coarse).statistics()
     assert statistics["steps"] + statistics["rejected_steps"] < 70
     assert statistics["jacobian_calls"] < 60
+
+
+def test_a_start_with_an_offset_costs_few_looks_at_cell_borders() -> None:
+    """About 300 per wheel for the equilibrium and the disturbed one: wheelsets are set down from near, not from 20 mm away."""
+    model = assemble(load_case("bogie_rollers_constant").with_changes({"contact.normal": {"kind": "hertz"}}))
+    simulation = _core.Simulation(model.core)
+    starting_state(simulation, model)
+    assert simulation.search_evaluations / 4 < 450

@@ -29,8 +29,9 @@ struct Equilibrium {
 /// @param speed  running speed [m/s]; may be zero
 /// @param t      time at which tables are read [s]
 /// @param fixed   coordinates that keep their value
-/// @param near   state close to the one looked for, such as that of a neighbouring speed: Newton's method starts there,
-///               with the spins of rolling; empty, or where it leads nowhere: from a first guess
+/// @param near   state close to the one looked for, such as that of a neighbouring speed, or the one without the fixed
+///               coordinates: Newton's method starts there, with the spins of rolling, and with wheelsets that have fixed
+///               coordinates stood on their wheels; empty, or where it leads nowhere: from a first guess
 Equilibrium solve_equilibrium(Dynamics& dynamics, double speed, double t,
                               std::vector<FixedCoordinate> const& fixed = {}, std::vector<double> const& near = {});
 
