@@ -271,14 +271,14 @@ class Assembly:
         x, y, z = element.end_b
         bx, by, bz = self.positions[element.between[1]]
         self.elements.append(element.name)
+        laws = element.laws
         self.builder.add_element(
             _core.ForceElement(
                 body_a=a,
                 body_b=b,
                 point_on_b=(x - self.cut.origin_x - bx, y - by, z - bz),
                 law=[
-                    direction_law(element.laws.get(direction), preload if direction == "z" else 0.0)
-                    for direction in DIRECTIONS
+                    direction_law(laws.get(direction), preload if direction == "z" else 0.0) for direction in DIRECTIONS
                 ],
                 clamped=element.clamped,
             )

@@ -5,6 +5,8 @@ one direction of an element -> [force_laws] -> DirectionLaw of the core
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 from rollerrig import _core
 from rollerrig.config import AngularSupport, LinearSupport
 from rollerrig.config.schema.base import Table
@@ -23,6 +25,8 @@ def direction_law(
             nothing but the preload.
         preload: further force on body b along the positive axis at the design position [N].
     """
+    if law is None:
+        return _preloaded(preload)
     given = {name: value for name in _core.force_laws if (value := getattr(law, name, None))}
     return _core.DirectionLaw(
         preload=preload - getattr(law, "preload", 0.0),
@@ -31,3 +35,8 @@ def direction_law(
             for name, value in given.items()
         ],
     )
+
+
+@lru_cache(maxsize=256)  # four of five directions of a vehicle's elements have no law
+def _preloaded(preload: float) -> _core.DirectionLaw:
+    return _core.DirectionLaw(preload=preload, laws=[])

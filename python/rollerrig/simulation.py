@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable, Mapping, Sequence
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -22,7 +23,7 @@ from rollerrig.actuators import assemble_with_actuators
 from rollerrig.assembly import AssembledModel, assemble
 from rollerrig.blas_threads import one_blas_thread
 from rollerrig.cases import as_case
-from rollerrig.config import Case, ConfigError, ConfigProblem
+from rollerrig.config import Case, ConfigError, ConfigProblem, Rig
 from rollerrig.mechatronics import (
     MEASUREMENTS,
     ControllerError,
@@ -34,9 +35,9 @@ from rollerrig.mechatronics import (
 from rollerrig.memory import available_memory
 from rollerrig.recording import SLICE, Recording, readings_per_sample
 from rollerrig.restraint import rolled_off
-from rollerrig.results import Outcome, add_energy_audit, add_termination, run_dataset
+from rollerrig.results import Draft, Outcome, add_energy_audit, add_termination, run_draft
 from rollerrig.results.contact_loss import add_contact_losses, contact_loss_warning
-from rollerrig.results.readings import reading_columns, with_readings
+from rollerrig.results.readings import add_readings, reading_columns
 from rollerrig.starting_state import StartError, starting_state
 
 __all__ = [
@@ -57,6 +58,9 @@ Progress = Callable[[float, str], None]
 
 CHARACTERISTIC_RATE = 100.0
 """Rate that turns the tolerance of a displacement into that of its rate [1/s]."""
+
+SURELY_THERE = 64e6
+"""Memory that need not be asked for [bytes]."""
 
 ENERGY_WARNING = 1e-3
 """Relative energy residual above which a run carries a warning [-]."""
@@ -123,15 +127,35 @@ def simulate(
     except ControllerError as error:
         code, failure = _core.status_codes["controller_failed"], str(error)
     recording.sort()  # also what the last slice wrote before it was cut off
+    return _results(model, recording, simulation, outcome(simulation, model, code, failure))
+
+
+def _results(model: AssembledModel, recording: Recording, simulation: _core.Simulation, ended: Outcome) -> xr.Dataset:
+    """The Dataset of a run with all that is told about it."""
     filled, read = recording.filled, recording.read
-    run = run_dataset(
-        model, recording.times[:filled], recording.rows[:filled], outcome(simulation, model, code, failure)
-    )
-    run = with_readings(run, model, recording.reading_times[:read], recording.readings[:read])
+    draft = run_draft(model, recording.times[:filled], recording.rows[:filled], ended)
+    add_readings(draft, model, recording.reading_times[:read], recording.readings[:read])
+    add_termination(draft, model)
     spells = simulation.contact_losses()
     names = [wheel.name for wheel in model.wheels]
-    run = add_contact_losses(add_termination(run, model), names, [spells[wheel.contact] for wheel in model.wheels])
-    return _with_warnings(add_energy_audit(run))
+    losses = add_contact_losses(draft, names, [spells[wheel.contact] for wheel in model.wheels])
+    add_energy_audit(draft)
+    times, support = draft.values("time"), model.case.support.data
+    duration = float(np.ptp(times)) if len(times) else 0.0
+    lost = contact_loss_warning(losses, duration, on_rollers=isinstance(support, Rig))
+    draft.attributes["warnings"] = "\n".join(filter(None, (_energy_warning(draft), lost)))
+    return draft.dataset()
+
+
+def _energy_warning(draft: Draft) -> str:
+    """A line where the energy balance is not closed."""
+    residual = draft.attributes["energy_relative_residual"]
+    if residual <= ENERGY_WARNING:
+        return ""
+    return (
+        f"energy balance open by {100 * residual:.2g} % of the energy turned over: the "
+        "integration missed something (an impact, a stiff contact); use a smaller step, tolerance or maximum_step"
+    )
 
 
 def prepare(
@@ -208,12 +232,17 @@ def _check_fixed_step(simulation: _core.Simulation, case: Case, state: Vector) -
     and stiff springs and dampers make lambda large.
     """
     method, step = case.integration.method, case.integration.step or 0.0
-    rates = np.linalg.eigvals(simulation.jacobian(0.0, state)[0])
-    lasting = rates[rates.real >= -1.0]
+
+    @cache
+    def lasting() -> Vector:
+        rates = np.linalg.eigvals(simulation.jacobian(0.0, state)[0])
+        return rates[rates.real >= -1.0]
 
     def stable(step: float) -> bool:
         factors = np.linalg.eigvals(simulation.step_amplification(method, step, 0.0, state))
-        for factor in np.exp(step * lasting):
+        if np.all(np.abs(factors) <= 1.0 + 1e-9):
+            return True
+        for factor in np.exp(step * lasting()):
             factors = np.delete(factors, np.argmin(np.abs(factors - factor)))
         return bool(np.all(np.abs(factors) <= 1.0 + 1e-9))
 
@@ -239,18 +268,6 @@ def absolute_tolerances(simulation: _core.Simulation, displacement: float) -> li
     return tolerances
 
 
-def _with_warnings(run: xr.Dataset) -> xr.Dataset:
-    """The run with the attribute `warnings`: what limits its validity, one line each, or empty."""
-    warnings = []
-    if run.attrs["energy_relative_residual"] > ENERGY_WARNING:
-        warnings.append(
-            f"energy balance open by {100 * run.attrs['energy_relative_residual']:.2g} % of the energy turned over: the "
-            "integration missed something (an impact, a stiff contact); use a smaller step, tolerance or maximum_step"
-        )
-    warnings.append(contact_loss_warning(run))
-    return run.assign_attrs(warnings="\n".join(filter(None, warnings)))
-
-
 # ---------------------------------------------------------------------------------------------------- integration
 
 
@@ -266,8 +283,8 @@ def _room(case: Case, width: int, columns: Sequence[int]) -> Recording:
         ConfigError: the results, and the copy made when they are written, would not fit.
     """
     count, every = sample_count(case), readings_per_sample(case)
-    needed, available = 2.0 * 8.0 * Recording.size(count, width, every, len(columns)), available_memory()
-    if needed > 0.9 * available:
+    needed = 2.0 * 8.0 * Recording.size(count, width, every, len(columns))
+    if needed > SURELY_THERE and needed > 0.9 * (available := available_memory()):
         least = case.time.duration / (count * 0.9 * available / needed)
         allowed = (
             f"allowed: at least {least:.2g} s for a run of {case.time.duration:g} s; {count} samples need "

@@ -47,13 +47,32 @@ def test_names_are_the_same_whatever_is_imported_first(seed: int) -> None:
     assert done.returncode == 0, done.stderr
 
 
-def test_import_costs_nothing() -> None:
-    text = (
-        "import sys, rollerrig; print(*sorted(m for m in sys.modules if m.split('.')[0] in ('numpy', 'xarray', 'scipy',"
-    )
-    text += " 'matplotlib', 'pydantic') or m.startswith('rollerrig.')))"
-    done = subprocess.run([sys.executable, "-c", text], capture_output=True, text=True, check=True)
-    assert done.stdout.split() == []
+COSTLY = ("numpy", "pydantic", "pint", "pandas", "xarray", "matplotlib", "h5py", "jinja2")
+COSTLY += ("scipy.interpolate", "scipy.optimize", "scipy.integrate", "scipy.signal", "scipy.linalg")
+
+
+@pytest.mark.parametrize(
+    ("work", "allowed"),
+    [
+        ("import rollerrig", set()),
+        ("from rollerrig.cli import main; sys.argv = ['rollerrig', '--help']; main()", set()),
+        (
+            "from rollerrig.cli import main; sys.argv = ['rollerrig', 'adhesion', '--help']; main()",
+            {"pydantic"},
+        ),  # typer's own
+        ("import rollerrig; rollerrig.load_case('bogie_track')", {"numpy", "pydantic", "pint"}),
+        ("import rollerrig; rollerrig.simulate", {"numpy", "pydantic", "pandas", "xarray"}),
+    ],
+    ids=["import", "help", "help of a command", "load_case", "simulate"],
+)
+def test_what_is_not_needed_is_not_imported(work: str, allowed: set[str]) -> None:
+    check = f"""
+import atexit, sys
+atexit.register(lambda: print("|", *(name for name in {COSTLY!r} if name in sys.modules)))
+{work}
+"""
+    done = subprocess.run([sys.executable, "-c", check], capture_output=True, text=True, check=True)
+    assert set(done.stdout.rpartition("|")[2].split()) <= allowed
 
 
 def test_every_command_is_a_function() -> None:

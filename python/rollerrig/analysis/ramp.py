@@ -22,7 +22,7 @@ from rollerrig import _core
 from rollerrig.analysis.hunting import HuntingSettings, hunting_case
 from rollerrig.assembly import AssembledModel, assemble
 from rollerrig.config import Case
-from rollerrig.results import RunInfo, add_energy_audit, run_dataset
+from rollerrig.results import RunInfo, add_energy_audit, run_draft
 from rollerrig.simulation import begin, march, outcome
 from rollerrig.starting_state import starting_state
 
@@ -132,7 +132,9 @@ def _segment(
         simulation, stop, times, rows, slice_length=step, begin_at=start, report=lambda time, _filled: progress(time)
     )
     ended = outcome(simulation, model, code)
-    audited = add_energy_audit(run_dataset(model, times[:filled], rows[:filled], ended))
+    draft = run_draft(model, times[:filled], rows[:filled], ended)
+    add_energy_audit(draft)
+    audited = draft.dataset()
     moving = RunInfo.of(audited).moving
     kept: xr.Dataset = audited[["lateral", "yaw", "speed"]].sel(body=moving).copy(deep=True)
     return kept.assign_attrs(largest_residual_j=float(np.abs(audited["energy_residual"]).max()))

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
-from pydantic import BaseModel
 
 from rollerrig.cli.command import Force, Out, carry_out
 from rollerrig.cli.ranges import read_range
 from rollerrig.cli.termination import stop
+
+if TYPE_CHECKING:
+    from pydantic import BaseModel
 
 
 def command(

@@ -17,7 +17,6 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 
 from rollerrig.input_files import LARGEST_TABLE, read_input
 from rollerrig.irregularity.errors import IrregularityError
@@ -104,6 +103,8 @@ def measured_irregularity(
     count = max(int(np.ceil((high - low + 2 * margin) / step)), FEWEST_ROWS)
     lowest = low - margin
     s = lowest + np.mod(np.arange(count) * step - lowest, count * step)
+    from scipy.interpolate import CubicSpline
+
     coefficients = {}
     for rail in RAILS:
         values = scale * CubicSpline(track.distance, track.rails[rail])(np.clip(s + start, first, last))

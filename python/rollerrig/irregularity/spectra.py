@@ -13,7 +13,6 @@ from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.integrate import quad
 
 from rollerrig.irregularity.rails import Component, FloatArray
 
@@ -64,6 +63,8 @@ def track_spectrum(component: Component, level: Level, omega: ArrayLike) -> Floa
 
 def standard_deviation(component: Component, level: Level, shortest: float, longest: float) -> float:
     """Standard deviation of the waves between two wavelengths [m]; both wavelengths in m."""
+    from scipy.integrate import quad
+
     low, high = 2 * np.pi / longest, 2 * np.pi / shortest
     variance, _ = quad(
         lambda x: np.exp(x) * track_spectrum(component, level, np.exp(x)), np.log(low), np.log(high), epsrel=1e-10

@@ -11,17 +11,18 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Literal, get_args
+from typing import TYPE_CHECKING, Literal, get_args
 
 import numpy as np
-from scipy.interpolate import BSpline, make_smoothing_spline
-from scipy.optimize import brentq
 
 from .checks import LARGEST_KINK, averaged, check_fold, check_gaps, check_kinks, direction_jumps
 from .course import MOST_POINTS, Course, without_crowds
 from .errors import ProfileError
 from .point_file import FEWEST_POINTS, FileFormat, LengthUnit, read_point_file
 from .table import DEFAULT_STEP, STEEPEST_SLOPE, FloatArray, ProfileKind, ProfileTable, tabulate
+
+if TYPE_CHECKING:
+    from scipy.interpolate import BSpline
 
 Side = Literal["auto", "negative", "positive"]
 Direction = Literal["auto", "up", "down"]
@@ -178,6 +179,8 @@ class SmoothCurve:
         before, after = max(top - 1, 0), min(top + 1, len(samples.s) - 1)
         s = samples.s[top]
         if samples.dz[before] > 0 > samples.dz[after]:
+            from scipy.optimize import brentq
+
             s = brentq(lambda s: float(self.z(s, 1)), samples.s[before], samples.s[after])
         return np.array([float(self.y(s)), float(self.z(s))])
 
@@ -277,12 +280,14 @@ def _smooth(points: FloatArray, weights: FloatArray, noise: float, smoothing: fl
     unit = 1e-3  # in millimetres the equations are far better conditioned
     w = share * weights / spacing
     lam = (k_c * unit) ** -4 / (spacing / unit)
+    from scipy.interpolate import make_smoothing_spline
+
     y, z = (make_smoothing_spline(s / unit, p / unit, w=np.maximum(w, 1e-9), lam=lam) for p in points.T)
     return SmoothCurve(_rescaled(y, unit), _rescaled(z, unit), float(s[-1]), cut_off)
 
 
 def _rescaled(spline: BSpline, unit: float) -> BSpline:
-    return BSpline(spline.t * unit, spline.c * unit, spline.k)
+    return type(spline)(spline.t * unit, spline.c * unit, spline.k)
 
 
 def _noise(points: FloatArray) -> float:

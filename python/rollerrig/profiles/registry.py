@@ -10,6 +10,7 @@ import difflib
 import inspect
 import math
 from collections.abc import Callable, Mapping
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -65,7 +66,21 @@ def profile_from_spec(
         if spec not in CATALOGUE:
             raise ProfileError(f"profile: {_unknown(spec, CATALOGUE)}")
         spec = CATALOGUE[spec]
-    arguments = dict(spec)
+    if spec.get("kind") == "file":
+        return _built(dict(spec), kind, base_dir)
+    try:
+        return _kept(tuple((key, type(value), value) for key, value in spec.items()), kind)
+    except TypeError:  # a value that cannot be a key of a dictionary: no number, and no text
+        return _built(dict(spec), kind, base_dir)
+
+
+@lru_cache(maxsize=64)
+def _kept(spec: tuple[tuple[str, type, Any], ...], kind: ProfileKind) -> ProfileTable:
+    """A profile that follows from its arguments alone: made once, since tables are constant."""
+    return _built({key: value for key, _, value in spec}, kind, None)
+
+
+def _built(arguments: dict[str, Any], kind: ProfileKind, base_dir: Path | str | None) -> ProfileTable:
     length_scale = arguments.pop("length_scale", 1.0)
     _check_type("profile: length_scale", length_scale, "float")
     shape = arguments.pop("kind", None)

@@ -9,7 +9,6 @@ from collections.abc import Callable
 
 import numpy as np
 from numpy.polynomial import Polynomial
-from scipy.interpolate import CubicHermiteSpline
 
 from .errors import ProfileError
 from .table import DEFAULT_STEP, FloatArray, ProfileTable, tabulate
@@ -68,9 +67,14 @@ def _flange_root() -> Segment:
     arc_slope = (ends[0] + 26.210665) / np.sqrt(13.0**2 - (ends[0] + 26.210665) ** 2)
     value = np.array([_root_arc(ends)[0], TREAD(ends[1])])
     slope = np.array([arc_slope, TREAD.deriv()(ends[1])])
-    closing = CubicHermiteSpline(
-        ends, value - FLANGE_ROOT_AS_PRINTED(ends), slope - FLANGE_ROOT_AS_PRINTED.deriv()(ends)
-    )
+    gap, length = value - FLANGE_ROOT_AS_PRINTED(ends), ends[1] - ends[0]
+    turn = length * (slope - FLANGE_ROOT_AS_PRINTED.deriv()(ends))
+
+    def closing(s: FloatArray) -> FloatArray:
+        u = (s - ends[0]) / length
+        of_values = gap[0] * (1 + 2 * u) * (1 - u) ** 2 + gap[1] * (3 - 2 * u) * u**2
+        return np.asarray(of_values + turn[0] * u * (1 - u) ** 2 - turn[1] * (1 - u) * u**2)
+
     return lambda s: np.asarray(FLANGE_ROOT_AS_PRINTED(s) + closing(s))
 
 

@@ -3,7 +3,7 @@
 rows of the core -> [results] -> xarray.Dataset -> run.nc, summary.json, CSV
 """
 
-from rollerrig.results.dataset import COMPLETED, Outcome, run_dataset, sources_of, variable
+from rollerrig.results.dataset import COMPLETED, Draft, Outcome, run_dataset, run_draft, sources_of, variable
 from rollerrig.results.energy import add_energy_audit
 from rollerrig.results.files import (
     OutputError,
@@ -24,6 +24,7 @@ from rollerrig.results.termination import add_termination
 
 __all__ = [
     "COMPLETED",
+    "Draft",
     "Manifest",
     "Outcome",
     "OutputError",
@@ -40,6 +41,7 @@ __all__ = [
     "output_folder",
     "read_manifest",
     "run_dataset",
+    "run_draft",
     "save_run",
     "sources_of",
     "summarise",

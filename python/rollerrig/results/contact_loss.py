@@ -12,7 +12,7 @@ from dataclasses import asdict, dataclass
 import numpy as np
 import xarray as xr
 
-from rollerrig.results.run_info import RunInfo
+from rollerrig.results.dataset import Draft
 
 ATTRIBUTE = "contact_losses"
 
@@ -54,21 +54,25 @@ class ContactLoss:
         return f"{self.wheel} without contact {times}; the longest {longest}"
 
 
-def add_contact_losses(run: xr.Dataset, wheels: Sequence[str], spells: Sequence[Spells]) -> xr.Dataset:
-    """The run with the losses of all wheels that had any, as JSON in its attributes.
+def add_contact_losses(draft: Draft, wheels: Sequence[str], spells: Sequence[Spells]) -> list[ContactLoss]:
+    """Add the losses of all wheels that had any, as JSON among the attributes.
 
     Args:
-        run: results with `distance`.
+        draft: results with `distance`; it is changed.
         wheels: names, in the order of `spells`.
         spells: of each wheel.
+
+    Returns:
+        The losses.
     """
-    times, distances = run["time"].to_numpy(), run["distance"].to_numpy()
+    times, distances = draft.values("time"), draft.values("distance")
     losses = [
         ContactLoss(wheel, count, total, longest, at, float(np.interp(at, times, distances)) if len(times) else 0.0)
         for wheel, (count, total, longest, at) in zip(wheels, spells, strict=True)
         if count
     ]
-    return run.assign_attrs({ATTRIBUTE: json.dumps([asdict(loss) for loss in losses])})
+    draft.attributes[ATTRIBUTE] = json.dumps([asdict(loss) for loss in losses])
+    return losses
 
 
 def contact_losses(run: xr.Dataset) -> list[ContactLoss]:
@@ -76,15 +80,19 @@ def contact_losses(run: xr.Dataset) -> list[ContactLoss]:
     return [ContactLoss(**loss) for loss in json.loads(run.attrs.get(ATTRIBUTE, "[]"))]
 
 
-def contact_loss_warning(run: xr.Dataset) -> str:
-    """One line that names the wheels whose contact was lost for longer than vibrations explain; empty if there are none."""
-    duration = float(np.ptp(run["time"].to_numpy())) if run.sizes["time"] else 0.0
+def contact_loss_warning(losses: Sequence[ContactLoss], duration: float, *, on_rollers: bool) -> str:
+    """One line that names the wheels whose contact was lost for longer than vibrations explain; empty if there are none.
+
+    Args:
+        losses: of a run.
+        duration: of the run [s].
+        on_rollers: whether it was on a rig.
+    """
     gross = [
         loss
-        for loss in contact_losses(run)
+        for loss in losses
         if loss.longest_s > LONGEST_SPELL or (loss.longest_s > 0.0 and loss.total_s > LARGEST_PART * duration)
     ]
     if not gross:
         return ""
-    on_rollers = RunInfo.of(run).support == "rig"
     return "wheels lost contact: " + "; ".join(loss.in_words(on_rollers) for loss in gross)

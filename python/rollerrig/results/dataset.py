@@ -1,9 +1,10 @@
 """Rows of plain numbers become a Dataset: names, dimensions, units, provenance.
 
-    recorder's rows, names of the model's parts, how the run ended -> [dataset] -> xarray.Dataset
+    recorder's rows, names of the model's parts, how the run ended -> [dataset] -> Draft, energy audit, ... -> xarray.Dataset
 
 The order of a row is the recorder's (core/include/rollerrig/simulate/recorder.hpp): bodies, wheels, patches, elements, run.
-Nothing is copied: the variables are views of the rows.
+Nothing is copied: the variables are views of the rows. A Dataset takes a millisecond to build and as long for every variable that
+is added to it; a draft holds plain dictionaries, and becomes a Dataset once everything is in it.
 """
 
 from __future__ import annotations
@@ -11,7 +12,8 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -77,7 +79,46 @@ class Outcome:
     counters: Mapping[str, int]
 
 
-def variable(dims: str | tuple[str, ...], values: Any, units: str, meaning: str) -> tuple[Any, Any, dict[str, str]]:
+Variable = tuple[Any, Any, dict[str, str]]
+"""Dimensions, values, attributes."""
+
+
+@dataclass(frozen=True)
+class Draft:
+    """Results in the making.
+
+    Attributes:
+        variables: by name.
+        times: coordinates of the dimensions that are times.
+        attributes: of the whole.
+        parts: coordinates of the other dimensions: names of bodies, wheels and so on.
+    """
+
+    variables: dict[str, Variable]
+    times: dict[str, Variable]
+    attributes: dict[str, Any]
+    parts: xr.Coordinates = field(default_factory=xr.Coordinates)
+
+    def values(self, name: str) -> NDArray[np.float64]:
+        """Values of a variable, or of a coordinate that is a time.
+
+        Raises:
+            KeyError: there is none of that name.
+        """
+        _, values, _ = self.times[name] if name in self.times else self.variables[name]
+        return np.asarray(values)
+
+    def dataset(self) -> xr.Dataset:
+        """What is in it now, as results."""
+        variables = {name: xr.Variable(*given, fastpath=True) for name, given in self.variables.items()}
+        times = xr.Coordinates(self.times)
+        coordinates = xr.Coordinates(
+            {**times.variables, **self.parts.variables}, {**times.xindexes, **self.parts.xindexes}
+        )
+        return xr.Dataset(variables, coordinates, self.attributes)
+
+
+def variable(dims: str | tuple[str, ...], values: Any, units: str, meaning: str) -> Variable:
     """A variable or coordinate of a Dataset, with its unit and meaning as attributes."""
     return dims, values, {"units": units, "long_name": meaning}
 
@@ -93,7 +134,12 @@ def body_variable(name: str) -> str:
 def run_dataset(
     model: AssembledModel, times: NDArray[np.float64], rows: NDArray[np.float64], outcome: Outcome
 ) -> xr.Dataset:
-    """The Dataset of a run, without the energy audit.
+    """The Dataset of a run as `run_draft` has it: without the energy audit."""
+    return run_draft(model, times, rows, outcome).dataset()
+
+
+def run_draft(model: AssembledModel, times: NDArray[np.float64], rows: NDArray[np.float64], outcome: Outcome) -> Draft:
+    """The results of a run, without the energy audit.
 
     Args:
         model: the model that was run.
@@ -118,7 +164,7 @@ def run_dataset(
     if rows.shape[1] > sum(math.prod(shape) * len(fields) for _, shape, fields, _ in blocks):
         blocks.append((("axle",), (len(model.wheelsets),), _core.axle_fields, {}))
         blocks.append(((), (), _core.train_fields, {}))
-    variables: dict[str, Any] = {}
+    variables: dict[str, Variable] = {}
     start = 0
     for dims, shape, fields, names in blocks:
         width = math.prod(shape) * len(fields)
@@ -127,16 +173,33 @@ def run_dataset(
         for column, (name, unit, meaning) in enumerate(fields):
             attributes = {"units": unit, "long_name": meaning}
             variables[names.get(name, name)] = (("time", *dims), block[..., column], attributes)
-    coordinates: dict[str, Any] = {
-        "time": variable("time", times, "s", "time since the start"),
-        "body": ("body", list(model.bodies), {"long_name": "body"}),
-        "wheel": ("wheel", wheels, {"long_name": "wheel"}),
-        "patch": ("patch", np.arange(1, patches + 1), {"long_name": "patch of a wheel, from the flange outwards"}),
-        "element": ("element", np.array(model.elements, dtype=str), {"long_name": "force element"}),
+    axles = model.wheelsets if "axle_speed" in variables else ()
+    return Draft(
+        variables,
+        {"time": variable("time", times, "s", "time since the start")},
+        _attributes(model, outcome),
+        _parts(model.bodies, tuple(wheels), model.elements, axles),
+    )
+
+
+@lru_cache(maxsize=64)
+def _parts(
+    bodies: tuple[str, ...], wheels: tuple[str, ...], elements: tuple[str, ...], axles: tuple[str, ...]
+) -> xr.Coordinates:
+    """Coordinates of the dimensions that are no times; `axles` empty: there is no such dimension."""
+    coordinates: dict[str, Variable] = {
+        "body": ("body", list(bodies), {"long_name": "body"}),
+        "wheel": ("wheel", list(wheels), {"long_name": "wheel"}),
+        "patch": (
+            "patch",
+            np.arange(1, _core.patches_recorded + 1),
+            {"long_name": "patch of a wheel, from the flange outwards"},
+        ),
+        "element": ("element", np.array(elements, dtype=str), {"long_name": "force element"}),
     }
-    if "axle_speed" in variables:
-        coordinates["axle"] = ("axle", list(model.wheelsets), {"long_name": "wheelset"})
-    return xr.Dataset(variables, coordinates, _attributes(model, outcome))
+    if axles:
+        coordinates["axle"] = ("axle", list(axles), {"long_name": "wheelset"})
+    return xr.Coordinates(coordinates)
 
 
 def _prefixed(prefix: str, fields: list[Field]) -> dict[str, str]:

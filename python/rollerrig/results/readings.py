@@ -1,13 +1,11 @@
 """Readings of the wheels' forces between the output times, as part of a run's Dataset.
 
-    rows of the core -> [reading_columns] -> Recording -> [with_readings] -> variables over `reading_time`
+    rows of the core -> [reading_columns] -> Recording -> [add_readings] -> variables over `reading_time`
 
 They are what forces are filtered from: rollerrig.recording says why.
 """
 
 from __future__ import annotations
-
-from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -15,6 +13,7 @@ from numpy.typing import NDArray
 
 from rollerrig import _core
 from rollerrig.assembly import AssembledModel
+from rollerrig.results.dataset import Draft, variable
 
 OF_WHEELS = ("lateral_force", "vertical_force", "wear_number")
 """Columns of each wheel that are read between."""
@@ -35,27 +34,27 @@ def reading_columns(model: AssembledModel) -> list[int]:
     return [*of_wheels, of_run + [name for name, _, _ in _core.run_fields].index("distance")]
 
 
-def with_readings(
-    run: xr.Dataset, model: AssembledModel, times: NDArray[np.float64], values: NDArray[np.float64]
-) -> xr.Dataset:
-    """The run with its readings; as it is where there are none.
+def add_readings(draft: Draft, model: AssembledModel, times: NDArray[np.float64], values: NDArray[np.float64]) -> None:
+    """Add the readings of a run; nothing where there are none.
 
     Args:
-        run: what `run_dataset` returns.
+        draft: what `run_draft` returns; it is changed.
         model: the model that was run.
         times: of the readings [s], shape (reading_time,).
         values: columns of `reading_columns`, shape (reading_time, columns).
     """
     if not len(times):
-        return run
+        return
+
+    def attributes(name: str) -> dict[str, str]:
+        _, _, own = draft.variables[name]
+        return {"units": own["units"], "long_name": f"{own['long_name']}; between the output times"}
+
     wheels = values[:, :-1].reshape(len(times), len(model.wheels), len(OF_WHEELS))
-    found: dict[str, Any] = {
-        f"{PREFIX}{name}": ((DIMENSION, "wheel"), wheels[..., k], _attributes(run[name]))
-        for k, name in enumerate(OF_WHEELS)
-    }
-    found[f"{PREFIX}distance"] = (DIMENSION, values[:, -1], _attributes(run["distance"]))
-    coordinate = xr.Variable(DIMENSION, times, {"units": "s", "long_name": "time of the readings between the outputs"})
-    return run.assign(found).assign_coords({DIMENSION: coordinate})
+    for k, name in enumerate(OF_WHEELS):
+        draft.variables[f"{PREFIX}{name}"] = ((DIMENSION, "wheel"), wheels[..., k], attributes(name))
+    draft.variables[f"{PREFIX}distance"] = ((DIMENSION,), values[:, -1], attributes("distance"))
+    draft.times[DIMENSION] = variable(DIMENSION, times, "s", "time of the readings between the outputs")
 
 
 def readings_of(run: xr.Dataset) -> xr.Dataset | None:
@@ -66,7 +65,3 @@ def readings_of(run: xr.Dataset) -> xr.Dataset | None:
     first, last = float(run["time"][0]), float(run["time"][-1])
     kept = run[list(names)].drop_vars("time", errors="ignore").sel({DIMENSION: slice(first, last)})
     return kept.rename({**names, DIMENSION: "time"})
-
-
-def _attributes(variable: xr.DataArray) -> dict[str, str]:
-    return {"units": variable.attrs["units"], "long_name": f"{variable.attrs['long_name']}; between the output times"}

@@ -1,6 +1,6 @@
 """Where a run ended: how far along the track, on which segment, and with which quotient Y/Q.
 
-run, its model -> [termination] -> the run with attributes `stopped_...`, and a sentence with all of them
+results, their model -> [termination] -> the same with attributes `stopped_...`, and a sentence with all of them
 """
 
 from __future__ import annotations
@@ -8,45 +8,41 @@ from __future__ import annotations
 import math
 
 import numpy as np
-import xarray as xr
 
 from rollerrig.assembly import AssembledModel
 from rollerrig.config import Track
+from rollerrig.results.dataset import Draft
 from rollerrig.track import Segment
 
 LAST_SECONDS = 0.5
 """Before the end: a flange climbs within this time, and in the end it carries nothing [s]."""
 
 
-def add_termination(run: xr.Dataset, model: AssembledModel) -> xr.Dataset:
-    """The run with the place of its end and the quotient of the wheelset that ended it.
+def add_termination(draft: Draft, model: AssembledModel) -> None:
+    """Add the place where a run ended and the quotient of the wheelset that ended it.
+
+    The attributes `stopped_at_m`, `stopped_segment`, `stopped_quotient`, `stopped_quotient_wheel`; they stand in `status_message`
+    too where a wheel ended the run.
 
     Args:
-        run: results with the attributes of `Outcome`.
+        draft: results with the attributes of `Outcome`; it is changed.
         model: the model that was run.
-
-    Returns:
-        The same with `stopped_at_m`, `stopped_segment`, `stopped_quotient`, `stopped_quotient_wheel`; they stand in
-        `status_message` too where a wheel ended the run.
     """
-    distance = float(run["distance"][-1]) if run.sizes["time"] else 0.0
+    distances = draft.values("distance")
+    distance = float(distances[-1]) if len(distances) else 0.0
     segment = _segment(model, distance)
-    quotient, wheel = _largest_quotient(run, model)
-    message = run.attrs["status_message"]
+    quotient, wheel = _largest_quotient(draft, model)
     if wheel:
         place = f"{distance:.5g} m" + (f" ({segment})" if segment else "")
+        message = draft.attributes["status_message"]
         when, _, rest = message.partition(", ")
         if isinstance(model.case.support.data, Track):
             message = f"{when}, {place}, {rest}"
-        message += (
-            f" Largest unfiltered |Y|/Q of its wheelset in the {LAST_SECONDS:g} s before: {quotient:.2f} at {wheel}."
+        draft.attributes["status_message"] = (
+            f"{message} Largest unfiltered |Y|/Q of its wheelset in the {LAST_SECONDS:g} s before: {quotient:.2f} at {wheel}."
         )
-    return run.assign_attrs(
-        status_message=message,
-        stopped_at_m=distance,
-        stopped_segment=segment,
-        stopped_quotient=quotient,
-        stopped_quotient_wheel=wheel,
+    draft.attributes.update(
+        stopped_at_m=distance, stopped_segment=segment, stopped_quotient=quotient, stopped_quotient_wheel=wheel
     )
 
 
@@ -66,16 +62,16 @@ def in_words(segment: Segment) -> str:
     return f"a curve of radius {1 / abs(curvature):g} m to the {'left' if curvature > 0 else 'right'}"
 
 
-def _largest_quotient(run: xr.Dataset, model: AssembledModel) -> tuple[float, str]:
+def _largest_quotient(draft: Draft, model: AssembledModel) -> tuple[float, str]:
     """Largest |Y|/Q of the wheels on the axle that ended the run, and where; NaN and "" if none did, or none is known."""
-    blamed = next((wheel for wheel in model.wheels if wheel.name == run.attrs["stopped_wheel"]), None)
+    blamed = next((wheel for wheel in model.wheels if wheel.name == draft.attributes["stopped_wheel"]), None)
     if blamed is None:
         return math.nan, ""
-    wheels = [wheel.name for wheel in model.wheels if wheel.wheelset == blamed.wheelset]
-    late = run.isel(time=run["time"].to_numpy() >= run.attrs["stopped_at_s"] - LAST_SECONDS).sel(wheel=wheels)
-    y, q = np.abs(late["lateral_force"].to_numpy()), late["vertical_force"].to_numpy()
+    columns = [number for number, wheel in enumerate(model.wheels) if wheel.wheelset == blamed.wheelset]
+    late = draft.values("time") >= draft.attributes["stopped_at_s"] - LAST_SECONDS
+    y, q = np.abs(draft.values("lateral_force")[late][:, columns]), draft.values("vertical_force")[late][:, columns]
     if not np.any(q > 0):
         return math.nan, ""
     quotients = np.where(q > 0, y / np.where(q > 0, q, 1.0), 0.0)
     _, place = np.unravel_index(int(np.argmax(quotients)), quotients.shape)
-    return float(quotients.max()), wheels[place]
+    return float(quotients.max()), model.wheels[columns[place]].name

@@ -177,6 +177,7 @@ def test_an_impossible_torque_has_no_equilibrium() -> None:
 
 
 def test_results_that_do_not_fit_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(simulation_module, "SURELY_THERE", 1e3)
     monkeypatch.setattr(simulation_module, "available_memory", lambda: 1e5)
     with pytest.raises(rr.ConfigError, match=r"time.output_step: 0.002; allowed: at least .* s for a run of 0.2 s"):
         rr.simulate(short_case())

@@ -7,8 +7,6 @@ The patch is estimated as the Hertzian circle of two balls of the radii of wheel
 
 from collections.abc import Iterator
 
-from scipy.optimize import brentq
-
 from rollerrig import _core
 from rollerrig.config.errors import ConfigProblem
 from rollerrig.config.schema.case import CaseTables
@@ -60,6 +58,8 @@ def _wheel_load(case: CaseTables) -> float:
 
 def _least_radius(case: CaseTables) -> float:
     """Radius from which on a roller is large enough [m], rounded up to two digits."""
+    from scipy.optimize import brentq
+
     exact = brentq(lambda radius: patch_size(case, radius) - LARGEST_SHARE * radius, 1e-6, 1e3)
     return float(f"{1.05 * exact:.1e}")
 
