@@ -6,7 +6,6 @@ All mistakes of a case and of the files it names are collected before ConfigErro
 """
 
 from collections.abc import Callable, Mapping
-from copy import deepcopy
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, Literal, TypeVar, get_args
@@ -24,11 +23,13 @@ from rollerrig.config.load.resolve import (
 )
 from rollerrig.config.read.document import Document, parse_document, read_document
 from rollerrig.config.read.library import CatalogKind, catalog_names
+from rollerrig.config.schema.base import Table
 from rollerrig.config.schema.case import CaseTables, SupportChoice, VehicleChoice
 from rollerrig.config.schema.material import Material
 from rollerrig.config.schema.profile import ProfileRoot, ProfileSpec
 from rollerrig.config.schema.support import Rig
 from rollerrig.config.schema.track import Track
+from rollerrig.config.schema.units import AS_WRITTEN
 from rollerrig.config.schema.vehicle import Vehicle
 from rollerrig.config.validate.check_case import check_case, check_case_names, check_drive
 from rollerrig.config.validate.check_profile import check_profile
@@ -53,14 +54,9 @@ class Case(CaseTables):
         Raises:
             ConfigError: a key does not exist or a value is not allowed.
         """
-        raw = plain(self)
         file = f"{self.name} (changed)"
-        own_keys = {"vehicle": VehicleChoice.model_fields.keys(), "support": SupportChoice.model_fields.keys()}
-        full: dict[str, object] = {}
-        for key, value in changes.items():
-            head, _, rest = str(key).partition(".")
-            is_short = head in own_keys and rest and rest.split(".")[0] not in own_keys[head]
-            full[f"{head}.data.{rest}" if is_short else str(key)] = value
+        full = {_whole_key(str(key)): value for key, value in changes.items()}
+        raw = _tables_of(self, full)
         problems = apply_changes(raw, full, file)
         try:
             changed = build_case(
@@ -79,6 +75,27 @@ class Case(CaseTables):
     def to_short_toml(self) -> str:
         """The same without what has its default value: a file to read and edit."""
         return to_short_toml(self)
+
+
+_OWN_KEYS = {"vehicle": VehicleChoice.model_fields.keys(), "support": SupportChoice.model_fields.keys()}
+
+
+def _whole_key(key: str) -> str:
+    """`vehicle.body.car_body.mass` as `vehicle.data.body.car_body.mass`."""
+    head, _, rest = key.partition(".")
+    is_short = head in _OWN_KEYS and rest and rest.split(".")[0] not in _OWN_KEYS[head]
+    return f"{head}.data.{rest}" if is_short else key
+
+
+def _tables_of(case: Case, changes: Mapping[str, object]) -> dict[str, Any]:
+    """The raw tables of a case; a vehicle or support that no change concerns stays the checked object that it is."""
+    kept = [part for part in _OWN_KEYS if all(key.partition(".")[0] != part or key == "vehicle.cut" for key in changes)]
+    raw: dict[str, Any] = plain(
+        case.model_dump(exclude_none=True, context=AS_WRITTEN, exclude={part: {"data"} for part in kept})
+    )
+    for part in kept:
+        raw[part]["data"] = getattr(case, part).data
+    return raw
 
 
 def load_case(source: str | Path, *, allow_code: bool = False) -> Case:
@@ -202,7 +219,7 @@ def build_case(document: Document, *, own_folder: Path | None = None, allow_code
     Raises:
         ConfigError: all mistakes found.
     """
-    raw: dict[str, Any] = deepcopy(document.raw)
+    raw: dict[str, Any] = _copied(document.raw)
     file = document.file
     vehicle, problems = _part(raw, "vehicle", resolve_vehicle, document)
     support, mistakes = _part(raw, "support", resolve_support, document)
@@ -223,6 +240,13 @@ def build_case(document: Document, *, own_folder: Path | None = None, allow_code
     return _whole(case, problems)
 
 
+def _copied(value: Any) -> Any:
+    """Tables and lists anew; what stands in them is constant."""
+    if isinstance(value, dict):
+        return {key: _copied(item) for key, item in value.items()}
+    return [_copied(item) for item in value] if isinstance(value, list) else value
+
+
 def _part(
     raw: dict[str, Any],
     key: Literal["vehicle", "support"],
@@ -233,12 +257,14 @@ def _part(
     choice = raw.get(key)
     if not isinstance(choice, dict):
         return None, []
+    if isinstance(choice.get("data"), Table):  # checked before: of a case that is changed elsewhere
+        return choice["data"], []
     own, problems, prefix = _own_document(choice, key, document)
     if own is None:
         return None, problems
     changes, labels = _overrides(choice, key)
     changes = {name: relative_to(document.folder, name, value) for name, value in changes.items()}
-    tables = plain(deepcopy(own.raw))
+    tables = plain(own.raw)
     problems += apply_changes(tables, changes, document.file, f"{key}.changes")
     part, mistakes = resolve(replace(own, raw=tables))
     for mistake in mistakes:
