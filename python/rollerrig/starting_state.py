@@ -51,25 +51,27 @@ def starting_state(simulation: _core.Simulation, model: AssembledModel, *, may_d
     prescribed = list(_prescribed_coordinates(simulation, model, rest))
     if not prescribed:
         return rest
-    # Far from equilibrium the others may have none: leave them where they were, and set the disturbed bodies down.
+    coordinates = simulation.coordinate_index
     disturbed = {body for body, _, _ in prescribed}
-    others = [
-        (body, direction, float(rest[index]))
-        for body, row in enumerate(simulation.coordinate_index)
-        for direction, index in enumerate(row)
-        if index >= 0 and body not in disturbed
-    ]
-    for more in ([], others):
-        found = simulation.equilibrium(case.motion.speed, 0.0, [*prescribed, *more], rest)
+
+    def others() -> list[tuple[int, int, float]]:
+        return [
+            (body, direction, float(rest[index]))
+            for body, row in enumerate(coordinates)
+            for direction, index in enumerate(row)
+            if index >= 0 and body not in disturbed
+        ]
+
+    # Far from equilibrium the others may have none: leave them where they were, and set the disturbed bodies down.
+    for more in (list, others):
+        found = simulation.equilibrium(case.motion.speed, 0.0, [*prescribed, *more()], rest)
         state = _state(found)
         # The core stands a wheelset on its rollers to begin with, even where a disturbance lifts it.
-        kept = all(
-            state[simulation.coordinate_index[body][direction]] == value for body, direction, value in prescribed
-        )
+        kept = all(state[coordinates[body][direction]] == value for body, direction, value in prescribed)
         if found["converged"] and kept:
             return state
     for body, direction, value in prescribed:
-        rest[simulation.coordinate_index[body][direction]] = value
+        rest[coordinates[body][direction]] = value
     vertical = DIRECTIONS.index("z")
     for body in sorted(disturbed - {b for b, d, _ in prescribed if d == vertical}):
         _set_down(simulation, model, rest, body)
@@ -125,22 +127,23 @@ def _state(found: dict[str, object]) -> Vector:
 def _prescribed_coordinates(
     simulation: _core.Simulation, model: AssembledModel, rest: Vector
 ) -> Iterator[tuple[int, int, float]]:
+    coordinates = simulation.coordinate_index
     offsets: dict[tuple[int, int], float] = {}
     for number, disturbance in enumerate(model.case.disturbance):
         body = model.body_index(disturbance.body)
         given = {name: getattr(disturbance, name) for name in _OFFSETS if getattr(disturbance, name) != 0.0}
         for name, offset in given.items():
             direction = _OFFSETS.index(name)
-            if simulation.coordinate_index[body][direction] < 0:
+            if coordinates[body][direction] < 0:
                 place = f"disturbance[{number}].{name}"
                 allowed = f"allowed: only 0, {disturbance.body} is locked or turns freely in {DIRECTIONS[direction]}"
                 raise ConfigError([ConfigProblem(model.case.name, place, f"{offset:g}", allowed)])
             offsets[body, direction] = offset
         yaw = DIRECTIONS.index("yaw")
-        if given and simulation.coordinate_index[body][yaw] >= 0:
+        if given and coordinates[body][yaw] >= 0:
             offsets.setdefault((body, yaw), 0.0)
     for (body, direction), offset in offsets.items():
-        yield body, direction, float(rest[simulation.coordinate_index[body][direction]]) + offset
+        yield body, direction, float(rest[coordinates[body][direction]]) + offset
 
 
 def degrees_of_freedom(model: AssembledModel) -> dict[str, list[str]]:
