@@ -34,9 +34,10 @@ using Vector = nb::ndarray<double, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
 Method method_named(std::string const& name) {
   if (name == "rk4") return Method::rk4;
   if (name == "exponential_rk4") return Method::exponential_rk4;
+  if (name == "exponential_adams") return Method::exponential_adams;
   if (name == "dormand_prince") return Method::dormand_prince;
   if (name == "rodas4") return Method::rodas4;
-  throw nb::value_error("unknown method; known: rk4, exponential_rk4, dormand_prince, rodas4");
+  throw nb::value_error("unknown method; known: rk4, exponential_rk4, exponential_adams, dormand_prince, rodas4");
 }
 
 /// A simulation serves one thread at a time: advance() runs beside other Python threads, which must not touch it meanwhile.

@@ -206,7 +206,7 @@ def begin(
         ConfigError: the fixed step is beyond the stability limit of the method at the start.
     """
     settings, own = model.case.time, model.case.integration
-    if own.fixed and settings.method is not None:
+    if own.method in ("rk4", "exponential_rk4") and settings.method is not None:
         _check_fixed_step(simulation, model.case, state)
     simulation.start(
         method=own.method,

@@ -108,7 +108,8 @@ void Driver::advance_step() {
 }
 
 void Driver::record(double t, double const* x, double const* z, double* row) {
-  recorder_.record(system_ ? plant_ : observed_, t, x, z, row, inputs_);
+  bool const known = system_ || plant_.evaluated_at(t, x, inputs_);
+  recorder_.record(known ? plant_ : observed_, t, x, z, row, inputs_);
   if (system_) system_->record(plant_, step_, z, inputs_, row + recorder_.width());
 }
 

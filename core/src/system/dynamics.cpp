@@ -37,10 +37,13 @@ void Dynamics::unpack(double const* x) {
   std::copy_n(node, map().nodes, work.node.begin());
 }
 
+bool Dynamics::evaluated_at(double t, double const* x, Inputs const& inputs) const {
+  return t == evaluated_time_ && std::equal(evaluated_.begin(), evaluated_.end(), x) && inputs == evaluated_inputs_;
+}
+
 void Dynamics::evaluate(double t, double const* x, Inputs const& inputs) {
-  // A step's end is looked at by accept(), the next step's first stage and the Jacobian: evaluated once.
-  if (t == evaluated_time_ && std::equal(evaluated_.begin(), evaluated_.end(), x) && inputs == evaluated_inputs_)
-    return;
+  // A step's end is looked at by accept(), the next step's first stage, the Jacobian and outputs: evaluated once.
+  if (evaluated_at(t, x, inputs)) return;
   ForceAssembly<double> const forces(*model_, inputs, evaluation_, evaluation_.work);
   unpack(x);
   forces.place_track(t);

@@ -124,10 +124,13 @@ inline Options adaptive(Method method, double tolerance, double final_time) {
   return o;
 }
 
-inline constexpr Method all_methods[] = {Method::rk4, Method::exponential_rk4, Method::dormand_prince, Method::rodas4};
+inline constexpr Method all_methods[] = {Method::rk4, Method::exponential_rk4, Method::exponential_adams,
+                                         Method::dormand_prince, Method::rodas4};
 
-/// rk4 and its exponential form have no error estimate.
-inline bool needs_step(Method method) { return method == Method::rk4 || method == Method::exponential_rk4; }
+/// rk4 and its exponential form have no error estimate; exponential_adams goes below a step, not above.
+inline bool needs_step(Method method) {
+  return method == Method::rk4 || method == Method::exponential_rk4 || method == Method::exponential_adams;
+}
 
 /// x = (cos t, sin 2t, 1 + sin 3t, cos t): the last two relax at given rates [1/s] towards functions of the others and of
 /// time, and push them back. z accumulates x0 x2.

@@ -36,7 +36,7 @@ def test_a_state_of_the_wrong_length_is_refused(simulation: _core.Simulation) ->
 
 
 def test_an_unknown_method_names_the_known_ones(simulation: _core.Simulation) -> None:
-    with pytest.raises(ValueError, match="rk4, exponential_rk4, dormand_prince, rodas4"):
+    with pytest.raises(ValueError, match="rk4, exponential_rk4, exponential_adams, dormand_prince, rodas4"):
         start(simulation, np.zeros(simulation.state_count), method="euler")
 
 

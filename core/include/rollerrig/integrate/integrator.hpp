@@ -17,6 +17,7 @@
 #include <variant>
 
 #include "rollerrig/integrate/dormand_prince.hpp"
+#include "rollerrig/integrate/exponential_adams.hpp"
 #include "rollerrig/integrate/exponential_runge_kutta_4.hpp"
 #include "rollerrig/integrate/rodas4.hpp"
 #include "rollerrig/integrate/runge_kutta_4.hpp"
@@ -117,7 +118,7 @@ class Integrator {
   }
 
  private:
-  using AnyMethod = std::variant<RungeKutta4, ExponentialRungeKutta4, DormandPrince, Rodas4>;
+  using AnyMethod = std::variant<RungeKutta4, ExponentialRungeKutta4, ExponentialAdams, DormandPrince, Rodas4>;
   static constexpr double crawling_step = 1e-9;  ///< [s] thousands of times below any step that a vehicle asks for ...
   static constexpr int longest_crawl = 1'000;    ///< ... so many of them in a row: the run will not end
   static constexpr double least_tolerance = 1e-30;  ///< of a state that stays zero
@@ -126,6 +127,7 @@ class Integrator {
   static AnyMethod make_method(Method method, Evaluator<System> const& f) {
     if (method == Method::rk4) return RungeKutta4(f);
     if (method == Method::exponential_rk4) return ExponentialRungeKutta4(f);
+    if (method == Method::exponential_adams) return ExponentialAdams(f);
     if (method == Method::dormand_prince) return DormandPrince(f);
     return Rodas4(f);
   }
@@ -142,9 +144,10 @@ class Integrator {
     auto const& o = options_;
     auto const tolerances = static_cast<int>(o.absolute_tolerance.size());
     require(o.step >= 0, "step must be positive, or 0 to let the error choose it");
-    bool const fixed = o.method == Method::rk4 || o.method == Method::exponential_rk4;
-    require(o.step > 0 || !fixed, "methods rk4 and exponential_rk4 need a step");
-    require(o.method != Method::rodas4 || HasJacobian<System>, "method rodas4 needs a Jacobian");
+    bool const free = o.method == Method::dormand_prince || o.method == Method::rodas4;
+    require(o.step > 0 || free, "methods rk4, exponential_rk4 and exponential_adams need a step");
+    bool const linearised = o.method == Method::exponential_adams || o.method == Method::rodas4;
+    require(!linearised || HasJacobian<System>, "methods exponential_adams and rodas4 need a Jacobian");
     require(std::isfinite(o.step) && std::isfinite(o.output_step), "step and output_step must be finite");
     require(o.relative_tolerance > 0 && std::isfinite(o.relative_tolerance), "relative_tolerance must be positive");
     require(tolerances == 1 || tolerances == n_, "absolute_tolerance must hold one value, or one per state");
@@ -183,7 +186,11 @@ class Integrator {
   Status step(M& method) {
     if (auto e = prepare(); e != Status::ok) return e;
     prepared_ = false;
-    Status const status = options_.step > 0 ? fixed_step(method) : adaptive_step(method);
+    Status status;
+    if constexpr (std::is_same_v<M, ExponentialAdams>)
+      status = grid_step(method);
+    else
+      status = options_.step > 0 ? fixed_step(method) : adaptive_step(method);
     return status == Status::ok ? accept() : status;
   }
 
@@ -242,6 +249,42 @@ class Integrator {
     }
   }
 
+  /// Steps of a method with its own grid: a whole number of its steps, none longer than the option, reaches the next limit.
+  Status grid_step(ExponentialAdams& method) {
+    double const tolerance = 1e-9 * options_.step;
+    while (true) {
+      if (budget_spent()) return Status::too_many_steps;
+      if (!method.planned() || grid_time(method, method.step_ticks()) > limit() + tolerance)
+        if (auto e = plan(method); e != Status::ok) return e;
+      double const grid = grid_time(method, method.step_ticks());
+      double const end = std::abs(grid - limit()) <= tolerance ? limit() : grid;
+      double const h = static_cast<double>(method.step_ticks()) * method.tick();
+      Status status = method.attempt(f_, make_step(h, end), y_, y_new_);
+      double const error = error_norm(method.error(), y_, y_new_, absolute_, options_.relative_tolerance);
+      if (status == Status::ok && (!std::isfinite(error) || !y_new_.allFinite())) status = Status::not_finite;
+      if (status == Status::ok && (error <= 1 || !method.can_halve())) {
+        Status const accepted = method.accept(f_, end, y_new_, error);
+        commit(h, end);
+        return accepted;
+      }
+      ++f_.statistics.rejected_steps;
+      if (!method.can_halve()) return status;
+      method.halve();
+    }
+  }
+
+  double grid_time(ExponentialAdams const& method, std::int64_t ticks) const {
+    return planned_at_ + static_cast<double>(method.ticks() + ticks) * method.tick();
+  }
+
+  Status plan(ExponentialAdams& method) {
+    double const rest = limit() - t_;
+    double const h = std::isfinite(rest) ? rest / std::ceil(rest / options_.step * (1 - 1e-9)) : options_.step;
+    planned_at_ = t_;
+    ++f_.statistics.factorisations;
+    return method.plan(f_, t_, y_, h);
+  }
+
   bool budget_spent() const { return f_.statistics.steps + f_.statistics.rejected_steps >= options_.max_steps; }
 
   Step make_step(double h, double end) const {
@@ -288,9 +331,10 @@ class Integrator {
 
   // ------------------------------------------------------------------------------- output
 
+  double round_off(double t) const { return 4 * epsilon * std::max(std::abs(t), std::abs(t_)); }
+
   void interpolate(double t) {
-    double const round_off = 4 * epsilon * std::max(std::abs(t), std::abs(t_));
-    if (t >= t_ - round_off) {
+    if (t >= t_ - round_off(t)) {
       y_out_ = y_;
     } else if (t <= t_old_) {
       y_out_ = y_old_;
@@ -319,8 +363,9 @@ class Integrator {
     }
     double const tolerance = 1e-9 * options_.output_step;
     while (true) {
-      double const t = t0_ + static_cast<double>(outputs_) * options_.output_step;
+      double t = t0_ + static_cast<double>(outputs_) * options_.output_step;
       if (t > std::min(t_stop, t_) + tolerance) return true;
+      if (std::abs(t - t_) <= round_off(t)) t = t_;  // the system is evaluated there already
       interpolate(t);
       ++outputs_;
       if (!show(observer, t, y_out_.data(), y_out_.data() + n_)) return false;
@@ -339,6 +384,7 @@ class Integrator {
   double t0_ = 0, t_ = 0, t_old_ = 0;  // [s]
   double h_ = 0;                       // [s] next step to try
   double step_length_ = 1;             // [s] of the last accepted step
+  double planned_at_ = 0;              // [s] where the grid of a method with its own begins
   std::int64_t grid_steps_ = 0;        // fixed steps: grid points passed
   std::int64_t outputs_ = 0;           // output times shown
   std::size_t next_breakpoint_ = 0;

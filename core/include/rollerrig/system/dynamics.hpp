@@ -37,6 +37,9 @@ class Dynamics {
   /// Evaluates the model and leaves motion, forces and patches to be read; not again where it did so last.
   void evaluate(double t, double const* x, Inputs const& inputs = {});
 
+  /// Whether that is what it evaluated last.
+  bool evaluated_at(double t, double const* x, Inputs const& inputs) const;
+
   /// The contact search of every wheel alone, for benchmarks.
   void search_contacts(double t, double const* x);
 

@@ -203,8 +203,8 @@ class Disturbance(Table):
     yaw: Rotation = Field(default=0.0, description="offset about z")
 
 
-FIXED_STEP = ("rk4", "exponential_rk4")
-"""Methods with a fixed step."""
+FIXED_STEP = ("rk4", "exponential_rk4", "exponential_adams")
+"""Methods that need a step; exponential_adams may halve it."""
 
 
 class Integration(NamedTuple):
@@ -228,14 +228,17 @@ class TimeSettings(Table):
     """How time is integrated, when sensors and controllers are sampled, and what is kept."""
 
     duration: Annotated[float, Quantity("s", 1e-6, 1e5)] = Field(description="length of the run")
-    method: Literal["rodas4", "rk4", "exponential_rk4", "dormand_prince"] | None = Field(
+    method: Literal["rodas4", "rk4", "exponential_rk4", "exponential_adams", "dormand_prince"] | None = Field(
         default=None,
         description="rodas4: stiff, adaptive, exact Jacobian; dormand_prince: explicit, adaptive; rk4: fixed step; "
-        "exponential_rk4: fixed step that dampers with series stiffness do not limit, the fastest for a vehicle that hunts; "
+        "exponential_rk4: fixed step that dampers with series stiffness do not limit; exponential_adams: two evaluations a step "
+        "that contact stiffness does not limit either, halved where its error asks for it, the fastest with smooth contacts (strips); "
         "absent: rodas4, and with actuators or controllers exponential_rk4 with the sampling step",
     )
     step: Step | None = Field(
-        default=None, description="step of a fixed-step method, which needs it; for the others the first step tried"
+        default=None,
+        description="step of rk4 and exponential_rk4, longest step of exponential_adams, which need it; for the others the first step "
+        "tried",
     )
     relative_tolerance: Annotated[float, Quantity("1", 1e-13, 0.1)] = Field(
         default=1e-6, description="local error per step, relative to each state"

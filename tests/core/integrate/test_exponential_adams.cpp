@@ -1,0 +1,244 @@
+// The exponential multistep method: order 4 with any Jacobian it keeps, exact where the system is linear, two evaluations a step.
+#include <doctest/doctest.h>
+
+#include <unsupported/Eigen/MatrixFunctions>
+
+#include "integrate/problems.hpp"
+
+using namespace rollerrig;
+using namespace rollerrig::test;
+
+namespace {
+
+constexpr Method adams = Method::exponential_adams;
+
+/// Options under which no step is ever halved for its error.
+Options without_control(double step, double end) {
+  Options o = fixed(adams, step, end);
+  o.absolute_tolerance = {1e9};
+  return o;
+}
+
+/// ExactOscillation whose Jacobian is wrong: a part of the true one at the start of the run.
+struct KeptPart : ExactOscillation {
+  double part = 1;
+  Status jacobian(double t, double const* x, JacobianData& j) const {
+    ExactOscillation::jacobian(t, x, j);
+    j.a *= part;
+    j.g *= part;
+    return Status::ok;
+  }
+};
+
+struct Errors {
+  std::vector<double> state, quadrature, between;
+};
+
+Errors errors_of_halved_steps(KeptPart problem, int coarsest, int finest) {
+  Errors errors;
+  double const end = 2;
+  for (int k = coarsest; k <= finest; ++k) {
+    Options o = without_control(end / (1 << k), end);
+    o.output_step = o.step / 3.7;  // never at the ends of steps
+    Integrator integrator(problem, o);
+    REQUIRE(integrator.start(0, problem.start().data()) == Status::ok);
+    double between = 0;
+    auto const compare = [&](double t, double const* x, double const*) {
+      between = std::max({between, std::abs(x[0] - problem.x0(t)), std::abs(x[1] - problem.x1(t))});
+    };
+    REQUIRE(integrator.advance(end, compare) == Status::ok);
+    REQUIRE(integrator.time() == end);
+    double const* x = integrator.states();
+    errors.state.push_back(std::max(std::abs(x[0] - problem.x0(end)), std::abs(x[1] - problem.x1(end))));
+    errors.quadrature.push_back(std::abs(integrator.quadratures()[0] - problem.z(end)));
+    errors.between.push_back(between);
+  }
+  return errors;
+}
+
+/// x' = A x with positions first, z' = G x; A has a fast oscillation, a fast decay and a slow motion.
+struct Linear {
+  Eigen::Matrix4d a{{0, 0, 1, 0}, {0, 0, 0, 1}, {-1e6, 3e5, -50, 0}, {2e5, -4e5, 0, -5e3}};
+  Eigen::RowVector4d g{3e4, -1e4, 20, 7};
+  Sizes sizes() const { return {4, 1}; }
+  int kinematic_states() const { return 2; }
+  int velocity_column(int i) const { return 2 + i; }
+  Status derivative(double, double const* x, double* x_dot, double* z_dot) const {
+    Eigen::Map<Eigen::Vector4d const> const v(x);
+    Eigen::Map<Eigen::Vector4d>(x_dot, 4) = a * v;
+    if (z_dot != nullptr) z_dot[0] = g * v;
+    return Status::ok;
+  }
+  Status jacobian(double, double const*, JacobianData& j) const {
+    j.a = a;
+    j.g = g;
+    return Status::ok;
+  }
+};
+
+}  // namespace
+
+TEST_CASE("exponential_adams has order 4 in states, quadratures and output, whatever part of the Jacobian it keeps") {
+  for (double part : {1.0, 0.5, 0.0}) {
+    CAPTURE(part);
+    Errors const e = errors_of_halved_steps({{}, part}, 5, 9);
+    CHECK(slope(e.state) > 3.8);
+    CHECK(slope(e.quadrature) > 3.8);
+    CHECK(slope(e.between) > 3.8);
+  }
+}
+
+TEST_CASE("exponential_adams solves a linear system exactly at any step: stiff decay, oscillation and quadrature") {
+  Linear problem;
+  Eigen::MatrixXd all = Eigen::MatrixXd::Zero(5, 5);
+  all.topLeftCorner(4, 4) = problem.a;
+  all.bottomLeftCorner(1, 4) = problem.g;
+  Eigen::VectorXd start(5);
+  start << 1e-3, -2e-3, 0.5, 1, 0;
+  double const end = 0.2;
+  Eigen::VectorXd const exact = (end * all).exp() * start;
+  for (double step : {1e-4, 1e-3, 0.01, 0.2}) {
+    Integrator integrator(problem, without_control(step, end));
+    integrator.start(0, start.data());
+    REQUIRE(integrator.advance(end) == Status::ok);
+    // Round-off of the doublings, of a phase of 200 rad.
+    for (int i = 0; i < 4; ++i) CHECK(std::abs(integrator.states()[i] - exact[i]) < 1e-10 * std::abs(start[i]));
+    CHECK(integrator.quadratures()[0] == doctest::Approx(exact[4]).epsilon(1e-10));
+    CHECK(integrator.statistics().jacobian_calls == 1);
+  }
+}
+
+TEST_CASE("exponential_adams wipes out an infinitely fast decay and amplifies no oscillation, however coarse the step") {
+  struct Spiral {
+    double real, imaginary;
+    Sizes sizes() const { return {2, 0}; }
+    Status derivative(double, double const* x, double* x_dot, double*) const {
+      x_dot[0] = real * x[0] - imaginary * x[1];
+      x_dot[1] = imaginary * x[0] + real * x[1];
+      return Status::ok;
+    }
+    Status jacobian(double, double const*, JacobianData& j) const {
+      j.a << real, -imaginary, imaginary, real;
+      return Status::ok;
+    }
+  };
+  auto const left = [](double real, double imaginary) {
+    Spiral problem{real, imaginary};
+    Integrator integrator(problem, without_control(1, 20));
+    double const x0[] = {1, 0};
+    integrator.start(0, x0);
+    REQUIRE(integrator.advance(20) == Status::ok);
+    return std::hypot(integrator.states()[0], integrator.states()[1]);
+  };
+  for (double rate : {1e2, 1e4, 1e8}) CHECK(left(-rate, 0) < 1e-12);
+  // Round-off of f - L x, which is of the size of a rate times 1e-16, over twenty steps.
+  for (double phase : {0.1, 1.0, 3.0, 10.0, 100.0, 1e3}) CHECK(left(0, phase) <= 1 + 1e-12 * (1 + phase));
+}
+
+TEST_CASE("what is a linear invariant of the system stays one, to round-off, where forces are nonlinear") {
+  // v' = F(x, v) / m, z' = F: m v - z is constant, as work of a drive against momentum.
+  struct Driven {
+    Sizes sizes() const { return {2, 1}; }
+    static double force(double x, double v) { return -1e6 * x - 3e11 * x * x * x - 20 * std::tanh(v); }
+    Status derivative(double, double const* x, double* x_dot, double* z_dot) const {
+      x_dot[0] = x[1];
+      x_dot[1] = force(x[0], x[1]) / 3.0;
+      if (z_dot != nullptr) z_dot[0] = force(x[0], x[1]);
+      return Status::ok;
+    }
+    Status jacobian(double, double const* x, JacobianData& j) const {
+      double const kx = -1e6 - 9e11 * x[0] * x[0], kv = -20 / std::pow(std::cosh(x[1]), 2);
+      j.a << 0, 1, kx / 3.0, kv / 3.0;
+      j.g << kx, kv;
+      return Status::ok;
+    }
+  } problem;
+  Integrator integrator(problem, without_control(5e-4, 0.5));
+  double const x0[] = {1e-3, 0};
+  integrator.start(0, x0);
+  REQUIRE(integrator.advance(0.5) == Status::ok);
+  CHECK(std::abs(3.0 * integrator.states()[1] - integrator.quadratures()[0]) < 1e-11);
+  CHECK(std::hypot(integrator.states()[1], 600 * integrator.states()[0]) > 1e-2);  // it still moves
+}
+
+TEST_CASE("a step is halved where the force has a kink and doubled behind it; the error follows the tolerance") {
+  auto rate = [](double t, double x) { return -x + std::abs(t - 0.5137); };
+  struct Kink : Scalar1<decltype(rate)> {};
+  auto const exact = [](double t) {  // from x = 0
+    double const k = 0.5137;
+    auto const before = [&](double s) { return (k + 1) - s - (k + 1) * std::exp(-s); };
+    return t < k ? before(t) : (before(k) + 1) * std::exp(-(t - k)) + (t - k) - 1;
+  };
+  for (double tolerance : {1e-2, 1e-5, 1e-7}) {
+    Kink problem{{rate}};
+    problem.dfdx = -1;
+    Options o = fixed(adams, 0.02, 1);
+    o.relative_tolerance = tolerance;
+    o.absolute_tolerance = {tolerance};
+    Integrator integrator(problem, o);
+    double const x0 = 0;
+    integrator.start(0, &x0);
+    REQUIRE(integrator.advance(1) == Status::ok);
+    CHECK(std::abs(integrator.states()[0] - exact(1)) < 10 * tolerance);
+    CHECK(integrator.statistics().largest_step == doctest::Approx(0.02));
+    CHECK((integrator.statistics().rejected_steps > 0) == (tolerance < 1e-3));
+  }
+}
+
+TEST_CASE("a Jacobian that has become wrong is renewed, and the long step comes back") {
+  // Stiffness drifts from 1 to 30 times: N = (k(t) - k(0)) x is soon too fast for the step.
+  struct Hardening {
+    Sizes sizes() const { return {2, 0}; }
+    static double stiffness(double t) { return 1e4 * (1 + 29 * std::min(t, 1.0)); }
+    Status derivative(double t, double const* x, double* x_dot, double*) const {
+      x_dot[0] = x[1];
+      x_dot[1] = -stiffness(t) * x[0] - 20 * x[1] + 100 * std::cos(5 * t);
+      return Status::ok;
+    }
+    Status jacobian(double t, double const*, JacobianData& j) const {
+      j.a << 0, 1, -stiffness(t), -20;
+      return Status::ok;
+    }
+  } problem;
+  Options o = fixed(adams, 4e-3, 8);
+  o.relative_tolerance = 1e-4;
+  o.absolute_tolerance = {1e-8, 1e-6};
+  Integrator integrator(problem, o);
+  double const x0[] = {0, 0};
+  integrator.start(0, x0);
+  REQUIRE(integrator.advance(8) == Status::ok);
+  auto const& s = integrator.statistics();
+  CHECK(s.jacobian_calls > 1);
+  CHECK(s.jacobian_calls < 12);
+  CHECK(integrator.time() - integrator.step_start() == doctest::Approx(4e-3));
+  double const k = Hardening::stiffness(8) - 25, c = 20 * 5;  // forced oscillation
+  double const x = 100 * (k * std::cos(40.0) + c * std::sin(40.0)) / (k * k + c * c);
+  CHECK(integrator.states()[0] == doctest::Approx(x).epsilon(1e-4));
+}
+
+TEST_CASE("a step costs two evaluations, and the Jacobian is that of the start") {
+  ExactOscillation problem;
+  Integrator integrator(problem, without_control(0.01, 2));
+  integrator.start(0, problem.start().data());
+  REQUIRE(integrator.advance(2) == Status::ok);
+  auto const& s = integrator.statistics();
+  CHECK(s.jacobian_calls == 1);
+  CHECK(s.rejected_steps == 0);
+  CHECK(s.steps < 200 + 16);                                // eighths, quarters and halves at the start
+  CHECK(s.derivative_calls == 2 * s.steps + 3 * 2 + 1);     // three single steps of four, and the first slope
+  CHECK(s.smallest_step == doctest::Approx(0.01 / 8));
+}
+
+TEST_CASE("steps of exponential_adams reach breakpoints and the end in whole steps") {
+  ExactOscillation problem;
+  Options o = without_control(0.03, 1);
+  o.breakpoints = {0.2, 0.55};
+  Integrator integrator(problem, o);
+  integrator.start(0, problem.start().data());
+  std::vector<double> ends;
+  REQUIRE(integrator.advance(1, [&](double t, double const*, double const*) { ends.push_back(t); }) == Status::ok);
+  for (double b : {0.2, 0.55, 1.0}) CHECK(std::count(ends.begin(), ends.end(), b) == 1);
+  CHECK(integrator.statistics().largest_step <= 0.03 * (1 + 1e-9));
+  CHECK(integrator.statistics().jacobian_calls == 3);
+  CHECK(std::abs(integrator.states()[0] - problem.x0(1)) < 1e-6);
+}
