@@ -108,7 +108,8 @@ TEST_CASE("exponential_adams solves a linear system exactly at any step: stiff d
   }
 }
 
-TEST_CASE("exponential_adams wipes out an infinitely fast decay and amplifies no oscillation, however coarse the step") {
+TEST_CASE(
+    "exponential_adams wipes out an infinitely fast decay and amplifies no oscillation, however coarse the step") {
   struct Spiral {
     double real, imaginary;
     Sizes sizes() const { return {2, 0}; }
@@ -224,8 +225,8 @@ TEST_CASE("a step costs two evaluations, and the Jacobian is that of the start")
   auto const& s = integrator.statistics();
   CHECK(s.jacobian_calls == 1);
   CHECK(s.rejected_steps == 0);
-  CHECK(s.steps < 200 + 16);                                // eighths, quarters and halves at the start
-  CHECK(s.derivative_calls == 2 * s.steps + 3 * 2 + 1);     // three single steps of four, and the first slope
+  CHECK(s.steps < 200 + 16);                             // eighths, quarters and halves at the start
+  CHECK(s.derivative_calls == 2 * s.steps + 3 * 2 + 1);  // three single steps of four, and the first slope
   CHECK(s.smallest_step == doctest::Approx(0.01 / 8));
 }
 

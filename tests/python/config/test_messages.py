@@ -109,7 +109,8 @@ PRIMARY = 'between = ["front_frame", "wheelset_1"]\npoint = [10.78, 1.0, 0.46]'
         ("case", "friction = 0.3", "friction = 1.6",
          "case.toml: contact.friction.mu_0: 1.6; allowed: a number, from 0 to 1.5"),
         ("case", 'method = "rk4"', 'method = "rk5"',
-         "case.toml: time.method: 'rk5'; allowed: rodas4, rk4, exponential_rk4, exponential_adams, dormand_prince; did you mean 'rk4'?"),
+         "case.toml: time.method: 'rk5'; allowed: rodas4, rk4, exponential_rk4, exponential_adams, "
+         "dormand_prince; did you mean 'rk4'?"),
         ("case", '\nstep = "0.25 ms"', "",
          "case.toml: time.step: missing; needed: the step of the fixed-step method rk4, e.g. step = '0.1 ms'"),
         ("case", 'output_step = "2 ms"', 'output_step = "20 s"',
@@ -303,7 +304,8 @@ def test_each_key_of_a_divided_table_is_told_its_place(mistakes_of: MistakesOf) 
         ('speed = "150 km/h"', 'speed = "150 km/h"\nspeed_kmh = 150',
          "case.toml: motion.speed_kmh: 150; allowed: one of `speed` and `speed_kmh`"),
         ('method = "rk4"', 'method = "RK4"',
-         "case.toml: time.method: 'RK4'; allowed: rodas4, rk4, exponential_rk4, exponential_adams, dormand_prince; did you mean 'rk4'?"),
+         "case.toml: time.method: 'RK4'; allowed: rodas4, rk4, exponential_rk4, exponential_adams, "
+         "dormand_prince; did you mean 'rk4'?"),
         ('drive = "speed_controlled"', 'drive = "Speed_Controlled"',
          "case.toml: motion.drive: 'Speed_Controlled'; allowed: speed_controlled, free, torque; did you mean "
          "'speed_controlled'?"),

@@ -101,6 +101,7 @@ def test_a_run_can_start_on_the_flange(offset: str) -> None:
     [
         {"method": "rk4", "step": "0.02 ms"},
         {"method": "exponential_rk4", "step": "0.02 ms"},
+        {"method": "exponential_adams", "step": "0.02 ms"},
         {"method": "dormand_prince"},
     ],
 )

@@ -108,7 +108,8 @@ class ExponentialAdams {
     ticks_ += step_ticks();
     remember(y, f_end_);
     shortened_ += level_ > 0 ? 1 : 0;
-    if (level_ > 0 && past_.known() == PastPoints::most && error < allowed_to_double && ticks_ % (2 * step_ticks()) == 0) {
+    if (level_ > 0 && past_.known() == PastPoints::most && error < allowed_to_double &&
+        ticks_ % (2 * step_ticks()) == 0) {
       past_.double_step();
       --level_;
     }
@@ -130,10 +131,10 @@ class ExponentialAdams {
 
  private:
   static constexpr int halvings = 5;
-  static constexpr int first_level = 3;  // an eighth: the first steps see what a start from anywhere lets loose
-  static constexpr double milne = 19.0 / 270.0;             // error of the corrected over the correction
-  static constexpr double allowed_to_double = 0.5 / 32.0;   // error that twice the step makes 0.5
-  static constexpr std::int64_t first_patience = 100;       // steps until L is looked at
+  static constexpr int first_level = 3;          // an eighth: the first steps see what a start from anywhere lets loose
+  static constexpr double milne = 19.0 / 270.0;  // error of the corrected over the correction
+  static constexpr double allowed_to_double = 0.5 / 32.0;  // error that twice the step makes 0.5
+  static constexpr std::int64_t first_patience = 100;      // steps until L is looked at
 
   void linearise() {
     linear_.topRows(n_ - kinematic_) = jacobian_.a.bottomRows(n_ - kinematic_);
@@ -238,10 +239,11 @@ class ExponentialAdams {
   MatrixPhiFunctions phi_;
   std::vector<StepWeights> weights_;  // of h_, h_ / 2 ... and for the middle of a shortest single step
   Vector f_start_, f_end_, stage_, slope_, sum_, error_, d1_, d2_, d3_;
-  double h_ = 0;  // [s]
+  double h_ = 0;   // [s]
   int level_ = 0;  // the step is h_ / 2^level_
   std::int64_t ticks_ = 0;
-  std::int64_t age_ = 0, shortened_ = 0, patience_ = first_patience;  // steps since L was looked at; short ones among them
+  std::int64_t age_ = 0, shortened_ = 0,
+               patience_ = first_patience;  // steps since L was looked at; short ones among them
   bool has_end_slope_ = false, planned_ = false;
 };
 

@@ -7,11 +7,11 @@
 namespace rollerrig::integrate {
 
 enum class Method : int {
-  rk4,              ///< classical Runge-Kutta, fixed step
-  exponential_rk4,  ///< the same with exact decay of stiff modes (series dampers, creep), fixed step
+  rk4,                ///< classical Runge-Kutta, fixed step
+  exponential_rk4,    ///< the same with exact decay of stiff modes (series dampers, creep), fixed step
   exponential_adams,  ///< multistep, exact along a kept Jacobian, steps of one length and its halves: smooth contacts
-  dormand_prince,   ///< explicit 5(4), adaptive or fixed step: for tight tolerances on soft systems
-  rodas4,           ///< Rosenbrock 4(3), L-stable, adaptive or fixed step: for stiff contacts
+  dormand_prince,     ///< explicit 5(4), adaptive or fixed step: for tight tolerances on soft systems
+  rodas4,             ///< Rosenbrock 4(3), L-stable, adaptive or fixed step: for stiff contacts
 };
 
 struct Options {

@@ -83,7 +83,8 @@ class Driver {
   Dynamics plant_;
   Inputs inputs_;
   DrivenDynamics driven_{plant_, inputs_};
-  Dynamics observed_;  ///< outputs between the steps' ends are evaluated apart: asking for them changes no bit of the run
+  Dynamics
+      observed_;  ///< outputs between the steps' ends are evaluated apart: asking for them changes no bit of the run
   Recorder recorder_;
   std::optional<MechatronicSetup> setup_;
   std::optional<MechatronicSystem> system_;

@@ -232,13 +232,13 @@ class TimeSettings(Table):
         default=None,
         description="rodas4: stiff, adaptive, exact Jacobian; dormand_prince: explicit, adaptive; rk4: fixed step; "
         "exponential_rk4: fixed step that dampers with series stiffness do not limit; exponential_adams: two evaluations a step "
-        "that contact stiffness does not limit either, halved where its error asks for it, the fastest with smooth contacts (strips); "
+        "that contact stiffness does not limit either, halved by its error, the fastest with smooth contacts (strips); "
         "absent: rodas4, and with actuators or controllers exponential_rk4 with the sampling step",
     )
     step: Step | None = Field(
         default=None,
-        description="step of rk4 and exponential_rk4, longest step of exponential_adams, which need it; for the others the first step "
-        "tried",
+        description="step of rk4 and exponential_rk4, longest step of exponential_adams, which need it; for the others the "
+        "first step tried",
     )
     relative_tolerance: Annotated[float, Quantity("1", 1e-13, 0.1)] = Field(
         default=1e-6, description="local error per step, relative to each state"
