@@ -48,7 +48,7 @@ void bind_actuators(nb::module_& m) {
       +[](FrictionBrake const& self, double pressure, double speed) { return self.torque(pressure, speed); },
       Argument{"cylinder_pressure"}, Argument{"axle_speed"});
   bind_struct<AxleBrake>(m, "AxleBrake", "A friction brake between an axle and a body, or -1: the ground.");
-  bind_struct<Encoder>(m, "Encoder", "Speed of an axle from counts.");
+  bind_laws<AnySpeedSensor>(m, "speed_sensors");
   bind_struct<ForceSensor>(m, "ForceSensor", "Transducer of a force or a torque.");
   bind_struct<Sensors>(m, "Sensors", "What controllers see of speeds, torques and loads.");
   bind_struct<Actuators>(m, "Actuators", "Brake, traction motor and roller drive of each axle.");

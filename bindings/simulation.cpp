@@ -116,9 +116,9 @@ class Simulation {
     Turn const turn(taken_);
     return blocks().waits_for(controller);
   }
-  std::vector<double> measurement() {
+  std::vector<double> measurement(std::string const& controller) {
     Turn const turn(taken_);
-    return blocks().measurement();
+    return blocks().measurement(controller);
   }
   void set_command(std::string const& controller, std::vector<double> const& command) {
     Turn const turn(taken_);
@@ -314,7 +314,8 @@ void bind_simulation(nb::module_& m) {
   def_method(simulation, "waits_for",
              "Whether a controller of the caller must be answered for before advance() continues.", &S::waits_for,
              controller);
-  def_method(simulation, "measurement", "What controllers see, axle by axle: measurement_fields.", &S::measurement);
+  def_method(simulation, "measurement", "What a controller sees, axle by axle: measurement_fields.", &S::measurement,
+             Argument{"controller"});
   def_method(simulation, "set_command", "Answers for a controller, one number per axle.", &S::set_command, controller,
              Argument{"command"});
   def_method(simulation, "derivative", "x_dot and z_dot in a state.", &S::derivative, t, x);

@@ -351,7 +351,7 @@ def _answer(simulation: _core.Simulation, users: Mapping[str, UserController]) -
     """Ask the user's controllers that are waited for; whether there was one."""
     due = [role for role in users if simulation.waits_for(role)]
     for role in due:
-        rows = np.array(simulation.measurement()).reshape(-1, len(MEASUREMENTS))
+        rows = np.array(simulation.measurement(role)).reshape(-1, len(MEASUREMENTS))
         measurements = {"time": simulation.time, **dict(zip(MEASUREMENTS, rows.T, strict=True))}
         simulation.set_command(role, ask(users[role], role, measurements).tolist())
     return bool(due)

@@ -11,7 +11,7 @@ std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 constexpr Field axle_table[] = {
     {"axle_speed", "rad/s", "true speed of the axle, positive forward"},
-    {"measured_axle_speed", "rad/s", "reading of the encoder at the last sample"},
+    {"measured_axle_speed", "rad/s", "reading of the rig's speed sensor at the last sample"},
     {"roller_speed", "rad/s", "true speed of the roller, positive as under a wheel that rolls forward"},
     {"cylinder_pressure", "Pa", "brake cylinder pressure over the ambient"},
     {"valve", "1", "command of the dump valve: 0 fill, 1 hold, 2 vent"},
@@ -40,6 +40,7 @@ constexpr Field axle_table[] = {
     {"dissipated_energy_density", "J/m^2", "energy per area dissipated on the rail under the axle"},
     {"inlet_open", "1", "1 while the dump valve's inlet to the cylinder is open"},
     {"outlet_open", "1", "1 while the dump valve's outlet to the ambient is open"},
+    {"vehicle_axle_speed", "rad/s", "reading of the vehicle's own speed sensor at the last sample"},
     {"exhausted_air", "m^3", "air let out of the cylinder since the start, at ambient pressure"},
 };
 
@@ -57,7 +58,7 @@ constexpr Field train_table[] = {
 };
 
 constexpr Field measurement_table[] = {
-    {"axle_speed", "rad/s", "measured speed of each axle"},
+    {"axle_speed", "rad/s", "measured speed of each axle: for rig_control the rig's sensors, else the vehicle's own"},
     {"roller_speed", "rad/s", "measured speed of each roller axle, positive as under a wheel that rolls forward"},
     {"roller_torque", "N m",
      "of each roller drive since the last sample, as measured; positive drives the wheel forward"},
@@ -98,15 +99,19 @@ int MechatronicSystem::width() const {
   return static_cast<int>(axles() * std::size(axle_table) + std::size(train_table));
 }
 
-std::vector<double> MechatronicSystem::measurement() const {
+std::vector<double> MechatronicSystem::measurement(std::string_view controller) const {
+  auto const named = [&](Controller const& own) { return own.name == controller; };
+  auto const asked = std::find_if(controllers_.begin(), controllers_.end(), named);
+  bool const of_vehicle = asked != controllers_.end() && asked->command != at(static_cast<int>(Command::roller_torque));
   std::vector<double> out;
   auto const* control = rig_state();
   for (std::size_t i = 0; i < axles(); ++i) {
     auto const& m = measured_;
     auto const own = control != nullptr ? control->axle[i] : RigController::AxleState{};
     double const virtual_speed = control != nullptr ? control->train.axle_speed(static_cast<int>(i)) : 0.0;
-    out.insert(out.end(), {m.axle_speed[i], m.roller_speed[i], m.roller_torque[i], own.estimate.force,
-                           own.estimate.torque, virtual_speed, own.feed_forward, m.axle_load[i]});
+    double const speed = of_vehicle ? m.vehicle_axle_speed[i] : m.axle_speed[i];
+    out.insert(out.end(), {speed, m.roller_speed[i], m.roller_torque[i], own.estimate.force, own.estimate.torque,
+                           virtual_speed, own.feed_forward, m.axle_load[i]});
   }
   return out;
 }
@@ -171,6 +176,7 @@ void MechatronicSystem::record_axle(Dynamics const& plant, std::size_t i, Inputs
                         control != nullptr ? own.energy : inputs.dissipated_energy[at(parts.contacts[0])],
                         static_cast<double>(cylinder.inlet_open),
                         static_cast<double>(cylinder.outlet_open),
+                        measured_.vehicle_axle_speed[i],
                         cylinder.exhausted};
   static_assert(std::size(row) == std::size(axle_table));
   std::copy(std::begin(row), std::end(row), out);

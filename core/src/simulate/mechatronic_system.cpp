@@ -53,11 +53,11 @@ void MechatronicSystem::start(Dynamics const& plant) {
 }
 
 bool MechatronicSystem::sample(Dynamics const& plant, std::int64_t step, double const* z) {
-  sensors_.follow(setup_, plant, actuators_);
+  sensors_.follow(setup_, plant, time(step), z, actuators_);
   auto const due = [&](SampledController const& c) { return step % c.sampling.every == 0; };
   if (std::none_of(setup_.controllers.begin(), setup_.controllers.end(), due)) return true;
   measured_.time = time(step);
-  sensors_.read(setup_, plant, z, setup_.step * shortest_, measured_);
+  sensors_.read(setup_, setup_.step * shortest_, measured_);
   read_true_forces(plant);
   for (std::size_t i = 0; i < controllers_.size(); ++i)
     if (due(setup_.controllers[i])) ask(i, step);

@@ -20,10 +20,7 @@ from rollerrig.config.load.code import Code, code_of
 from rollerrig.config.schema.actuators import (
     Brake,
     Controller,
-    Encoder,
-    ForceSensor,
     Motor,
-    Sensors,
     SlideProtection,
     Traction,
     WheelSlipControl,
@@ -45,6 +42,7 @@ from rollerrig.config.schema.material import Material
 from rollerrig.config.schema.mounting import AngularSupport, Foundation, LinearSupport, Mounting
 from rollerrig.config.schema.profile import S1002, Arc, Cone, Cylinder, ProfileFile, ProfileSpec, Uic60
 from rollerrig.config.schema.rig_control import RigControl
+from rollerrig.config.schema.sensors import Encoder, ForceSensor, Sensors
 from rollerrig.config.schema.similitude import ScaledFrom
 from rollerrig.config.schema.support import Rig
 from rollerrig.config.schema.track import Curve, Straight, Track, Transition

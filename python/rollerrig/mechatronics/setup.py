@@ -13,6 +13,7 @@ from rollerrig.actuators import friction_brake, pneumatics
 from rollerrig.assembly import AssembledModel
 from rollerrig.config import Adhesion, Brake, Case, Encoder, ForceSensor, Motor, Rig, RigControl, Sensors
 from rollerrig.config.schema.rig_control import BandwidthEstimator, NoFeedback, ProportionalIntegral, SlidingMode
+from rollerrig.config.schema.sensors import PulseFrequency, PulsePeriod
 from rollerrig.core_struct import angular, core_struct
 from rollerrig.mechatronics.controllers import UserController
 from rollerrig.mechatronics.virtual_train import load_transfer, rail_patch, train_mass
@@ -107,15 +108,16 @@ def _sensors(table: Sensors) -> _core.Sensors:
     return core_struct(
         _core.Sensors,
         table,
-        axles=_encoder(table.axles),
-        rollers=_encoder(table.rollers),
+        axles=_speed_sensor(table.axles),
+        rollers=_speed_sensor(table.rollers),
+        vehicle=None if table.vehicle is None else _speed_sensor(table.vehicle),
         roller_torque=None if flange is None else _force_sensor(flange),
         axle_load=_force_sensor(table.axle_load),
     )
 
 
-def _encoder(table: Encoder) -> _core.Encoder:
-    return core_struct(_core.Encoder, table)
+def _speed_sensor(table: Encoder | PulsePeriod | PulseFrequency) -> Any:
+    return core_struct(_core.speed_sensors[table.kind], table, without=("kind",))
 
 
 def _force_sensor(table: ForceSensor) -> _core.ForceSensor:

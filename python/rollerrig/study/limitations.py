@@ -98,7 +98,7 @@ def _actuators(case: Case) -> Iterator[str]:
         if case.rig_control.estimator.kind == "exact":
             yield "Contact force and axle torque are known to the controller exactly, as on no real rig."
     if case.brake is not None or case.traction is not None or case.rig_control is not None:
-        if case.sensors.axles.counts == 0.0 and case.sensors.rollers.counts == 0.0:
+        if all(getattr(sensor, "counts", 1.0) == 0.0 for sensor in (case.sensors.axles, case.sensors.rollers)):
             yield "The controllers see exact speeds: no encoder is modelled."
         yield "Motors follow their torque command with a linear lag, without electrical dynamics or heating."
     if case.slide_protection is not None or case.wheel_slip_control is not None:

@@ -10,7 +10,7 @@
 #include "rollerrig/math/dual.hpp"
 #include "rollerrig/mechatronics/delayed_commands.hpp"
 #include "rollerrig/mechatronics/motor.hpp"
-#include "rollerrig/mechatronics/sensor.hpp"
+#include "rollerrig/mechatronics/sensors.hpp"
 #include "rollerrig/mechatronics/wheel_slide_protection.hpp"
 #include "rollerrig/mechatronics/wheel_slip_control.hpp"
 
@@ -67,7 +67,7 @@ struct Device {
   /// @param speeds  at the wheels' circumferences [m/s]
   PerAxle<double> const& step(double first, double second) {
     Measurements now{.axles = 2};
-    now.axle_speed = {first / law.wheel_radius, second / law.wheel_radius};
+    now.vehicle_axle_speed = {first / law.wheel_radius, second / law.wheel_radius};
     law.step(state, now, period, command);
     return command;
   }
@@ -262,32 +262,6 @@ TEST_CASE("commands act after their delay, in the order in which they were sent"
     commands.advance(step);
     CHECK(commands.acting()[0] == (step < 3 ? 1.0 : step < 7 ? 0.0 : step < 11 ? 4.0 : 8.0));
   }
-}
-
-TEST_CASE("an encoder's speed is right on average, quantised in steps, and repeats with its seed") {
-  Encoder const encoder{.counts = 1000.0, .jitter = 0.2, .window = 4};
-  double const period = 1e-3, speed = 37.3;
-  auto const read = [&](std::uint64_t seed) {
-    EncoderReading reading;
-    reading.reset(0.0, speed);
-    std::vector<double> out;
-    for (int k = 0; k <= 4000; ++k) out.push_back(reading.step(encoder, speed * k * period, speed, period, seed));
-    return out;
-  };
-  auto const a = read(1);
-  CHECK(a == read(1));
-  CHECK(a != read(2));
-  double const quantum = 2 * pi / (encoder.counts * encoder.window * period);
-  double sum = 0.0;
-  for (std::size_t k = 10; k < a.size(); ++k) {
-    sum += a[k];
-    CHECK(std::abs(a[k] - speed) < 3 * quantum);
-    CHECK(std::abs(a[k] / quantum - std::round(a[k] / quantum)) < 1e-6);
-  }
-  CHECK(sum / static_cast<double>(a.size() - 10) == doctest::Approx(speed).epsilon(1e-3));
-  EncoderReading ideal;
-  ideal.reset(0.0, 0.0);
-  CHECK(ideal.step({0.0, 0.0, 1}, 1.0, 12.5, period, 0) == 12.5);
 }
 
 TEST_CASE("noise has mean 0 and deviation 1") {

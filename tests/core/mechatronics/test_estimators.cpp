@@ -6,7 +6,7 @@
 #include <complex>
 
 #include "rollerrig/mechatronics/estimators.hpp"
-#include "rollerrig/mechatronics/sensor.hpp"
+#include "rollerrig/mechatronics/sensors.hpp"
 
 using namespace rollerrig;
 

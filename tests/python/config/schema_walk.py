@@ -149,7 +149,9 @@ def whole_cases() -> dict[str, Raw]:
     brake["traction"] = {"motor": {"envelope": [[0, 1e4], [100, 1e3]]}}
     brake["wheel_slip_control"] = {}
     brake["brake"]["air"] = {"kind": "reservoir", "reservoir_pressure": "8 bar"}
-    brake["sensors"] = {"roller_torque": {"noise": 1.0}}
+    brake["sensors"] = {
+        "roller_torque": {"noise": 1.0}, "vehicle": {"kind": "pulse_period"}, "rollers": {"kind": "pulse_frequency"}
+    }  # fmt: skip
     brake["rig_control"]["assumed"] = {"wheel_radius": 0.46}
     brake["rig_control"]["load_transfer"] = [100.0, -100.0]
     brake["train"] = {"gradient": 0.01}

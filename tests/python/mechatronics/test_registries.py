@@ -13,12 +13,14 @@ from rollerrig.config import Brake, Case, Encoder, ForceSensor, Motor, Sensors
 from rollerrig.config.schema.contact_law import kinds
 from rollerrig.config.schema.pneumatics import AnyAir
 from rollerrig.config.schema.rig_control import AnyEstimator, AnyFeedback, Assumed, Protection
+from rollerrig.config.schema.sensors import AnySpeedSensor
 from rollerrig.config.validate.check_actuators import MOST_AXLES
 from rollerrig.core_struct import core_struct
 
 FAMILIES = {
     "airs": (_core.airs, AnyAir, set()),
     "estimators": (_core.estimators, AnyEstimator, {"torque"}),
+    "speed_sensors": (_core.speed_sensors, AnySpeedSensor, set()),
     "feedbacks": (_core.feedbacks, AnyFeedback, {"largest"}),
 }
 """Registry, the tables that choose from it, and what of a table is not the law's."""
@@ -50,7 +52,6 @@ def test_each_controller_of_the_core_is_a_table_of_the_case() -> None:
     ("struct", "table", "others"),
     [
         (_core.Motor, Motor, {"rotor_inertia", "gear_ratio"}),
-        (_core.Encoder, Encoder, set()),
         (_core.ForceSensor, ForceSensor, set()),
         (_core.Sensors, Sensors, set()),
         (_core.RollerProtection, Protection, set()),
@@ -74,12 +75,12 @@ def test_the_configuration_allows_as_many_axles_as_the_core_has_room_for() -> No
 
 
 def test_a_parameter_that_is_missing_or_too_many_is_an_error() -> None:
-    made = core_struct(_core.Encoder, Encoder(counts=100, window=3))
+    made = core_struct(_core.Encoder, Encoder(counts=100, window=3), without=("kind",))
     assert (made.counts, made.jitter, made.window) == (100.0, 0.0, 3)
     with pytest.raises(TypeError, match=r"Encoder: missing \['window'\], unknown \[\]"):
-        core_struct(_core.Encoder, Encoder(), without=("window",))
+        core_struct(_core.Encoder, Encoder(), without=("kind", "window"))
     with pytest.raises(TypeError, match=r"Encoder: missing \[\], unknown \['windw'\]"):
-        core_struct(_core.Encoder, Encoder(), windw=3)
+        core_struct(_core.Encoder, Encoder(), without=("kind",), windw=3)
     with pytest.raises(TypeError):
         _core.Encoder(counts=100.0, jitter=0.0)
 
@@ -93,7 +94,7 @@ def test_too_many_axles_are_refused_by_number() -> None:
 def _setup(axles: int) -> _core.MechatronicSetup:
     none = {"wheelset": 0} | dict.fromkeys(("axle_torque", "brake", "roller", "roller_torque"), -1)
     drive = _core.Motor(envelope=[], bandwidth=1.0, damping_ratio=0.0)
-    encoder = core_struct(_core.Encoder, Encoder())
+    encoder = core_struct(_core.Encoder, Encoder(), without=("kind",))
     brake = Brake(demand=((0.0, 0.0), (1.0, 0.0)))
     return core_struct(
         _core.MechatronicSetup,
@@ -115,6 +116,7 @@ def _setup(axles: int) -> _core.MechatronicSetup:
             _core.Sensors,
             axles=encoder,
             rollers=encoder,
+            vehicle=None,
             roller_torque=None,
             axle_load=core_struct(_core.ForceSensor, ForceSensor()),
             seed=1,

@@ -13,7 +13,8 @@ namespace rollerrig {
 struct Measurements {
   double time{};  ///< [s]
   int axles{};
-  PerAxle<double> axle_speed{}, roller_speed{};  ///< [rad/s]
+  PerAxle<double> axle_speed{}, roller_speed{};  ///< as the rig's sensors see them [rad/s]
+  PerAxle<double> vehicle_axle_speed{};          ///< as the vehicle's own sensors see them [rad/s]
   PerAxle<double> roller_torque{};               ///< since the last sample of the rig's controller [N m]
   PerAxle<double> axle_load{};                   ///< vertical force of rail or rollers on both wheels [N]
   /// What really acts: T of (D1) [N], torque of motor and brake [N m]; for the estimator `exact` alone.

@@ -86,7 +86,7 @@ struct WheelSlideProtection {
     for (int i = 0; i < now.axles; ++i) {
       auto const k = static_cast<std::size_t>(i);
       AxleState& axle = s.axle[k];
-      double const speed = wheel_radius * now.axle_speed[k];
+      double const speed = wheel_radius * now.vehicle_axle_speed[k];
       double const gain = period / (filter_time + period);
       axle.acceleration += gain * ((speed - axle.speed) / period - axle.acceleration);
       axle.speed = speed;

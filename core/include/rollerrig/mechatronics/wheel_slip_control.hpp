@@ -69,15 +69,15 @@ struct WheelSlipControl {
 
   /// One sample: factors on the torque demand, 0..1.
   void step(State& s, Measurements const& now, double period, PerAxle<double>& factor) const {
-    double slowest = wheel_radius * now.axle_speed[0];
+    double slowest = wheel_radius * now.vehicle_axle_speed[0];
     for (int i = 1; i < now.axles; ++i)
-      slowest = std::fmin(slowest, wheel_radius * now.axle_speed[static_cast<std::size_t>(i)]);
+      slowest = std::fmin(slowest, wheel_radius * now.vehicle_axle_speed[static_cast<std::size_t>(i)]);
     follow(s, slowest, now.axles, period);
     double const reference = s.reference.value();
     for (int i = 0; i < now.axles; ++i) {
       auto const k = static_cast<std::size_t>(i);
       AxleState& axle = s.axle[k];
-      double const speed = wheel_radius * now.axle_speed[k];
+      double const speed = wheel_radius * now.vehicle_axle_speed[k];
       axle.acceleration += period / (filter_time + period) * ((speed - axle.speed) / period - axle.acceleration);
       axle.speed = speed;
       double const slips_above = std::fmax(slip * std::fabs(reference), slip_speed);

@@ -52,7 +52,7 @@ class MechatronicSystem {
   bool waits() const;
   bool waits_for(std::string_view controller) const;
   /// What a controller sees, axle by axle.
-  std::vector<double> measurement() const;
+  std::vector<double> measurement(std::string_view controller) const;
   /// Answers for an external controller; throws std::invalid_argument where there is none of that name.
   void set_command(std::string_view controller, std::span<double const> command, std::int64_t step);
 

@@ -4,6 +4,7 @@
 #pragma once
 #include <vector>
 
+#include "rollerrig/mechatronics/law_state.hpp"
 #include "rollerrig/simulate/actuator_states.hpp"
 #include "rollerrig/simulate/setup.hpp"
 #include "rollerrig/system/dynamics.hpp"
@@ -15,13 +16,13 @@ class SensorReadings {
   explicit SensorReadings(std::size_t axles) : axle_(axles) {}
 
   void start(MechatronicSetup const& setup, Dynamics const& plant, Measurements& measured);
-  /// Each step: lags, and means of the drives' torques.
-  void follow(MechatronicSetup const& setup, Dynamics const& plant, ActuatorStates const& actuators);
-  /// At a controller's instant.
+  /// Each step: edges of phonic wheels, lags, and means of the drives' torques.
   ///
   /// @param z  the plant's quadratures, for the angles
-  void read(MechatronicSetup const& setup, Dynamics const& plant, double const* z, double period,
-            Measurements& measured);
+  void follow(MechatronicSetup const& setup, Dynamics const& plant, double time, double const* z,
+              ActuatorStates const& actuators);
+  /// At a controller's instant, to be called after follow().
+  void read(MechatronicSetup const& setup, double period, Measurements& measured);
   /// Torque of the drives since the last call [N m].
   ///
   /// @param command  acting; null: not to be taken for the torque
@@ -29,8 +30,15 @@ class SensorReadings {
   double torque_reading(std::size_t axle) const { return axle_[axle].torque; }  ///< of the torque flange [N m]
 
  private:
+  struct SpeedSensor {
+    StateOf<AnySpeedSensor> state{};
+    AxleTurn now{};
+    void start(AnySpeedSensor const& sensor, AxleTurn const& turn, std::uint64_t stream);
+    void follow(AnySpeedSensor const& sensor, AxleTurn const& turn, std::uint64_t stream);
+    double read(AnySpeedSensor const& sensor, double period, std::uint64_t stream);
+  };
   struct Axle {
-    EncoderReading encoder, roller_encoder;
+    SpeedSensor speed, roller_speed, vehicle_speed;
     ForceReading torque_flange, load_cell;
     MeanTorque drive;
     double torque{0.0},

@@ -12,7 +12,7 @@
 #include "rollerrig/mechatronics/friction_brake.hpp"
 #include "rollerrig/mechatronics/motor.hpp"
 #include "rollerrig/mechatronics/pneumatics.hpp"
-#include "rollerrig/mechatronics/sensor.hpp"
+#include "rollerrig/mechatronics/sensors.hpp"
 
 namespace rollerrig {
 

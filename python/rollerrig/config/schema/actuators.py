@@ -1,4 +1,4 @@
-"""Actuators and sensors of a vehicle under test: friction brake, traction drive, encoders, and what protects the wheels."""
+"""Actuators of a vehicle under test: friction brake, traction drive, and what protects the wheels."""
 
 from typing import Annotated, Literal
 
@@ -179,44 +179,3 @@ class WheelSlipControl(Controller):
     )
     least_acceleration: Deceleration = Field(default=0.05, description="of the reference speed between releases")
     regained_after: Phase = Field(default=3.0, description="without slip for so long the axles count as gripping")
-
-
-class Encoder(Table):
-    """Incremental encoder: speed from counts."""
-
-    counts: Annotated[float, Quantity("1", 0.0, 1e7)] = Field(default=0.0, description="per turn; 0: exact speeds")
-    jitter: Annotated[float, Quantity("1", 0.0, 100.0)] = Field(
-        default=0.0, description="deviation of edges, in counts"
-    )
-    window: Annotated[int, Field(strict=True, ge=1, le=16)] = Field(
-        default=1, description="samples over which counts are differenced, 1 to 16"
-    )
-
-
-class ForceSensor(Table):
-    """Transducer of a force [N] or a torque [N m]: lag, then noise, resolution and range of each reading."""
-
-    bandwidth: Frequency | None = Field(default=None, description="of first order; absent: no lag")
-    noise: Annotated[float, Quantity("1", 0.0, 1e9)] = Field(
-        default=0.0, description="standard deviation of a reading, in N or N m"
-    )
-    resolution: Annotated[float, Quantity("1", 0.0, 1e9)] = Field(
-        default=0.0, description="of a reading, in N or N m; 0: none"
-    )
-    range: Annotated[float, Quantity("1", 1e-6, 1e9)] | None = Field(
-        default=None, description="largest reading, in N or N m; absent: no limit"
-    )
-
-
-class Sensors(Table):
-    """What controllers see of speeds, torques and loads."""
-
-    axles: Encoder = Field(default=Encoder(), description="on each axle of the vehicle")
-    rollers: Encoder = Field(default=Encoder(), description="on each roller axle")
-    roller_torque: ForceSensor | None = Field(
-        default=None, description="torque flange in the drive shaft of each roller axle; absent: its torque is known"
-    )
-    axle_load: ForceSensor = Field(
-        default=ForceSensor(), description="vertical force on the rollers (or rails) under each axle"
-    )
-    seed: Annotated[int, Field(strict=True, ge=0, le=2**31)] = Field(default=1, description="of all noise")

@@ -4,7 +4,7 @@ from typing import Annotated, Any, Literal, NamedTuple
 
 from pydantic import ConfigDict, Field, StrictBool, model_validator
 
-from rollerrig.config.schema.actuators import Brake, Sensors, SlideProtection, Traction, WheelSlipControl
+from rollerrig.config.schema.actuators import Brake, SlideProtection, Traction, WheelSlipControl
 from rollerrig.config.schema.adhesion import Adhesion
 from rollerrig.config.schema.base import SpeedTable, Table, TorqueTable, instead_of, refused
 from rollerrig.config.schema.contact_law import (
@@ -17,6 +17,7 @@ from rollerrig.config.schema.contact_law import (
 )
 from rollerrig.config.schema.material import Material
 from rollerrig.config.schema.rig_control import RigControl
+from rollerrig.config.schema.sensors import Sensors
 from rollerrig.config.schema.similitude import ScaledFrom
 from rollerrig.config.schema.support import AnySupport
 from rollerrig.config.schema.train import Train

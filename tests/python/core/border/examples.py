@@ -164,6 +164,8 @@ class Examples:
             _core.StiffnessForceLaw(stiffness=1e6),
             _core.DamperForceLaw(damping=1e4, series_stiffness=1e6),
             core_struct(_core.ReservoirAir, ReservoirAir(kind="reservoir", reservoir_pressure=8e5), without=("kind",)),
+            _core.PulsePeriod(teeth=100.0, pitch_error=0.01, averaging_time=5e-3, timeout=0.3, clock=1e6),
+            _core.PulseFrequency(teeth=100.0, pitch_error=0.01, gate_time=0.1),
             _core.ForceSensor(bandwidth=100.0, noise=10.0, resolution=1.0, range=1e5),
             _core.AxleTorque(
                 wheelset=0, reaction=-1, torque=[(0.0, 0.0), (1.0, 100.0)], link=0.0, gear_ratio=1.0, rotor_inertia=0.0
@@ -339,7 +341,11 @@ class Examples:
             "Simulation.waits_for": Call(
                 lambda **given: self.waiting().waits_for(**given), {"controller": "slide_protection"}
             ),
-            "Simulation.measurement": Call(lambda: self.waiting().measurement(), {}),
+            "Simulation.measurement": Call(
+                lambda controller: self.waiting().measurement(controller), {"controller": "slide_protection"}
+            ),
+                lambda controller: self.waiting().measurement(controller), {"controller": "slide_protection"}
+            ),
             "Simulation.set_command": Call(
                 lambda **given: self.waiting().set_command(**given),
                 {"controller": "slide_protection", "command": [0.0, 1.0]},
