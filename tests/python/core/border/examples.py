@@ -344,8 +344,6 @@ class Examples:
             "Simulation.measurement": Call(
                 lambda controller: self.waiting().measurement(controller), {"controller": "slide_protection"}
             ),
-                lambda controller: self.waiting().measurement(controller), {"controller": "slide_protection"}
-            ),
             "Simulation.set_command": Call(
                 lambda **given: self.waiting().set_command(**given),
                 {"controller": "slide_protection", "command": [0.0, 1.0]},
