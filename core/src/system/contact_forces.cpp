@@ -57,16 +57,16 @@ void ForceAssembly<T>::find_patches(T const& t, std::vector<int> const& group, S
                          &w_.patch_count[index]});
   }
   normal_patches<T, Patch<T>>(laws.normal, w_.wheels);
+  w_.under_load.clear();
   for (int i : group) {
     std::size_t const index = at(i);
     if (selection && !selection->contact[index]) continue;
     auto const& placed = w_.placed[index];
-    for (int k = 0; k < w_.patch_count[index]; ++k) {
-      auto& patch = w_.patches[index][at(k)];
-      add_creep_force(model_.contacts[index].laws, placed.pose, placed.motion, t, patch);
-      patch.apply_weight();
-    }
+    for (int k = 0; k < w_.patch_count[index]; ++k)
+      w_.under_load.push_back(
+          {&w_.patches[index][at(k)], &placed.pose.o, &placed.motion, &model_.contacts[index].laws.friction});
   }
+  add_creep_forces<T>(laws, t, w_.under_load);
 }
 
 /// What the patches of a wheel do to both bodies.
@@ -78,7 +78,7 @@ void ForceAssembly<T>::apply_contact(std::size_t index) const {
   int const constraint = model_.constraint_of_contact[index];
   for (int k = 0; k < w_.patch_count[index]; ++k) {
     auto const& patch = w_.patches[index][at(k)];
-    sum += contact_wrenches(contact.laws.roller, placed, patch);
+    sum += contact_wrenches(contact.laws.roller, placed, patch.point.p, patch.force, patch.moment);
     w_.power[stored_contacts] -= patch.elastic_power;
     w_.power[dissipated_normal] -= patch.normal.damping * patch.gap_rate;
     w_.power[dissipated_creep] += patch.creep_dissipation();

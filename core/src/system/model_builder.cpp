@@ -108,7 +108,8 @@ std::vector<std::vector<int>> contact_groups(std::vector<WheelContact> const& co
     auto const like = [&](std::vector<int> const& group) {
       ContactLaws without_friction = contacts[i].laws;
       without_friction.friction = contacts[at(group.front())].laws.friction;
-      return same(without_friction, contacts[at(group.front())].laws);
+      bool const both_on_map = !contacts[i].laws.friction.map == !without_friction.friction.map;
+      return both_on_map && same(without_friction, contacts[at(group.front())].laws);
     };
     auto const group = std::ranges::find_if(groups, like);
     (group == groups.end() ? groups.emplace_back() : *group).push_back(static_cast<int>(i));

@@ -110,14 +110,12 @@ void StiffCreepModes::add_slip(Model const& model, Evaluation const& evaluation,
                                bool lateral, double viscosity, Slips& slips) const {
   WheelContact const& own = model.contacts[at(contact)];
   ContactPlacement<double> const& placed = evaluation.work.placed[at(contact)];
-  Patch<double> unit;
-  unit.point = evaluation.patch(contact, k).point;
-  Vec3<double> const& n = unit.point.n;
+  Vec3<double> const& p = evaluation.patch(contact, k).point.p;
+  Vec3<double> const& n = evaluation.patch(contact, k).point.n;
   double const across = 1.0 / std::sqrt(n.y * n.y + n.z * n.z);
   Vec3<double> const t{0.0, n.z * across, -n.y * across};
-  unit.force = std::sqrt(viscosity) * (lateral ? t : cross(t, n));
-  unit.moment = {};
-  auto sum = contact_wrenches(own.laws.roller, placed, unit);
+  Vec3<double> const force = std::sqrt(viscosity) * (lateral ? t : cross(t, n));
+  auto sum = contact_wrenches<double>(own.laws.roller, placed, p, force, {});
   double work = prescribed_power(placed, sum);
   sum = in_wheelset_frame(own, placed, sum);
 

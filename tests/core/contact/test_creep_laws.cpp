@@ -267,27 +267,27 @@ TEST_CASE("no friction, no load: no force, and nothing that is not a number") {
 }
 
 TEST_CASE("the table holds its end values outside its range, with slopes of zero there") {
-  CreepTablePoint inside, outside;
-  read_creep_table(table, table.log_aspect_end, {0.2, -0.3, 0.1}, true, inside);
-  read_creep_table(table, table.log_aspect_end + 1.0, {0.2, -0.3, 0.1}, true, outside);
-  for (std::size_t c = 0; c < 3; ++c) {
-    CHECK(outside.value[c] == inside.value[c]);
-    CHECK(outside.slope[0][c] == 0.0);
+  auto const inside = read_creep_table_slopes(table, {table.log_aspect_end, {0.2, -0.3, 0.1}});
+  auto const outside = read_creep_table_slopes(table, {table.log_aspect_end + 1.0, {0.2, -0.3, 0.1}});
+  for (auto component :
+       {&CreepTableValue<double>::along, &CreepTableValue<double>::across, &CreepTableValue<double>::moment}) {
+    CHECK(outside.value.*component == inside.value.*component);
+    CHECK(outside.slope[0].*component == 0.0);
   }
-  read_creep_table(table, std::nan(""), {std::nan(""), 5.0, -5.0}, true, outside);  // no access out of bounds
+  double const nan = std::nan("");
+  CHECK(std::isfinite(read_creep_table(table, {nan, {nan, 5.0, -5.0}}).along));  // no access out of bounds
 }
 
 TEST_CASE("the table is symmetric as the patch is: mirrored slip, mirrored force") {
-  CreepTablePoint p, mirrored, turned;
-  read_creep_table(table, 0.3, {0.2, -0.3, 0.1}, false, p);
-  read_creep_table(table, 0.3, {-0.2, -0.3, 0.1}, false, mirrored);
-  read_creep_table(table, 0.3, {0.2, 0.3, -0.1}, false, turned);
-  CHECK(mirrored.value[0] == -p.value[0]);
-  CHECK(mirrored.value[1] == p.value[1]);
-  CHECK(mirrored.value[2] == p.value[2]);
-  CHECK(turned.value[0] == p.value[0]);
-  CHECK(turned.value[1] == -p.value[1]);
-  CHECK(turned.value[2] == -p.value[2]);
+  auto const p = read_creep_table(table, {0.3, {0.2, -0.3, 0.1}});
+  auto const mirrored = read_creep_table(table, {0.3, {-0.2, -0.3, 0.1}});
+  auto const turned = read_creep_table(table, {0.3, {0.2, 0.3, -0.1}});
+  CHECK(mirrored.along == -p.along);
+  CHECK(mirrored.across == p.across);
+  CHECK(mirrored.moment == p.moment);
+  CHECK(turned.along == p.along);
+  CHECK(turned.across == -p.across);
+  CHECK(turned.moment == -p.moment);
 }
 
 TEST_CASE("friction falls with slip velocity as Polach's formula says") {

@@ -28,7 +28,7 @@ Patch<T> patch_force(ContactLaws const& laws, ContactPoint<T> const& point, Rela
   Patch<T> patch;
   patch.point = point;
   hertz_patch<T>(laws.material, patch);
-  add_creep_force(laws, pose, motion, time, patch);
+  add_creep_force(laws, time, MovingPatch<T>{&patch, &pose.o, &motion, &laws.friction});
   return patch;
 }
 
@@ -269,7 +269,8 @@ TEST_CASE(
     auto const p = patch_with(effects);
     Vec3<double> const arm = point.p - above.o;
     double const on_wheel = dot(p.force, motion.v_wheel) + dot(cross(arm, p.force) + p.moment, motion.omega_wheel);
-    double const on_roller = dot(p.force, motion.v_roller) + dot(moment_about_crown(effects, p), motion.omega_roller);
+    double const on_roller = dot(p.force, motion.v_roller) +
+                             dot(moment_about_crown(effects, p.point.p, p.force, p.moment), motion.omega_roller);
     double const lost = p.creep_dissipation() - p.normal.total() * p.gap_rate;
     CHECK(on_roller - on_wheel == doctest::Approx(lost).epsilon(1e-9));  // round-off of terms 1e4 times as large
   }

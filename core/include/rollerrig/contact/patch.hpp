@@ -49,8 +49,9 @@ struct ContactMotion {
   double dissipated_energy{0.0};  ///< per area, by the wheels that ran there [J/m^2]
 };
 
+/// What the motion of both bodies makes of a patch under load; forces act on the wheel, times the patch's blending weight.
 template <Scalar T>
-struct Patch : NormalPatch<T> {
+struct PatchForces {
   NormalForce<T> normal;  ///< eq. (12)
   T gap_rate;             ///< v_n [m/s]
   T slip_longitudinal;    ///< velocity of the wheel's point relative to the roller's along i [m/s]
@@ -72,17 +73,10 @@ struct Patch : NormalPatch<T> {
     return -(creep.longitudinal * creepage.longitudinal + creep.lateral * creepage.lateral +
              creep.spin_moment * creepage.spin);
   }
-
-  /// Multiplies every force by the patch's blending weight.
-  void apply_weight() {
-    T const& w = this->weight;
-    normal = {w * normal.elastic, w * normal.damping};
-    creep = {w * creep.longitudinal, w * creep.lateral, w * creep.spin_moment, creep.saturation};
-    force = w * force;
-    moment = w * moment;
-    elastic_power = w * elastic_power;
-  }
 };
+
+template <Scalar T>
+struct Patch : NormalPatch<T>, PatchForces<T> {};
 
 /// Velocity of the roller's surface at p: of the turning, without the parts that are switched off.
 template <Scalar T>
@@ -101,65 +95,93 @@ Vec3<T> relative_turning(RollerEffects const& effects, ContactMotion<T> const& m
   return omega;
 }
 
-/// Moment of the force on the wheel about the origin of b: the roller takes its opposite. Dual to the two velocities above,
+/// Moment of a force on the wheel at p about the origin of b: the roller takes its opposite. Dual to the two velocities above,
 /// so that the power on the roller is what they say it is.
+///
+/// @param own  moment about p
 template <Scalar T>
-Vec3<T> moment_about_crown(RollerEffects const& effects, Patch<T> const& patch) {
-  Vec3<T> const& p = patch.point.p;
-  Vec3<T> moment = cross(p, patch.force) + patch.moment;
-  if (!effects.conicity) moment.y = moment.y - p.z * patch.force.x;
-  if (!effects.yaw) moment.y = moment.y + p.x * patch.force.z;
-  if (!effects.spin) moment.y = moment.y - patch.moment.y;
+Vec3<T> moment_about_crown(RollerEffects const& effects, Vec3<T> const& p, Vec3<T> const& force, Vec3<T> const& own) {
+  Vec3<T> moment = cross(p, force) + own;
+  if (!effects.conicity) moment.y = moment.y - p.z * force.x;
+  if (!effects.yaw) moment.y = moment.y + p.x * force.z;
+  if (!effects.spin) moment.y = moment.y - own.y;
   return moment;
 }
 
-/// Creepages and forces of a patch of which the normal contact is known, at full weight.
+/// Creepages and forces of a patch of which the normal contact is known. T: any scalar, lanes of several patches among them.
 ///
-/// @param time  [s], handed to the friction law
-template <Scalar T>
-void add_creep_force(ContactLaws const& laws, RelativePose<T> const& pose, ContactMotion<T> const& motion,
-                     T const& time, Patch<T>& patch) {
+/// @param friction  the surface at a slip velocity [m/s], RailSurface<T>
+/// @param on_map    the surface reduces the creep curve's stiffness
+template <Scalar T, class Surface>
+PatchForces<T> patch_forces(ContactLaws const& laws, NormalPatch<T> const& patch, Vec3<T> const& wheelset,
+                            ContactMotion<T> const& motion, Surface const& friction, bool on_map) {
   using std::sqrt;
+  PatchForces<T> out;
   Vec3<T> const& p = patch.point.p;
   Vec3<T> const& n = patch.point.n;
   T const across = 1.0 / sqrt(n.y * n.y + n.z * n.z);
   Vec3<T> const t{T(0.0), n.z * across, -(n.y * across)};  // n x i_b, normalised
   Vec3<T> const i = cross(t, n);
 
-  Vec3<T> const v_on_wheel = motion.v_wheel + cross(motion.omega_wheel, p - pose.o);
+  Vec3<T> const v_on_wheel = motion.v_wheel + cross(motion.omega_wheel, p - wheelset);
   Vec3<T> const v_on_roller = roller_surface_velocity(laws.roller, motion, p);
   Vec3<T> const v = v_on_wheel - v_on_roller;  // errata to (12), (21): relative to the roller's point
   Vec3<T> const omega = relative_turning(laws.roller, motion);
-  patch.gap_rate = dot(v, n);
-  patch.slip_longitudinal = dot(v, i);
-  patch.slip_lateral = dot(v, t);
-  patch.spin_rate = dot(omega, n);
-  patch.normal = normal_force(patch.elastic, patch.damper * laws.damping.force(patch.gap_rate));  // (12)
-  T const load = patch.normal.total();
+  out.gap_rate = dot(v, n);
+  out.slip_longitudinal = dot(v, i);
+  out.slip_lateral = dot(v, t);
+  out.spin_rate = dot(omega, n);
+  T const damping = patch.damper * laws.damping.force(out.gap_rate);
+  NormalForce<T> const normal = normal_force(patch.elastic, damping);  // (12)
+  T const load = normal.total();
 
   // Rolling speed: mean of wheel and roller surface speed past the contact point, which moves with the wheelset.
-  patch.rolling_speed = dot(motion.v_wheel - T(0.5) * (v_on_wheel + v_on_roller), i);
+  out.rolling_speed = dot(motion.v_wheel - T(0.5) * (v_on_wheel + v_on_roller), i);
   double const v_s = laws.creepage_regularisation_speed;
-  T const inverse_speed = 1.0 / sqrt(patch.rolling_speed * patch.rolling_speed + v_s * v_s);
-  patch.creepage = {patch.slip_longitudinal * inverse_speed, patch.slip_lateral * inverse_speed,
-                    patch.spin_rate * inverse_speed};  // (21)
+  T const inverse_speed = 1.0 / sqrt(out.rolling_speed * out.rolling_speed + v_s * v_s);
+  out.creepage = {out.slip_longitudinal * inverse_speed, out.slip_lateral * inverse_speed,
+                  out.spin_rate * inverse_speed};  // (21)
 
-  T const slip = regularisation::length(patch.slip_longitudinal, patch.slip_lateral, regularisation::slip);
-  auto const surface = laws.friction(time, motion.arc_length, slip, motion.dissipated_energy);
+  T const slip = regularisation::length(out.slip_longitudinal, out.slip_lateral, regularisation::slip);
+  RailSurface<T> const surface = friction(slip);
   T const adhesion = surface.friction * load + regularisation::adhesion;
-  T const direction = patch.rolling_speed * inverse_speed;
+  T const direction = out.rolling_speed * inverse_speed;
   auto const stiffness = kalker_stiffness(laws.kalker->at(patch.log_aspect), laws.material.shear_modulus, patch.a,
                                           patch.b, direction);  // (22)
-  CreepQuery<T> const query{patch.creepage, stiffness, adhesion, patch.a, patch.b, patch.log_aspect, direction};
-  patch.creep =
-      laws.friction.map ? creep_force(laws.creep, query, surface) : creep_force(laws.creep, query);  // (20), (23), (24)
-  patch.force = load * n + patch.creep.longitudinal * i + patch.creep.lateral * t;
-  patch.moment = patch.creep.spin_moment * n;
-  patch.elastic_power = patch.normal.elastic * patch.gap_rate;
-  if (patch.tilts) {
-    patch.moment += patch.pressure_moment;
-    patch.elastic_power += dot(patch.pressure_moment, omega);
+  CreepQuery<T> const query{out.creepage, stiffness, adhesion, patch.a, patch.b, patch.log_aspect, direction};
+  auto const creep =
+      on_map ? creep_force(laws.creep, query, surface) : creep_force(laws.creep, query);  // (20), (23), (24)
+
+  T const& w = patch.weight;
+  out.normal = {w * normal.elastic, w * normal.damping};
+  out.creep = {w * creep.longitudinal, w * creep.lateral, w * creep.spin_moment, creep.saturation};
+  out.force = w * (load * n + creep.longitudinal * i + creep.lateral * t);
+  out.moment = w * (creep.spin_moment * n + patch.pressure_moment);
+  out.elastic_power = w * (normal.elastic * out.gap_rate + dot(patch.pressure_moment, omega));
+  return out;
+}
+
+/// A patch under load, and what its forces depend on beside the laws that all patches have in common.
+template <Scalar T>
+struct MovingPatch {
+  Patch<T>* patch;
+  Vec3<T> const* wheelset;  ///< its centre, b components [m]
+  ContactMotion<T> const* motion;
+  Friction const* friction;
+
+  /// @param slip  velocity [m/s]
+  RailSurface<T> surface(T const& time, T const& slip) const {
+    return (*friction)(time, motion->arc_length, slip, motion->dissipated_energy);
   }
+};
+
+/// The forces of one patch, in place.
+template <Scalar T>
+void add_creep_force(ContactLaws const& laws, T const& time, MovingPatch<T> const& m) {
+  PatchForces<T>& out = *m.patch;
+  out = patch_forces<T>(
+      laws, *m.patch, *m.wheelset, *m.motion, [&](T const& slip) { return m.surface(time, slip); },
+      m.friction->map != nullptr);
 }
 
 template <Scalar T>

@@ -9,8 +9,11 @@
 //         is a plain double.
 #pragma once
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstddef>
+#include <cstring>
+#include <tuple>
 #include <type_traits>
 
 #include "rollerrig/scalar.hpp"
@@ -68,6 +71,7 @@ struct Lane<double, W> {
 
   /// From W numbers in memory.
   static Lane load(double const* x) { return Lane(Register(x, simd::element_aligned)); }
+  static Lane load(float const* x) { return Lane(Register(x, simd::element_aligned)); }
   void store(double* x) const { v.copy_to(x, simd::element_aligned); }
   double operator[](int i) const { return v[static_cast<std::size_t>(i)]; }
   void set(int i, double x) { v[static_cast<std::size_t>(i)] = x; }
@@ -126,7 +130,8 @@ struct Lane<double, W> {
 };
 
 template <int W>
-Lane<double, W> select(Mask<W> const& condition, Lane<double, W> const& yes, Lane<double, W> const& no) {
+[[gnu::always_inline]] inline Lane<double, W> select(Mask<W> const& condition, Lane<double, W> const& yes,
+                                                     Lane<double, W> const& no) {
   Lane<double, W> out = no;
   simd::where(condition.v, out.v) = yes.v;
   return out;
@@ -165,6 +170,22 @@ using Lanes = typename LanesOf<W>::type;
 inline bool any(bool condition) { return condition; }
 inline bool all(bool condition) { return condition; }
 
+/// Numbers from memory, as many as there are lanes, and back.
+template <class T, class Number>
+T loaded(Number const* x) {
+  if constexpr (lanes_of<T> == 1)
+    return static_cast<T>(*x);
+  else
+    return T::load(x);
+}
+template <class T>
+void store(T const& x, double* to) {
+  if constexpr (lanes_of<T> == 1)
+    *to = x;
+  else
+    x.store(to);
+}
+
 /// A place in a table, of every lane.
 template <class T>
 struct IndexOf {
@@ -186,25 +207,65 @@ template <class T>
 T number_of(int i) {
   return T(static_cast<double>(i));
 }
-/// table[i].
-inline double gather(double const* table, int i) { return table[i]; }
+/// table[stride i].
+inline double gather(double const* table, int i, int stride = 1) { return table[stride * i]; }
 
 #if ROLLERRIG_LANES
 template <int W>
-Index<Lane<double, W>> truncated(Lane<double, W> const& x) {
+[[gnu::always_inline]] inline Index<Lane<double, W>> truncated(Lane<double, W> const& x) {
   Index<Lane<double, W>> out;
   simd::static_simd_cast<simd::fixed_size_simd<int, W>>(x.v).copy_to(out.data(), simd::element_aligned);
   return out;
 }
 template <class T, std::size_t W>
-T number_of(std::array<int, W> const& i) {
+[[gnu::always_inline]] inline T number_of(std::array<int, W> const& i) {
   return T(typename T::Register([&](auto k) { return static_cast<double>(i[k]); }));
 }
 template <std::size_t W>
-Lane<double, static_cast<int>(W)> gather(double const* table, std::array<int, W> const& i) {
+[[gnu::always_inline]] inline Lane<double, static_cast<int>(W)> gather(double const* table, std::array<int, W> const& i,
+                                                                       int stride = 1) {
   using L = Lane<double, static_cast<int>(W)>;
-  return L(typename L::Register([&](auto k) { return table[i[k]]; }));
+  return L(typename L::Register([&](auto k) { return table[stride * i[k]]; }));
 }
+
+/// A struct that has nothing but lanes, as W structs of numbers.
+template <template <class> class S, int W>
+std::array<S<double>, static_cast<std::size_t>(W)> one_by_one(S<Lane<double, W>> const& s) {
+  constexpr std::size_t n = sizeof(S<double>) / sizeof(double);
+  auto const lanes = std::bit_cast<std::array<Lane<double, W>, n>>(s);
+  std::array<std::array<double, n>, static_cast<std::size_t>(W)> numbers;
+  for (std::size_t f = 0; f < n; ++f)
+    for (std::size_t k = 0; k < numbers.size(); ++k) numbers[k][f] = lanes[f][static_cast<int>(k)];
+  return std::bit_cast<std::array<S<double>, static_cast<std::size_t>(W)>>(numbers);
+}
+
+/// The other way round.
+template <template <class> class S, std::size_t W>
+S<Lane<double, static_cast<int>(W)>> side_by_side(std::array<S<double>, W> const& one) {
+  using L = Lane<double, static_cast<int>(W)>;
+  constexpr std::size_t n = sizeof(S<double>) / sizeof(double);
+  auto const numbers = std::bit_cast<std::array<std::array<double, n>, W>>(one);
+  std::array<L, n> lanes;
+  for (std::size_t f = 0; f < n; ++f) lanes[f] = L(typename L::Register([&](auto k) { return numbers[k][f]; }));
+  return std::bit_cast<S<L>>(lanes);
+}
+
+/// Calls a function of numbers lane by lane; not again where a lane repeats the one before, as those behind the last case do.
+template <template <class> class Out, int W, class F, template <class> class... In>
+Out<Lane<double, W>> each_lane(F const& f, In<Lane<double, W>> const&... in) {
+  return std::apply(
+      [&](auto const&... one) {
+        auto const same = [](auto const& a, auto const& b) { return std::memcmp(&a, &b, sizeof(a)) == 0; };
+        std::array<Out<double>, static_cast<std::size_t>(W)> out;
+        for (std::size_t k = 0; k < out.size(); ++k)
+          out[k] = k > 0 && (same(one[k], one[k - 1]) && ...) ? out[k - 1] : f(one[k]...);
+        return side_by_side(out);
+      },
+      std::tuple{one_by_one(in)...});
+}
+#else
+template <template <class> class Out, class... Any>
+auto each_lane(Any const&... any);
 #endif
 
 }  // namespace rollerrig

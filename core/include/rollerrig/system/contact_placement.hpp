@@ -62,12 +62,11 @@ struct ContactWrenches {
   }
 };
 
-/// Of one patch, b components, mirrored like it.
+/// Of a force and a moment at a point, b components, mirrored like it.
 template <Scalar T>
-ContactWrenches<T> contact_wrenches(RollerEffects const& effects, ContactPlacement<T> const& placed,
-                                    Patch<T> const& patch) {
-  return {patch.force, cross(patch.point.p - placed.pose.o, patch.force) + patch.moment,
-          moment_about_crown(effects, patch)};
+ContactWrenches<T> contact_wrenches(RollerEffects const& effects, ContactPlacement<T> const& placed, Vec3<T> const& p,
+                                    Vec3<T> const& force, Vec3<T> const& moment) {
+  return {force, cross(p - placed.pose.o, force) + moment, moment_about_crown(effects, p, force, moment)};
 }
 
 /// Power of what moves the rail or steers the roller, beside what a state does.

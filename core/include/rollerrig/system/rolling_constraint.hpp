@@ -30,10 +30,12 @@ struct AxleCreep {
 /// @param axle  of the wheelset, unit vector
 template <Scalar T>
 AxleCreep<T> axle_creep(WheelContact const& contact, ContactPlacement<T> const& placed, Vec3<T> const& axle,
-                        Patch<T> patch) {
-  patch.force -= patch.normal.total() * patch.point.n;
-  patch.moment = patch.creep.spin_moment * patch.point.n;
-  auto const w = in_wheelset_frame(contact, placed, contact_wrenches(contact.laws.roller, placed, patch));
+                        Patch<T> const& patch) {
+  Vec3<T> const& n = patch.point.n;
+  auto const w =
+      in_wheelset_frame(contact, placed,
+                        contact_wrenches(contact.laws.roller, placed, patch.point.p,
+                                         patch.force - patch.normal.total() * n, patch.creep.spin_moment * n));
   return {w.force.x, dot(w.on_wheelset, axle), -w.on_roller.y};
 }
 

@@ -4,6 +4,7 @@
 #pragma once
 #include <vector>
 
+#include "rollerrig/contact/patch_lanes.hpp"
 #include "rollerrig/geometry/search.hpp"
 #include "rollerrig/multibody/moving_frame.hpp"
 #include "rollerrig/system/contact_placement.hpp"
@@ -30,7 +31,8 @@ struct Workspace {
   std::vector<ContactPlacement<T>> placed;         ///< per contact
   std::vector<WheelPatches<T>> patches;            ///< per contact
   std::vector<int> patch_count;                    ///< per contact
-  std::vector<NormalContact<T, Patch<T>>> wheels;  ///< those of one group that are evaluated
+  std::vector<NormalContact<T, Patch<T>>> wheels;  ///< those of one group that are evaluated ...
+  std::vector<MovingPatch<T>> under_load;          ///< ... and all their patches
 
   Travel<T> travel;
   std::vector<RailOffset<T>> offset;  ///< per contact, of the irregularity
@@ -58,6 +60,7 @@ struct Workspace {
         common_wrench(model.bodies.size()) {
     update_motion(Body{}, ground_motion);
     wheels.reserve(model.contacts.size());
+    under_load.reserve(model.contacts.size() * ContactSearch::max_minima);
   }
 };
 

@@ -3,7 +3,9 @@
 //   creepage, ellipse, adhesion -> [creep law] -> tangential force and spin moment on the wheel
 //
 // To add a law: a struct in a header of its own, with its name, its fields and
-// `CreepForce<T> operator()(CreepQuery<T> const&) const`, and its line below: docs/how_to/contact_law.md.
+// `CreepForce<T> operator()(CreepQuery<T> const&) const`, and its line below: docs/how_to/contact_law.md. The patches of several
+// wheels are asked in lanes: by one call of a law that takes no decision on a T and says so with `static constexpr bool
+// in_lanes = true`, patch by patch of any other.
 #pragma once
 #include "rollerrig/contact/adhesion/adhesion_map.hpp"
 #include "rollerrig/contact/creep/creep_table.hpp"
@@ -20,9 +22,20 @@ using CreepLaw = OneOf<KalkerSaturated,  // the paper's
                        Polach,           //
                        TableLaw>;
 
+/// The answer of `ask` to query and rail: in one call, or lane by lane.
+template <class Law, class T, class Ask, template <class> class... In>
+CreepForce<T> answer(Ask const& ask, In<T> const&... in) {
+  if constexpr (lanes_of<T> == 1 || requires { requires Law::in_lanes; })
+    return ask(in...);
+  else
+    return each_lane<CreepForce>(ask, in...);
+}
+
 template <Scalar T>
 CreepForce<T> creep_force(CreepLaw const& law, CreepQuery<T> const& query) {
-  return std::visit([&](auto const& chosen) { return chosen(query); }, law);
+  return std::visit(
+      [&]<class Law>(Law const& chosen) { return answer<Law, T>([&](auto const& q) { return chosen(q); }, query); },
+      law);
 }
 
 /// The law on a rail whose condition reduces the creep curve's stiffness, in place of the law's own reductions. A law with
@@ -31,11 +44,14 @@ CreepForce<T> creep_force(CreepLaw const& law, CreepQuery<T> const& query) {
 template <Scalar T>
 CreepForce<T> creep_force(CreepLaw const& law, CreepQuery<T> const& query, RailSurface<T> const& rail) {
   return std::visit(
-      [&](auto const& chosen) {
-        if constexpr (requires { chosen(query, rail); })
-          return chosen(query, rail);
-        else
-          return chosen(with_reduced_stiffness(query, mean_reduction(rail)));
+      [&]<class Law>(Law const& chosen) {
+        auto const ask = [&](auto const& q, auto const& r) {
+          if constexpr (requires { chosen(q, r); })
+            return chosen(q, r);
+          else
+            return chosen(with_reduced_stiffness(q, mean_reduction(r)));
+        };
+        return answer<Law, T>(ask, query, rail);
       },
       law);
 }

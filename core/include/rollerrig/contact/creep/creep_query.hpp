@@ -89,11 +89,17 @@ T johnson_vermeulen(T const& tau) {
   return select(tau < 3.0, 1.0 - tau / 3.0 + tau * tau / 27.0, 1.0 / tau);
 }
 
+/// Arm of friction against pure spin [m].
+template <Scalar T>
+T friction_arm(CreepQuery<T> const& query) {
+  using std::sqrt;
+  return (3.0 * pi / 16.0) * sqrt(0.5 * (query.a * query.a + query.b * query.b));
+}
+
 /// About the moment of friction against pure spin [N m]: exact on a circle (3 pi/16 mu N a), 11 % high for a long ellipse.
 template <Scalar T>
 T friction_moment(CreepQuery<T> const& query) {
-  using std::sqrt;
-  return query.adhesion * (3.0 * pi / 16.0) * sqrt(0.5 * (query.a * query.a + query.b * query.b));
+  return query.adhesion * friction_arm(query);
 }
 
 /// What each creepage alone demands of mu N by the linear theory, per unit of it; spin by its force and its moment.
@@ -101,8 +107,9 @@ template <Scalar T>
 std::array<T, 3> demand_per_creepage(CreepQuery<T> const& query) {
   using std::sqrt;
   auto const& f = query.stiffness;
-  T const torsion = f.f33 * query.adhesion / friction_moment(query);
-  return {f.f11 / query.adhesion, f.f22 / query.adhesion, sqrt(f.f23 * f.f23 + torsion * torsion) / query.adhesion};
+  T const torsion = f.f33 / friction_arm(query);
+  T const inverse = 1.0 / query.adhesion;
+  return {f.f11 * inverse, f.f22 * inverse, sqrt(f.f23 * f.f23 + torsion * torsion) * inverse};
 }
 
 /// Where approximations of force and moment together would feed energy in, the moment gives way: (C16).
@@ -110,7 +117,7 @@ template <Scalar T>
 CreepForce<T> never_drives(CreepQuery<T> const& query, CreepForce<T> const& force) {
   auto const& e = query.creepage;
   T const power = -(force.longitudinal * e.longitudinal + force.lateral * e.lateral + force.spin_moment * e.spin);
-  bool const drives = power < 0.0 && !(e.spin * e.spin < square(regularisation::spin));
+  auto const drives = power < 0.0 && !(e.spin * e.spin < square(regularisation::spin));
   T const spin = select(drives, e.spin, T(1.0));
   return {force.longitudinal, force.lateral, select(drives, force.spin_moment + power / spin, force.spin_moment),
           force.saturation};

@@ -18,6 +18,7 @@
 
 #include "rollerrig/contact/creep/creep_query.hpp"
 #include "rollerrig/fields.hpp"
+#include "rollerrig/math/lane.hpp"
 
 namespace rollerrig {
 
@@ -29,6 +30,7 @@ struct CreepTable {
   std::array<int, 3> cells{8, 12, 12};  ///< per unit of q: longitudinal >= 0, lateral, spin >= 0
   std::vector<float> coefficients;      ///< [aspect][longitudinal][lateral][spin][force along, across, moment, 0]
 
+  double per_aspect() const { return 0.5 * aspects / log_aspect_end; }  ///< intervals per unit of ln(a/b)
   std::array<std::size_t, 4> shape() const {
     auto const n = [](int i) { return static_cast<std::size_t>(i); };
     return {n(aspects + 3), n(cells[0] + 3), n(2 * cells[1] + 3), n(cells[2] + 3)};
@@ -39,18 +41,54 @@ struct CreepTable {
   }
 };
 
-/// Value of D and its slopes along ln(a/b) and q.
-struct CreepTablePoint {
-  std::array<double, 3> value;
-  std::array<std::array<double, 3>, 4> slope;  ///< [coordinate][component]
+/// A place in the table.
+template <class T>
+struct CreepTablePlace {
+  T log_aspect;
+  std::array<T, 3> q;
 };
 
-/// D and, where wanted, its slopes. Compiled once: core/src/contact/creep/creep_table.cpp.
-void read_creep_table(CreepTable const& table, double log_aspect, std::array<double, 3> const& q, bool slopes,
-                      CreepTablePoint& out);
+/// D there.
+template <class T>
+struct CreepTableValue {
+  T along, across, moment;
+};
+
+/// Compiled once: core/src/contact/creep/creep_table.cpp.
+CreepTableValue<double> read_creep_table(CreepTable const& table, CreepTablePlace<double> const& place);
+
+/// D and its slopes along ln(a/b) and q.
+struct CreepTableSlopes {
+  CreepTableValue<double> value;
+  std::array<CreepTableValue<double>, 4> slope;
+};
+CreepTableSlopes read_creep_table_slopes(CreepTable const& table, CreepTablePlace<double> const& place);
+
+/// The same for any scalar: with derivatives by the chain rule, or lane by lane.
+template <Scalar T>
+CreepTableValue<T> creep_table_at(CreepTable const& table, CreepTablePlace<T> const& place) {
+  if constexpr (std::same_as<T, double>) {
+    return read_creep_table(table, place);
+  } else if constexpr (lanes_of<T> > 1) {
+    return each_lane<CreepTableValue>([&](auto const& one) { return read_creep_table(table, one); }, place);
+  } else {
+    auto const& [log_aspect, q] = place;
+    auto const read =
+        read_creep_table_slopes(table, {value_of(log_aspect), {value_of(q[0]), value_of(q[1]), value_of(q[2])}});
+    auto const with_slopes = [&](auto component) {
+      T out(read.value.*component);
+      out += (read.slope[0].*component) * (log_aspect - value_of(log_aspect));
+      for (std::size_t k = 0; k < 3; ++k) out += (read.slope[k + 1].*component) * (q[k] - value_of(q[k]));
+      return out;
+    };
+    using V = CreepTableValue<double>;
+    return {with_slopes(&V::along), with_slopes(&V::across), with_slopes(&V::moment)};
+  }
+}
 
 struct TableLaw {
   static constexpr char const* name = "table";
+  static constexpr bool in_lanes = true;
   std::shared_ptr<CreepTable const> table{};
   static constexpr auto fields() { return std::tuple{Member{"table", &TableLaw::table}}; }
 
@@ -64,27 +102,15 @@ struct TableLaw {
     std::array<T, 3> const v{unit[0] * e.longitudinal, unit[1] * e.lateral, unit[2] * query.direction * e.spin};
     T const rho = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2] + square(regularisation::demand));
     T const shrink = 1.0 / (table->rho_0 + rho);
-    std::array<T, 3> const q{v[0] * shrink, v[1] * shrink, v[2] * shrink};
-
-    constexpr bool slopes = !std::is_same_v<T, double>;
-    CreepTablePoint point;
-    read_creep_table(*table, value_of(query.log_aspect), {value_of(q[0]), value_of(q[1]), value_of(q[2])}, slopes,
-                     point);
-    auto const d = [&](std::size_t c) {
-      T out(point.value[c]);
-      if constexpr (slopes) {
-        out += point.slope[0][c] * (query.log_aspect - value_of(query.log_aspect));
-        for (std::size_t k = 0; k < 3; ++k) out += point.slope[k + 1][c] * (q[k] - value_of(q[k]));
-      }
-      return out;
-    };
+    auto const d = creep_table_at<T>(*table, {query.log_aspect, {v[0] * shrink, v[1] * shrink, v[2] * shrink}});
     auto const linear = linear_creep_force(e, f);
     T const fade = table->rho_0 * shrink;
     T const gain = adhesion * rho * shrink;
-    T const tx = fade * linear.longitudinal + gain * d(0);
-    T const ty = fade * linear.lateral + gain * d(1);
-    T const moment = fade * linear.spin_moment + query.direction * gain * sqrt(query.a * query.b) * d(2);
-    return never_drives(query, CreepForce<T>{tx, ty, moment, saturation(tx, ty, adhesion * demand(linear, adhesion))});
+    T const tx = fade * linear.longitudinal + gain * d.along;
+    T const ty = fade * linear.lateral + gain * d.across;
+    T const moment = fade * linear.spin_moment + query.direction * gain * sqrt(query.a * query.b) * d.moment;
+    T const demanded = regularisation::length(linear.longitudinal, linear.lateral, regularisation::force);
+    return never_drives(query, CreepForce<T>{tx, ty, moment, saturation(tx, ty, demanded)});
   }
 };
 

@@ -7,7 +7,7 @@
 #pragma once
 #include <array>
 
-#include "rollerrig/scalar.hpp"
+#include "rollerrig/math/lane.hpp"
 
 namespace rollerrig {
 
@@ -27,10 +27,10 @@ class KalkerTable {
     T const clipped =
         select(log_aspect < lowest(), T(lowest()), select(log_aspect > highest(), T(highest()), log_aspect));
     auto const i = piece_of(value_of(clipped));
-    T const t = clipped - knot_[i];
-    auto const value = [&](int c) {
-      auto const& p = piece_[i][static_cast<std::size_t>(c)];
-      return ((p[3] * t + p[2]) * t + p[1]) * t + p[0];
+    T const t = clipped - gather(knot_.data(), i);
+    auto const value = [&](std::size_t c) {
+      auto const p = [&](std::size_t power) { return gather(&piece_[0][c][power], i, 16); };
+      return ((p(3) * t + p(2)) * t + p(1)) * t + p(0);
     };
     return {value(0), value(1), value(2), value(3)};
   }
@@ -39,10 +39,17 @@ class KalkerTable {
  private:
   double lowest() const { return knot_.front(); }
   double highest() const { return knot_.back(); }
-  std::size_t piece_of(double x) const {
-    std::size_t i = 0;
-    for (std::size_t k = 1; k + 1 < knots; ++k) i += x >= knot_[k];
-    return i;
+  template <class Number>
+  Index<Number> piece_of(Number const& x) const {
+    if constexpr (lanes_of<Number> == 1) {
+      int i = 0;
+      for (std::size_t k = 1; k + 1 < knots; ++k) i += x >= knot_[k];
+      return i;
+    } else {
+      Number i(0.0);
+      for (std::size_t k = 1; k + 1 < knots; ++k) i += select(x < knot_[k], Number(0.0), Number(1.0));
+      return truncated(i);
+    }
   }
   std::array<double, knots> knot_;
   std::array<std::array<std::array<double, 4>, 4>, knots - 1> piece_;  // [interval][coefficient][power]

@@ -10,6 +10,7 @@ namespace rollerrig {
 /// Eq. (20): no limit of adhesion.
 struct KalkerLinear {
   static constexpr char const* name = "kalker_linear";
+  static constexpr bool in_lanes = true;
   static constexpr auto fields() { return std::tuple{}; }
 
   template <Scalar T>
@@ -21,6 +22,7 @@ struct KalkerLinear {
 /// Eqs (20), (23), (24): the paper's law. The spin moment stays unsaturated as published unless asked otherwise.
 struct KalkerSaturated {
   static constexpr char const* name = "kalker_saturated";
+  static constexpr bool in_lanes = true;
   bool saturate_spin_moment{false};
   static constexpr auto fields() {
     return std::tuple{Member{"saturate_spin_moment", &KalkerSaturated::saturate_spin_moment}};

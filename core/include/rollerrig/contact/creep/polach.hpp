@@ -58,6 +58,7 @@ CreepForce<T> polach_force(CreepQuery<T> const& query, Factor const& k_A, Factor
 
 struct Polach {
   static constexpr char const* name = "polach";
+  static constexpr bool in_lanes = true;
   double k_A{1.0};  ///< of the area of adhesion [-]; k_A = k_S = 1: clean
   double k_S{1.0};  ///< of the area of slip, at most k_A [-]
   static constexpr auto fields() {
