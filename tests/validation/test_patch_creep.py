@@ -36,9 +36,16 @@ def wheel_force(wheel: PressedWheel, creepage: Array, centre_y: float, normal: A
         across = (side * patch.point[1] / mm - centre_y) / normal
         local = [creepage[0] - creepage[2] * across, creepage[1], creepage[2] / mm]
         force = _core.creep_forces(
-            np.array([local]), patch.a, patch.b, patch.normal, FRICTION, SHEAR_MODULUS, POISSON_RATIO, LAW
+            np.array([local]),
+            patch.a,
+            patch.b,
+            patch.normal / patch.weight,
+            FRICTION,
+            SHEAR_MODULUS,
+            POISSON_RATIO,
+            LAW,
         )[0]
-        total += [force[0], force[1], force[2] / mm - force[0] * across]
+        total += patch.weight * np.array([force[0], force[1], force[2] / mm - force[0] * across])
     return total / (FRICTION * wheel.normal)
 
 
