@@ -132,6 +132,9 @@ inline bool needs_step(Method method) {
   return method == Method::rk4 || method == Method::exponential_rk4 || method == Method::exponential_adams;
 }
 
+/// exponential_adams begins with an eighth of its step, and halves one that fails.
+inline bool keeps_its_step(Method method) { return method != Method::exponential_adams; }
+
 /// x = (cos t, sin 2t, 1 + sin 3t, cos t): the last two relax at given rates [1/s] towards functions of the others and of
 /// time, and push them back. z accumulates x0 x2.
 struct ExactRelaxation {

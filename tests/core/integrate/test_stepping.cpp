@@ -109,7 +109,8 @@ TEST_CASE("breakpoints are hit exactly, and a jump there costs no accuracy") {
       CHECK(std::count(ends.begin(), ends.end(), 1.0 / 3) == 1);
       CHECK(std::count(ends.begin(), ends.end(), 0.71) == 1);
       CHECK(ends.back() == 1);
-      if (step > 0) CHECK(integrator.statistics().steps == 12);  // the grid goes on behind the two extra ends
+      if (step > 0 && keeps_its_step(method))
+        CHECK(integrator.statistics().steps == 12);  // the grid goes on behind the two extra ends
       CHECK(integrator.states()[0] == doctest::Approx(exact).epsilon(1e-14));
       CHECK(integrator.statistics().rejected_steps == 0);
     }
