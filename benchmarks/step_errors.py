@@ -1,8 +1,9 @@
 """One run's cost and its errors against a tight one, by kind of signal: what the tables of methods and steps are made of.
 
 Cost: processor time in which the compiled core advances, outputs and readings of the case included, over the simulated time.
-Error: largest difference over the largest value of that signal up to a time; of the signals of a kind the worst. Of a kind, signals
-below a hundredth of its largest do not count. Forces of wheels are compared through the 20 Hz low-pass of EN 14363, as they are read.
+Error: largest difference over the largest value of that signal up to a time; of the signals of a kind the worst. Of a kind,
+signals below a hundredth of its largest do not count. Forces of wheels are compared through the 20 Hz low-pass of EN 14363, as
+they are read.
 """
 
 from __future__ import annotations

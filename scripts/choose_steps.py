@@ -2,11 +2,11 @@
 
     python scripts/choose_steps.py [CASE ...] [--quick] [--contact NORMAL CREEP] [--write]
 
-For each case, a run with each of the candidates below, contact as the case has it or as said. Two tight references, by two methods that have nothing
-in common but the right-hand side: where a limit cycle, or a controller that decides at its samples, lets them drift apart by 0.03 % of a
-signal's largest value, the comparison ends, and the table says when. A candidate is good enough where every kind of signal is within
-0.1 % up to there and the energy audit of the whole run closes within 1e-6. The cheapest in processor time is chosen; right-hand sides
-per simulated millisecond stand beside, which another machine shares.
+For each case, a run with each of the candidates below, contact as the case has it or as said. Two tight references, by two
+methods that have nothing in common but the right-hand side: where a limit cycle, or a controller that decides at its samples,
+lets them drift apart by 0.03 % of a signal's largest value, the comparison ends, and the table says when. A candidate is good
+enough where every kind of signal is within 0.1 % up to there and the energy audit of the whole run closes within 1e-6. The
+cheapest in processor time is chosen; right-hand sides per simulated millisecond stand beside, which another machine shares.
 
 --write puts the table into docs/performance.md and the choice into the cases.
 """
