@@ -10,11 +10,12 @@ from __future__ import annotations
 import math
 
 from rollerrig import _core
-from rollerrig.assembly import ABSENT, GROUND, AssembledModel, Assembly, AxleActuators
+from rollerrig.assembly import GROUND, AssembledModel, Assembly
 from rollerrig.config import Brake, Case, Track, Traction
 from rollerrig.config.schema.pneumatics import ReservoirAir
 from rollerrig.contact_laws import adhesion_map
 from rollerrig.core_struct import core_struct
+from rollerrig.model_parts import ABSENT, AxleActuators
 
 
 def assemble_with_actuators(case: Case) -> AssembledModel:

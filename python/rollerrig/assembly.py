@@ -8,48 +8,25 @@ No physics here: positions are added up, names become indices, profiles become s
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from rollerrig import _core
-from rollerrig.config import Case, Foundation, Mounting, Rig, Track, Vehicle
+from rollerrig.config import Case, Foundation, Mounting, Restraint, Rig, Track, Vehicle
 from rollerrig.config.schema.irregularity import rails_of_run
 from rollerrig.config.schema.vehicle import DIRECTIONS, Body, Element
 from rollerrig.config.validate.check_track import distance_run, foremost_wheelset
 from rollerrig.contact_laws import contact_laws
-from rollerrig.force_laws import direction_law
+from rollerrig.force_laws import Support, direction_law
 from rollerrig.irregularity import RAILS, RailIrregularity
+from rollerrig.model_parts import AxleActuators, WheelInfo
 from rollerrig.profiles import ProfileTable, gauge_point, profile_from_spec
 from rollerrig.static_loads import static_loads
 from rollerrig.track import Line
 
 GROUND = -1
-ABSENT = -1
 Rows = Sequence[tuple[float, float]]
-
-
-@dataclass(frozen=True)
-class WheelInfo:
-    """One wheel of the assembled model."""
-
-    name: str
-    wheelset: str
-    side: str
-    contact: int
-
-
-@dataclass(frozen=True)
-class AxleActuators:
-    """Indices in the core's model of what acts on one axle; ABSENT where there is none."""
-
-    wheelset: int
-    contacts: tuple[int, ...]
-    x: float
-    """Design position along the vehicle [m]."""
-    brake: int = ABSENT
-    axle_torque: int = ABSENT
-    roller: int = ABSENT
-    roller_torque: int = ABSENT
+Point = tuple[float, float, float]
 
 
 @dataclass(frozen=True)
@@ -214,6 +191,8 @@ class Assembly:
         if isinstance(self.support, Rig):
             for body in wheelsets:
                 self._add_rollers(body, self.support, axle_loads[body.name])
+            if self.support.restraint is not None:
+                self._restrain(self.support.restraint)
         elif self.support.foundation is not None:
             for body in wheelsets:
                 self._add_rails(body, self.support.foundation, axle_loads[body.name])
@@ -322,12 +301,25 @@ class Assembly:
 
     def _mount(self, name: str, body: int, mounting: Mounting | Foundation, load: float) -> None:
         """Springs and dampers between the ground and a roller, or a piece of rail."""
-        loaded = {"z": load} if "z" in mounting.laws else {}
-        laws = [direction_law(mounting.laws.get(c), loaded.get(c, 0.0)) for c in DIRECTIONS]
-        self.elements.append(f"mounting_{name}")
+        loads = {"z": load} if "z" in mounting.laws else {}
+        self._add_support(f"mounting_{name}", body, mounting.laws, loads, (0.0, 0.0, 0.0))
+
+    def _add_support(
+        self, name: str, body: int, given: Mapping[str, Support], loads: Mapping[str, float], point: Point
+    ) -> None:
+        """An element between the ground and a point of a body."""
+        laws = [direction_law(given.get(c), loads.get(c, 0.0)) for c in DIRECTIONS]
+        self.elements.append(name)
         self.builder.add_element(
-            _core.ForceElement(body_a=GROUND, body_b=body, point_on_b=(0.0, 0.0, 0.0), law=laws, clamped=False)
+            _core.ForceElement(body_a=GROUND, body_b=body, point_on_b=point, law=laws, clamped=False)
         )
+
+    def _restrain(self, restraint: Restraint) -> None:
+        """The coupler rod that holds the vehicle along the track."""
+        heaviest = self.vehicle.heaviest_in(self.cut)
+        name = restraint.body or (heaviest.name if heaviest else "")
+        point = (0.0, 0.0, restraint.height - self.positions[name][2])
+        self._add_support("restraint", self.index(name), {"x": restraint}, {}, point)
 
     def _add_contacts(self, wheelsets: list[Body]) -> None:
         wheel_index, rail_index = (

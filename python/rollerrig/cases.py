@@ -53,15 +53,16 @@ def part_of(case: Case, cut: str) -> Case:
 def restrained_along_track(case: Case) -> Case:
     """The case with a longitudinal restraint, such as a rig's anchorage or a locomotive.
 
-    Two patches of one wheel brake each other a little, and nothing else balances that. A case with a fixed body or one
-    locked in x stays as it is; else x is locked of the heaviest body that is no wheelset, or of the first wheelset.
+    Two patches of one wheel brake each other a little, and nothing else balances that. A case with a fixed body, one locked in x
+    or a rig with a coupler rod stays as it is; else x is locked of the heaviest body that is no wheelset, or of the first
+    wheelset.
     """
-    part = case.vehicle.part
+    part, support = case.vehicle.part, case.support.data
     bodies = case.vehicle.data.bodies_in(part)
-    if part.fixed or any("x" in body.locked for body in bodies):
+    rod = isinstance(support, Rig) and support.restraint is not None
+    if rod or part.fixed or any("x" in body.locked for body in bodies):
         return case
-    rigid = [body for body in bodies if body.kind != "wheelset"]
-    body = max(rigid, key=lambda b: b.mass) if rigid else bodies[0]
+    body = case.vehicle.data.heaviest_in(part) or bodies[0]
     return case.with_changes({f"vehicle.body.{body.name}.locked": [*body.locked, "x"]})
 
 

@@ -8,14 +8,15 @@ from __future__ import annotations
 from functools import lru_cache
 
 from rollerrig import _core
-from rollerrig.config import AngularSupport, LinearSupport
+from rollerrig.config import AngularSupport, LinearSupport, Restraint
 from rollerrig.config.schema.base import Table
 from rollerrig.config.schema.vehicle import AngularLaw, LinearLaw
 
+Support = LinearSupport | AngularSupport | Restraint
+"""What stands between the ground and a body, in one direction."""
 
-def direction_law(
-    law: LinearLaw | AngularLaw | LinearSupport | AngularSupport | None, preload: float
-) -> _core.DirectionLaw:
+
+def direction_law(law: LinearLaw | AngularLaw | Support | None, preload: float) -> _core.DirectionLaw:
     """One direction of an element, as the core takes it: every key of a law of the core's registry that is given.
 
     A key holds the law's table, or its only parameter, which has the law's name; 0 is no law.

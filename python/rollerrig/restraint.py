@@ -103,8 +103,8 @@ def require_restraint(simulation: _core.Simulation, model: AssembledModel, state
     loose = f"the vehicle '{vehicle}'" if found.whole else f"{found.body} of the vehicle '{vehicle}'"
     value = f"nothing holds {loose} along the track on top of the rollers"
     allowed = (
-        f"it would roll off, twice as far every {math.log(2.0) / found.rate:.2g} s; needed: a restraint along the track, e.g. "
-        f"locked = ['x'] for {found.body}, or a force element with a stiffness in x to a body that is held"
+        f"it would roll off, twice as far every {math.log(2.0) / found.rate:.2g} s; needed: a coupler rod, "
+        f"support.restraint, locked = ['x'] for {found.body}, or a force element with a stiffness in x to a body that is held"
     )
     raise ConfigError([ConfigProblem(model.case.name, "vehicle", value, allowed)])
 

@@ -374,7 +374,8 @@ def outcome(simulation: _core.Simulation, model: AssembledModel, code: int, fail
     at = simulation.time
     blamed = simulation.failed_contact if status not in _BLAMELESS else -1
     wheel = next((w.name for w in model.wheels if w.contact == blamed), "")
-    message = failure or (status == "contact_lost" and rolled_off(simulation, model)) or _core.status_sentence(code)
+    lost = status in ("contact_lost", "rollers_protected")
+    message = failure or (lost and rolled_off(simulation, model)) or _core.status_sentence(code)
     if status != "ok" and not failure:
         place = f"t = {at:.4g} s" + (f", {wheel}" if wheel else "")
         message = f"{place}: {message}"

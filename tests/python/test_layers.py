@@ -2,9 +2,9 @@
 
 core:    scalar -> math -> integrate -> track -> multibody -> geometry -> contact -> mechatronics -> system -> simulate
 Python:  wording -> splines, input_files, memory, workers, blas_threads -> profiles, track, irregularity -> config -> core_struct
-         -> catalog -> cases -> contact_laws, force_laws, static_loads -> assembly -> actuators -> results -> restraint
-         -> starting_state -> mechatronics -> simulation -> similitude -> contact_analysis -> analysis -> plot -> study
-         -> commands -> cli
+         -> catalog -> cases -> contact_laws, force_laws, static_loads, model_parts -> assembly -> actuators -> results
+         -> restraint -> starting_state -> mechatronics -> simulation -> similitude -> contact_analysis -> analysis -> plot
+         -> study -> commands -> cli
 """
 
 from __future__ import annotations
@@ -124,7 +124,7 @@ PYTHON_LAYERS = [
     {"core_struct", "recording"},
     {"catalog"},
     {"cases"},
-    {"contact_laws", "force_laws", "static_loads"},
+    {"contact_laws", "force_laws", "static_loads", "model_parts"},
     {"assembly"},
     {"actuators"},
     {"results"},

@@ -39,7 +39,7 @@ from rollerrig.config.schema.case import (
 )
 from rollerrig.config.schema.irregularity import MeasuredIrregularity, SpectrumIrregularity
 from rollerrig.config.schema.material import Material
-from rollerrig.config.schema.mounting import AngularSupport, Foundation, LinearSupport, Mounting
+from rollerrig.config.schema.mounting import AngularSupport, Foundation, LinearSupport, Mounting, Restraint
 from rollerrig.config.schema.profile import S1002, Arc, Cone, Cylinder, ProfileFile, ProfileSpec, Uic60
 from rollerrig.config.schema.rig_control import RigControl
 from rollerrig.config.schema.sensors import Encoder, ForceSensor, Sensors
@@ -98,6 +98,7 @@ __all__ = [
     "Piece",
     "ProfileFile",
     "ProfileSpec",
+    "Restraint",
     "Rig",
     "RigControl",
     "RollerEffects",

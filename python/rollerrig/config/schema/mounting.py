@@ -3,7 +3,15 @@
 from pydantic import Field, model_validator
 
 from rollerrig.config.schema.base import Table, refused
-from rollerrig.config.schema.units import AngularDamping, Damping, Mass, PositiveAngularStiffness, PositiveStiffness
+from rollerrig.config.schema.units import (
+    AngularDamping,
+    Damping,
+    Mass,
+    Position,
+    PositiveAngularStiffness,
+    PositiveStiffness,
+)
+from rollerrig.config.schema.vehicle import Name
 
 
 class LinearSupport(Table):
@@ -32,6 +40,15 @@ class Mounting(Table):
         """The supports that are given, by direction."""
         given = {"y": self.lateral, "z": self.vertical, "yaw": self.yaw}
         return {direction: support for direction, support in given.items() if support is not None}
+
+
+class Restraint(Table):
+    """A coupler rod from a vehicle to the ground: spring and damper along the track, which hold it on top of the rollers."""
+
+    height: Position = Field(description="of the rod above the crowns")
+    stiffness: PositiveStiffness = Field(description="of the rod with its anchorage, along the track")
+    damping: Damping = Field(default=0.0, description="of the same")
+    body: Name | None = Field(default=None, description="that it holds; absent: the heaviest that is no wheelset")
 
 
 class Foundation(Table):

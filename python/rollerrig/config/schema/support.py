@@ -6,7 +6,7 @@ from pydantic import Discriminator, Field, RootModel, StrictBool, model_validato
 
 from rollerrig.config.schema.base import Table, refused
 from rollerrig.config.schema.irregularity import AnyIrregularity
-from rollerrig.config.schema.mounting import Mounting
+from rollerrig.config.schema.mounting import Mounting, Restraint
 from rollerrig.config.schema.profile import AnyProfile
 from rollerrig.config.schema.track import Gauge, GaugeDepth, Track
 from rollerrig.config.schema.units import Inertia, Mass, RollerRadius
@@ -33,6 +33,10 @@ class Rig(Table):
     )
     mounting: Mounting | None = Field(
         default=None, description="elastic support of the roller axles; absent: they only spin"
+    )
+    restraint: Restraint | None = Field(
+        default=None,
+        description="a coupler rod that holds a vehicle along the track which nothing else holds; absent: there is none",
     )
     irregularity: AnyIrregularity | None = Field(
         default=None,

@@ -269,6 +269,11 @@ class Vehicle(Table):
         """The free bodies of a cut, in the order of the vehicle."""
         return tuple(body for body in self.body if body.name in cut.bodies)
 
+    def heaviest_in(self, cut: Cut) -> Body | None:
+        """The heaviest free body of a cut that is no wheelset; None where there are wheelsets alone."""
+        rigid = [body for body in self.bodies_in(cut) if body.kind != "wheelset"]
+        return max(rigid, key=lambda body: body.mass, default=None)
+
     def elements_in(self, cut: Cut) -> tuple[Element, ...]:
         """The elements with both ends in the cut, at least one of them on a free body."""
         kept = {*cut.bodies, *cut.fixed}

@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from rollerrig.config.errors import ConfigProblem, show_value
+from rollerrig.config.errors import ConfigProblem, nearest, one_of, show_value
 from rollerrig.config.schema.case import CaseTables, Disturbance
 from rollerrig.config.schema.vehicle import DIRECTIONS, Vehicle
 from rollerrig.config.validate.check_actuators import DRIVE_OF_RIG_CONTROL, check_actuators
@@ -58,10 +58,26 @@ def check_case(case: CaseTables, file: str) -> list[ConfigProblem]:
         problems.append(ConfigProblem(file, "motion.drive", show_value(case.motion.drive), allowed))
     else:
         problems += check_track(case, file)
+    problems += _restraint(case, file)
     problems += check_actuators(case, file)
     problems += check_patch(case, file)
     problems += check_size(case, file)
     return list(dict.fromkeys(problems))
+
+
+def _restraint(case: CaseTables, file: str) -> Iterable[ConfigProblem]:
+    """A coupler rod needs a body that it can hold."""
+    support, vehicle, cut = case.support.data, case.vehicle.data, case.vehicle.part
+    if support.kind != "rig" or support.restraint is None:
+        return
+    free = [body.name for body in vehicle.bodies_in(cut) if body.kind != "wheelset" and "x" not in body.locked]
+    heaviest = vehicle.heaviest_in(cut)
+    name = support.restraint.body or (heaviest.name if heaviest else "none")
+    if name not in free:
+        allowed = (
+            one_of(free) if free else "allowed: no restraint; nothing of this vehicle that it could hold is free in x"
+        )
+        yield ConfigProblem(file, "support.restraint.body", show_value(name), allowed, nearest(name, free))
 
 
 def _disturbance(case: CaseTables, disturbance: Disturbance, file: str) -> Iterable[ConfigProblem]:
