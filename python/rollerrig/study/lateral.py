@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import xarray as xr
@@ -29,14 +30,35 @@ from rollerrig.results import COMPLETED
 from rollerrig.study.adhesion_variants import track_case
 from rollerrig.study.frame import Study
 from rollerrig.study.jobs import Done, Round, job, whole_run
-from rollerrig.study.lateral_numbers import GUIDANCE, GUIDED, LABELS, QUANTITIES, RUN, guidance_numbers, run_numbers
+from rollerrig.study.lateral_cases import CLEAN_POLACH, MEMBERS, nearly_the_same, unbraked, whole_creep_slope
+from rollerrig.study.lateral_numbers import (
+    ENSEMBLE,
+    GUIDANCE,
+    GUIDED,
+    LABELS,
+    QUANTITIES,
+    REPEATED,
+    RUN,
+    ensemble_numbers,
+    guidance_numbers,
+    run_measured,
+    run_numbers,
+)
+from rollerrig.study.lateral_text import control_text, guidance_text, hunting_text
 from rollerrig.study.quantities import Numbers
 from rollerrig.study.report import Block, Picture, Section, Text
-from rollerrig.wording import number, percent
 
 
 @dataclass(frozen=True)
-class LateralStudy(Study[dict[str, xr.Dataset]]):
+class Found:
+    """Runs by key of LABELS, and the numbers of the nearly same runs by key of REPEATED."""
+
+    runs: dict[str, xr.Dataset]
+    repeated: dict[str, list[dict[str, Any]]]
+
+
+@dataclass(frozen=True)
+class LateralStudy(Study[Found]):
     """The runs of LABELS of one case, on elastic rollers with a lateral disturbance."""
 
     case: Case
@@ -77,7 +99,16 @@ class LateralStudy(Study[dict[str, xr.Dataset]]):
         return {"rig": self.case, "track": track_case(self.case)}
 
     def rounds(self, done: Done) -> Iterator[Round]:
-        yield {LABELS[key]: job(whole_run, case) for key, case in self.runs().items()}
+        runs = self.runs()
+        yield {LABELS[key]: job(whole_run, case) for key, case in runs.items()}
+        if LABELS["rig"] not in done:
+            return
+        begin = _slide({key: done[label] for key, label in LABELS.items() if label in done})
+        yield {
+            _repeated(key, number): job(run_measured, case, begin)
+            for key in REPEATED
+            for number, case in enumerate(nearly_the_same(runs[key]), 1)
+        }
 
     def runs(self) -> dict[str, Case]:
         """The cases that are run, by key of LABELS."""
@@ -85,6 +116,7 @@ class LateralStudy(Study[dict[str, xr.Dataset]]):
         rigid: dict[str, object] = {"support.mounting": None, "support.changes": None}
         centred: dict[str, object] = {"disturbance": []}
         dry: dict[str, object] = {"adhesion.rail": "dry", "adhesion.piece": []}
+        stiff = whole_creep_slope(track)
         return {
             "rig": self.case,
             "rig_centred": self.case.with_changes(centred),
@@ -93,24 +125,36 @@ class LateralStudy(Study[dict[str, xr.Dataset]]):
             "rig_dry": self.case.with_changes(dry),
             "track": track,
             "track_dry": track.with_changes(dry),
-            "track_exact": track.with_changes({"contact.creep": "table"}),
+            "track_paper": track.with_changes({"contact.creep": "kalker_saturated"}),
+            "track_unbraked": unbraked(track),
+            "track_stiff": stiff,
+            "track_stiff_unbraked": unbraked(stiff),
+            "track_polach_stiff_unbraked": unbraked(stiff).with_changes({"contact.creep": CLEAN_POLACH}),
         }
 
-    def collect(self, done: Done) -> dict[str, xr.Dataset] | None:
-        return {key: done[label] for key, label in LABELS.items() if label in done} if LABELS["rig"] in done else None
+    def collect(self, done: Done) -> Found | None:
+        if LABELS["rig"] not in done:
+            return None
+        again = {key: [done[name] for name in map(partial(_repeated, key), range(1, MEMBERS)) if name in done]
+                 for key in REPEATED}  # fmt: skip
+        return Found({key: done[label] for key, label in LABELS.items() if label in done}, again)
 
-    def statuses(self, results: dict[str, xr.Dataset]) -> Sequence[str]:
-        return [run.attrs["status"] for run in results.values()]
+    def statuses(self, results: Found) -> Sequence[str]:
+        return [run.attrs["status"] for run in results.runs.values()]
 
     # --------------------------------------------------------------------------------------------------- numbers
 
-    def numbers(self, results: dict[str, xr.Dataset]) -> dict[str, Any]:
-        begin = _slide(results)
-        left = {key: self.guidance_of(results[key]) for key in GUIDED if key in results}
+    def numbers(self, results: Found) -> dict[str, Any]:
+        begin = _slide(results.runs)
+        left = {key: self.guidance_of(results.runs[key]) for key in GUIDED if key in results.runs}
+        runs = {key: run_numbers(run, begin) for key, run in results.runs.items()}
         return {
             "case": self.case.name,
             "slide_begins_s": begin,
-            "runs": {key: run_numbers(run, begin) for key, run in results.items()},
+            "runs": runs,
+            "ensemble": {
+                key: ensemble_numbers([runs[key], *others]) for key, others in results.repeated.items() if others
+            },
             "guidance": {key: guidance_numbers(found) for key, found in left.items() if found is not None},
         }
 
@@ -118,57 +162,33 @@ class LateralStudy(Study[dict[str, xr.Dataset]]):
         """Lateral creep of the sliding axles of a run; None where no wheel slid while it moved sideways."""
         return guidance(run, lateral_creep_coefficient(self.case, run))
 
-    def summary(self, results: dict[str, xr.Dataset], numbers: Numbers) -> list[str]:
-        runs, lines = numbers["runs"], []
-        errors = {key: runs[key]["tracking_rms"] for key in ("rig", "rig_centred", "rig_rigid") if key in runs}
-        if len(errors) == 3 and all(errors.values()):
-            sliding = {key: f"{number(runs[key]['real_sliding_largest_mps'], 2)} m/s" for key in errors}
-            lines.append(
-                f"Tracking error, RMS of train speed: {percent(errors['rig_centred'])} while the bogie stays centred, "
-                f"{percent(errors['rig_rigid'])} where it hunts on rigid rollers, {percent(errors['rig'])} on elastic ones "
-                f"({number(errors['rig'] / errors['rig_centred'], 2)} times as much): wheels then slide on the rollers at up to "
-                f"{sliding['rig']}, rigid {sliding['rig_rigid']}, centred {sliding['rig_centred']}."
-            )
-        if "track" in runs and None not in (
-            runs["track"]["amplitude_in_slide_mm"],
-            runs["rig"]["amplitude_in_slide_mm"],
-        ):
-            sizes = {key: f"{number(runs[key]['amplitude_before_mm'], 2)} and {number(runs[key]['amplitude_in_slide_mm'], 2)} mm"
-                     for key in ("track", "rig")}  # fmt: skip
-            lines.append(
-                "Hunting, amplitude of the leading wheelset before the slide and later than 1 s into it: on track "
-                f"{sizes['track']}, on the rig {sizes['rig']}. Lateral guidance of the wheels is weak on low adhesion and "
-                "weakest while they slide, so that hunting decays; the rig's real wheels keep rolling on dry rollers, and hunt."
-            )
-        if "track" in numbers["guidance"]:
-            left, exact = numbers["guidance"]["track"], numbers["guidance"].get("track_exact")
-            lines.append(
-                f"What remains of lateral creep on a sliding wheel is viscous, {number(left['sliding_ns_per_m'], 3)} N s/m "
-                f"instead of {number(left['rolling_ns_per_m'], 3)}. Against −F v_y/v_s its slope is {left['slope']:z.2f} with "
-                "the case's creep law"
-                + (f", {exact['slope']:z.2f} with the exact theory." if exact is not None else ".")
-            )
-        ended = {key: run for key, run in results.items() if run.attrs["status"] not in COMPLETED}
+    def summary(self, results: Found, numbers: Numbers) -> list[str]:
+        lines = [*control_text(numbers), *hunting_text(numbers)]
+        lines += guidance_text(numbers)
+        ended = {key: run for key, run in results.runs.items() if run.attrs["status"] not in COMPLETED}
         return lines + [f"{LABELS[key]}: {run.attrs['status_message']}" for key, run in ended.items()]
 
-    def files(self, results: dict[str, xr.Dataset], numbers: Numbers) -> Mapping[str, Any]:
-        return {f"{key}.nc": run for key, run in results.items()}
+    def files(self, results: Found, numbers: Numbers) -> Mapping[str, Any]:
+        return {f"{key}.nc": run for key, run in results.runs.items()}
 
-    def sections(self, results: dict[str, xr.Dataset], numbers: Numbers) -> list[Section]:
+    def sections(self, results: Found, numbers: Numbers) -> list[Section]:
         shown = {LABELS[key]: run for key, run in numbers["runs"].items()}
         table = QUANTITIES.list_table(shown, [quantity.name for quantity in RUN])
-        sections = [Section("Numbers", [table])]
-        sections += [Section(title, [Picture(*picture)]) for title, *picture in _pictures(results)]
+        again = {LABELS[key]: one for key, one in numbers["ensemble"].items()}
+        caption = f"mean of {MEMBERS} runs whose disturbances differ by 1e-9, and its standard error"
+        repeated = [QUANTITIES.list_table(again, [q.name for q in ENSEMBLE], caption)] if again else []
+        sections = [Section("Numbers", [table, *repeated])]
+        sections += [Section(title, [Picture(*picture)]) for title, *picture in _pictures(results.runs)]
         return [*sections, Section("Lateral guidance of a sliding wheel", self._guidance_blocks(results, numbers))]
 
-    def _guidance_blocks(self, results: dict[str, xr.Dataset], numbers: Numbers) -> list[Block]:
+    def _guidance_blocks(self, results: Found, numbers: Numbers) -> list[Block]:
         text = (
             "On a wheel that slides along the track at a speed v_s far above its lateral speed v_y, friction opposes the "
             "sliding: F_y = −F v_y/v_s, viscous and weak, where a rolling wheel has f₂₂/V. Kalker's theory saturated by its "
             "length keeps the direction of the linear force, so that its slope is near f₂₂/f₁₁; the exact theory and FASTSIM "
             "turn to Coulomb's. The parts of spin on left and right cancel in an axle."
         )
-        found = {key: self.guidance_of(results[key]) for key in numbers["guidance"]}
+        found = {key: self.guidance_of(results.runs[key]) for key in numbers["guidance"]}
         if not found:
             return [Text(text), Text("No wheel slid while it moved sideways.")]
         entries = {LABELS[key]: numbers["guidance"][key] for key in found}
@@ -178,6 +198,11 @@ class LateralStudy(Study[dict[str, xr.Dataset]]):
             for key, one in found.items() if one is not None
         ]  # fmt: skip
         return [Text(text), QUANTITIES.table(entries, [q.name for q in GUIDANCE], head="run"), *pictures]
+
+
+def _repeated(key: str, number: int) -> str:
+    """Name of the job of another member of an ensemble."""
+    return f"{LABELS[key]}, again {number}"
 
 
 def _slide(results: Mapping[str, xr.Dataset]) -> float:

@@ -6,6 +6,8 @@ run -> [run_numbers], Guidance -> [guidance_numbers] -> values by key of QUANTIT
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -21,6 +23,9 @@ from rollerrig.analysis.lateral_guidance import (
     train_slip,
 )
 from rollerrig.analysis.tracking import largest, rms, tracking
+from rollerrig.config import Case
+from rollerrig.study.ensemble import scatter
+from rollerrig.study.jobs import Progress, whole_run
 from rollerrig.study.quantities import Quantities, Quantity
 
 LABELS = {
@@ -31,12 +36,19 @@ LABELS = {
     "rig_dry": "rig as it is, displaced, dry virtual rail",
     "track": "track, displaced",
     "track_dry": "track, displaced, dry rail",
-    "track_exact": "track, displaced, exact creep theory",
+    "track_paper": "track, displaced, the paper's creep law",
+    "track_unbraked": "track, displaced, unbraked",
+    "track_stiff": "track, displaced, k_A = k_S = 1",
+    "track_stiff_unbraked": "track, displaced, k_A = k_S = 1, unbraked",
+    "track_polach_stiff_unbraked": "track, displaced, k_A = k_S = 1, unbraked, Polach's creep law",
 }
 """Key of a run -> its label; displaced: by the case's disturbance."""
 
-GUIDED = ("track", "track_exact")
+GUIDED = ("track", "track_paper")
 """Runs whose lateral creep is compared with the closed form."""
+
+REPEATED = ("rig", "rig_rigid")
+"""Runs in which flanges strike: repeated with a disturbance that differs by 1e-9, since no single figure of theirs is certain."""
 
 PERCENT = ("%", 100.0)
 ROUND_OFF = 1e-6
@@ -74,12 +86,40 @@ GUIDANCE = (
     Quantity("guidance.*.rolling_ns_per_m", "damping of a rolling wheel, f22 / V", "N s/m", "rolling: f₂₂/V", 3),
     Quantity("guidance.*.sliding_ns_per_m", "of a sliding one, median of F / v_s", "N s/m", "sliding: F/v_s", 3),
 )  # fmt: skip
+CHAOTIC = ("tracking_rms", "real_sliding_largest_mps", "amplitude_before_mm", "amplitude_in_slide_mm")
+"""Quantities of a run that the smallest change moves."""
+
+_OF_RUN = {quantity.name: quantity for quantity in RUN}
+ENSEMBLE = tuple(
+    replace(_OF_RUN[name], key=f"ensemble.*.{name}{suffix}", meaning=f"{_OF_RUN[name].meaning}; {what}",
+            label=f"{_OF_RUN[name].label}{mark}")
+    for name in CHAOTIC
+    for suffix, what, mark in (
+        ("", "mean of runs whose disturbances differ by 1e-9", ""),
+        ("_standard_error", "standard error of that mean", ", s.e."),
+    )
+)  # fmt: skip
 QUANTITIES = Quantities(
     Quantity("case", "name of the case"),
     Quantity("slide_begins_s", "on track, the time that divides all runs; null: never", "s"),
     RUN,
+    ENSEMBLE,
     GUIDANCE,
 )
+
+
+def run_measured(case: Case, slide: float, progress: Progress | None = None) -> dict[str, Any]:
+    """The numbers of one more member of an ensemble."""
+    return run_numbers(whole_run(case, progress), slide)
+
+
+def ensemble_numbers(members: Sequence[Mapping[str, Any]]) -> dict[str, float]:
+    """Means and standard errors by name of ENSEMBLE."""
+    found = {}
+    for name in CHAOTIC:
+        mean, error, _ = scatter([member[name] for member in members])
+        found[name], found[f"{name}_standard_error"] = mean, error
+    return found
 
 
 def run_numbers(run: xr.Dataset, slide: float) -> dict[str, Any]:

@@ -7,40 +7,40 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import xarray as xr
 
 from rollerrig import ConfigError, load_case, load_run
 from rollerrig.analysis.lateral_guidance import amplitude, amplitudes_over_time, slide_begins
 from rollerrig.study.frame import Outcome
-from rollerrig.study.lateral import LateralStudy
+from rollerrig.study.lateral import Found, LateralStudy
+from rollerrig.study.lateral_cases import MEMBERS
 from rollerrig.study.lateral_numbers import LABELS, run_numbers
 
-Found = Outcome[dict[str, xr.Dataset]]
+Study = Outcome[Found]
 
 
 @pytest.fixture(scope="module")
-def outcome() -> Found:
+def outcome() -> Study:
     case = load_case("adhesion_lateral").with_changes({"time.duration": "6 s"})
     found = LateralStudy(case).run()
     assert found is not None
-    assert set(found.results) == set(LABELS)
+    assert set(found.results.runs) == set(LABELS)
     return found
 
 
-def test_a_sliding_wheel_is_guided_by_viscous_friction_alone(outcome: Found) -> None:
+def test_a_sliding_wheel_is_guided_by_viscous_friction_alone(outcome: Study) -> None:
     """Friction opposes sliding: F_y = -F v_y / w. The exact theory gets there; Kalker's saturated by length keeps f22 / f11."""
-    exact, paper = (outcome.numbers["guidance"][key] for key in ("track_exact", "track"))
+    exact, paper = (outcome.numbers["guidance"][key] for key in ("track", "track_paper"))
     # The table is within 2 % of the friction limit; at w > 1 m/s creepage is 20 times that of saturation.
     assert exact["slope"] == pytest.approx(1.0, abs=0.02)
     assert exact["correlation"] > 0.999
     assert exact["sliding_ns_per_m"] < 0.02 * exact["rolling_ns_per_m"]  # weak guidance
     assert 0.78 < paper["slope"] < 0.95  # f22 / f11 is 0.80 for the whole wheel, and differs from patch to patch
     assert isinstance(outcome.study, LateralStudy)
-    assert outcome.study.guidance_of(outcome.results["track_dry"]) is None
+    assert outcome.study.guidance_of(outcome.results.runs["track_dry"]) is None
 
 
-def test_hunting_decays_on_the_degraded_track_and_persists_on_the_rig(outcome: Found) -> None:
-    begin = slide_begins(outcome.results["track"])
+def test_hunting_decays_on_the_degraded_track_and_persists_on_the_rig(outcome: Study) -> None:
+    begin = slide_begins(outcome.results.runs["track"])
     assert 3.0 < begin < 4.5  # low adhesion begins at 3 s
     found = outcome.numbers["runs"]
     assert outcome.numbers["slide_begins_s"] == begin
@@ -53,15 +53,44 @@ def test_hunting_decays_on_the_degraded_track_and_persists_on_the_rig(outcome: F
     assert found["rig_rigid"]["roller_lateral_mm"] == 0.0
 
 
-def test_hunting_disturbs_the_control(outcome: Found) -> None:
+def test_the_control_runs_tell_the_slide_from_the_rail(outcome: Study) -> None:
+    """Unbraked no wheel slides. On the contaminated rail hunting ends all the same; with k_A = k_S = 1 only the slide ends it."""
+    found = outcome.numbers["runs"]
+    for key in ("track_unbraked", "track_stiff_unbraked"):
+        assert found[key]["largest_slip"] < 0.01
+        assert found[key]["amplitude_before_mm"] > 1.0
+    assert found["track_stiff"]["largest_slip"] > 0.05
+    assert found["track_unbraked"]["amplitude_in_slide_mm"] < 0.3
+    assert found["track_stiff_unbraked"]["amplitude_in_slide_mm"] > 1.0
+    assert found["track_stiff"]["amplitude_in_slide_mm"] < 0.1
+    assert found["track_polach_stiff_unbraked"]["amplitude_in_slide_mm"] < 0.1  # its curve bends long before the limit
+    told = " ".join(outcome.summary)
+    assert "hunting dies there too" in told
+    assert "k_A = k_S = 1" in told
+
+
+def test_figures_of_runs_that_strike_are_means_with_errors(outcome: Study) -> None:
+    again = outcome.numbers["ensemble"]
+    assert set(again) == {"rig", "rig_rigid"}
+    for key, one in again.items():
+        members = [outcome.numbers["runs"][key], *outcome.results.repeated[key]]
+        assert len(members) == MEMBERS
+        sliding = [member["real_sliding_largest_mps"] for member in members]
+        assert one["real_sliding_largest_mps"] == pytest.approx(np.mean(sliding))
+        assert one["real_sliding_largest_mps_standard_error"] == pytest.approx(np.std(sliding, ddof=1) / MEMBERS**0.5)
+    # 1e-9 of the disturbance moves the run on elastic rollers, whose flanges strike
+    assert again["rig"]["real_sliding_largest_mps_standard_error"] > 1e-6
+
+
+def test_hunting_disturbs_the_control(outcome: Study) -> None:
     errors = {key: outcome.numbers["runs"][key]["tracking_rms"] for key in ("rig", "rig_rigid", "rig_centred")}
     assert errors["rig"] > 2.0 * errors["rig_rigid"] > 4.0 * errors["rig_centred"] > 0.0
     assert errors["rig"] < 0.01  # and yet stays within the project's aim
 
 
-def test_slip_on_the_rig_is_that_of_the_virtual_wheels(outcome: Found) -> None:
+def test_slip_on_the_rig_is_that_of_the_virtual_wheels(outcome: Study) -> None:
     """Real wheels that strike with their flanges slide on the rollers: that is no slip of the train."""
-    run = outcome.results["rig"]
+    run = outcome.results.runs["rig"]
     for name, compare in (("virtual_speed", pytest.approx), ("axle_speed", lambda x: pytest.approx(x, rel=1e-4))):
         slip = abs(0.46 * run[name] / run["train_speed"] - 1.0).where(run["train_speed"] > 2.0)
         assert (float(slip.max()) == compare(outcome.numbers["runs"]["rig"]["largest_slip"])) == (
@@ -69,10 +98,10 @@ def test_slip_on_the_rig_is_that_of_the_virtual_wheels(outcome: Found) -> None:
         )
 
 
-def test_a_bogie_in_the_middle_stays_there(outcome: Found) -> None:
+def test_a_bogie_in_the_middle_stays_there(outcome: Study) -> None:
     """Left and right are alike: rounding alone moves it, whatever the wheels do along the track."""
     for key in ("rig_centred", "rig_rigid_centred"):
-        assert run_numbers(outcome.results[key], 4.0)["largest_lateral_mm"] < 1e-6
+        assert run_numbers(outcome.results.runs[key], 4.0)["largest_lateral_mm"] < 1e-6
 
 
 def test_amplitudes() -> None:
@@ -85,7 +114,7 @@ def test_amplitudes() -> None:
     assert np.isnan(amplitude(time, values, 10.0, 11.0))
 
 
-def test_files_hold_every_run_and_every_number_is_explained(outcome: Found, tmp_path: Path) -> None:
+def test_files_hold_every_run_and_every_number_is_explained(outcome: Study, tmp_path: Path) -> None:
     files = {path.name for path in outcome.write(tmp_path)}
     assert {f"{key}.nc" for key in LABELS} | {
         "summary.json",
