@@ -21,6 +21,12 @@ from rollerrig.config.errors import nearest
 from rollerrig.mechatronics import users_controllers
 from rollerrig.plot import control as figures
 from rollerrig.study.control_blocks import family_picture, range_chart, ranking_table
+from rollerrig.study.control_compensation import (
+    compensation_blocks,
+    compensation_jobs,
+    compensation_numbers,
+    compensation_text,
+)
 from rollerrig.study.control_ranking import (
     RIPPLE_CRITERION,
     RIPPLE_LIMIT,
@@ -43,12 +49,13 @@ from rollerrig.wording import percent
 
 @dataclass(frozen=True)
 class Found:
-    """Results of the references and of the families, courses over time by label, and the points of the loop."""
+    """Results of references and families, courses over time by label, points of the loop, compensations by label."""
 
     references: list[Result]
     results: list[Result]
     courses: dict[str, xr.Dataset]
     loop: list[dict[str, float]]
+    compensation: dict[str, dict[str, float]] | None
 
 
 @dataclass(frozen=True)
@@ -60,17 +67,19 @@ class ControlStudy(Study[Found]):
         families: names of FAMILIES; none: all.
         user: 'file.py:Class' of a controller to be compared with the built-in one.
         loop: also find where the loop becomes unstable, computed and measured.
+        lags: also compare ways to compensate the lags.
     """
 
     case: Case
     families: tuple[str, ...] = ()
     user: str | None = None
     loop: bool = True
+    lags: bool = True
 
     command = "control"
     quantities = QUANTITIES
     writes = ("variants.csv", "loop.csv")
-    irrelevant = ("description", "families", "loop")
+    irrelevant = ("description", "families", "loop", "lags")
     round_ends = (0.98, 1.0)
 
     def __post_init__(self) -> None:
@@ -124,7 +133,11 @@ class ControlStudy(Study[Found]):
 
     def rounds(self, done: Done) -> Iterator[Round]:
         jobs = {_name(key): job(run_variant, case, key[0] == "references") for key, case in self.variants.items()}
-        yield {**jobs, **(loop_jobs(self.case) if self.loop else {})}
+        yield {
+            **jobs,
+            **(loop_jobs(self.case) if self.loop else {}),
+            **(compensation_jobs(self.case) if self.lags else {}),
+        }
         yield {f"course of {_name(key)}": job(run_variant, self.variants[key], True) for key in self._worst(done)}
 
     def _worst(self, done: Done) -> list[tuple[str, str, float]]:
@@ -157,6 +170,7 @@ class ControlStudy(Study[Found]):
             results,
             courses,
             sorted((done[n] for n in done if n.startswith("gains times ")), key=lambda point: point["factor"]),
+            compensation_numbers(self.case, done) if self.lags else None,
         )
 
     # --------------------------------------------------------------------------------------------------- numbers
@@ -173,6 +187,7 @@ class ControlStudy(Study[Found]):
             ],
             "ranking": [rank_numbers(rank) for rank in self._ranking(results)],
             "loop": loop_numbers(self.case, results.loop) if results.loop else None,
+            "compensation": results.compensation,
         }
 
     def _ranking(self, results: Found) -> list[Rank]:
@@ -184,6 +199,8 @@ class ControlStudy(Study[Found]):
             f"As shipped the wheels follow the virtual train within {shipped} RMS of its speed. A variant fails with a "
             f"{TRACKING_CRITERION}, with a {RIPPLE_CRITERION}, or where the test ends early."
         ]
+        if numbers["compensation"] is not None:
+            lines.append(compensation_text(numbers["compensation"]))
         failing: dict[str, list[Rank]] = {}
         for rank in (rank for rank in self._ranking(results) if rank.failures):
             failing.setdefault(rank.family.name, []).append(rank)
@@ -214,6 +231,10 @@ class ControlStudy(Study[Found]):
                 QUANTITIES.table(references, REFERENCE_COLUMNS, "the case, and where its error comes from", "run"),
                 Picture("courses", courses, caption)]),
         ]  # fmt: skip
+        if numbers["compensation"] is not None:
+            sections.append(
+                Section("Lags and their compensation", compensation_blocks(numbers["compensation"], QUANTITIES))
+            )
         if numbers["loop"] is not None:
             sections.append(Section("Stability of the loop", loop_blocks(numbers["loop"], results.loop)))
         return sections + [

@@ -14,6 +14,7 @@ import xarray as xr
 from rollerrig.analysis.torque_ripple import RIPPLE_ABOVE, torque_ripple
 from rollerrig.analysis.tracking import largest, rms, slip, tracking
 from rollerrig.config import Case
+from rollerrig.study.control_compensation import COMPENSATION
 from rollerrig.study.control_stability import LOOP_QUANTITIES
 from rollerrig.study.jobs import Progress, whole_run
 from rollerrig.study.quantities import Quantities, Quantity
@@ -54,6 +55,7 @@ QUANTITIES = Quantities(
              "begin and end: where the limit is passed, interpolated, or the first and last value that fails; null: to the end "
              "of the values tried; the largest error and where"),
     LOOP_QUANTITIES,
+    COMPENSATION,
 )  # fmt: skip
 REFERENCE_COLUMNS = ("status", "tracking_rms", "tracking_largest", "real_sliding_largest_mps", "roller_torque_largest_nm",
                      "ripple_nm", "distance_relative", "dump_cycles", "air_litres")  # fmt: skip

@@ -1,0 +1,177 @@
+"""What the lags of estimator and drives cost, and what each way of compensating them leaves: ensembles beside the track.
+
+Case of a braked rig -> [compensation_jobs] -> ends of runs by variant and start -> means, errors, equivalent dead time
+
+A rig that is late acts like a track whose slide protection has more dead time: the same test on track with some more of it
+gives the scale on which the rig's dump cycles are read.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+import numpy as np
+
+from rollerrig.actuators import assemble_with_actuators
+from rollerrig.config import Case
+from rollerrig.config.schema.rig_control import BandwidthEstimator
+from rollerrig.mechatronics.lags import lags
+from rollerrig.study.adhesion_variants import track_case
+from rollerrig.study.control_variants import Changes
+from rollerrig.study.ensemble import begun_later, scatter
+from rollerrig.study.jobs import Done, Progress, Round, job, whole_run
+from rollerrig.study.quantities import Numbers, Quantities, Quantity
+from rollerrig.study.report import Block, Table, Text
+from rollerrig.wording import number
+
+TRACK = "track"
+NONE: Changes = {"rig_control.axle_torque.kind": "estimated", "rig_control.drive_command.kind": "direct"}
+_KNOWN: Changes = {"rig_control.axle_torque.kind": "known"}
+_LEAD: Changes = {"rig_control.drive_command.kind": "lead"}
+_LOOP: Changes = {"rig_control.drive_command.kind": "torque_loop"}
+VARIANTS: Mapping[str, Changes] = {
+    "no compensation": NONE,
+    "estimator with 100 Hz": {**NONE, "rig_control.estimator.bandwidth": 100.0},
+    "estimated torque extrapolated": {**NONE, "rig_control.axle_torque.kind": "extrapolated"},
+    "torque from the pressure": {**NONE, **_KNOWN},
+    "lead of the drives": {**NONE, **_LEAD},
+    "loop over the drives' torque": {**NONE, **_LOOP},
+    "pressure, and loop": {**_KNOWN, **_LOOP},
+    "pressure, and lead": {**_KNOWN, **_LEAD},
+    "the same, pads rub 20 % less than assumed": {**_KNOWN, **_LEAD, "rig_control.axle_torque.brake_friction": 1.25},
+    "torque known exactly, and lead": {**NONE, **_LEAD, "rig_control.estimator": {"kind": "exact"}},
+}
+"""Ways to compensate, the rig as it would be without any at first."""
+
+DEAD_TIMES = (2e-3, 4e-3, 8e-3, 12e-3, 16e-3)
+"""Added to that of the slide protection on track [s]."""
+
+STARTS = 8
+APART = 0.013
+"""By which one start is later than the one before [s]; no multiple of the slide protection's sample time."""
+
+RESULTS = ("distance_m", "dump_cycles", "air_litres")
+COMPENSATION = (
+    Quantity("compensation", "lags and their compensation, by variant; null: no slide protection in the case"),
+    Quantity("compensation.*.predicted_ms", "equivalent dead time in closed form, (D17); of a track what was added", "ms",
+             "predicted dead time", 3),
+    *(Quantity(f"compensation.*.{name}{end}", f"{meaning}, {what}", unit, f"{label}{mark}", 4 if not end else 2)
+      for name, meaning, unit, label in (
+          ("distance_m", "run by the train", "m", "distance"),
+          ("dump_cycles", "of the slide protection, all axles", "", "dump cycles"),
+          ("air_litres", "taken by the cylinders, at ambient pressure", "l", "air"))
+      for end, what, mark in (
+          ("", f"mean of {STARTS} starts", ""), ("_standard_error", "standard error of that mean", ", s.e."))),
+    Quantity("compensation.*.measured_ms", "dead time on track that gives as many dump cycles; null: beyond those run", "ms",
+             "measured dead time", 2, least=1e-3),
+    Quantity("compensation.*.measured_ms_standard_error", "its standard error", "ms", "s.e.", 1),
+)  # fmt: skip
+
+
+def compensation_cases(case: Case) -> dict[str, Case]:
+    """Label -> the case; none where no slide protection could show a lag."""
+    if case.brake is None or case.slide_protection is None or case.slide_protection.user is not None:
+        return {}
+    assert case.rig_control is not None
+    track, own = track_case(case), case.slide_protection.delay
+    found = {TRACK: track}
+    for seconds in DEAD_TIMES:
+        found[_later(seconds)] = track.with_changes({"slide_protection.delay": own + seconds})
+    for label, changes in VARIANTS.items():
+        if "rig_control.estimator.bandwidth" in changes and not isinstance(
+            case.rig_control.estimator, BandwidthEstimator
+        ):
+            continue
+        found[label] = case.with_changes(changes)
+    return found
+
+
+def _later(seconds: float) -> str:
+    return f"{TRACK}, {1e3 * seconds:g} ms more dead time"
+
+
+def compensation_jobs(case: Case) -> Round:
+    """A job for each variant and start."""
+    return {
+        f"{label}, start {start}": job(run_end, begun_later(one, APART * start))
+        for label, one in compensation_cases(case).items()
+        for start in range(STARTS)
+    }
+
+
+def run_end(case: Case, progress: Progress | None = None) -> dict[str, float]:
+    """What a run has come to at its end, by name of RESULTS."""
+    last = whole_run(case, progress).isel(time=-1)
+    values = (last["train_distance"], last["dump_cycles"].sum(), 1e3 * last["air"].sum())
+    return {name: float(value) for name, value in zip(RESULTS, values, strict=True)}
+
+
+def compensation_numbers(case: Case, done: Done) -> dict[str, dict[str, float]] | None:
+    """Means and errors by label, and the dead time on track that each variant of the rig is like."""
+    found: dict[str, dict[str, float]] = {}
+    for label, one in compensation_cases(case).items():
+        members = [done[name] for start in range(STARTS) if (name := f"{label}, start {start}") in done]
+        if len(members) < STARTS:
+            return None
+        numbers = {"predicted_ms": math.nan}
+        for name in RESULTS:
+            numbers[name], numbers[f"{name}_standard_error"], _ = scatter([member[name] for member in members])
+        if label in VARIANTS:
+            numbers["predicted_ms"] = 1e3 * lags(assemble_with_actuators(one)).dead_time
+        found[label] = numbers
+    added = (0.0, *(1e3 * seconds for seconds in DEAD_TIMES))
+    tracks = [found[label] for label in (TRACK, *map(_later, DEAD_TIMES))] if found else []
+    for milliseconds, numbers in zip(added, tracks, strict=bool(found)):
+        numbers["predicted_ms"] = milliseconds
+    for numbers in found.values():
+        numbers["measured_ms"], numbers["measured_ms_standard_error"] = dead_time(numbers, tracks, added)
+    return found or None
+
+
+def dead_time(numbers: Numbers, tracks: list[dict[str, float]], added: tuple[float, ...]) -> tuple[float, float]:
+    """Dead time at which the track has as many dump cycles, on a line between the two dead times beside it, and its error [ms].
+
+    On the first line also before its begin: a rig may be ahead. NaN beyond the last one.
+    """
+    cycles = np.array([track["dump_cycles"] for track in tracks])
+    errors = np.array([track["dump_cycles_standard_error"] for track in tracks])
+    own, error = numbers["dump_cycles"], numbers["dump_cycles_standard_error"]
+    falls = np.flatnonzero(cycles[1:] <= own)
+    if not falls.size:
+        return math.nan, math.nan
+    k = int(falls[0])
+    slope = (added[k + 1] - added[k]) / (cycles[k + 1] - cycles[k])
+    part = (own - cycles[k]) / (cycles[k + 1] - cycles[k])
+    spread = math.hypot(error, (1.0 - part) * errors[k], part * errors[k + 1])
+    return float(added[k] + slope * (own - cycles[k])), float(abs(slope) * spread)
+
+
+def compensation_blocks(numbers: Numbers, quantities: Quantities) -> list[Block]:
+    """Text and table of the report."""
+    text = (
+        f"Means of {STARTS} starts and their standard errors. A rig that is late by some time acts like a track whose slide "
+        "protection has that much more dead time: predicted is the sum of the lags (D17), measured what a track needs for as "
+        "many dump cycles, linear between the dead times that were run."
+    )
+    names = [quantity.name for quantity in COMPENSATION[1:]]
+    table: Table = quantities.table(dict(numbers), names, "what each compensation leaves of the lag", "variant")
+    return [Text(text), table]
+
+
+def compensation_text(numbers: Numbers) -> str:
+    """The finding in a sentence."""
+    track, none, best = (numbers[label] for label in (TRACK, "no compensation", "pressure, and lead"))
+
+    def against(one: Numbers, name: str) -> str:
+        return f"{100.0 * (one[name] / track[name] - 1.0):+.1f} %"
+
+    def measured(one: Numbers) -> str:
+        return f"{number(one['measured_ms'], 2)} ± {number(one['measured_ms_standard_error'], 1)} ms"
+
+    return (
+        f"Without compensation the rig acts like a track with {measured(none)} more dead time (predicted "
+        f"{number(none['predicted_ms'], 3)} ms), dump cycles {against(none, 'dump_cycles')}, air {against(none, 'air_litres')}; "
+        f"with the torque known from the brake's pressure and a lead of the drives {measured(best)}, dump cycles "
+        f"{against(best, 'dump_cycles')}, air {against(best, 'air_litres')}."
+    )
