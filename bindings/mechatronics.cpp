@@ -20,7 +20,7 @@ namespace {
 
 /// The virtual rail takes its laws from a contact of the model, its adhesion from a map if there is one.
 VirtualRail virtual_rail(Model const& model, int contact, std::shared_ptr<AdhesionMap const> adhesion,
-                         EquivalentPatch const& patch, double cell) {
+                         EquivalentPatch const& patch, double cell, double energy_width, double wheel_memory) {
   VirtualRail rail;
   ContactLaws const& laws = model.contact(contact, "contact").laws;
   rail.creep = laws.creep;
@@ -28,7 +28,9 @@ VirtualRail virtual_rail(Model const& model, int contact, std::shared_ptr<Adhesi
   rail.friction = laws.friction;
   rail.friction.map = std::move(adhesion);
   if (rail.friction.map) rail.friction.map->check();
-  rail.wheel_load = patch.load, rail.a = patch.a, rail.b = patch.b, rail.width = patch.width, rail.cell = cell;
+  rail.wheel_load = patch.load, rail.a = patch.a, rail.b = patch.b, rail.cell = cell;
+  rail.width = energy_width > 0.0 ? energy_width : patch.width;
+  rail.wheel_memory = wheel_memory;
   rail.log_aspect = std::log(rail.a / rail.b);
   rail.stiffness = kalker_stiffness(laws.kalker->at(rail.log_aspect), laws.material.shear_modulus, rail.a, rail.b, 1.0);
   return rail;
@@ -41,6 +43,9 @@ void bind_actuators(nb::module_& m) {
   bind_laws<AnyAir>(m, "airs", "Air");
   bind_struct<ControlValve>(m, "ControlValve", "A brake's control valve and the volume of a cylinder behind it.");
   bind_struct<Pneumatics>(m, "Pneumatics", "From brake demand and dump valves' commands to cylinder pressures.");
+  def_function(m, "torque_lag", "How late a drive's torque is behind what its controller wants, for slow changes [s].",
+               &torque_lag, Argument{"motor"}, Argument{"period", positive}, Argument{"delay", not_negative},
+               Argument{"gain", not_negative});
   auto brake =
       bind_struct<FrictionBrake>(m, "FrictionBrake", "From cylinder pressure to the torque of an axle's brake.");
   def_method(
@@ -57,7 +62,9 @@ void bind_actuators(nb::module_& m) {
 void bind_controllers(nb::module_& m) {
   bind_struct<AssumedParameters>(m, "AssumedParameters", "Wheel and roller as a controller assumes them.");
   bind_laws<AnyEstimator>(m, "estimators", "Estimator");
+  bind_laws<AnyAxleTorque>(m, "axle_torque_laws", "AxleTorque");
   bind_laws<AnyFeedback>(m, "feedbacks", "Feedback");
+  bind_laws<AnyDriveCommand>(m, "drive_commands", "DriveCommand");
   def_function(
       m, "estimator_response", "Bandwidth [rad/s] and delay [s] of the estimates of force and of torque, measured.",
       +[](AnyEstimator const& estimator, AssumedParameters const& assumed, double period) {
@@ -104,11 +111,16 @@ void bind_controllers(nb::module_& m) {
       .def(
           "__init__",
           [](VirtualRail* self, std::shared_ptr<Model const> const& model, int contact,
-             std::shared_ptr<AdhesionMap const> adhesion, EquivalentPatch const& patch, double cell) {
+             std::shared_ptr<AdhesionMap const> adhesion, EquivalentPatch const& patch, double cell,
+             double energy_width, double wheel_memory) {
             check_value(cell, positive, "VirtualRail", "cell");
-            new (self) VirtualRail(virtual_rail(*model, contact, std::move(adhesion), patch, cell));
+            check_value(energy_width, not_negative, "VirtualRail", "energy_width");
+            check_value(wheel_memory, not_negative, "VirtualRail", "wheel_memory");
+            new (self) VirtualRail(
+                virtual_rail(*model, contact, std::move(adhesion), patch, cell, energy_width, wheel_memory));
           },
-          nb::kw_only(), "model"_a, "contact"_a, "adhesion"_a.none(), "patch"_a, "cell"_a, nb::keep_alive<1, 2>());
+          nb::kw_only(), "model"_a, "contact"_a, "adhesion"_a.none(), "patch"_a, "cell"_a, "energy_width"_a,
+          "wheel_memory"_a, nb::keep_alive<1, 2>());
   bind_laws<AnyController>(m, "controllers");
 }
 

@@ -23,40 +23,58 @@ RigController::State RigController::start(Measurements const& now, double train_
   for (std::size_t k = 0; k < at(now.axles); ++k) {
     AxleState& axle = s.axle[k];
     std::visit([&](auto const& law) { axle.estimator = law.start(assumed, period, sample_of(now, k)); }, estimator);
+    std::visit([&]<class Law>(Law const&) { axle.axle_torque = typename Law::State{}; }, axle_torque);
     std::visit([&](auto const& law) { axle.feedback = law.start(assumed); }, feedback);
+    std::visit([&]<class Law>(Law const&) { axle.drive_command = typename Law::State{}; }, drive_command);
   }
   return s;
 }
 
 void RigController::step(State& s, Measurements const& now, double period, PerAxle<double>& torque) const {
-  PerAxle<double> axle_torque{};
+  PerAxle<double> torques{};
   for (std::size_t k = 0; k < at(now.axles); ++k) {
     auto const estimate = [&](auto const& law, auto& state) {
       return law.step(state, assumed, sample_of(now, k), period);
     };
     s.axle[k].estimate = visit_with_state(estimate, estimator, s.axle[k].estimator);
-    axle_torque[k] = s.axle[k].estimate.torque;
+    torques[k] = s.axle[k].estimate.torque = torque_of_axle(s.axle[k], now, k, period);
     lock_or_unlock(s, static_cast<int>(k), now.axle_speed[k]);
   }
   double const from = s.train.distance();
   auto const rail_force = [&](int i, double slip, double speed, double load) {
     return rail.force(slip, speed, load, now.time, from + train.position[at(i)], s.axle[at(i)].energy);
   };
-  s.train.step(train, now.axles, axle_torque, measured_loads ? &now.axle_load : nullptr, period, rail_force);
+  s.train.step(train, now.axles, torques, measured_loads ? &now.axle_load : nullptr, period, rail_force);
   for (int i = 0; i < now.axles; ++i) {  // front to back: the leading axle cleans for the following ones
     AxleState& axle = s.axle[at(i)];
-    recover(s, i, from);
+    recover(s, i, from, period);
     axle.feed_forward = assumed.roller_inertia * train.wheel_radius / assumed.roller_radius * s.train.axle_rate(i) -
                         assumed.roller_radius * s.train.force(i);  // (D5)
+    double wanted = axle.feed_forward;
     if (s.train.locked(i)) {
       std::visit([&](auto const& law) { axle.feedback = law.start(assumed); }, feedback);
-      torque[at(i)] = std::clamp(axle.feed_forward, -largest, largest);
-      continue;
+    } else {
+      TrackingError const error{axle.feed_forward, s.train.axle_speed(i) - now.axle_speed[at(i)], period};
+      auto const correct = [&](auto const& law, auto& state) { return law.step(state, error, largest); };
+      wanted = visit_with_state(correct, feedback, axle.feedback);
     }
-    TrackingError const error{axle.feed_forward, s.train.axle_speed(i) - now.axle_speed[at(i)], period};
-    auto const correct = [&](auto const& law, auto& state) { return law.step(state, error, largest); };
-    torque[at(i)] = std::clamp(visit_with_state(correct, feedback, axle.feedback), -largest, largest);
+    WantedTorque const total{axle.feed_forward, wanted, now.drive_torque[at(i)]};
+    auto const ask = [&](auto const& law, auto& state) { return law.step(state, total, period); };
+    double const asked = visit_with_state(ask, drive_command, axle.drive_command);
+    axle.feed_forward += asked - wanted;
+    torque[at(i)] = std::clamp(asked, -largest, largest);
   }
+}
+
+double RigController::torque_of_axle(AxleState& axle, Measurements const& now, std::size_t k, double period) const {
+  auto const bandwidth = [](auto const& law) {
+    if constexpr (requires { law.bandwidth; }) return law.bandwidth;
+    return 0.0;
+  };
+  TorqueSample const sample{axle.estimate.torque, std::visit(bandwidth, estimator), now.motor_torque[k],
+                            now.brake_torque[k]};
+  auto const take = [&](auto const& law, auto& state) { return law.step(state, sample, period); };
+  return visit_with_state(take, axle_torque, axle.axle_torque);
 }
 
 /// The brake of a locked wheel holds against whatever the roller exerts: what is estimated of its torque is the reaction to the
@@ -72,12 +90,16 @@ void RigController::lock_or_unlock(State& s, int i, double axle_speed) const {
 }
 
 /// What the wheels ahead and this one have dissipated on the virtual rail under an axle.
-void RigController::recover(State& s, int i, double from) const {
-  double const ahead = train.position[at(i)];
-  double const slip = train.wheel_radius * s.train.axle_speed(i) - s.train.speed();
+void RigController::recover(State& s, int i, double from, double period) const {
+  AxleState& axle = s.axle[at(i)];
+  double const begin = from + train.position[at(i)], end = s.train.distance() + train.position[at(i)];
+  double const speed = train.wheel_radius * s.train.axle_speed(i);
+  double const slip = speed - s.train.speed();
   double const own = std::fabs(s.train.force(i) * slip) / (2.0 * std::max(s.train.speed(), least_speed) * rail.width);
-  s.axle[at(i)].energy = s.rail.before(from + ahead) + 0.5 * own;  // half of it is dissipated behind the patch's middle
-  s.rail.dissipate(from + ahead, s.train.distance() + ahead, own);
+  // Half of its own is dissipated behind the patch's middle.
+  axle.energy = s.rail.before(begin) + axle.wheel.energy() + 0.5 * own;
+  s.rail.dissipate(begin, end, own);
+  axle.wheel.run(own, end - begin, period * std::fabs(speed), 2.0 * pi * train.wheel_radius, rail.wheel_memory);
 }
 
 }  // namespace rollerrig

@@ -91,8 +91,13 @@ void MechatronicSystem::read_true_forces(Dynamics const& plant) {
     double const rate = -plant.work().acceleration[at(parts.roller)][coord_pitch];
     measured_.true_force[i] = (model.bodies[at(parts.roller)].inertia.y * rate - axle.drive[0]) /
                               model.contacts[at(parts.contacts[0])].roller_radius();
+    measured_.motor_torque[i] = axle.motor[0];
     measured_.true_torque[i] =
         axle.motor[0] + (parts.brake != absent ? plant.evaluation().brake_torque[at(parts.brake)] : 0.0);
+    measured_.brake_torque[i] =
+        parts.brake != absent ? setup_.actuators.brake.torque(actuators_.cylinder(i).pressure, measured_.axle_speed[i])
+                              : 0.0;
+    measured_.drive_torque[i] = sensors_.torque_reading(i);
   }
 }
 
@@ -114,7 +119,8 @@ void MechatronicSystem::dissipate(Dynamics const& plant, Inputs& inputs) {
   double const step_length = setup_.step * std::max(0.0, train_.speed());
   double const per_speed =
       1.0 / std::max(least_speed, train_.speed());  // rail passes at train speed, even if wheels slide
-  for (AxleParts const& parts : setup_.axles)
+  for (std::size_t i = 0; i < axles(); ++i) {
+    AxleParts const& parts = setup_.axles[i];
     for (std::size_t side = 0; side < 2; ++side) {
       int const c = parts.contacts[side];
       if (c == absent || model.contacts[at(c)].laws.friction.map == nullptr) continue;
@@ -125,12 +131,18 @@ void MechatronicSystem::dissipate(Dynamics const& plant, Inputs& inputs) {
         energy += std::max(0.0, patch.creep_dissipation()) * per_speed;
         width += 0.5 * pi * patch.b;  // area of the ellipse over its length
       }
+      if (setup_.energy_width > 0.0) width = setup_.energy_width;
       double const own = width > 0.0 ? energy / width : 0.0;
-      double const wanted =
-          rail_[side].before(arc_length) + 0.5 * own;  // half of it is dissipated behind the patch's middle
+      CleanedWheel& wheel = wheel_[side][i];
+      double const wanted = rail_[side].before(arc_length) + wheel.energy() +
+                            0.5 * own;  // half of it is dissipated behind the patch's middle
       inputs.dissipated_energy[at(c)] += energy_relaxation * (wanted - inputs.dissipated_energy[at(c)]);
       rail_[side].dissipate(arc_length, arc_length + step_length, own);
+      double const radius = model.contacts[at(c)].pair.wheel_radius;
+      double const rolled = setup_.step * std::fabs(radius * plant.work().motion[at(parts.wheelset)].rate[coord_pitch]);
+      wheel.run(own, step_length, rolled, 2.0 * pi * radius, setup_.wheel_memory);
     }
+  }
 }
 
 Status MechatronicSystem::advance(Dynamics const& plant, std::int64_t step) {
@@ -149,7 +161,9 @@ bool MechatronicSystem::wheels_slide(Dynamics const& plant) {
     if (parts.roller == absent) continue;
     double const wheel = control->assumed.wheel_radius * plant.work().motion[at(parts.wheelset)].rate[coord_pitch];
     double const roller = -control->assumed.roller_radius * plant.work().motion[at(parts.roller)].rate[coord_pitch];
-    slides_for_[i] = std::fabs(wheel - roller) > setup_.protection.slip ? slides_for_[i] + setup_.step : 0.0;
+    double const own =
+        plant.work().motion[at(parts.wheelset)].v.x;  // a wheel that rolls along the roller does not slide
+    slides_for_[i] = std::fabs(wheel - roller - own) > setup_.protection.slip ? slides_for_[i] + setup_.step : 0.0;
     too_long = too_long || slides_for_[i] > setup_.protection.time;
   }
   return too_long;

@@ -21,13 +21,25 @@ from rollerrig.cases import wheelsets, without_actuators
 from rollerrig.config import Case, Rig
 from rollerrig.config.schema.rig_control import (
     BandwidthEstimator,
+    ExtrapolatedTorque,
     KalmanFilter,
+    KnownTorque,
+    LeadCommand,
     Observer,
     ProportionalIntegral,
+    RigControl,
     SlidingMode,
+    TorqueLoop,
 )
 from rollerrig.core_struct import angular
-from rollerrig.mechatronics.setup import assumed_parameters, estimator, feedback_gains, rotor_inertia
+from rollerrig.mechatronics.setup import (
+    assumed_parameters,
+    axle_torque,
+    drive_command,
+    estimator,
+    feedback_gains,
+    rotor_inertia,
+)
 
 Array = NDArray[np.float64]
 
@@ -65,6 +77,10 @@ class Loop:
         estimator: its kind.
         bandwidth, damping: of the estimator [rad/s, 1].
         kalman_gain: of a Kalman filter, rows W, w, T, C over the innovations of W and w.
+        correction: bandwidth with which the estimate corrects a known axle torque, (D18) [rad/s]; None: it is the torque.
+        ahead, slope_bandwidth: of an extrapolated estimate, (D19) [s, rad/s].
+        lead: of the feed-forward, (D20) [s].
+        torque_gain: of the loop around the drive, (D21) [-].
     """
 
     real: Wheel
@@ -82,6 +98,11 @@ class Loop:
     bandwidth: float
     damping: float
     kalman_gain: Array | None = None
+    correction: float | None = None
+    ahead: float = 0.0
+    slope_bandwidth: float = 0.0
+    lead: float = 0.0
+    torque_gain: float = 0.0
 
     def scaled(self, factor: float) -> Loop:
         """With both gains times a factor."""
@@ -154,7 +175,23 @@ def loop_of(case: Case, creep: float, *, sliding: bool) -> Loop | None:
         bandwidth=angular(estimates.bandwidth),
         damping=estimates.damping_ratio if isinstance(estimates, Observer) else Observer().damping_ratio,
         kalman_gain=np.array(_core.kalman_gain(estimator(control), assumed, control.sample_time)) if kalman else None,
+        **_compensation(control),
     )
+
+
+def _compensation(control: RigControl) -> dict[str, float]:
+    """What a controller does against its lags, by name of Loop's fields."""
+    torque, command = axle_torque(control.axle_torque), drive_command(control)
+    found: dict[str, float] = {}
+    if isinstance(control.axle_torque, KnownTorque):
+        found["correction"] = torque.bandwidth
+    if isinstance(control.axle_torque, ExtrapolatedTorque):
+        found |= {"ahead": torque.ahead, "slope_bandwidth": torque.bandwidth}
+    if isinstance(control.drive_command, LeadCommand):
+        found["lead"] = command.ahead
+    if isinstance(control.drive_command, TorqueLoop):
+        found["torque_gain"] = command.gain
+    return found
 
 
 def _virtual_creep_share(case: Case) -> float:
@@ -189,7 +226,8 @@ def open_loop(loop: Loop, frequency: Array) -> NDArray[np.complex128]:
     plant = wheel.wheel_radius * wheel.roller_radius / (s * (turning + both * s))
     lag = s / w + 1.0 if loop.drive_damping == 0.0 else (s / w) ** 2 + 2.0 * loop.drive_damping * s / w + 1.0
     dead_time = np.exp(-s * (loop.delay + 0.5 * loop.sample))
-    return np.asarray((loop.proportional + loop.integral / s) * plant / lag * dead_time)
+    drive = (1.0 + loop.torque_gain) / (lag + loop.torque_gain)
+    return np.asarray((loop.proportional + loop.integral / s) * plant * drive * dead_time)
 
 
 def margins(loop: Loop) -> Margins:

@@ -54,12 +54,14 @@ class Plant:
         matrix: A, shape (state, state).
         torque: B, shape (state, axle).
         wheel, roller: speeds of axles and rollers, positive forward, from x: shape (axle, state).
+        brake: torque of the brakes from x, which a controller knows from pressure and speed: shape (axle, state).
     """
 
     matrix: Array
     torque: Array
     wheel: Array
     roller: Array
+    brake: Array
 
 
 def rolling_plant(wheel: Wheel, creep: float, brake: float = 0.0) -> Plant:
@@ -75,7 +77,7 @@ def rolling_plant(wheel: Wheel, creep: float, brake: float = 0.0) -> Plant:
     held = np.array([brake, 0.0])
     matrix = np.stack([-(r * force + held) / wheel.wheelset_inertia, R * force / wheel.roller_inertia])
     torque = np.array([[0.0], [1.0 / wheel.roller_inertia]])
-    return Plant(matrix, torque, np.array([[1.0, 0.0]]), np.array([[0.0, 1.0]]))
+    return Plant(matrix, torque, np.array([[1.0, 0.0]]), np.array([[0.0, 1.0]]), -held[None, :])
 
 
 def vehicle_plant(case: Case) -> Plant:
@@ -93,7 +95,7 @@ def vehicle_plant(case: Case) -> Plant:
     wheel, roller = reads[: len(model.wheelsets)], -reads[len(model.wheelsets) :]
     rig = case.support.data
     assert isinstance(rig, Rig)
-    return Plant(matrix, roller.T / rig.roller_inertia[1], wheel, roller)
+    return Plant(matrix, roller.T / rig.roller_inertia[1], wheel, roller, np.zeros_like(wheel))
 
 
 # ------------------------------------------------------------------------------------------------ the sampled loop
@@ -149,7 +151,8 @@ _ESTIMATORS: dict[str, Callable[[Loop, dict[str, Array]], None]] = {
     "kalman": _kalman,
 }
 
-_STATES = ("roller_estimate", "wheel_estimate", "force", "axle_torque", "wheel_rate", "virtual", "sum")
+_STATES = ("roller_estimate", "wheel_estimate", "force", "axle_torque", "wheel_rate", "late", "correction", "last_torque",
+           "slope", "virtual", "sum", "feed_forward")  # fmt: skip
 
 
 def _plant_step(loop: Loop, plant: Plant) -> Array:
@@ -168,22 +171,40 @@ def _plant_step(loop: Loop, plant: Plant) -> Array:
     return np.asarray(expm(loop.step * rates))
 
 
+def _torque_of_axle(loop: Loop, z: dict[str, Array]) -> Array:
+    """What the virtual axle takes for its torque: the estimate, its extrapolation (D19), or the known torque (D18)."""
+    h, estimate = loop.sample, z["axle_torque"]
+    if loop.correction is not None:
+        z["late"] = z["late"] + (1.0 - math.exp(-loop.bandwidth * h)) * (z["brake"] - z["late"])
+        beyond = estimate - z["late"] - z["correction"]
+        z["correction"] = z["correction"] + (1.0 - math.exp(-loop.correction * h)) * beyond
+        return z["brake"] + z["correction"]
+    low_pass = 1.0 - math.exp(-loop.slope_bandwidth * h)
+    z["slope"] = z["slope"] + low_pass * ((estimate - z["last_torque"]) / h - z["slope"])
+    z["last_torque"] = estimate
+    return estimate + loop.ahead * z["slope"]
+
+
 def _controller(loop: Loop, z: dict[str, Array]) -> Array:
-    """Command of one sample: estimate, virtual axle, (D5) and feedback, all linear."""
+    """Command of one sample: estimate, virtual axle, (D5), feedback and what is done against the drive's lag, all linear."""
     h, p, wheel = loop.sample, loop.assumed, loop.real
     _ESTIMATORS[loop.estimator](loop, z)
+    torque = _torque_of_axle(loop, z)
 
     slope = wheel.wheel_radius * loop.virtual_creep  # force per virtual axle speed
     stiffness = wheel.wheel_radius * slope / wheel.wheelset_inertia
     reach = h - 1.0 / stiffness if stiffness * h > 2.0 else 0.5 * h  # of the theta method
-    rate = (z["axle_torque"] / wheel.wheelset_inertia - stiffness * z["virtual"]) / (1.0 + stiffness * reach)
+    rate = (torque / wheel.wheelset_inertia - stiffness * z["virtual"]) / (1.0 + stiffness * reach)
     force = slope * (z["virtual"] + reach * rate)
     z["virtual"] = z["virtual"] + h * rate
 
     feed_forward = p.roller_inertia * wheel.wheel_radius / p.roller_radius * rate - p.roller_radius * force
     error = z["virtual"] - z["wheel"]
     z["sum"] = z["sum"] + h * error
-    return feed_forward + loop.proportional * error + loop.integral * z["sum"]
+    ahead = loop.lead / h * (feed_forward - z["feed_forward"])
+    z["feed_forward"] = feed_forward
+    wanted = feed_forward + loop.proportional * error + loop.integral * z["sum"]
+    return wanted + ahead + loop.torque_gain * (wanted - z["torque"])
 
 
 @one_blas_thread()
@@ -200,7 +221,7 @@ def sampled_matrix(loop: Loop, plant: Plant) -> Array:
     x, rest = unit[:n], unit[n:].reshape(-1, axles, len(unit))
     z: dict[str, Array] = dict(zip(names, rest, strict=False))
     queue = list(rest[len(names) :])
-    z["wheel"], z["roller"] = plant.wheel @ x, plant.roller @ x
+    z["wheel"], z["roller"], z["brake"] = plant.wheel @ x, plant.roller @ x, plant.brake @ x
     command, step = _controller(loop, z), _plant_step(loop, plant)
     for _ in range(round(loop.sample / loop.step)):
         queue = [*queue, command][1:]

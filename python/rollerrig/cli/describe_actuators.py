@@ -10,6 +10,7 @@ from rollerrig.assembly import AssembledModel
 from rollerrig.config import Case, code_of
 from rollerrig.config.schema.rig_control import BandwidthEstimator
 from rollerrig.mechatronics import COMMANDS, look_at_controller, users_controllers
+from rollerrig.mechatronics.lags import lags
 from rollerrig.mechatronics.setup import estimator_response, feedback_gains, full_brake_torque, rig_controller
 
 _WORDS = {
@@ -109,4 +110,9 @@ def _rig_control(model: AssembledModel) -> str:
         for name, (bandwidth, delay) in estimator_response(model).items():
             text += f" {name} {bandwidth:z.1f} Hz and {1e3 * delay:z.1f} ms,"
         text = text.removesuffix(",")
-    return text
+    left = lags(model)
+    left, command = lags(model), control.drive_command.kind.replace("_", " ")
+    return (
+        f"{text}; axle torque {control.axle_torque.kind}, drive command {command}: equivalent dead time "
+        f"{1e3 * left.dead_time:z.1f} ms, {1e3 * left.torque:z.1f} ms of the torque and {1e3 * left.drive:z.1f} ms of the drives"
+    )

@@ -12,7 +12,16 @@ from rollerrig import _core
 from rollerrig.actuators import friction_brake, pneumatics
 from rollerrig.assembly import AssembledModel
 from rollerrig.config import Adhesion, Brake, Case, Encoder, ForceSensor, Motor, Rig, RigControl, Sensors
-from rollerrig.config.schema.rig_control import BandwidthEstimator, NoFeedback, ProportionalIntegral, SlidingMode
+from rollerrig.config.schema.rig_control import (
+    AnyAxleTorque,
+    BandwidthEstimator,
+    ExtrapolatedTorque,
+    KnownTorque,
+    LeadCommand,
+    NoFeedback,
+    ProportionalIntegral,
+    SlidingMode,
+)
 from rollerrig.config.schema.sensors import PulseFrequency, PulsePeriod
 from rollerrig.core_struct import angular, core_struct
 from rollerrig.mechatronics.controllers import UserController
@@ -50,6 +59,8 @@ def mechatronic_setup(
         protection=core_struct(_core.RollerProtection, control.protection),
         frame=_frame(model),
         rail_cell=_rail_cell(case),
+        energy_width=_energy_width(case),
+        wheel_memory=_wheel_memory(case),
     )
 
 
@@ -61,6 +72,15 @@ def _stop_speed(case: Case) -> float:
 
 def _rail_cell(case: Case) -> float:
     return float(case.adhesion.cell_length if case.adhesion else Adhesion.model_fields["cell_length"].default)
+
+
+def _energy_width(case: Case) -> float:
+    """Over which width a wheel's dissipated energy is spread [m]; 0: that of its patches; 1 m: energy per metre run."""
+    return 1.0 if case.adhesion is not None and case.adhesion.recovery_per == "length" else 0.0
+
+
+def _wheel_memory(case: Case) -> float:
+    return case.adhesion.wheel_memory if case.adhesion else 0.0
 
 
 def _axle(axle: Any) -> _core.AxleParts:
@@ -165,7 +185,9 @@ def rig_controller(model: AssembledModel) -> _core.RigControl:
         without=without,
         assumed=assumed_parameters(model),
         estimator=estimator(control),
+        axle_torque=axle_torque(control.axle_torque),
         feedback=feedback(control.feedback),
+        drive_command=drive_command(control),
         largest=control.feedback.largest,
         commanded_torque=control.estimator.torque == "commanded",
         measured_loads=control.loads == "measured",
@@ -176,6 +198,8 @@ def rig_controller(model: AssembledModel) -> _core.RigControl:
             adhesion=model.adhesion,
             patch=rail_patch(model),
             cell=_rail_cell(model.case),
+            energy_width=_energy_width(model.case),
+            wheel_memory=_wheel_memory(model.case),
         ),
     )
 
@@ -191,6 +215,24 @@ def feedback(table: ProportionalIntegral | SlidingMode | NoFeedback) -> Any:
     """A feedback on the axles' speeds."""
     given = {"bandwidth": angular(table.bandwidth)} if isinstance(table, ProportionalIntegral) else {}
     return core_struct(_core.feedbacks[table.kind], table, without=("kind", "largest"), **given)
+
+
+def axle_torque(table: AnyAxleTorque) -> Any:
+    """Where the controller takes the torque of an axle from."""
+    law = _core.axle_torque_laws[table.kind]
+    if isinstance(table, KnownTorque):
+        return core_struct(law, table, without=("kind", "correction"), bandwidth=angular(table.correction))
+    given = {"bandwidth": angular(table.bandwidth)} if isinstance(table, ExtrapolatedTorque) else {}
+    return core_struct(law, table, without=("kind",), **given)
+
+
+def drive_command(control: RigControl) -> Any:
+    """How the drives are asked for their torque; a lead without a time of its own is that of their lag."""
+    table = control.drive_command
+    given = {}
+    if isinstance(table, LeadCommand) and table.ahead is None:
+        given = {"ahead": _core.torque_lag(motor(control.motor), control.sample_time, control.delay, 0.0)}
+    return core_struct(_core.drive_commands[table.kind], table, without=("kind",), **given)
 
 
 def assumed_parameters(model: AssembledModel) -> _core.AssumedParameters:

@@ -177,6 +177,7 @@ def _scaled(table: M, factors: Similitude, exceptions: Exceptions) -> M:
             update[name] = _value(value, annotation, factors, exceptions, where)
     if isinstance(table, Adhesion):
         update["blend"] = _blend(table, factors)
+        update["recovery_constant"] = table.recovery_constant / factors.factor(table.recovery_unit)
     if isinstance(table, VehicleChoice | SupportChoice):  # after loading `data` holds everything
         update["use"] = None
     return table.model_copy(update=update)

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "rollerrig/contact/adhesion/adhesion_map.hpp"
+#include "rollerrig/contact/adhesion/cleaned_wheel.hpp"
 #include "rollerrig/contact/adhesion/recovered_rail.hpp"
 #include "rollerrig/math/dual.hpp"
 #include "rollerrig/mechatronics/delayed_commands.hpp"
@@ -169,6 +170,25 @@ TEST_CASE("a cleaned rail remembers each wheel's energy once, however small the 
     rail.dissipate(20.0, 200.0, 1.0);  // far ahead: what is forgotten reads as untouched
     CHECK(rail.at(5.0) == 0.0);
   }
+}
+
+TEST_CASE("a wheel keeps of its cleaning what its circumference and its memory leave") {
+  double const around = 2.0 * pi * 0.46, memory = 30.0, own = 5e3;  // [m], [m], [J/m^2]
+  auto const after = [&](double length, double step, double roll, double of_memory) {
+    CleanedWheel wheel;
+    for (double s = 0.0; s < length - 1e-9; s += step) wheel.run(own, step, roll * step, around, of_memory);
+    return wheel;
+  };
+  // dE/ds = e / (2 pi r) - E / L, whatever the step: to its settled value e L / (2 pi r)
+  for (double step : {0.03, 1.0})
+    CHECK(after(45.0, step, 1.0, memory).energy() ==
+          doctest::Approx(own * memory / around * -std::expm1(-45.0 / memory)).epsilon(1e-9));
+  CHECK(after(45.0, 0.05, 1.0, 0.0).energy() == 0.0);                                                    // switched off
+  CHECK(after(45.0, 0.05, 0.0, memory).energy() == doctest::Approx(own * 45.0 / around).epsilon(1e-9));  // locked
+  CleanedWheel wheel = after(45.0, 0.05, 1.0, memory);
+  double const cleaned = wheel.energy();
+  for (int k = 0; k < 600; ++k) wheel.run(0.0, 0.1, 0.1, around, memory);  // rolls 60 m without sliding
+  CHECK(wheel.energy() == doctest::Approx(cleaned * std::exp(-2.0)).epsilon(1e-9));
 }
 
 TEST_CASE("a motor stays within its envelope and follows with its bandwidth") {

@@ -157,9 +157,12 @@ def whole_cases() -> dict[str, Raw]:
     brake["train"] = {"gradient": 0.01}
     brake["adhesion"]["piece"] = [{"distance": 10.0, "rail": "low"}]
     brake["support"]["data"]["mounting"] = {"lateral": {"stiffness": 1e8}, "yaw": {"stiffness": 1e8}}
+    brake["support"]["data"]["restraint"] = {"height": 1.0, "stiffness": 1e7}
+    brake["rig_control"]["drive_command"] = {"kind": "lead", "ahead": 1e-3}
     kalman = plain(load_case("adhesion_brake"))
     kalman["rig_control"] |= {
-        "estimator": {"kind": "kalman", "force_change": 1e3, "torque_change": 1e3}, "feedback": {"kind": "sliding_mode"}
+        "estimator": {"kind": "kalman", "force_change": 1e3, "torque_change": 1e3}, "feedback": {"kind": "sliding_mode"},
+        "axle_torque": {"kind": "extrapolated"}, "drive_command": {"kind": "torque_loop"},
     }  # fmt: skip
     derivative = plain(load_case("adhesion_brake"))
     derivative["rig_control"] |= {"estimator": {"kind": "filtered_derivative"}, "feedback": {"kind": "none"}}

@@ -28,9 +28,22 @@ def locked_part(case: Case) -> xr.Dataset:
     return part
 
 
-@pytest.mark.parametrize("estimator", ["observer", "kalman", "filtered_derivative", "exact"])
-def test_drives_of_locked_wheels_give_the_force_of_the_rail_and_do_not_ring(estimator: str) -> None:
-    case = unprotected(estimator)
+AS_ESTIMATED = {"rig_control.axle_torque.kind": "estimated", "rig_control.drive_command.kind": "direct"}
+
+
+@pytest.mark.parametrize(
+    ("estimator", "compensation"),
+    [
+        *((estimator, AS_ESTIMATED) for estimator in ("observer", "kalman", "filtered_derivative", "exact")),
+        ("observer", {}),
+        ("kalman", {}),
+        ("observer", {"rig_control.drive_command.kind": "torque_loop"}),
+    ],
+)
+def test_drives_of_locked_wheels_give_the_force_of_the_rail_and_do_not_ring(
+    estimator: str, compensation: dict[str, object]
+) -> None:
+    case = unprotected(estimator, **compensation)
     part = locked_part(case)
     ripple, _ = torque_ripple(part["time"].to_numpy(), part["roller_torque"].to_numpy())
     assert ripple < 100.0
@@ -42,7 +55,7 @@ def test_drives_of_locked_wheels_give_the_force_of_the_rail_and_do_not_ring(esti
 def test_reaction_of_the_brake_closes_a_loop_that_rings() -> None:
     """The cause: with the locked wheel's torque taken for one that turns the virtual wheel, the linear loop is unstable, and the
     run rings at its frequency."""
-    case = unprotected("kalman", **{"rig_control.locked_speed": "1e-6 m/s"})
+    case = unprotected("kalman", **{"rig_control.locked_speed": "1e-6 m/s", **AS_ESTIMATED})
     assert case.brake is not None
     loop = loop_of(
         case, creep_slope(case) * case.motion.speed / case.contact.creepage_regularisation_speed, sliding=True

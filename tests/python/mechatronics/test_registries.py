@@ -125,4 +125,6 @@ def _setup(axles: int) -> _core.MechatronicSetup:
         protection=_core.RollerProtection(slip=1.0, time=0.2),
         frame=_core.TravellingFrame(train_mass=0.0, fixed_mass=0.0),
         rail_cell=0.05,
+        energy_width=0.0,
+        wheel_memory=0.0,
     )

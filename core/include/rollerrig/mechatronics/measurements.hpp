@@ -16,6 +16,9 @@ struct Measurements {
   PerAxle<double> axle_speed{}, roller_speed{};  ///< as the rig's sensors see them [rad/s]
   PerAxle<double> vehicle_axle_speed{};          ///< as the vehicle's own sensors see them [rad/s]
   PerAxle<double> roller_torque{};               ///< since the last sample of the rig's controller [N m]
+  PerAxle<double> drive_torque{};                ///< of the roller's drive now [N m]
+  PerAxle<double> motor_torque{};                ///< of the traction motor, as its drive reports it [N m]
+  PerAxle<double> brake_torque{};                ///< from cylinder pressure and the pads' friction [N m]
   PerAxle<double> axle_load{};                   ///< vertical force of rail or rollers on both wheels [N]
   /// What really acts: T of (D1) [N], torque of motor and brake [N m]; for the estimator `exact` alone.
   PerAxle<double> true_force{}, true_torque{};

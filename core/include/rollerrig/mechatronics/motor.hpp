@@ -46,6 +46,15 @@ struct Motor {
   }
 };
 
+/// How late the torque is behind what a controller wants now, for slow changes: command's delay, half a sample for which it is
+/// held, lag of the torque loop [s]. A loop around all of them divides them by 1 + g.
+///
+/// @param gain  g of such a loop, (D21); 0: none
+inline double torque_lag(Motor const& motor, double period, double delay, double gain) {
+  double const ratio = motor.damping_ratio > 0.0 ? 2.0 * motor.damping_ratio : 1.0;
+  return (delay + 0.5 * period + ratio / motor.bandwidth) / (1.0 + gain);
+}
+
 /// Of a geared rotor on the axle that it drives, its casing fixed to the ground [kg m^2]: n^2 J_m, docs/theory/adhesion.md.
 constexpr double reflected_inertia(double rotor_inertia, double gear_ratio) {
   return rotor_inertia * (gear_ratio * gear_ratio);

@@ -1,9 +1,11 @@
 // mechatronics/rig_controller.hpp - makes the wheels on dry rollers turn as the virtual wheels do on the degraded rail.
 //
-//   measured speeds, drive torque -> estimate T, C -> virtual train -> feed-forward and feedback -> torque of each roller's drive
+//   measured speeds, drive torque -> estimate T, C -> torque C of the axle -> virtual train -> feed-forward and feedback -> torque of each roller's drive
 //
 //     U = J_r (r/R) w_v' - R T_v  +  feedback of w_v - w        (D5)
 //     U = -R T_v                       while the wheel is locked (D15)
+//
+// C comes from the laws of axle_torques.hpp, and the drives are asked for U by one of drive_commands.hpp.
 //
 // Signs   U positive drives the wheel forward, see estimator/axle_sample.hpp.
 // Source  Malvezzi, Pugi et al.: the law of the rig under the pure-rolling assumption; docs/theory/rig_control.md.
@@ -11,8 +13,11 @@
 #include <string_view>
 #include <tuple>
 
+#include "rollerrig/contact/adhesion/cleaned_wheel.hpp"
 #include "rollerrig/contact/adhesion/recovered_rail.hpp"
 #include "rollerrig/fields.hpp"
+#include "rollerrig/mechatronics/axle_torques.hpp"
+#include "rollerrig/mechatronics/drive_commands.hpp"
 #include "rollerrig/mechatronics/estimators.hpp"
 #include "rollerrig/mechatronics/feedbacks.hpp"
 #include "rollerrig/mechatronics/law_state.hpp"
@@ -28,7 +33,9 @@ struct RigController {
 
   AssumedParameters assumed{};
   AnyEstimator estimator{};
+  AnyAxleTorque axle_torque{};
   AnyFeedback feedback{};
+  AnyDriveCommand drive_command{};
   double largest{};         ///< torque asked of a roller's drive [N m]
   bool commanded_torque{};  ///< the estimator takes the commanded torque for the one that acts
   bool measured_loads{};    ///< the virtual train's axles carry what is measured, in place of (D9)
@@ -40,7 +47,9 @@ struct RigController {
     using P = RigController;
     return std::tuple{Member{"assumed", &P::assumed},
                       Member{"estimator", &P::estimator},
+                      Member{"axle_torque", &P::axle_torque},
                       Member{"feedback", &P::feedback},
+                      Member{"drive_command", &P::drive_command},
                       Member{"largest", &P::largest, not_negative},
                       Member{"commanded_torque", &P::commanded_torque},
                       Member{"measured_loads", &P::measured_loads},
@@ -51,10 +60,13 @@ struct RigController {
 
   struct AxleState {
     StateOf<AnyEstimator> estimator{};
+    StateOf<AnyAxleTorque> axle_torque{};
     StateOf<AnyFeedback> feedback{};
-    ContactForceEstimate estimate{};
-    double feed_forward{};  ///< (D5) [N m]
-    double energy{};        ///< dissipated per area of the virtual rail under the axle [J/m^2]
+    StateOf<AnyDriveCommand> drive_command{};
+    ContactForceEstimate estimate{};  ///< its torque the one that the virtual train takes
+    double feed_forward{};            ///< (D5) [N m]
+    double energy{};       ///< dissipated per area of the virtual rail under the axle, and of its wheels [J/m^2]
+    CleanedWheel wheel{};  ///< the virtual ones
   };
   struct State {
     PerAxle<AxleState> axle{};
@@ -69,7 +81,9 @@ struct RigController {
  private:
   /// Whether the wheel is locked, and with it that of the virtual train, (D15).
   void lock_or_unlock(State& s, int axle, double axle_speed) const;
-  void recover(State& s, int axle, double from) const;
+  /// The torque of an axle that the virtual train takes, from its estimate and what is known of brake and motor.
+  double torque_of_axle(AxleState& axle, Measurements const& now, std::size_t k, double period) const;
+  void recover(State& s, int axle, double from, double period) const;
 };
 
 }  // namespace rollerrig

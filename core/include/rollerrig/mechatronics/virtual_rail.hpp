@@ -31,11 +31,12 @@ inline EquivalentPatch equivalent_patch(double load, std::vector<double> const& 
 struct VirtualRail {
   CreepLaw creep{};
   Friction friction{};
-  double wheel_load{};                     ///< static, of one wheel [N]; what follows belongs to it
-  double a{}, b{};                         ///< semi-axes along and across the rolling direction [m]
-  double width{};                          ///< that the patches of a wheel sweep together [m]
-  double cell{};                           ///< length of the cells in which dissipated energy is kept [m]
-  double log_aspect{};                     ///< ln(a/b)
+  double wheel_load{};    ///< static, of one wheel [N]; what follows belongs to it
+  double a{}, b{};        ///< semi-axes along and across the rolling direction [m]
+  double width{};         ///< over which dissipated energy is spread: that the patches of a wheel sweep together [m]
+  double cell{};          ///< length of the cells in which dissipated energy is kept [m]
+  double wheel_memory{};  ///< length rolled over which a wheel's own cleaning fades [m]; 0: none is kept
+  double log_aspect{};    ///< ln(a/b)
   KalkerStiffness<double> stiffness{};     ///< of one wheel
   double creepage_regularisation_speed{};  ///< [m/s]
 

@@ -11,6 +11,7 @@
 #include <string_view>
 #include <vector>
 
+#include "rollerrig/contact/adhesion/cleaned_wheel.hpp"
 #include "rollerrig/contact/adhesion/recovered_rail.hpp"
 #include "rollerrig/mechatronics/delayed_commands.hpp"
 #include "rollerrig/simulate/actuator_states.hpp"
@@ -85,9 +86,10 @@ class MechatronicSystem {
   TrainMotion train_;
   std::vector<Controller> controllers_;
   ActingCommands acting_{};
-  std::array<RecoveredRail, 2> rail_;  ///< left, right
-  PerAxle<double> slides_for_{};       ///< wheel on roller, beyond the protection's limit [s]
-  int shortest_{0};                    ///< sample time of the controllers, in steps; 0: none
+  std::array<RecoveredRail, 2> rail_;             ///< left, right
+  std::array<PerAxle<CleanedWheel>, 2> wheel_{};  ///< left, right
+  PerAxle<double> slides_for_{};                  ///< wheel on roller, beyond the protection's limit [s]
+  int shortest_{0};                               ///< sample time of the controllers, in steps; 0: none
 };
 
 }  // namespace rollerrig

@@ -93,7 +93,9 @@ struct MechatronicSetup {
   std::vector<SampledController> controllers{};
   RollerProtection protection{};
   TravellingFrame frame{};
-  double rail_cell{};  ///< length of the cells of rail in which dissipated energy is kept [m]
+  double rail_cell{};     ///< length of the cells of rail in which dissipated energy is kept [m]
+  double energy_width{};  ///< of rail over which dissipated energy is spread [m]; 0: that of the patches
+  double wheel_memory{};  ///< length rolled over which a wheel's own cleaning fades [m]; 0: it keeps nothing
 
   /// Whether there are cylinders to be filled.
   bool braked() const {
@@ -113,7 +115,9 @@ struct MechatronicSetup {
                       Member{"controllers", &P::controllers},
                       Member{"protection", &P::protection},
                       Member{"frame", &P::frame},
-                      Member{"rail_cell", &P::rail_cell, positive}};
+                      Member{"rail_cell", &P::rail_cell, positive},
+                      Member{"energy_width", &P::energy_width, not_negative},
+                      Member{"wheel_memory", &P::wheel_memory, not_negative}};
   }
 };
 

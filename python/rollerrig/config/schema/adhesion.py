@@ -1,7 +1,7 @@
 """How much adhesion the rail has, where or when: degraded track, and what the rig reproduces."""
 
 from collections.abc import Mapping
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field, ValidationInfo, field_validator, model_validator
 from pydantic_core import PydanticCustomError
@@ -52,6 +52,17 @@ def _by_name(value: Any) -> Any:
     raise PydanticCustomError("condition", "{allowed}", {"allowed": allowed})
 
 
+_RECOVERY = {"area": Quantity("m^2/J", 0.0, 1e6), "length": Quantity("m/J", 0.0, 1e6)}
+
+
+def _fits(quantity: Quantity, value: object) -> bool:
+    try:
+        quantity.parse(value)
+    except ValueError:
+        return False
+    return True
+
+
 AnyCondition = Annotated[Condition, BeforeValidator(_by_name)]
 
 
@@ -79,9 +90,20 @@ class Adhesion(Table):
         description="length over which one condition passes into the next, like '10 m'; where pieces begin at a time the "
         "time, like '0.1 s'; 0: a jump",
     )
+    recovery_per: Literal["area", "length"] = Field(
+        default="area",
+        description="what the recovery constant goes with: energy per area of the running surface, tau in m^2/J; or per metre "
+        "run by a wheel, tau in m/J",
+    )
     recovery_constant: Annotated[float, Quantity("m^2/J", 0.0, 1e6)] = Field(
         default=0.0,
-        description="tau of the recovery by dissipated energy per area, lambda = 1 - exp(-tau W); 0: no recovery",
+        description="tau of the recovery by dissipated energy W, lambda = 1 - exp(-tau W), like '5e-6 m^2/J' or '1.9e-4 m/J': "
+        "a text's unit decides `recovery_per`; 0: no recovery",
+    )
+    wheel_memory: Annotated[float, Quantity("m", 0.0, 1e6)] = Field(
+        default=0.0,
+        description="sliding cleans the wheel's tread too, and it takes up a film again as it rolls: length over which its "
+        "cleaning fades; 0: only the rail is cleaned",
     )
     cell_length: Annotated[float, Quantity("m", 1e-4, 100.0)] = Field(
         default=0.05, description="dissipated energy is kept along the rail in cells of this length"
@@ -92,9 +114,26 @@ class Adhesion(Table):
     )
 
     @property
+    def recovery_unit(self) -> str:
+        """Of the recovery constant."""
+        return _RECOVERY[self.recovery_per].unit
+
+    @property
     def over_time(self) -> bool:
         """Whether pieces begin at times."""
         return bool(self.piece) and self.piece[0].time is not None
+
+    @model_validator(mode="before")
+    @classmethod
+    def _per_area_or_length(cls, data: Any) -> Any:
+        """The unit that is written beside the recovery constant says what it goes with."""
+        text = data.get("recovery_constant") if isinstance(data, Mapping) else None
+        if not isinstance(text, str):
+            return data
+        per = next((name for name, quantity in _RECOVERY.items() if _fits(quantity, text)), None)
+        if per is None:  # the field itself refuses it
+            return data
+        return {**data, "recovery_per": per, "recovery_constant": _RECOVERY[per].parse(text)}
 
     @field_validator("blend", mode="before")
     @classmethod

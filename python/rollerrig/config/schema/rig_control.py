@@ -93,6 +93,65 @@ AnyEstimator = Annotated[
 ESTIMATORS = kinds(AnyEstimator)
 
 
+class EstimatedTorque(Table):
+    """The axle's torque as the estimator finds it, with its lag."""
+
+    kind: Literal["estimated"] = Field(description="as the estimator finds it, with its lag")
+
+
+class KnownTorque(Table):
+    """The axle's torque from cylinder pressure and motor torque, both measured; the estimate corrects it slowly."""
+
+    kind: Literal["known"] = Field(
+        default="known", description="from cylinder pressure, pad friction and motor torque; the estimate corrects it"
+    )
+    correction: Frequency = Field(default=1.0, description="bandwidth of the correction by the estimate")
+    brake_friction: Annotated[float, Quantity("1", 0.0, 10.0)] = Field(
+        default=1.0, description="friction of the pads as the controller assumes it, over the real one"
+    )
+
+
+class ExtrapolatedTorque(Table):
+    """The estimate, run ahead along its slope."""
+
+    kind: Literal["extrapolated"] = Field(description="as the estimator finds it, run ahead along its slope")
+    ahead: Delay = Field(default=8e-3, description="time by which it runs ahead")
+    bandwidth: Frequency = Field(default=40.0, description="of the low-pass on its slope")
+
+
+AnyAxleTorque = Annotated[EstimatedTorque | KnownTorque | ExtrapolatedTorque, Discriminator("kind"), by_kind("known")]
+AXLE_TORQUES = kinds(AnyAxleTorque)
+
+
+class DirectCommand(Table):
+    """The drive is asked for the wanted torque."""
+
+    kind: Literal["direct"] = Field(description="the wanted torque itself; the drive follows with its lag")
+
+
+class LeadCommand(Table):
+    """The feed-forward runs ahead along its slope by the drive's lag."""
+
+    kind: Literal["lead"] = Field(default="lead", description="the feed-forward runs ahead along its slope")
+    ahead: Delay | None = Field(
+        default=None, description="by this time; absent: by the lag of drive, delay and half a sample"
+    )
+
+
+class TorqueLoop(Table):
+    """A loop around the drive, closed over its measured torque."""
+
+    kind: Literal["torque_loop"] = Field(description="a loop around the drive, closed over its measured torque")
+    gain: Annotated[float, Quantity("1", 0.0, 1e3)] = Field(
+        default=2.0,
+        description="on wanted less measured torque; a drive of first order gets 1 + gain times its bandwidth",
+    )
+
+
+AnyDriveCommand = Annotated[DirectCommand | LeadCommand | TorqueLoop, Discriminator("kind"), by_kind("lead")]
+DRIVE_COMMANDS = kinds(AnyDriveCommand)
+
+
 class Feedback(Table):
     """What corrects the wheels' speeds, by virtual minus measured axle speed."""
 
@@ -177,8 +236,14 @@ class RigControl(Controller):
         "it, and its brake's torque, then the reaction to the roller's, is not used",
     )
     estimator: AnyEstimator = Field(default=Observer(), description="of the contact force: its kind, or a table")
+    axle_torque: AnyAxleTorque = Field(
+        default=KnownTorque(), description="torque on an axle that the virtual train takes: its kind, or a table"
+    )
     feedback: AnyFeedback = Field(
         default=ProportionalIntegral(), description="on the axles' speeds: its kind, or a table"
+    )
+    drive_command: AnyDriveCommand = Field(
+        default=LeadCommand(), description="how the drives are asked for their torque: its kind, or a table"
     )
     motor: Motor = Field(default=Motor(), description="drive of each roller axle")
     protection: Protection = Field(default=Protection(), description="of the rollers")

@@ -41,7 +41,7 @@ struct RailCondition {
 struct RailAdhesion {
   RailCondition degraded{};
   RailCondition recovered{};
-  double recovery_constant{0.0};  ///< tau [m^2/J]; 0: no recovery
+  double recovery_constant{0.0};  ///< tau [m^2/J], or [m/J] of energy per metre run; 0: no recovery
   static constexpr auto fields() {
     return std::tuple{Member{"degraded", &RailAdhesion::degraded}, Member{"recovered", &RailAdhesion::recovered},
                       Member{"recovery_constant", &RailAdhesion::recovery_constant, not_negative}};

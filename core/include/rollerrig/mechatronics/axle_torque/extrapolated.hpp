@@ -1,0 +1,37 @@
+// mechatronics/axle_torque/extrapolated.hpp - the estimated torque of the axle, run ahead along its slope.
+//
+//     C = C_e + a G C_e'        (D19)
+//
+// G, a low-pass of first order, keeps noise out of the slope. Source  docs/theory/rig_control.md.
+#pragma once
+#include <cmath>
+#include <string_view>
+#include <tuple>
+
+#include "rollerrig/fields.hpp"
+#include "rollerrig/mechatronics/axle_torque/torque_sample.hpp"
+
+namespace rollerrig {
+
+struct ExtrapolatedTorque {
+  static constexpr char const* name = "extrapolated";
+  double ahead{};      ///< a [s]
+  double bandwidth{};  ///< of G [rad/s]
+
+  static constexpr auto fields() {
+    return std::tuple{Member{"ahead", &ExtrapolatedTorque::ahead, not_negative},
+                      Member{"bandwidth", &ExtrapolatedTorque::bandwidth, positive}};
+  }
+
+  struct State {
+    double last{}, slope{};  ///< C_e [N m], its filtered rate [N m/s]
+  };
+
+  double step(State& s, TorqueSample const& now, double period) const {
+    s.slope += (1.0 - std::exp(-bandwidth * period)) * ((now.estimate - s.last) / period - s.slope);
+    s.last = now.estimate;
+    return now.estimate + ahead * s.slope;
+  }
+};
+
+}  // namespace rollerrig
