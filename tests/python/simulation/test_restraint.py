@@ -107,6 +107,65 @@ def test_only_a_restraint_stiffer_than_the_push_holds_it(wagon) -> None:
     assert found(held(wagon, 0.9 * push)) is not None
 
 
+@pytest.mark.parametrize("height", [0.0, 1.05])
+def test_a_coupler_rod_holds_what_its_stiffness_can(wagon, height: float) -> None:
+    """An element of the rig; the springs between car body and wheelsets add 2 % to what it must bear."""
+    push = 22_600.0 * 9.81 / CROWN
+
+    def rod(stiffness: float) -> Case:
+        return wagon.with_changes({"support.restraint": {"height": height, "stiffness": stiffness}})
+
+    assert found(rod(1.15 * push)) is None
+    assert found(rod(0.9 * push)) is not None
+
+
+def test_the_rod_acts_at_its_height_with_stiffness_and_damping(wagon) -> None:
+    """Car body moved by x and turned by theta at height h: F = -k (x + theta (h - z)) - c of its rate."""
+    restraint = {"height": 1.05, "stiffness": 2e6, "damping": 3e4}
+    case = wagon.with_changes(
+        {"support.restraint": restraint, "disturbance": [{"body": "car_body", "longitudinal": "1 mm"}]}
+    )
+    run = simulate(case.with_changes({"time.duration": "0.2 s", "time.output_step": "1 ms"}))
+    z = case.vehicle.data.body_named("car_body").position[2]
+    body = run.sel(body="car_body")
+    arm = 1.05 - z
+    deflection = body["longitudinal"] + arm * body["pitch"]
+    speed = body["longitudinal_velocity"] + arm * body["pitch_velocity"]
+    force = run["element_force_x"].sel(element="restraint")
+    assert float(np.abs(force).max()) > 500.0
+    np.testing.assert_allclose(force, -2e6 * deflection - 3e4 * speed, atol=2.0)  # small angles
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"support.restraint.body": "wheelset_1"}, "support.restraint.body: 'wheelset_1'"),
+        ({"support.restraint.body": "car_bodi"}, "did you mean 'car_body'"),
+        ({"vehicle.body.car_body.locked": ["x"]}, "nothing of this vehicle that it could hold is free in x"),
+        ({"support.restraint.stiffness": 0.0}, "support.restraint.stiffness"),
+    ],
+)
+def test_a_rod_that_can_hold_nothing_is_refused(wagon, changes: dict[str, object], message: str) -> None:
+    held_by_rod = wagon.with_changes({"support.restraint": {"height": 1.0, "stiffness": 1e7}})
+    with pytest.raises(ConfigError, match=message):
+        held_by_rod.with_changes(changes)
+
+
+def test_a_coach_that_rolls_off_is_not_blamed_for_sliding() -> None:
+    """The wheels of a braked coach that nothing holds roll along their rollers: r w - R W is not their sliding."""
+    coach = load_case("adhesion_brake").with_changes({"vehicle.cut": "vehicle", "time.duration": "5 s"})
+    with pytest.raises(ConfigError, match="nothing holds the vehicle"):
+        simulate(coach)
+    run = simulate(coach, may_drift=True)
+    assert run.attrs["status"] in ("contact_lost", "rollers_protected")
+    assert "rolled off its rollers" in run.attrs["status_message"]
+    apparent = 0.46 * run["axle_speed"] - 0.725 * run["roller_speed"]
+    last = run["time"] > run["time"][-1] - 0.2
+    assert float(abs(run["real_sliding"]).max()) < 0.5 * float(abs(apparent).where(last).max())
+    held_by_rod = coach.with_changes({"support.restraint": {"height": 1.05, "stiffness": 1e7, "damping": 1e5}})
+    assert simulate(held_by_rod).attrs["status"] == "ok"
+
+
 def test_a_wheelset_without_longitudinal_suspension_is_named_alone(wagon) -> None:
     springs = [e.name for e in wagon.vehicle.data.element if "wheelset_2" in e.between]
     changes: dict[str, object] = {f"vehicle.element.{name}.x": None for name in springs}
