@@ -178,6 +178,7 @@ def control(
     families: Sequence[str] = (),
     controller: str | None = None,
     loop: bool = True,
+    lags: bool = True,
     processes: int = 1,
     progress: Progress | None = None,
 ) -> Outcome[Any]:
@@ -189,6 +190,7 @@ def control(
         families: what is varied, by name; none: everything.
         controller: 'file.py:Class' of a controller of your own, compared with the built-in ones.
         loop: also find where the loop becomes unstable, computed and measured.
+        lags: also compare ways to compensate the lags, in runs of the case's own duration.
         processes: runs at a time; more than 1 asks a script for `if __name__ == "__main__":`.
         progress: called with the fraction done and a short text.
 
@@ -197,7 +199,9 @@ def control(
     """
     from rollerrig.study.control import ControlStudy, study_case
 
-    study = ControlStudy(study_case(as_case(case), duration), tuple(families), controller, loop)
+    whole = as_case(case)
+    length = whole.time.duration if lags else 0.0
+    study = ControlStudy(study_case(whole, duration), tuple(families), controller, loop, length)
     return _outcome(study, processes, progress)
 
 

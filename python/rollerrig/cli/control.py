@@ -25,6 +25,9 @@ def command(
     loop: Annotated[
         bool, typer.Option(help="Also find the gains at which the loop becomes unstable, computed and measured.")
     ] = True,
+    lags: Annotated[
+        bool, typer.Option(help="Also compare ways to compensate the lags, in tests of the case's own length.")
+    ] = True,
     processes: Processes = 2,
     allow_code: AllowCode = False,
     force: Force = False,
@@ -33,8 +36,10 @@ def command(
     from rollerrig.study.control import ControlStudy, study_case
 
     names = tuple(name.strip() for name in families.split(",")) if families else ()
+    whole = read_case(case, allow_code=allow_code)
+    length = whole.time.duration if lags else 0.0
     carry_out(
-        ControlStudy(study_case(read_case(case, allow_code=allow_code), duration), names, controller, loop),
+        ControlStudy(study_case(whole, duration), names, controller, loop, length),
         out,
         processes,
         force=force,

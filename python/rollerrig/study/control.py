@@ -67,14 +67,14 @@ class ControlStudy(Study[Found]):
         families: names of FAMILIES; none: all.
         user: 'file.py:Class' of a controller to be compared with the built-in one.
         loop: also find where the loop becomes unstable, computed and measured.
-        lags: also compare ways to compensate the lags.
+        lags: duration of the runs that compare ways to compensate the lags [s]; 0: none.
     """
 
     case: Case
     families: tuple[str, ...] = ()
     user: str | None = None
     loop: bool = True
-    lags: bool = True
+    lags: float = 0.0
 
     command = "control"
     quantities = QUANTITIES
@@ -112,6 +112,11 @@ class ControlStudy(Study[Found]):
 
     # ------------------------------------------------------------------------------------------------------ jobs
 
+    @property
+    def _whole(self) -> Case:
+        """The test in the length in which the slide protection shows a lag."""
+        return self.case.with_changes({"time.duration": self.lags})
+
     @cached_property
     def chosen(self) -> list[Family]:
         """The families that are run."""
@@ -136,7 +141,7 @@ class ControlStudy(Study[Found]):
         yield {
             **jobs,
             **(loop_jobs(self.case) if self.loop else {}),
-            **(compensation_jobs(self.case) if self.lags else {}),
+            **(compensation_jobs(self._whole) if self.lags else {}),
         }
         yield {f"course of {_name(key)}": job(run_variant, self.variants[key], True) for key in self._worst(done)}
 
@@ -170,7 +175,7 @@ class ControlStudy(Study[Found]):
             results,
             courses,
             sorted((done[n] for n in done if n.startswith("gains times ")), key=lambda point: point["factor"]),
-            compensation_numbers(self.case, done) if self.lags else None,
+            compensation_numbers(self._whole, done) if self.lags else None,
         )
 
     # --------------------------------------------------------------------------------------------------- numbers

@@ -44,7 +44,7 @@ VARIANTS: Mapping[str, Changes] = {
 }
 """Ways to compensate, the rig as it would be without any at first."""
 
-DEAD_TIMES = (2e-3, 4e-3, 8e-3, 12e-3, 16e-3)
+DEAD_TIMES = (3e-3, 6e-3, 9e-3, 12e-3, 15e-3)
 """Added to that of the slide protection on track [s]."""
 
 STARTS = 8

@@ -128,12 +128,12 @@ def test_the_rod_acts_at_its_height_with_stiffness_and_damping(wagon) -> None:
     run = simulate(case.with_changes({"time.duration": "0.2 s", "time.output_step": "1 ms"}))
     z = case.vehicle.data.body_named("car_body").position[2]
     body = run.sel(body="car_body")
-    arm = 1.05 - z
-    deflection = body["longitudinal"] + arm * body["pitch"]
-    speed = body["longitudinal_velocity"] + arm * body["pitch_velocity"]
+    deflection = (body["longitudinal"] + (1.05 - z) * body["pitch"]).to_numpy()
+    speed = np.gradient(deflection, 1e-3)
     force = run["element_force_x"].sel(element="restraint")
     assert float(np.abs(force).max()) > 500.0
-    np.testing.assert_allclose(force, -2e6 * deflection - 3e4 * speed, atol=2.0)  # small angles
+    inside = slice(1, -1)  # of differences over 2 ms
+    np.testing.assert_allclose(force[inside], (-2e6 * deflection - 3e4 * speed)[inside], atol=10.0)
 
 
 @pytest.mark.parametrize(
@@ -142,7 +142,7 @@ def test_the_rod_acts_at_its_height_with_stiffness_and_damping(wagon) -> None:
         ({"support.restraint.body": "wheelset_1"}, "support.restraint.body: 'wheelset_1'"),
         ({"support.restraint.body": "car_bodi"}, "did you mean 'car_body'"),
         ({"vehicle.body.car_body.locked": ["x"]}, "nothing of this vehicle that it could hold is free in x"),
-        ({"support.restraint.stiffness": 0.0}, "support.restraint.stiffness"),
+        ({"support.restraint.stiffness": 0.0}, "restraint.stiffness"),
     ],
 )
 def test_a_rod_that_can_hold_nothing_is_refused(wagon, changes: dict[str, object], message: str) -> None:
@@ -159,9 +159,11 @@ def test_a_coach_that_rolls_off_is_not_blamed_for_sliding() -> None:
     run = simulate(coach, may_drift=True)
     assert run.attrs["status"] in ("contact_lost", "rollers_protected")
     assert "rolled off its rollers" in run.attrs["status_message"]
-    apparent = 0.46 * run["axle_speed"] - 0.725 * run["roller_speed"]
-    last = run["time"] > run["time"][-1] - 0.2
-    assert float(abs(run["real_sliding"]).max()) < 0.5 * float(abs(apparent).where(last).max())
+    early = run.sel(time=2.0, method="nearest")  # 0.4 m off the crowns
+    apparent = 0.46 * early["axle_speed"] - 0.725 * early["roller_speed"]
+    assert float(abs(apparent).min()) > 1.0  # what the protection took for sliding
+    assert float(abs(early["real_sliding"]).max()) < 0.15
+    assert run.attrs["stopped_at_s"] > 2.2
     held_by_rod = coach.with_changes({"support.restraint": {"height": 1.05, "stiffness": 1e7, "damping": 1e5}})
     assert simulate(held_by_rod).attrs["status"] == "ok"
 

@@ -47,7 +47,7 @@ def compared(families: list[Family], duration: float, **options: Any) -> Outcome
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(control, "FAMILIES", families)
         progress = options.pop("progress", None)
-        return ControlStudy(brake(duration), loop=False, lags=False, **options).run(progress=progress)
+        return ControlStudy(brake(duration), loop=False, **options).run(progress=progress)
 
 
 @pytest.fixture(scope="module")
