@@ -177,6 +177,12 @@ class Examples:
             _core.ProportionalIntegralFeedback(bandwidth=10.0, damping_ratio=0.7, proportional=100.0, integral=10.0),
             _core.SlidingModeFeedback(switching=100.0, boundary_layer=0.1),
             _core.NoneFeedback(),
+            _core.EstimatedAxleTorque(),
+            _core.KnownAxleTorque(bandwidth=6.0, brake_friction=1.1),
+            _core.ExtrapolatedAxleTorque(ahead=8e-3, bandwidth=250.0),
+            _core.DirectDriveCommand(),
+            _core.LeadDriveCommand(ahead=4e-3),
+            _core.TorqueLoopDriveCommand(gain=2.0),
             _core.StandingBody(mass=1e3, position=(0.0, 0.0, 1.0), on_wheels=False),
             _core.LoadSpring(body_a=1, body_b=0, point=(1.0, 1.0, 1.0)),
         ]
@@ -258,7 +264,12 @@ class Examples:
                     "adhesion": objects["AdhesionMap"],
                     "patch": _core.equivalent_patch(5e4, [6e-3], [4e-3]),
                     "cell": 0.05,
+                    "energy_width": 0.0,
+                    "wheel_memory": 4.0,
                 },
+            ),
+            "torque_lag": Call(
+                _core.torque_lag, {"motor": objects["Motor"], "period": period, "delay": 2e-3, "gain": 1.0}
             ),
         }
 
