@@ -95,8 +95,9 @@ def test_the_half_space_repeats_contact_in_all_its_poses() -> None:
 
 @pytest.mark.parametrize("pose", [one for one in poses.read() if one.pose.group == "yawed"][17::40])
 def test_the_table_is_what_the_half_space_says(pose: poses.ExactPose) -> None:
+    """The strips say where its grid lies, and a cell is a hundredth of the patch."""
     height, solution = exact(Surfaces(), pose.pose)
-    assert height == pytest.approx(pose.height, abs=1e-5)
-    assert solution.pressure == pytest.approx(pose.solution.pressure, rel=1e-4)
-    assert solution.approach == pytest.approx(pose.solution.approach, rel=1e-4)
-    assert solution.centre == pytest.approx(pose.solution.centre, abs=1e-4)
+    assert height == pytest.approx(pose.height, abs=5e-5)
+    assert solution.pressure == pytest.approx(pose.solution.pressure, rel=5e-3)
+    assert solution.approach == pytest.approx(pose.solution.approach, rel=2e-3)
+    assert solution.centre == pytest.approx(pose.solution.centre, abs=5e-3)
