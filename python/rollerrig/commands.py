@@ -152,13 +152,19 @@ def conicity(
 
 
 def adhesion(
-    case: Case | str, *, error_budget: bool = True, processes: int = 1, progress: Progress | None = None
+    case: Case | str,
+    *,
+    error_budget: bool = True,
+    quick: bool = False,
+    processes: int = 1,
+    progress: Progress | None = None,
 ) -> Outcome[Any]:
     """A brake or traction test on degraded track and on the dry rig that reproduces it.
 
     Args:
         case: on rollers with [rig_control].
-        error_budget: also run the rig without one imperfection after the other, and repeated tests.
+        error_budget: also run the rig without one imperfection after the other, and the track with later protection.
+        quick: two starts of each test, to see that everything works.
         processes: runs at a time; more than 1 asks a script for `if __name__ == "__main__":`.
         progress: called with the fraction done and a short text.
 
@@ -168,7 +174,7 @@ def adhesion(
     """
     from rollerrig.study.adhesion import AdhesionStudy
 
-    return _outcome(AdhesionStudy(as_case(case), error_budget), processes, progress)
+    return _outcome(AdhesionStudy(as_case(case), error_budget, quick), processes, progress)
 
 
 def control(

@@ -1,4 +1,4 @@
-"""Wheel speeds of a test against the train: slip, tracking error of the rig, distance, definitions common to all studies.
+"""Wheel speeds of a test against the train: slip, tracking error of the rig, definitions common to all studies.
 
 run of `simulate` with a train -> [tracking] -> series over time and axle, RMS and largest values
 
@@ -8,7 +8,6 @@ Equations: docs/theory/rig_control.md. A ratio to the speed of a train slower th
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -60,14 +59,6 @@ def largest(values: Any) -> float:
 def stopped(run: xr.Dataset) -> bool:
     """Whether the train came to a stop."""
     return bool(run.attrs["status"] == "stopped")
-
-
-def distances(runs: Sequence[xr.Dataset]) -> list[float]:
-    """Distance run by the train in each run [m]: until it stopped, where all did, else until the first ended."""
-    if all(stopped(run) for run in runs):
-        return [float(run["train_distance"][-1]) for run in runs]
-    end = min(float(run["time"][-1]) for run in runs)
-    return [float(np.interp(end, run["time"], run["train_distance"])) for run in runs]
 
 
 def _relative(run: xr.Dataset, speed: xr.DataArray) -> xr.DataArray:

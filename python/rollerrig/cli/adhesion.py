@@ -13,8 +13,14 @@ def command(
     case: RigCaseName,
     out: Out,
     error_budget: Annotated[
-        bool, typer.Option(help="Also run the rig without one imperfection after the other, and repeated tests.")
+        bool,
+        typer.Option(
+            help="Also run the rig without one imperfection after the other, and the track with later protection."
+        ),
     ] = True,
+    quick: Annotated[
+        bool, typer.Option("--quick", help="Two starts of each test: to see that everything works.")
+    ] = False,
     processes: Processes = 2,
     allow_code: AllowCode = False,
     force: Force = False,
@@ -22,4 +28,5 @@ def command(
     """A brake or traction test on degraded track and on the dry rig that reproduces it, side by side."""
     from rollerrig.study.adhesion import AdhesionStudy
 
-    carry_out(AdhesionStudy(read_case(case, allow_code=allow_code), error_budget), out, processes, force=force)
+    study = AdhesionStudy(read_case(case, allow_code=allow_code), error_budget, quick)
+    carry_out(study, out, processes, force=force)

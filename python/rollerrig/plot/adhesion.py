@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 
 import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
 from rollerrig.plot.axles import axles_over_time
-from rollerrig.plot.style import COLOURS, GREY, house_style, line, new_figure, panels
+from rollerrig.plot.style import line, panels
 
 
 def speeds(track: xr.Dataset, rig: xr.Dataset, radius: float) -> Figure:
@@ -18,15 +18,15 @@ def speeds(track: xr.Dataset, rig: xr.Dataset, radius: float) -> Figure:
     labels = [f"{axle.replace('_', ' ')}\nspeed [km/h]" for axle in axles]
     with panels(labels, "time [s]", 2.3 + 2.2 * len(axles)) as (figure, found):
         for axes, axle in zip(found, axles, strict=True):
-            for run, name, factor, colour, style, label in (
-                (track, "train_speed", 3.6, 5, "--", "train, track"),
-                (rig, "train_speed", 3.6, 5, "-", "train, virtual"),
-                (track, "axle_speed", 3.6 * radius, 1, "--", "wheel, track"),
-                (rig, "virtual_speed", 3.6 * radius, 2, ":", "wheel, virtual"),
-                (rig, "axle_speed", 3.6 * radius, 0, "-", "wheel, rig"),
-            ):
+            for run, name, factor, colour, look, label in (
+                (track, "train_speed", 3.6, 5, {"style": "--"}, "train, track"),
+                (rig, "train_speed", 3.6, 4, {}, "train, virtual"),
+                (track, "axle_speed", 3.6 * radius, 1, {"style": "--"}, "wheel, track"),
+                (rig, "virtual_speed", 3.6 * radius, 2, {"linewidth": 3.2, "alpha": 0.45}, "wheel, virtual"),
+                (rig, "axle_speed", 3.6 * radius, 0, {}, "wheel, rig"),
+            ):  # the virtual wheel is a broad band, since the rig's lies on it
                 values = run[name].sel(axle=axle) if "axle" in run[name].dims else run[name]
-                line(axes, run["time"], factor * values, colour, style, label)
+                line(axes, run["time"], factor * values, colour, label=label, **look)
         return figure
 
 
@@ -101,30 +101,4 @@ def errors(track: xr.Dataset, rig: xr.Dataset, radius: float) -> Figure:
             line(speed, away["time"], radius * (b - a)["axle_speed"].sel(axle=axle), number, "-", str(axle))
         line(speed, away["time"], b["train_speed"] - a["train_speed"], 5, "--", "train")
         line(distance, away["time"], b["train_distance"] - a["train_distance"], 5, "--", "train")
-        return figure
-
-
-def error_budget(parts: Mapping[str, float], repeatability: float) -> Figure:
-    """Bars of what each imperfection contributes to the difference in distance, and the range of repeated tests.
-
-    Args:
-        parts: name -> part of the track's distance [-].
-        repeatability: range of the distances of repeated tests over their mean [-].
-    """
-    with house_style():
-        figure, (axes,) = new_figure(1, height=2.6)
-        if repeatability > 0.0:
-            axes.axvspan(-50.0 * repeatability, 50.0 * repeatability, color=GREY, alpha=0.35, linewidth=0)
-        names = [*parts, "together"]
-        values = [100.0 * part for part in (*parts.values(), sum(parts.values()))]
-        axes.barh(names, values, height=0.55, color=[COLOURS[0]] * len(parts) + [COLOURS[1]])
-        for row, value in enumerate(values):
-            place, side = (value, row), "left" if value >= 0 else "right"
-            axes.annotate(
-                f"{value:+.2f}", place, (4 if value >= 0 else -4, 0), textcoords="offset points", va="center", ha=side
-            )
-        axes.invert_yaxis()
-        axes.axvline(0.0, color="black", linewidth=0.8)
-        axes.margins(x=0.15)
-        axes.set_xlabel("distance of the rig less that of the track [% of it]")
         return figure

@@ -1,107 +1,72 @@
 """The same brake or traction test on degraded track and on the dry rig that reproduces it, and why the two differ.
 
-Case of a rig with [rig_control] -> [AdhesionStudy] -> both runs, variants of the rig, repeated tests -> error budget
+Case of a rig with [rig_control] -> [AdhesionStudy] -> ensembles on track and rig, variants of the rig -> verdict, causes
 
-Tracking compares the rig's axles with the virtual train that they follow; fidelity compares the rig with the run on real track,
-which also contains what the virtual train leaves out. Equations: docs/theory/rig_control.md.
+Tracking compares the rig's axles with the virtual train that they follow; fidelity compares the rig with the track, which also
+contains what the virtual train leaves out. Every compared number is that of an ensemble, with its error: the limit cycle of the
+slide protection has another phase in every test. Equations: docs/theory/rig_control.md.
 
 The variants take one imperfection of the rig away after the other: pure rolling of the wheels on the rollers, then drives
 without lag and limit, then known force and torque. The differences between them, and what remains between the last and the
-track, add up to the whole: the error budget. Repeated tests that begin some milliseconds later show how far it can be trusted.
+track, add up to the whole: the causes. Tests on track with a later protection give the rig's equivalent dead time.
 """
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import xarray as xr
-from numpy.typing import ArrayLike
 
-from rollerrig.analysis.rig_fidelity import axle_load, error_budget, fidelity, rig_numbers, run_numbers, variant_numbers
-from rollerrig.analysis.tracking import distances, wheel_radius
+from rollerrig.analysis.equivalent_dead_time import DeadTime, predicted_dead_time
+from rollerrig.analysis.rig_fidelity import by_own_motion, point_by_point
+from rollerrig.analysis.slide_statistics import TestRecord, test_record
 from rollerrig.config import Case
-from rollerrig.plot import adhesion as figures
-from rollerrig.results import COMPLETED
 from rollerrig.simulation import simulate
-from rollerrig.study.adhesion_variants import STEPS, VARIANTS, track_case, variant, variants_of
-from rollerrig.study.ensemble import scatter, starts
+from rollerrig.study.adhesion_causes import are_known, cause_shares
+from rollerrig.study.adhesion_figures import adhesion_sections, axle_columns
+from rollerrig.study.adhesion_numbers import (
+    QUANTITIES,
+    cause_numbers,
+    dead_time_numbers,
+    run_numbers,
+    variant_numbers,
+)
+from rollerrig.study.adhesion_text import findings, verdict_lines
+from rollerrig.study.adhesion_variants import STEPS, track_case, variant, variants_of
+from rollerrig.study.adhesion_verdicts import GROUPS, Row, verdict_of, verdict_rows
+from rollerrig.study.dead_time import dead_times, later_protection, measured_dead_time
+from rollerrig.study.ensemble import distances, estimate, recorded, starts
 from rollerrig.study.frame import Study
 from rollerrig.study.jobs import Done, Round, job
-from rollerrig.study.quantities import Numbers, Quantities, Quantity
-from rollerrig.study.report import Picture, Section
-from rollerrig.wording import percent
+from rollerrig.study.quantities import Numbers
+from rollerrig.study.report import Mark, Section
 
-TRACKING_TARGET, DISTANCE_TARGET = 0.01, 0.02
+STARTS, QUICK_STARTS, MOST_STARTS = 8, 2, 40
+"""Tests of an ensemble; of a quick study; and up to which they are added until the errors of the shares are small."""
 
-CONTRIBUTIONS = {
-    "rolling": "sliding of the wheels on the rollers",
-    "drives": "lag and torque limit of the roller drives",
-    "estimator": "lag of the estimated torque",
-    "model": "simplifications of the virtual train, and sampling",
-}
-PERCENT = ("%", 100.0)
-RUN = (
-    Quantity("*.status", "how the run ended: on degraded track, and on the dry rig"),
-    Quantity("*.status_message", "the same as a sentence"),
-    Quantity("*.stopped", "whether the train came to a stop before the end of the run"),
-    Quantity("*.distance_m", "run by the train, on the rig by the virtual one", "m", "distance"),
-    Quantity("*.duration_s", "time at the end of the test", "s", "duration"),
-    Quantity("*.speed_end_kmh", "of the train at the end", "km/h", "speed at the end"),
-    Quantity("*.largest_slip", "largest |wheel speed - train speed| over train speed, above 2 m/s", "1"),
-    Quantity("*.mean_slip", "mean of the same over all axles and times", "1", shown=PERCENT, digits=2),
-    Quantity("*.adhesion_used_mean", "mean of |creep force| over static axle load under brake or traction", "1"),
-    Quantity("*.adhesion_used_largest", "largest of the same", "1"),
-    Quantity("*.dump_cycles", "times that dump valves opened to vent, all axles", "1", "dump cycles, all axles"),
-    Quantity("*.air_litres", "air at ambient pressure taken by all cylinders", "l", "air taken by the cylinders"),
-    Quantity("*.energy_relative_residual", "energy audit", "1", "residual of the energy audit"),
-)
-RIG = (
-    Quantity("rig.real_sliding_largest_mps", "wheel against roller, largest", "m/s", "sliding on the roller, largest"),
-    Quantity("rig.real_sliding_rms_mps", "the same, RMS", "m/s", "the same, RMS"),
-    Quantity("rig.roller_torque_largest_nm", "of a roller drive", "N m", "torque of a roller drive, largest"),
-    Quantity("rig.drive_limited_s", "time with a drive's command at its limit", "s", "time at a drive's limit"),
-)
-FIDELITY = (
-    Quantity("fidelity.tracking_rms", "wheel less virtual wheel, over train speed, RMS", "1", digits=2, shown=PERCENT),
-    Quantity("fidelity.tracking_largest", "largest of the same", "1"),
-    Quantity(
-        "fidelity.tracking_by_own_motion", "part of its variance in proportion to the wheelsets' own motion, (D14)", "1"
-    ),
-    Quantity("fidelity.wheel_speed_rms", "wheel of rig less wheel on track, over train speed, RMS", "1"),
-    Quantity("fidelity.wheel_speed_largest", "largest of the same, any axle", "1"),
-    Quantity("fidelity.train_speed_largest_mps", "virtual train less train on track, largest", "m/s"),
-    Quantity(
-        "fidelity.distance_relative", "stopping distance of rig over track, less 1; null: no stop", "1", shown=PERCENT
-    ),
-    Quantity("fidelity.distance_at_end_relative", "the same at the end of the shorter run", "1"),
-    Quantity("fidelity.slip_difference_rms", "slip of rig less slip on track at the same time, RMS", "1"),
-    Quantity("fidelity.torque_difference_rms_nm", "brake and traction torque, rig less track, RMS", "N m"),
-)
-QUANTITIES = Quantities(
-    Quantity("case", "name of the case"),
-    RUN,
-    RIG,
-    FIDELITY,
-    Quantity("variants.*.**", "the rig without some imperfections: tracking_rms, distance_relative, dump_cycles, mean_slip"),
-    Quantity("error_budget.*", "part of (distance of rig over track, less 1) that goes away with it; the sum is the whole", "1"),
-    Quantity("repeatability.*.mean_distance_m", "of the test begun 0 to 40 ms later, on track and rig", "m", "mean distance"),
-    Quantity("repeatability.*.standard_error_m", "of that mean", "m", "standard error"),
-    Quantity("repeatability.*.relative_range", "range of these distances over their mean", "1", "range", 2, PERCENT),
-    Quantity("targets.*", "tracking RMS below 1 % of train speed, stopping distance within 2 %; null: unknown"),
-)  # fmt: skip
+WHOLE = ("track", "rig", "rolling")
+"""Ensembles whose first test is kept as a whole, to be drawn."""
+
+SECOND = "track, second"
+"""Another start on track, kept as a whole: what it differs by is phase alone."""
 
 
 @dataclass(frozen=True)
 class Runs:
-    """What was run: the rig, the track, variants of the rig by name, and both tests begun later."""
+    """What was run.
 
-    track: xr.Dataset
-    rig: xr.Dataset
-    variants: Mapping[str, xr.Dataset]
-    repeated: Mapping[str, Sequence[xr.Dataset]]
+    Attributes:
+        whole: first tests as a whole, by name: track, rig, rolling and a second start on track.
+        records: by name of the ensemble: track, rig and the variants of the rig.
+        later: additional dead time of the protection [s] -> ensemble on track.
+    """
+
+    whole: Mapping[str, xr.Dataset]
+    records: Mapping[str, Sequence[TestRecord]]
+    later: Mapping[float, Sequence[TestRecord]]
 
 
 @dataclass(frozen=True)
@@ -110,15 +75,17 @@ class AdhesionStudy(Study[Runs]):
 
     Attributes:
         case: of the rig.
-        error_budget: also run the variants of the rig, and both tests begun a little later.
+        error_budget: also run the variants of the rig, and the track with later protection.
+        quick: only two starts of each test: to see that everything works.
     """
 
     case: Case
     error_budget: bool = True
+    quick: bool = False
 
     command = "adhesion"
     quantities = QUANTITIES
-    writes = ("track.nc", "rig.nc", "axles.csv")
+    writes = ("track*.nc", "rig*.nc", "axles*.csv")
     irrelevant = ("description", "error_budget")
 
     def __post_init__(self) -> None:
@@ -129,207 +96,119 @@ class AdhesionStudy(Study[Runs]):
     def title(self) -> str:
         return f"{self.case.name}: degraded track and the rig that reproduces it"
 
+    @property
+    def mark(self) -> Mark | None:
+        meaning = f"only {QUICK_STARTS} starts of each test, whose numbers only show that everything works"
+        return Mark("quick", meaning) if self.quick else None
+
     def cases(self) -> Mapping[str, Case]:
         return {"rig": self.case, "track": track_case(self.case)}
 
+    @cached_property
+    def predicted(self) -> DeadTime | None:
+        """Equivalent dead time in closed form."""
+        return predicted_dead_time(self.case) if self.error_budget else None
+
+    # ------------------------------------------------------------------------------------------------------- jobs
+
     def rounds(self, done: Done) -> Iterator[Round]:
-        cases = {"track": track_case(self.case), "rig": self.case}
-        if self.error_budget:
-            cases |= {name: variant(self.case, name) for name in variants_of(self.case)}
-            pairs = [(label, cases[label]) for label in ("track", "rig")]
-            cases |= {f"{label} {s:g} s later": later for label, one in pairs for s, later in starts(one).items()}
-        yield {name: job(simulate, case) for name, case in cases.items()}
+        count = QUICK_STARTS if self.quick else STARTS
+        names = ("rig", *variants_of(self.case)) if self.error_budget else ("rig",)
+        later = dead_times(self.case, self.predicted)
+        whole = {name: job(simulate, self._case(name)) for name in WHOLE if name == "track" or name in names}
+        whole[SECOND] = job(simulate, starts(self._case("track"), 2)[1])
+        yield {**whole, **self._tests(("track", *names, *map(_later, later)), 0, count)}
+        grown = ("track", "rig", *STEPS)
+        while not self.quick and count < MOST_STARTS and not are_known(cause_shares(self._records(done, names))):
+            yield self._tests(grown, count, count + STARTS)
+            count += STARTS
+
+    def _tests(self, names: Sequence[str], begin: int, end: int) -> Round:
+        """Ensembles from one start to another; the first start of some is run as a whole."""
+        cases = {name: starts(self._case(name), end) for name in names}
+        return {
+            _test(name, k): job(recorded, found[k])
+            for name, found in cases.items()
+            for k in range(begin, end)
+            if not (k == 0 and name in WHOLE)
+        }
+
+    def _case(self, name: str) -> Case:
+        if name.startswith(_later("")):
+            return later_protection(track_case(self.case), float(name.removeprefix(_later(""))))
+        if name == "track":
+            return track_case(self.case)
+        return self.case if name == "rig" else variant(self.case, name)
+
+    def _records(self, done: Done, names: Sequence[str]) -> dict[str, list[TestRecord]]:
+        """What there is of each ensemble, in the order of the starts, up to the first one that is missing."""
+        found: dict[str, list[TestRecord]] = {}
+        for name in ("track", *names):
+            first = [test_record(done[name], self._case(name))] if name in WHOLE and name in done else []
+            while (next_one := done.get(_test(name, len(first)))) is not None:
+                first.append(next_one)
+            found[name] = first
+        return found
 
     def collect(self, done: Done) -> Runs | None:
         if "track" not in done or "rig" not in done:
             return None
-        repeated = {
-            label: [done[label], *(run for name, run in done.items() if name.startswith(f"{label} "))]
-            for label in ("track", "rig")
-        }
-        return Runs(
-            done["track"], done["rig"], {k: v for k, v in done.items() if k in VARIANTS and k != "rig"}, repeated
-        )
+        names = ("rig", *variants_of(self.case))
+        records = {name: found for name, found in self._records(done, names).items() if found}
+        delays = dead_times(self.case, self.predicted)
+        later = self._records(done, [_later(delay) for delay in delays])
+        whole = {name: done[name] for name in (*WHOLE, SECOND) if name in done}
+        return Runs(whole, records, {delay: found for delay in delays if (found := later[_later(delay)])})
 
     def statuses(self, results: Runs) -> Sequence[str]:
-        return [run.attrs["status"] for run in (results.track, results.rig)]
+        return [record.status for name in ("track", "rig") for record in results.records[name]]
 
-    # --------------------------------------------------------------------------------------------------- numbers
+    # ---------------------------------------------------------------------------------------------------- numbers
+
+    def rows(self, results: Runs) -> list[Row]:
+        """Of the verdict."""
+        return verdict_rows(self.case, results.records["track"], results.records["rig"])
 
     def numbers(self, results: Runs) -> dict[str, Any]:
-        track, rig = results.track, results.rig
-        compared = fidelity(track, rig)
-        error, distance = compared["tracking_rms"] or math.nan, compared["distance_relative"]
+        records, whole, rows = results.records, results.whole, self.rows(results)
+        others = {name: records[name] for name in variants_of(self.case) if name in records}
+        own, on_track = (estimate(values) for values in distances((records["rig"], records["track"])))
+        curve = {delay: estimate(values) for delay, (values, _) in _beside(results).items()}
+        measured = measured_dead_time(own, {0.0: on_track, **curve}) if curve else None
+        compared = {name: whole[name] for name in ("rig", SECOND) if name in whole}
         return {
             "case": self.case.name,
-            "track": run_numbers(track),
-            "rig": {**run_numbers(rig), **rig_numbers(rig, self.case)},
-            "fidelity": compared,
-            "variants": {name: variant_numbers(track, run) for name, run in results.variants.items()},
-            "error_budget": error_budget(track, rig, results.variants, STEPS),
-            "repeatability": {label: repeatability(runs) for label, runs in results.repeated.items()},
-            "targets": {
-                "tracking_rms_below_1_percent": bool(error < TRACKING_TARGET) if math.isfinite(error) else None,
-                "stopping_distance_within_2_percent": None
-                if distance is None
-                else bool(abs(distance) <= DISTANCE_TARGET),
-            },
+            "starts": min(len(records["track"]), len(records["rig"])),
+            "verdict": {group: verdict_of(rows, group) for group in GROUPS},
+            "verdicts": {row.key: row.as_dict() for row in rows},
+            "track": run_numbers(records["track"], rig=False),
+            "rig": run_numbers(records["rig"], rig=True),
+            "variants": {name: variant_numbers(records["track"], found) for name, found in others.items()},
+            "causes": cause_numbers(cause_shares(records)),
+            "dead_time": dead_time_numbers(self.predicted, measured, results.later),
+            "point_by_point": {name: point_by_point(whole["track"], run) for name, run in compared.items()},
+            "tracking_by_own_motion": by_own_motion(whole["rig"]),
         }
 
     def summary(self, results: Runs, numbers: Numbers) -> list[str]:
-        return assessment(numbers)
+        return [*verdict_lines(self.rows(results)), *findings(numbers)]
 
     def files(self, results: Runs, numbers: Numbers) -> Mapping[str, Any]:
-        return {"track.nc": results.track, "rig.nc": results.rig, "axles.csv": axle_columns(results.track, results.rig)}
+        track, rig = results.whole["track"], results.whole["rig"]
+        return {"track.nc": track, "rig.nc": rig, "axles.csv": axle_columns(track, rig)}
 
     def sections(self, results: Runs, numbers: Numbers) -> list[Section]:
-        names = [quantity.name for quantity in RUN if not quantity.name.startswith("status")]
-        tables = [
-            QUANTITIES.list_table({label: numbers[label] for label in ("track", "rig")}, names, "both runs"),
-            QUANTITIES.list_table({"": numbers["fidelity"]}, [q.name for q in FIDELITY], "rig against track"),
-            QUANTITIES.list_table({"": numbers["rig"]}, [q.name for q in RIG], "rig"),
-        ]
-        pictures = [Section(title, [Picture(*picture)]) for title, *picture in self._pictures(results)]
-        budget = [self._budget(results, numbers)] if numbers["error_budget"] is not None else []
-        return [*budget, Section("Numbers", list(tables)), *pictures]
-
-    def _budget(self, results: Runs, numbers: Numbers) -> Section:
-        parts = {CONTRIBUTIONS[name]: share for name, share in numbers["error_budget"].items()}
-        ranges = [one["relative_range"] for one in numbers["repeatability"].values() if one is not None]
-        fidelity, entries = numbers["fidelity"], {name: dict(one) for name, one in numbers["variants"].items()}
-        at_end = fidelity["distance_relative"]
-        entries["rig"] = {**numbers["rig"], **fidelity}
-        entries["rig"]["distance_relative"] = fidelity["distance_at_end_relative"] if at_end is None else at_end
-        labelled = {text: entries[name] for name, text in VARIANTS.items() if name in entries}
-        labelled["the track"] = {**numbers["track"], "distance_relative": 0.0}
-        names = ("distance_relative", "tracking_rms", "mean_slip", "dump_cycles")
-        repeated = {label: one for label, one in numbers["repeatability"].items() if one is not None}
-        caption = (
-            "Part of the difference in distance that goes away with each imperfection, one after the other. Grey: the range in "
-            "which the same test ends when it begins up to 40 ms later."
-        )
-        return Section(
-            "Why rig and track differ",
-            [
-                Picture("error_budget", figures.error_budget(parts, max(ranges, default=0.0)), caption),
-                QUANTITIES.table(labelled, names, "Each of the lines after the first takes one more imperfection away.", "run"),
-                QUANTITIES.table(repeated, ("mean_distance_m", "standard_error_m", "relative_range"), "Repeated tests.", "on"),
-            ],
-        )  # fmt: skip
-
-    def _pictures(self, results: Runs) -> list[tuple[str, str, Any, str]]:
-        """Title of the section, and what a Picture takes."""
-        track, rig, radius = results.track, results.rig, wheel_radius(results.rig)
-        load, ideal = axle_load(rig), results.variants.get("rolling")
-        brake, traction = self.case.brake is not None, self.case.traction is not None
-        sliding = (
-            "Full: the rig with its contact model; dashed: wheels that roll on the rollers without sliding. Below, the "
-            "wheelsets' own motion along the track: the bogie swings on its traction rod, which the control law does not know "
-            "of, and the wheels turn by it (D14)."
-        )
-        found = [
-            ("Speeds", "speeds", figures.speeds(track, rig, radius), "Train and wheels: rig, virtual train, track."),
-            (
-                "The first slide",
-                "first_slide",
-                figures.first_slide(track, rig, radius),
-                "Slip, and the response to it.",
-            ),
-        ]
-        if brake:
-            found.append(("Brakes", "brakes", figures.brakes(track, rig), "Cylinder pressure, dump cycles, air taken."))
-        if traction:
-            text = "Torque of the motors, and the part of the demand that is left."
-            found.append(("Traction", "traction", figures.tractions(track, rig), text))
-        return found + [
-            ("Adhesion used", "adhesion", figures.forces(track, rig, load), "Force on each axle over its static load."),
-            ("Roller drives", "roller_drives", figures.rollers(rig), "Torque of the roller drives, positive forward."),
-            ("Sliding on the rollers", "sliding", figures.sliding(rig, ideal, radius), sliding),
-            ("Rig less track", "differences", figures.errors(track, rig, radius), "At the same time."),
-        ]
+        return adhesion_sections(self.case, self.rows(results), results.whole, results.records, numbers)
 
 
-# ------------------------------------------------------------------------------------------------- tables and words
+def _test(name: str, number: int) -> str:
+    return f"{name}, start {number + 1}"
 
 
-def repeatability(runs: Sequence[xr.Dataset]) -> dict[str, float] | None:
-    """Distances of repeated tests; None for a single one."""
-    if len(runs) < 2:
-        return None
-    names = ("mean_distance_m", "standard_error_m", "relative_range")
-    return dict(zip(names, scatter(distances(runs)), strict=True))
+def _later(delay: float | str) -> str:
+    return f"track, later by {delay}"
 
 
-def axle_columns(track: xr.Dataset, rig: xr.Dataset) -> dict[str, ArrayLike]:
-    """Speeds and forces of each axle, rig beside track, as long as both ran."""
-    count = min(track.sizes["time"], rig.sizes["time"])
-    both = ("axle_speed", "cylinder_pressure", "contact_force", "creep_force", "brake_torque", "traction_torque")
-    columns = {"time_s": rig["time"], "train_speed_track": track["train_speed"], "train_speed_rig": rig["train_speed"]}
-    for name in (*both, "virtual_speed", "real_sliding", "roller_torque"):
-        for axle in rig["axle"].to_numpy():
-            for label, run in (("track", track), ("rig", rig)):
-                if label == "rig" or name in both:
-                    columns[f"{name}_{axle}_{label}"] = run[name].sel(axle=axle)
-    return {name: column.to_numpy()[:count] for name, column in columns.items()}
-
-
-def assessment(numbers: Numbers) -> list[str]:
-    """The findings, targets first."""
-    return [*_tracking(numbers), *_distance(numbers), *_budget(numbers), *_sliding(numbers), *_ends(numbers)]
-
-
-def _tracking(numbers: Numbers) -> Iterator[str]:
-    error, largest = numbers["fidelity"]["tracking_rms"], numbers["fidelity"]["tracking_largest"]
-    if error is None:
-        return
-    limited = numbers["rig"]["drive_limited_s"]
-    yield (
-        f"Target {'met' if error < TRACKING_TARGET else 'missed'}: the wheels on the rig follow the virtual train within "
-        f"{percent(error)} RMS of train speed (target: below {percent(TRACKING_TARGET)}), {percent(largest)} at most."
-        + (f" A roller drive was at its torque limit for {limited:.2g} s." if limited > 0.0 else "")
-    )
-
-
-def _distance(numbers: Numbers) -> Iterator[str]:
-    relative, track, rig = numbers["fidelity"]["distance_relative"], numbers["track"], numbers["rig"]
-    if relative is None:
-        at_end = numbers["fidelity"]["distance_at_end_relative"]
-        yield f"No stop to compare: at the end of the shorter run the distances differ by {percent(at_end, signed=True)}."
-        return
-    yield (
-        f"Target {'met' if abs(relative) <= DISTANCE_TARGET else 'missed'}: stopping distance {track['distance_m']:z.1f} m on "
-        f"track, {rig['distance_m']:z.1f} m on the rig, {percent(relative, signed=True)} "
-        f"(target: within {percent(DISTANCE_TARGET)})."
-    )
-
-
-def _budget(numbers: Numbers) -> Iterator[str]:
-    parts = numbers["error_budget"]
-    if parts is None:
-        return
-    ranked = sorted(parts, key=lambda name: -abs(parts[name]))
-    listed = ", ".join(f"{CONTRIBUTIONS[name]} {percent(parts[name], signed=True)}" for name in ranked)
-    yield f"Error budget of the difference of {percent(sum(parts.values()), signed=True)} in distance: {listed}."
-    ranges = {label: one["relative_range"] for label, one in numbers["repeatability"].items() if one is not None}
-    if not ranges:
-        return
-    both = ", ".join(f"{percent(value)} on the {label}" for label, value in ranges.items())
-    yield f"Repeatability: begun 10 to 40 ms later, the same test ends in distances within {both}; less is not significant."
-    if abs(parts[ranked[0]]) > max(ranges.values()):
-        yield f"Largest contribution: {CONTRIBUTIONS[ranked[0]]}."
-    else:
-        yield "No contribution exceeds the repeatability."
-
-
-def _sliding(numbers: Numbers) -> Iterator[str]:
-    text = f"Wheels slide on the rollers by at most {1e3 * numbers['rig']['real_sliding_largest_mps']:.3g} mm/s"
-    ideal, real = numbers["variants"].get("rolling", {}).get("tracking_rms"), numbers["fidelity"]["tracking_rms"]
-    if ideal is not None:
-        text += f"; with pure rolling the tracking error would be {percent(ideal)} instead of {percent(real)} RMS"
-    yield f"{text}."
-
-
-def _ends(numbers: Numbers) -> Iterator[str]:
-    for label in ("track", "rig"):
-        if numbers[label]["status"] not in COMPLETED:
-            yield f"{label}: {numbers[label]['status_message']}"
+def _beside(results: Runs) -> dict[float, tuple[list[float], list[float]]]:
+    """Additional dead time -> distances on track with it, and on the rig, as far as all ran."""
+    return {delay: tuple(distances((found, results.records["rig"]))) for delay, found in results.later.items()}  # type: ignore[misc]

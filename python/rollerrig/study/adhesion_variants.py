@@ -9,7 +9,7 @@ from typing import Any
 
 from rollerrig.cases import on_track
 from rollerrig.config import Case, ConfigError, ConfigProblem, Rig
-from rollerrig.config.schema.rig_control import ExactEstimator
+from rollerrig.config.schema.rig_control import EstimatedTorque, ExactEstimator, LeadCommand
 
 STEPS = ("rolling", "drives", "estimator")
 VARIANTS = {
@@ -55,8 +55,10 @@ def variant(case: Case, name: str) -> Case:
     if "drives" in taken:
         fast = {"bandwidth": FAST_MOTOR_HZ, "damping_ratio": 0.0, "envelope": None}
         changes["motor"] = control.motor.model_copy(update=fast)
+        changes["drive_command"] = LeadCommand()
         changes["feedback"] = control.feedback.model_copy(update={"largest": NO_LIMIT})
     if "estimator" in taken:
         changes["estimator"] = ExactEstimator(kind="exact", torque=control.estimator.torque)
+        changes["axle_torque"] = EstimatedTorque(kind="estimated")
     contact = case.contact.model_copy(update={"pure_rolling": True})
     return case.model_copy(update={"rig_control": control.model_copy(update=changes), "contact": contact})

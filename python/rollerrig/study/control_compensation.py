@@ -19,7 +19,7 @@ from rollerrig.config.schema.rig_control import BandwidthEstimator
 from rollerrig.mechatronics.lags import lags
 from rollerrig.study.adhesion_variants import track_case
 from rollerrig.study.control_variants import Changes
-from rollerrig.study.ensemble import begun_later, scatter
+from rollerrig.study.ensemble import estimate, starts
 from rollerrig.study.jobs import Done, Progress, Round, job, whole_run
 from rollerrig.study.quantities import Numbers, Quantities, Quantity
 from rollerrig.study.report import Block, Table, Text
@@ -48,9 +48,6 @@ DEAD_TIMES = (3e-3, 6e-3, 9e-3, 12e-3, 15e-3)
 """Added to that of the slide protection on track [s]."""
 
 STARTS = 8
-APART = 0.013
-"""By which one start is later than the one before [s]; no multiple of the slide protection's sample time."""
-
 RESULTS = ("distance_m", "dump_cycles", "air_litres")
 COMPENSATION = (
     Quantity("compensation", "lags and their compensation, by variant; null: no slide protection in the case"),
@@ -94,9 +91,9 @@ def _later(seconds: float) -> str:
 def compensation_jobs(case: Case) -> Round:
     """A job for each variant and start."""
     return {
-        f"{label}, start {start}": job(run_end, begun_later(one, APART * start))
+        f"{label}, start {start}": job(run_end, member)
         for label, one in compensation_cases(case).items()
-        for start in range(STARTS)
+        for start, member in enumerate(starts(one, STARTS))
     }
 
 
@@ -116,7 +113,8 @@ def compensation_numbers(case: Case, done: Done) -> dict[str, dict[str, float]] 
             return None
         numbers = {"predicted_ms": math.nan}
         for name in RESULTS:
-            numbers[name], numbers[f"{name}_standard_error"], _ = scatter([member[name] for member in members])
+            found_one = estimate([member[name] for member in members])
+            numbers[name], numbers[f"{name}_standard_error"] = found_one.mean, found_one.standard_error
         if label in VARIANTS:
             numbers["predicted_ms"] = 1e3 * lags(assemble_with_actuators(one)).dead_time
         found[label] = numbers

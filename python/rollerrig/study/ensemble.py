@@ -1,40 +1,117 @@
-"""Repeatability: the same test begun at slightly different instants, and what its results scatter by.
+"""Ensembles: the same test from slightly different starts, and what a limit cycle's phase leaves certain of its numbers.
 
-Case -> [starts] -> cases begun later -> values -> [scatter] -> mean, standard error, range
+Case -> [starts] -> cases that begin a little faster or slower -> TestRecords -> [Estimate] -> mean, standard error, interval
 
-Slide protection and wheel-slip control switch on small differences: a difference below the scatter of repeated tests means
-nothing.
+Slide protection and wheel-slip control switch on small differences: a difference that is not larger than its interval means
+nothing. Whoever starts a little faster switches one sample earlier or later somewhere, and after some cycles nothing of the
+phase is left: the numbers of two such tests are independent, their means are those of the test as it is.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
+from scipy.stats import t as student
 
+from rollerrig.analysis.slide_statistics import TestRecord, test_record
 from rollerrig.config import Case
+from rollerrig.study.interval import Interval
+from rollerrig.study.jobs import Progress, whole_run
 
-DELAYS = (0.01, 0.02, 0.03, 0.04)
-"""How much later the repeated tests begin [s]."""
+SPEED = 3e-3
+"""The start is faster or slower by up to this [m/s]: 0.01 % of 120 km/h."""
 
-
-def starts(case: Case, delays: Sequence[float] = DELAYS) -> dict[float, Case]:
-    """Delay [s] -> the same test with all demands of brake and traction that much later."""
-    return {seconds: begun_later(case, seconds) for seconds in delays}
-
-
-def begun_later(case: Case, seconds: float) -> Case:
-    """The same test with all demands that much later."""
-    changes = {}
-    for key in ("brake", "traction"):
-        table = getattr(case, key)
-        if table is not None:
-            rows = tuple((time + seconds if time > 0.0 else time, value) for time, value in table.demand)
-            changes[key] = table.model_copy(update={"demand": rows})
-    return case.model_copy(update=changes)
+SEED = 20260713
+CONFIDENCE = 0.95
 
 
-def scatter(values: Sequence[float]) -> tuple[float, float, float]:
-    """Mean of at least two tests, its standard error s / sqrt(n), s with n - 1, and largest less smallest over the mean [-]."""
-    mean = float(np.mean(values))
-    return mean, float(np.std(values, ddof=1) / np.sqrt(len(values))), (max(values) - min(values)) / mean
+def starts(case: Case, count: int) -> list[Case]:
+    """The test as it is and count - 1 others from speeds that differ by up to SPEED, the same ones for every case.
+
+    Speeds are those of a fixed seed, the first of a longer ensemble those of a shorter one.
+    """
+    shifts = np.random.default_rng(SEED).uniform(-SPEED, SPEED, max(0, count - 1))
+    return [case, *(_at_speed(case, case.motion.speed + shift) for shift in shifts.tolist())]
+
+
+def _at_speed(case: Case, speed: float) -> Case:
+    return case.model_copy(update={"motion": case.motion.model_copy(update={"speed": abs(speed)})})
+
+
+def recorded(case: Case, progress: Progress | None = None) -> TestRecord:
+    """Run a test and keep its record: a job.
+
+    Raises:
+        KeyboardInterrupt: Ctrl-C cut it short.
+    """
+    return test_record(whole_run(case, progress=progress), case)
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """A number of an ensemble.
+
+    Attributes:
+        mean: over the tests; NaN where one of them has no such number.
+        standard_error: of that mean; NaN for a single test.
+        freedom: degrees of freedom of the standard error.
+    """
+
+    mean: float
+    standard_error: float
+    freedom: float
+
+    @property
+    def interval(self) -> Interval:
+        """In which the mean of very many tests lies with CONFIDENCE, by Student's distribution."""
+        if not (self.freedom > 0.0 and math.isfinite(self.standard_error)):
+            return Interval(-math.inf, math.inf)
+        reach = float(student.ppf(0.5 + 0.5 * CONFIDENCE, self.freedom)) * self.standard_error
+        return Interval(self.mean - reach, self.mean + reach)
+
+    def as_dict(self) -> dict[str, float]:
+        """For summary.json."""
+        return {"mean": self.mean, "standard_error": self.standard_error}
+
+
+def estimate(values: Sequence[float]) -> Estimate:
+    """Mean and standard error s / sqrt(n) of independent tests, s with n - 1."""
+    count = len(values)
+    spread = float(np.std(values, ddof=1)) if count > 1 else math.nan
+    return Estimate(float(np.mean(values)), spread / math.sqrt(count) if count else math.nan, count - 1.0)
+
+
+def difference(a: Estimate, b: Estimate) -> Estimate:
+    """A - b of two ensembles, degrees of freedom by Welch and Satterthwaite."""
+    return _combined(a.mean - b.mean, (a.standard_error, a.freedom), (b.standard_error, b.freedom))
+
+
+def relative(a: Estimate, b: Estimate) -> Estimate:
+    """A / b - 1 of two ensembles, to first order in their errors."""
+    if not b.mean:
+        return Estimate(math.nan, math.nan, 0.0)
+    errors = (a.standard_error / abs(b.mean), a.freedom), (abs(a.mean) * b.standard_error / b.mean**2, b.freedom)
+    return _combined(a.mean / b.mean - 1.0, *errors)
+
+
+def _combined(mean: float, *errors: tuple[float, float]) -> Estimate:
+    variance = sum(error**2 for error, _ in errors)
+    parts = sum(error**4 / freedom for error, freedom in errors if freedom > 0.0)
+    return Estimate(mean, math.sqrt(variance), variance**2 / parts if parts > 0.0 else sum(f for _, f in errors))
+
+
+def distances(groups: Sequence[Sequence[TestRecord]]) -> list[list[float]]:
+    """Distance of the train in each test [m]: to its stop where all tests of all groups stopped, else until the first ended."""
+    records = [record for group in groups for record in group]
+    if all(record.stopped for record in records):
+        return [[float(record.distance[-1]) for record in group] for group in groups]
+    end = min(float(record.time[-1]) for record in records)
+    return [[float(np.interp(end, record.time, record.distance)) for record in group] for group in groups]
+
+
+def measure(records: Sequence[TestRecord], name: str) -> Estimate:
+    """Of one measure; tests without it leave no mean."""
+    return estimate([record.measures.get(name, math.nan) for record in records])

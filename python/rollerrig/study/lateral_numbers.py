@@ -24,7 +24,7 @@ from rollerrig.analysis.lateral_guidance import (
 )
 from rollerrig.analysis.tracking import largest, rms, tracking
 from rollerrig.config import Case
-from rollerrig.study.ensemble import scatter
+from rollerrig.study.ensemble import estimate
 from rollerrig.study.jobs import Progress, whole_run
 from rollerrig.study.quantities import Quantities, Quantity
 
@@ -117,8 +117,8 @@ def ensemble_numbers(members: Sequence[Mapping[str, Any]]) -> dict[str, float]:
     """Means and standard errors by name of ENSEMBLE."""
     found = {}
     for name in CHAOTIC:
-        mean, error, _ = scatter([member[name] for member in members])
-        found[name], found[f"{name}_standard_error"] = mean, error
+        one = estimate([member[name] for member in members])
+        found[name], found[f"{name}_standard_error"] = one.mean, one.standard_error
     return found
 
 

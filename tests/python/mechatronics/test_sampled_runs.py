@@ -10,7 +10,7 @@ import xarray as xr
 
 import rollerrig as rr
 from rollerrig import ConfigError, load_case, simulate
-from rollerrig.analysis.rig_fidelity import fidelity, rig_numbers, run_numbers
+from rollerrig.analysis.slide_statistics import test_record as record_of
 from rollerrig.config import Case
 from rollerrig.study.adhesion_variants import track_case
 
@@ -34,16 +34,12 @@ def track() -> xr.Dataset:
 
 def test_the_rig_follows_the_virtual_train_and_the_track(rig: xr.Dataset, track: xr.Dataset) -> None:
     """The project's target: below 1 % of train speed RMS, the way within 2 %."""
-    found = fidelity(track, rig)
-    tracking, distance = found["tracking_rms"], found["distance_at_end_relative"]
-    assert tracking is not None
-    assert tracking < 0.01
-    assert distance is not None
-    assert abs(distance) < 0.02
-    assert run_numbers(rig)["largest_slip"] > 0.1  # it did slide, or the test says nothing
-    assert (
-        rig_numbers(rig, brake_case())["real_sliding_largest_mps"] < 0.1 < RADIUS * 33 * 0.1
-    )  # and the rollers saw none of it
+    case = brake_case()
+    found, on_track = record_of(rig, case), record_of(track, track_case(case))
+    assert found.measures["tracking_rms"] < 0.01
+    assert found.distance[-1] == pytest.approx(on_track.distance[-1], rel=0.02)
+    assert found.measures["largest_slip"] > 0.1  # it did slide, or the test says nothing
+    assert found.measures["real_sliding_largest_mps"] < 0.1 < RADIUS * 33 * 0.1  # and the rollers saw none of it
 
 
 def test_slide_protection_holds_the_axles(track: xr.Dataset) -> None:
@@ -75,7 +71,7 @@ def test_the_creep_force_is_what_turns_the_rollers_and_the_contact_force_has_the
     assert np.abs(tilted).min() > 200.0  # of some 7 kN
     assert late["creep_force"].to_numpy() == pytest.approx(late["estimated_force"].to_numpy(), rel=0.01)
     used = abs(rig["creep_force"]).where(rig["brake_torque"] < -1.0) / (loads.sum() / 2)
-    assert run_numbers(rig)["adhesion_used_mean"] == pytest.approx(float(used.mean()), rel=1e-3)
+    assert record_of(rig, brake_case()).measures["adhesion_used_mean"] == pytest.approx(float(used.mean()), rel=1e-3)
 
 
 def test_on_track_momentum_is_kept(track: xr.Dataset) -> None:

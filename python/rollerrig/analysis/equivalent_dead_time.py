@@ -1,0 +1,86 @@
+"""Equivalent dead time of a rig: how much later its slide protection acts on the rail than on track.
+
+Case of a rig with [rig_control] -> [predicted_dead_time] -> DeadTime, in closed form
+numbers of rig and track -> [at_track_of] -> the dead time at which the track does as the rig does
+
+Equations: docs/theory/rig_control.md, (D17), (Q7) and (Q8).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from rollerrig.actuators import assemble_with_actuators
+from rollerrig.config import Case
+from rollerrig.mechatronics.lags import lags
+from rollerrig.mechatronics.setup import assumed_parameters
+
+
+@dataclass(frozen=True)
+class DeadTime:
+    """Equivalent dead time of a rig by its parts [s].
+
+    Attributes:
+        torque: lag of the axle's torque that the virtual train takes.
+        drive: of the roller's torque behind the wanted one.
+        late_share: part k / (1 + k) of a brake's torque that reaches the sliding wheel only through the controller,
+            k = J_r (r/R)^2 / J_w; the rest acts at once on wheel and roller as one inertia.
+    """
+
+    torque: float
+    drive: float
+    late_share: float
+
+    @property
+    def total(self) -> float:
+        """From a brake's torque to the rail's force on the real wheel, (D17)."""
+        return self.torque + self.drive
+
+    @property
+    def least(self) -> float:
+        """From a brake's torque to the speed of a wheel that slides at constant adhesion, (Q8)."""
+        return self.late_share * self.total
+
+
+def predicted_dead_time(case: Case) -> DeadTime | None:
+    """The equivalent dead time of a rig; None for a user's controller, of which nothing is known.
+
+    Args:
+        case: of a rig with [rig_control].
+
+    Raises:
+        StartError: the vehicle has no equilibrium.
+    """
+    control = case.rig_control
+    assert control is not None
+    if control.user is not None:
+        return None
+    model = assemble_with_actuators(case)
+    axle, late = assumed_parameters(model), lags(model)
+    coupled = axle.roller_inertia * (axle.wheel_radius / axle.roller_radius) ** 2 / axle.wheelset_inertia
+    return DeadTime(late.torque, late.drive, coupled / (1.0 + coupled))
+
+
+def at_track_of(rig: float, track: dict[float, float]) -> tuple[float, float]:
+    """Where a curve of the track takes the rig's value.
+
+    Args:
+        rig: a number of the rig, such as its distance.
+        track: additional dead time [s] -> the same number on track.
+
+    Returns:
+        Additional dead time [s], linear between the points, and the slope of the number there; the first crossing. On the
+        first line also as far before its begin, since a rig may be ahead; NaN where no line has the value.
+    """
+    delays = sorted(track)
+    for low, high in zip(delays[:-1], delays[1:], strict=True):
+        a, b = track[low], track[high]
+        if a != b and min(a, b) <= rig <= max(a, b):
+            slope = (b - a) / (high - low)
+            return low + (rig - a) / slope, slope
+    slope = (track[delays[1]] - track[delays[0]]) / (delays[1] - delays[0])
+    ahead = (rig - track[delays[0]]) / slope if slope else math.nan
+    if delays[0] - delays[1] <= ahead < 0.0:
+        return delays[0] + ahead, slope
+    return math.nan, math.nan

@@ -1,0 +1,202 @@
+"""Statistics of a brake or traction test that do not depend on the phase of its limit cycle.
+
+run of `simulate` with brake or traction -> [slide_statistics] -> TestRecord: measures, distribution of slip, distance over time
+
+Slide protection and wheel-slip control make a limit cycle whose phase differs from start to start: two such tests are compared
+by what is counted, averaged or distributed over each of them, never point by point.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from rollerrig.analysis.torque_ripple import RIPPLE_ABOVE, torque_ripple
+from rollerrig.analysis.tracking import LEAST_SPEED, largest, rms, slip, tracking
+from rollerrig.config import Case, Rig
+from rollerrig.results import COMPLETED
+
+Array = NDArray[np.float64]
+
+SLIP_EDGES = np.append(np.linspace(0.0, 1.0, 51), np.inf)
+"""Of the classes of |slip| [-]; the last one is open."""
+
+SLIDES = 0.10
+"""An axle that has slid by more than this regrips some time [-]."""
+
+LOCKED = 0.05
+"""An axle slower than this part of the train's speed is locked [-]."""
+
+LIMITED = 0.999
+"""Part of the largest torque from which a command is at its limit."""
+
+SERIES_STEP = 0.1
+"""Of the distance over time that is kept [s]."""
+
+
+@dataclass(frozen=True)
+class TestRecord:
+    """What is kept of a test.
+
+    Attributes:
+        status, message: how it ended.
+        measures: name -> value; NaN where there is none.
+        slip_shares: of the time of all axles in the classes of SLIP_EDGES, while the train is faster than LEAST_SPEED and brake
+            or traction act; shape (class,), zeros where they never do.
+        time, distance: of the train, every SERIES_STEP and at the end [s, m].
+    """
+
+    status: str
+    message: str
+    measures: dict[str, float]
+    slip_shares: Array
+    time: Array
+    distance: Array
+
+    __test__ = False  # the name is no test's
+
+    @property
+    def completed(self) -> bool:
+        """Whether it went to its end."""
+        return self.status in COMPLETED
+
+    @property
+    def stopped(self) -> bool:
+        """Whether the train came to a stop."""
+        return self.status == "stopped"
+
+
+def test_record(run: xr.Dataset, case: Case) -> TestRecord:
+    """The record of a run of `case` on track or rig."""
+    kept = _kept(run["time"].to_numpy())
+    measures = {**_train(run), **_axles(run)}
+    if case.rig_control is not None and isinstance(case.support.data, Rig):
+        measures |= _rig(run, case.rig_control.feedback.largest, case.support.data.roller_radius)
+    return TestRecord(
+        run.attrs["status"],
+        run.attrs["status_message"],
+        {name: float(value) for name, value in measures.items()},
+        _slip_shares(run),
+        run["time"].to_numpy()[kept],
+        run["train_distance"].to_numpy()[kept],
+    )
+
+
+def _kept(time: Array) -> NDArray[np.intp]:
+    every = max(1, round(SERIES_STEP / (time[1] - time[0]))) if time.size > 1 else 1
+    return np.unique([*range(0, time.size, every), time.size - 1])
+
+
+def _train(run: xr.Dataset) -> dict[str, float]:
+    """Of the train, and what its brakes took."""
+    speed, way = run["train_speed"].to_numpy(), run["train_distance"].to_numpy()
+    acting = np.flatnonzero(_acting(run))
+    begin = acting[0] if acting.size else -1
+    run_since = way[-1] - way[begin]
+    return {
+        "distance_m": way[-1],
+        "duration_s": run.attrs["stopped_at_s"],
+        "speed_end_kmh": 3.6 * speed[-1],
+        "mean_deceleration_mps2": 0.5 * (speed[begin] ** 2 - speed[-1] ** 2) / run_since
+        if run_since > 0.0
+        else math.nan,
+        "dump_cycles": run["dump_cycles"].isel(time=-1).sum(),
+        "air_litres": 1e3 * run["air"].isel(time=-1).sum(),
+        "energy_relative_residual": run.attrs["energy_relative_residual"],
+    }
+
+
+def _acting(run: xr.Dataset) -> NDArray[np.bool_]:
+    """Whether brake or traction act on any axle, over time."""
+    torque = abs(run["brake_torque"]) + abs(run["traction_torque"])
+    return np.asarray((torque > 1.0).any("axle"))
+
+
+def axle_load(run: xr.Dataset) -> float:
+    """Static load of an axle, from the wheels' forces at the start [N]."""
+    return float(run["vertical_force"].isel(time=0).sum()) / run.sizes["axle"]
+
+
+def _axles(run: xr.Dataset) -> dict[str, float]:
+    slips = abs(slip(run)).transpose("time", "axle").to_numpy()
+    torque = (abs(run["brake_torque"]) + abs(run["traction_torque"])).transpose("time", "axle").to_numpy()
+    used = abs(run["creep_force"]).transpose("time", "axle").to_numpy() / axle_load(run)
+    braked = used[torque > 1.0]
+    return {
+        "mean_slip": float(np.nanmean(slips)) if np.isfinite(slips).any() else math.nan,
+        "largest_slip": largest(slips),
+        "longest_lock_s": longest_lock(run),
+        "regrip_adhesion": regrip_adhesion(slips, used),
+        "adhesion_used_mean": float(braked.mean()) if braked.size else math.nan,
+        "adhesion_used_largest": float(braked.max()) if braked.size else math.nan,
+    }
+
+
+def longest_lock(run: xr.Dataset) -> float:
+    """Longest time that an axle turned slower than LOCKED of the speed of a train faster than LEAST_SPEED [s]."""
+    time = run["time"].to_numpy()
+    locked = (slip(run) < LOCKED - 1.0).transpose("axle", "time").to_numpy()
+    longest = 0.0
+    for axle in locked:
+        edges = np.flatnonzero(np.diff(np.concatenate([[False], axle, [False]]).astype(int)))
+        for first, end in zip(edges[::2], edges[1::2], strict=True):
+            longest = max(longest, float(time[end - 1] - time[first]))
+    return longest
+
+
+def regrip_adhesion(slips: Array, used: Array) -> float:
+    """Largest force of an axle over its load once it has slid: what acts on it when it regrips [-].
+
+    Args:
+        slips: |slip|, shape (time, axle); NaN: the train is too slow.
+        used: |creep force| over static axle load, same shape.
+
+    Returns:
+        The largest of all axles; NaN where none slid by more than SLIDES.
+    """
+    has_slid = np.logical_or.accumulate(np.nan_to_num(slips) > SLIDES, axis=0)
+    return float(used[has_slid].max()) if has_slid.any() else math.nan
+
+
+def _slip_shares(run: xr.Dataset) -> Array:
+    slips = abs(slip(run)).transpose("time", "axle").to_numpy()[_acting(run)]
+    counts = np.histogram(slips[np.isfinite(slips)], SLIP_EDGES)[0]
+    return np.asarray(counts / max(1, counts.sum()))
+
+
+def _rig(run: xr.Dataset, largest_torque: float, roller_radius: float) -> dict[str, float]:
+    """Of a rig alone: how it follows its virtual train."""
+    sliding = run["real_sliding"].to_numpy()
+    limited = (abs(run["roller_command"]) >= LIMITED * largest_torque).any("axle")
+    error, greatest = tracking(run)
+    fast = run["train_speed"].to_numpy() > LEAST_SPEED
+    force, virtual = (run[name].transpose("time", "axle").to_numpy()[fast] for name in ("creep_force", "virtual_force"))
+    size, gravity = rms(virtual), run["contact_force"] - run["creep_force"]
+    return {
+        "tracking_rms": error,
+        "tracking_largest": greatest,
+        "force_error_rms": rms(force - virtual) / size if size > 0.0 else math.nan,
+        "drive_ringing_nm": ringing(run, roller_radius),
+        "drive_limited_share": float(limited.mean()),
+        "crown_gravity_largest": largest(gravity) / axle_load(run),
+        "real_sliding_largest_mps": largest(sliding),
+        "real_sliding_rms_mps": rms(sliding),
+        "roller_torque_largest_nm": largest(run["roller_torque"]),
+    }
+
+
+def ringing(run: xr.Dataset, roller_radius: float) -> float:
+    """Persistent fast torque on the rollers that the virtual rail does not ask for, RMS of the worst axle [N m].
+
+    The ripple of the contact's force less the virtual one, times the radius: zero for a rig that follows, also while slide
+    protection acts fast; a loop that rings on the wheel it holds is all of it. NaN where outputs are too rare to see it.
+    """
+    time = run["time"].to_numpy()
+    if time.size < 2 or time[1] - time[0] > 1.0 / (4.0 * RIPPLE_ABOVE):
+        return math.nan
+    wrong = (run["creep_force"] - run["virtual_force"]).transpose("time", "axle").to_numpy()
+    return torque_ripple(time, roller_radius * np.nan_to_num(wrong))[0]

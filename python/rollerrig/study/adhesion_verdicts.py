@@ -1,0 +1,253 @@
+"""The verdict on a rig: tracking (wheel against virtual axle) and fidelity (rig against track), row by row.
+
+TestRecords of track and rig -> [verdict_rows] -> rows: value with interval, target and where it comes from, verdict
+                             -> [verdict_of] -> of each group: met, not met, not decided
+
+A row is met where the whole interval of its value, of many starts, is within its target, and not met where nothing of it is.
+Nothing is met by a bad run: a run that ended early, drives that ring or are at their limit, and a contact force away from the
+virtual one leave every agreement undecided, since it is then no property of the rig.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, Literal
+
+import numpy as np
+
+from rollerrig.analysis.slide_statistics import TestRecord
+from rollerrig.config import Case
+from rollerrig.study.ensemble import SEED, Estimate, difference, distances, estimate, measure, relative
+from rollerrig.study.report import Table
+from rollerrig.wording import number
+
+Group = Literal["tracking", "fidelity"]
+Word = Literal["met", "not met", "not decided"]
+GROUPS: Mapping[Group, str] = {
+    "tracking": "Tracking, wheels of the rig against their virtual axles",
+    "fidelity": "Fidelity, rig against track",
+}
+SHOWN: Mapping[str, str] = {"met": "✔ met", "not met": "✘ NOT met", "not decided": "? not decided"}
+RESAMPLES = 400
+"""Of the starts, for the scatter of the difference of two distributions."""
+
+
+@dataclass(frozen=True)
+class Row:
+    """One row of the verdict.
+
+    Attributes:
+        group: whether it judges tracking or fidelity.
+        key: its name in summary.json.
+        text: what is compared.
+        value: of many starts, in SI units.
+        low, high: target.
+        origin: where the target comes from.
+        unit, factor: in which it is shown.
+        signed: whether it is a difference, with a sign.
+        gate: whether nothing is met where this is not.
+        shown: the value in words, where it is no number.
+        bad_run: whether an agreement is left undecided because the run is bad.
+    """
+
+    group: Group
+    key: str
+    text: str
+    value: Estimate
+    low: float
+    high: float
+    origin: str
+    unit: str = "%"
+    factor: float = 100.0
+    signed: bool = False
+    gate: bool = False
+    shown: str = ""
+    bad_run: bool = False
+
+    @property
+    def verdict(self) -> Word:
+        """'met', 'not met' or 'not decided'."""
+        if not math.isfinite(self.value.mean):
+            return "not decided"
+        within = self.value.interval.within(self.low, self.high)
+        if within is None or (within and self.bad_run):
+            return "not decided"
+        return "met" if within else "not met"
+
+    @property
+    def value_text(self) -> str:
+        """Mean and interval."""
+        if self.shown:
+            return self.shown
+        if not math.isfinite(self.value.mean):
+            return "–"
+        interval, ends = self.value.interval, ""
+        low, high = self._number(interval.low), self._number(interval.high)
+        if interval.bounded and low != high:
+            ends = f" ({low} … {high})"
+        return f"{self._number(self.value.mean)}{ends} {self.unit}".strip()
+
+    @property
+    def target_text(self) -> str:
+        """The target."""
+        if self.shown:
+            return "all"
+        if self.low == -self.high:
+            return f"within {self._number(self.high).lstrip('+')} {self.unit}"
+        return f"at most {self._number(self.high).lstrip('+')} {self.unit}"
+
+    def _number(self, value: float) -> str:
+        text = number(self.factor * value, 2 if abs(self.factor * value) < 99.5 else 3)
+        return f"+{text}" if self.signed and value > 0.0 and text != "0" else text
+
+    def as_dict(self) -> dict[str, Any]:
+        """For summary.json."""
+        interval = self.value.interval
+        found = {"group": self.group, "verdict": self.verdict, "value": self.value.mean, "low": interval.low}
+        return found | {
+            "high": interval.high,
+            "target_low": self.low,
+            "target_high": self.high,
+            "target_from": self.origin,
+        }
+
+
+def verdict_rows(case: Case, track: Sequence[TestRecord], rig: Sequence[TestRecord]) -> list[Row]:
+    """All rows that say something about this test.
+
+    Args:
+        case: of the rig.
+        track: from several starts.
+        rig: from the same starts.
+    """
+    rows = [*_ended(track, rig), *_tracking(case, rig), *_fidelity(case, track, rig)]
+    rows = [row for row in rows if row.gate or math.isfinite(row.value.mean)]
+    return [row if row.shown else replace(row, bad_run=_is_bad(rows, row.group)) for row in rows]
+
+
+def _is_bad(rows: Sequence[Row], group: Group) -> bool:
+    """Whether a gate is not known to be met: all of them for fidelity; for tracking that the runs came to their end."""
+    asked = [row for row in rows if row.gate and (group == "fidelity" or row.shown)]
+    return any(row.verdict != "met" for row in asked)
+
+
+def verdict_of(rows: Sequence[Row], group: Group) -> Word:
+    """Of a group: met where all its rows are, not met where one is not, else not decided."""
+    words = {row.verdict for row in rows if row.group == group}
+    if "not met" in words:
+        return "not met"
+    return "met" if words == {"met"} else "not decided"
+
+
+def verdict_table(rows: Sequence[Row]) -> Table:
+    """The rows as the report shows them."""
+    lines = [
+        (SHOWN[row.verdict], row.group, row.text, row.value_text, row.target_text, row.origin)
+        for row in rows
+    ]  # fmt: skip
+    header = ("", "", "what", "mean of all starts (95 % interval)", "target", "where the target comes from")
+    return Table(header, lines, "Verdict.")
+
+
+# --------------------------------------------------------------------------------------------------------- rows
+
+
+def _ended(track: Sequence[TestRecord], rig: Sequence[TestRecord]) -> Iterator[Row]:
+    """Whether the runs came to their end: a run that rolled off the rollers' crowns did not."""
+    tests: tuple[tuple[Group, str, Sequence[TestRecord]], ...] = (
+        ("tracking", "rig", rig),
+        ("fidelity", "track", track),
+    )
+    for group, label, records in tests:
+        count = sum(record.completed for record in records)
+        share = Estimate(count / len(records), 0.0, math.inf)
+        yield Row(
+            group, f"{label}_ended", f"runs on the {label} that came to their end", share, 1.0, 1.0,
+            "a test that ended early is none", shown=f"{count} of {len(records)}", gate=True,
+        )  # fmt: skip
+    ends = [a.stopped == b.stopped for a, b in zip(track, rig, strict=False) if a.completed and b.completed]
+    if not all(ends):
+        yield Row(
+            "fidelity", "stops", "starts with a stop on both, or on neither", Estimate(0.0, 0.0, math.inf), 1.0, 1.0,
+            "a stopping distance needs a stop", shown=f"{sum(ends)} of {len(ends)}", gate=True,
+        )  # fmt: skip
+
+
+def _tracking(case: Case, rig: Sequence[TestRecord]) -> Iterator[Row]:
+    def at_most(key: str, text: str, high: float, origin: str, **more: Any) -> Row:
+        return Row("tracking", key, text, measure(rig, key), 0.0, high, origin, **more)
+
+    slip, action = _fill_slip(case)
+    yield at_most(
+        "tracking_rms", "wheel less virtual wheel, RMS over train speed", 0.01,
+        "ours: a sixth or less of the slip at which slide protection acts",
+    )  # fmt: skip
+    yield at_most("tracking_largest", "the same, largest", slip, action)
+    yield at_most(
+        "force_error_rms", "contact force less virtual force, RMS over RMS", 0.05,
+        "ours: the force that stops the train is the virtual one", gate=True,
+    )  # fmt: skip
+    yield at_most(
+        "drive_ringing_nm", "fast torque that the virtual rail does not ask for, RMS", 100.0,
+        "ours: 1 % of the torque that brakes an axle; a loop that rings gives thousands", unit="N m", factor=1.0, gate=True,
+    )  # fmt: skip
+    yield at_most(
+        "drive_limited_share", "time with a drive's command at its limit", 0.01,
+        "ours: a drive at its limit does not reproduce the rail", gate=True,
+    )  # fmt: skip
+    yield at_most(
+        "crown_gravity_largest", "gravity on the rollers' crown over axle load, largest", 0.02,
+        "ours: a quarter of the friction of low adhesion",
+    )  # fmt: skip
+
+
+def _fill_slip(case: Case) -> tuple[float, str]:
+    """Slip at which this test's protection changes what it does, and where that stands."""
+    if case.slide_protection is not None and case.brake is not None:
+        return case.slide_protection.fill_slip, "slide_protection.fill_slip: a larger error decides what the valves do"
+    if case.wheel_slip_control is not None:
+        return case.wheel_slip_control.slip, "wheel_slip_control.slip: a larger error decides what it does"
+    return 0.05, "ours: no protection acts in this test"
+
+
+def _fidelity(case: Case, track: Sequence[TestRecord], rig: Sequence[TestRecord]) -> Iterator[Row]:
+    def change(key: str, text: str, a: Estimate, b: Estimate, reach: float, origin: str) -> Row:
+        return Row("fidelity", key, text, relative(a, b), -reach, reach, origin, signed=True)
+
+    on_track, on_rig = (estimate(values) for values in distances((track, rig)))
+    stops = all(record.stopped for record in (*track, *rig))
+    what = "stopping distance" if stops else "distance after the same time"
+    yield change("distance", what, on_rig, on_track, 0.02, "ours: what an overestimated adhesion of 2 % does")
+    way = "deceleration" if case.brake is not None else "acceleration"
+    pairs = (
+        ("mean_deceleration_mps2", f"mean {way} since the demand", 0.02, "ours: as the distance"),
+        ("dump_cycles", "ventings, all axles", 0.05, "ours: wear of the valves, and the first thing a supplier counts"),
+        ("air_litres", "air taken by the cylinders", 0.05, "ours: size of the reservoir"),
+        ("regrip_adhesion", "largest force on an axle that has slid (regrip)", 0.10, "ours: load on the drive line"),
+    )
+    for key, text, reach, origin in pairs:
+        yield change(key, text, measure(rig, key), measure(track, key), reach, origin)
+    yield Row(
+        "fidelity", "slip_distribution", "shares of time up to each slip, largest difference",
+        slip_difference(track, rig), 0.0, 0.05, "ours: 5 % of the time at another slip",
+    )  # fmt: skip
+    lock = difference(measure(rig, "longest_lock_s"), measure(track, "longest_lock_s"))
+    yield Row(
+        "fidelity", "longest_lock_s", "longest lock of a wheel", lock, -0.1, 0.1,
+        "ours: a flat grows with the length slid while locked", unit="s", factor=1.0, signed=True,
+    )  # fmt: skip
+
+
+def slip_difference(track: Sequence[TestRecord], rig: Sequence[TestRecord]) -> Estimate:
+    """Largest difference between the summed frequencies of |slip| of both ensembles [-], its error by resampling the starts."""
+    sums = [np.cumsum([record.slip_shares for record in records], axis=1) for records in (track, rig)]
+    if any(not (one[:, -1] > 0.5).all() for one in sums):
+        return Estimate(math.nan, math.nan, 0.0)
+    largest = float(np.abs(sums[1].mean(axis=0) - sums[0].mean(axis=0)).max())
+    generator = np.random.default_rng(SEED)
+    drawn = [one[generator.integers(0, len(one), (RESAMPLES, len(one)))].mean(axis=1) for one in sums]
+    scatter = float(np.std(np.abs(drawn[1] - drawn[0]).max(axis=1), ddof=1))
+    count = min(len(track), len(rig))
+    return Estimate(largest, scatter if count > 1 else math.nan, count - 1.0)
