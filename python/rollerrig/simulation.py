@@ -206,13 +206,13 @@ def begin(
         ConfigError: the fixed step is beyond the stability limit of the method at the start.
     """
     settings, own = model.case.time, model.case.integration
-    if own.method in ("rk4", "exponential_rk4") and settings.method is not None:
+    if own.method in ("rk4", "exponential_rk4"):
         _check_fixed_step(simulation, model.case, state)
     simulation.start(
         method=own.method,
         step=(own.step or 0.0) if own.fixed else 0.0,
         relative_tolerance=settings.relative_tolerance,
-        absolute_tolerance=absolute_tolerances(simulation, settings.absolute_tolerance),
+        absolute_tolerance=absolute_tolerances(simulation, settings.absolute_tolerance, model.case),
         initial_step=0.0 if own.fixed else own.step or 0.0,
         maximum_step=settings.maximum_step or math.inf,
         final_time=settings.duration if end_time is None else end_time,
@@ -255,16 +255,22 @@ def _check_fixed_step(simulation: _core.Simulation, case: Case, state: Vector) -
         f"allowed: at most {1e3 * allowed_step:.2g} ms, where {method} is stable at {3.6 * case.motion.speed:g} km/h in "
         "this case; or method = 'rodas4', which has no such limit"
     )
-    raise ConfigError([ConfigProblem(case.name, "time.step", f"{1e3 * step:g} ms", allowed)])
+    key = "time.sampling_step" if case.time.method is None and case.time.step is None else "time.step"
+    raise ConfigError([ConfigProblem(case.name, key, f"{1e3 * step:g} ms", allowed)])
 
 
-def absolute_tolerances(simulation: _core.Simulation, displacement: float) -> list[float]:
-    """Absolute tolerance of each state: of displacements as given [m, rad], of rates 100 1/s times that."""
+def absolute_tolerances(simulation: _core.Simulation, displacement: float, case: Case) -> list[float]:
+    """Absolute tolerance of each state: of displacements as given [m, rad], of rates 100 1/s times that.
+
+    Of a scaled model what these are at full scale: its steps are then those of the full-scale run.
+    """
+    length, seconds = (case.similitude.length, case.similitude.time) if case.similitude else (1.0, 1.0)
     tolerances = [displacement] * simulation.state_count
-    for row in simulation.rate_index:
-        for index in row:
-            if index >= 0:
-                tolerances[index] = CHARACTERISTIC_RATE * displacement
+    for places, factor in ((simulation.coordinate_index, 1.0), (simulation.rate_index, CHARACTERISTIC_RATE * seconds)):
+        for body in places:
+            for k, index in enumerate(body):
+                if index >= 0:
+                    tolerances[index] = factor * displacement * (1.0 if k < 3 else length)
     return tolerances
 
 

@@ -12,6 +12,7 @@ import rollerrig as rr
 from rollerrig import ConfigError, load_case, simulate
 from rollerrig.analysis.slide_statistics import test_record as record_of
 from rollerrig.config import Case
+from rollerrig.similitude import scale_case, similitude
 from rollerrig.study.adhesion_variants import track_case
 
 RADIUS = 0.46  # of the wheels of vehicle 1 [m]
@@ -353,3 +354,17 @@ def test_samples_and_delayed_commands_stand_on_their_instants() -> None:
     # first asked for at 52 ms, acting from 55 ms: what moved over the step to 56 ms
     torque = run["roller_torque"].isel(axle=0).to_numpy()
     assert np.flatnonzero(np.abs(torque) > 1e-9)[0] == 56
+
+
+def test_a_sampling_step_too_long_for_the_contact_is_refused_by_name() -> None:
+    """A model that keeps its material rolls on contacts 25 times as stiff for its mass; exponential_adams has no such limit."""
+    model = scale_case(
+        load_case("adhesion_brake"), similitude("mmu"), strategy="mmu", keep=("gravity", "material", "clock")
+    )
+    model = model.with_changes({"time.duration": 0.2, "time.sampling_step": 1e-3})
+    with pytest.raises(
+        ConfigError, match=r"time\.sampling_step: 1 ms; allowed: at most 0\.\d+ ms, where exponential_rk4"
+    ):
+        simulate(model)
+    run = simulate(model.with_changes({"time.method": "exponential_adams", "time.step": 1e-3}))
+    assert run.attrs["status"] == "ok"

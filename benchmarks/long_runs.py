@@ -1,0 +1,51 @@
+"""Three runs that users wait for, strips and table, with their errors: real-time factor, right-hand sides, error, energy.
+
+    python benchmarks/long_runs.py [--quick]
+
+Hunting bogie at 216 km/h, 4 s; whole vehicle on irregular track, 4 s; brake test with slide protection, all at 1 ms, 60 s.
+Method and step as given below; errors against a step of an eighth, up to where a second reference by another method agrees within
+0.03 % (a controller that decides at its samples lets runs part at one decision). Processor time of one core, best of two.
+"""
+
+from __future__ import annotations
+
+import argparse
+
+from step_errors import agree_until, errors, measure, signals
+
+from rollerrig import load_case
+
+CONTACT = {"contact.normal": "strips", "contact.creep": "table"}
+RUNS = (
+    ("bogie_rollers_constant", {"motion.speed": "216 km/h", "time.duration": 4.0}, 2e-3),
+    ("vehicle_track_irregular", {"time.duration": 4.0}, 1.5e-3),
+    ("adhesion_brake", {"time.duration": 60.0}, 1e-3),
+)
+TOLERANCE = {"time.relative_tolerance": 1e-4, "time.absolute_tolerance": 1e-7}
+TIGHT = {"time.relative_tolerance": 1e-6, "time.absolute_tolerance": 1e-9}
+
+
+def main() -> None:
+    """Print a line for each run."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--quick", action="store_true", help="a tenth of the brake test, a quarter of the others")
+    quick = parser.parse_args().quick
+    for name, changes, step in RUNS:
+        share = (0.1 if name.startswith("adhesion") else 0.25) if quick else 1.0
+        case = load_case(name).with_changes({**changes, **CONTACT, "time.duration": share * changes["time.duration"]})
+        adams = {"time.method": "exponential_adams"}
+        run = measure(case.with_changes({**adams, "time.step": step, **TOLERANCE}), repeat=2)
+        tight = signals(measure(case.with_changes({**adams, "time.step": step / 8, **TIGHT})).run)
+        other = measure(case.with_changes({"time.method": "exponential_rk4", "time.step": step / 8}))
+        until = agree_until(tight, signals(other.run), 3e-4)
+        found = errors(signals(run.run), tight, until)
+        print(
+            f"{name}, exponential_adams {1e3 * step:g} ms: {run.real_time:.3g} x real time, {run.evaluations:.2f} right-hand "
+            f"sides/ms, energy {run.energy:.1e}; errors in the first {until:.3g} s: "
+            + ", ".join(f"{kind} {value:.1e}" for kind, value in found.items()),
+            flush=True,
+        )
+
+
+if __name__ == "__main__":
+    main()
