@@ -3,8 +3,7 @@
 Numbers of the test -> [BrakeTest] -> distance, ventings, air of many tests at once (lanes: starts, dead times)
 
 docs/theory/adhesion.md (A1), (A4) to (A7), docs/theory/creep_laws.md and rig_control.md (D4), (D9). The axles are points on the
-rail: no bogie, no lateral motion, one ellipse per wheel. On a rig, (D1) to (D6) with the observer (D16), wheels roll on the
-rollers without sliding. Every array has one value per lane, or shape (axle, lane).
+rail: no bogie, no lateral motion, one ellipse per wheel. Every array has one value per lane, or shape (axle, lane).
 """
 
 from __future__ import annotations
