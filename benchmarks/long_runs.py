@@ -19,7 +19,7 @@ CONTACT = {"contact.normal": "strips", "contact.creep": "table"}
 RUNS = (
     ("bogie_rollers_constant", {"motion.speed": "216 km/h", "time.duration": 4.0}, 2e-3),
     ("vehicle_track_irregular", {"time.duration": 4.0}, 1.5e-3),
-    ("adhesion_brake", {"time.duration": 60.0}, 1e-3),
+    ("adhesion_brake", {"time.duration": 60.0, "time.output_step": 5e-3}, 1e-3),
 )
 TOLERANCE = {"time.relative_tolerance": 1e-4, "time.absolute_tolerance": 1e-7}
 TIGHT = {"time.relative_tolerance": 1e-6, "time.absolute_tolerance": 1e-9}
