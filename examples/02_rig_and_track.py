@@ -2,7 +2,7 @@
 
 import rollerrig as rr
 
-speeds = range(200, 460, 20)  # km/h
+speeds = range(160, 400, 20)  # km/h
 track = rr.critical_speed("bogie_track", speeds_kmh=speeds)["linear_critical_speed"]
 print(f"on track: {float(track):.1f} km/h")
 

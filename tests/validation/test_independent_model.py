@@ -39,7 +39,11 @@ def test_kalkers_table_is_the_same_number_by_number() -> None:
 
 @pytest.fixture(scope="module")
 def models() -> SimpleNamespace:
-    ours = bogie(contact__normal__merging_criterion=0.0, contact__creepage_regularisation_speed=REGULARISATION_SPEED)
+    ours = bogie(
+        contact__normal={"kind": "hertz", "merging_criterion": 0.0},
+        contact__creep="kalker_saturated",
+        contact__creepage_regularisation_speed=REGULARISATION_SPEED,
+    )
     simulation = _core.Simulation(ours.core)
 
     def table(profile: ProfileTable) -> Table:

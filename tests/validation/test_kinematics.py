@@ -101,7 +101,8 @@ def test_a_rigid_bogie_of_steel_weaves_shorter_by_the_ratio_of_its_creep_coeffic
 def test_yaw_stiffness_of_a_wheelset_on_rollers(roller_radius: float, expected: float | None) -> None:
     """W l0^2 / (R + r), destabilising: yawed wheels leave the crown by l0 psi and their normals tilt with it.
 
-    Isolated: cylindrical wheels (no change of radius), a circular generatrix (contact stays put), no friction, standstill;
+    Isolated: cylindrical wheels (no change of radius), a circular generatrix (contact stays put), no friction, standstill, one
+    ellipse whose centre is the contact point (strips resolve it to their width: 2.6 N m too much, of 5.9e3 and of 0.06);
     what is left of d(yaw moment)/d(yaw) at the equilibrium is the tilt of the normal forces.
     """
     load = 2 * 54.545e3
@@ -115,6 +116,7 @@ def test_yaw_stiffness_of_a_wheelset_on_rollers(roller_radius: float, expected: 
             "motion.speed": 0.0,
             "disturbance": [],
             "contact.friction": 0.0,
+            "contact.normal": "hertz",
         }
     )
     model = assemble(case)

@@ -17,8 +17,9 @@ from rollerrig.study.interval import Interval
 from rollerrig.study.quantities import Quantity
 from rollerrig.study.report import Table
 
+_PAPER = {"contact.creep": "kalker_saturated"}
 OTHERS: Mapping[str, Mapping[str, object]] = {
-    "strips": {"contact.normal": "strips"},
+    "strips": {"contact.normal": "strips", **_PAPER},
     "strips, table": {"contact.normal": "strips", "contact.creep": "table"},
 }
 """Models beside `hertz` with the paper's creep law: name -> changes."""
@@ -29,7 +30,8 @@ PREFIX = "contact model"
 def contact_models(criteria: Sequence[float]) -> dict[str, dict[str, object]]:
     """Name of each model -> changes to a case: `hertz` with each merging criterion, then OTHERS."""
     hertz: dict[str, dict[str, object]] = {
-        f"hertz, {value:g}": {"contact.normal": {"kind": "hertz", "merging_criterion": value}} for value in criteria
+        f"hertz, {value:g}": {"contact.normal": {"kind": "hertz", "merging_criterion": value}, **_PAPER}
+        for value in criteria
     }
     return hertz | {name: dict(changes) for name, changes in OTHERS.items()}
 

@@ -15,7 +15,8 @@ from rollerrig.plot import amplitude_over_speed, hunting_over_time, ramp_over_sp
 from rollerrig.plot.modes import hunting_frequencies
 from rollerrig.study import critical_speeds as speeds
 from rollerrig.study.paper_checks import FRONT, REAR
-from rollerrig.study.paper_plan import MATERIALS, RIG, VEHICLE, Results, rig_case
+from rollerrig.study.paper_plan import MATERIALS, RIG, VEHICLE, rig_case
+from rollerrig.study.paper_results import Results
 
 BODY = "front_frame"
 WHEELS = {FRONT: "front right wheel", REAR: "rear right wheel"}
@@ -28,7 +29,7 @@ CAPTIONS = {
     "lateral offset of the leading wheelset.",
     "figure_7a_time_paper": "Figure 7a, at constant speeds, paper's material, drawn likewise.",
     "figure_7a_amplitude": "Amplitude at the end of each run at constant speed. Filled: the oscillation persists; open: it "
-    "decays. Dashed lines: linear critical speeds.",
+    "decays; with the paper's own contact and with the exact one. Dashed lines: linear critical speeds with its own.",
     "figure_7b_steel": "Figure 7b, steel. Frequency of the lateral oscillation of the (front) bogie frame, whole vehicle on the "
     "rails against bogie on the rig: of the runs from a disturbance, as in the paper (markers: open where it decays, "
     "filled where it persists), and of the linear model's hunting mode (lines, cross where its damping vanishes).",
@@ -60,7 +61,10 @@ def figures(results: Results) -> dict[str, Figure]:
         found[f"figure_7a_time_{material}"] = hunting_over_time(chosen, BODY, LABELS[material])
     if by_speed:
         critical = {f"linear, {m}": results.linear_kmh(m) for m in by_speed}
-        found["figure_7a_amplitude"] = amplitude_over_speed({LABELS[m]: t for m, t in by_speed.items()}, critical)
+        amplitudes = {LABELS[m]: t for m, t in by_speed.items()}
+        for material, one in results.exact.runs.get(RIG, {}).items():
+            amplitudes[f"{LABELS[material]}, exact contact"] = hunting_table(one.runs, one.disturbance)
+        found["figure_7a_amplitude"] = amplitude_over_speed(amplitudes, critical)
     for material, modes in results.modes.items():
         runs = {RIG: by_speed[material]} if material in by_speed else {}
         if material in results.vehicle_runs:

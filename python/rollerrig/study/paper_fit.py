@@ -7,10 +7,15 @@ from __future__ import annotations
 
 import math
 
+from rollerrig.study.contact_sensitivity import sensitivity_table
+from rollerrig.study.critical_speeds import linear_cell
 from rollerrig.study.interval import NOT_DECIDED, Interval, in_words
-from rollerrig.study.paper_plan import MATERIALS, PAPER_CRITICAL_KMH, Results, rig_case
-from rollerrig.study.paper_text import NAMES, onset_wavelength
-from rollerrig.study.report import Table
+from rollerrig.study.paper_numbers import QUANTITIES
+from rollerrig.study.paper_plan import MATERIALS, NAMES, PAPER_CRITICAL_KMH, PaperPlan, rig_case
+from rollerrig.study.paper_results import Results
+from rollerrig.study.paper_text import onset_wavelength
+from rollerrig.study.quantities import Numbers
+from rollerrig.study.report import Block, Table, Text
 
 NEAR = 0.1
 """A critical speed within this share of the paper's fits it [1]."""
@@ -128,3 +133,21 @@ def _sensitivity(results: Results) -> str:
         "The exact solution has a single patch there, so the linear critical speed of this pair should not be read more "
         "accurately than that."
     )
+
+
+def fit_blocks(results: Results, numbers: Numbers, plan: PaperPlan) -> list[Block]:
+    """The section of the report."""
+    blocks: list[Block] = [Text(line) for line in fit_paragraphs(results)] or [Text("Not computed.")]
+    table = fit_table(results)
+    blocks += [table] if table else []
+    if results.contact:
+        entries = {NAMES[m]: numbers["materials"][m]["contact"] for m in results.contact if m in results.modes}
+        names = ("patches", "approach_um", "creep_stiffness_n", "wavelength_m")
+        blocks.append(QUANTITIES.table(entries, names, "Steady rolling on the rig, small motions.", "material"))
+    if any(results.merging.values()):
+        rows = [[f"{b:g}", *(linear_cell(results.merging[m].get(b)) for m in MATERIALS)] for b in plan.criteria]
+        caption = "Linear critical speed [km/h] of the bogie on the rig over the merging criterion of adjacent patches."
+        blocks.append(Table(("merging criterion", *(NAMES[m] for m in MATERIALS)), rows, caption))
+    if results.sensitivity:
+        blocks.append(sensitivity_table(results.sensitivity))
+    return blocks

@@ -12,7 +12,8 @@ import xarray as xr
 from rollerrig.study import critical_speeds as speeds
 from rollerrig.study.checks import counts
 from rollerrig.study.contact_sensitivity import sensitivity_numbers, sensitivity_quantities
-from rollerrig.study.paper_plan import Results
+from rollerrig.study.paper_contacts import EXACT_QUANTITIES, KEY, exact_numbers
+from rollerrig.study.paper_results import Results
 from rollerrig.study.paper_text import onset_wavelength
 from rollerrig.study.quantities import Quantities, Quantity
 
@@ -28,6 +29,7 @@ QUANTITIES = Quantities(
     Quantity(f"{ALL}.contact.wavelength_m", "of slow hunting", "m", "wavelength of slow hunting"),
     BY(f"{ALL}.by_disturbance"),
     BY(f"{ALL}.vehicle_on_track"),
+    EXACT_QUANTITIES,
     sensitivity_quantities("critical_speed_by_contact_model"),
     speeds.roller_quantities(f"{ALL}.critical_speed_over_radius_kmh", f"{ALL}.roller_effects"),
     Quantity("traction", "null: not computed"),
@@ -47,8 +49,10 @@ QUANTITIES = Quantities(
 
 def numbers_of(results: Results) -> dict[str, Any]:
     """What goes into summary.json."""
+    traction = results.exact.traction
     return {
         "materials": {material: _material(results, material) for material in results.modes},
+        KEY: exact_numbers(results.exact, None if traction is None else traction_numbers(traction)),
         "critical_speed_by_contact_model": sensitivity_numbers(results.sensitivity),
         "traction": None if results.theory is None else traction_numbers(results.theory),
         "checks": [check.as_dict() for check in results.checks],

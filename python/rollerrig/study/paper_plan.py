@@ -2,23 +2,28 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, field
 
-import xarray as xr
-
-from rollerrig.analysis import CriticalSpeedByDisturbance, HuntingSettings, LinearCriticalSpeed, RampSettings
-from rollerrig.analysis.contact_state import ContactState
-from rollerrig.analysis.roller_effects import RADII, CriticalSpeedOverRadius, EffectSplit
+from rollerrig.analysis import HuntingSettings, RampSettings
+from rollerrig.analysis.roller_effects import RADII
 from rollerrig.cases import restrained_along_track
 from rollerrig.config import Case, load_case
-from rollerrig.study.checks import Check
 from rollerrig.study.contact_sensitivity import sensitivity_cases
-from rollerrig.study.interval import Interval
 from rollerrig.study.report import Mark
 
 MATERIALS = ("steel", "paper")
 """Names in the catalogue; `paper` has the G = 10 GPa of the paper."""
+
+NAMES = {"steel": "steel", "paper": "the paper's material"}
+"""Material -> what it is called in sentences."""
+
+OWN, EXACT = "own contact", "exact contact"
+"""The paper's contact: Hertz' ellipses with Kalker's linear theory saturated by friction; and the exact one."""
+
+CONTACT_CHANGES: dict[str, dict[str, object]] = {
+    OWN: {"contact.normal": {"kind": "hertz"}, "contact.creep": {"kind": "kalker_saturated"}},
+    EXACT: {"contact.normal": {"kind": "strips"}, "contact.creep": {"kind": "table"}},
+}
 
 PAPER_CRITICAL_KMH = 100.0
 """Speed above which the paper's figure 7a grows [km/h]."""
@@ -98,10 +103,11 @@ QUICK = PaperPlan(
 )
 
 
-def case_of(variant: str, material: str) -> Case:
-    """The case of one of VARIANTS with a material of the catalogue."""
+def case_of(variant: str, material: str, contact: str = OWN) -> Case:
+    """The case of one of VARIANTS with a material of the catalogue and one of CONTACT_CHANGES."""
     name, cut = VARIANTS[variant]
-    return restrained_along_track(load_case(name).with_changes({"contact.material": material, "vehicle.cut": cut}))
+    changes = {"contact.material": material, "vehicle.cut": cut, **CONTACT_CHANGES[contact]}
+    return restrained_along_track(load_case(name).with_changes(changes))
 
 
 def rig_case(material: str) -> Case:
@@ -115,48 +121,6 @@ def contact_model_cases(plan: PaperPlan) -> dict[str, Case]:
     return sensitivity_cases(supports, plan.criteria)
 
 
-def traction_case(plan: PaperPlan) -> Case:
+def traction_case(plan: PaperPlan, contact: str = OWN) -> Case:
     """The case of figure 8."""
-    return load_case(plan.traction_case).with_changes(plan.traction_changes)
-
-
-@dataclass
-class Results:
-    """What was computed, by material; parts that Ctrl-C cut off are missing.
-
-    Attributes:
-        modes: material -> variant -> Dataset of `stability`.
-        merging: material -> merging criterion -> linear critical speed on the rig.
-        contact: the wheels' contact in steady rolling on the rig.
-        ramps: Datasets of `ramp_run`.
-        runs: critical speed by disturbance on the rig, with its runs.
-        vehicle_runs: the same of the whole vehicle on track.
-        sensitivity: the same of the bogie, steel, by label of `sensitivity_cases`.
-        over_radius: critical speeds over the rollers' radius.
-        effects: of the rollers on the bogie's critical speed.
-        traction: the traction run, all signals.
-        theory: the same wheels beside the closed forms.
-    """
-
-    modes: dict[str, dict[str, xr.Dataset]]
-    merging: dict[str, dict[float, LinearCriticalSpeed]]
-    contact: dict[str, ContactState]
-    ramps: dict[str, xr.Dataset]
-    runs: dict[str, CriticalSpeedByDisturbance]
-    vehicle_runs: dict[str, CriticalSpeedByDisturbance]
-    sensitivity: dict[str, CriticalSpeedByDisturbance]
-    over_radius: dict[str, CriticalSpeedOverRadius]
-    effects: dict[str, EffectSplit]
-    traction: xr.Dataset | None
-    theory: xr.Dataset | None
-    checks: list[Check]
-
-    def linear_kmh(self, material: str, variant: str = RIG) -> float:
-        """Linear critical speed [km/h]; NaN if there is none or it was not computed."""
-        modes = self.modes.get(material, {}).get(variant)
-        return math.nan if modes is None else float(modes.attrs["linear_critical_speed_kmh"])
-
-    def by_disturbance(self, material: str, variant: str = RIG) -> Interval:
-        """Where the critical speed by disturbance lies [km/h]; without ends if it was not computed."""
-        found = (self.runs if variant == RIG else self.vehicle_runs).get(material)
-        return Interval(-math.inf, math.inf) if found is None else Interval.of_bracket(found)
+    return load_case(plan.traction_case).with_changes({**CONTACT_CHANGES[contact], **plan.traction_changes})

@@ -6,6 +6,7 @@ results of PaperStudy -> [paper_tables] -> rows, tables
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Iterator
 from typing import Any
 
@@ -14,11 +15,32 @@ from numpy.typing import ArrayLike
 
 from rollerrig.analysis import CriticalSpeedByDisturbance, hunting_table
 from rollerrig.config import Rig
-from rollerrig.study.paper_plan import MATERIALS, PaperPlan, Results, rig_case, traction_case
-from rollerrig.study.paper_text import NAMES
+from rollerrig.study.interval import Interval
+from rollerrig.study.paper_contacts import side_by_side
+from rollerrig.study.paper_plan import EXACT, MATERIALS, NAMES, OWN, RIG, VEHICLE, PaperPlan, rig_case, traction_case
+from rollerrig.study.paper_results import Results
+from rollerrig.study.paper_text import linear as linear_text
 from rollerrig.study.report import Block, Table
 from rollerrig.study.run import CONTACT
 from rollerrig.wording import number
+
+
+def critical(results: Results, plan: PaperPlan) -> list[Block]:
+    """Critical speeds with the paper's own contact and with the exact one; nothing where none was computed."""
+    rows: dict[tuple[str, str, str], tuple[str, float, Interval | None]] = {}
+    for material, variants in results.modes.items():
+        for variant, modes in variants.items():
+            known = {RIG: results.runs, VEHICLE: results.vehicle_runs}.get(variant, {})
+            by = results.by_disturbance(material, variant) if material in known else None
+            linear = linear_text(results.linear_kmh(material, variant), plan)
+            rows[NAMES[material], variant, OWN] = linear, float(modes.attrs["linear_critical_frequency_hz"]), by
+            exact = results.exact.linear.get(material, {}).get(variant)
+            if exact is not None:
+                known = results.exact.runs.get(variant, {})
+                by = results.exact.by_disturbance(material, variant) if material in known else None
+                frequency = math.nan if exact.onset is None else exact.onset.frequency
+                rows[NAMES[material], variant, EXACT] = linear_text(exact.speed_kmh, plan), frequency, by
+    return [side_by_side(rows, plan.hunting.disturbance)] if rows else []
 
 
 def run_columns(found: CriticalSpeedByDisturbance) -> dict[str, ArrayLike]:

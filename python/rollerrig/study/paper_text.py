@@ -9,10 +9,10 @@ from rollerrig.analysis.hunting import decay_frequency
 from rollerrig.study import critical_speeds as speeds
 from rollerrig.study.checks import counts_text
 from rollerrig.study.interval import Interval
-from rollerrig.study.paper_plan import MATERIALS, TABLE_PARTS, VEHICLE, PaperPlan, Results
+from rollerrig.study.paper_contacts import paper_speed_sentence
+from rollerrig.study.paper_plan import EXACT, MATERIALS, NAMES, OWN, RIG, TABLE_PARTS, VEHICLE, PaperPlan
+from rollerrig.study.paper_results import Results
 from rollerrig.study.quantities import Numbers
-
-NAMES = {"steel": "steel", "paper": "the paper's material"}
 
 CONSTANT_SPEED = (
     "At constant speeds the leading wheelset is displaced laterally and released. Runs are repeated between the highest speed at "
@@ -54,6 +54,7 @@ def summary(results: Results, numbers: Numbers, plan: PaperPlan) -> list[str]:
         f"mm): {results.by_disturbance(m).text('km/h', 1)}."
         for m in results.modes
     ]
+    lines += contact_sentences(results)
     found_by_runs = [one for runs in (results.runs, results.vehicle_runs) for one in runs.values()]
     lines += [sentence for one in found_by_runs if (sentence := speeds.ended_early_sentence(one))]
     end = numbers["traction"]
@@ -64,6 +65,19 @@ def summary(results: Results, numbers: Numbers, plan: PaperPlan) -> list[str]:
             f"at a speed of {end['speed_kmh']:z.0f} km/h."
         )
     return [*lines, counts_text(results.checks)] if results.checks else lines
+
+
+def contact_sentences(results: Results) -> list[str]:
+    """What the paper's critical speed is with its own contact and with the exact one, by material."""
+    return [
+        paper_speed_sentence(
+            NAMES[m],
+            {OWN: results.linear_kmh(m), EXACT: results.exact.linear_kmh(m, RIG)},
+            {OWN: results.by_disturbance(m), EXACT: results.exact.by_disturbance(m, RIG)},
+        )
+        for m in results.exact.linear
+        if m in results.modes
+    ]
 
 
 def ramp_text(plan: PaperPlan) -> str:

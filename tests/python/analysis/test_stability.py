@@ -45,11 +45,11 @@ def modes(bogie):
 
 def test_the_critical_speed_is_where_damping_vanishes(bogie, modes) -> None:
     critical = modes.attrs["linear_critical_speed_kmh"]
-    assert 240 < critical < 260
+    assert 215 < critical < 232
     assert modes.attrs["linear_critical_mode"] == "hunting"
     assert largest_growth_rate(Lineariser(bogie), critical / 3.6) == pytest.approx(0.0, abs=1e-5)
     hunting = modes["growth_rate"].sel(mode="hunting").to_numpy()
-    assert hunting[2] < 0 < hunting[3]
+    assert hunting[0] < 0 < hunting[2]
 
 
 def test_frequency_and_damping_belong_to_the_eigenvalue(modes) -> None:
@@ -68,32 +68,32 @@ def test_no_mode_is_counted_twice_and_driven_rollers_have_none(bogie) -> None:
 
 
 def test_a_run_grows_as_the_linear_model_says(bogie) -> None:
-    """0.1 mm stays where the linear model holds; 280 km/h is above the critical speed."""
+    """0.1 mm stays where the linear model holds; 250 km/h is above the critical speed."""
     run = hunting_run(
         (
             bogie,
-            280 / 3.6,
+            250 / 3.6,
             HuntingSettings(disturbance=1e-5, duration=1.5, absolute_tolerance=1e-10, relative_tolerance=1e-6),
         )
     )
     lateral = run.motion["lateral"].sel(body="front_frame")
-    expected = largest_growth_rate(Lineariser(bogie), 280 / 3.6)
+    expected = largest_growth_rate(Lineariser(bogie), 250 / 3.6)
     # other modes have died out after 0.6 s; amplitude stays below 0.1 mm, where curvature of the profiles changes little
     late = lateral.sel(time=slice(0.6, 1.5))
     measured = growth_rate(late, least_amplitude=1e-9)
     assert measured == pytest.approx(expected, rel=0.02)
     waves = half_waves(late["time"].to_numpy(), late.to_numpy(), 1e-9)
-    modes = stability(bogie, [280.0])
+    modes = stability(bogie, [250.0])
     frequency = modes["frequency"].sel(mode=modes.attrs["hunting_mode"]).item()
     assert 0.5 / float(np.mean(waves.duration)) == pytest.approx(frequency, rel=2e-3)
 
 
 def test_below_the_critical_speed_a_run_dies_out_and_above_it_goes_on(bogie) -> None:
     quick = HuntingSettings(duration=2.0)
-    found = bracket([hunting_run((bogie, v / 3.6, quick)) for v in (100.0, 220.0)], quick.disturbance)
+    found = bracket([hunting_run((bogie, v / 3.6, quick)) for v in (100.0, 250.0)], quick.disturbance)
     assert [run.persists for run in found.runs] == [False, True]
     assert 3.6 * found.decays == pytest.approx(100.0)
-    assert 3.6 * found.persists == pytest.approx(220.0)
+    assert 3.6 * found.persists == pytest.approx(250.0)
     limit_cycle = found.runs[1].final
     assert 2e-3 < limit_cycle.amplitude < 6e-3  # within the flangeway
     assert 3.0 < limit_cycle.frequency < 7.0

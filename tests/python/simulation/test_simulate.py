@@ -238,6 +238,7 @@ def test_a_wheelset_that_runs_off_a_narrow_tread_is_stopped_there() -> None:
             "disturbance": [{"body": "wheelset_1", "lateral": "2 mm", "yaw": 0.03}],
             "motion.speed": "20 m/s",
             "time.duration": "1 s",
+            "contact.normal": "hertz",  # a point of contact that leaves the profile
         }
     )
     run = rr.simulate(case)

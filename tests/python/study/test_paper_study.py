@@ -12,7 +12,7 @@ from rollerrig.study.frame import Outcome
 from rollerrig.study.paper import PaperStudy, Results
 from rollerrig.study.paper_figures import CAPTIONS
 from rollerrig.study.paper_numbers import QUANTITIES
-from rollerrig.study.paper_plan import FULL, QUICK
+from rollerrig.study.paper_plan import EXACT, FULL, QUICK, RIG, case_of, rig_case
 
 
 def files(folder: Path) -> dict[str, bytes]:
@@ -41,6 +41,24 @@ def test_every_figure_is_drawn_and_shown(folder) -> None:
     assert "Not computed" not in text
     words = re.sub(r'src="data:[^"]*"', "", text)
     assert not re.search(r"\bnan\b", words, re.IGNORECASE)
+
+
+def test_both_contacts_stand_side_by_side(outcome, folder) -> None:
+    """Every critical speed with the paper's own contact and with the exact one, and what the paper's 100 km/h are with each."""
+    own, exact = outcome.numbers["materials"], outcome.numbers["exact_contact"]["materials"]
+    assert own.keys() == exact.keys()
+    for material in own:
+        assert own[material]["linear"].keys() == exact[material]["linear"].keys()
+        assert {"by_disturbance", "vehicle_on_track"} <= own[material].keys() & exact[material].keys()
+    assert rig_case("steel").contact.normal.kind == "hertz"
+    assert (
+        case_of(RIG, "steel", EXACT).contact
+        == rig_case("steel").with_changes({"contact.normal": "strips", "contact.creep": "table"}).contact
+    )
+    words = re.sub(r'src="data:[^"]*"', "", (folder / "report.html").read_text())
+    for text, count in ((outcome.summary, 2), (words, 4)):  # the report has it in its summary and in the section
+        assert len(re.findall(r"The 100 km/h above which .*? own contact; .*? with the exact one", text)) == count
+    assert outcome.numbers["traction"].keys() == outcome.numbers["exact_contact"]["traction"].keys()
 
 
 def test_traction_agrees_with_theory(outcome) -> None:
@@ -116,7 +134,12 @@ def test_a_wrong_run_fails_its_checks(outcome) -> None:
 def test_every_number_is_registered_and_every_registered_quantity_reported(folder) -> None:
     summary = json.loads((folder / "summary.json").read_text())
     assert QUANTITIES.unexplained(summary) == []
-    whole = {"materials.*.roller_effects", "traction", "checks"}  # null or empty where nothing is computed
+    whole = {
+        "materials.*.roller_effects",
+        "traction",
+        "exact_contact.traction",
+        "checks",
+    }  # null or empty where nothing is computed
     assert set(QUANTITIES.unreported(summary)) == whole
 
 

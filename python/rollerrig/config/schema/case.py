@@ -12,8 +12,8 @@ from rollerrig.config.schema.contact_law import (
     AnyFriction,
     AnyNormal,
     ConstantFriction,
-    Hertz,
-    KalkerSaturated,
+    ExactTable,
+    Strips,
 )
 from rollerrig.config.schema.material import Material
 from rollerrig.config.schema.rig_control import RigControl
@@ -90,11 +90,11 @@ class Contact(Table):
         default=ConstantFriction(kind="constant", mu_0=0.3), description="a coefficient, or a law over slip velocity"
     )
     creep: AnyCreep = Field(
-        default=KalkerSaturated(kind="kalker_saturated"),
+        default=ExactTable(kind="table"),
         description="law of the tangential force: its name, or a table with `kind` and parameters",
     )
     normal: AnyNormal = Field(
-        default=Hertz(kind="hertz"),
+        default=Strips(kind="strips"),
         description="law of the normal force: its name, or a table with `kind` and parameters",
     )
     normal_damping: Damping = Field(default=1e5, description="damping of the normal force while the surfaces approach")
