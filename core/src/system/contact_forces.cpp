@@ -50,7 +50,7 @@ void ForceAssembly<T>::find_patches(T const& t, std::vector<int> const& group, S
     placed = placement(index);
     if (follows_minima(laws.normal)) search_contact(index, placed.pose);
     WheelContact const& contact = model_.contacts[index];
-    w_.wheels.push_back({{contact.pair, laws.material, contact.laws.wheel_arc.get()},
+    w_.wheels.push_back({{contact.pair, laws.material, contact.laws.nodes.get()},
                          &placed.pose,
                          &evaluation_.search[index],
                          &w_.patches[index],

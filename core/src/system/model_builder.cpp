@@ -3,7 +3,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "rollerrig/geometry/interpenetration.hpp"
+#include "rollerrig/geometry/gap_nodes.hpp"
 
 namespace rollerrig {
 namespace {
@@ -224,9 +224,9 @@ int ModelBuilder::add_contact(ContactDescription const& d) {
   if (!kalker) kalker = std::make_shared<KalkerTable const>(d.laws.material.poisson_ratio);
   c.laws.kalker = kalker;
   if (std::holds_alternative<ElasticStrips>(d.laws.normal)) {
-    auto& arc = arcs_[d.wheel_profile];
-    if (!arc) arc = std::make_shared<ArcLength const>(*c.pair.wheel);
-    c.laws.wheel_arc = arc;
+    auto& nodes = nodes_[{d.wheel_profile, d.size}];
+    if (!nodes) nodes = std::make_shared<GapNodes const>(*c.pair.wheel, d.size);
+    c.laws.nodes = nodes;
   }
   c.flange_tip = flange_tip(*c.pair.wheel, d.size);
   model_.contacts.push_back(c);

@@ -93,7 +93,7 @@ std::vector<StaticPatch> StaticWheelsetContact::patches(WheelsetPosition const& 
   PatchList<NormalPatch<double>> found;
   int count = 0;
   std::array const wheel{NormalContact<double, NormalPatch<double>>{
-      {contact.pair, contact.laws.material, contact.laws.wheel_arc.get()}, &at, &search, &found, &count}};
+      {contact.pair, contact.laws.material, contact.laws.nodes.get()}, &at, &search, &found, &count}};
   normal_patches<double, NormalPatch<double>>(contact.laws.normal, wheel);
   std::vector<StaticPatch> list;
   for (int k = 0; k < count; ++k) list.push_back(seen(contact, found[static_cast<std::size_t>(k)]));

@@ -1,72 +1,49 @@
 // Non-elliptical contact patches: Hertz as a special case, derivatives, smoothness, and what overlaps is one patch.
 #include <doctest/doctest.h>
 
-#include "profiles.hpp"
+#include <limits>
+
+#include "contact/strip_wheel.hpp"
 #include "rollerrig/contact/normal/hertz_ellipses.hpp"
-#include "rollerrig/contact/normal/strip_contact.hpp"
+#include "rollerrig/contact/normal/strip_patch.hpp"
 
 using namespace rollerrig;
-using test::BenchmarkPair;
 using test::pose_of;
+using test::steel;
+using test::total;
+using test::Wheel;
 
 namespace {
 
 StripKernel const& kernel = strip_kernel();
-Material const steel{};
-
-/// Strips over the interpenetration of two bodies with half-curvatures A along and B across.
-Strips<double> parabola(double a_curvature, double b_curvature, double approach) {
+/// One region over two bodies with half-curvatures A along and B across.
+RegionPart<double> parabola(double along_x, double across, double approach) {
+  StripTables const& tables = strip_tables();
   Strips<double> s;
-  s.regions = 1;
-  double const half = std::sqrt(approach / b_curvature);
-  int const n = s.count();
-  s.width[0] = 2.0 * half / n;
-  s.reach[0] = 1.0;
-  for (int i = 0; i < n; ++i) {
-    auto const k = static_cast<std::size_t>(i);
-    s.position[k] = -half + (i + 0.5) * s.width[0];
-    s.interpenetration[k] = approach - b_curvature * s.position[k] * s.position[k];
-    s.curvature[k] = a_curvature;
-  }
-  solve_strips(steel, s);
-  return s;
-}
-
-struct Sums {
-  double force{0.0}, pressure{0.0}, length{0.0};
-};
-Sums sums(Strips<double> const& s) {
-  Sums out;
-  for (int i = 0; i < s.count(); ++i) {
-    auto const k = static_cast<std::size_t>(i);
-    if (!(s.load[k] > 0.0)) continue;
-    out.force += s.load[k] * s.width[0];
-    out.pressure = std::max(out.pressure, 2.0 * s.load[k] / (pi * s.half_length[k]));
-    out.length = std::max(out.length, s.half_length[k]);
-  }
-  return out;
-}
-
-struct Wheel {
-  BenchmarkPair profiles;
-  ArcLength arc;
-  ContactSearch search;
-
-  explicit Wheel(double inverse_radius) : profiles(inverse_radius), arc(profiles.wheel), search(profiles.pair) {}
-  StripSolution<double> at(double y, double depth, double roll = 0.0, double yaw = 0.0, double x = 0.0) {
-    auto const pose = pose_of(x, y, 0.46 - depth, roll, yaw);
-    search.find_all(pose, 0.0);
-    return strip_contact({profiles.pair, steel, &arc}, pose, search);
-  }
-};
-
-Vec3<double> total(StripSolution<double> const& c) {
-  Vec3<double> sum{};
-  for (int k = 0; k < c.count; ++k) {
-    auto const& p = c.patch[static_cast<std::size_t>(k)];
-    sum += p.weight * p.normal * p.direction;
-  }
-  return sum;
+  StripPlaces<double> places;
+  s.compliance = steel.compliance() / pi;
+  s.curvature.fill(along_x);
+  places.along.fill(0.0);
+  places.wheel_s.fill(0.0);
+  places.rail_y.fill(0.0);
+  places.normal.fill({0.0, 0.0, 1.0});
+  auto const lay = [&](double from, double to) {
+    s.width = (to - from) / strip_count;
+    for (std::size_t i = 0; i < strip_count; ++i) {
+      double const y = places.across[i] = from + (static_cast<double>(i) + 0.5) * s.width;
+      places.point[i] = {0.0, y, 0.0};
+      s.interpenetration[i] = approach - across * y * y;
+    }
+  };
+  double const half = std::sqrt(approach / across);
+  lay(-half, half);
+  auto const range = range_of_load(tables, 1.0, s);
+  double const first = s.width;
+  lay(-half + range.from * first, -half + range.to * first);
+  solve_strips(tables, s);
+  StripRow<double> all;
+  all.fill(1.0);
+  return part_of(tables, s, places, all);
 }
 
 }  // namespace
@@ -99,12 +76,15 @@ TEST_CASE("a parabolic gap gives Hertz' ellipse") {
     double const root = std::sqrt(approach);
     double const force = exact.stiffness * approach * root;
     double const a = exact.a_per_root * root, b = exact.b_per_root * root;
-    auto const found = sums(parabola(along_x, across, approach));
+    auto const found = parabola(along_x, across, approach);
     CAPTURE(ratio);
-    // Twenty strips over the overlap and two passes: 1.5 % in force, 3.5 % at a/b = 12, where few strips carry load.
-    CHECK(found.force == doctest::Approx(force).epsilon(ratio < 0.1 ? 0.035 : 0.015));
-    CHECK(found.pressure == doctest::Approx(1.5 * force / (pi * a * b)).epsilon(a > 4.0 * b ? 0.07 : 0.045));
-    CHECK(found.length == doctest::Approx(a).epsilon(0.05));
+    // What twelve strips leave out is tabulated over A/B, so that this holds between the table's knots.
+    CHECK(found.normal == doctest::Approx(force).epsilon(1e-4));
+    CHECK(found.peak_pressure ==
+          doctest::Approx(1.5 * force / (pi * a * b)).epsilon(2e-2));  // of the middle of a strip
+    CHECK(found.a == doctest::Approx(a).epsilon(1e-3));
+    CHECK(found.b == doctest::Approx(b).epsilon(1e-3));
+    CHECK(found.width == doctest::Approx(2.0 * b).epsilon(1e-2));
   }
 }
 
@@ -113,7 +93,7 @@ TEST_CASE("at yaw strips carry what the turned Hertz ellipse carries") {
   auto const cone = test::spline_of([](double s) { return -2.0 * s; }, -20e-3, 20e-3, 1e-3);
   auto const head = test::spline_of([](double y) { return 2.0 * y - std::sqrt(125.0) * square(y) / (2.0 * 40e-3); },
                                     -20e-3, 20e-3, 0.1e-3);
-  ArcLength const arc(cone);
+  GapNodes const nodes(cone, 1.0);
   for (double inverse_radius : {0.0, 2.0})
     for (double yaw : {0.0, 20e-3, 50e-3, -80e-3}) {
       WheelRollerPair const pair{&cone, &head, 0.46, 0.75, 0.75, inverse_radius};
@@ -128,7 +108,7 @@ TEST_CASE("at yaw strips carry what the turned Hertz ellipse carries") {
       NormalPatch<double> hertz;
       hertz.point = contact_point(pair, pose, search[0].s, search[0].gradient);
       hertz_patch(steel, hertz);
-      auto const found = strip_contact({pair, steel, &arc}, pose, search);
+      auto const found = strip_contact({pair, steel, &nodes}, pose);
       REQUIRE(found.count == 1);
       auto const& patch = found.patch[0];
       CAPTURE(inverse_radius);
@@ -144,10 +124,10 @@ TEST_CASE("at yaw strips carry what the turned Hertz ellipse carries") {
 }
 
 TEST_CASE("scaling of a half-space: twice the size, four times the force at the same pressure") {
-  auto const small = sums(parabola(2.0, 3.0, 30e-6));
-  auto const large = sums(parabola(1.0, 1.5, 60e-6));
-  CHECK(large.force == doctest::Approx(4.0 * small.force).epsilon(1e-9));
-  CHECK(large.pressure == doctest::Approx(small.pressure).epsilon(1e-9));
+  auto const small = parabola(2.0, 3.0, 30e-6);
+  auto const large = parabola(1.0, 1.5, 60e-6);
+  CHECK(large.normal == doctest::Approx(4.0 * small.normal).epsilon(1e-9));
+  CHECK(large.peak_pressure == doctest::Approx(small.peak_pressure).epsilon(1e-9));
 }
 
 TEST_CASE("derivatives of the patches are those of differences, along every direction of the pose") {
@@ -170,8 +150,7 @@ TEST_CASE("derivatives of the patches are those of differences, along every dire
       using D = Dual<16>;
       auto const seed = [&](int i) { return D::variable(q0[static_cast<std::size_t>(i)], i); };
       auto const pose = pose_of(seed(0), seed(1), 0.46 - seed(2), seed(3), seed(4));
-      wheel.at(y, depth, roll0, yaw0, x0);
-      auto const c = strip_contact_of(NormalSetting{wheel.profiles.pair, steel, &wheel.arc}, pose, wheel.search);
+      auto const c = strip_contact(wheel.setting, pose);
       Vec3<D> sum{};
       for (int k = 0; k < c.count; ++k) {
         auto const& p = c.patch[static_cast<std::size_t>(k)];
@@ -189,8 +168,8 @@ TEST_CASE("derivatives of the patches are those of differences, along every dire
         auto const up = force(high), down = force(low);
         for (std::size_t k = 0; k < up.size(); ++k) {
           double const difference = (up[k] - down[k]) / (2.0 * h);
-          // Places are exact to 1e-13 m along the rail and 4e-15 m across: 1e-5 and 2e-7 in such a difference. Large yaw shows it.
-          double const noise = yaw0 > 10e-3 ? (k == 3 ? 0.1 : k == 4 ? 2e-3 : 0.0) : 0.0;
+          // Places are exact to 1e-13 m: 1e-5 in such a difference. Large yaw shows it.
+          double const noise = yaw0 > 10e-3 ? (k == 3 || k == 4 ? 0.1 : 0.0) : 0.0;
           CAPTURE(inverse_radius);
           CAPTURE(y);
           CAPTURE(i);
@@ -198,24 +177,6 @@ TEST_CASE("derivatives of the patches are those of differences, along every dire
           CHECK(exact[k].d[i] ==
                 doctest::Approx(difference).epsilon(1e-4).scale(std::max(1e-4 * largest * scale[k], noise)));
         }
-      }
-    }
-}
-
-TEST_CASE("regions end where the gap vanishes, at yaw too") {
-  for (double inverse_radius : {0.0, 2.0})
-    for (double yaw : {0.0, 20e-3, 50e-3}) {
-      Wheel wheel(inverse_radius);
-      double height = 0.463;  // lowered until it carries load
-      while (wheel.search.find_all(pose_of(0.4e-3, 6e-3, height, 0.0, yaw), 0.0) == 0) height -= 20e-6;
-      auto const pose = pose_of(0.4e-3, 6e-3, height, 0.0, yaw);
-      std::array<InterpenetrationRegion, max_regions> regions;
-      int const n = find_regions(wheel.profiles.pair, pose, wheel.search, regions);
-      for (int k = 0; k < n; ++k) {
-        auto const& region = regions[static_cast<std::size_t>(k)];
-        CAPTURE(yaw);
-        if (region.left_is_root) CHECK(std::abs(reduce(wheel.profiles.pair, pose, region.left).gap) < 1e-11);
-        if (region.right_is_root) CHECK(std::abs(reduce(wheel.profiles.pair, pose, region.right).gap) < 1e-11);
       }
     }
 }
@@ -250,7 +211,7 @@ TEST_CASE("the force has no step in the shift, through merging and vanishing dip
 TEST_CASE("one wide patch where Hertz sees two ellipses, two patches where tread and flange touch") {
   Wheel wheel(0.0);
   auto const middle = wheel.at(0.0, 0.25e-3);
-  CHECK(wheel.search.count() == 2);
+  CHECK(wheel.scan(0.0, 0.25e-3).minima == 2);
   REQUIRE(middle.count == 1);
   CHECK(middle.patch[0].width > 15e-3);
   auto const root = wheel.at(5e-3, -0.2e-3);
@@ -274,11 +235,57 @@ TEST_CASE("a patch comes from nothing: force and size vanish with the overlap") 
   double low = 0.0, high = 0.3e-3;  // depth of first touch
   for (int i = 0; i < 60; ++i) {
     double const middle = 0.5 * (low + high);
-    wheel.search.find_all(pose_of(0.0, -3e-3, 0.46 - middle, 0.0, 0.0), 0.0);
-    (wheel.search.count() == 0 ? low : high) = middle;
+    (wheel.scan(-3e-3, middle).regions == 0 ? low : high) = middle;
   }
   auto const force = [&](double overlap) { return total(wheel.at(-3e-3, high + overlap)).z; };
   // Hertz' 3/2 power down to a nanometre.
   CHECK(force(1e-9) / force(1e-7) == doctest::Approx(1e-3).epsilon(0.02));
   CHECK(force(1e-7) / force(1e-5) == doctest::Approx(1e-3).epsilon(0.05));
+}
+
+TEST_CASE("yaw and shift along the rail with the other sign mirror the contact") {
+  for (double inverse_radius : {0.0, 2.0}) {
+    Wheel const wheel(inverse_radius);
+    for (double yaw : {0.0, 3e-3, 30e-3}) {
+      double const depth =
+          0.25e-3 + 0.5 * inverse_radius * square(0.76 * yaw);  // the roller falls away ahead and behind
+      auto const a = wheel.at(2.5e-3, depth, 0.1e-3, yaw, 0.7e-3), b = wheel.at(2.5e-3, depth, 0.1e-3, -yaw, -0.7e-3);
+      REQUIRE(a.count == b.count);
+      REQUIRE(a.count > 0);
+      CHECK(total(a).z == doctest::Approx(total(b).z).epsilon(1e-9));
+      CHECK(total(a).x == doctest::Approx(-total(b).x).epsilon(1e-9).scale(1.0));
+      CHECK(a.patch[0].point.x == doctest::Approx(-b.patch[0].point.x).epsilon(1e-8).scale(1e-6));
+      CHECK(a.patch[0].a == doctest::Approx(b.patch[0].a).epsilon(1e-9));
+    }
+  }
+}
+
+TEST_CASE("a pose that is no number gives no patch and no crash") {
+  Wheel const wheel(2.0);
+  double const nothing = std::numeric_limits<double>::quiet_NaN();
+  auto const found = wheel.at(nothing, nothing);
+  for (int k = 0; k < found.count; ++k) CHECK_FALSE(found.patch[static_cast<std::size_t>(k)].normal > 0.0);
+}
+
+TEST_CASE("a closed path of poses gives its work back") {
+  // Shift and height round a rectangle across the wide patch of the middle; over the largest elastic energy on the way.
+  for (double inverse_radius : {0.0, 2.0}) {
+    Wheel const wheel(inverse_radius);
+    std::array<std::array<double, 2>, 5> const corner{
+        {{-0.5e-3, 0.2e-3}, {0.5e-3, 0.2e-3}, {0.5e-3, 0.3e-3}, {-0.5e-3, 0.3e-3}, {-0.5e-3, 0.2e-3}}};
+    double work = 0.0, lowest = 0.0, highest = 0.0;
+    int const n = 400;
+    for (std::size_t k = 0; k < 4; ++k)
+      for (int i = 0; i < n; ++i) {
+        double const part = (i + 0.5) / n;
+        double const dy = corner[k + 1][0] - corner[k][0], dz = corner[k + 1][1] - corner[k][1];
+        auto const f = total(wheel.at(corner[k][0] + part * dy, corner[k][1] + part * dz));
+        work += (f.y * dy - f.z * dz) / n;
+        lowest = std::min(lowest, work);
+        highest = std::max(highest, work);
+      }
+    CAPTURE(inverse_radius);
+    // Measured 9e-4 on a rail and 3e-4 on a roller: strips are laid anew in every pose.
+    CHECK(std::abs(work) < 1e-3 * (highest - lowest));
+  }
 }

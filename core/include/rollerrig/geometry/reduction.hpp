@@ -28,15 +28,17 @@ struct WheelNormalLine {
 };
 
 /// Eqs (1), (2), (4), (5) and the closed-form x_r that makes the normal meet the roller axis.
-template <Scalar T>
-WheelNormalLine<T> wheel_normal_line(WheelRollerPair const& pair, RelativePose<T> const& pose, T const& s) {
+///
+/// @tparam Pair  WheelRollerPair, or as many of them side by side as T has lanes: geometry/lane_pair.hpp
+template <Scalar T, class Pair>
+WheelNormalLine<T> wheel_normal_line(Pair const& pair, RelativePose<T> const& pose, T const& s) {
   using std::sqrt;
   WheelNormalLine<T> line;
   line.profile = pair.wheel->at(s);
   T const r = pair.wheel_radius + line.profile.value;
   T const slope = line.profile.slope;  // r'(y_r)
   T const y_r = pair.tape_circle_y + s;
-  double const kappa = pair.geometry_curvature();
+  auto const kappa = pair.geometry_curvature();
 
   // Apex of the cone of normals, and the unit vector u from the roller axis to it (in the x-z plane of b).
   Vec3<T> const apex = pose.o + (y_r + r * slope) * pose.R.ey;

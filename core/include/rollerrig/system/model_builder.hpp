@@ -80,8 +80,8 @@ class ModelBuilder {
 
   Model model_;
   std::vector<std::shared_ptr<UniformSpline const>> profiles_;
-  std::map<double, std::shared_ptr<KalkerTable const>> kalker_;  ///< over Poisson's ratio
-  std::map<int, std::shared_ptr<ArcLength const>> arcs_;         ///< over the wheel's profile
+  std::map<double, std::shared_ptr<KalkerTable const>> kalker_;              ///< over Poisson's ratio
+  std::map<std::pair<int, double>, std::shared_ptr<GapNodes const>> nodes_;  ///< over wheel profile and size
 };
 
 /// A model that differs only in the running speed; the tables are shared.

@@ -1,203 +1,271 @@
 #include "rollerrig/contact/normal/strip_contact.hpp"
 
-#include <limits>
-
-#include "rollerrig/contact/normal/strip_layout.hpp"
+#include "rollerrig/contact/normal/strip_patch.hpp"
 
 namespace rollerrig {
 namespace {
 
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
+constexpr std::size_t most_wheels = 16;  // of one batch; more come in several
+constexpr std::size_t most_parts = 4;    // of a region
 
-constexpr int per_region = Strips<double>::per_region;
+constexpr std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
-/// How far the middle of a loaded strip at the end of a run is from where the load vanishes [m].
-double to_edge(double width, double load, double inner_load) {
-  return load < inner_load ? std::min(width * load / (inner_load - load), width) : 0.5 * width;
-}
-
-/// Strips first .. last-1 of one region, which lie along (turn.cos, turn.sin).
-struct Run {
-  int first, last;
-  int region() const { return first / per_region; }
+/// A region to be solved, and what came out.
+template <Scalar T>
+struct Region {
+  int wheel{0};
+  InterpenetrationRegion const* range{nullptr};
+  std::size_t parts{1};
+  std::array<double, most_parts> cut;  ///< wheel abscissa behind each part but the last [m]
+  T merged{1.0};                       ///< weight of the whole as one patch, the rest goes to its parts (S8)
+  // Found:
+  T force, response;  ///< sum of the strips' forces [N], and for a metre more of interpenetration [N/m]
+  std::array<StripPatch<T>, most_parts + 1> patch;  ///< the whole, then its parts
+  T factor{1.0}, size{1.0};                         ///< what other regions leave of the force, of lengths and pressure
 };
 
-/// Resultant and centre of the pressures; false if no strip carries load. (S6)
+/// All regions of some wheels.
 template <Scalar T>
-bool find_resultant(Strips<T> const& strips, StripPlaces<T> const& places, Run const& run, StripPatch<T>& patch) {
+struct Batch {
+  std::span<StripWheel<T>> wheels;
+  std::array<GapScan, most_wheels> scan;
+  int count{0};
+  std::array<Region<T>, most_wheels * max_regions> region;
+};
+
+RelativePose<double> numbers(RelativePose<double> const& pose) { return pose; }
+RelativePose<double> numbers(RelativePose<StripDual> const& pose) { return numbers_of(pose); }
+
+/// Gap at an extreme found by the nodes, exact: its place is polished first.
+template <Scalar T>
+T gap_at(WheelRollerPair const& pair, RelativePose<T> const& pose, double s) {
+  auto const plain = numbers(pose);
+  ReducedSlope f;
+  for (int i = 0; i < 2; ++i) {
+    f = reduce_with_slope(pair, plain, s);
+    double const step = std::abs(f.gradient) > 1e-3 ? -f.residual / f.gradient : 0.0;
+    s += std::clamp(step, -0.3e-3 * pair.size, 0.3e-3 * pair.size);
+  }
+  return contact_point(pair, pose, s, std::abs(f.gradient) > 1e-3 ? f.gradient : 1e9).gap;
+}
+
+/// Where a region counts as two patches: at rises between its minima that do not lie deep in the material. (S8)
+template <Scalar T>
+void find_parts(StripWheel<T> const& wheel, GapScan const& scan, Region<T>& region) {
+  WheelRollerPair const& pair = wheel.wheel->pair;
+  ArcLength const& arc = wheel.wheel->nodes->arc();
+  for (int i = region.range->first; i < region.range->last; ++i) {
+    auto const &left = scan.minimum[at(i)], &right = scan.minimum[at(i + 1)], &top = scan.rise[at(i)];
+    constexpr double sure = 0.03;  // the nodes' estimate is closer
+    double const about = top.gap / std::max(left.gap, right.gap);
+    if (about > 0.9 + sure || region.parts == most_parts) continue;
+    T const g = gap_at(pair, wheel.pose, arc.abscissa(left.position));
+    T const h = gap_at(pair, wheel.pose, arc.abscissa(right.position));
+    T const shallower = select(g < h, h, g);  // both negative
+    double const cut = arc.abscissa(top.position);
+    T const m = strip_detail::smooth_step(T((gap_at(pair, wheel.pose, cut) / shallower - 0.7) / 0.2));
+    if (!(m < 1.0)) continue;
+    region.merged = select(m < region.merged, m, region.merged);
+    region.cut[region.parts++ - 1] = cut;
+  }
+}
+
+template <Scalar T>
+void find_regions(Batch<T>& batch) {
+  batch.count = 0;
+  for (std::size_t i = 0; i < batch.wheels.size(); ++i) {
+    auto const& wheel = batch.wheels[i];
+    batch.scan[i] = scan_gap(wheel.wheel->pair, *wheel.wheel->nodes, numbers(wheel.pose));
+    for (int k = 0; k < batch.scan[i].regions; ++k) {
+      Region<T>& region = batch.region[at(batch.count++)];
+      region.wheel = static_cast<int>(i);
+      region.range = &batch.scan[i].region[at(k)];
+      region.parts = 1;
+      region.merged = region.factor = region.size = T(1.0);
+      find_parts(wheel, batch.scan[i], region);
+    }
+  }
+}
+
+template <class L, Scalar T>
+void take_patch(RegionPart<L> const& from, int i, StripPatch<T>& to) {
+  auto const get = [i](L const& x) {
+    if constexpr (std::same_as<L, T>)
+      return x;
+    else
+      return lane(x, i);
+  };
+  auto const get3 = [&](Vec3<L> const& v) { return Vec3<T>{get(v.x), get(v.y), get(v.z)}; };
+  to = {T(1.0),
+        get(from.normal),
+        get3(from.direction),
+        get3(from.point),
+        get3(from.moment),
+        get(from.wheel_s),
+        get(from.rail_y),
+        get(from.a),
+        get(from.b),
+        lane(from.approach, i),
+        lane(from.peak_pressure, i),
+        lane(from.length, i),
+        lane(from.width, i)};
+}
+
+/// Shares of the strips in the part between two places of the wheel's profile: of strips that are cut, a fraction.
+template <class T>
+void share_between(StripPlaces<T> const& places, NumberOf<T> const& from, NumberOf<T> const& to, StripRow<T>& share) {
+  constexpr std::size_t n = strip_count;
+  T const inverse = static_cast<double>(n - 1) / (places.wheel_s[n - 1] - places.wheel_s[0]);
+  auto const before = [&](NumberOf<T> const& s, std::size_t i) {
+    T const t = (s - places.wheel_s[i]) * inverse + 0.5;
+    return select(t < 0.0, T(0.0), select(t > 1.0, T(1.0), t));
+  };
+  for (std::size_t i = 0; i < n; ++i) share[i] = before(to, i) - before(from, i);
+}
+
+/// Regions side by side. L: T, or lanes of it.
+template <class L, Scalar T>
+void solve_pack(Batch<T>& batch, int first, int count) {
+  using N = NumberOf<L>;
+  constexpr int lanes = lanes_of<N>;
+  StripTables const& tables = strip_tables();
+  RegionPack<L> pack;
+  std::size_t parts = 1;
+  std::array<N, most_parts + 1> cut;
+  for (auto& c : cut) c = N(1e3);
+  cut[0] = N(-1e3);
+  for (int i = 0; i < lanes; ++i) {
+    auto const& region = batch.region[at(first + std::min(i, count - 1))];
+    auto const& wheel = batch.wheels[at(region.wheel)];
+    pack.pair.set(i, wheel.wheel->pair, wheel.wheel->nodes->arc().abscissae());
+    set_lane(pack.pose, i, wheel.pose);
+    set_lane(pack.compliance, i, wheel.wheel->material.compliance() / pi);
+    auto const set_end = [i](RegionEnd const& end, N& place, N& low, N& high, N& root) {
+      set_lane(place, i, end.position);
+      set_lane(low, i, std::min(end.inside, end.outside));
+      set_lane(high, i, std::max(end.inside, end.outside));
+      set_lane(root, i, end.is_root ? 1.0 : 0.0);
+    };
+    set_end(region.range->left, pack.left, pack.left_low, pack.left_high, pack.left_is_root);
+    set_end(region.range->right, pack.right, pack.right_low, pack.right_high, pack.right_is_root);
+    parts = std::max(parts, region.parts);
+    for (std::size_t k = 1; k < region.parts; ++k) set_lane(cut[k], i, region.cut[k - 1]);
+  }
+  Strips<L> strips;
+  StripPlaces<L> places;
+  lay_strips(tables, pack, strips, places);
+  solve_strips(tables, strips);
+  StripRow<L> share;
+  share.fill(L(1.0));
+  L response(0.0);
+  for (auto const& g : strips.response) response += strips.width * g;
+  for (std::size_t k = 0; k <= (parts > 1 ? parts : 0); ++k) {
+    if (k > 0) share_between(places, cut[k - 1], k == parts ? N(1e3) : cut[k], share);
+    RegionPart<L> const part = part_of(tables, strips, places, share);
+    for (int i = 0; i < count; ++i) {
+      auto& region = batch.region[at(first + i)];
+      if (k == 0) {
+        if constexpr (std::same_as<L, T>)
+          region.force = part.force, region.response = response;
+        else
+          region.force = lane(part.force, i), region.response = lane(response, i);
+      }
+      if (k == 0 || k <= region.parts) take_patch(part, i, region.patch[k]);
+    }
+  }
+}
+
+/// As many at once as there are, at most W.
+template <int W, Scalar T>
+void solve_regions(Batch<T>& batch) {
+  for (int first = 0; first < batch.count;) {
+    int const left = batch.count - first;
+    if constexpr (!std::same_as<T, double> || W == 1) {
+      solve_pack<T>(batch, first++, 1);
+    } else {
+      constexpr int half = W > 2 ? W / 2 : W;
+      if (left <= half)
+        solve_pack<Lanes<half>>(batch, first, left), first += half;
+      else
+        solve_pack<Lanes<W>>(batch, first, std::min(left, W)), first += W;
+    }
+  }
+}
+
+/// What the loads of several regions of a wheel make of each other: each deflects the others as a point load does, which takes
+/// so much of their interpenetration, and the force of a region goes with the 3/2 power of that. Coupling is weak: a few rounds.
+template <Scalar T>
+void couple(Material const& material, std::span<Region<T>> regions) {
   using std::sqrt;
-  Vec3<T> force{}, centre{};
-  T sum(0.0), s(0.0), y(0.0);
-  T const width = strips.width[at(run.region())];
-  for (int i = run.first; i < run.last; ++i) {
-    if (!(strips.load[at(i)] > 0.0)) continue;
-    T const f = strips.load[at(i)] * width;
-    sum += f;
-    force += f * places.normal[at(i)];
-    centre += f * places.point[at(i)];
-    s += f * places.wheel_s[at(i)];
-    y += f * places.rail_y[at(i)];
-  }
-  if (!(sum > 0.0)) return false;
-  T const inverse = 1.0 / sum;
-  patch.normal = sqrt(dot(force, force));
-  patch.direction = (1.0 / patch.normal) * force;
-  patch.point = inverse * centre;
-  patch.wheel_s = inverse * s;
-  patch.rail_y = inverse * y;
-  patch.moment = {};
-  for (int i = run.first; i < run.last; ++i)
-    if (strips.load[at(i)] > 0.0)
-      patch.moment += cross(places.point[at(i)] - patch.point, (strips.load[at(i)] * width) * places.normal[at(i)]);
-  return true;
+  double const compliance = material.compliance() / pi;
+  constexpr int rounds = 8;
+  for (int round = 0; regions.size() > 1 && round < rounds; ++round)
+    for (auto& r : regions) {
+      T taken(0.0);
+      for (auto const& other : regions) {
+        if (&other == &r) continue;
+        auto const between = other.patch[0].point - r.patch[0].point;
+        taken += compliance * other.factor * other.force / sqrt(dot(between, between));
+      }
+      T const left = 1.0 - taken * r.response / (1.5 * r.force + 1e-30);
+      T const part = select(left > 1e-6, left, T(1e-6));
+      r.size = sqrt(part);
+      r.factor = part * r.size;
+    }
 }
 
-/// The equivalent ellipse: of the same area, with the ratio of the pressures' second moments along and across rolling. (S7)
 template <Scalar T>
-void find_ellipse(Strips<T> const& strips, StripPlaces<T> const& places, Run const& run, StripPatch<T>& patch) {
-  using std::sqrt;
-  T const width = strips.width[at(run.region())];
-  T sum(0.0), area(0.0), x(0.0), y(0.0);
-  for (int i = run.first; i < run.last; ++i) {
-    T const& w = strips.load[at(i)];
-    if (!(w > 0.0)) continue;
-    sum += w;
-    x += w * places.along[at(i)];
-    y += w * places.across[at(i)];
-    area += 2.0 * strips.half_length[at(i)] * width;
-  }
-  x = x / sum;
-  y = y / sum;
-  T xx(0.0), xy(0.0), yy(0.0);
-  for (int i = run.first; i < run.last; ++i) {
-    T const& w = strips.load[at(i)];
-    if (!(w > 0.0)) continue;
-    T const ahead = places.along[at(i)] - x;
-    T const aside = places.across[at(i)] - y;
-    xx += w * (ahead * ahead + 0.25 * strips.half_length[at(i)] * strips.half_length[at(i)]);
-    xy += w * ahead * aside;
-    yy += w * (aside * aside + width * width / 12.0);
-  }
-  // From the strips' axes to those of rolling. Of a Hertz pressure the moments are a^2/5 and b^2/5, and pi a b the area.
-  Twist<T> const& turn = places.turn[at(run.region())];
-  T const cos2 = turn.cos * turn.cos;
-  T const sin2 = turn.sin * turn.sin;
-  T const exchanged = 2.0 * turn.sin * turn.cos * xy;
-  T const along = cos2 * xx + sin2 * yy - exchanged;
-  T const across = cos2 * yy + sin2 * xx + exchanged;
-  T const ratio = sqrt(along / across);  // a/b
-  T const product = area / pi;
-  patch.a = sqrt(product * ratio);
-  patch.b = sqrt(product / ratio);
+void add_patch(Region<T> const& region, std::size_t part, T const& weight, StripSolution<T>& found) {
+  if (found.count == StripSolution<T>::capacity || !(weight > 0.0)) return;
+  StripPatch<T> patch = region.patch[part];
+  patch.normal = region.factor * patch.normal;
+  if (!(patch.normal > 1e-12)) return;
+  patch.weight = weight;
+  patch.moment = region.factor * patch.moment;
+  patch.a = region.size * patch.a;
+  patch.b = region.size * patch.b;
+  patch.peak_pressure *= value_of(region.size);
+  patch.length *= value_of(region.size);
+  patch.width *= value_of(region.size);
+  found.patch[at(found.count++)] = patch;
 }
 
-/// Largest interpenetration and pressure, the length along rolling and the width across it.
 template <Scalar T>
-void find_extremes(Strips<T> const& strips, StripPlaces<T> const& places, Run const& run, StripPatch<T>& patch) {
-  patch.approach = patch.peak_pressure = patch.width = 0.0;
-  double const h = value_of(strips.width[at(run.region())]);
-  double const sine = value_of(places.turn[at(run.region())].sin);
-  double const cosine = value_of(places.turn[at(run.region())].cos);
-  auto const load_of = [&](int j) { return j >= run.first && j < run.last ? value_of(strips.load[at(j)]) : 0.0; };
-  double left = 0.0;
-  double right = 0.0;
-  double front = -std::numeric_limits<double>::infinity();
-  double back = -front;
-  for (int i = run.first; i < run.last; ++i) {
-    patch.approach = std::max(patch.approach, value_of(strips.interpenetration[at(i)]));
-    double const load = load_of(i);
-    if (!(load > 0.0)) continue;
-    double const a = value_of(strips.half_length[at(i)]);
-    patch.peak_pressure = std::max(patch.peak_pressure, 2.0 * load / (pi * a));
-    // The patch's edges lie where the load of its outermost strips runs out, or where a turned strip ends.
-    double const ahead = sine * value_of(places.along[at(i)]);
-    double const across = value_of(places.across[at(i)]);
-    double const centre = cosine * value_of(places.along[at(i)]) - sine * across;
-    front = std::max(front, centre + a * cosine);
-    back = std::min(back, centre - a * cosine);
-    double const middle = ahead + cosine * across;
-    double const reach = a * std::abs(sine);
-    bool const opens = !(load_of(i - 1) > 0.0);
-    bool const closes = !(load_of(i + 1) > 0.0);
-    if (opens) left = right = middle;
-    left = std::min(left, middle - reach);
-    right = std::max(right, middle + reach);
-    if (opens) left = std::min(left, ahead + cosine * (across - to_edge(h, load, load_of(i + 1))));
-    if (!closes) continue;
-    right = std::max(right, ahead + cosine * (across + to_edge(h, load, load_of(i - 1))));
-    patch.width += right - left;
+void collect(Batch<T>& batch) {
+  for (auto& wheel : batch.wheels) wheel.found.count = 0;
+  for (int first = 0; first < batch.count;) {
+    int const wheel = batch.region[at(first)].wheel;
+    int last = first;
+    while (last < batch.count && batch.region[at(last)].wheel == wheel) ++last;
+    std::span<Region<T>> const regions(&batch.region[at(first)], at(last - first));
+    auto& owner = batch.wheels[at(wheel)];
+    couple(owner.wheel->material, regions);
+    for (auto const& region : regions) {
+      add_patch(region, 0, region.merged, owner.found);
+      if (!(region.merged < 1.0)) continue;
+      for (std::size_t k = 1; k <= region.parts; ++k) add_patch(region, k, T(1.0 - region.merged), owner.found);
+    }
+    first = last;
   }
-  patch.length = front - back;
-}
-
-/// Sums the strips of a run to one patch; false if none of them carries load.
-template <Scalar T>
-bool gather(Strips<T> const& strips, StripPlaces<T> const& places, Run const& run, StripPatch<T>& patch) {
-  if (!find_resultant(strips, places, run, patch)) return false;
-  find_ellipse(strips, places, run, patch);
-  find_extremes(strips, places, run, patch);
-  return true;
-}
-
-/// Weight of the reading that two minima are one patch; from how deep the rise between them lies in the material (S8).
-template <Scalar T>
-T merged_weight(T const& rise, T const& left_gap, T const& right_gap) {
-  T const shallower = select(left_gap < right_gap, right_gap, left_gap);  // both negative
-  T const t = (rise / shallower - 0.3) / 0.4;
-  T const clipped = select(t < 0.0, T(0.0), select(t > 1.0, T(1.0), t));
-  return clipped * clipped * (3.0 - 2.0 * clipped);
 }
 
 }  // namespace
 
-template <Scalar T>
-StripSolution<T> strip_contact(NormalSetting const& wheel, RelativePose<T> const& pose, ContactSearch const& search) {
-  auto const constant = [](Vec3<T> const& v) { return Vec3<double>{value_of(v.x), value_of(v.y), value_of(v.z)}; };
-  RelativePose<double> const here{constant(pose.o), {constant(pose.R.ex), constant(pose.R.ey), constant(pose.R.ez)}};
-  std::array<InterpenetrationRegion, max_regions> regions;
-  Strips<T> strips;
-  StripPlaces<T> places;
-  lay_strips(wheel, pose, regions, find_regions(wheel.pair, here, search, regions), strips, places);
-  solve_strips(wheel.material, strips);
-
-  StripSolution<T> out;
-  auto const add = [&](int first, int last, T const& weight) {
-    if (out.count == StripSolution<T>::capacity || !(weight > 0.0)) return;
-    auto& patch = out.patch[at(out.count)];
-    if (!gather(strips, places, {first, last}, patch)) return;
-    patch.weight = weight;
-    ++out.count;
-  };
-  for (int k = 0; k < strips.regions; ++k) {
-    InterpenetrationRegion const& region = regions[at(k)];
-    int const first = k * per_region;
-    int const last = first + per_region;
-    T one(1.0);
-    std::array<int, ContactSearch::max_minima + 1> cut{first};
-    int cuts = 1;
-    for (int i = region.first; i < region.last; ++i) {
-      auto const gap = [&](GapMinimum const& g) {
-        if constexpr (std::same_as<T, double>) return g.gap;
-        return contact_point(wheel.pair, pose, g.s, g.gradient).gap;
-      };
-      GapMinimum const& top = search.barrier(i);
-      T const m = merged_weight(gap(top), gap(search[i]), gap(search[i + 1]));
-      if (!(m < 1.0)) continue;
-      one = select(m < one, m, one);
-      int next = cut[at(cuts - 1)];
-      while (next < last && value_of(places.wheel_s[at(next)]) < top.s) ++next;
-      cut[at(cuts++)] = next;
-    }
-    cut[at(cuts)] = last;
-    add(first, last, one);
-    if (one < 1.0)
-      for (int i = 0; i < cuts; ++i) add(cut[at(i)], cut[at(i + 1)], 1.0 - one);
+template <Scalar T, int W>
+void strip_contacts(std::span<StripWheel<T>> wheels) {
+  thread_local Batch<T> batch;  // scratch, too large to be set up in every call
+  for (; !wheels.empty(); wheels = wheels.subspan(batch.wheels.size())) {
+    batch.wheels = wheels.first(std::min(wheels.size(), most_wheels));
+    find_regions(batch);
+    solve_regions<W>(batch);
+    collect(batch);
   }
-  return out;
 }
 
-template StripSolution<double> strip_contact(NormalSetting const&, RelativePose<double> const&, ContactSearch const&);
-template StripSolution<StripDual> strip_contact(NormalSetting const&, RelativePose<StripDual> const&,
-                                                ContactSearch const&);
+template void strip_contacts<double, native_lanes>(std::span<StripWheel<double>>);
+template void strip_contacts<StripDual, native_lanes>(std::span<StripWheel<StripDual>>);
+#if ROLLERRIG_LANES
+template void strip_contacts<double, 1>(std::span<StripWheel<double>>);  // what lanes are compared with
+#endif
 
 }  // namespace rollerrig

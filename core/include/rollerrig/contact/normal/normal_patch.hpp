@@ -5,7 +5,7 @@
 
 #include "rollerrig/contact/material.hpp"
 #include "rollerrig/geometry/contact_point.hpp"
-#include "rollerrig/geometry/interpenetration.hpp"
+#include "rollerrig/geometry/gap_nodes.hpp"
 #include "rollerrig/geometry/search.hpp"
 
 namespace rollerrig {
@@ -19,8 +19,7 @@ struct NormalPatch {
   T log_aspect;           ///< ln(a/b)
   T weight{1.0};          ///< blending weight of the patch, 0 to 1: normal/blending_weight.hpp, (S8)
   T damper{1.0};          ///< part of the wheel's normal damper (12) that acts on it [-]
-  bool tilts{false};      ///< whether the pressures' normals differ, so that they have ...
-  Vec3<T> pressure_moment{};  ///< ... a moment about the point [N m]
+  Vec3<T> pressure_moment{};  ///< about the point, where the pressures' normals differ [N m]
   double peak_pressure{0.0};  ///< [Pa]
   double length{0.0};         ///< loaded length along the rolling direction [m]
   double width{0.0};          ///< loaded width across it [m]
@@ -35,7 +34,7 @@ using PatchList = std::array<P, ContactSearch::max_minima>;
 struct NormalSetting {
   WheelRollerPair const& pair;
   Material const& material;
-  ArcLength const* wheel_arc{nullptr};  ///< for laws that follow the profile
+  GapNodes const* nodes{nullptr};  ///< of the wheel, for laws that follow the profile
 };
 
 /// One of several wheels whose normal contacts are computed in one call.

@@ -1,16 +1,18 @@
-// contact/normal/strip_contact.hpp - the normal contact of one wheel with non-elliptical contact patches: elastic strips over
+// contact/normal/strip_contact.hpp - the normal contact of wheels with non-elliptical contact patches: elastic strips over
 // every interpenetration region.
 //
-//   indented minima -> interpenetration regions -> strips -> [strip problem] -> patches: force, centre, equivalent ellipse
+//   poses of the wheels -> interpenetration regions -> strips -> [strip problem] -> patches: force, centre, equivalent ellipse
 //
 // A region is one patch. Two minima of one region are one patch where the rise between them is deep in the material and two
 // where it is not; in between both readings count with smooth blending weights, because the creep forces of one wide patch
 // and of two narrow ones differ: (S8) of docs/theory/non_elliptic_contact.md. The normal force is the same in both.
 #pragma once
+#include <span>
+
 #include "rollerrig/contact/normal/normal_patch.hpp"
-#include "rollerrig/contact/normal/strip_problem.hpp"
 #include "rollerrig/fields.hpp"
 #include "rollerrig/math/dual.hpp"
+#include "rollerrig/math/lane.hpp"
 
 namespace rollerrig {
 
@@ -40,19 +42,26 @@ struct StripSolution {
   std::array<StripPatch<T>, capacity> patch;
 };
 
-/// The contact of the search's indented minima; T: double or StripDual.
+/// One wheel of several, and what is found.
 template <Scalar T>
-StripSolution<T> strip_contact(NormalSetting const& wheel, RelativePose<T> const& pose, ContactSearch const& search);
+struct StripWheel {
+  NormalSetting const* wheel{nullptr};
+  RelativePose<T> pose;
+  StripSolution<T> found;
+};
 
-/// The same for any scalar: with derivatives, by the chain rule over the pose's six directions.
+/// The contact of several wheels, solved side by side. T: double or StripDual.
+///
+/// @tparam W  regions that are solved at once, at most; derivatives come one region after the other
+template <Scalar T, int W = native_lanes>
+void strip_contacts(std::span<StripWheel<T>> wheels);
+
+/// A pose with seeds of its own along its six directions, and the way back to the derivatives it came with.
 template <Scalar T>
-StripSolution<T> strip_contact_of(NormalSetting const& wheel, RelativePose<T> const& pose,
-                                  ContactSearch const& search) {
-  if constexpr (std::same_as<T, double>) {
-    return strip_contact(wheel, pose, search);
-  } else {
+class SeededPose {
+ public:
+  explicit SeededPose(RelativePose<T> const& pose) {
     auto const number = [](Vec3<T> const& v) { return Vec3<double>{v.x.value, v.y.value, v.z.value}; };
-    Vec3<double> const o = number(pose.o);
     Rotation<double> const R{number(pose.R.ex), number(pose.R.ey), number(pose.R.ez)};
     // A small turn about x, y, z of b after R.
     auto const turned = [&](Vec3<double> const& e) {
@@ -62,10 +71,8 @@ StripSolution<T> strip_contact_of(NormalSetting const& wheel, RelativePose<T> co
       out.z.d[3] = e.y, out.z.d[4] = -e.x;
       return out;
     };
-    RelativePose<StripDual> seeded{lift<StripDual>(o), {turned(R.ex), turned(R.ey), turned(R.ez)}};
-    seeded.o.x.d[0] = seeded.o.y.d[1] = seeded.o.z.d[2] = 1.0;
-    auto const found = strip_contact(wheel, seeded, search);
-
+    pose_ = {lift<StripDual>(number(pose.o)), {turned(R.ex), turned(R.ey), turned(R.ez)}};
+    pose_.o.x.d[0] = pose_.o.y.d[1] = pose_.o.z.d[2] = 1.0;
     // How the pose given moves along those six: (dR) R^T is the turn.
     auto const turn = [&](auto row, auto column) {
       T sum = (pose.R.ex.*row) * (R.ex.*column);
@@ -73,15 +80,19 @@ StripSolution<T> strip_contact_of(NormalSetting const& wheel, RelativePose<T> co
       sum += (pose.R.ez.*row) * (R.ez.*column);
       return sum;
     };
-    std::array<T, 6> const motion{pose.o.x,
-                                  pose.o.y,
-                                  pose.o.z,
-                                  turn(&Vec3<T>::z, &Vec3<double>::y),
-                                  turn(&Vec3<T>::x, &Vec3<double>::z),
-                                  turn(&Vec3<T>::y, &Vec3<double>::x)};
+    motion_ = {pose.o.x,
+               pose.o.y,
+               pose.o.z,
+               turn(&Vec3<T>::z, &Vec3<double>::y),
+               turn(&Vec3<T>::x, &Vec3<double>::z),
+               turn(&Vec3<T>::y, &Vec3<double>::x)};
+  }
+  RelativePose<StripDual> const& pose() const { return pose_; }
+
+  StripSolution<T> chained(StripSolution<StripDual> const& found) const {
     auto const chain = [&](StripDual const& x) {
       T out(x.value);
-      for (int i = 0; i < 6; ++i) out.d += x.d[i] * motion[static_cast<std::size_t>(i)].d;
+      for (int i = 0; i < 6; ++i) out.d += x.d[i] * motion_[static_cast<std::size_t>(i)].d;
       return out;
     };
     auto const chain3 = [&](Vec3<StripDual> const& v) { return Vec3<T>{chain(v.x), chain(v.y), chain(v.z)}; };
@@ -96,6 +107,25 @@ StripSolution<T> strip_contact_of(NormalSetting const& wheel, RelativePose<T> co
     }
     return out;
   }
+
+ private:
+  RelativePose<StripDual> pose_;
+  std::array<T, 6> motion_;
+};
+
+/// One wheel, for any scalar: with derivatives, by the chain rule over the pose's six directions.
+template <Scalar T>
+StripSolution<T> strip_contact(NormalSetting const& wheel, RelativePose<T> const& pose) {
+  if constexpr (std::same_as<T, double>) {
+    StripWheel<double> one{&wheel, pose, {}};
+    strip_contacts<double>({&one, 1});
+    return one.found;
+  } else {
+    SeededPose<T> const seeded(pose);
+    StripWheel<StripDual> one{&wheel, seeded.pose(), {}};
+    strip_contacts<StripDual>({&one, 1});
+    return seeded.chained(one.found);
+  }
 }
 
 /// Elastic strips over everything that overlaps; the creep law works on the equivalent ellipse at the pressures' centre. The
@@ -105,11 +135,28 @@ struct ElasticStrips {
   static constexpr char const* name = "strips";
   static constexpr auto fields() { return std::tuple{}; }
 
+  static constexpr bool follows_minima = false;  // every overlap is seen by itself
+
   template <Scalar T, std::derived_from<NormalPatch<T>> P>
-  int operator()(NormalSetting const& wheel, RelativePose<T> const& pose, ContactSearch const& search,
-                 PatchList<P>& patches) const {
+  void operator()(std::span<NormalContact<T, P> const> contacts) const {
+    constexpr std::size_t most = 16;  // at once
+    if constexpr (std::same_as<T, double>) {
+      thread_local std::array<StripWheel<double>, most> wheels;  // scratch, too large to be set up in every call
+      for (; !contacts.empty(); contacts = contacts.subspan(std::min(most, contacts.size()))) {
+        std::size_t const n = std::min(most, contacts.size());
+        for (std::size_t i = 0; i < n; ++i) wheels[i].wheel = &contacts[i].wheel, wheels[i].pose = *contacts[i].pose;
+        strip_contacts<double>({wheels.data(), n});
+        for (std::size_t i = 0; i < n; ++i) *contacts[i].count = put(wheels[i].found, *contacts[i].patches);
+      }
+    } else {
+      for (auto const& c : contacts) *c.count = put(strip_contact(c.wheel, *c.pose), *c.patches);
+    }
+  }
+
+ private:
+  template <Scalar T, std::derived_from<NormalPatch<T>> P>
+  static int put(StripSolution<T> const& found, PatchList<P>& patches) {
     using std::log;
-    auto const found = strip_contact_of(wheel, pose, search);
     auto const n = static_cast<std::size_t>(found.count);
     T total(0.0);
     for (std::size_t k = 0; k < n; ++k) total += found.patch[k].weight * found.patch[k].normal;
@@ -128,7 +175,6 @@ struct ElasticStrips {
       patch.log_aspect = log(strip.a / strip.b);
       patch.weight = strip.weight;
       patch.damper = strip.normal / total;
-      patch.tilts = true;
       patch.pressure_moment = strip.moment;
       patch.peak_pressure = strip.peak_pressure;
       patch.length = strip.length;

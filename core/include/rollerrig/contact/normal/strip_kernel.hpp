@@ -16,18 +16,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "rollerrig/scalar.hpp"
+#include "rollerrig/math/lane_spline.hpp"
 
 namespace rollerrig {
-
-/// f(x) with the derivatives x carries, from value and slope at its number.
-template <Scalar T>
-T along(T const& x, double value, double slope) {
-  if constexpr (std::same_as<T, double>)
-    return value;
-  else
-    return value + slope * (x - value_of(x));
-}
 
 class StripKernel {
  public:

@@ -1,0 +1,72 @@
+// geometry/gap_nodes.hpp - the gap at all nodes of a wheel at once, and from it every stretch where the surfaces overlap.
+//
+//   pose -> [gap at nodes along the wheel's arc, in lanes] -> interpenetration regions, extremes of the gap in them
+//
+// Nothing is searched for and nothing remembered: every node is looked at in every call, so that no patch can be missed and the
+// result is a function of the pose alone. Where the nodes show that the gap may dip below zero between two of them, a finer row
+// is laid there, and again in that. Places found are good to some micrometres: strips polish them.
+#pragma once
+#include <array>
+#include <vector>
+
+#include "rollerrig/geometry/arc_length.hpp"
+#include "rollerrig/geometry/pair.hpp"
+
+namespace rollerrig {
+
+/// What nodes need of a wheel profile, whichever rail it stands on.
+class GapNodes {
+ public:
+  static constexpr double node_distance = 1e-3;  ///< along the arc, of a full-scale wheel [m]
+  static constexpr int capacity = 512;
+
+  /// @param size  of the pair over full scale [-]
+  GapNodes(UniformSpline const& wheel, double size);
+
+  ArcLength const& arc() const { return arc_; }
+  double step() const { return step_; }
+  int count() const { return count_; }
+  int first_from(double abscissa) const;
+
+  /// Per node, filled up to a multiple of the lanes.
+  std::vector<double> abscissa, height, slope, cosine;  ///< S [m], z(S) [m], z'(S), 1/sqrt(1 + z'^2)
+
+ private:
+  ArcLength arc_;
+  double step_;
+  int count_;
+};
+
+/// A minimum or maximum of the gap along the wheel.
+struct GapExtreme {
+  double position{0.0};  ///< along the arc [m]
+  double gap{0.0};       ///< [m]
+};
+
+/// Where the gap's sign changes, within a bracket, or where a profile ends.
+struct RegionEnd {
+  double position{0.0};              ///< along the arc [m]
+  double inside{0.0}, outside{0.0};  ///< bracket [m]
+  bool is_root{true};                ///< false: a profile ends there
+};
+
+/// A stretch with negative gap.
+struct InterpenetrationRegion {
+  RegionEnd left, right;
+  int first{0}, last{0};  ///< its minima, of GapScan::minimum
+};
+
+inline constexpr int max_regions = 4;
+
+struct GapScan {
+  static constexpr int most_minima = 8;
+  int regions{0}, minima{0};
+  std::array<InterpenetrationRegion, max_regions> region;  ///< in order of the arc
+  std::array<GapExtreme, most_minima> minimum;             ///< in all regions, in order of the arc
+  std::array<GapExtreme, most_minima> rise;  ///< the highest point between minimum i and i + 1 of a region
+};
+
+/// All regions of a wheel; with more than max_regions those at the end are left out.
+GapScan scan_gap(WheelRollerPair const& pair, GapNodes const& nodes, RelativePose<double> const& pose);
+
+}  // namespace rollerrig

@@ -1,0 +1,56 @@
+// A wheel with elastic strips on the rail or roller of the benchmark, in any pose.
+#pragma once
+#include <random>
+
+#include "profiles.hpp"
+#include "rollerrig/contact/normal/strip_contact.hpp"
+
+namespace rollerrig::test {
+
+inline Material const steel{};
+
+struct Wheel {
+  BenchmarkPair profiles;
+  GapNodes nodes;
+  NormalSetting setting;
+
+  explicit Wheel(double inverse_radius)
+      : profiles(inverse_radius), nodes(profiles.wheel, 1.0), setting{profiles.pair, steel, &nodes} {}
+  StripSolution<double> at(double y, double depth, double roll = 0.0, double yaw = 0.0, double x = 0.0) const {
+    return strip_contact(setting, pose_of(x, y, 0.46 - depth, roll, yaw));
+  }
+  GapScan scan(double y, double depth) const {
+    return scan_gap(profiles.pair, nodes, pose_of(0.0, y, 0.46 - depth, 0.0, 0.0));
+  }
+};
+
+inline Vec3<double> total(StripSolution<double> const& c) {
+  Vec3<double> sum{};
+  for (int k = 0; k < c.count; ++k) {
+    auto const& p = c.patch[static_cast<std::size_t>(k)];
+    sum += p.weight * p.normal * p.direction;
+  }
+  return sum;
+}
+
+/// Poses of all kinds, pressed until the wheel carries a load between 3 and 150 kN.
+inline std::vector<RelativePose<double>> loaded_poses(Wheel const& wheel, int count, unsigned seed, double yaw_range) {
+  std::mt19937_64 generator(seed);
+  std::uniform_real_distribution<double> any(-1.0, 1.0);
+  std::vector<RelativePose<double>> out;
+  while (out.size() < static_cast<std::size_t>(count)) {
+    double const y = 9e-3 * any(generator), roll = 8e-3 * any(generator), yaw = yaw_range * any(generator);
+    double const x = wheel.profiles.pair.inverse_radius > 0.0 ? 4e-3 * any(generator) : 0.0;
+    double const load = 3e3 * std::pow(50.0, 0.5 * (any(generator) + 1.0));
+    double low = -0.03, high = 0.03;
+    for (int i = 0; i < 40; ++i) {
+      double const middle = 0.5 * (low + high);
+      auto const f = total(wheel.at(y, middle, roll, yaw, x));
+      (std::sqrt(dot(f, f)) < load ? low : high) = middle;
+    }
+    out.push_back(pose_of(x, y, 0.46 - high, roll, yaw));
+  }
+  return out;
+}
+
+}  // namespace rollerrig::test

@@ -1,0 +1,76 @@
+// Interpenetration regions against an exhaustive scan; regions side by side in lanes against one after the other.
+#include <doctest/doctest.h>
+
+#include "contact/strip_wheel.hpp"
+
+using namespace rollerrig;
+using test::loaded_poses;
+using test::steel;
+using test::Wheel;
+
+TEST_CASE("regions are all that an exhaustive scan of fine steps finds, thin ones too") {
+  int regions = 0, thin = 0;
+  for (double inverse_radius : {0.0, 2.0}) {
+    Wheel const wheel(inverse_radius);
+    auto const& arc = wheel.nodes.arc();
+    double const end = arc.length(wheel.profiles.wheel.end()), step = 20e-6;
+    for (auto const& pose : loaded_poses(wheel, 150, 5, 20e-3)) {
+      auto const scan = scan_gap(wheel.profiles.pair, wheel.nodes, pose);
+      std::vector<std::array<double, 2>> expected;
+      bool inside = false;
+      double lowest = 0.0;
+      std::vector<double> depth;
+      for (double l = 0.0; l < end; l += step) {
+        auto const f = reduce_with_slope(wheel.profiles.pair, pose, arc.abscissa(l));
+        bool const now = f.found && f.gap < 0.0;
+        if (now && !inside) expected.push_back({l, l}), lowest = 0.0;
+        if (now) expected.back()[1] = l, lowest = std::min(lowest, f.gap);
+        if (!now && inside) depth.push_back(-lowest);
+        inside = now;
+      }
+      // Overlaps of nanometres come and go with the step of either scan.
+      std::size_t found = 0;
+      for (std::size_t k = 0; k < depth.size(); ++k) {
+        if (depth[k] < 5e-9) continue;
+        ++regions;
+        thin += expected[k][1] - expected[k][0] < 1e-3;
+        bool matched = false;
+        for (int i = 0; i < scan.regions; ++i) {
+          auto const& r = scan.region[static_cast<std::size_t>(i)];
+          matched = matched || (std::abs(r.left.position - expected[k][0]) < 60e-6 &&
+                                std::abs(r.right.position - expected[k][1]) < 60e-6);
+        }
+        CAPTURE(expected[k][0]);
+        CAPTURE(expected[k][1]);
+        CHECK(matched);
+        found += matched;
+      }
+      CHECK(found + 1 > static_cast<std::size_t>(scan.regions));
+    }
+  }
+  CHECK(regions > 300);
+  CHECK(thin > 3);
+}
+
+TEST_CASE("lanes and width 1 agree to round-off, and wheels do not see each other") {
+  for (double inverse_radius : {0.0, 2.0}) {
+    Wheel const wheel(inverse_radius);
+    std::vector<StripWheel<double>> wheels;
+    for (auto const& pose : loaded_poses(wheel, 40, 11, 30e-3)) wheels.push_back({&wheel.setting, pose, {}});
+    auto one = wheels;
+    strip_contacts<double>(wheels);
+    strip_contacts<double, 1>(one);
+    for (std::size_t i = 0; i < wheels.size(); ++i) {
+      REQUIRE(wheels[i].found.count == one[i].found.count);
+      auto const alone = strip_contact(wheel.setting, one[i].pose);
+      for (std::size_t k = 0; k < static_cast<std::size_t>(one[i].found.count); ++k) {
+        auto const &a = wheels[i].found.patch[k], &b = one[i].found.patch[k], &c = alone.patch[k];
+        CHECK(a.normal == doctest::Approx(b.normal).epsilon(1e-9));
+        CHECK(a.normal == doctest::Approx(c.normal).epsilon(1e-9));
+        CHECK(a.a == doctest::Approx(b.a).epsilon(1e-9));
+        CHECK(a.b == doctest::Approx(b.b).epsilon(1e-9));
+        CHECK(a.point.y == doctest::Approx(b.point.y).epsilon(1e-12));
+      }
+    }
+  }
+}
