@@ -94,7 +94,7 @@ def exact_errors() -> tuple[list[dict], Array]:
 
 
 def test_against_contact_in_all_its_poses() -> None:
-    """Measured on the tread: 0.3 % (median), 7.4 % (worst: the two lobes of 0.5 mm); on the flange at most 2 %."""
+    """Measured on the tread: 0.5 % (median), 8.0 % (worst: the two lobes of 0.5 mm); on the flange at most 2.1 %."""
     error = contact_errors()
     tread = error[:, 2] > 0
     assert np.median(error[tread, 0]) < 0.006
@@ -105,7 +105,7 @@ def test_against_contact_in_all_its_poses() -> None:
 def test_against_the_exact_theory_on_the_tread() -> None:
     table, error = exact_errors()
     assert len(table) > 1500
-    assert np.median(error[:, 0]) < MEDIAN
+    assert np.median(error[:, 0]) < 0.4 * MEDIAN
     # Beyond it: two lobes of different height, or one with a long shelf, under 10 kN, a fifth of a wheel's static load.
     assert np.mean(error[:, 0] < WORST) > 0.99
     assert error[:, 0].max() < 0.095

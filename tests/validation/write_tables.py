@@ -57,8 +57,8 @@ CONTACT: its own forces in all its poses, at its creepages. Exact theory: our ex
 and loads of the half-space's pressures, which repeats CONTACT's forces within 2 % of μN (1 % outside the wide patch, the error of
 its grid of 0.2 mm): a wheel on rail and on a roller of 500 mm, shift -5 to 4.5 mm, 10, 50 and 100 kN, eight directions and three
 sizes of creepage, spin as the contact angle gives it. Where the patch has two lobes of different height, or a long shelf, one
-ellipse is an approximation: neither moments of the area in place of those of the pressures nor a creepage taken nearer to the
-centre of the area brings the worst case below 8 %; one ellipse per lobe would, at the price of two or three patches in the most
+ellipse is an approximation: neither other moments for its ratio of axes nor a creepage taken nearer to the centre of the area
+brings the worst case below 8 %; one ellipse per lobe would, at the price of two or three patches in the most
 frequent position of a wheel.
 
 """
