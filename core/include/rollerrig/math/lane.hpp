@@ -231,8 +231,10 @@ template <std::size_t W>
 /// A struct that has nothing but lanes, as W structs of numbers.
 template <template <class> class S, int W>
 std::array<S<double>, static_cast<std::size_t>(W)> one_by_one(S<Lane<double, W>> const& s) {
+  using L = Lane<double, W>;
   constexpr std::size_t n = sizeof(S<double>) / sizeof(double);
-  auto const lanes = std::bit_cast<std::array<Lane<double, W>, n>>(s);
+  static_assert(sizeof(S<L>) == n * sizeof(L));
+  auto const* lanes = reinterpret_cast<L const*>(&s);  // a lane wider than a register has no bit_cast
   std::array<std::array<double, n>, static_cast<std::size_t>(W)> numbers;
   for (std::size_t f = 0; f < n; ++f)
     for (std::size_t k = 0; k < numbers.size(); ++k) numbers[k][f] = lanes[f][static_cast<int>(k)];
@@ -245,9 +247,11 @@ S<Lane<double, static_cast<int>(W)>> side_by_side(std::array<S<double>, W> const
   using L = Lane<double, static_cast<int>(W)>;
   constexpr std::size_t n = sizeof(S<double>) / sizeof(double);
   auto const numbers = std::bit_cast<std::array<std::array<double, n>, W>>(one);
-  std::array<L, n> lanes;
+  static_assert(sizeof(S<L>) == n * sizeof(L));
+  S<L> out;
+  auto* lanes = reinterpret_cast<L*>(&out);
   for (std::size_t f = 0; f < n; ++f) lanes[f] = L(typename L::Register([&](auto k) { return numbers[k][f]; }));
-  return std::bit_cast<S<L>>(lanes);
+  return out;
 }
 
 /// Calls a function of numbers lane by lane; not again where a lane repeats the one before, as those behind the last case do.
