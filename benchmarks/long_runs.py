@@ -10,8 +10,9 @@ Method and step as given below; errors against a step of an eighth, up to where 
 from __future__ import annotations
 
 import argparse
+from dataclasses import dataclass
 
-from step_errors import agree_until, errors, measure, signals
+from step_errors import Measured, agree_until, errors, measure, signals
 
 from rollerrig import load_case
 
@@ -25,24 +26,44 @@ TOLERANCE = {"time.relative_tolerance": 1e-4, "time.absolute_tolerance": 1e-7}
 TIGHT = {"time.relative_tolerance": 1e-6, "time.absolute_tolerance": 1e-9}
 
 
+@dataclass(frozen=True)
+class LongRun:
+    """One run with its errors."""
+
+    name: str
+    step: float
+    """[s]"""
+    run: Measured
+    until: float
+    """Time up to which two references agree [s]."""
+    errors: dict[str, float]
+
+
+def long_run(name: str, changes: dict[str, object], step: float, quick: bool) -> LongRun:
+    """Run a case, and its references."""
+    share = (0.1 if name.startswith("adhesion") else 0.25) if quick else 1.0
+    case = load_case(name).with_changes(
+        {**changes, **CONTACT, "time.duration": share * float(changes["time.duration"])}
+    )
+    adams = {"time.method": "exponential_adams"}
+    run = measure(case.with_changes({**adams, "time.step": step, **TOLERANCE}), repeat=2)
+    tight = signals(measure(case.with_changes({**adams, "time.step": step / 8, **TIGHT})).run)
+    other = measure(case.with_changes({"time.method": "exponential_rk4", "time.step": step / 8}))
+    until = agree_until(tight, signals(other.run), 3e-4)
+    return LongRun(name, step, run, until, errors(signals(run.run), tight, until))
+
+
 def main() -> None:
     """Print a line for each run."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--quick", action="store_true", help="a tenth of the brake test, a quarter of the others")
     quick = parser.parse_args().quick
     for name, changes, step in RUNS:
-        share = (0.1 if name.startswith("adhesion") else 0.25) if quick else 1.0
-        case = load_case(name).with_changes({**changes, **CONTACT, "time.duration": share * changes["time.duration"]})
-        adams = {"time.method": "exponential_adams"}
-        run = measure(case.with_changes({**adams, "time.step": step, **TOLERANCE}), repeat=2)
-        tight = signals(measure(case.with_changes({**adams, "time.step": step / 8, **TIGHT})).run)
-        other = measure(case.with_changes({"time.method": "exponential_rk4", "time.step": step / 8}))
-        until = agree_until(tight, signals(other.run), 3e-4)
-        found = errors(signals(run.run), tight, until)
+        one = long_run(name, changes, step, quick)
         print(
-            f"{name}, exponential_adams {1e3 * step:g} ms: {run.real_time:.3g} x real time, {run.evaluations:.2f} right-hand "
-            f"sides/ms, energy {run.energy:.1e}; errors in the first {until:.3g} s: "
-            + ", ".join(f"{kind} {value:.1e}" for kind, value in found.items()),
+            f"{name}, exponential_adams {1e3 * step:g} ms: {one.run.real_time:.3g} x real time, {one.run.evaluations:.2f} "
+            f"right-hand sides/ms, energy {one.run.energy:.1e}; errors in the first {one.until:.3g} s: "
+            + ", ".join(f"{kind} {value:.1e}" for kind, value in one.errors.items()),
             flush=True,
         )
 

@@ -8,15 +8,29 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 
+from rollerrig.config import Case, Track
 from rollerrig.plot import mode_shape, mode_shapes
 from rollerrig.plot.modes import shown_modes
 from rollerrig.plot.shapes import shape_speed
+from rollerrig.results.termination import in_words
 from rollerrig.study.report import Block, Picture, Table, Text
 
 SUSPENSION_WORDS = ("car body", "bogie", "bogies", "front bogie", "rear bogie")
 """How the names of those modes begin whose shapes are drawn together."""
 
 MODE_COLUMNS = ("speed_kmh", "mode", "growth_rate_per_s", "frequency_hz", "damping")
+
+
+def line_sentences(case: Case) -> list[str]:
+    """That the modes of a line of several segments are those of its first one; nothing for a line of one or none."""
+    support = case.support.data
+    line = support.line if isinstance(support, Track) else None
+    if line is None or len(line.segments) < 2:
+        return []
+    return [
+        f"The line of this case has {len(line.segments)} segments. Everything here belongs to the first, "
+        f"{in_words(line.segments[0])}, continued without end: for a curve give a track that begins with it."
+    ]
 
 
 def mode_rows(modes: xr.Dataset) -> list[list[object]]:

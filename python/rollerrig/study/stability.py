@@ -23,7 +23,7 @@ from rollerrig.study import limit_cycle_report as cycles
 from rollerrig.study.contact_effects import ContactEffect
 from rollerrig.study.frame import Study
 from rollerrig.study.jobs import Done, Progress, Round, job
-from rollerrig.study.mode_tables import mode_rows, mode_table, shape_blocks, shape_rows
+from rollerrig.study.mode_tables import line_sentences, mode_rows, mode_table, shape_blocks, shape_rows
 from rollerrig.study.quantities import Numbers, Quantities, Quantity
 from rollerrig.study.report import Block, Picture, Section, Text
 
@@ -155,7 +155,7 @@ class StabilityStudy(Study[Results]):
         return found
 
     def summary(self, results: Results, numbers: Numbers) -> list[str]:
-        speeds, lines = numbers["speeds_kmh"], []
+        speeds, lines = numbers["speeds_kmh"], line_sentences(self.case)
         if numbers["grows_at_lowest_speed"]:
             growing = ", ".join(numbers["grows_at_lowest_speed"])
             lines.append(f"Unstable already at {speeds[0]:g} km/h, the lowest speed: {growing}.")

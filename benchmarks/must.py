@@ -1,0 +1,84 @@
+"""What was asked for, and what is there: one table, with the error against a tight reference beside every run.
+
+    python benchmarks/must.py [--quick]
+
+Contact `strips` with `table`. Processor time of one core, best of several; on a busy machine all times are up to twice as long.
+Asked for, after the slash the goal. The model in Numba and SciPy stands in `benchmarks/run.py`.
+"""
+
+from __future__ import annotations
+
+import argparse
+import resource
+
+import numpy as np
+from long_runs import RUNS, long_run
+from right_hand_side import measure as right_hand_side
+
+from rollerrig import load_case, simulate
+from rollerrig.contact_analysis.comparison import compare_contacts
+
+ASKED = {
+    "bogie_rollers_constant": "30 / 100 x",
+    "vehicle_track_irregular": "20 / 50 x",
+    "adhesion_brake": "40 / 100 x",
+}
+WORDS = {
+    "bogie_rollers_constant": "hunting bogie, 216 km/h",
+    "vehicle_track_irregular": "whole vehicle on irregular track",
+    "adhesion_brake": "brake test, everything at 1 ms",
+}
+
+
+def line(what: str, asked: str, now: str, beside: str = "") -> None:
+    """One row."""
+    print(f"| {what} | {asked} | {now} | {beside} |", flush=True)
+
+
+def one_wheel() -> float:
+    """Microseconds of the normal contact of one wheel alone, mean over shifts of -5 to 5 mm."""
+    positions = [(1e-3 * y, 0.0) for y in np.arange(-5.0, 5.1, 1.0)]
+    case = load_case("bogie_rollers_constant")
+    rounds = [compare_contacts(case, positions)["cost"].sel(model="strips") for _ in range(5)]
+    return 1e6 * float(np.min(rounds))
+
+
+def growth_of_memory() -> float:
+    """Megabytes by which the process grows from the fifth to the fifteenth of equal runs."""
+    case = load_case("bogie_rollers_constant").with_changes({"time.duration": "0.2 s"})
+    largest = []
+    for _ in range(15):
+        simulate(case)
+        largest.append(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0)
+    return largest[-1] - largest[4]
+
+
+def main() -> None:
+    """Print the table."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--quick", action="store_true", help="a tenth of the brake test, a quarter of the others")
+    quick = parser.parse_args().quick
+    line("what", "must / goal", "now", "beside it")
+    line("---", "---", "---", "---")
+    line(
+        "strips, one wheel alone",
+        "1.5 / 1.0 us",
+        f"{one_wheel():.2f} us",
+        "packs of all wheels of a vehicle: in the next rows",
+    )
+    for case, wheels, asked in (("bogie on rollers", 4, "9 / 5 us"), ("vehicle on irregular rails", 8, "")):
+        full, paper = (right_hand_side(case, laws) for laws in ("strips, table", "hertz, kalker_saturated"))
+        line(
+            f"right-hand side, {case}", asked, f"{full:.1f} us", f"{wheels} wheels; the paper's contact: {paper:.1f} us"
+        )
+    for name, changes, step in RUNS:
+        one = long_run(name, changes, step, quick)
+        found = ", ".join(f"{kind} {100 * value:.2g} %" for kind, value in one.errors.items())
+        where = f"{1e3 * step:g} ms, {one.run.evaluations:.2f} right-hand sides/ms"
+        beside = f"{where}; {found} in the first {one.until:.3g} s; energy {one.run.energy:.1e}"
+        line(WORDS[name], ASKED[name], f"{one.run.real_time:.3g} x real time", beside)
+    line("memory over equal runs", "flat", f"{growth_of_memory():+.1f} MB in 10 runs", "")
+
+
+if __name__ == "__main__":
+    main()
