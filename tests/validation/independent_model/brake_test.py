@@ -1,4 +1,4 @@
-"""A brake test on degraded rail in one dimension, written from docs/theory alone: train, axles, brake, slide protection, creep.
+"""A brake test on degraded rail in one dimension, after the rules of docs/theory: train, axles, brake, slide protection, creep.
 
 Numbers of the test -> [BrakeTest] -> distance, ventings, air of many tests at once (lanes: starts, dead times)
 
