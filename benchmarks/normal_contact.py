@@ -2,9 +2,9 @@
 
     python benchmarks/normal_contact.py [--traction]
 
-Single thread. Per wheel: search and normal contact, mean over shifts of -5 to 5 mm of the Manchester contact benchmark and of
-the bogie's axle load; process time, the smallest of five rounds. Traction: `bogie_rollers_traction` with its own method, wall
-time over simulated time.
+Single thread. Per wheel: search, where the law needs one, and normal contact, of one wheel and of batches of 4 and 8; mean over
+shifts of -4 to 4 mm of the Manchester contact benchmark and of the bogie's axle load; process
+time, the smallest of five rounds. Traction: `bogie_rollers_traction` with its own method, wall time over simulated time.
 """
 
 from __future__ import annotations
@@ -15,17 +15,37 @@ import time
 import numpy as np
 
 from rollerrig import load_case, simulate
+from rollerrig.assembly import assemble
 from rollerrig.config.schema.contact_law import NORMAL_LAWS
-from rollerrig.contact_analysis.comparison import compare_contacts
+from rollerrig.contact_analysis.static_contact import contact_table, leading_wheelset
+
+POSITIONS = [(1e-3 * y, 0.0) for y in np.arange(-4.0, 4.1, 1.0)]  # lateral [m], yaw [rad]
+BATCHES = (1, 4, 8)
 
 
 def per_wheel() -> None:
-    """Print microseconds per wheel for each normal contact."""
-    positions = [(1e-3 * y, 0.0) for y in np.arange(-5.0, 5.1, 1.0)]
+    """Print microseconds per wheel for each normal contact, of one wheel and of batches."""
     for name in ("contact_benchmark_track", "bogie_rollers_constant"):
-        rounds = [compare_contacts(load_case(name), positions)["cost"].to_numpy() for _ in range(5)]
-        for model, cost in zip(NORMAL_LAWS, np.min(rounds, axis=0), strict=True):
-            print(f"{name:24s} {model:8s} {1e6 * cost:6.2f} us per wheel")
+        case = load_case(name)
+        for law in NORMAL_LAWS:
+            chosen = case.with_changes({"contact.normal": law})
+            table = contact_table(chosen, POSITIONS)
+            _, _, contact, unloaded = leading_wheelset(assemble(chosen))
+            costs = []
+            for wheels in BATCHES:
+                rounds = []
+                for _ in range(5):
+                    times = []
+                    for lateral, yaw in POSITIONS:
+                        rows = table.isel(row=((table["lateral"] == lateral) & (table["side"] == "left")).to_numpy())
+                        z, roll = float(rows["height"][0]) + unloaded, float(rows["roll"][0])
+                        times.append(
+                            contact.seconds_per_contact(0.0, lateral, z, yaw, roll, False, wheels, 4000 // wheels)
+                        )
+                    rounds.append(np.mean(times))
+                costs.append(1e6 * min(rounds))
+            row = ", ".join(f"{cost:.2f} of {wheels}" for wheels, cost in zip(BATCHES, costs, strict=True))
+            print(f"{name:24s} {law:8s} us per wheel: {row}")
 
 
 def traction() -> None:

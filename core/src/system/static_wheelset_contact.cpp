@@ -175,4 +175,28 @@ LoadedWheelset StaticWheelsetContact::solve(WheelsetPosition p, double load, boo
   return result;
 }
 
+WheelBatch::WheelBatch(StaticWheelsetContact& wheelset, WheelsetPosition position, bool right, int wheels)
+    : law_{wheelset.contact_[right]->laws.normal},
+      search_(static_cast<std::size_t>(wheels), wheelset.search_[right]),
+      patches_(search_.size()),
+      count_(search_.size()) {
+  WheelContact const& contact = *wheelset.contact_[right];
+  for (std::size_t i = 0; i < search_.size(); ++i) {
+    pose_.push_back(wheelset.pose(position, right));
+    position.y += 0.1e-3;
+  }
+  for (std::size_t i = 0; i < search_.size(); ++i)
+    contacts_.push_back({{contact.pair, contact.laws.material, contact.laws.nodes.get()},
+                         &pose_[i],
+                         &search_[i],
+                         &patches_[i],
+                         &count_[i]});
+}
+
+void WheelBatch::evaluate() {
+  if (follows_minima(law_))
+    for (std::size_t i = 0; i < search_.size(); ++i) search_[i].find_indented(pose_[i]);
+  normal_patches<double, NormalPatch<double>>(law_, contacts_);
+}
+
 }  // namespace rollerrig

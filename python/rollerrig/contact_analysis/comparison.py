@@ -146,7 +146,7 @@ def _cost(case: Case, table: xr.Dataset, positions: Sequence[tuple[float, float]
         if rows.sizes["row"]:
             z, roll = float(rows["height"][0]) + unloaded, float(rows["roll"][0])
             times += [
-                contact.seconds_per_contact(0.0, lateral, z, yaw, roll, side == "right", REPEATS)
+                contact.seconds_per_contact(0.0, lateral, z, yaw, roll, side == "right", 1, REPEATS)
                 for side in np.unique(rows["side"])
             ]
     return float(np.mean(times)) if times else float("nan")

@@ -63,6 +63,7 @@ class StaticWheelsetContact {
   std::vector<StaticPatch> minima(WheelsetPosition const& position, bool right, double reach);
 
  private:
+  friend class WheelBatch;
   struct Load {
     double vertical, roll_moment;
   };
@@ -73,6 +74,21 @@ class StaticWheelsetContact {
   std::shared_ptr<Model const> model_;
   std::array<WheelContact const*, 2> contact_;
   std::array<ContactSearch, 2> search_;
+};
+
+/// Wheels of one side of a wheelset, 0.1 mm apart across, whose normal contacts are evaluated in one call: for timing.
+class WheelBatch {
+ public:
+  WheelBatch(StaticWheelsetContact& wheelset, WheelsetPosition position, bool right, int wheels);
+  void evaluate();
+
+ private:
+  NormalLaw const& law_;
+  std::vector<RelativePose<double>> pose_;
+  std::vector<ContactSearch> search_;
+  std::vector<PatchList<NormalPatch<double>>> patches_;
+  std::vector<int> count_;
+  std::vector<NormalContact<double, NormalPatch<double>>> contacts_;
 };
 
 }  // namespace rollerrig

@@ -317,7 +317,9 @@ class Examples:
             "StaticWheelsetContact.solve": Call(contact.solve, place | {"load": 1e5, "free_to_roll": True}),
             "StaticWheelsetContact.touch_height": Call(contact.touch_height, place | {"right": True}),
             "StaticWheelsetContact.patches": Call(contact.patches, at_height),
-            "StaticWheelsetContact.seconds_per_contact": Call(contact.seconds_per_contact, at_height | {"repeats": 2}),
+            "StaticWheelsetContact.seconds_per_contact": Call(
+                contact.seconds_per_contact, at_height | {"wheels": 2, "repeats": 2}
+            ),
             "StaticWheelsetContact.minima": Call(contact.minima, at_height | {"reach": 1e-3}),
         }
 
