@@ -15,9 +15,6 @@ import xarray as xr
 
 from rollerrig.analysis.run_limits import REPRODUCED
 
-PREDICTED = ("contact", "drive_grip", "drive_slide")
-"""Regions whose border the closed forms give; that of a recovery depends on the torque which the protection leaves."""
-
 
 @dataclass(frozen=True)
 class Border:
@@ -31,7 +28,9 @@ class Border:
         beyond: the next torque that was run; NaN: the map ends before a limit is reached.
         limit: region there, or "".
         predicted: where the closed forms put the border, NaN where they do not say.
-        predicted_near: least and largest prediction within a cell of adhesion.
+        compared: the torques of the runs on either side that the prediction is compared with: `reached` and `beyond`; of a
+            recovery the torque that was left on the axles there over what (V6) asks for, of which 0 is the prediction.
+        cell: distance of torques on the map.
     """
 
     side: str
@@ -41,16 +40,20 @@ class Border:
     beyond: float
     limit: str
     predicted: float
-    predicted_near: tuple[float, float]
+    compared: tuple[float, float]
+    cell: float
 
     @property
     def agrees(self) -> bool | None:
-        """Whether the closed form passes the border within a cell of torque or adhesion; None: not to be compared."""
-        if self.limit not in PREDICTED or not math.isfinite(self.predicted) or not self.reached > 0.0:
-            return None
-        cell = self.beyond - self.reached
-        low, high = self.predicted_near
-        return low <= self.beyond + cell and self.reached - cell <= high
+        """Whether the predicted torque lies between the runs on either side, give or take a cell of torque.
+
+        None: no limit was reached on the map, and none is predicted on it. A limit of which the closed forms say nothing, and a
+        predicted one that does not come, do not agree.
+        """
+        low, high = min(self.compared), max(self.compared)
+        if not self.limit:
+            return None if not self.predicted < self.reached - self.cell else False
+        return bool(low - self.cell <= self.predicted <= high + self.cell)
 
 
 def borders(found: xr.Dataset) -> list[Border]:
@@ -61,8 +64,11 @@ def borders(found: xr.Dataset) -> list[Border]:
         good = next((k for k, (_, region) in enumerate(runs) if region not in REPRODUCED), len(runs))
         reached = runs[good - 1][0] if good else 0.0
         beyond, limit = runs[good] if good < len(runs) else (math.nan, "")
-        at, *near = (predicted(found, side, load, a) for a in (adhesion, *_neighbours(found, adhesion)))
-        rows.append(Border(side, load, adhesion, reached, beyond, limit, at, (min(at, *near), max(at, *near))))
+        at, compared = predicted(found, side, load, adhesion), (reached, beyond)
+        if limit == "drive_recovery":
+            at = 0.0
+            compared = (_margin(found, side, load, adhesion, reached), _margin(found, side, load, adhesion, beyond))
+        rows.append(Border(side, load, adhesion, reached, beyond, limit, at, compared, _cell(runs, good)))
     return rows
 
 
@@ -74,19 +80,36 @@ def slides(found: xr.Dataset) -> list[Border]:
         first = next((k for k, (_, region) in enumerate(runs) if region != "grip"), len(runs))
         if 0 < first < len(runs) and runs[first][1] == "slide":
             (low, _), (high, _), line = runs[first - 1], runs[first], _line(found, "line_grip", side, load, adhesion)
-            rows.append(Border(side, load, adhesion, low, high, "drive_slide", line, (line, line)))
+            rows.append(Border(side, load, adhesion, low, high, "slide", line, (low, high), _cell(runs, first)))
     return rows
 
 
 def predicted(found: xr.Dataset, side: str, load: float, adhesion: float) -> float:
     """The least torque at which a closed form predicts a limit [N m].
 
-    While wheels grip: (V3), (V4). Where they slide: (V5), or at once where (V5) lies below (V2).
+    While wheels grip: (V3), (V4). Where they slide: (V5), or at once where (V5) lies below (V2). What (V6) says depends on the
+    torque that the protection leaves, see `borders`.
     """
     names = ("line_contact", "line_drive_grip", "line_drive_slide")
     *gripping, slide = (_line(found, name, side, load, adhesion) for name in names)
     sliding = slide if math.isfinite(slide) else _line(found, "line_grip", side, load, adhesion)
     return min([*filter(math.isfinite, gripping), sliding])
+
+
+def _cell(runs: list[tuple[float, str]], place: int) -> float:
+    """Distance of the torques on either side of a place in a row, or of the last two."""
+    torques = [torque for torque, _ in runs]
+    k = min(max(place, 1), len(torques) - 1)
+    return torques[k] - torques[k - 1] if k > 0 else torques[0]
+
+
+def _margin(found: xr.Dataset, side: str, load: float, adhesion: float, torque: float) -> float:
+    """Least torque over what (V6) asks for in a run [N m]; infinite where no wheel comes out of a slide."""
+    if not torque > 0.0:
+        return math.inf
+    signed = -torque if side == "brake" else torque
+    margin = float(found["recovery_margin_nm"].sel(load=load, adhesion=adhesion, torque=signed))
+    return margin if math.isfinite(margin) else math.inf
 
 
 def _rows(found: xr.Dataset) -> Iterator[tuple[str, float, float]]:
@@ -104,13 +127,6 @@ def _along(found: xr.Dataset, side: str, load: float, adhesion: float) -> list[t
     sign = -1.0 if side == "brake" else 1.0
     runs = [(sign * float(t), str(r)) for t, r in zip(row["torque"].to_numpy(), row.to_numpy(), strict=True) if r]
     return sorted((torque, region) for torque, region in runs if torque > 0.0)
-
-
-def _neighbours(found: xr.Dataset, adhesion: float) -> tuple[float, float]:
-    """Adhesions of the first grid on either side, or the same at the map's edge."""
-    own = found["adhesion"].to_numpy()[:: 2 ** int(found.attrs["refine"])]
-    place = int(np.argmin(np.abs(own - adhesion)))
-    return float(own[max(0, place - 1)]), float(own[min(len(own) - 1, place + 1)])
 
 
 def _line(found: xr.Dataset, name: str, side: str, load: float, adhesion: float) -> float:

@@ -36,7 +36,13 @@ LINES = {
 """Closed form -> meaning; magnitudes [N m]."""
 
 SLIDES = (1.2, 0.005)
-"""A wheel slides on the virtual rail beyond so many times the slip at the creep curve's peak, plus so much [-]."""
+"""A wheel slides on the virtual rail beyond so many times the slip at which the adhesion is used up, plus so much [-]."""
+
+FULL_SLIDING = 0.98
+"""Share of the friction limit from which a contact counts as sliding [-]."""
+
+PITCHING = 1.04
+"""Part of the friction that an axle uses while the bogie pitches, over that at rest, as measured in runs [-]."""
 
 _SLIPS = np.geomspace(1e-4, 0.5, 160)
 
@@ -76,8 +82,9 @@ class RigLimits:
 
     @property
     def _contact_share(self) -> float:
-        """Largest mean force of the axles over their load, (V3)."""
-        return self.friction / (1.0 + self.friction * self.load_transfer)
+        """Largest mean force of the axles over their load, (V3): of the friction that counts as sliding."""
+        friction = FULL_SLIDING * self.friction
+        return friction / (1.0 + friction * self.load_transfer)
 
     def torque_of_force(self, force: Array | float) -> Array:
         """Axle torque for a contact force where the wheels grip, (V1)."""
@@ -88,6 +95,11 @@ class RigLimits:
         """Beyond it a wheel on the degraded rail slides, (V2)."""
         mu = np.asarray(adhesion)
         return self.torque_of_force(mu / (1.0 + mu * self.virtual_transfer) * self.axle_load)
+
+    def grip_of_loaded(self, adhesion: Array | float) -> Array:
+        """Beyond it also the axle that gains load slides on the degraded rail; up to here it carries its whole torque."""
+        mu = np.asarray(adhesion)
+        return self.torque_of_force(mu / (1.0 - mu * self.virtual_transfer) * self.axle_load)
 
     def contact(self) -> float:
         """Beyond it a wheel that grips on the rail slides on its roller, (V3)."""
@@ -168,12 +180,13 @@ def closed_forms(case: Case, adhesion: Array) -> dict[str, Any]:
     grip, slide = rig.grip(peak), rig.drive_slide(at_protection)
     recovery = rig.drive_recovery(peak)  # at the end of it, where adhesion is back
     contact, drive = rig.contact(), rig.drive_grip()
+    near = PITCHING * grip >= contact  # there a wheel that begins to slide on the rail slides on the roller, too
     return {
         "axle_load": rig.axle_load,
-        "contact_adhesion": float(np.interp(rig.contact_adhesion(), peak, adhesion, right=np.nan)),
+        "contact_adhesion": float(np.interp(rig.contact_adhesion() / PITCHING, peak, adhesion, right=np.nan)),
         "line_grip": grip,
-        "line_contact": np.where(contact <= grip, contact, np.nan),
-        "line_drive_grip": np.where(drive <= grip, drive, np.nan),
+        "line_contact": np.where(near, np.minimum(contact, grip), np.nan),
+        "line_drive_grip": np.where(drive <= rig.grip_of_loaded(peak), drive, np.nan),
         "line_drive_slide": np.where(slide >= grip, slide, np.nan),
         "line_drive_recovery": np.where((recovery > 0.0) & (recovery < grip), recovery, np.nan),
     }
@@ -238,12 +251,12 @@ def creep_curve(case: Case, patch: Patch, adhesion: float, slip: Array) -> tuple
 
 
 def creep_peak(case: Case, patch: Patch, adhesion: float) -> tuple[float, float]:
-    """Slip from which on the adhesion is used up, and the largest force over load of the virtual rail's creep curve [-]."""
+    """Slip at which FULL_SLIDING of the adhesion is used, and the largest force over load of the virtual rail [-]."""
     forces = creep_curve(case, patch, adhesion, _SLIPS)[1]
     largest = float(forces.max())
-    return float(_SLIPS[np.flatnonzero(forces >= (1.0 - 1e-6) * largest)[0]]), largest
+    return float(_SLIPS[np.flatnonzero(forces >= FULL_SLIDING * largest)[0]]), largest
 
 
 def grip_slip(case: Case, patch: Patch, adhesion: float) -> float:
-    """Slip of a virtual wheel up to which it grips [-]: somewhat beyond that of the peak, where no equilibrium is stable."""
+    """Slip of a virtual wheel up to which it grips [-]: somewhat beyond that at which the adhesion is used up."""
     return SLIDES[0] * creep_peak(case, patch, adhesion)[0] + SLIDES[1]

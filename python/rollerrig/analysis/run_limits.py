@@ -13,7 +13,8 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from rollerrig.analysis.tracking import tracking, virtual_slip
+from rollerrig.analysis.rig_limits import FULL_SLIDING, RigLimits
+from rollerrig.analysis.tracking import tracking, virtual_slip, wheel_radius
 from rollerrig.config import Case
 from rollerrig.results import COMPLETED
 
@@ -23,15 +24,13 @@ Record = dict[str, Any]
 TRACKING_LIMIT = 0.01
 """Tracking error, RMS over train speed, up to which the rig reproduces the rail [-]."""
 
-FULL_SLIDING = 0.98
-"""Share of the friction limit between wheel and roller from which the contact counts as sliding [-]."""
-
 LEAST_DURATION = 0.03
 """A limit counts where it persists for at least this time; the corner of a ramp is shorter [s]."""
 
 REGIONS: Mapping[str, str] = {
     "grip": "reproduced, wheels grip",
     "slide": "reproduced, wheels slide",
+    "held": "reproduced, a brake holds a wheel",
     "drive_grip": "drive at its limit, wheels grip",
     "drive_slide": "drive at its limit, into the slide",
     "drive_recovery": "drive at its limit, out of the slide",
@@ -42,7 +41,7 @@ REGIONS: Mapping[str, str] = {
 }
 """Region of the operating envelope -> meaning."""
 
-REPRODUCED = ("grip", "slide")
+REPRODUCED = ("grip", "slide", "held")
 
 NUMBERS = {
     "tracking_rms": ("1", "wheel less virtual wheel over train speed, RMS over time and axles"),
@@ -52,11 +51,15 @@ NUMBERS = {
     "real_sliding_mps": ("m/s", "wheel surface speed less that of the roller, largest"),
     "roller_torque_nm": ("N m", "largest torque of a roller drive"),
     "roller_power_w": ("W", "largest power of a roller drive"),
+    "recovery_margin_nm": (
+        "N m",
+        "least torque on an axle that comes out of a slide, over what (V6) asks for; NaN: none does",
+    ),
 }
 """Number of a record -> unit and meaning."""
 
 
-def assess_limits(run: xr.Dataset, case: Case, torque: float, grip_slip: float) -> Record:
+def assess_limits(run: xr.Dataset, case: Case, torque: float, grip_slip: float, rig: RigLimits | None = None) -> Record:
     """Numbers and limits of a run of the operating envelope.
 
     Args:
@@ -64,6 +67,7 @@ def assess_limits(run: xr.Dataset, case: Case, torque: float, grip_slip: float) 
         case: what was run.
         torque: on each axle, positive forward [N m].
         grip_slip: slip of a virtual wheel up to which it grips [-].
+        rig: closed forms, for the margin of (V6); None: that is left out.
 
     Returns:
         `region` of REGIONS: the limit reached first, or the kind of run where there is none; `limits`: all that were reached,
@@ -75,8 +79,9 @@ def assess_limits(run: xr.Dataset, case: Case, torque: float, grip_slip: float) 
     rms, largest = tracking(run)
     slip_largest = float(np.nanmax(slip)) if np.isfinite(slip).any() else 0.0
     status, roller = str(run.attrs["status"]), np.abs(run["roller_torque"].to_numpy())
+    kind = "held" if _held(run, case) else "slide" if slip_largest > grip_slip else "grip"
     return {
-        "region": region(status, limits, rms, slip_largest > grip_slip),
+        "region": region(status, limits, rms, kind),
         "limits": dict(sorted(limits.items(), key=lambda item: item[1])),
         "tracking_rms": _finite(rms),
         "tracking_largest": _finite(largest),
@@ -85,6 +90,7 @@ def assess_limits(run: xr.Dataset, case: Case, torque: float, grip_slip: float) 
         "real_sliding_mps": float(np.abs(run["real_sliding"].to_numpy()).max(initial=0.0)),
         "roller_torque_nm": float(roller.max(initial=0.0)),
         "roller_power_w": float((roller * np.abs(run["roller_speed"].to_numpy())).max(initial=0.0)),
+        "recovery_margin_nm": None if rig is None else _finite(_recovery_margin(run, torque, slip > grip_slip, rig)),
         "status": status,
         "message": "" if status in COMPLETED else str(run.attrs["status_message"]),
     }
@@ -99,14 +105,32 @@ def failed(status: str, message: str) -> Record:
     return {"region": "failed", "limits": {}, **dict.fromkeys(NUMBERS), "status": status, "message": message}
 
 
-def region(status: str, limits: Mapping[str, float], tracking_rms: float, slides: bool) -> str:
+def _held(run: xr.Dataset, case: Case) -> bool:
+    """Whether a brake holds a wheel of the virtual train for LEAST_DURATION while that runs, (D15)."""
+    control = case.rig_control
+    assert control is not None
+    rolling = wheel_radius(run) * np.abs(run["virtual_speed"].to_numpy())
+    runs = run["train_speed"].to_numpy()[:, None] - rolling > control.locked_speed
+    return persists_since(run["time"].to_numpy(), (rolling < control.locked_speed) & runs) is not None
+
+
+def _recovery_margin(run: xr.Dataset, torque: float, sliding: Mask, rig: RigLimits) -> float:
+    """Least torque over what (V6) asks for, on an axle whose virtual wheel slides and regains speed [N m]; NaN: none does."""
+    time, speed = run["time"].to_numpy(), run["virtual_speed"].to_numpy()
+    out = sliding & (-np.sign(torque) * np.gradient(speed, time, axis=0) > 0.0)
+    acting = np.sign(torque) * (run["brake_torque"] + run["traction_torque"]).to_numpy()
+    margin = acting - rig.recovery_at(np.abs(run["virtual_force"].to_numpy()))
+    return float(margin[out].min()) if out.any() else math.nan
+
+
+def region(status: str, limits: Mapping[str, float], tracking_rms: float, kind: str) -> str:
     """The region of a run: a key of REGIONS.
 
     Args:
         status: of the run.
         limits: those reached, and when [s].
         tracking_rms: error over train speed; NaN: not defined.
-        slides: whether a virtual wheel does.
+        kind: of the run where no limit is reached: one of REPRODUCED.
     """
     if status not in (*COMPLETED, "rollers_protected"):
         return "failed"
@@ -114,7 +138,7 @@ def region(status: str, limits: Mapping[str, float], tracking_rms: float, slides
         return min(limits, key=lambda name: limits[name])
     if not tracking_rms < TRACKING_LIMIT:
         return "tracking"
-    return "slide" if slides else "grip"
+    return kind
 
 
 def persists_since(times: NDArray[np.float64], reached: Mask) -> float | None:

@@ -20,6 +20,7 @@ from rollerrig.plot.style import house_style, line, new_figure, new_grid
 FILLS: Mapping[str, tuple[str, str]] = {
     "grip": ("#e3f1e3", ""),
     "slide": ("#b9dcba", "..."),
+    "held": ("#7fb98b", "ooo"),
     "drive_grip": ("#f6c8a0", "///"),
     "drive_slide": ("#ef9a64", "\\\\\\"),
     "drive_recovery": ("#f4dd8f", "|||"),

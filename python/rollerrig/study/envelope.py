@@ -17,8 +17,8 @@ import numpy as np
 import xarray as xr
 
 from rollerrig.analysis.envelope_borders import Border, borders, slides
-from rollerrig.analysis.rig_limits import LINES, SLIDES
-from rollerrig.analysis.run_limits import FULL_SLIDING, LEAST_DURATION, REGIONS, REPRODUCED, TRACKING_LIMIT
+from rollerrig.analysis.rig_limits import FULL_SLIDING, LINES, SLIDES
+from rollerrig.analysis.run_limits import LEAST_DURATION, REGIONS, REPRODUCED, TRACKING_LIMIT
 from rollerrig.cases import as_case
 from rollerrig.config import Case, ConfigError, ConfigProblem, Rig
 from rollerrig.plot import envelope as figures
@@ -50,8 +50,8 @@ METHOD = (
     f"named after the limit that is reached first for at least {1e3 * LEAST_DURATION:g} ms: creep force of {FULL_SLIDING:g} of "
     "the friction between wheel and roller, or the whole torque of a roller drive. Where no limit is reached the tracking error "
     f"decides: {100 * TRACKING_LIMIT:g} % of train speed, RMS. Wheels slide where the virtual slip exceeds {SLIDES[0]:g} times "
-    f"that of the creep curve's peak by {100 * SLIDES[1]:g} %. Cells between different regions are halved; colours between runs "
-    "are those of the nearest one."
+    f"that at which {FULL_SLIDING:g} of the adhesion is used by {100 * SLIDES[1]:g} %. Cells between different "
+    "regions are halved; colours between runs are those of the nearest one."
 )
 CLOSED_FORMS = (
     "Lines are closed forms, not fits: rolling without sliding, steady forces, no lag of drives and estimator. Load transfer is "
@@ -59,7 +59,9 @@ CLOSED_FORMS = (
     "adhesion at the slip where the protection acts. The torque in (V6) is that which the protection leaves on the axle, not "
     "the one asked for: a run to the right of (V2) is limited out of its slide if the protection takes off more than that. "
     "Where the protection takes torque off before all of it acts, as wheel-slip control does, the rig reaches beyond (V5). A "
-    "border agrees if its line passes within a cell of the map."
+    "border agrees if the predicted torque lies between the runs on either side, give or take one step of torque; at a border of "
+    "recovery the torque that was left on the axles in these two runs lies above and below what (V6) asks for. All borders "
+    "count."
 )
 LEFT_OUT = (
     "The torque comes at once, from ideal cylinders or motors: the vehicle's own would be slower and slide more gently. Runs are "
@@ -80,9 +82,12 @@ QUANTITIES = Quantities(
     Quantity("borders.*.beyond_nm", "the next torque run; null: the map ends", "N m"),
     Quantity("borders.*.limit", "reached there; null: none"),
     Quantity("borders.*.predicted_nm", "where the closed forms put the border; null: not predicted", "N m"),
-    Quantity("borders.*.agrees", "whether both agree within a cell of the map; null: not to be compared"),
-    Quantity("agreement.*.agree", "borders of the limits, and of sliding (V2), that agree with the closed form"),
-    Quantity("agreement.*.of", "how many were compared"),
+    Quantity("borders.*.compared_low_nm", "least torque that the prediction is compared with: reproduced_up_to_nm, or, of a "
+             "recovery, what was left on the axles over (V6)", "N m"),
+    Quantity("borders.*.compared_high_nm", "largest torque: beyond_nm, or what was left", "N m"),
+    Quantity("borders.*.agrees", "whether the torques agree within a step of torque; null: no limit reached, none predicted"),
+    Quantity("agreement.*.agree", "borders of the limits, and of sliding (V2), at which closed form and runs agree in torque"),
+    Quantity("agreement.*.of", "how many there are"),
 )  # fmt: skip
 
 
@@ -233,7 +238,7 @@ class EnvelopeStudy(Study[Envelope]):
         agreement = {names[key]: one for key, one in numbers["agreement"].items() if one["of"]}
         told = [f"{one['agree']} of {one['of']} {what}" for what, one in agreement.items()]
         if told:
-            lines.append(f"Closed forms and runs agree within a cell of the map on {' and '.join(told)}.")
+            lines.append(f"Closed forms and runs agree within a step of torque on {' and '.join(told)}.")
         return lines
 
     def files(self, results: Envelope, numbers: Numbers) -> Mapping[str, Any]:
@@ -356,5 +361,7 @@ def _border_numbers(border: Border) -> dict[str, Any]:
         "beyond_nm": border.beyond,
         "limit": border.limit or None,
         "predicted_nm": border.predicted,
+        "compared_low_nm": min(border.compared),
+        "compared_high_nm": max(border.compared),
         "agrees": border.agrees,
     }

@@ -19,7 +19,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from rollerrig.actuators import friction_brake
-from rollerrig.analysis.rig_limits import Patch, grip_slip, patch_of, rail_shape, rig_limits
+from rollerrig.analysis.rig_limits import Patch, RigLimits, grip_slip, patch_of, rail_shape, rig_limits
 from rollerrig.analysis.run_limits import Record, assess_limits, failed
 from rollerrig.assembly import assemble
 from rollerrig.config import Brake, Case, ConfigError, ConfigProblem, Traction
@@ -227,13 +227,14 @@ class OnTrack:
 
     load_transfer: tuple[float, ...] | None = None
     patch: Patch | None = None
+    limits: RigLimits | None = None
 
 
 def find_on_track(case: Case) -> OnTrack:
     """For the load of a case."""
     model = assemble(case)
     try:
-        return OnTrack(tuple(load_transfer(model)), patch_of(model))
+        return OnTrack(tuple(load_transfer(model)), patch_of(model), rig_limits(case))
     except StartError:  # every run of this load fails with the same error, and records it
         return OnTrack()
 
@@ -249,4 +250,4 @@ def run_point(case: Case, point: Point, known: OnTrack, progress: Progress | Non
     except StartError as error:
         return failed("no_start", str(error))
     assert known.patch is not None  # or the run would not have started
-    return assess_limits(run, case, point.torque, grip_slip(case, known.patch, point.adhesion))
+    return assess_limits(run, case, point.torque, grip_slip(case, known.patch, point.adhesion), known.limits)

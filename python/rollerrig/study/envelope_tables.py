@@ -5,10 +5,12 @@ Dataset of `envelope` -> [tables] -> rows of envelope.csv, tables of the report
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import xarray as xr
 
-from rollerrig.analysis.envelope_borders import borders, slides
+from rollerrig.analysis.envelope_borders import Border, borders, slides
 from rollerrig.analysis.run_limits import NUMBERS, REGIONS
 from rollerrig.study.envelope_points import torque_text
 from rollerrig.study.report import Table
@@ -49,9 +51,27 @@ def deviations_table(found: xr.Dataset) -> Table:
         ("slide, (V2)", row) for row in slides(found)
     ]
     rows = [
-        [row.side, row.load, row.adhesion, name, f"{torque_text(row.reached)} … {torque_text(row.beyond)}",
+        [row.side, row.load, row.adhesion, name, f"{torque_text(row.reached)} … {torque_text(row.beyond)}", _compared(row),
          torque_text(row.predicted), "✔" if row.agrees else "✘"]
         for name, row in kinds if row.agrees is not None
     ]  # fmt: skip
-    header = ("side", "load", "adhesion", "border of", "runs on either side", "closed form", "within a cell")
+    header = (
+        "side",
+        "load",
+        "adhesion",
+        "border of",
+        "runs on either side",
+        "left on the axles",
+        "closed form",
+        "agree",
+    )
     return Table(header, rows)
+
+
+def _compared(row: Border) -> str:
+    """The torque left in the two runs, where that is what is compared."""
+    return (
+        ""
+        if row.compared == (row.reached, row.beyond)
+        else " … ".join(torque_text(t) if math.isfinite(t) else "–" for t in row.compared)
+    )
