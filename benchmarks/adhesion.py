@@ -3,7 +3,8 @@
     python benchmarks/adhesion.py [--duration SECONDS] [--against PYTHON_PATH]
 
 Case `adhesion_brake`, the bogie on four rollers with slide protection, virtual train and roller drives, everything at 1 ms, and
-the same on track; 120 km/h down to the stop. Processor time of one core, outputs every 10 ms included, best of three.
+the same on track; and `adhesion_valves`, with dump valves, reservoir and pulse sensors; 120 km/h down to the stop. Processor
+time of one core, outputs every 10 ms included, best of three.
 
 With --against, the folder that holds another build's package `rollerrig`, both are measured in turn in processes of their own
 and the ratio is printed: on a busy machine a ratio is worth more than two times.
@@ -27,13 +28,16 @@ from rollerrig.simulation import begin, march, prepare
 from rollerrig.starting_state import starting_state
 from rollerrig.study.adhesion_variants import track_case
 
+PLACES = {"rig": "adhesion_brake", "track": "adhesion_brake", "valves": "adhesion_valves"}
+"""Name of a measurement -> its case."""
+
 TEST = 60.0
 """What the times are given for [s]."""
 
 
 def measure(place: str, duration: float | None) -> dict[str, float]:
-    """Cost of one test on the `rig` or on `track`."""
-    case = load_case("adhesion_brake")
+    """Cost of one test on the `rig` or on `track`, or on the rig with `valves`, reservoir and pulse sensors."""
+    case = load_case(PLACES[place])
     if duration is not None:
         case = case.with_changes({"time.duration": duration})
     if place == "track":
@@ -89,13 +93,13 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--duration", type=float, default=None, metavar="SECONDS", help="at most, of each test")
     parser.add_argument("--against", default=None, metavar="PYTHON_PATH", help="folder with another build's package")
-    parser.add_argument("--only", default=None, choices=("rig", "track"), help="print numbers of one place as JSON")
+    parser.add_argument("--only", default=None, choices=tuple(PLACES), help="print numbers of one place as JSON")
     options = parser.parse_args()
     if options.only:
         print(json.dumps(measure(options.only, options.duration)))
         return
     print("             a 60 s test   x real time   steps/ms   evaluations/step   us/step, of which evaluations")
-    for place in ("rig", "track"):
+    for place in PLACES:
         own = measure(place, options.duration)
         per_step = 1e3 * own["spent"] / (own["simulated"] * own["steps_per_ms"])
         print(

@@ -122,7 +122,7 @@ MUTANTS = (
     Mutant("brake torque with the turning", "include/rollerrig/mechatronics/friction_brake.hpp",
            "return -(faces * friction_radius *",
            "return (faces * friction_radius *", ("mechatronics/test_actuators.cpp",)),
-    Mutant("WSP: vents below its threshold of slip", "include/rollerrig/mechatronics/wheel_slide_protection.hpp",
+    Mutant("WSP: vents below its threshold of slip", "include/rollerrig/mechatronics/slide_protection/slip_and_deceleration.hpp",
            "((slip > vent_above || locks_up)",
            "((slip < vent_above || locks_up)", ("mechatronics/test_actuators.cpp",)),
     Mutant("observer: its gain of the force", "include/rollerrig/mechatronics/estimator/observer.hpp",

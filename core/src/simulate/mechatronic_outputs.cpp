@@ -41,6 +41,7 @@ constexpr Field axle_table[] = {
      "energy per area dissipated on the rail under the axle, and what its wheels keep"},
     {"inlet_open", "1", "1 while the dump valve's inlet to the cylinder is open"},
     {"outlet_open", "1", "1 while the dump valve's outlet to the ambient is open"},
+    {"roller_power", "W", "that the roller's drive delivers; negative: that it takes up"},
     {"vehicle_axle_speed", "rad/s", "reading of the vehicle's own speed sensor at the last sample"},
     {"exhausted_air", "m^3", "air let out of the cylinder since the start, at ambient pressure"},
 };
@@ -56,6 +57,7 @@ constexpr Field train_table[] = {
      "of the brake's auxiliary reservoir, over the ambient; 0 where the supply is unlimited"},
     {"main_pipe_air", "m^3",
      "air that the reservoir has drawn from the main pipe since the start, at ambient pressure"},
+    {"reference_speed_error", "m/s", "reference speed less the train's; 0 where no controller estimates it"},
 };
 
 constexpr Field measurement_table[] = {
@@ -130,11 +132,12 @@ void MechatronicSystem::record(Dynamics const& plant, std::int64_t step, double 
   row[0] = train.speed;
   row[1] = train.s;
   row[2] = train.acceleration;
-  row[3] = reference_speed();
+  row[3] = reference_speed().value_or(setup_.speed);
   row[4] = setup_.actuators.brake_demand.at(t);
   row[5] = setup_.actuators.torque_demand.at(t);
   row[6] = actuators_.supply().reservoir;
   row[7] = actuators_.supply().drawn;
+  row[8] = reference_speed().value_or(train.speed) - train.speed;
 }
 
 void MechatronicSystem::record_axle(Dynamics const& plant, std::size_t i, Inputs const& inputs, double* out) const {
@@ -177,6 +180,7 @@ void MechatronicSystem::record_axle(Dynamics const& plant, std::size_t i, Inputs
                         control != nullptr ? own.energy : inputs.dissipated_energy[at(parts.contacts[0])],
                         static_cast<double>(cylinder.inlet_open),
                         static_cast<double>(cylinder.outlet_open),
+                        actuators.drive[0] * roller,
                         measured_.vehicle_axle_speed[i],
                         cylinder.exhausted};
   static_assert(std::size(row) == std::size(axle_table));

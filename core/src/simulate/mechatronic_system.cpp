@@ -188,17 +188,17 @@ double MechatronicSystem::train_speed(Dynamics const& plant) const {
   return control != nullptr ? control->train.speed() : crown_speed(plant);
 }
 
-/// Of the first controller that estimates the train's speed; without one, the speed at the start.
-double MechatronicSystem::reference_speed() const {
+/// Of the first controller that estimates the train's speed.
+std::optional<double> MechatronicSystem::reference_speed() const {
   std::optional<double> found;
   for (Controller const& own : controllers_)
     std::visit(
         [&](auto const& state) {
-          if constexpr (requires { state.reference.value(); })
-            if (!found) found = state.reference.value();
+          if constexpr (requires { state.reference_speed(); })
+            if (!found) found = state.reference_speed();
         },
         own.state);
-  return found.value_or(setup_.speed);
+  return found;
 }
 
 bool MechatronicSystem::waits() const {

@@ -56,7 +56,12 @@ void check_controller(RigController const& control, std::size_t axles) {
     need(of_axles->size() >= axles,
          "rig_control: train: static_load, load_transfer and position need one number per axle");
 }
-void check_controller(WheelSlideProtection const& /*control*/, std::size_t /*axles*/) {}
+void check_controller(WheelSlideProtection const& control, std::size_t /*axles*/) {
+  auto const* law = std::get_if<ThresholdTable>(&control.law);
+  need(law == nullptr ||
+           law->entries.size() == (law->slip_thresholds.size() + 1) * (law->acceleration_thresholds.size() + 1),
+       "slide_protection: entries: needed is one for each band of slip and acceleration");
+}
 void check_controller(WheelSlipControl const& /*control*/, std::size_t /*axles*/) {}
 
 }  // namespace

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from rollerrig.actuators import assemble_with_actuators
 from rollerrig.assembly import AssembledModel
-from rollerrig.config import Case, code_of
+from rollerrig.config import Case, Rig, code_of
 from rollerrig.config.schema.rig_control import BandwidthEstimator
 from rollerrig.mechatronics import COMMANDS, look_at_controller, users_controllers
 from rollerrig.mechatronics.lags import lags
@@ -40,7 +40,7 @@ def actuator_lines(case: Case, *, run_code: bool = False) -> list[str]:
     load = sum(model.axle_loads.values()) / len(model.wheelsets)
     lines = [*_brake(case, load), *_traction(case, load), *_adhesion(case)]
     if case.rig_control is not None:
-        lines.append(_train(model))
+        lines += [_train(model), *_roller_drives(case)]
     for name in COMMANDS:
         table = getattr(case, name)
         if table is not None:
@@ -87,6 +87,28 @@ def _adhesion(case: Case) -> list[str]:
     parts = [f"{law.mu_0:g} falling to {law.mu_0 * getattr(law, 'A', 1.0):g} with slip" for law in laws]
     recovery = "; it recovers under sliding wheels" if case.adhesion.recovery_constant > 0.0 else ""
     return [f"adhesion of the rail: {', then '.join(parts)}{recovery}"]
+
+
+def _roller_drives(case: Case) -> list[str]:
+    """What a full brake that the wheels' adhesion bears asks of each roller axle's drive at the start, and what the drive can."""
+    assert case.rig_control is not None
+    support, motor = case.support.data, case.rig_control.motor
+    torque = full_brake_torque(case)
+    if torque == 0.0 or not isinstance(support, Rig):
+        return []
+    wheel = case.vehicle.data.wheel.radius
+    at_roller = torque * support.roller_radius / wheel
+    power = torque * case.motion.speed / wheel
+    limits = [
+        f"{value / 1e3:.4g} {unit}"
+        for value, unit in ((motor.largest_torque, "kN m"), (motor.largest_power, "kW"))
+        if value is not None
+    ]
+    has = f"they have {' and '.join(limits)}" if limits else "no limit is set"
+    return [
+        f"roller drives: a full brake at {3.6 * case.motion.speed:.4g} km/h asks for {at_roller / 1e3:.3g} kN m and "
+        f"{power / 1e3:.4g} kW per axle; {has}"
+    ]
 
 
 def _train(model: AssembledModel) -> str:

@@ -21,7 +21,6 @@ from rollerrig.config.schema.actuators import (
     Brake,
     Controller,
     Motor,
-    SlideProtection,
     Traction,
     WheelSlipControl,
 )
@@ -44,6 +43,7 @@ from rollerrig.config.schema.profile import S1002, Arc, Cone, Cylinder, ProfileF
 from rollerrig.config.schema.rig_control import RigControl
 from rollerrig.config.schema.sensors import Encoder, ForceSensor, Sensors
 from rollerrig.config.schema.similitude import ScaledFrom
+from rollerrig.config.schema.slide_protection import SlideProtection
 from rollerrig.config.schema.support import Rig
 from rollerrig.config.schema.track import Curve, Straight, Track, Transition
 from rollerrig.config.schema.train import Train

@@ -23,6 +23,7 @@ from rollerrig.config.schema.rig_control import (
     SlidingMode,
 )
 from rollerrig.config.schema.sensors import PulseFrequency, PulsePeriod
+from rollerrig.config.schema.slide_protection import SlideProtection, TableSlideProtection, entry_numbers
 from rollerrig.core_struct import angular, core_struct
 from rollerrig.mechatronics.controllers import UserController
 from rollerrig.mechatronics.virtual_train import load_transfer, rail_patch, train_mass
@@ -155,13 +156,22 @@ def _controllers(model: AssembledModel, users: Mapping[str, UserController]) -> 
         table = getattr(case, name)
         if table is None:
             continue
+        radius = case.vehicle.data.wheel.radius
         if isinstance(table, RigControl):
             controller = rig_controller(model)
+        elif name == "slide_protection":
+            controller = law(law=slide_protection(table, radius))
         else:
-            radius = case.vehicle.data.wheel.radius
             controller = core_struct(law, table, without=_TIMING, wheel_radius=radius)
         found.append(_core.SampledController(sampling=_sampling(case, name, users), controller=controller))
     return found
+
+
+def slide_protection(table: SlideProtection | TableSlideProtection, wheel_radius: float) -> Any:
+    """The law of slide protection, for wheels of an assumed radius [m]."""
+    given = {"entries": entry_numbers(table)} if isinstance(table, TableSlideProtection) else {}
+    law = _core.slide_protections[table.kind]
+    return core_struct(law, table, without=(*_TIMING, "kind"), wheel_radius=wheel_radius, **given)
 
 
 def _sampling(case: Case, name: str, users: Mapping[str, UserController]) -> _core.Sampling:

@@ -2,6 +2,7 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
+#include <concepts>
 #include <numeric>
 #include <vector>
 
@@ -19,24 +20,42 @@ using namespace rollerrig;
 
 namespace {
 
-WheelSlideProtection const wsp{.wheel_radius = 0.46,
-                               .reference_deceleration = 1.6,
-                               .filter_time = 0.04,
-                               .vent_slip = 0.12,
-                               .vent_slip_speed = 1.0,
-                               .vent_deceleration = 4.0,
-                               .fill_slip = 0.06,
-                               .fill_slip_speed = 0.5,
-                               .recovery_acceleration = 0.5,
-                               .pulse_time = 0.06,
-                               .pulse_pause = 0.14,
-                               .longest_vent = 5.0,
-                               .least_speed = 5.0 / 3.6,
-                               .release_interval = 3.0,
-                               .shortest_release = 0.3,
-                               .longest_release = 1.2,
-                               .least_deceleration = 0.2,
-                               .regained_after = 2.0};
+SlipAndDeceleration const wsp{.wheel_radius = 0.46,
+                              .reference_deceleration = 1.6,
+                              .filter_time = 0.04,
+                              .vent_slip = 0.12,
+                              .vent_slip_speed = 1.0,
+                              .vent_deceleration = 4.0,
+                              .fill_slip = 0.06,
+                              .fill_slip_speed = 0.5,
+                              .recovery_acceleration = 0.5,
+                              .pulse_time = 0.06,
+                              .pulse_pause = 0.14,
+                              .longest_vent = 5.0,
+                              .least_speed = 5.0 / 3.6,
+                              .release_interval = 3.0,
+                              .shortest_release = 0.3,
+                              .longest_release = 1.2,
+                              .least_deceleration = 0.2,
+                              .regained_after = 2.0};
+
+ThresholdTable const table_protection{.wheel_radius = 0.46,
+                                      .reference_deceleration = 1.6,
+                                      .filter_time = 0.04,
+                                      .least_slip_reference = 8.3,
+                                      .slip_thresholds = {0.05, 0.1, 0.2},
+                                      .acceleration_thresholds = {-4.0, -1.5, 0.5},
+                                      .entries = {1, 0, 0, 0, 2, 1, 1, 1, 2, 3, 3, 1, 2, 2, 2, 1},
+                                      .recovery_acceleration = 0.5,
+                                      .pulse_time = 0.06,
+                                      .pulse_pause = 0.14,
+                                      .longest_vent = 5.0,
+                                      .least_speed = 5.0 / 3.6,
+                                      .release_interval = 3.0,
+                                      .shortest_release = 0.3,
+                                      .longest_release = 1.2,
+                                      .least_deceleration = 0.2,
+                                      .regained_after = 2.0};
 
 WheelSlipControl const slip_control{.wheel_radius = 0.46,
                                     .reference_acceleration = 1.5,
@@ -55,15 +74,21 @@ WheelSlipControl const slip_control{.wheel_radius = 0.46,
                                     .regained_after = 3.0};
 
 /// A controller of two axles with the speeds that it sees.
-template <class Law>
+template <class Law, class State = BrakedAxles>
 struct Device {
   Law const& law;
   double period;
-  typename Law::State state;
+  State state;
   PerAxle<double> command{};
 
-  Device(Law const& the_law, double speed, double the_period)
-      : law{the_law}, period{the_period}, state{the_law.start({}, speed, the_period)} {}
+  Device(Law const& the_law, double speed, double the_period) : law{the_law}, period{the_period}, state{begin(speed)} {}
+
+  State begin(double speed) const {
+    if constexpr (std::same_as<State, BrakedAxles>)
+      return BrakedAxles::at(speed);
+    else
+      return law.start({}, speed, period);
+  }
 
   /// @param speeds  at the wheels' circumferences [m/s]
   PerAxle<double> const& step(double first, double second) {
@@ -192,7 +217,8 @@ TEST_CASE("a wheel keeps of its cleaning what its circumference and its memory l
 }
 
 TEST_CASE("a motor stays within its envelope and follows with its bandwidth") {
-  Motor const motor{{{0.0, 100.0, 200.0}, {8000.0, 8000.0, 4000.0}}, 50.0, 0.0};
+  Motor const motor{
+      .envelope = {{0.0, 100.0, 200.0}, {8000.0, 8000.0, 4000.0}}, .bandwidth = 50.0, .damping_ratio = 0.0};
   CHECK(motor.within_envelope(1e5, 50.0) == 8000.0);
   CHECK(motor.within_envelope(-1e5, -150.0) == -6000.0);
   CHECK(motor.within_envelope(1e5, 400.0) == 0.0);  // beyond the last point the line goes on, never below nothing
@@ -207,8 +233,25 @@ TEST_CASE("a motor stays within its envelope and follows with its bandwidth") {
         doctest::Approx(5000.0 * (1 - std::exp(-1.0))).epsilon(1e-3));  // Euler: half a step of 1e-5 s in 20 ms
 }
 
+TEST_CASE("a motor's torque, power and speed have limits, each on its own") {
+  Motor const motor{.envelope = {},
+                    .bandwidth = 50.0,
+                    .damping_ratio = 0.0,
+                    .largest_torque = 8000.0,
+                    .largest_power = 4e5,
+                    .largest_speed = 180.0};
+  CHECK(motor.within_envelope(1e5, 0.0) == 8000.0);
+  CHECK(motor.within_envelope(-1e5, 50.0) == -8000.0);
+  CHECK(motor.within_envelope(1e5, 100.0) == doctest::Approx(4000.0));
+  CHECK(motor.within_envelope(-1e5, -160.0) == doctest::Approx(-2500.0));
+  CHECK(motor.within_envelope(100.0, 160.0) == 100.0);
+  CHECK(motor.within_envelope(100.0, 181.0) == 0.0);
+  auto const slope = motor.within_envelope(Dual<1>(1e5), Dual<1>::variable(100.0, 0)).d[0];
+  CHECK(slope == doctest::Approx(-4e5 / 1e4));
+}
+
 TEST_CASE("a second-order torque loop overshoots as its damping says") {
-  Motor const motor{{}, 100.0, 0.5};
+  Motor const motor{.envelope = {}, .bandwidth = 100.0, .damping_ratio = 0.5};
   double state[2] = {0.0, 0.0}, rate[2];
   double largest = 0.0;
   double const h = 1e-5;
@@ -265,8 +308,44 @@ TEST_CASE("the watchdog fills after the longest vent, and everything fills near 
   CHECK(valve(device.command[1]) == DumpValve::fill);
 }
 
+TEST_CASE("a table of thresholds passes through the phases of an anti-lock cycle") {
+  using Entry = ThresholdTable::Entry;
+  double const period = 5e-3;
+  Device device(table_protection, 30.0, period);
+  CHECK(table_protection.entry(0.0, 0.0) == Entry::fill);
+  CHECK(table_protection.entry(0.0, -9.0) == Entry::hold);
+  CHECK(table_protection.entry(0.08, -9.0) == Entry::vent);
+  CHECK(table_protection.entry(0.15, 0.0) == Entry::vent_in_steps);
+  CHECK(table_protection.entry(0.3, 0.0) == Entry::vent);
+  CHECK(table_protection.entry(0.3, 2.0) == Entry::hold);
+  double train = 30.0, slow = 30.0;
+  std::vector<DumpValve> phases{DumpValve::fill};
+  auto const note = [&](DumpValve now) {
+    if (now != phases.back()) phases.push_back(now);
+  };
+  for (int k = 0; k < 60; ++k) {  // axle 1 locks up at 20 m/s^2, axle 0 follows the train
+    train -= 1.0 * period, slow -= 20.0 * period;
+    CHECK(valve(device.step(train, slow)[0]) == DumpValve::fill);
+    note(valve(device.command[1]));
+  }
+  while (slow < train - 1e-9) {
+    train -= 1.0 * period, slow = std::fmin(train, slow + 20.0 * period);
+    note(valve(device.step(train, slow)[1]));
+  }
+  phases.resize(5);  // then pulses
+  CHECK((phases == std::vector{DumpValve::fill, DumpValve::hold, DumpValve::vent, DumpValve::hold, DumpValve::fill}));
+  int open = 0;
+  for (int k = 0; k < 200; ++k) {
+    train -= 1.0 * period;
+    open += valve(device.step(train, train)[1]) == DumpValve::fill;
+  }
+  CHECK(open > 40);  // filled in steps: 60 ms of every 200 ms
+  CHECK(open < 80);
+  CHECK(device.state.reference_speed() == doctest::Approx(train).epsilon(1e-3));
+}
+
 TEST_CASE("wheel-slip control takes torque off the slipping axle and gives it back") {
-  Device device(slip_control, 5.0, 5e-3);
+  Device<WheelSlipControl, WheelSlipControl::State> device(slip_control, 5.0, 5e-3);
   for (int k = 0; k < 40; ++k) device.step(5.0, 5.0 + 0.05 * k);
   CHECK(device.command[0] == 1.0);
   CHECK(device.command[1] < 0.5);

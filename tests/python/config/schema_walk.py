@@ -164,6 +164,8 @@ def whole_cases() -> dict[str, Raw]:
         "estimator": {"kind": "kalman", "force_change": 1e3, "torque_change": 1e3}, "feedback": {"kind": "sliding_mode"},
         "axle_torque": {"kind": "extrapolated"}, "drive_command": {"kind": "torque_loop"},
     }  # fmt: skip
+    kalman["slide_protection"] = {"kind": "threshold_table"}
+    kalman["rig_control"]["motor"] = {"largest_torque": 2e4, "largest_power": 1e6, "largest_speed": 200.0}
     derivative = plain(load_case("adhesion_brake"))
     derivative["rig_control"] |= {"estimator": {"kind": "filtered_derivative"}, "feedback": {"kind": "none"}}
     track = plain(load_case("vehicle_track_irregular"))

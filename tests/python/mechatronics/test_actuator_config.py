@@ -103,7 +103,9 @@ def test_a_blend_is_a_length_or_a_time_as_the_pieces() -> None:
         assert case_from_toml(changed.to_toml()) == changed
 
 
-@pytest.mark.parametrize("name", ["adhesion_brake", "adhesion_start", "adhesion_step", "adhesion_recovery"])
+@pytest.mark.parametrize(
+    "name", ["adhesion_brake", "adhesion_start", "adhesion_step", "adhesion_recovery", "adhesion_valves"]
+)
 def test_a_case_with_actuators_survives_its_own_toml(name: str) -> None:
     case = load_case(name)
     assert case.sampled

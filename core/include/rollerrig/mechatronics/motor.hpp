@@ -1,10 +1,11 @@
-// mechatronics/motor.hpp - a drive from torque command to torque: envelope of torque and power, then the torque loop's lag.
+// mechatronics/motor.hpp - a drive from torque command to torque: limits of torque, power and speed, then the torque loop's lag.
 //
-//   command (constant between samples) -> [envelope over speed] -> [first or second order lag] -> torque on wheelset or roller
+//   command (constant between samples) -> [limits over speed] -> [first or second order lag] -> torque on wheelset or roller
 //
 // Signs   torque and speed of the driven axle, positive forward; a gearbox is in the numbers (torque times ratio, speed over it).
 #pragma once
 #include <cmath>
+#include <optional>
 #include <tuple>
 
 #include "rollerrig/fields.hpp"
@@ -13,22 +14,39 @@
 namespace rollerrig {
 
 struct Motor {
-  PiecewiseLinear envelope{};  ///< largest |torque| [N m] over |speed| [rad/s]; empty: no limit
-  double bandwidth{};          ///< of the torque loop [rad/s]
-  double damping_ratio{};      ///< of a second-order loop; 0: first order
+  PiecewiseLinear envelope{};              ///< largest |torque| [N m] over |speed| [rad/s]; empty: no limit
+  double bandwidth{};                      ///< of the torque loop [rad/s]
+  double damping_ratio{};                  ///< of a second-order loop; 0: first order
+  std::optional<double> largest_torque{};  ///< [N m]; absent: no limit
+  std::optional<double> largest_power{};   ///< |torque x speed| [W]; absent: no limit
+  std::optional<double> largest_speed{};   ///< beyond it there is no torque [rad/s]; absent: no limit
 
   static constexpr auto fields() {
-    return std::tuple{Member{"envelope", &Motor::envelope}, Member{"bandwidth", &Motor::bandwidth, positive},
-                      Member{"damping_ratio", &Motor::damping_ratio, not_negative}};
+    return std::tuple{Member{"envelope", &Motor::envelope},
+                      Member{"bandwidth", &Motor::bandwidth, positive},
+                      Member{"damping_ratio", &Motor::damping_ratio, not_negative},
+                      Member{"largest_torque", &Motor::largest_torque, not_negative},
+                      Member{"largest_power", &Motor::largest_power, not_negative},
+                      Member{"largest_speed", &Motor::largest_speed, not_negative}};
   }
 
   /// The command within what the motor can do at this speed.
   template <Scalar T>
   T within_envelope(T const& command, T const& speed) const {
-    if (envelope.empty()) return command;
-    T const at_speed = envelope.at(select(speed < 0.0, -speed, speed));
-    T const limit = select(at_speed > 0.0, at_speed, T(0.0));
+    T const fast = select(speed < 0.0, -speed, speed);
+    T limit = select(command < 0.0, -command, command);
+    if (!envelope.empty()) limit = least(limit, envelope.at(fast));
+    if (largest_torque) limit = least(limit, T(*largest_torque));
+    if (largest_power)
+      limit = select(limit * fast > *largest_power, *largest_power / select(fast > 0.0, fast, T(1.0)), limit);
+    if (largest_speed) limit = select(fast > *largest_speed, T(0.0), limit);
+    limit = select(limit > 0.0, limit, T(0.0));
     return select(command > limit, limit, select(command < -limit, -limit, command));
+  }
+
+  template <Scalar T>
+  static T least(T const& a, T const& b) {
+    return select(a < b, a, b);
   }
 
   /// Rate of the loop's states: torque, and for a second-order loop its rate.

@@ -59,6 +59,8 @@ struct WheelSlipControl {
     PerAxle<AxleState> axle{};
     ReferenceSpeed reference{false, 0.0};
     double no_slip_for{1e9};  ///< [s]; before the first slip: for ever
+
+    double reference_speed() const { return reference.value(); }
   };
 
   State start(Measurements const& /*now*/, double train_speed, double /*period*/) const {

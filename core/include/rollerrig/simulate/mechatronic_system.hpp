@@ -7,6 +7,7 @@
 // measurement(), sets the command and continues.
 #pragma once
 #include <array>
+#include <optional>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -70,7 +71,7 @@ class MechatronicSystem {
   bool frame_moves() const { return setup_.frame.train_mass > 0.0; }
   double time(std::int64_t step) const { return setup_.step * static_cast<double>(step); }
   double train_speed(Dynamics const& plant) const;
-  double reference_speed() const;
+  std::optional<double> reference_speed() const;
   RigController const* rig() const;
   RigController::State const* rig_state() const;
   void ask(std::size_t index, std::int64_t step);

@@ -41,6 +41,15 @@ class Motor(Table):
     damping_ratio: Annotated[float, Quantity("1", 0.0, 5.0)] = Field(
         default=0.0, description="of a torque loop of second order; 0: first order"
     )
+    largest_torque: Annotated[float, Quantity("N m", 1e-3, 1e9)] | None = Field(
+        default=None, description="on the driven axle, either way; absent: no limit"
+    )
+    largest_power: Annotated[float, Quantity("W", 1e-3, 1e10)] | None = Field(
+        default=None, description="torque times speed of the driven axle, either way; absent: no limit"
+    )
+    largest_speed: Annotated[float, Quantity("rad/s", 1e-3, 1e5)] | None = Field(
+        default=None, description="of the driven axle: beyond it there is no torque; absent: no limit"
+    )
     rotor_inertia: Annotated[float, Quantity("kg m^2", 0.0, 1e8)] = Field(
         default=0.0, description="of the rotor about its shaft; on the driven axle it counts times gear_ratio squared"
     )
@@ -126,36 +135,6 @@ class Controller(Table):
         description="your own class in its place: 'module:Class' or 'file.py:Class', the file relative to the one that names "
         "it; its sample_time counts, this delay too",
     )
-
-
-class SlideProtection(Controller):
-    """Wheel slide protection: dump valves by slip and deceleration, written after EN 15595's principles; not certified."""
-
-    reference_deceleration: Deceleration = Field(
-        default=1.6, description="the reference speed falls at most this fast: no train brakes harder"
-    )
-    release_interval: Pause = Field(
-        default=3.0, description="while all axles slide one is released this often for the reference speed; 0: never"
-    )
-    shortest_release: Pause = Field(default=0.3, description="of such a release: valve and cylinder need some time")
-    longest_release: Phase = Field(default=1.2, description="of such a release")
-    least_deceleration: Deceleration = Field(
-        default=0.2, description="of the reference speed between releases: a braked train slows at least so"
-    )
-    regained_after: Phase = Field(default=2.0, description="an axle without slip for so long counts as gripping")
-    filter_time: Phase = Field(default=0.04, description="of the axles' deceleration")
-    vent_slip: Ratio = Field(default=0.12, description="relative slip above which a cylinder is vented")
-    vent_slip_speed: PositiveSpeed = Field(default=1.0, description="and the least such slip as a speed")
-    vent_deceleration: Deceleration = Field(default=4.0, description="a slipping axle that slows faster is vented")
-    fill_slip: Ratio = Field(default=0.06, description="relative slip below which a cylinder is filled")
-    fill_slip_speed: PositiveSpeed = Field(default=0.5, description="and the least such slip as a speed")
-    recovery_acceleration: Deceleration = Field(
-        default=0.5, description="an axle that gains speed faster is left alone"
-    )
-    pulse_time: Phase = Field(default=0.06, description="after a slide filling is stepwise: open for so long ...")
-    pulse_pause: Phase = Field(default=0.14, description="... closed for so long")
-    longest_vent: Phase = Field(default=5.0, description="after this the watchdog fills")
-    least_speed: PositiveSpeed = Field(default=5.0 / 3.6, description="below it all valves fill")
 
 
 class WheelSlipControl(Controller):

@@ -4,7 +4,7 @@ from typing import Annotated, Any, Literal, NamedTuple
 
 from pydantic import ConfigDict, Field, StrictBool, model_validator
 
-from rollerrig.config.schema.actuators import Brake, SlideProtection, Traction, WheelSlipControl
+from rollerrig.config.schema.actuators import Brake, Traction, WheelSlipControl
 from rollerrig.config.schema.adhesion import Adhesion
 from rollerrig.config.schema.base import SpeedTable, Table, TorqueTable, instead_of, refused
 from rollerrig.config.schema.contact_law import (
@@ -19,6 +19,7 @@ from rollerrig.config.schema.material import Material
 from rollerrig.config.schema.rig_control import RigControl
 from rollerrig.config.schema.sensors import Sensors
 from rollerrig.config.schema.similitude import ScaledFrom
+from rollerrig.config.schema.slide_protection import AnySlideProtection
 from rollerrig.config.schema.support import AnySupport
 from rollerrig.config.schema.train import Train
 from rollerrig.config.schema.units import Damping, Quantity, RollerRadius, RunningSpeed, Torque
@@ -291,7 +292,9 @@ class CaseTables(Table):
     )
     brake: Brake | None = Field(default=None, description="friction brake of each axle")
     traction: Traction | None = Field(default=None, description="traction drive of each axle")
-    slide_protection: SlideProtection | None = Field(default=None, description="wheel slide protection")
+    slide_protection: AnySlideProtection | None = Field(
+        default=None, description="wheel slide protection: its kind, or a table"
+    )
     wheel_slip_control: WheelSlipControl | None = Field(default=None, description="of the traction drives")
     sensors: Sensors = Field(default=Sensors(), description="what the controllers see")
     rig_control: RigControl | None = Field(default=None, description="controller of the roller drives")

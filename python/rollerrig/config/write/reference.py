@@ -184,6 +184,14 @@ def _tuple_type(arguments: tuple[Any, ...]) -> str:
     return f"list of {len(arguments)} {inner}"
 
 
+def _number(value: object) -> str:
+    return f"{value:g}" if isinstance(value, float) else str(value)
+
+
+def _list(row: tuple[object, ...]) -> str:
+    return f"[{', '.join(map(_number, row))}]"
+
+
 def _default(field: FieldInfo) -> str:
     if isinstance(field.json_schema_extra, dict) and INSTEAD_OF in field.json_schema_extra:
         return f"this or `{field.json_schema_extra[INSTEAD_OF]}`"
@@ -195,5 +203,5 @@ def _default(field: FieldInfo) -> str:
     if isinstance(default, bool):
         return "true" if default else "false"
     if isinstance(default, tuple):
-        return ", ".join(f"[{', '.join(f'{value:g}' for value in row)}]" for row in default)
+        return ", ".join(_list(row) if isinstance(row, tuple) else _number(row) for row in default)
     return f'"{default}"' if isinstance(default, str) else f"{default:g}"

@@ -17,8 +17,10 @@ import rollerrig as rr
 from rollerrig import _core
 from rollerrig.assembly import assemble
 from rollerrig.config.schema.pneumatics import ReservoirAir
+from rollerrig.config.schema.slide_protection import TableSlideProtection
 from rollerrig.contact_laws import shipped_table
 from rollerrig.core_struct import core_struct
+from rollerrig.mechatronics.setup import slide_protection
 
 Arguments = dict[str, Any]
 
@@ -166,6 +168,7 @@ class Examples:
             core_struct(_core.ReservoirAir, ReservoirAir(kind="reservoir", reservoir_pressure=8e5), without=("kind",)),
             _core.PulsePeriod(teeth=100.0, pitch_error=0.01, averaging_time=5e-3, timeout=0.3, clock=1e6),
             _core.PulseFrequency(teeth=100.0, pitch_error=0.01, gate_time=0.1),
+            slide_protection(TableSlideProtection(kind="threshold_table"), 0.46),
             _core.ForceSensor(bandwidth=100.0, noise=10.0, resolution=1.0, range=1e5),
             _core.AxleTorque(
                 wheelset=0, reaction=-1, torque=[(0.0, 0.0), (1.0, 100.0)], link=0.0, gear_ratio=1.0, rotor_inertia=0.0

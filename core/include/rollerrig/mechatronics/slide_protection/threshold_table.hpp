@@ -1,0 +1,111 @@
+// mechatronics/slide_protection/threshold_table.hpp - slide protection by a table over bands of slip and of acceleration.
+//
+//   relative slip -> band (row), acceleration of the axle -> band (column) -> [table] -> fill, hold, vent, or vent in steps
+//
+// The cycle of phases that passes through such a table, hold at the threshold of deceleration, vent at that of slip, hold while
+// the wheel regains speed, fill in steps, is that of anti-lock brakes:
+// Source  U. Kiencke, L. Nielsen, Automotive Control Systems, Springer (2005), control cycles of anti-lock braking. The table as a
+//         form and its numbers, for the slower air of railway brakes, are ours. It is not a certified device.
+#pragma once
+#include <cmath>
+#include <tuple>
+#include <vector>
+
+#include "rollerrig/fields.hpp"
+#include "rollerrig/mechatronics/dump_valve.hpp"
+#include "rollerrig/mechatronics/slide_protection/axle_observation.hpp"
+
+namespace rollerrig {
+
+struct ThresholdTable {
+  static constexpr char const* name = "threshold_table";
+
+  /// What an entry of the table says.
+  enum class Entry : int { fill, hold, vent, vent_in_steps };
+
+  double wheel_radius{};                  ///< assumed [m]
+  double reference_deceleration{};        ///< largest of the reference speed [m/s^2]
+  double filter_time{};                   ///< of the axles' acceleration [s]
+  double least_slip_reference{};          ///< below this reference speed slip is over it, not over the reference [m/s]
+  std::vector<double> slip_thresholds{};  ///< between the rows, ascending [-]
+  std::vector<double> acceleration_thresholds{};  ///< between the columns, ascending [m/s^2]
+  std::vector<int> entries{};      ///< entries row by row: least slip first, strongest deceleration first
+  double recovery_acceleration{};  ///< a released axle that gains speed slower has come to train speed [m/s^2]
+  double pulse_time{};             ///< stepwise filling after a slide, and venting in steps: open for this long ... [s]
+  double pulse_pause{};            ///< ... closed for this long [s]
+  double longest_vent{};           ///< after this the watchdog fills, whatever the table says [s]
+  double least_speed{};            ///< below it all valves fill [m/s]
+  double release_interval{};    ///< while all axles slide, one is released this often for the reference; 0: never [s]
+  double shortest_release{};    ///< [s]
+  double longest_release{};     ///< [s]
+  double least_deceleration{};  ///< of the reference between releases [m/s^2]
+  double regained_after{};      ///< without slip for this long, an axle counts as gripping again [s]
+
+  static constexpr auto fields() {
+    using P = ThresholdTable;
+    return std::tuple{Member{"wheel_radius", &P::wheel_radius, positive},
+                      Member{"reference_deceleration", &P::reference_deceleration},
+                      Member{"filter_time", &P::filter_time, not_negative},
+                      Member{"least_slip_reference", &P::least_slip_reference, positive},
+                      Member{"slip_thresholds", &P::slip_thresholds, not_negative},
+                      Member{"acceleration_thresholds", &P::acceleration_thresholds},
+                      Member{"entries", &P::entries, Range{0.0, 3.0, "0 to 3"}},
+                      Member{"recovery_acceleration", &P::recovery_acceleration},
+                      Member{"pulse_time", &P::pulse_time},
+                      Member{"pulse_pause", &P::pulse_pause},
+                      Member{"longest_vent", &P::longest_vent},
+                      Member{"least_speed", &P::least_speed},
+                      Member{"release_interval", &P::release_interval},
+                      Member{"shortest_release", &P::shortest_release},
+                      Member{"longest_release", &P::longest_release},
+                      Member{"least_deceleration", &P::least_deceleration},
+                      Member{"regained_after", &P::regained_after}};
+  }
+
+  /// One sample: new valve states.
+  void step(BrakedAxles& s, Measurements const& now, double period, PerAxle<double>& valve) const {
+    s.observe(*this, now, period);
+    for (int i = 0; i < now.axles; ++i) {
+      auto const k = static_cast<std::size_t>(i);
+      valve[k] = static_cast<double>(decide(s.axle[k], s.reference_speed(), s.reference.releases(i), period));
+    }
+  }
+
+  /// The entry for an axle with this slip and acceleration.
+  Entry entry(double slip, double acceleration) const {
+    std::size_t const row = band(slip_thresholds, slip), column = band(acceleration_thresholds, acceleration);
+    return static_cast<Entry>(entries[row * (acceleration_thresholds.size() + 1) + column]);
+  }
+
+ private:
+  static std::size_t band(std::vector<double> const& thresholds, double value) {
+    std::size_t found = 0;
+    while (found < thresholds.size() && value >= thresholds[found]) ++found;
+    return found;
+  }
+
+  DumpValve decide(BrakedAxle& axle, double reference, bool released, double period) const {
+    double const slip = (reference - axle.speed) / std::fmax(reference, least_slip_reference);
+    bool const grips = slip_thresholds.empty() || slip < slip_thresholds.front();
+    axle.grips_for = grips ? axle.grips_for + period : 0.0;
+    if (axle.grips_for > regained_after) axle.slid = false;
+    Entry const wanted = released ? Entry::vent : entry(slip, axle.acceleration);
+    axle.pulse_clock = axle.pulse_clock > pulse_time + pulse_pause ? 0.0 : axle.pulse_clock + period;
+    bool const pulse = axle.pulse_clock <= pulse_time;
+    DumpValve valve = DumpValve::hold;
+    if (reference < least_speed || axle.vents_for > longest_vent) {
+      valve = DumpValve::fill;
+      axle.slid = false;
+    } else if (wanted == Entry::vent || (wanted == Entry::vent_in_steps && pulse)) {
+      valve = DumpValve::vent;
+    } else if (wanted == Entry::fill && (pulse || !axle.slid)) {
+      valve = DumpValve::fill;
+    }
+    bool const vents = valve == DumpValve::vent;
+    axle.vents_for = vents ? axle.vents_for + period : 0.0;
+    axle.slid = axle.slid || vents;
+    return valve;
+  }
+};
+
+}  // namespace rollerrig
