@@ -168,8 +168,8 @@ TEST_CASE("derivatives of the patches are those of differences, along every dire
         auto const up = force(high), down = force(low);
         for (std::size_t k = 0; k < up.size(); ++k) {
           double const difference = (up[k] - down[k]) / (2.0 * h);
-          // Places are exact to 1e-13 m: 1e-5 in such a difference. Large yaw shows it.
-          double const noise = yaw0 > 10e-3 ? (k == 3 || k == 4 ? 0.1 : 0.0) : 0.0;
+          // Places are exact to 1e-13 m at large yaw and to 2e-15 m elsewhere: 1e-5 and 2e-7 in such a difference.
+          double const noise = k == 3 || k == 4 ? (yaw0 > 10e-3 ? 0.1 : 2e-3) : 0.0;
           CAPTURE(inverse_radius);
           CAPTURE(y);
           CAPTURE(i);
