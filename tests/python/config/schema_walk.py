@@ -177,6 +177,7 @@ def whole_cases() -> dict[str, Raw]:
     small = plain(load_case("contact_benchmark_rollers"))
     small["contact"]["friction"] = {"kind": "falling", "mu_0": 0.3, "A": 0.4, "B": 0.6}
     small["contact"]["creep"] = {"kind": "modified_fastsim"}
+    small["contact"]["normal"] = {"kind": "hertz"}
     small["similitude"] = {"case": "x", "strategy": "mmu", "length": 5, "time": 1, "density": 1}
     small["vehicle"]["data"]["wheel"]["profile"] = {"kind": "cone", "conicity": 0.025}
     ramp = plain(load_case("bogie_rollers_ramp"))
