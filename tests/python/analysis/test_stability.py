@@ -150,7 +150,12 @@ def test_all_crossings_are_told_with_their_modes() -> None:
 def test_actuators_do_not_change_the_vehicles_own_stability(bogie) -> None:
     """A case with actuators has the modes of its vehicle on the same rollers."""
     braked = load_case("adhesion_brake").with_changes({"contact.pure_rolling": True})
-    bare = bogie.with_changes({"contact.creepage_regularisation_speed": braked.contact.creepage_regularisation_speed})
+    bare = bogie.with_changes(
+        {
+            "contact.creepage_regularisation_speed": braked.contact.creepage_regularisation_speed,
+            "contact.creep": braked.contact.creep,
+        }
+    )
     own, plain = (stability(case, [180.0]) for case in (braked, bare))
     np.testing.assert_array_equal(own["damping"], plain["damping"])
 

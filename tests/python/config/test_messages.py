@@ -303,9 +303,9 @@ def test_each_key_of_a_divided_table_is_told_its_place(mistakes_of: MistakesOf) 
     [
         ('speed = "150 km/h"', 'speed = "150 km/h"\nspeed_kmh = 150',
          "case.toml: motion.speed_kmh: 150; allowed: one of `speed` and `speed_kmh`"),
-        ('method = "rk4"', 'method = "RK4"',
-         "case.toml: time.method: 'RK4'; allowed: rodas4, rk4, exponential_rk4, exponential_adams, "
-         "dormand_prince; did you mean 'rk4'?"),
+        ('method = "exponential_adams"', 'method = "Exponential_Adams"',
+         "case.toml: time.method: 'Exponential_Adams'; allowed: rodas4, rk4, exponential_rk4, exponential_adams, "
+         "dormand_prince; did you mean 'exponential_adams'?"),
         ('drive = "speed_controlled"', 'drive = "Speed_Controlled"',
          "case.toml: motion.drive: 'Speed_Controlled'; allowed: speed_controlled, free, torque; did you mean "
          "'speed_controlled'?"),

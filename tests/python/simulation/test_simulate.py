@@ -167,7 +167,7 @@ def test_leaving_the_model_is_named_with_time_and_wheel() -> None:
 def test_a_diverging_run_ends_with_a_status(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(simulation_module, "_check_fixed_step", lambda *_: None)  # it would have been refused
     run = rr.simulate(short_case(time__method="rk4", time__step="5 ms", time__output_step="5 ms"))
-    assert run.attrs["status"] == "not_finite"
+    assert run.attrs["status"] in ("not_finite", "off_profile")  # whichever is seen first
     assert 0 < run.sizes["time"] < 41
 
 
