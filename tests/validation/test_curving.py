@@ -118,6 +118,7 @@ def test_a_vehicle_that_lifts_its_wheels_is_told_with_place_and_quotient() -> No
             ],
             "motion.speed": "95 km/h",
             "time.duration": "6 s",
+            "contact.normal": "hertz",
         }
     )
     run = rr.simulate(case)

@@ -140,6 +140,9 @@ def test_rails_on_a_stiff_foundation_are_rigid_rails() -> None:
             "vehicle.body.car_body.locked": [],
             "support.irregularity.scale": 0.05,
             "time.duration": "0.6 s",
+            "contact.normal": "hertz",
+            "contact.creep": "kalker_saturated",
+            "time.method": "rk4",
             "time.step": "0.02 ms",
         }
     )

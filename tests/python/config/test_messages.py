@@ -108,11 +108,11 @@ PRIMARY = 'between = ["front_frame", "wheelset_1"]\npoint = [10.78, 1.0, 0.46]'
          "case.toml: contact.friction.mu_0: -0.1; allowed: a number, from 0 to 1.5"),
         ("case", "friction = 0.3", "friction = 1.6",
          "case.toml: contact.friction.mu_0: 1.6; allowed: a number, from 0 to 1.5"),
-        ("case", 'method = "rk4"', 'method = "rk5"',
+        ("case", 'method = "exponential_adams"', 'method = "rk5"',
          "case.toml: time.method: 'rk5'; allowed: rodas4, rk4, exponential_rk4, exponential_adams, "
          "dormand_prince; did you mean 'rk4'?"),
-        ("case", '\nstep = "0.25 ms"', "",
-         "case.toml: time.step: missing; needed: the step of the fixed-step method rk4, e.g. step = '0.1 ms'"),
+        ("case", '\nstep = "1 ms"', "",
+         "case.toml: time.step: missing; needed: the step of the fixed-step method exponential_adams, e.g. step = '0.1 ms'"),
         ("case", 'output_step = "2 ms"', 'output_step = "20 s"',
          "case.toml: time.output_step: '20 s'; allowed: at most the duration, 10 s"),
         # torque
@@ -166,7 +166,7 @@ def test_all_mistakes_of_all_files_come_at_once(folder: Path) -> None:
     for old, new in (
         ('"manchester_vehicle_1"', '"vehicle.toml"'),
         ('"full_scale_rig"', '"rig.toml"'),
-        ('"rk4"', '"rk"'),
+        ('"exponential_adams"', '"rk"'),
         ("friction", "fiction"),
         ("lateral", "sideways"),
     ):

@@ -47,7 +47,7 @@ def test_every_variant_is_a_case_and_a_case_without_slide_protection_has_none() 
 
 def test_pressure_and_lead_take_the_lag_away(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(module, "STARTS", 3)
-    monkeypatch.setattr(module, "DEAD_TIMES", (6e-3, 18e-3))
+    monkeypatch.setattr(module, "DEAD_TIMES", (10e-3, 30e-3))
     kept = ("no compensation", "pressure, and lead")
     monkeypatch.setattr(module, "VARIANTS", {label: VARIANTS[label] for label in kept})
     case = load_case("adhesion_brake")

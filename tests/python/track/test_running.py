@@ -58,7 +58,7 @@ def test_a_right_curve_is_the_mirror_of_a_left_one_and_the_energy_audit_closes()
         assert run.attrs["status"] == "ok"
         assert run.attrs["energy_relative_residual"] < 1e-6
     assert float(left["distance"][-1]) == pytest.approx(4.0 * SPEED)
-    # Rounding grows where patches come and go.
+    # Rounding grows where patches come and go, and where a step is halved or not.
     for name in ("lateral", "roll", "yaw"):
         size = float(np.abs(left[name]).max())
-        assert float(np.abs(left[name] + right[name]).max()) < 1e-4 * size
+        assert float(np.abs(left[name] + right[name]).max()) < 5e-4 * size
