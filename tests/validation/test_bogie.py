@@ -234,7 +234,7 @@ def reference_run() -> Run:
 
 @pytest.mark.parametrize(
     ("given", "tolerance"),
-    [  # largest difference [m, rad]; measured with ellipses: 2e-11, 5e-10, 3e-9, 3e-9 (steps across the kinks of the forces cost order)
+    [  # largest difference [m, rad]; measured with ellipses: 2e-11, 5e-10, 3e-9, 3e-9 (kinks cost order)
         ({"method": "rodas4", "tolerance": 1e-8}, 1e-9),
         ({"method": "dormand_prince", "tolerance": 1e-8}, 1e-8),
         ({"method": "rodas4", "tolerance": 1e-6}, 3e-8),
