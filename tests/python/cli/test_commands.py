@@ -87,7 +87,10 @@ def test_ctrl_c_keeps_what_was_computed(case: Path, tmp_path: Path) -> None:
         time.sleep(0.02)
     time.sleep(1.5)
     process.send_signal(signal.SIGINT)
-    _, errors = process.communicate(timeout=30)
+    try:
+        _, errors = process.communicate(timeout=30)
+    finally:
+        process.kill()
     assert process.returncode == 130, errors
     assert "interrupted" in errors
     run = rr.load_run(out / "run.nc")
