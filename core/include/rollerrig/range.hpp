@@ -47,7 +47,7 @@ inline constexpr Range positive{smallest_number, largest_number, "positive"};
 inline constexpr Range not_negative{0.0, largest_number, "finite and not negative"};
 inline constexpr Range positive_or_infinite{smallest_number, largest_number, "positive", false, true};
 inline constexpr Range fraction{0.0, 1.0, "between 0 and 1"};
-inline constexpr Range poissons_ratio{0.0, 0.5, "at least 0 and below 0.5"};
+inline constexpr Range poissons_ratio{0.0, 0.5, "between 0 and 0.5"};
 inline constexpr Range an_index{0.0, 2147483646.0, "an index from 0"};
 inline constexpr Range index_or_none{-1.0, 2147483646.0, "an index from 0, or -1 for none"};
 inline constexpr Range any_integer{0.0, 1.8446744073709552e19, "an integer", false, false, true};

@@ -105,13 +105,9 @@ class Row:
     def as_dict(self) -> dict[str, Any]:
         """For summary.json."""
         interval = self.value.interval
-        found = {"group": self.group, "verdict": self.verdict, "value": self.value.mean, "low": interval.low}
-        return found | {
-            "high": interval.high,
-            "target_low": self.low,
-            "target_high": self.high,
-            "target_from": self.origin,
-        }
+        found = {"group": self.group, "verdict": self.verdict, "value": self.value.mean}
+        found |= {"low": interval.low, "high": interval.high}
+        return found | {"target_low": self.low, "target_high": self.high, "target_from": self.origin}
 
 
 def verdict_rows(case: Case, track: Sequence[TestRecord], rig: Sequence[TestRecord]) -> list[Row]:
@@ -143,10 +139,7 @@ def verdict_of(rows: Sequence[Row], group: Group) -> Word:
 
 def verdict_table(rows: Sequence[Row]) -> Table:
     """The rows as the report shows them."""
-    lines = [
-        (SHOWN[row.verdict], row.group, row.text, row.value_text, row.target_text, row.origin)
-        for row in rows
-    ]  # fmt: skip
+    lines = [(SHOWN[row.verdict], row.group, row.text, row.value_text, row.target_text, row.origin) for row in rows]
     header = ("", "", "what", "mean of all starts (95 % interval)", "target", "where the target comes from")
     return Table(header, lines, "Verdict.")
 

@@ -27,6 +27,7 @@ from rollerrig.study.control_compensation import (
     compensation_numbers,
     compensation_text,
 )
+from rollerrig.study.control_held import held_blocks, held_jobs, held_numbers
 from rollerrig.study.control_ranking import (
     RIPPLE_CRITERION,
     RIPPLE_LIMIT,
@@ -49,13 +50,14 @@ from rollerrig.wording import percent
 
 @dataclass(frozen=True)
 class Found:
-    """Results of references and families, courses over time by label, points of the loop, compensations by label."""
+    """Results of references and families, courses over time by label, points of the loop, compensations, held wheels."""
 
     references: list[Result]
     results: list[Result]
     courses: dict[str, xr.Dataset]
     loop: list[dict[str, float]]
     compensation: dict[str, dict[str, float]] | None
+    held: dict[str, dict[str, float]] | None
 
 
 @dataclass(frozen=True)
@@ -66,7 +68,7 @@ class ControlStudy(Study[Found]):
         case: of `study_case`.
         families: names of FAMILIES; none: all.
         user: 'file.py:Class' of a controller to be compared with the built-in one.
-        loop: also find where the loop becomes unstable, computed and measured.
+        loop: also find where the loop becomes unstable, computed and measured, and what it does where a brake holds a wheel.
         lags: duration of the runs that compare ways to compensate the lags [s]; 0: none.
     """
 
@@ -140,7 +142,7 @@ class ControlStudy(Study[Found]):
         jobs = {_name(key): job(run_variant, case, key[0] == "references") for key, case in self.variants.items()}
         yield {
             **jobs,
-            **(loop_jobs(self.case) if self.loop else {}),
+            **({**loop_jobs(self.case), **held_jobs(self.case)} if self.loop else {}),
             **(compensation_jobs(self._whole) if self.lags else {}),
         }
         yield {f"course of {_name(key)}": job(run_variant, self.variants[key], True) for key in self._worst(done)}
@@ -176,6 +178,7 @@ class ControlStudy(Study[Found]):
             courses,
             sorted((done[n] for n in done if n.startswith("gains times ")), key=lambda point: point["factor"]),
             compensation_numbers(self._whole, done) if self.lags else None,
+            held_numbers(done),
         )
 
     # --------------------------------------------------------------------------------------------------- numbers
@@ -193,6 +196,7 @@ class ControlStudy(Study[Found]):
             "ranking": [rank_numbers(rank) for rank in self._ranking(results)],
             "loop": loop_numbers(self.case, results.loop) if results.loop else None,
             "compensation": results.compensation,
+            "held_wheel": results.held,
         }
 
     def _ranking(self, results: Found) -> list[Rank]:
@@ -242,6 +246,8 @@ class ControlStudy(Study[Found]):
             )
         if numbers["loop"] is not None:
             sections.append(Section("Stability of the loop", loop_blocks(numbers["loop"], results.loop)))
+        if numbers["held_wheel"] is not None:
+            sections.append(Section("A wheel held by its brake", held_blocks(numbers["held_wheel"], QUANTITIES)))
         return sections + [
             Section(f.title, [family_picture(self.case, f, results.results)])
             for f in self.chosen

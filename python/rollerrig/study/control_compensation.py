@@ -11,15 +11,14 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
-import numpy as np
-
 from rollerrig.actuators import assemble_with_actuators
 from rollerrig.config import Case
 from rollerrig.config.schema.rig_control import BandwidthEstimator
 from rollerrig.mechatronics.lags import lags
 from rollerrig.study.adhesion_variants import track_case
 from rollerrig.study.control_variants import Changes
-from rollerrig.study.ensemble import estimate, starts
+from rollerrig.study.dead_time import measured_dead_time
+from rollerrig.study.ensemble import Estimate, estimate, starts
 from rollerrig.study.jobs import Done, Progress, Round, job, whole_run
 from rollerrig.study.quantities import Numbers, Quantities, Quantity
 from rollerrig.study.report import Block, Table, Text
@@ -118,31 +117,20 @@ def compensation_numbers(case: Case, done: Done) -> dict[str, dict[str, float]] 
         if label in VARIANTS:
             numbers["predicted_ms"] = 1e3 * lags(assemble_with_actuators(one)).dead_time
         found[label] = numbers
-    added = (0.0, *(1e3 * seconds for seconds in DEAD_TIMES))
-    tracks = [found[label] for label in (TRACK, *map(_later, DEAD_TIMES))] if found else []
-    for milliseconds, numbers in zip(added, tracks, strict=bool(found)):
-        numbers["predicted_ms"] = milliseconds
+    if not found:
+        return None
+    tracks = {0.0: found[TRACK], **{seconds: found[_later(seconds)] for seconds in DEAD_TIMES}}
+    for seconds, numbers in tracks.items():
+        numbers["predicted_ms"] = 1e3 * seconds
+    curve = {seconds: _cycles(numbers) for seconds, numbers in tracks.items()}
     for numbers in found.values():
-        numbers["measured_ms"], numbers["measured_ms_standard_error"] = dead_time(numbers, tracks, added)
-    return found or None
+        like = measured_dead_time(_cycles(numbers), curve)
+        numbers["measured_ms"], numbers["measured_ms_standard_error"] = 1e3 * like.mean, 1e3 * like.standard_error
+    return found
 
 
-def dead_time(numbers: Numbers, tracks: list[dict[str, float]], added: tuple[float, ...]) -> tuple[float, float]:
-    """Dead time at which the track has as many dump cycles, on a line between the two dead times beside it, and its error [ms].
-
-    On the first line also before its begin: a rig may be ahead. NaN beyond the last one.
-    """
-    cycles = np.array([track["dump_cycles"] for track in tracks])
-    errors = np.array([track["dump_cycles_standard_error"] for track in tracks])
-    own, error = numbers["dump_cycles"], numbers["dump_cycles_standard_error"]
-    falls = np.flatnonzero(cycles[1:] <= own)
-    if not falls.size:
-        return math.nan, math.nan
-    k = int(falls[0])
-    slope = (added[k + 1] - added[k]) / (cycles[k + 1] - cycles[k])
-    part = (own - cycles[k]) / (cycles[k + 1] - cycles[k])
-    spread = math.hypot(error, (1.0 - part) * errors[k], part * errors[k + 1])
-    return float(added[k] + slope * (own - cycles[k])), float(abs(slope) * spread)
+def _cycles(numbers: Numbers) -> Estimate:
+    return Estimate(numbers["dump_cycles"], numbers["dump_cycles_standard_error"], STARTS - 1.0)
 
 
 def compensation_blocks(numbers: Numbers, quantities: Quantities) -> list[Block]:

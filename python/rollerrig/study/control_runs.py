@@ -15,6 +15,7 @@ from rollerrig.analysis.torque_ripple import RIPPLE_ABOVE, torque_ripple
 from rollerrig.analysis.tracking import largest, rms, slip, tracking
 from rollerrig.config import Case
 from rollerrig.study.control_compensation import COMPENSATION
+from rollerrig.study.control_held import HELD_QUANTITIES
 from rollerrig.study.control_stability import LOOP_QUANTITIES
 from rollerrig.study.jobs import Progress, whole_run
 from rollerrig.study.quantities import Quantities, Quantity
@@ -56,6 +57,7 @@ QUANTITIES = Quantities(
              "of the values tried; the largest error and where"),
     LOOP_QUANTITIES,
     COMPENSATION,
+    HELD_QUANTITIES,
 )  # fmt: skip
 REFERENCE_COLUMNS = ("status", "tracking_rms", "tracking_largest", "real_sliding_largest_mps", "roller_torque_largest_nm",
                      "ripple_nm", "distance_relative", "dump_cycles", "air_litres")  # fmt: skip

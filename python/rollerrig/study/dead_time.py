@@ -1,6 +1,6 @@
-"""Equivalent dead time, measured: with how much more dead time of its slide protection the track runs as far as the rig.
+"""Equivalent dead time, measured: with how much more dead time of its slide protection the track does as the rig does.
 
-Case of a rig -> [later_protection] -> cases on track -> ensembles of distances -> [measured_dead_time] -> Estimate [s]
+Case of a rig -> [later_protection] -> cases on track -> ensembles of a number -> [measured_dead_time] -> Estimate [s]
 """
 
 from __future__ import annotations
@@ -43,14 +43,14 @@ def dead_times(case: Case, predicted: DeadTime | None) -> tuple[float, ...]:
 
 
 def measured_dead_time(rig: Estimate, track: Mapping[float, Estimate]) -> Estimate:
-    """Additional dead time [s] with which the track has the rig's mean distance.
+    """Additional dead time [s] with which the track has the rig's mean number: its distance, or its ventings.
 
     Args:
-        rig: distance on the rig.
-        track: additional dead time [s] -> distance on track, 0 among them.
+        rig: that number of the rig.
+        track: additional dead time [s] -> the same on track, 0 among them.
 
     Returns:
-        By linear interpolation between two ensembles; NaN where the rig's distance is outside all of the track's.
+        By linear interpolation between two ensembles; NaN where the rig's number is outside all of the track's.
     """
     found, slope = at_track_of(rig.mean, {delay: one.mean for delay, one in track.items()})
     if not math.isfinite(found):

@@ -5,11 +5,11 @@ import pytest
 import xarray as xr
 
 from rollerrig import simulate
-from rollerrig.actuators import friction_brake
 from rollerrig.analysis.control_loop import creep_slope, loop_of
 from rollerrig.analysis.loop_stability import growth, rolling_plant
 from rollerrig.analysis.torque_ripple import torque_ripple
 from rollerrig.config import Case, load_case
+from rollerrig.study.control_held import held_growth
 
 LOCKED = slice(12.0, 25.0)
 """Both wheels stand by then, and the train still runs [s]."""
@@ -56,16 +56,10 @@ def test_reaction_of_the_brake_closes_a_loop_that_rings() -> None:
     """The cause: with the locked wheel's torque taken for one that turns the virtual wheel, the linear loop is unstable, and the
     run rings at its frequency."""
     case = unprotected("kalman", **{"rig_control.locked_speed": "1e-6 m/s", **AS_ESTIMATED})
-    assert case.brake is not None
-    loop = loop_of(
-        case, creep_slope(case) * case.motion.speed / case.contact.creepage_regularisation_speed, sliding=True
-    )
-    assert loop is not None
-    pressure = max(row[1] for row in case.brake.demand)
-    speed = 1e-4
-    holds = -friction_brake(case.brake).torque(pressure, speed) / speed
-    rate, frequency = growth(loop, rolling_plant(loop.real, loop.creep, holds))
+    rate, frequency = held_growth(case)
     assert rate > 1.0
+    loop = loop_of(case, creep_slope(case), sliding=True)
+    assert loop is not None
     assert growth(loop, rolling_plant(loop.real, loop.creep))[0] < 0.0, "the turning wheel is stable"
     part = simulate(case).sel(time=LOCKED)
     ripple, measured = torque_ripple(part["time"].to_numpy(), part["roller_torque"].to_numpy())

@@ -2,37 +2,14 @@
 
 from __future__ import annotations
 
-import math
-
 import pytest
 
 from rollerrig import load_case
 from rollerrig.study import control_compensation as module
 from rollerrig.study.control import study_case
-from rollerrig.study.control_compensation import VARIANTS, compensation_cases, dead_time
-
-
-def ensemble(cycles: float, error: float = 0.0) -> dict[str, float]:
-    return {"dump_cycles": cycles, "dump_cycles_standard_error": error}
-
-
-TRACKS = [ensemble(300.0), ensemble(260.0), ensemble(200.0)]
-ADDED = (0.0, 4.0, 10.0)
-
-
-@pytest.mark.parametrize(
-    ("cycles", "milliseconds"), [(300.0, 0.0), (280.0, 2.0), (260.0, 4.0), (230.0, 7.0), (310.0, -1.0), (200.0, 10.0)]
-)
-def test_dead_time_is_read_on_the_track_s_line(cycles: float, milliseconds: float) -> None:
-    assert dead_time(ensemble(cycles), TRACKS, ADDED)[0] == pytest.approx(milliseconds)
-
-
-def test_its_error_is_that_of_the_rig_and_of_the_tracks_beside_it() -> None:
-    """10 dump cycles a millisecond: an error of 5 of the rig is half a millisecond."""
-    assert dead_time(ensemble(280.0, 5.0), TRACKS, ADDED)[1] == pytest.approx(0.5)
-    uncertain = [ensemble(300.0, 6.0), ensemble(260.0, 8.0), ensemble(200.0)]
-    assert dead_time(ensemble(280.0), uncertain, ADDED)[1] == pytest.approx(math.hypot(3.0, 4.0) / 10.0)
-    assert all(map(math.isnan, dead_time(ensemble(150.0), TRACKS, ADDED)))  # beyond what was run
+from rollerrig.study.control_compensation import VARIANTS, compensation_cases
+from rollerrig.study.dead_time import measured_dead_time
+from rollerrig.study.ensemble import Estimate
 
 
 def test_every_variant_is_a_case_and_a_case_without_slide_protection_has_none() -> None:
@@ -64,5 +41,10 @@ def test_pressure_and_lead_take_the_lag_away(monkeypatch: pytest.MonkeyPatch) ->
     )  # of three starts, between two dead times of the track
     assert best["predicted_ms"] == pytest.approx(0.0, abs=1e-9)
     assert abs(best["measured_ms"]) < 3.0
+    # Ventings on the track's line, as the adhesion study reads distances on it.
+    tracks = {d: numbers["track" if not d else f"track, {1e3 * d:g} ms more dead time"] for d in (0.0, 10e-3, 30e-3)}
+    curve = {d: Estimate(one["dump_cycles"], one["dump_cycles_standard_error"], 2.0) for d, one in tracks.items()}
+    own = Estimate(none["dump_cycles"], none["dump_cycles_standard_error"], 2.0)
+    assert none["measured_ms"] == pytest.approx(1e3 * measured_dead_time(own, curve).mean)
     assert "acts like a track" in module.compensation_text(numbers)
     assert module.compensation_numbers(case, {}) is None
