@@ -29,13 +29,17 @@ COMMANDS = {
 """Command -> its words; CASE and LATERAL are short cases written for the test."""
 ALONE = {"creep"}
 """Without --processes: run twice as it is; so are `run` and `conicity` in their own tests."""
+MANY_RUNS = {"lateral", "scale", "compare"}
+"""Ten seconds and more of runs and files each; they take the same way to their files as the others."""
 
 
 def files(folder: Path) -> dict[str, bytes]:
     return {path.relative_to(folder).as_posix(): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
 
 
-@pytest.mark.parametrize("command", COMMANDS)
+@pytest.mark.parametrize(
+    "command", [pytest.param(name, marks=[pytest.mark.long] if name in MANY_RUNS else []) for name in COMMANDS]
+)
 def test_identical_commands_write_identical_bytes(command: str, tmp_path: Path) -> None:
     short = {"time.duration": "1 s"}
     (tmp_path / "case.toml").write_text(rr.load_case("adhesion_brake").with_changes(short).to_toml())
