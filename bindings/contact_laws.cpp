@@ -82,6 +82,13 @@ auto friction_over_slip(FrictionLaw const& law, Column const& slip) {
   return owned_array<nb::ndim<1>>(std::move(out), {n});
 }
 
+auto rail_friction(AdhesionMap const& map, Column const& at) {
+  std::size_t const n = at.shape(0);
+  std::vector<double> out(n);
+  for (std::size_t i = 0; i < n; ++i) out[i] = map(at(i), 0.0, 0.0).friction;
+  return owned_array<nb::ndim<1>>(std::move(out), {n});
+}
+
 auto creep_forces(Rows3 const& creepage, double a, double b, double load, double friction, double shear_modulus,
                   double poisson_ratio, CreepLaw const& law, double direction,
                   std::optional<std::array<double, 2>> const& reduction) {
@@ -176,6 +183,9 @@ void bind_contact_laws(nb::module_& m) {
                &creepage_units, aspect, poisson);
   def_function(m, "friction_at", "Friction coefficient per slip velocity [m/s], (A1).", &friction_over_slip,
                Argument{"law"}, Argument{"slip"});
+  def_function(m, "rail_friction",
+               "Friction at no slip of a rail that nothing has cleaned, per place [m] or time [s] of its map.",
+               &rail_friction, Argument{"map"}, Argument{"at"});
   m.def("creep_forces", &creep_forces, "creepage"_a, "a"_a, "b"_a, "load"_a, "friction"_a, "shear_modulus"_a,
         "poisson_ratio"_a, "law"_a, "direction"_a = 1.0, "reduction"_a = nb::none(),
         "T_x, T_y [N], M_sp [N m] on the wheel and the saturation, per row of creepage; on a rail with a reduction "

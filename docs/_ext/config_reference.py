@@ -16,18 +16,18 @@ Schema = dict[str, Any]
 
 def write_reference(app: Sphinx) -> None:
     """Write the tables that reference/configuration.md includes."""
-    from rollerrig.config import Case
+    from rollerrig.config import Case, Programme
 
     target = Path(app.srcdir) / "reference" / "generated" / "configuration.md"
-    text = "\n".join(reference(Case.model_json_schema()))
+    text = "\n".join(reference(Case.model_json_schema(), Programme.model_json_schema()))
     target.parent.mkdir(exist_ok=True)
     if not target.is_file() or target.read_text() != text:  # an unchanged file keeps its date: no rebuild
         target.write_text(text)
 
 
-def reference(case: Schema) -> list[str]:
+def reference(case: Schema, programme: Schema) -> list[str]:
     """The whole reference as lines of MyST Markdown: one section per kind of file, one table per TOML table."""
-    tables: dict[str, Schema] = {"Case": case, **case["$defs"]}
+    tables: dict[str, Schema] = {"Case": case, **case["$defs"], "Programme": programme, **programme["$defs"]}
     profiles = list(references(tables["Wheel"]["properties"]["profile"]))
     sections = {
         "Case file": ["Case"],
@@ -35,6 +35,7 @@ def reference(case: Schema) -> list[str]:
         "Support file": [name for name in ("Rig", "Track") if name in tables],
         "Profiles": profiles,
         "Materials": ["Material"],
+        "Programme file": ["Programme"],
     }
     roots = {name for names in sections.values() for name in names}
     written: set[str] = set()

@@ -4,7 +4,7 @@
                       -> stability, critical_speed, limit_cycle -> xarray.Dataset
     run -> wheel_forces -> Y, Q, Y/Q, wear number
                       -> envelope -> xarray.Dataset
-    adhesion, control, lateral, compare, scale -> Outcome -> write(folder)
+    adhesion, wsp, control, lateral, compare, scale -> Outcome -> write(folder)
 
 Every command of the command line is a function here, under the same name; `plot` draws what they return. Names are loaded when
 first used, so that `import rollerrig` costs nothing. No public object has the name of a module.
@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from rollerrig.commands import limit_cycle as limit_cycle
     from rollerrig.commands import paper as paper
     from rollerrig.commands import scale as scale
+    from rollerrig.commands import wsp as wsp
     from rollerrig.config import Case as Case
     from rollerrig.config import ConfigError as ConfigError
     from rollerrig.config import load_case as load_case
@@ -73,6 +74,7 @@ _HOME = {
     "simulate": "simulation",
     "stability": "analysis.mode_table",
     "wheel_forces": "analysis.wheel_rail_forces",
+    "wsp": "commands",
 }
 """Public name -> module that defines it."""
 

@@ -19,7 +19,7 @@ import xarray as xr
 from rollerrig.analysis.parallel import Progress
 from rollerrig.analysis.speed_map import SPEEDS_KMH
 from rollerrig.cases import as_case
-from rollerrig.config import Case
+from rollerrig.config import Case, Programme, load_programme
 
 if TYPE_CHECKING:
     from rollerrig.study.frame import Outcome, Study
@@ -175,6 +175,35 @@ def adhesion(
     from rollerrig.study.adhesion import AdhesionStudy
 
     return _outcome(AdhesionStudy(as_case(case), error_budget, quick), processes, progress)
+
+
+def wsp(
+    case: Case | str,
+    programme: Programme | str = "slide_protection_stops",
+    *,
+    starts: int = 0,
+    quick: bool = False,
+    processes: int = 1,
+    progress: Progress | None = None,
+) -> Outcome[Any]:
+    """A test programme for wheel slide protection: a series of stops on track and on the rig, judged by limits.
+
+    Args:
+        case: on rollers with [brake], [slide_protection] and [rig_control].
+        programme: stops and limits, or its name in the catalogue or file.
+        starts: tests of each stop on each support; 0: as many as the programme needs for a verdict.
+        quick: two starts of the first two stops, to see that everything works.
+        processes: runs at a time; more than 1 asks a script for `if __name__ == "__main__":`.
+        progress: called with the fraction done and a short text.
+
+    Raises:
+        ConfigError: the case has nothing to test, or cannot do a stop.
+        StartError: a case finds no equilibrium to start from.
+    """
+    from rollerrig.study.wsp import WspStudy
+
+    found = programme if isinstance(programme, Programme) else load_programme(programme)
+    return _outcome(WspStudy(as_case(case), found, starts, quick), processes, progress)
 
 
 def control(

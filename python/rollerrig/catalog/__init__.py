@@ -1,4 +1,6 @@
-"""Vehicles, rigs, tracks, materials, profiles and cases that ship, each a TOML file that says where its data come from.
+"""Vehicles, rigs, tracks, materials, profiles, cases and test programmes that ship.
+
+Each is a TOML file that says where its data come from.
 
 Every entry can be copied to a file and edited: what it refers to by name is found in the catalogue from there too.
 """

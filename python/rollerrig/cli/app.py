@@ -18,6 +18,7 @@ COMMANDS = (
     "stability",
     "compare",
     "adhesion",
+    "wsp",
     "control",
     "lateral",
     "scale",

@@ -9,10 +9,10 @@ import xarray as xr
 from rollerrig.assembly import AssembledModel, assemble
 from rollerrig.cli.describe_actuators import actuator_lines
 from rollerrig.cli.describe_track import irregularity_lines, line_rows
-from rollerrig.config import Case, Element, Material, ProfileSpec, Rig, Track, Vehicle
+from rollerrig.config import Case, Element, Material, ProfileSpec, Programme, Rig, Track, Vehicle
 from rollerrig.starting_state import degrees_of_freedom, equilibrium_dataset
 
-Part = Vehicle | Rig | Track | Material | ProfileSpec
+Part = Vehicle | Rig | Track | Material | ProfileSpec | Programme
 
 
 def describe_case(case: Case, *, run_code: bool = False) -> list[str]:
@@ -47,7 +47,7 @@ def describe_case(case: Case, *, run_code: bool = False) -> list[str]:
 
 
 def describe_part(part: Part) -> list[str]:
-    """A line or two about a vehicle, a support, a material or a profile."""
+    """A line or two about a vehicle, a support, a material, a profile or a test programme."""
     match part:
         case Vehicle():
             total = sum(body.mass for body in part.body)
@@ -65,6 +65,10 @@ def describe_part(part: Part) -> list[str]:
             return lines + _table_of(line_rows(part))
         case Material():
             return [f"G = {part.shear_modulus / 1e9:g} GPa, Poisson's ratio {part.poisson_ratio:g}"]
+        case Programme():
+            kinds = [stop.kind for stop in part.stop]
+            stops = ", ".join(f"{kinds.count(kind)} {kind}" for kind in dict.fromkeys(kinds))
+            return [f"{part.name}: {len(kinds)} stops ({stops}) of {part.starts} starts, {len(part.limit)} limits"]
         case _:
             return [f"profile of kind {part.arguments()['kind']}"]
 

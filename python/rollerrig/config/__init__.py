@@ -13,6 +13,7 @@ from rollerrig.config.load.case import (
     load_case,
     load_material,
     load_profile,
+    load_programme,
     load_support,
     load_vehicle,
 )
@@ -40,6 +41,7 @@ from rollerrig.config.schema.irregularity import MeasuredIrregularity, SpectrumI
 from rollerrig.config.schema.material import Material
 from rollerrig.config.schema.mounting import AngularSupport, Foundation, LinearSupport, Mounting, Restraint
 from rollerrig.config.schema.profile import S1002, Arc, Cone, Cylinder, ProfileFile, ProfileSpec, Uic60
+from rollerrig.config.schema.programme import CRITERIA, Limit, Programme
 from rollerrig.config.schema.rig_control import RigControl
 from rollerrig.config.schema.sensors import Encoder, ForceSensor, Sensors
 from rollerrig.config.schema.similitude import ScaledFrom
@@ -62,6 +64,7 @@ from rollerrig.config.write.reference import json_schema, reference_markdown
 
 __all__ = [
     "CONDITIONS",
+    "CRITERIA",
     "GRAVITY",
     "S1002",
     "Adhesion",
@@ -88,6 +91,7 @@ __all__ = [
     "Encoder",
     "ForceSensor",
     "Foundation",
+    "Limit",
     "LinearLaw",
     "LinearSupport",
     "Material",
@@ -98,6 +102,7 @@ __all__ = [
     "Piece",
     "ProfileFile",
     "ProfileSpec",
+    "Programme",
     "Restraint",
     "Rig",
     "RigControl",
@@ -126,6 +131,7 @@ __all__ = [
     "load_case",
     "load_material",
     "load_profile",
+    "load_programme",
     "load_support",
     "load_vehicle",
     "reference_markdown",

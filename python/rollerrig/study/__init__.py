@@ -12,6 +12,7 @@ _HOME = {
     "StabilityStudy": "stability",
     "CompareStudy": "compare",
     "AdhesionStudy": "adhesion",
+    "WspStudy": "wsp",
     "ControlStudy": "control",
     "LateralStudy": "lateral",
     "EnvelopeStudy": "envelope",

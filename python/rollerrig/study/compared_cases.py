@@ -69,7 +69,7 @@ def _base(source: str, allow_code: bool) -> Case | Vehicle:
     raise ConfigError([ConfigProblem(source, "", f"a {kind}, not a vehicle", needed)])
 
 
-_KINDS = ("vehicle", "support", "profile", "material", "case")
+_KINDS = ("vehicle", "support", "profile", "material", "case", "programme")
 
 
 def _support(name: str, base: Case | Vehicle) -> dict[str, Any]:

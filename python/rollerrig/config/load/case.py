@@ -18,6 +18,7 @@ from rollerrig.config.load.resolve import (
     relative_to,
     resolve_material,
     resolve_profile,
+    resolve_programme,
     resolve_support,
     resolve_vehicle,
 )
@@ -27,6 +28,7 @@ from rollerrig.config.schema.base import Table
 from rollerrig.config.schema.case import CaseTables, SupportChoice, VehicleChoice
 from rollerrig.config.schema.material import Material
 from rollerrig.config.schema.profile import ProfileRoot, ProfileSpec
+from rollerrig.config.schema.programme import Programme
 from rollerrig.config.schema.support import Rig
 from rollerrig.config.schema.track import Track
 from rollerrig.config.schema.units import AS_WRITTEN
@@ -153,6 +155,11 @@ def load_material(source: str | Path) -> Material:
     return _whole(*resolve_material(read_document("material", source)))
 
 
+def load_programme(source: str | Path) -> Programme:
+    """Read a test programme by catalogue name or path; raises ConfigError with all mistakes."""
+    return _whole(*resolve_programme(read_document("programme", source)))
+
+
 def load_profile(source: str | Path, kind: Literal["wheel", "rail"] | None = None) -> ProfileSpec:
     """Read a profile specification by catalogue name or path; raises ConfigError with all mistakes.
 
@@ -169,7 +176,7 @@ def load_profile(source: str | Path, kind: Literal["wheel", "rail"] | None = Non
 
 def load_any(
     source: str | Path, *, allow_code: bool = False
-) -> tuple[CatalogKind, Case | Vehicle | Rig | Track | Material | ProfileSpec]:
+) -> tuple[CatalogKind, Case | Vehicle | Rig | Track | Material | ProfileSpec | Programme]:
     """Read a catalogue entry or file of any kind and say which it is by its keys.
 
     Args:
@@ -192,6 +199,8 @@ def load_any(
             return kind, _whole(*resolve_material(document))
         case "profile":
             return kind, load_profile(source)
+        case "programme":
+            return kind, _whole(*resolve_programme(document))
     return kind, build_case(document, own_folder=document.folder, allow_code=allow_code)
 
 
@@ -199,6 +208,8 @@ def _kind_of(raw: Mapping[str, Any]) -> CatalogKind:
     """What a document is meant to be; a case if nothing tells."""
     if raw.keys() & {"vehicle", "motion", "time"}:
         return "case"
+    if raw.keys() & {"stop", "limit"}:
+        return "programme"
     if raw.keys() & {"body", "wheel", "element"}:
         return "vehicle"
     if raw.keys() & {"poisson_ratio", "young_modulus", "shear_modulus"}:

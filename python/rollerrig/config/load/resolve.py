@@ -11,10 +11,12 @@ from rollerrig.config.errors import ConfigError, ConfigProblem, nearest, show_va
 from rollerrig.config.read.document import NO_SUCH_FILE, Document, read_document
 from rollerrig.config.read.library import CatalogKind, catalog_names
 from rollerrig.config.schema.material import Material
+from rollerrig.config.schema.programme import Programme
 from rollerrig.config.schema.support import Rig, SupportRoot
 from rollerrig.config.schema.track import Track
 from rollerrig.config.schema.vehicle import Vehicle
 from rollerrig.config.validate.check_profile import check_gauge, check_profile
+from rollerrig.config.validate.check_programme import check_programme
 from rollerrig.config.validate.check_track import check_line, check_measured_file
 from rollerrig.config.validate.check_vehicle import check_vehicle, check_vehicle_names
 from rollerrig.config.validate.messages import validate
@@ -60,6 +62,14 @@ def resolve_support(document: Document) -> tuple[Rig | Track | None, Problems]:
 def resolve_material(document: Document) -> tuple[Material | None, Problems]:
     """A material from its raw tables."""
     return validate(Material, document.raw, document.file)
+
+
+def resolve_programme(document: Document) -> tuple[Programme | None, Problems]:
+    """A test programme from its raw tables."""
+    programme, problems = validate(Programme, document.raw, document.file)
+    if programme is not None:
+        problems += check_programme(programme, document.file)
+    return (None if problems else programme), problems
 
 
 def refer(kind: CatalogKind, name: str, document: Document, key: str) -> tuple[Document | None, Problems]:

@@ -221,8 +221,8 @@ class Quantity:
 
     def __get_pydantic_json_schema__(self, _schema: CoreSchema, _handler: GetJsonSchemaHandler) -> dict[str, Any]:
         """A number or a text, with the unit and the bounds beside it."""
-        most = self.most if self.bare is None else self.bare
-        number = {"type": "number", "minimum": max(self.least, -most), "maximum": most}
+        least, most = (self.least, self.most) if self.bare is None else (max(self.least, -self.bare), self.bare)
+        number = {"type": "number", "minimum": least, "maximum": most}
         return {"anyOf": [number, {"type": "string"}], "x-unit": self.unit, "x-range": [self.least, self.most]}
 
 

@@ -12,6 +12,7 @@ from rollerrig.config.schema.base import INSTEAD_OF, quantity_of
 from rollerrig.config.schema.case import CaseTables
 from rollerrig.config.schema.material import Material
 from rollerrig.config.schema.profile import S1002, Arc, Cone, Cylinder, ProfileFile, ProfileRoot, Uic60
+from rollerrig.config.schema.programme import Programme
 from rollerrig.config.schema.support import Rig, SupportRoot
 from rollerrig.config.schema.track import Track
 from rollerrig.config.schema.units import KEY_SUFFIXES
@@ -24,6 +25,7 @@ _ROOTS: dict[CatalogKind, type[BaseModel]] = {
     "support": SupportRoot,
     "material": Material,
     "profile": ProfileRoot,
+    "programme": Programme,
 }
 
 _CHAPTERS: tuple[tuple[str, tuple[type[BaseModel], ...]], ...] = (
@@ -32,6 +34,7 @@ _CHAPTERS: tuple[tuple[str, tuple[type[BaseModel], ...]], ...] = (
     ("Support file", (Rig, Track)),
     ("Material file", (Material,)),
     ("Profile", (S1002, Cone, Uic60, Cylinder, Arc, ProfileFile)),
+    ("Programme file", (Programme,)),
 )
 
 _INTRODUCTION = """\

@@ -1,0 +1,243 @@
+"""A test programme for wheel slide protection: the stops, and the limits that they are judged by."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Annotated, Any, Literal
+
+from pydantic import Discriminator, Field, ValidationInfo, field_validator, model_validator
+from pydantic_core import PydanticCustomError
+
+from rollerrig.config.schema.adhesion import Adhesion, AnyCondition, Piece
+from rollerrig.config.schema.base import Table, refused
+from rollerrig.config.schema.pneumatics import Pressure
+from rollerrig.config.schema.units import Quantity, RunningSpeed
+from rollerrig.config.schema.vehicle import Name
+
+Length = Annotated[float, Quantity("m", 1e-3, 1e5)]
+Count = Annotated[int, Field(ge=4, le=100)]
+
+
+class BrakedRun(Table):
+    """What every stop of a programme has."""
+
+    name: Name = Field(description="of the stop, for limits and files")
+    description: str = Field(default="", description="one line about it")
+    speed: RunningSpeed = Field(description="at the demand for braking")
+    pressure: Pressure | None = Field(
+        default=None,
+        description="demanded cylinder pressure over the ambient; absent: the largest that the case demands",
+    )
+    duration: Annotated[float, Quantity("s", 1.0, 1e4)] = Field(
+        default=120.0, description="longest; where the train has not stopped by then nothing is decided"
+    )
+    rail: AnyCondition = Field(description="condition of the rail at the start: dry, wet, low, very_low, or a table")
+
+    @property
+    def stops(self) -> bool:
+        """Whether the train is to come to a stop."""
+        return True
+
+    @property
+    def falls(self) -> float:
+        """Gradient of the line, positive uphill [-]."""
+        return 0.0
+
+    def pieces(self) -> tuple[Piece, ...]:
+        """Where the rail changes."""
+        return ()
+
+
+class UniformStop(BrakedRun):
+    """The same rail all the way."""
+
+    kind: Literal["uniform"] = Field(description="the same rail all the way")
+
+
+class SteppedStop(BrakedRun):
+    """A rail whose condition changes along the way, under all axles."""
+
+    kind: Literal["steps"] = Field(description="the rail changes along the way")
+    piece: tuple[Piece, ...] = Field(min_length=1, max_length=1000, description="where it changes, as in [adhesion]")
+    blend: Annotated[float, Quantity("m", 0.0, 1e3)] = Field(
+        default=0.0, description="length over which one condition passes into the next"
+    )
+
+    def pieces(self) -> tuple[Piece, ...]:
+        """Where the rail changes."""
+        return self.piece
+
+    @model_validator(mode="after")
+    def _pieces_in_order(self) -> "SteppedStop":
+        if any(piece.distance is None for piece in self.piece):
+            raise refused("piece", "allowed: each piece with `distance`")
+        Adhesion(rail=self.rail, piece=self.piece, blend=self.blend)
+        return self
+
+
+class PatchStop(BrakedRun):
+    """Short patches of another rail, each shorter than the axles' spacing: one axle at a time is on one."""
+
+    kind: Literal["patches"] = Field(description="short patches, under one axle at a time")
+    patch: AnyCondition = Field(description="condition of the patches")
+    length: Length = Field(description="of a patch; less than the least spacing of the axles")
+    spacing: Length = Field(description="from the beginning of a patch to that of the next one")
+    first: Length = Field(default=20.0, description="distance of the first one")
+    count: Annotated[int, Field(ge=1, le=400)] = Field(default=10, description="of patches")
+
+    def pieces(self) -> tuple[Piece, ...]:
+        """Where the rail changes: in and out of each patch."""
+        begins = [self.first + k * self.spacing for k in range(self.count)]
+        return tuple(
+            piece
+            for begin in begins
+            for piece in (
+                Piece(distance=begin, rail=self.patch),
+                Piece(distance=begin + self.length, rail=self.rail),
+            )
+        )
+
+    @model_validator(mode="after")
+    def _patches_apart(self) -> "PatchStop":
+        if not self.spacing > self.length:
+            raise refused("spacing", f"allowed: more than the length of a patch, {self.length:g} m")
+        return self
+
+
+class DragBraking(BrakedRun):
+    """Braking for a time on a falling line, which keeps the train running."""
+
+    kind: Literal["drag"] = Field(description="braking for a time on a falling line; the train need not stop")
+    gradient: Annotated[float, Quantity("1", -0.1, 0.0)] = Field(description="of the line, negative: it falls")
+
+    @property
+    def stops(self) -> bool:
+        """Whether the train is to come to a stop."""
+        return False
+
+    @property
+    def falls(self) -> float:
+        """Gradient of the line, positive uphill [-]."""
+        return self.gradient
+
+
+AnyStop = Annotated[UniformStop | SteppedStop | PatchStop | DragBraking, Discriminator("kind")]
+CriterionName = Literal[
+    "k_wet",
+    "increase_over_dry",
+    "distance",
+    "mean_deceleration",
+    "adhesion_utilisation",
+    "longest_lock",
+    "flat_length",
+    "large_slip_share",
+    "air",
+    "ventings",
+]
+
+
+@dataclass(frozen=True)
+class Criterion:
+    """What a limit may be set for.
+
+    Attributes:
+        quantity: unit and range of the limit.
+        least: whether it is the least that is allowed, else the most.
+        every: whether each test must keep it, else the mean of all.
+        of_a_stop: whether it is defined only for a train that comes to a stop.
+    """
+
+    quantity: Quantity
+    least: bool = False
+    every: bool = False
+    of_a_stop: bool = False
+
+
+CRITERIA: Mapping[CriterionName, Criterion] = {
+    "k_wet": Criterion(Quantity("1", 0.0, 1.0), least=True, of_a_stop=True),
+    "increase_over_dry": Criterion(Quantity("1", 0.0, 100.0), of_a_stop=True),
+    "distance": Criterion(Quantity("m", 0.0, 1e5), of_a_stop=True),
+    "mean_deceleration": Criterion(Quantity("m/s^2", 0.0, 10.0), least=True, of_a_stop=True),
+    "adhesion_utilisation": Criterion(Quantity("1", 0.0, 10.0), least=True),
+    "longest_lock": Criterion(Quantity("s", 0.0, 1e4), every=True),
+    "flat_length": Criterion(Quantity("m", 0.0, 1.0), every=True),
+    "large_slip_share": Criterion(Quantity("1", 0.0, 1.0)),
+    "air": Criterion(Quantity("m^3", 0.0, 1e3)),
+    "ventings": Criterion(Quantity("1", 0.0, 1e6)),
+}
+
+
+def _bound(value: Any, info: ValidationInfo) -> Any:
+    """In the unit of the criterion."""
+    name = info.data.get("criterion")
+    if value is None or name is None:  # the criterion itself is refused
+        return None
+    quantity = CRITERIA[name].quantity
+    try:
+        return quantity.parse(value)
+    except ValueError as error:
+        raise PydanticCustomError("bound", "{allowed}", {"allowed": str(error)}) from None
+
+
+class Limit(Table):
+    """A limit, who set it, and the clause of a standard that it stands for."""
+
+    criterion: CriterionName = Field(description="what is limited")
+    at_least: float | None = Field(default=None, description="the least that is allowed, in the unit of the criterion")
+    at_most: float | None = Field(default=None, description="the most that is allowed, in the unit of the criterion")
+    stops: tuple[str, ...] = Field(
+        default=(),
+        max_length=100,
+        description="names of the stops that it holds for; none: all that have such a number",
+    )
+    origin: str = Field(min_length=1, description="who set it, and why")
+    clause: str = Field(
+        default="", description="of the standard or specification that it is taken from, as you have it"
+    )
+
+    _parse = field_validator("at_least", "at_most", mode="before")(_bound)
+
+    @property
+    def value(self) -> float:
+        """The limit itself, in the SI unit of the criterion."""
+        value = self.at_least if self.at_least is not None else self.at_most
+        assert value is not None
+        return value
+
+    @model_validator(mode="after")
+    def _one_bound(self) -> "Limit":
+        right, wrong = ("at_least", "at_most") if CRITERIA[self.criterion].least else ("at_most", "at_least")
+        if getattr(self, wrong) is not None:
+            raise refused(wrong, f"allowed for {self.criterion}: {right}")
+        if getattr(self, right) is None:
+            raise refused(right, CRITERIA[self.criterion].quantity.allowed.replace("allowed", "needed", 1))
+        return self
+
+    def holds_for(self, stop: BrakedRun) -> bool:
+        """Whether a stop is judged by it."""
+        named = stop.name in self.stops if self.stops else True
+        return named and (stop.stops or not CRITERIA[self.criterion].of_a_stop)
+
+
+class FlatWear(Table):
+    """Numbers of the estimate of a wheel flat's length."""
+
+    wear: Annotated[float, Quantity("m^3/J", 1e-16, 1e-6)] = Field(
+        default=7e-13, description="volume worn off per energy dissipated under a locked wheel"
+    )
+    width: Annotated[float, Quantity("m", 1e-4, 0.2)] = Field(
+        default=0.012, description="of the flat, across the tread"
+    )
+
+
+class Programme(Table):
+    """Stops and limits."""
+
+    name: Name = Field(description="name of the programme")
+    description: str = Field(default="", description="one line about it")
+    source: str = Field(default="", description="where stops and limits come from")
+    starts: Count = Field(default=8, description="tests of each stop on each support, without which nothing is decided")
+    flat: FlatWear = Field(default=FlatWear(), description="estimate of wheel flats")
+    stop: tuple[AnyStop, ...] = Field(min_length=1, max_length=100, description="the stops, in their order")
+    limit: tuple[Limit, ...] = Field(
+        default=(), max_length=1000, description="what they are judged by; none: nothing is"
+    )

@@ -1,0 +1,215 @@
+"""The verdict on slide protection: the criteria of a programme, stop by stop, and why some of them are left undecided.
+
+StopTests of track and rig, limits -> [judgements] -> value with interval, limit, verdict, reasons -> [verdict_of] -> of each stop
+
+A criterion is met where the whole interval of its mean is within the limit, and, where each test must keep it, each test too.
+Nothing is decided, neither met nor not met, from a bad run: fewer tests than asked, a test that ended early, lost contact or did
+not stop, wheels that never slid, an open energy balance, starts that do not differ, a dry reference that is none, and on the rig
+a drive at its limit or a contact force that is not the virtual one.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+
+from rollerrig.analysis.slide_statistics import TestRecord
+from rollerrig.config import CRITERIA, Case, Limit, Programme
+from rollerrig.config.schema.programme import BrakedRun
+from rollerrig.results.contact_loss import LONGEST_SPELL
+from rollerrig.simulation import ENERGY_WARNING
+from rollerrig.study.adhesion_verdicts import Row, Word, verdict_rows
+from rollerrig.study.ensemble import Estimate, estimate
+
+Support = Literal["track", "rig"]
+SUPPORTS: tuple[Support, ...] = ("track", "rig")
+
+SLID = 0.03
+"""An axle has slid whose slip passed this: beyond the peak of the creep curve on low adhesion, 2.6 % [-]."""
+
+MEASURES: Mapping[str, tuple[str, float]] = {
+    "k_wet": ("k_wet", 1.0),
+    "increase_over_dry": ("increase_over_dry", 1.0),
+    "distance": ("distance_m", 1.0),
+    "mean_deceleration": ("mean_deceleration_mps2", 1.0),
+    "adhesion_utilisation": ("adhesion_utilisation", 1.0),
+    "longest_lock": ("longest_lock_s", 1.0),
+    "flat_length": ("flat_length_m", 1.0),
+    "large_slip_share": ("large_slip_share", 1.0),
+    "air": ("air_litres", 1e-3),
+    "ventings": ("dump_cycles", 1.0),
+}
+"""Criterion -> measure of a test, and its unit in the SI unit of the criterion."""
+
+OVER_DRY = ("increase_over_dry", "k_wet")
+
+
+@dataclass(frozen=True)
+class StopTests:
+    """The tests of one stop on one support.
+
+    Attributes:
+        stop: of the programme.
+        support: track or rig.
+        case: of the rig.
+        asked: number of tests without which nothing is decided.
+        tests: those that were made.
+        dry: the same stop on a dry rail; None: not made.
+    """
+
+    stop: BrakedRun
+    support: Support
+    case: Case
+    asked: int
+    tests: Sequence[TestRecord]
+    dry: TestRecord | None
+
+    def values(self, name: str) -> list[float]:
+        """A measure of all tests; NaN where there is none."""
+        if name in OVER_DRY:
+            dry = math.nan if self.dry is None else self.dry.measures["distance_m"]
+            ratios = [one.measures["distance_m"] / dry for one in self.tests]
+            return [ratio - 1.0 if name == "increase_over_dry" else 1.0 / ratio for ratio in ratios]
+        return [one.measures.get(name, math.nan) for one in self.tests]
+
+
+@dataclass(frozen=True)
+class Judgement:
+    """A criterion of a stop on one support.
+
+    Attributes:
+        stop: name of the stop.
+        support: track or rig.
+        limit: that is held against it.
+        mean: of all tests, in the SI unit of the criterion.
+        worst: of all tests.
+        reasons: why nothing is decided, whatever the numbers are.
+    """
+
+    stop: str
+    support: Support
+    limit: Limit
+    mean: Estimate
+    worst: float
+    reasons: tuple[str, ...]
+
+    @property
+    def verdict(self) -> Word:
+        """'met', 'not met' or 'not decided'."""
+        if self.reasons or not (math.isfinite(self.mean.mean) and math.isfinite(self.worst)):
+            return "not decided"
+        criterion = CRITERIA[self.limit.criterion]
+        low, high = (self.limit.value, math.inf) if criterion.least else (-math.inf, self.limit.value)
+        if criterion.every and not low <= self.worst <= high:
+            return "not met"
+        within = self.mean.interval.within(low, high)
+        return "not decided" if within is None else "met" if within else "not met"
+
+    @property
+    def why(self) -> str:
+        """Why nothing is decided; "" where something is."""
+        if self.verdict != "not decided":
+            return ""
+        return "; ".join(self.reasons) or "the limit lies within the interval"
+
+
+def judgements(programme: Programme, found: StopTests, other: StopTests) -> list[Judgement]:
+    """All criteria of a stop on one support.
+
+    Args:
+        programme: with the limits.
+        found: the tests to be judged.
+        other: those on the other support.
+    """
+    limits = [limit for limit in programme.limit if limit.holds_for(found.stop)]
+    common = (*faults(found), *(rig_faults(found, other) if found.support == "rig" else ()))
+    return [_judged(limit, found, common) for limit in limits]
+
+
+def _judged(limit: Limit, found: StopTests, faults_of_all: Sequence[str]) -> Judgement:
+    name, factor = MEASURES[limit.criterion]
+    values = [factor * value for value in found.values(name)]
+    own = tuple(dry_faults(found)) if name in OVER_DRY else ()
+    worst = (min if CRITERIA[limit.criterion].least else max)(values) if np.isfinite(values).all() else math.nan
+    if not math.isfinite(worst):
+        own = (*own, "not every test has such a number")
+    return Judgement(found.stop.name, found.support, limit, estimate(values), worst, (*faults_of_all, *own))
+
+
+def verdict_of(found: Sequence[Judgement]) -> Word | None:
+    """Of several criteria: met where all are, not met where one is not, else not decided; None: nothing was judged."""
+    words = {one.verdict for one in found}
+    if not words:
+        return None
+    if "not met" in words:
+        return "not met"
+    return "met" if words == {"met"} else "not decided"
+
+
+# ----------------------------------------------------------------------------------------------------- what is a bad run
+
+
+def faults(found: StopTests) -> Iterator[str]:
+    """Why nothing can be decided from these tests, whatever is judged."""
+    tests, count = found.tests, len(found.tests)
+    if count < found.asked:
+        yield f"{count} of {found.asked} tests were made"
+    early = [one for one in tests if not one.completed]
+    if early:
+        yield f"{len(early)} of {count} tests ended early: {early[0].message}"
+    rolling = sum(one.completed and not one.stopped for one in tests)
+    if found.stop.stops and rolling:
+        yield f"in {rolling} of {count} tests the train had not stopped after {found.stop.duration:g} s"
+    lost = sum(one.measures.get("contact_lost_s", math.nan) <= LONGEST_SPELL for one in tests)
+    if lost < count:
+        yield f"in {count - lost} of {count} tests a wheel lost contact"
+    slid = sum(one.measures.get("largest_slip", math.nan) > SLID for one in tests)
+    if slid < count:
+        yield f"in {count - slid} of {count} tests no axle slid by more than {100.0 * SLID:g} %"
+    closed = sum(one.measures.get("energy_relative_residual", math.nan) <= ENERGY_WARNING for one in tests)
+    if closed < count:
+        yield f"in {count - closed} of {count} tests the energy balance is open"
+    if count > 1 and len({one.measures.get("distance_m") for one in tests}) < count:
+        yield "starts that should differ gave the same test"
+
+
+def rig_faults(rig: StopTests, track: StopTests) -> Iterator[str]:
+    """Why the rig's tests say nothing about the vehicle: the gates of the verdict on the rig itself."""
+    if not (rig.tests and track.tests):
+        return
+    for row in verdict_rows(rig.case, track.tests, rig.tests):
+        ended = row.key in ("rig_ended", "track_ended")  # said of each support's own tests
+        if row.gate and not ended and not _is_open(row):
+            yield f"the rig is no track here: {row.text} {row.value_text}, target {row.target_text}"
+
+
+def _is_open(gate: Row) -> bool:
+    """Whether the whole interval is below the highest that is allowed."""
+    return gate.verdict == "met" or (gate.low <= 0.0 and gate.value.interval.high <= gate.high)
+
+
+def dry_faults(found: StopTests) -> Iterator[str]:
+    """Why the dry stop is no reference."""
+    if found.dry is None:
+        yield "the dry reference was not made"
+        return
+    dry = found.dry.measures
+    if not (found.dry.completed and found.dry.stopped):
+        yield f"the dry reference did not come to a stop: {found.dry.message}"
+    if not dry.get("largest_slip", math.nan) <= SLID:
+        yield f"in the dry reference an axle slid by more than {100.0 * SLID:g} %"
+    if dry.get("dump_cycles", math.nan) != 0.0:
+        yield "in the dry reference the protection acted"
+    shortest = min((one.measures["distance_m"] for one in found.tests), default=math.nan)
+    if shortest < dry["distance_m"]:
+        yield "a test stopped in less than the dry distance"
+
+
+def counts(found: Sequence[Judgement]) -> dict[str, Any]:
+    """How many criteria are met, not met, not decided."""
+    words = [one.verdict for one in found]
+    return {word.replace(" ", "_"): words.count(word) for word in ("met", "not met", "not decided")}

@@ -1,0 +1,359 @@
+"""`rollerrig wsp`: its stops, its numbers, and that no bad run gets a verdict."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from rollerrig import ConfigError, load_case
+from rollerrig.analysis.slide_statistics import SLIP_EDGES, TestRecord
+from rollerrig.config import CRITERIA, Case, Programme, load_programme
+from rollerrig.config.load.resolve import resolve_programme
+from rollerrig.config.read.document import Document
+from rollerrig.config.schema.programme import CriterionName
+from rollerrig.study.adhesion_variants import track_case
+from rollerrig.study.frame import Outcome
+from rollerrig.study.wsp import Results, WspStudy
+from rollerrig.study.wsp_cases import check_case, dry_case, stop_case
+from rollerrig.study.wsp_numbers import MEASURED, QUANTITIES
+from rollerrig.study.wsp_text import NAMES
+from rollerrig.study.wsp_verdicts import MEASURES, Judgement, StopTests, Support, judgements, verdict_of
+
+SHORT = {
+    "name": "short",
+    "starts": 4,
+    "stop": [
+        {"name": "low_26", "kind": "uniform", "speed": "26 km/h", "rail": "low", "duration": "20 s"},
+        {"name": "drag_30", "kind": "drag", "speed": "30 km/h", "rail": "low", "gradient": -0.04, "duration": "3 s"},
+    ],
+    "limit": [
+        {"criterion": "k_wet", "at_least": 0.5, "origin": "test"},
+        {"criterion": "longest_lock", "at_most": "0.4 s", "origin": "test", "clause": "none"},
+    ],
+}
+
+
+def programme(**changes: Any) -> Programme:
+    found, problems = resolve_programme(Document({**SHORT, **changes}, "mine.toml", Path()))
+    assert found is not None, problems
+    return found
+
+
+@pytest.fixture(scope="module")
+def case() -> Case:
+    """That counts as stationary early, to be short."""
+    return load_case("adhesion_brake").with_changes({"motion.stop_speed": "5 m/s"})
+
+
+@pytest.fixture(scope="module")
+def outcome(case: Case) -> Outcome[Results]:
+    """Two stops of two starts, of which the programme needs four."""
+    found = WspStudy(case, programme(), starts=2).run()
+    assert found is not None
+    return found
+
+
+# ------------------------------------------------------------------------------------------------------- a programme run
+
+
+def test_every_number_is_explained_and_every_explained_number_is_there(outcome: Outcome[Results]) -> None:
+    assert QUANTITIES.unexplained(outcome.numbers) == []
+    assert QUANTITIES.unreported(outcome.numbers) == []
+
+
+def test_distances_are_those_since_the_demand_and_k_wet_is_that_of_the_trade(outcome: Outcome[Results]) -> None:
+    """100 / (100 + increase in %), of the means to second order of their scatter."""
+    for on in ("track", "rig"):
+        own = outcome.numbers["stops"]["low_26"][on]
+        increase = 100.0 * own["increase_over_dry"]["mean"]
+        assert own["k_wet"]["mean"] == pytest.approx(100.0 / (100.0 + increase), rel=1e-4)
+        assert own["distance_m"]["mean"] == pytest.approx(own["dry_distance_m"] * (1.0 + increase / 100.0), rel=1e-9)
+        assert 0.6 < own["k_wet"]["mean"] < 0.95  # the axles slide
+        assert 0.4 < own["adhesion_utilisation"]["mean"] < 1.0
+        assert own["tests"] == own["stopped"] == 2
+    drag = outcome.numbers["stops"]["drag_30"]["track"]
+    assert drag["k_wet"]["mean"] is None
+    assert drag["stopped"] == 0
+
+
+def test_with_fewer_starts_than_the_programme_needs_nothing_is_decided(outcome: Outcome[Results]) -> None:
+    """Though every lock is zero and every K_wet far within its limit."""
+    for stop in outcome.numbers["stops"].values():
+        for criterion in stop["criteria"].values():
+            for on in ("track", "rig"):
+                assert criterion[on]["verdict"] == "not decided"
+                assert criterion[on]["why"].startswith("2 of 4 tests were made")
+    sums = outcome.numbers["sums"]["track"]["criteria"]
+    assert sums == {"met": 0, "not_met": 0, "not_decided": 3}  # a lock for both stops, K_wet where the train stops
+    assert "none not met, 3 not decided" in outcome.summary
+
+
+def test_the_page_says_that_no_standard_is_quoted_and_the_files_are_there(
+    outcome: Outcome[Results], tmp_path: Path
+) -> None:
+    written = {path.relative_to(tmp_path).as_posix() for path in outcome.write(tmp_path)}
+    assert {"tests_low_26.csv", "signals_drag_30.csv", "figures/k_wet.png", "figures/stop_low_26.png"} <= written
+    page = (tmp_path / "report.html").read_text(encoding="utf-8")
+    assert "EN 15595 and UIC 541-05 are not quoted" in page
+    assert page.index("Verdict</h2>") < page.index("Criteria</h2>") < page.index("Stops</h2>")
+    header, *lines = (tmp_path / "tests_low_26.csv").read_text().splitlines()
+    assert header.split(",") == ["support", "start", "status", *(row[0] for row in MEASURED)]
+    assert [line.split(",")[:2] for line in lines] == [["track", "1"], ["track", "2"], ["rig", "1"], ["rig", "2"]]
+
+
+def test_processor_time_is_told_stop_by_stop(outcome: Outcome[Results]) -> None:
+    times = outcome.timing["processor time of the tests [s]"]
+    assert times["all"] == pytest.approx(times["low_26"] + times["drag_30"])
+    assert "processor" not in str(outcome.numbers)
+
+
+def test_limits_and_starts_may_change_between_two_runs_of_a_programme_and_nothing_else(case: Case) -> None:
+    plan = WspStudy(case, programme()).plan()
+    stricter = programme(limit=[{"criterion": "k_wet", "at_least": 0.9, "origin": "test"}])
+    assert WspStudy(case, stricter, starts=6).plan() == plan
+    later = [{**SHORT["stop"][0], "speed": "27 km/h"}]  # type: ignore[index]
+    assert WspStudy(case, programme(stop=later, limit=[])).plan() != plan
+
+
+# ------------------------------------------------------------------------------------------------------------ the stops
+
+
+def test_the_shipped_programme_runs_with_both_cases_and_its_stops_are_what_they_say() -> None:
+    shipped = load_programme("slide_protection_stops")
+    assert len(shipped.stop) == 12
+    assert {stop.kind for stop in shipped.stop} == {"uniform", "steps", "patches", "drag"}
+    assert all(limit.origin.startswith("ours") and not limit.clause for limit in shipped.limit)
+    for name in ("adhesion_brake", "adhesion_valves"):
+        own = load_case(name)
+        check_case(own, shipped)
+        for stop in shipped.stop:
+            rig = stop_case(own, shipped, stop)
+            assert track_case(rig).motion.speed == rig.motion.speed == stop.speed
+            assert rig.brake is not None
+            assert own.brake is not None
+            assert rig.brake.air == own.brake.air
+            dry = dry_case(own, shipped, stop).adhesion
+            assert dry is not None
+            assert dry.piece == ()
+
+
+def test_one_axle_at_a_time_is_on_a_patch(case: Case) -> None:
+    patches = {"name": "p", "kind": "patches", "speed": "30 km/h", "rail": "dry", "patch": "low", "spacing": "9 m"}
+    made = programme(stop=[{**patches, "length": "2 m", "count": 3}], limit=[])
+    adhesion = stop_case(case, made, made.stop[0]).adhesion
+    assert adhesion is not None
+    assert [piece.distance for piece in adhesion.piece] == [20.0, 22.0, 29.0, 31.0, 38.0, 40.0]
+    with pytest.raises(
+        ConfigError, match=r"stop\.p\.length: 3; allowed: less than the least spacing of the axles, 2\.56 m"
+    ):
+        check_case(case, programme(stop=[{**patches, "length": "3 m"}], limit=[]))
+
+
+def test_a_stop_from_a_speed_that_counts_as_stationary_is_refused(case: Case) -> None:
+    slow = programme(stop=[{**SHORT["stop"][0], "speed": "10 km/h"}], limit=[])  # type: ignore[index]
+    with pytest.raises(
+        ConfigError, match=r"short: stop\.low_26\.speed: 10 km/h; allowed: more than motion\.stop_speed"
+    ):
+        check_case(case, slow)
+
+
+@pytest.mark.parametrize("missing", ["brake", "slide_protection", "rig_control"])
+def test_a_case_without_something_to_test_is_refused(missing: str, case: Case) -> None:
+    with pytest.raises(ConfigError, match=f"{missing}: missing; needed"):
+        WspStudy(case.model_copy(update={missing: None}), programme())
+
+
+def _limit(**changes: Any) -> dict[str, Any]:
+    return {"limit": [{"criterion": "longest_lock", "origin": "test", **changes}]}
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        (_limit(at_most=-1.0), "mine.toml: limit[0].at_most: -1.0; allowed: a number in s or a text with a unit like '10 ms'"),
+        (_limit(at_least=1.0), "mine.toml: limit[0].at_least: 1.0; allowed for longest_lock: at_most"),
+        (_limit(), "mine.toml: limit[0].at_most: missing; needed: a number in s"),
+        (_limit(criterion="longest_look", at_most=1), "'longest_look'; allowed: k_wet"),
+        (_limit(criterion="longest_look", at_most=1), "did you mean 'longest_lock'?"),
+        (_limit(at_most=1, stops=["low_2"]), "limit[0].stops: 'low_2'; allowed: low_26, drag_30; did you mean 'low_26'?"),
+        (_limit(at_most=1, stop="low_26"), "unknown key (= 'low_26'); allowed: criterion"),
+        (_limit(criterion="k_wet", at_least=0.5, stops=["drag_30"]), "limit[0].stops: 'drag_30'; allowed for k_wet:"),
+        (_limit(criterion="flat_length", at_most="3 s"), "limit[0].at_most: '3 s'; allowed: a number in m"),
+        ({"limit": 2 * _limit(at_most=1)["limit"]}, "limit[1].criterion: 'longest_lock'; allowed: one limit of it"),
+        ({"stop": [{"name": "a", "kind": "unifrom", "speed": 10.0, "rail": "low"}]}, "did you mean 'uniform'?"),
+        ({"stop": [SHORT["stop"][0]] * 2}, "stop[1].name: 'low_26'; allowed: each name once"),  # type: ignore[index]
+        ({"stop": []}, "stop: []; allowed: at least 1 entries"),
+        ({"starts": 2}, "starts: 2; allowed"),
+        ({"stop": [{"name": "a", "kind": "drag", "speed": 10.0, "rail": "low", "gradient": 0.02}]}, "from -0.1 to 0"),
+    ],
+)  # fmt: skip
+def test_what_a_programme_may_not_say_is_refused_with_its_place(changes: dict[str, Any], message: str) -> None:
+    found, problems = resolve_programme(Document({**SHORT, **changes}, "mine.toml", Path()))
+    assert found is None
+    assert message in "\n".join(map(str, problems))
+
+
+def test_every_criterion_has_a_name_and_a_measure() -> None:
+    assert CRITERIA.keys() == MEASURES.keys() == NAMES.keys()
+    assert {name for name, _ in MEASURES.values()} <= {row[0] for row in MEASURED}
+
+
+# ---------------------------------------------------------------------------------------------------------- the verdict
+
+GOOD = {
+    "distance_m": 900.0, "mean_deceleration_mps2": 0.6, "dump_cycles": 300.0, "air_litres": 1100.0, "longest_lock_s": 0.1,
+    "largest_slip": 0.3, "flat_length_m": 0.01, "large_slip_share": 0.01, "adhesion_utilisation": 0.7,
+    "contact_lost_s": 0.0, "energy_relative_residual": 1e-6, "force_error_rms": 0.02, "drive_ringing_nm": 5.0,
+    "drive_limited_share": 0.001, "tracking_rms": 0.001,
+}  # fmt: skip
+DRY = {**GOOD, "distance_m": 600.0, "largest_slip": 0.002, "dump_cycles": 0.0}
+LIMITS: dict[CriterionName, float] = {
+    "k_wet": 0.5, "increase_over_dry": 1.0, "distance": 1000.0, "mean_deceleration": 0.5, "adhesion_utilisation": 0.6,
+    "longest_lock": 0.4, "flat_length": 0.02, "large_slip_share": 0.1, "air": 1.5, "ventings": 500.0,
+}  # fmt: skip
+ALL = programme(
+    starts=8,
+    limit=[
+        {"criterion": name, "at_least" if CRITERIA[name].least else "at_most": value, "origin": "test"}
+        for name, value in LIMITS.items()
+    ],
+)
+
+
+def record(measures: dict[str, float], status: str = "stopped") -> TestRecord:
+    shares = np.zeros(len(SLIP_EDGES) - 1)
+    shares[4] = 1.0
+    distance = measures["distance_m"]
+    return TestRecord(status, status, measures, shares, np.array([0.0, 50.0]), np.array([0.0, distance]))
+
+
+def made(status: str = "stopped", scatter: float = 1e-3, count: int = 8, **changes: float) -> list[TestRecord]:
+    """That scatter by a part of each number."""
+    noise = np.random.default_rng(5).normal(size=count)
+    return [record({k: v * (1.0 + scatter * x) for k, v in {**GOOD, **changes}.items()}, status) for x in noise]
+
+
+def judged(
+    own: Sequence[TestRecord], on: Support = "track", dry: TestRecord | None = None, stop: int = 0
+) -> dict[str, Judgement]:
+    rig = load_case("adhesion_brake")
+    reference = record(DRY) if dry is None else dry
+    found = StopTests(ALL.stop[stop], on, rig, ALL.starts, own, reference)
+    other = StopTests(ALL.stop[stop], "rig" if on == "track" else "track", rig, ALL.starts, made(), reference)
+    return {one.limit.criterion: one for one in judgements(ALL, found, other)}
+
+
+def words(found: dict[str, Judgement]) -> set[str]:
+    return {one.verdict for one in found.values()}
+
+
+@pytest.mark.parametrize("on", ["track", "rig"])
+def test_a_good_stop_meets_every_criterion(on: Support) -> None:
+    found = judged(made(), on)
+    assert len(found) == len(CRITERIA)
+    assert words(found) == {"met"}
+    assert verdict_of(list(found.values())) == "met"
+
+
+@pytest.mark.parametrize("name", LIMITS)
+def test_each_criterion_is_not_met_beyond_its_limit_and_undecided_across_it(name: CriterionName) -> None:
+    measure, factor = MEASURES[name]
+    changed = "distance_m" if name in ("k_wet", "increase_over_dry") else measure
+    limit = 1200.0 if changed == "distance_m" and name != "distance" else LIMITS[name] / factor
+    beyond = 0.9 if CRITERIA[name].least and name != "k_wet" else 1.1
+    bad = judged(made(**{changed: beyond * limit}))
+    assert bad[name].verdict == "not met"
+    assert verdict_of(list(bad.values())) == "not met"
+    across = judged(made(scatter=0.02, **{changed: limit}))
+    assert across[name].verdict == ("not met" if CRITERIA[name].every else "not decided")
+
+
+def test_one_lock_beyond_the_limit_is_enough_though_the_mean_is_within() -> None:
+    one = made()
+    one[3] = record({**GOOD, "distance_m": 901.0, "longest_lock_s": 2.0})
+    found = judged(one)["longest_lock"]
+    assert (found.verdict, found.worst) == ("not met", 2.0)
+
+
+SPOILED = {
+    "7 of 8 tests were made": made()[:7],
+    "1 of 1 tests ended early: contact_lost": [record({**GOOD}, "contact_lost")],
+    "1 of 8 tests ended early: rollers_protected": [*made()[:7], record({**GOOD}, "rollers_protected")],
+    "in 8 of 8 tests the train had not stopped after 20 s": made("ok"),
+    "in 1 of 8 tests a wheel lost contact": [*made()[:7], record({**GOOD, "contact_lost_s": 0.02})],
+    "in 8 of 8 tests no axle slid by more than 3 %": made(largest_slip=0.002),
+    "in 8 of 8 tests the energy balance is open": made(energy_relative_residual=0.01),
+    "starts that should differ gave the same test": made(scatter=0.0),
+}
+
+
+@pytest.mark.parametrize("reason", SPOILED)
+@pytest.mark.parametrize("on", ["track", "rig"])
+def test_a_bad_run_gets_no_verdict_whatever_its_numbers_are(reason: str, on: Support) -> None:
+    """Neither met nor not met, of any criterion: the worst run that would pass is a good one."""
+    for own in (
+        SPOILED[reason],
+        [replace(one, measures={**one.measures, "longest_lock_s": 9.0}) for one in SPOILED[reason]],
+    ):
+        found = judged(own, on)
+        assert words(found) == {"not decided"}
+        assert all(reason in one.why for one in found.values())
+
+
+def test_a_run_that_says_nothing_of_itself_gets_no_verdict() -> None:
+    for name in ("contact_lost_s", "largest_slip", "energy_relative_residual"):
+        assert words(judged([replace(one, measures=one.measures | {name: math.nan}) for one in made()])) == {
+            "not decided"
+        }
+    empty = judged([replace(one, measures=one.measures | {"air_litres": math.nan}) for one in made()])
+    assert empty["air"].verdict == "not decided"
+    assert empty["k_wet"].verdict == "met"
+
+
+@pytest.mark.parametrize(
+    ("name", "value"), [("force_error_rms", 0.2), ("drive_limited_share", 0.1), ("drive_ringing_nm", 5000.0)]
+)
+def test_a_rig_that_is_no_track_gets_no_verdict_but_the_track_does(name: str, value: float) -> None:
+    found = judged(made(**{name: value}), "rig")
+    assert words(found) == {"not decided"}
+    assert all("the rig is no track here" in one.why for one in found.values())
+    assert words(judged(made(**{name: value}), "track")) == {"met"}
+
+
+@pytest.mark.parametrize(
+    ("dry", "reason"),
+    [
+        (record(DRY, "ok"), "the dry reference did not come to a stop"),
+        (record({**DRY, "largest_slip": 0.2}), "in the dry reference an axle slid"),
+        (record({**DRY, "dump_cycles": 3.0}), "in the dry reference the protection acted"),
+        (record({**DRY, "distance_m": 950.0}), "a test stopped in less than the dry distance"),
+    ],
+)
+def test_a_dry_stop_that_is_no_reference_decides_nothing_that_needs_it(dry: TestRecord, reason: str) -> None:
+    found = judged(made(), dry=dry)
+    for name, one in found.items():
+        needs_it = name in ("k_wet", "increase_over_dry")
+        assert (one.verdict, reason in one.why) == (("not decided", True) if needs_it else ("met", False)), name
+
+
+def test_a_drag_braking_need_not_stop_and_is_judged_by_what_it_has() -> None:
+    found = judged(made("ok"), stop=1)
+    assert found.keys() == {
+        "adhesion_utilisation",
+        "longest_lock",
+        "flat_length",
+        "large_slip_share",
+        "air",
+        "ventings",
+    }
+    assert words(found) == {"met"}
+
+
+def test_without_limits_nothing_is_judged() -> None:
+    assert verdict_of([]) is None
