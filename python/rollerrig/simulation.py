@@ -255,8 +255,7 @@ def _check_fixed_step(simulation: _core.Simulation, case: Case, state: Vector) -
         f"allowed: at most {1e3 * allowed_step:.2g} ms, where {method} is stable at {3.6 * case.motion.speed:g} km/h in "
         "this case; or method = 'rodas4', which has no such limit"
     )
-    key = "time.sampling_step" if case.time.method is None and case.time.step is None else "time.step"
-    raise ConfigError([ConfigProblem(case.name, key, f"{1e3 * step:g} ms", allowed)])
+    raise ConfigError([ConfigProblem(case.name, "time.step", f"{1e3 * step:g} ms", allowed)])
 
 
 def absolute_tolerances(simulation: _core.Simulation, displacement: float, case: Case) -> list[float]:

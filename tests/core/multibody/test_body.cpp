@@ -231,6 +231,25 @@ TEST_CASE("a speed-controlled spin is exactly the prescribed one, and the drive'
   CHECK(torque == doctest::Approx(112.0 * -0.7 - 25.0));
 }
 
+TEST_CASE("a body on rigid bearings spins as the free one does about its axle") {
+  Body roller = wheelset;
+  for (std::size_t c : {0U, 1U, 2U, 3U, 5U}) roller.locked[c] = true;
+  std::array<double, 6> const rate{0, 0, 0, 0, -30.0, 0};
+  auto const m = motion_of(roller, {}, rate), free = motion_of(wheelset, {}, rate);
+  for (auto axis : {&Rotation<double>::ex, &Rotation<double>::ey, &Rotation<double>::ez})
+    for (auto component : {&Vec3<double>::x, &Vec3<double>::y, &Vec3<double>::z})
+      CHECK(m.R.*axis.*component == free.R.*axis.*component);
+  for (auto vector : {&BodyMotion<double>::omega, &BodyMotion<double>::omega_body, &BodyMotion<double>::frame_omega,
+                      &BodyMotion<double>::frame_body, &BodyMotion<double>::p, &BodyMotion<double>::v})
+    for (auto component : {&Vec3<double>::x, &Vec3<double>::y, &Vec3<double>::z})
+      CHECK(m.*vector.*component == free.*vector.*component);
+  double torque = 1.0, unused = 0.0;
+  Wrench<double> const wrench{{1e3, 2e3, 3e3}, {0.0, 25.0, 0.0}};
+  auto const a = accelerations(roller, m, wrench, 0.0, torque);
+  CHECK(a == std::array<double, 6>{0, 0, 0, 0, accelerations(wheelset, free, wrench, 0.0, unused)[coord_pitch], 0});
+  CHECK(torque == 0.0);
+}
+
 TEST_CASE("accelerations carry derivatives with respect to position, rate and load") {
   using D = Dual<16>;
   for (Body const& body : {frame, wheelset}) {

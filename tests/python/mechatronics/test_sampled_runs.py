@@ -111,7 +111,7 @@ def test_without_control_a_sampled_run_is_the_plain_rig() -> None:
 
 @pytest.mark.parametrize("on_track", [False, True], ids=["rig", "track"])
 def test_slow_wheels_cost_no_more_steps_and_stay_exact(on_track: bool) -> None:
-    """Creep relaxes at 5e4 1/s and more: one step of four evaluations per millisecond, and the motion is that of 0.25 ms."""
+    """Creep relaxes at 5e4 1/s and more: two and a little evaluations per millisecond, and the motion is that of 0.25 ms."""
     slow: dict[str, object] = {
         "motion.speed": "12 km/h",
         "time.duration": "10 s",
@@ -123,8 +123,7 @@ def test_slow_wheels_cost_no_more_steps_and_stay_exact(on_track: bool) -> None:
     case = track_case(case) if on_track else alone
     coarse, fine = simulate(case), simulate(case.with_changes({"time.sampling_step": 0.25e-3}))
     statistics = json.loads(coarse.attrs["solver_statistics"])
-    assert statistics["steps"] == pytest.approx(1000 * float(coarse["time"][-1]), abs=10)
-    assert statistics["derivative_calls"] == 4 * statistics["steps"] + 1
+    assert statistics["derivative_calls"] < 2.5e3 * float(coarse["time"][-1])
     assert float(coarse["axle_speed"].min()) * RADIUS < 2.0
     both = min(coarse.sizes["time"], fine.sizes["time"])
     a, b = coarse.isel(time=slice(both)), fine.isel(time=slice(both))
@@ -143,7 +142,7 @@ def test_the_method_of_the_case_integrates_between_the_samples(method: str, step
     short = {"time.duration": "1 s", "time.output_step": "10 ms", "brake.demand": [[0.0, 0.0], [0.1, 3.8e5]]}
     default, other = (simulate(brake_case(**short, **own)) for own in ({}, {"time.method": method, "time.step": step}))
     calls = [json.loads(run.attrs["solver_statistics"])["derivative_calls"] for run in (default, other)]
-    assert calls[0] == 4001
+    assert calls[0] < 2200
     assert calls[1] > 1.5 * calls[0]
     moved = float(np.ptp(default["axle_speed"].to_numpy()))
     assert moved > 0.3
@@ -356,15 +355,13 @@ def test_samples_and_delayed_commands_stand_on_their_instants() -> None:
     assert np.flatnonzero(np.abs(torque) > 1e-9)[0] == 56
 
 
-def test_a_sampling_step_too_long_for_the_contact_is_refused_by_name() -> None:
-    """A model that keeps its material rolls on contacts 25 times as stiff for its mass; exponential_adams has no such limit."""
+def test_a_step_too_long_for_the_contact_is_refused_by_name() -> None:
+    """A model that keeps its material rolls on contacts 25 times as stiff for its mass; the default has no such limit."""
     model = scale_case(
         load_case("adhesion_brake"), similitude("mmu"), strategy="mmu", keep=("gravity", "material", "clock")
     )
     model = model.with_changes({"time.duration": 0.2, "time.sampling_step": 1e-3})
-    with pytest.raises(
-        ConfigError, match=r"time\.sampling_step: 1 ms; allowed: at most 0\.\d+ ms, where exponential_rk4"
-    ):
-        simulate(model)
-    run = simulate(model.with_changes({"time.method": "exponential_adams", "time.step": 1e-3}))
+    with pytest.raises(ConfigError, match=r"time\.step: 1 ms; allowed: at most 0\.\d+ ms, where exponential_rk4"):
+        simulate(model.with_changes({"time.method": "exponential_rk4", "time.step": 1e-3}))
+    run = simulate(model)
     assert run.attrs["status"] == "ok"

@@ -12,7 +12,8 @@
 //     evaluate   f(t + h, y_new), the next step's first
 //
 // Two evaluations a step and no Jacobian while N stays smooth. The correction shows the error: a step that is too long is repeated
-// with half of it, down to a 32nd, and doubled where it would serve. If half steps are all that goes, L is renewed.
+// with half of it, down to a 32nd, and doubled where it would serve. An L that is old when a step fails is renewed first; so it
+// is if half steps are all that goes.
 //
 // The first three steps after a start or a break are of the exponential Runge-Kutta method of Krogstad, order 4. Dense output:
 // cubic Hermite polynomial, order 3.
@@ -77,8 +78,8 @@ class ExponentialAdams {
     h_ = h;
     level_ = first_level;
     ticks_ = 0;
-    age_ = shortened_ = 0;
-    patience_ = first_patience;
+    age_ = shortened_ = since_ = 0;
+    patience_ = helpful_for_ = first_patience;
     past_.clear();
     if (auto e = f.jacobian(t, y, jacobian_); e != Status::ok) return e;
     linearise();
@@ -106,6 +107,8 @@ class ExponentialAdams {
   Status accept(Evaluator<System>& f, double t, Vector const& y, double error) {
     has_end_slope_ = true;
     ticks_ += step_ticks();
+    if (since_ == 0) helpful_for_ = first_patience;
+    ++since_;
     remember(y, f_end_);
     shortened_ += level_ > 0 ? 1 : 0;
     if (level_ > 0 && past_.known() == PastPoints::most && error < allowed_to_double &&
@@ -118,8 +121,24 @@ class ExponentialAdams {
 
   bool can_halve() const { return level_ < halvings; }
   void halve() {
+    if (since_ == 0) helpful_for_ *= 2;  // a new L did not help
     ++level_;
     past_.halve_step();
+  }
+
+  /// Whether a step that failed should be repeated with a new L rather than halved: creep stiffens as a train slows down.
+  bool stale() const { return since_ >= helpful_for_ && past_.enough(); }
+
+  /// L of the state (t, y) in which a step starts.
+  template <class System>
+  Status renew(Evaluator<System>& f, double t, Vector const& y) {
+    since_ = 0;
+    if (auto e = f.jacobian(t, y, jacobian_); e != Status::ok) return e;
+    linear_.topRows(n_ - kinematic_) -= jacobian_.a.bottomRows(n_ - kinematic_);
+    linear_.bottomRows(jacobian_.g.rows()) -= jacobian_.g;
+    past_.add_linear(linear_);
+    linearise();
+    return Status::ok;
   }
 
   /// y(t + theta h) of the last attempted step; HNW I (6.7).
@@ -151,12 +170,7 @@ class ExponentialAdams {
       return Status::ok;
     }
     patience_ *= 2;  // where it does not help
-    if (auto e = f.jacobian(t, y, jacobian_); e != Status::ok) return e;
-    linear_.topRows(n_ - kinematic_) -= jacobian_.a.bottomRows(n_ - kinematic_);
-    linear_.bottomRows(jacobian_.g.rows()) -= jacobian_.g;
-    past_.add_linear(linear_);
-    linearise();
-    return Status::ok;
+    return renew(f, t, y);
   }
 
   void remember(Vector const& y, Vector const& y_dot) {
@@ -243,7 +257,8 @@ class ExponentialAdams {
   int level_ = 0;  // the step is h_ / 2^level_
   std::int64_t ticks_ = 0;
   std::int64_t age_ = 0, shortened_ = 0,
-               patience_ = first_patience;  // steps since L was looked at; short ones among them
+               patience_ = first_patience;                 // steps since L was looked at; short ones among them
+  std::int64_t since_ = 0, helpful_for_ = first_patience;  // steps since L was renewed; after which a new one is tried
   bool has_end_slope_ = false, planned_ = false;
 };
 

@@ -268,6 +268,10 @@ class Integrator {
         return accepted;
       }
       ++f_.statistics.rejected_steps;
+      if (status == Status::ok && method.stale()) {
+        if (auto e = method.renew(f_, t_, y_); e != Status::ok) return e;
+        continue;
+      }
       if (!method.can_halve()) return status;
       method.halve();
     }

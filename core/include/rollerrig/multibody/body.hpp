@@ -64,11 +64,26 @@ struct BodyMotion {
   T sin_roll{0.0}, cos_roll{1.0}, sin_pitch{0.0}, cos_pitch{1.0};  ///< pitch: of the body frame
 };
 
+/// The same of a body that only spins: its frame is the world's.
+template <Scalar T>
+void update_spin(BodyMotion<T>& m) {
+  T const one(1.0), none(0.0);
+  m.p = m.v = m.frame_body = m.frame_omega = {none, none, none};
+  m.R = {{one, none, none}, {none, one, none}, {none, none, one}};
+  m.omega = m.omega_body = {none, m.rate[coord_pitch], none};
+  m.sin_roll = m.sin_pitch = none;
+  m.cos_roll = m.cos_pitch = one;
+}
+
 /// Fills the derived members of `m` from q and rate.
 template <Scalar T>
 void update_motion(Body const& body, BodyMotion<T>& m) {
   using std::cos;
   using std::sin;
+  if (body.axisymmetric && body.only_spins()) {
+    update_spin(m);
+    return;
+  }
   T const sr = sin(m.q[coord_roll]), cr = cos(m.q[coord_roll]);
   T const sy = sin(m.q[coord_yaw]), cy = cos(m.q[coord_yaw]);
   T const roll_rate = m.rate[coord_roll], pitch_rate = m.rate[coord_pitch], yaw_rate = m.rate[coord_yaw];
@@ -152,6 +167,13 @@ template <Scalar T>
 std::array<T, 6> accelerations(Body const& body, BodyMotion<T> const& m, Wrench<T> const& wrench,
                                Vec3<T> const& gyroscopic, T const& prescribed_pitch, T& constraint_moment) {
   std::array<T, 6> a{T(0.0), T(0.0), T(0.0), T(0.0), T(0.0), T(0.0)};
+  if (body.axisymmetric && body.only_spins()) {  // Euler's equation about one axis
+    bool const given = body.speed_controlled();
+    T const moment = wrench.moment.y - gyroscopic.y;
+    a[coord_pitch] = given ? prescribed_pitch : body.locked[coord_pitch] ? T(0.0) : moment / body.inertia.y;
+    constraint_moment = given ? body.inertia.y * prescribed_pitch - moment : T(0.0);
+    return a;
+  }
   double const inverse_mass = 1.0 / body.mass;
   if (!body.locked[coord_x]) a[coord_x] = inverse_mass * wrench.force.x;
   if (!body.locked[coord_y]) a[coord_y] = inverse_mass * wrench.force.y;

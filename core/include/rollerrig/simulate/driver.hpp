@@ -7,7 +7,7 @@
 // With sampled blocks the run consists of whole sampling steps; outputs stand on them. At each instant the sensors are read and
 // the controllers asked, then the output is shown, then the inputs of the plant are set for the step: they are straight lines
 // that join. A method of fixed step therefore keeps the slope at the instant that it found before; what does jump, V' of the
-// travelling frame and the dissipated energy, shifts a velocity by less than step / 6 times the jump, docs/theory/rig_control.md
+// travelling frame and the dissipated energy, shifts a velocity by less than step / 2 times the jump, docs/theory/rig_control.md
 // (D8). An adaptive method evaluates it anew.
 #pragma once
 #include <cstdint>

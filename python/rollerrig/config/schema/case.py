@@ -235,7 +235,7 @@ class TimeSettings(Table):
         description="rodas4: stiff, adaptive, exact Jacobian; dormand_prince: explicit, adaptive; rk4: fixed step; "
         "exponential_rk4: fixed step that dampers with series stiffness do not limit; exponential_adams: two evaluations a step "
         "that contact stiffness does not limit either, halved by its error, the fastest with smooth contacts (strips); "
-        "absent: rodas4, and with actuators or controllers exponential_rk4 with the sampling step",
+        "absent: rodas4, and with actuators or controllers exponential_adams with the sampling step",
     )
     step: Step | None = Field(
         default=None,
@@ -315,5 +315,5 @@ class CaseTables(Table):
         if self.time.method is not None:
             return Integration(self.time.method, step)
         if self.sampled:
-            return Integration("exponential_rk4", self.time.sampling_step if step is None else step)
+            return Integration("exponential_adams", self.time.sampling_step if step is None else step)
         return Integration("rodas4", step)
