@@ -27,6 +27,7 @@ from rollerrig.config import Case
 from rollerrig.simulation import simulate
 from rollerrig.study.adhesion_causes import are_known, cause_shares
 from rollerrig.study.adhesion_figures import adhesion_sections, axle_columns
+from rollerrig.study.adhesion_laws import law_case, law_names, law_numbers
 from rollerrig.study.adhesion_numbers import (
     QUANTITIES,
     cause_numbers,
@@ -60,7 +61,7 @@ class Runs:
 
     Attributes:
         whole: first tests as a whole, by name: track, rig, rolling and a second start on track.
-        records: by name of the ensemble: track, rig and the variants of the rig.
+        records: by name of the ensemble: track, rig, the variants of the rig, both with other creep laws.
         later: additional dead time of the protection [s] -> ensemble on track.
     """
 
@@ -75,7 +76,7 @@ class AdhesionStudy(Study[Runs]):
 
     Attributes:
         case: of the rig.
-        error_budget: also run the variants of the rig, and the track with later protection.
+        error_budget: also run the variants of the rig, the track with later protection, and other creep laws.
         quick: only two starts of each test: to see that everything works.
     """
 
@@ -117,7 +118,8 @@ class AdhesionStudy(Study[Runs]):
         later = dead_times(self.case, self.predicted)
         whole = {name: job(simulate, self._case(name)) for name in WHOLE if name == "track" or name in names}
         whole[SECOND] = job(simulate, starts(self._case("track"), 2)[1])
-        yield {**whole, **self._tests(("track", *names, *map(_later, later)), 0, count)}
+        laws = law_names(self.case) if self.error_budget else ()
+        yield {**whole, **self._tests(("track", *names, *map(_later, later), *laws), 0, count)}
         grown = ("track", "rig", *STEPS)
         while not self.quick and count < MOST_STARTS and not are_known(cause_shares(self._records(done, names))):
             yield self._tests(grown, count, count + STARTS)
@@ -138,6 +140,8 @@ class AdhesionStudy(Study[Runs]):
             return later_protection(track_case(self.case), float(name.removeprefix(_later(""))))
         if name == "track":
             return track_case(self.case)
+        if (with_law := law_case(self.case, name)) is not None:
+            return with_law
         return self.case if name == "rig" else variant(self.case, name)
 
     def _records(self, done: Done, names: Sequence[str]) -> dict[str, list[TestRecord]]:
@@ -153,7 +157,7 @@ class AdhesionStudy(Study[Runs]):
     def collect(self, done: Done) -> Runs | None:
         if "track" not in done or "rig" not in done:
             return None
-        names = ("rig", *variants_of(self.case))
+        names = ("rig", *variants_of(self.case), *law_names(self.case))
         records = {name: found for name, found in self._records(done, names).items() if found}
         delays = dead_times(self.case, self.predicted)
         later = self._records(done, [_later(delay) for delay in delays])
@@ -185,6 +189,7 @@ class AdhesionStudy(Study[Runs]):
             "rig": run_numbers(records["rig"], rig=True),
             "variants": {name: variant_numbers(records["track"], found) for name, found in others.items()},
             "causes": cause_numbers(cause_shares(records)),
+            "creep_laws": law_numbers(self.case, records),
             "dead_time": dead_time_numbers(self.predicted, measured, results.later),
             "point_by_point": {name: point_by_point(whole["track"], run) for name, run in compared.items()},
             "tracking_by_own_motion": by_own_motion(whole["rig"]),

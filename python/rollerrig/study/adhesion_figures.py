@@ -17,6 +17,7 @@ from rollerrig.config import Case
 from rollerrig.plot import adhesion as figures
 from rollerrig.plot.causes import cause_bars, dead_time_curve, slip_histogram
 from rollerrig.study.adhesion_causes import CAUSES
+from rollerrig.study.adhesion_laws import law_table
 from rollerrig.study.adhesion_numbers import QUANTITIES, RIG, RUN
 from rollerrig.study.adhesion_variants import VARIANTS
 from rollerrig.study.adhesion_verdicts import Row, verdict_table
@@ -41,6 +42,8 @@ def adhesion_sections(
         sections.append(_causes(numbers))
     if numbers["dead_time"]:
         sections.append(_dead_time(numbers))
+    if numbers["creep_laws"]:
+        sections.append(Section("Creep laws", [law_table(numbers["creep_laws"])]))
     sections += [_slip(records), _numbers(numbers)]
     return [
         *sections,

@@ -11,6 +11,7 @@ from typing import Any
 from rollerrig.analysis.equivalent_dead_time import DeadTime
 from rollerrig.analysis.slide_statistics import TestRecord
 from rollerrig.study.adhesion_causes import is_within_error
+from rollerrig.study.adhesion_laws import LAW_QUANTITIES
 from rollerrig.study.ensemble import Estimate, distances, estimate, measure, relative
 from rollerrig.study.quantities import Quantities, Quantity
 
@@ -94,6 +95,7 @@ QUANTITIES = Quantities(
     Quantity("causes.*.low", "lower end of its interval of 95 %", "1", "from", 2, PERCENT),
     Quantity("causes.*.high", "upper end", "1", "to", 2, PERCENT),
     Quantity("causes.*.within_its_error", "whether not even its sign is known"),
+    LAW_QUANTITIES,
     Quantity("dead_time.predicted_s", "equivalent dead time of the rig in closed form, (D17): the sum of its parts", "s"),
     Quantity("dead_time.torque_s", "its part of the axle's torque that the virtual train takes", "s"),
     Quantity("dead_time.drive_s", "of the roller drives", "s"),

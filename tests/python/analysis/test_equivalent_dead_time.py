@@ -23,8 +23,8 @@ TOLERANCE = 0.005
 
 
 def brake(**changes: object) -> Case:
-    """The brake test of a rig that does not compensate its lags."""
-    late = {"rig_control.axle_torque": "estimated", "rig_control.drive_command": "direct"}
+    """The brake test of a rig that does not compensate its lags; ellipses, since the lags are none of the contact's."""
+    late = {"rig_control.axle_torque": "estimated", "rig_control.drive_command": "direct", "contact.normal": "hertz"}
     return load_case("adhesion_brake").with_changes({**late, **changes})
 
 
@@ -93,15 +93,16 @@ def mean_distance(case: Case, dead_time: float, count: int) -> float:
     return float(np.mean([record_of(simulate(one), one).measures["distance_m"] for one in cases]))
 
 
-def check(law: dict[str, object], dead_times_ms: tuple[int, ...], count: int) -> None:
-    """The rig with dead time d stops where the track does with dead times from d + (Q8) to d + (Q7)."""
+def check(law: dict[str, object], dead_times_ms: tuple[int, ...], count: int, *, middle: bool = True) -> None:
+    """The rig with dead time d stops where the track does with dead times from d + (Q8) to d + (Q7), their middle included."""
     case = brake(**{"contact.creep": law})
     found = predicted_dead_time(case)
     assert found is not None
     low, high = math.floor(1e3 * found.least), math.ceil(1e3 * found.total)
+    lags_of_track = (low, (low + high) // 2, high) if middle else (low, high)
     for d in dead_times_ms:
         rig = mean_distance(case, 1e-3 * d, count)
-        track = [mean_distance(track_case(case), 1e-3 * (d + lag), count) for lag in (low, (low + high) // 2, high)]
+        track = [mean_distance(track_case(case), 1e-3 * (d + lag), count) for lag in lags_of_track]
         assert (1.0 - TOLERANCE) * min(track) < rig < (1.0 + TOLERANCE) * max(track), d
 
 
@@ -109,9 +110,9 @@ PAPER: dict[str, object] = {"kind": "kalker_saturated"}
 POLACH: dict[str, object] = {"kind": "polach", "k_A": 1.0, "k_S": 1.0}
 
 
-@pytest.mark.slow  # four stops
+@pytest.mark.slow  # three stops
 def test_the_rig_acts_like_a_track_with_later_protection() -> None:
-    check(PAPER, (21,), 1)
+    check(PAPER, (21,), 1, middle=False)
 
 
 @pytest.mark.long  # 150 stops a law

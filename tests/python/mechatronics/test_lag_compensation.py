@@ -51,6 +51,7 @@ def measured(case: Case) -> dict[str, tuple[float, float]]:
     return {key: (float(np.mean(row)), float(np.std(row, ddof=1) / np.sqrt(len(row)))) for key, row in rows.items()}
 
 
+@pytest.mark.long  # 18 stops; test_control_compensation.py has the first 15 s of some
 def test_ventings_and_air_of_the_default_case_are_those_of_the_track() -> None:
     """Without compensation two fifths of the ventings are missing; with it 300 of 333 are there in the mean of 6 starts.
 

@@ -11,13 +11,15 @@ from rollerrig.analysis.torque_ripple import torque_ripple
 from rollerrig.config import Case, load_case
 from rollerrig.study.control_held import held_growth
 
-LOCKED = slice(12.0, 25.0)
+LOCKED = slice(8.0, 14.0)
 """Both wheels stand by then, and the train still runs [s]."""
 
 
 def unprotected(estimator: str, **changes: object) -> Case:
     dotted = {"rig_control.estimator.kind": estimator, **changes}
-    return load_case("adhesion_brake").with_changes({"slide_protection": None, "time.duration": "25 s", **dotted})
+    return load_case("adhesion_brake").with_changes(
+        {"slide_protection": None, "time.duration": "14 s", "contact.normal": "hertz", **dotted}
+    )
 
 
 def locked_part(case: Case) -> xr.Dataset:

@@ -18,6 +18,7 @@ from rollerrig.analysis.slide_statistics import test_record as record_of
 from rollerrig.config import case_from_toml
 from rollerrig.study.adhesion import AdhesionStudy, Runs
 from rollerrig.study.adhesion_causes import CAUSES, LARGEST_ERROR, TOGETHER, are_known, cause_shares
+from rollerrig.study.adhesion_laws import LAWS, law_case, law_names, law_table
 from rollerrig.study.adhesion_numbers import QUANTITIES
 from rollerrig.study.adhesion_text import findings
 from rollerrig.study.adhesion_variants import STEPS, track_case, variant, variants_of
@@ -28,8 +29,9 @@ from rollerrig.study.frame import Outcome
 
 @pytest.fixture(scope="module")
 def outcome() -> Outcome[Runs]:
-    """A brake test until the wheels have slid once, with two starts."""
-    found = AdhesionStudy(load_case("adhesion_brake").with_changes({"time.duration": "5 s"}), quick=True).run()
+    """A brake test until the wheels have slid once, with two starts; what is asked of it is none of the contact's."""
+    case = load_case("adhesion_brake").with_changes({"time.duration": "5 s", "contact.normal": "hertz"})
+    found = AdhesionStudy(case, quick=True).run()
     assert found is not None
     return found
 
@@ -206,7 +208,7 @@ def test_the_force_of_an_axle_counts_once_it_has_slid() -> None:
 @pytest.mark.slow  # two runs of 12 s
 def test_the_regrip_force_from_low_to_dry_is_said_not_to_be_reproduced() -> None:
     """The wheel's own inertia brakes it on dry rail with three times the demand; the drives cannot follow that."""
-    case = load_case("adhesion_step").with_changes({"time.duration": "12 s"})
+    case = load_case("adhesion_step").with_changes({"time.duration": "12 s", "contact.normal": "hertz"})
     track, rig = ([record_of(simulate(one), one)] * 2 for one in (track_case(case), case))
     assert track[0].measures["regrip_adhesion"] > 0.3
     rows = verdict_rows(case, track, rig)
@@ -221,7 +223,9 @@ def test_the_regrip_force_from_low_to_dry_is_said_not_to_be_reproduced() -> None
 @pytest.mark.slow  # a stop and a half
 def test_a_locked_wheel_is_counted_as_long_as_it_is_locked() -> None:
     case = load_case("adhesion_brake").model_copy(update={"slide_protection": None})
-    found = record_of(simulate(track_case(case).with_changes({"time.duration": "15 s"})), case)
+    found = record_of(
+        simulate(track_case(case).with_changes({"time.duration": "15 s", "contact.normal": "hertz"})), case
+    )
     assert 9.0 < found.measures["longest_lock_s"] < 13.0
     assert found.measures["regrip_adhesion"] > 0.05
 
@@ -271,8 +275,28 @@ def test_the_summary_begins_with_the_verdict_and_says_how_limit_cycles_are_compa
     assert any(line.startswith("Equivalent dead time: ") for line in lines)
 
 
+def test_every_creep_law_has_a_line_for_track_and_rig(outcome: Outcome[Runs]) -> None:
+    laws = outcome.numbers["creep_laws"]
+    assert next(iter(laws)) == "polach"  # of the case
+    assert set(laws) == set(LAWS)
+    assert laws["polach"]["distance_m_track"] == outcome.numbers["track"]["distance_m"]
+    assert len({one["distance_m_track"]["mean"] for one in laws.values()}) == len(LAWS)
+    for one in laws.values():
+        ratio = one["distance_m_rig"]["mean"] / one["distance_m_track"]["mean"]
+        assert one["distance_m_difference"]["mean"] == pytest.approx(ratio - 1.0)
+        assert abs(ratio - 1.0) < 0.01
+    case = load_case("adhesion_brake")
+    for name in law_names(case):
+        changed = law_case(case, name)
+        assert changed is not None
+        assert (changed.rig_control is None) == name.startswith("track")
+    assert law_case(case, "rig") is None
+    rows = law_table(laws).rows
+    assert [row[0] for row in rows][:2] == ["Polach", "the paper's law"]
+
+
 def test_one_and_two_processes_find_the_same_to_the_last_bit() -> None:
-    case = load_case("adhesion_brake").with_changes({"time.duration": "1.5 s"})
+    case = load_case("adhesion_brake").with_changes({"time.duration": "1.5 s", "contact.normal": "hertz"})
     one, two = (AdhesionStudy(case, error_budget=False, quick=True).run(processes=count) for count in (1, 2))
     assert one is not None
     assert two is not None

@@ -14,7 +14,7 @@ from rollerrig.study.control_runs import QUANTITIES
 from rollerrig.study.control_variants import ESTIMATORS
 from rollerrig.study.report import Table
 
-CASE = study_case(load_case("adhesion_brake"), 5.0)
+CASE = study_case(load_case("adhesion_brake").with_changes({"contact.normal": "hertz"}), 5.0)
 
 
 def test_each_estimator_has_a_line_and_a_case_without_brake_none() -> None:
