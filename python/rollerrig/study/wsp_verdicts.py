@@ -181,10 +181,11 @@ def rig_faults(rig: StopTests, track: StopTests) -> Iterator[str]:
     """Why the rig's tests say nothing about the vehicle: the gates of the verdict on the rig itself."""
     if not (rig.tests and track.tests):
         return
-    for row in verdict_rows(rig.case, track.tests, rig.tests):
-        ended = row.key in ("rig_ended", "track_ended")  # said of each support's own tests
-        if row.gate and not ended and not _is_open(row):
-            yield f"the rig is no track here: {row.text} {row.value_text}, target {row.target_text}"
+    ended = ("rig_ended", "track_ended")  # said of each support's own tests
+    gates = [row for row in verdict_rows(rig.case, track.tests, rig.tests) if row.gate and row.key not in ended]
+    shut = [f"{row.text} {row.value_text}, target {row.target_text}" for row in gates if not _is_open(row)]
+    if shut:
+        yield f"the rig is no track here: {'; '.join(shut)}"
 
 
 def _is_open(gate: Row) -> bool:

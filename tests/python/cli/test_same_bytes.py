@@ -25,11 +25,17 @@ COMMANDS = {
     "scale": ("scale", "CASE", "--strategy", "dlr", "--run", "--no-error-budget"),
     "compare": ("compare", "manchester_vehicle_1", "--cut", "leading_wheelset", "--speeds-kmh", "60,80", "--radii-m", "0.725",
                 "--duration", "1"),
+    "wsp": ("wsp", "CASE", "--programme", "PROGRAMME", "--starts", "2"),
 }  # fmt: skip
-"""Command -> its words; CASE and LATERAL are short cases written for the test."""
+"""Command -> its words; CASE, LATERAL and PROGRAMME are short ones written for the test."""
 ALONE = {"creep"}
 """Without --processes: run twice as it is; so are `run` and `conicity` in their own tests."""
-MANY_RUNS = {"lateral", "scale", "compare"}
+PROGRAMME = """
+name = "short"
+stop = [{ name = "drag", kind = "drag", speed = "40 km/h", rail = "low", gradient = -0.04, duration = "2 s" }]
+limit = [{ criterion = "air", at_most = 1.0, origin = "test" }]
+"""
+MANY_RUNS = {"lateral", "scale", "compare", "wsp"}
 """Ten seconds and more of runs and files each; they take the same way to their files as the others."""
 
 
@@ -44,7 +50,8 @@ def test_identical_commands_write_identical_bytes(command: str, tmp_path: Path) 
     short = {"time.duration": "1 s"}
     (tmp_path / "case.toml").write_text(rr.load_case("adhesion_brake").with_changes(short).to_toml())
     (tmp_path / "lateral.toml").write_text(rr.load_case("adhesion_lateral").with_changes(short).to_toml())
-    places = {"CASE": tmp_path / "case.toml", "LATERAL": tmp_path / "lateral.toml"}
+    (tmp_path / "programme.toml").write_text(PROGRAMME)
+    places = {name: tmp_path / f"{name.lower()}.toml" for name in ("CASE", "LATERAL", "PROGRAMME")}
     words = [str(places.get(word, word)) for word in COMMANDS[command]]
     found = []
     for processes in ("1", "2"):

@@ -122,6 +122,8 @@ def load_case(source: str | Path, *, allow_code: bool = False) -> Case:
 
 def _not_a_case(source: str | Path, kind: CatalogKind) -> ConfigProblem:
     needed = f"needed: a case that uses it, e.g. a copy of `rollerrig catalog show bogie_track` with this {kind} in it"
+    if kind == "programme":
+        needed = f"needed: a case; the programme is run by `rollerrig wsp CASE --programme {source}`"
     return ConfigProblem(str(source), "", f"a {kind}, not a case", needed)
 
 
