@@ -40,7 +40,7 @@ RegionPart<double> parabola(double along_x, double across, double approach) {
   auto const range = range_of_load(tables, 1.0, s);
   double const first = s.width;
   lay(-half + range.from * first, -half + range.to * first);
-  solve_strips(tables, s);
+  solve_strips(tables, s, false);
   StripRow<double> all;
   all.fill(1.0);
   return part_of(tables, s, places, all);

@@ -131,30 +131,31 @@ void solve_pack(Batch<T>& batch, int first, int count) {
   StripTables const& tables = strip_tables();
   RegionPack<L> pack;
   std::size_t parts = 1;
+  bool coupled = false;
   std::array<N, most_parts + 1> cut;
   for (auto& c : cut) c = N(1e3);
   cut[0] = N(-1e3);
   for (int i = 0; i < lanes; ++i) {
     auto const& region = batch.region[at(first + std::min(i, count - 1))];
     auto const& wheel = batch.wheels[at(region.wheel)];
+    coupled = coupled || batch.scan[at(region.wheel)].regions > 1;
     pack.pair.set(i, wheel.wheel->pair, wheel.wheel->nodes->arc().abscissae());
     set_lane(pack.pose, i, wheel.pose);
     set_lane(pack.compliance, i, wheel.wheel->material.compliance() / pi);
-    auto const set_end = [i](RegionEnd const& end, N& place, N& low, N& high, N& root) {
-      set_lane(place, i, end.position);
-      set_lane(low, i, std::min(end.inside, end.outside));
-      set_lane(high, i, std::max(end.inside, end.outside));
-      set_lane(root, i, end.is_root ? 1.0 : 0.0);
-    };
-    set_end(region.range->left, pack.left, pack.left_low, pack.left_high, pack.left_is_root);
-    set_end(region.range->right, pack.right, pack.right_low, pack.right_high, pack.right_is_root);
+    for (std::size_t k = 0; k < 2; ++k) {
+      RegionEnd const& end = k == 0 ? region.range->left : region.range->right;
+      set_lane(pack.end[k].place, i, end.position);
+      set_lane(pack.end[k].low, i, std::min(end.inside, end.outside));
+      set_lane(pack.end[k].high, i, std::max(end.inside, end.outside));
+      set_lane(pack.end[k].is_root, i, end.is_root ? 1.0 : 0.0);
+    }
     parts = std::max(parts, region.parts);
     for (std::size_t k = 1; k < region.parts; ++k) set_lane(cut[k], i, region.cut[k - 1]);
   }
   Strips<L> strips;
   StripPlaces<L> places;
   lay_strips(tables, pack, strips, places);
-  solve_strips(tables, strips);
+  solve_strips(tables, strips, coupled);
   StripRow<L> share;
   share.fill(L(1.0));
   L response(0.0);
@@ -184,7 +185,9 @@ void solve_regions(Batch<T>& batch) {
       solve_pack<T>(batch, first++, 1);
     } else {
       constexpr int half = W > 2 ? W / 2 : W;
-      if (left <= half)
+      if (left == 1)  // one number at a time is quicker than lanes that are filled with repetitions
+        solve_pack<double>(batch, first++, 1);
+      else if (left <= half)
         solve_pack<Lanes<half>>(batch, first, left), first += half;
       else
         solve_pack<Lanes<W>>(batch, first, std::min(left, W)), first += W;

@@ -53,7 +53,7 @@ Ratios exact_over_strips(StripTables const& tables, double x) {
   places.normal.fill({0.0, 0.0, 1.0});
   StripRow<double> all;
   all.fill(1.0);
-  solve_strips(tables, s);
+  solve_strips(tables, s, false);
   auto const part = part_of(tables, s, places, all);
   double const root = std::sqrt(depth / sum);
   double const a = hertz.semi_axis.at(x).value * root, b = hertz.semi_axis.at(-x).value * root;

@@ -22,9 +22,12 @@ struct RegionPack {
   using N = NumberOf<T>;
   LanePair<N> pair;
   RelativePose<T> pose;
-  N compliance{1.0};                                              ///< Q/pi [1/Pa]
-  N left{0.0}, left_low{0.0}, left_high{0.0}, left_is_root{1.0};  ///< end along the arc, its bracket [m]; 1 or 0
-  N right{0.0}, right_low{0.0}, right_high{0.0}, right_is_root{1.0};
+  N compliance{1.0};  ///< Q/pi [1/Pa]
+  struct End {
+    N place{0.0}, low{0.0}, high{0.0};  ///< along the arc, its bracket [m]
+    N is_root{1.0};                     ///< 1 or 0
+  };
+  std::array<End, 2> end;  ///< left, right
 };
 
 /// What each strip is besides the elastic problem.
@@ -67,26 +70,24 @@ struct Sample {
 
 /// Place, gap and curvatures of the valley at one abscissa of the wheel, (S10).
 template <class T>
-void sample_at(RegionPack<T> const& r, T const& place, Sample<T>& s) {
-  using std::sqrt;
-  s.abscissa = r.pair.arc_to_abscissa.value(place);
-  auto const here = gap_along_normal(r.pair, r.pose, s.abscissa);
+void take_sample(RegionPack<T> const& r, LaneGap<T> const& here, Sample<T>& s) {
   auto const& line = here.line;
   auto const& rail = here.rail;
   auto const& kappa = r.pair.hertz_curvature();
   s.gap = select(here.found, here.gap, T(1e-3));
   s.rail_y = here.rail_y;
-  T const wheel_norm = sqrt(1.0 + line.profile.slope * line.profile.slope);
-  s.wheel_cosine = 1.0 / wheel_norm;
-  s.rail_cosine = 1.0 / sqrt(1.0 + rail.slope * rail.slope);
+  T const norm2 = 1.0 + line.profile.slope * line.profile.slope;
+  s.wheel_cosine = inverse_root(norm2);
+  T const wheel_norm = norm2 * s.wheel_cosine;
+  s.rail_cosine = inverse_root(T(1.0 + rail.slope * rail.slope));
   s.n = -line.n;
   T const lean = -line.n_radial;
-  T const inverse_lean = 1.0 / lean;
+  T const inverse_lean = -here.inverse_radial;
   s.slope = -(here.residual * lean * s.rail_cosine);
   s.twist = twist_of(s.n, r.pose.R.ey, wheel_norm, inverse_lean);
-  T const wheel_along = s.wheel_cosine / line.radius;                                          // (15)
+  T const wheel_along = s.wheel_cosine * reciprocal(line.radius);                              // (15)
   s.wheel_across = -(line.profile.second * s.wheel_cosine * s.wheel_cosine * s.wheel_cosine);  // (15)
-  T const rail_along = kappa * s.rail_cosine / (1.0 + kappa * rail.value);                     // (15)
+  T const rail_along = kappa * s.rail_cosine * reciprocal(T(1.0 + kappa * rail.value));        // (15)
   T const rail_across = -(rail.second * s.rail_cosine * s.rail_cosine * s.rail_cosine);        // (15)
   s.profile = line.profile;
   s.wheel = curvature_tensor(wheel_along, s.wheel_across, s.twist);
@@ -100,18 +101,23 @@ void sample_at(RegionPack<T> const& r, T const& place, Sample<T>& s) {
 /// Samples at equal distances along the arc, with their places: dy = (dl + sin(chi) dx) / cos(chi), (S10).
 template <class T, std::size_t count>
 void sample_row(RegionPack<T> const& r, T const& first, T const& step, std::array<Sample<T>, count>& samples) {
+  std::array<T, count> abscissa;
+  for (std::size_t k = 0; k < count; ++k)
+    abscissa[k] = r.pair.arc_to_abscissa.value(T(first + static_cast<double>(k) * step));
+  std::array<LaneGap<T>, count> gaps;
+  gaps_along_normal(r.pair, r.pose, abscissa, gaps);
   for (std::size_t k = 0; k < count; ++k) {
+    samples[k].abscissa = abscissa[k];
+    take_sample(r, gaps[k], samples[k]);
+  }
+  samples[0].x = samples[0].y = T(0.0);
+  for (std::size_t k = 1; k < count; ++k) {
     Sample<T>& s = samples[k];
-    sample_at(r, T(first + static_cast<double>(k) * step), s);
-    if (k == 0) {
-      s.x = s.y = T(0.0);
-      continue;
-    }
     Sample<T> const& before = samples[k - 1];
     Twist<T> const chi{0.5 * (before.twist.sin + s.twist.sin), 0.5 * (before.twist.cos + s.twist.cos)};
     T const travel = dot(s.p - before.p, s.c);
     s.x = before.x + travel;
-    s.y = before.y + (step + chi.sin * travel) / chi.cos;
+    s.y = before.y + (step + chi.sin * travel) * reciprocal(chi.cos);
   }
 }
 
@@ -124,16 +130,14 @@ struct MeanOverlap {
 };
 
 /// The strips lie along the principal direction of the mean curvature that is nearer to rolling, (S11).
-///
-/// @param weight  of each sample in the mean [-]
 template <class T, std::size_t count>
-MeanOverlap<T> mean_overlap(std::array<Sample<T>, count> const& samples, std::array<double, count> const& weight) {
+MeanOverlap<T> mean_overlap(std::array<Sample<T>, count> const& samples) {
   using std::sqrt;
   CurvatureTensor<T> mean{T(0.0), T(0.0), T(0.0)};
   T depth(0.0);
   for (std::size_t k = 0; k < count; ++k) {
     auto const& s = samples[k];
-    T const d = weight[k] * select(s.gap < 0.0, -s.gap, T(0.0));
+    T const d = (1.0 / count) * select(s.gap < 0.0, -s.gap, T(0.0));
     depth += d;
     mean = mean + d * s.both;
   }
@@ -167,28 +171,34 @@ T beyond(Sample<T> const& s, Twist<T> const& theta, T const& outward) {
   return select(outward > 0.0, outward, T(0.0)) * sin2 / (2.0 * along * (sqrt(stretch2) + theta.cos));
 }
 
+/// The samples' places across the strips; returned: where the row ends, half a step outside its first and last sample, and how
+/// far the overlap reaches beyond that: left end, beyond it, right end, beyond it [m].
+template <class T, std::size_t count>
+std::array<T, 4> spread(std::array<Sample<T>, count>& samples, Twist<T> const& along) {
+  for (auto& s : samples) s.eta = along.cos * s.y - along.sin * s.x;
+  Sample<T> const &first = samples[0], &last = samples[count - 1];
+  return {T(first.eta - 0.5 * (samples[1].eta - first.eta)), beyond(first, along, T(-first.slope)),
+          T(last.eta + 0.5 * (last.eta - samples[count - 2].eta)), beyond(last, along, last.slope)};
+}
+
 /// The gap on the line of one strip, from a sample beside or on it: quadratic but for the wheel's profile, which is the true one,
 /// because a long strip at large yaw crosses stretches of different curvature. (S13)
 template <class T>
 struct StripLine {
-  LaneSpline<NumberOf<T>> const& profile;
-  T abscissa;                 ///< of the sample on the wheel [m]
-  CurvePoint<T> const& here;  ///< the profile there
   T level, slope,
       curvature;  ///< gap [m], its slope [-] and half its second derivative [1/m], without the profile's bend
   T from_wheel, wheel_slope;  ///< wheel's arc at the line's start [m] and its rate along the line [-]
-  T wheel_cosine;             ///< 1 / sqrt(1 + r'^2)
 
-  T at(T const& along) const {
-    T const ds = (from_wheel + wheel_slope * along) * wheel_cosine;
-    T const bend = here.value + here.slope * ds - profile.value(T(abscissa + ds));
-    return level + (slope + curvature * along) * along + bend * wheel_cosine;
+  /// @param s  its sample
+  T at(LaneSpline<NumberOf<T>> const& profile, Sample<T> const& s, T const& along) const {
+    T const ds = (from_wheel + wheel_slope * along) * s.wheel_cosine;
+    T const bend = s.profile.value + s.profile.slope * ds - profile.value(T(s.abscissa + ds));
+    return level + (slope + curvature * along) * along + bend * s.wheel_cosine;
   }
 };
 
 template <class T>
-StripLine<T> strip_line(LaneSpline<NumberOf<T>> const& profile, Sample<T> const& s, Twist<T> const& theta,
-                        T const& aside) {
+StripLine<T> strip_line(Sample<T> const& s, Twist<T> const& theta, T const& aside) {
   T const& sine = theta.sin;
   T const& cosine = theta.cos;
   // The wheel's meridian in the axes of the strip, and what is left of D without the bend of its profile.
@@ -198,79 +208,112 @@ StripLine<T> strip_line(LaneSpline<NumberOf<T>> const& profile, Sample<T> const&
   T const along = s.both.on(cosine, sine, cosine, sine) - bend * on_line * on_line;
   T const mixed = s.both.on(cosine, sine, -sine, cosine) - bend * on_line * beside;
   T const across = s.both.on(-sine, cosine, -sine, cosine) - bend * beside * beside;
-  return {profile,
-          s.abscissa,
-          s.profile,
-          s.gap + (s.slope * cosine + across * aside) * aside,
-          s.slope * sine + 2.0 * mixed * aside,
-          along,
-          beside * aside,
-          on_line,
-          s.wheel_cosine};
+  return {s.gap + (s.slope * cosine + across * aside) * aside, s.slope * sine + 2.0 * mixed * aside, along,
+          beside * aside, on_line};
 }
 
 /// How far from `lowest` the gap on the line has risen by `rise`, about `step` away: as if it rose with the square.
 template <class T>
-T distance_to_rise(StripLine<T> const& line, T const& lowest, T const& depth, T const& rise, T const& step) {
-  using std::sqrt;
-  T const risen = line.at(T(lowest + step)) + depth;
+T distance_to_rise(LaneSpline<NumberOf<T>> const& profile, Sample<T> const& s, StripLine<T> const& line,
+                   T const& lowest, T const& depth, T const& rise, T const& step) {
+  T const risen = line.at(profile, s, T(lowest + step)) + depth;
   T const least = 0.25 * rise;  // where the wheel bends away from a parabola by more, the strip is twice as long
-  return step * sqrt(rise / select(risen > least, risen, least));
+  return step * rise * inverse_root(T(rise * select(risen > least, risen, least)));
 }
 
-/// One strip at eta across: the parabola of its interpenetration through the places where a strip under load ends.
+/// The strips at equal distances eta across: of each, the parabola of its interpenetration through the places where a strip under
+/// load ends. Step by step for all of them, as gaps_along_normal().
 ///
+/// @param low      where the first strip begins [m]
 /// @param shallow  interpenetration below which a strip never carries load [m]
 template <class T>
-void lay_strip(RegionPack<T> const& r, Sample<T> const& s, Twist<T> const& theta, T const& eta, T const& shallow,
-               std::size_t i, Strips<T>& strips, StripPlaces<T>& places) {
-  using std::sqrt;
+void lay_row(RegionPack<T> const& r, std::array<Sample<T>, strip_count> const& samples, Twist<T> const& theta,
+             T const& low, T const& shallow, Strips<T>& strips, StripPlaces<T>& places) {
   T const& sine = theta.sin;
   T const& cosine = theta.cos;
-  T const aside = eta - s.eta;
-  auto const line = strip_line(*r.pair.wheel, s, theta, aside);
-  T const along = curvature_along(s, theta);
-  T const lowest = -(0.5 * line.slope / along);
-  T const depth = -line.at(lowest);
-  T const rise = loaded_rise * select(depth > shallow, depth, shallow);
-  T const half = sqrt(rise / along);
-  T const front = distance_to_rise(line, lowest, depth, rise, half);
-  T const back = distance_to_rise(line, lowest, depth, rise, T(-half));
-  T const ahead = lowest + 0.5 * (front + back);
-  T const length = 0.5 * (front - back);
-  strips.interpenetration[i] = depth;
-  strips.curvature[i] = rise / (length * length);
-  places.along[i] = cosine * s.x + sine * s.y + ahead;
-  places.across[i] = eta;
-  T const u = cosine * ahead - sine * aside;
-  T const v = sine * ahead + cosine * aside;
-  places.wheel_s[i] = s.abscissa + (v * s.twist.cos - u * s.twist.sin) * s.wheel_cosine;
-  places.rail_y[i] = s.rail_y + v * s.rail_cosine;
-  places.point[i] = s.p + u * s.c + v * s.m;
-  places.normal[i] =
-      s.n - (s.wheel.along * u + s.wheel.mixed * v) * s.c - (s.wheel.mixed * u + s.wheel.across * v) * s.m;
+  auto const eta = [&](std::size_t i) { return T(low + (static_cast<double>(i) + 0.5) * strips.width); };
+  StripRow<StripLine<T>> line;
+  StripRow<T> lowest, depth, rise, half, front, back;
+  for (std::size_t i = 0; i < strip_count; ++i) {
+    auto const& s = samples[i];
+    line[i] = strip_line(s, theta, T(eta(i) - s.eta));
+    T const along = curvature_along(s, theta);
+    lowest[i] = -(0.5 * line[i].slope * reciprocal(along));
+    half[i] = along;
+  }
+  auto const& profile = *r.pair.wheel;
+  for (std::size_t i = 0; i < strip_count; ++i) depth[i] = -line[i].at(profile, samples[i], lowest[i]);
+  for (std::size_t i = 0; i < strip_count; ++i) {
+    rise[i] = loaded_rise * select(depth[i] > shallow, depth[i], shallow);
+    half[i] = rise[i] * inverse_root(T(rise[i] * half[i]));
+    front[i] = distance_to_rise(profile, samples[i], line[i], lowest[i], depth[i], rise[i], half[i]);
+    back[i] = distance_to_rise(profile, samples[i], line[i], lowest[i], depth[i], rise[i], T(-half[i]));
+  }
+  for (std::size_t i = 0; i < strip_count; ++i) {
+    auto const& s = samples[i];
+    T const ahead = lowest[i] + 0.5 * (front[i] + back[i]), aside = eta(i) - s.eta;
+    T const length = 0.5 * (front[i] - back[i]);
+    strips.interpenetration[i] = depth[i];
+    strips.curvature[i] = rise[i] * reciprocal(T(length * length));
+    places.along[i] = cosine * s.x + sine * s.y + ahead;
+    places.across[i] = eta(i);
+    T const u = cosine * ahead - sine * aside;
+    T const v = sine * ahead + cosine * aside;
+    places.wheel_s[i] = s.abscissa + (v * s.twist.cos - u * s.twist.sin) * s.wheel_cosine;
+    places.rail_y[i] = s.rail_y + v * s.rail_cosine;
+    places.point[i] = s.p + u * s.c + v * s.m;
+    places.normal[i] =
+        s.n - (s.wheel.along * u + s.wheel.mixed * v) * s.c - (s.wheel.mixed * u + s.wheel.across * v) * s.m;
+  }
 }
 
-/// An end as a function of the pose: Newton on the gap within the bracket, the last step in T.
+/// Slope of the gap outwards, from a point a little further inside [-].
+template <class N>
+N outward_rate(N const& gap, N const& inside, double probe) {
+  N const rate = (gap - inside) * (1.0 / probe);
+  return select(rate > 1e-6, rate, N(1e-6));
+}
+
+/// The ends of the regions as functions of the pose: Newton on the gap within the brackets, the last step in T.
 template <class T>
-T end_of(RegionPack<T> const& r, NumberOf<T> place, NumberOf<T> const& low, NumberOf<T> const& high,
-         NumberOf<T> const& is_root, double outwards) {
+std::array<T, 2> ends_of(RegionPack<T> const& r) {
   using N = NumberOf<T>;
   auto const pose = numbers_of(r.pose);
-  auto const root = is_root > 0.5;
-  N const probe(1e-8);  // [m]: the slope's error from the gap's curvature and from its last digits are below 1e-4
-  auto const rate_at = [&](N const& at, N const& gap) {
-    N const inside = gap_along_normal(r.pair, pose, r.pair.arc_to_abscissa.value(N(at - outwards * probe))).gap;
-    N const rate = (gap - inside) / probe;
-    return select(rate > 1e-6, rate, N(1e-6));
+  constexpr double probe =
+      1e-8;  // [m]: the slope's error from the gap's curvature and from its last digits are below 1e-4
+  constexpr double outwards[] = {-1.0, 1.0};
+  auto const abscissa = [&](auto const& place) { return r.pair.arc_to_abscissa.value(place); };
+  std::array<N, 2> place, rate;
+  std::array<N, 4> s;  // of both ends, then a little further inside
+  std::array<LaneGap<N>, 4> gap;
+  auto const look = [&] {
+    for (std::size_t k = 0; k < 2; ++k) {
+      s[k] = abscissa(place[k]);
+      s[k + 2] = abscissa(N(place[k] - outwards[k] * probe));
+    }
+    gaps_along_normal(r.pair, pose, s, gap);
+    for (std::size_t k = 0; k < 2; ++k) rate[k] = outward_rate(gap[k].gap, gap[k + 2].gap, probe);
   };
-  auto const g = gap_along_normal(r.pair, pose, r.pair.arc_to_abscissa.value(place));
-  N const next = clamped(N(place - outwards * g.gap / rate_at(place, g.gap)), low, high);
-  place = select(root && g.found, next, place);
-  auto const last = gap_along_normal(r.pair, r.pose, T(r.pair.arc_to_abscissa.value(T(place))));
-  N const rate = rate_at(place, value_of(last.gap));
-  T const end = place - outwards * last.gap / rate;
-  return select(root && last.found && value_of(end) > low && value_of(end) < high, end, T(place));
+  for (std::size_t k = 0; k < 2; ++k) place[k] = r.end[k].place;
+  look();
+  for (std::size_t k = 0; k < 2; ++k) {
+    auto const& end = r.end[k];
+    N const next = clamped(N(place[k] - outwards[k] * gap[k].gap / rate[k]), end.low, end.high);
+    place[k] = select(end.is_root > 0.5 && gap[k].found, next, place[k]);
+  }
+  // The last step moves by a nanometre with the slope that there is; derivatives need the one of the place itself.
+  if constexpr (!std::same_as<T, N>) look();
+  std::array<T, 2> ends, last_s;
+  std::array<LaneGap<T>, 2> last;
+  for (std::size_t k = 0; k < 2; ++k) last_s[k] = abscissa(T(place[k]));
+  gaps_along_normal(r.pair, r.pose, last_s, last);
+  for (std::size_t k = 0; k < 2; ++k) {
+    auto const& end = r.end[k];
+    T const next = place[k] - outwards[k] * last[k].gap / rate[k];
+    auto const within = value_of(next) > end.low && value_of(next) < end.high;
+    ends[k] = select(end.is_root > 0.5 && last[k].found && within, next, T(place[k]));
+  }
+  return ends;
 }
 
 }  // namespace strip_detail
@@ -280,23 +323,14 @@ template <class T>
 void lay_strips(StripTables const& tables, RegionPack<T> const& r, Strips<T>& strips, StripPlaces<T>& places) {
   using namespace strip_detail;
   using std::log;
-  T const left = end_of(r, r.left, r.left_low, r.left_high, r.left_is_root, -1.0);
-  T const right = end_of(r, r.right, r.right_low, r.right_high, r.right_is_root, 1.0);
+  auto const [left, right] = ends_of(r);
 
   // A first row over the whole region: how the strips lie, and what of it carries load.
-  std::array<double, n> equal;
-  equal.fill(1.0 / n);
   std::array<Sample<T>, n> samples;
   T const first_step = (right - left) / static_cast<double>(n);
   sample_row(r, T(left + 0.5 * first_step), first_step, samples);
-  auto const theta = mean_overlap(samples, equal).direction;
-  for (auto& s : samples) s.eta = theta.cos * s.y - theta.sin * s.x;
-  auto const spread = [&](Twist<T> const& along) {  // the ends, half a step outside the outermost samples
-    Sample<T> const &first = samples[0], &last = samples[n - 1];
-    return std::array{T(first.eta - 0.5 * (samples[1].eta - first.eta)), beyond(first, along, T(-first.slope)),
-                      T(last.eta + 0.5 * (last.eta - samples[n - 2].eta)), beyond(last, along, last.slope)};
-  };
-  auto const whole = spread(theta);
+  auto const theta = mean_overlap(samples).direction;
+  auto const whole = spread(samples, theta);
   strips.compliance = r.compliance;
   strips.width = (whole[2] - whole[0]) / static_cast<double>(n);
   T const stretch = 1.0 + (whole[1] + whole[3]) / (whole[2] - whole[0]);
@@ -308,16 +342,14 @@ void lay_strips(StripTables const& tables, RegionPack<T> const& r, Strips<T>& st
 
   T const step = (1.0 / n) * (loaded.to - loaded.from) * first_step;
   sample_row(r, T(left + loaded.from * first_step + 0.5 * step), step, samples);
-  auto const mean = mean_overlap(samples, equal);
+  auto const mean = mean_overlap(samples);
   auto const& turn = mean.direction;
   T const shallow = never_loaded * mean.depth;
-  for (auto& s : samples) s.eta = turn.cos * s.y - turn.sin * s.x;
-  auto const ends = spread(turn);
+  auto const ends = spread(samples, turn);
   T const low = ends[0] - ends[1];
   strips.width = (ends[2] + ends[3] - low) / static_cast<double>(n);
   places.turn = turn;
-  for (std::size_t k = 0; k < n; ++k)
-    lay_strip(r, samples[k], turn, T(low + (static_cast<double>(k) + 0.5) * strips.width), shallow, k, strips, places);
+  lay_row(r, samples, turn, low, shallow, strips, places);
 }
 
 }  // namespace rollerrig

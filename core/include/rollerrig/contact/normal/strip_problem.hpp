@@ -34,7 +34,8 @@ struct Strips {
   // Found:
   StripRow<T> load;         ///< w [N/m], not negative
   StripRow<T> half_length;  ///< a [m]
-  StripRow<T> response;     ///< w for an interpenetration of one metre everywhere on the loaded strips [N/m^2]
+  StripRow<T>
+      response;  ///< w for an interpenetration of one metre everywhere on the loaded strips [N/m^2], if asked for
   // From the first row of strips over the whole region:
   RegionParabola<T> parabola;
   StripTables::Place<T> place;  ///< its ln(A/B)
@@ -60,16 +61,23 @@ T smooth_step(T const& t) {
 template <class N>
 using Matrix = std::array<StripRow<N>, n>;
 
-/// Factors in place, without pivoting (influence falls with distance); diagonal inverted.
+/// Factors in place, without pivoting (influence falls with distance); diagonal inverted. Two columns at a time: the matrix does
+/// not fit in registers, and so it passes through them half as often.
 template <class N>
 void factorise(Matrix<N>& m) {
-  for (std::size_t p = 0; p < n; ++p) {
-    N const inverse = 1.0 / m[p][p];
-    m[p][p] = inverse;
-    for (std::size_t r = p + 1; r < n; ++r) {
-      N const factor = m[r][p] * inverse;
-      m[r][p] = factor;
-      for (std::size_t k = p + 1; k < n; ++k) m[r][k] -= factor * m[p][k];
+  static_assert(n % 2 == 0);
+  for (std::size_t p = 0; p < n; p += 2) {
+    auto &one = m[p], &two = m[p + 1];
+    one[p] = reciprocal(one[p]);
+    two[p] = two[p] * one[p];
+    for (std::size_t k = p + 1; k < n; ++k) two[k] -= two[p] * one[k];
+    two[p + 1] = reciprocal(two[p + 1]);
+    for (std::size_t r = p + 2; r < n; ++r) {
+      auto& row = m[r];
+      N const f = row[p] * one[p], g = (row[p + 1] - f * one[p + 1]) * two[p + 1];
+      row[p] = f;
+      row[p + 1] = g;
+      for (std::size_t k = p + 2; k < n; ++k) row[k] = (row[k] - f * one[k]) - g * two[k];
     }
   }
 }
@@ -212,9 +220,11 @@ void start_from_hertz(StripTables const& tables, Strips<T>& s, Pass<T>& pass) {
 
 }  // namespace strip_detail
 
-/// Fills load, half_length, response and place.
+/// Fills load, half_length and place.
+///
+/// @param with_response  response, too: what several regions of a wheel ask of each other
 template <class T>
-void solve_strips(StripTables const& tables, Strips<T>& s) {
+void solve_strips(StripTables const& tables, Strips<T>& s, bool with_response) {
   using namespace strip_detail;
   Pass<T> pass;
   start_from_hertz(tables, s, pass);
@@ -234,8 +244,7 @@ void solve_strips(StripTables const& tables, Strips<T>& s) {
       w = system.solve(s.interpenetration);
       StripRow<T> one;
       one.fill(T(1.0));
-      s.response = system.solve(one);
-      for (auto& r : s.response) r = inverse * r;
+      s.response = with_response ? system.solve(one) : one;
     }
     take(w);
     lengths_from_load(s, pass);
@@ -244,7 +253,7 @@ void solve_strips(StripTables const& tables, Strips<T>& s) {
   T const exact = tables.at(StartFunction::force, s.place);
   for (std::size_t j = 0; j < n; ++j) {
     s.load[j] = exact * s.load[j];
-    s.response[j] = exact * s.response[j];
+    s.response[j] = exact * inverse * s.response[j];
   }
 }
 
@@ -301,11 +310,11 @@ LoadRange<T> range_of_load(StripTables const& tables, T const& stretch, Strips<T
       double const width = k == 0 ? 0.5 : 1.0;
       T const rise = d[i] - last;
       auto const below = d[i] < level;
-      T const part = (level - last) / select(rise > 0.0, rise, T(1.0));
+      T const part = (level - last) * reciprocal(select(rise > 0.0, rise, T(1.0)));
       shallow += open * width * select(below, T(1.0), part);
       open = select(below, open, T(0.0));
       last = d[i];
-      T const t = (little - seen) / (w[i] + 1e-9 * load);
+      T const t = (little - seen) * reciprocal(T(w[i] + 1e-9 * load));
       unloaded += select(t < 0.0, T(0.0), select(t > 1.0, T(1.0), t));
       seen += w[i];
     }

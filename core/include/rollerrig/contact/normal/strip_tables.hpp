@@ -9,6 +9,7 @@
 #pragma once
 #include "rollerrig/contact/normal/hertz.hpp"
 #include "rollerrig/contact/normal/strip_kernel.hpp"
+#include "rollerrig/math/estimates.hpp"
 #include "rollerrig/math/lane_spline.hpp"
 
 namespace rollerrig {
