@@ -74,7 +74,7 @@ def stop_record(case: Case, flat: FlatWear, keep: bool, progress: Progress | Non
 
 
 def adhesion_utilisation(run: xr.Dataset, case: Case) -> float:
-    """Sum of the creep forces over what friction at no slip would give, of all braked axles and instants [-].
+    """Sum of the creep forces over what friction at no slip would give, of all braked axles that are bodies, and instants [-].
 
     Friction is that of the rail under each axle, which nothing has cleaned yet: where sliding cleans it, the value may pass 1.
     NaN where no axle is braked.
@@ -85,9 +85,9 @@ def adhesion_utilisation(run: xr.Dataset, case: Case) -> float:
     places = {body.name: body.position[0] for body in RunInfo.of(run).wheelsets}
     way, clock = run["train_distance"].to_numpy(), run["time"].to_numpy()
     used = offered = 0.0
-    for axle in run["axle"].to_numpy():
+    for axle, place in places.items():
         one = run[["brake_torque", "creep_force"]].sel(axle=axle)
-        at = clock if rail.over_time else way + places[str(axle)]
+        at = clock if rail.over_time else way + place
         braked = (abs(one["brake_torque"]).to_numpy() > 1.0) & (run["train_speed"].to_numpy() > LEAST_SPEED)
         used += float(np.abs(one["creep_force"].to_numpy()[braked]).sum())
         offered += float(_core.rail_friction(rail, np.ascontiguousarray(at[braked])).sum()) * axle_load(run)

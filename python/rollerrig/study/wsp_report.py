@@ -19,7 +19,7 @@ from rollerrig.study.adhesion_verdicts import SHOWN
 from rollerrig.study.quantities import Numbers
 from rollerrig.study.report import Block, Picture, Preformatted, Section, Table, Text
 from rollerrig.study.wsp_numbers import MEASURED, QUANTITIES
-from rollerrig.study.wsp_text import NOT_QUOTED, limit_text, value_text
+from rollerrig.study.wsp_text import NAMES, NOT_QUOTED, limit_text, value_text
 from rollerrig.study.wsp_verdicts import SUPPORTS
 from rollerrig.wording import number
 
@@ -80,21 +80,27 @@ def _criteria(numbers: Numbers) -> Table:
     rows = []
     for stop, own in numbers["stops"].items():
         for name, one in own["criteria"].items():
-            for on in SUPPORTS:
-                if on in one:
-                    found = one[on]
-                    rows.append((_shown(found["verdict"]), stop.replace("_", " "), on, value_text(name, found),
-                                 limit_text(name, one), one["clause"] or "–", found["why"] or one["origin"]))  # fmt: skip
+            found = [one.get(on, {"verdict": None, "mean": None, "why": ""}) for on in SUPPORTS]
+            whys = dict.fromkeys(two["why"] for two in found if two["why"])
+            rows.append((
+                *(_shown(two["verdict"]) for two in found), stop.replace("_", " "), NAMES[name],
+                *(value_text(name, two) for two in found), limit_text(name, one), one["clause"] or "–",
+                "; ".join((*whys, one["origin"])),
+            ))  # fmt: skip
     header = (
-        "",
+        "on track",
+        "on the rig",
         "stop",
-        "on",
-        "mean of all starts (95 % interval)",
+        "criterion",
+        "track",
+        "rig",
         "limit",
         "clause",
-        "where the limit comes from, or why nothing is decided",
+        "why nothing is decided; who set it",
     )
-    return Table(header, rows, "Every criterion." if rows else "The programme sets no limit.")
+    return Table(
+        header, rows, "Every criterion: means of all starts (intervals of 95 %)." if rows else "No limit is set."
+    )
 
 
 def _stop_tables(numbers: Numbers) -> Iterator[Table]:

@@ -48,6 +48,7 @@ def findings(numbers: Numbers, limits: int) -> Iterator[str]:
     yield from _verdicts(numbers, limits)
     yield from _not_met(numbers)
     yield from _not_decided(numbers)
+    yield from _fidelity(numbers)
     yield from _sums(numbers)
     yield NOT_QUOTED
 
@@ -73,7 +74,7 @@ def _verdicts(numbers: Numbers, limits: int) -> Iterator[str]:
 def _not_met(numbers: Numbers) -> Iterator[str]:
     for on in SUPPORTS:
         found = [
-            f"{stop}: {value_text(name, one[on])}, {limit_text(name, one)}"
+            f"{stop}: {NAMES[name]} {value_text(name, one[on])}, {limit_text(name, one)}"
             for stop, own in numbers["stops"].items()
             for name, one in own["criteria"].items()
             if on in one and one[on]["verdict"] == "not met"
@@ -96,6 +97,23 @@ def _not_decided(numbers: Numbers) -> Iterator[str]:
             yield f"Not decided on {'track' if on == 'track' else 'the rig'}: {', '.join(stops)}: {why}."
 
 
+def _fidelity(numbers: Numbers) -> Iterator[str]:
+    """How far a verdict on the rig is one on track."""
+    words = [one["rig_like_track"]["fidelity"] for one in numbers["stops"].values()]
+    differ = [
+        f"{stop} ({NAMES[name]})"
+        for stop, own in numbers["stops"].items()
+        for name, one in own["criteria"].items()
+        if {one[on]["verdict"] for on in SUPPORTS if on in one} == {"met", "not met"}
+    ]
+    met, against, open_ = (words.count(word) for word in ("met", "not met", "not decided"))
+    yield (
+        f"The rig does as the track within the targets of `rollerrig adhesion` in {met} of {len(words)} stops, not in {against}, "
+        f"not decided in {open_}: a verdict on the rig is one of the test on the rig. "
+        f"Opposite verdicts on track and rig: {', '.join(differ) or 'none'}."
+    )
+
+
 def _sums(numbers: Numbers) -> Iterator[str]:
     for on in SUPPORTS:
         one = numbers["sums"][on]
@@ -109,16 +127,16 @@ def _sums(numbers: Numbers) -> Iterator[str]:
 
 
 def value_text(name: str, one: Numbers) -> str:
-    """A criterion's name, mean, interval, and the worst test where each counts."""
+    """Mean of a criterion, its interval, and the worst test where each counts."""
     if one["mean"] is None:
-        return f"{NAMES[name]} –"
+        return "–"
     unit, factor = UNITS.get(name, ("", 1.0))
     text = number(factor * one["mean"], 3)
     if one["low"] is not None and one["high"] is not None and one["low"] != one["high"]:
         text += f" ({number(factor * one['low'], 3)} … {number(factor * one['high'], 3)})"
     if CRITERIA[name].every and one["worst"] is not None:  # type: ignore[index]
-        text += f", at most {number(factor * one['worst'], 3)}"
-    return f"{NAMES[name]} {text} {unit}".rstrip()
+        text += f", worst {number(factor * one['worst'], 3)}"
+    return f"{text} {unit}".rstrip()
 
 
 def limit_text(name: str, one: Numbers) -> str:

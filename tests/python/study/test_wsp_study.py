@@ -357,3 +357,10 @@ def test_a_drag_braking_need_not_stop_and_is_judged_by_what_it_has() -> None:
 
 def test_without_limits_nothing_is_judged() -> None:
     assert verdict_of([]) is None
+
+
+def test_the_summary_says_how_far_a_verdict_on_the_rig_is_one_on_track(outcome: Outcome[Results]) -> None:
+    lines = outcome.summary.splitlines()
+    assert lines[0].startswith("On track 0 of 3 criteria are met")
+    assert any("Opposite verdicts on track and rig: none." in line for line in lines)
+    assert "EN 15595 and UIC 541-05 are not quoted" in lines[-1]
