@@ -20,7 +20,8 @@ namespace {
 
 /// The virtual rail takes its laws from a contact of the model, its adhesion from a map if there is one.
 VirtualRail virtual_rail(Model const& model, int contact, std::shared_ptr<AdhesionMap const> adhesion,
-                         EquivalentPatch const& patch, double cell, double energy_width, double wheel_memory) {
+                         EquivalentPatch const& patch, double cell, double energy_width, double wheel_memory,
+                         double sand_kept) {
   VirtualRail rail;
   ContactLaws const& laws = model.contact(contact, "contact").laws;
   rail.creep = laws.creep;
@@ -30,7 +31,7 @@ VirtualRail virtual_rail(Model const& model, int contact, std::shared_ptr<Adhesi
   if (rail.friction.map) rail.friction.map->check();
   rail.wheel_load = patch.load, rail.a = patch.a, rail.b = patch.b, rail.cell = cell;
   rail.width = energy_width > 0.0 ? energy_width : patch.width;
-  rail.wheel_memory = wheel_memory;
+  rail.wheel_memory = wheel_memory, rail.sand_kept = sand_kept;
   rail.log_aspect = std::log(rail.a / rail.b);
   rail.stiffness = kalker_stiffness(laws.kalker->at(rail.log_aspect), laws.material.shear_modulus, rail.a, rail.b, 1.0);
   return rail;
@@ -46,12 +47,25 @@ void bind_actuators(nb::module_& m) {
   def_function(m, "torque_lag", "How late a drive's torque is behind what its controller wants, for slow changes [s].",
                &torque_lag, Argument{"motor"}, Argument{"period", positive}, Argument{"delay", not_negative},
                Argument{"gain", not_negative});
+  bind_laws<AnyElectrodynamicBrake>(m, "electrodynamic_brakes", "Brake");
+  auto machine = bind_struct<ElectrodynamicBrake>(m, "ElectrodynamicBrake", "Traction motors that brake.");
+  def_method(
+      machine, "largest", "Largest torque [N m] of the characteristic at an axle speed [rad/s].",
+      +[](ElectrodynamicBrake const& self, double speed) { return self.largest(speed); }, Argument{"axle_speed"});
   auto brake =
       bind_struct<FrictionBrake>(m, "FrictionBrake", "From cylinder pressure to the torque of an axle's brake.");
   def_method(
       brake, "torque", "Torque on the axle [N m], against its turning.",
       +[](FrictionBrake const& self, double pressure, double speed) { return self.torque(pressure, speed); },
       Argument{"cylinder_pressure"}, Argument{"axle_speed"});
+  bind_laws<AnyTrackBrake>(m, "track_brakes", "TrackBrake");
+  auto on_rail = bind_struct<TrackBrake>(m, "TrackBrake", "Brakes that act on the rail, and when they are on.");
+  def_method(
+      on_rail, "force", "Of one bogie in full excitation, against running [N], at a speed over the rail [m/s].",
+      +[](TrackBrake const& self, double speed) { return self.force(speed); }, Argument{"speed"});
+  bind_struct<BodyTrackBrake>(m, "BodyTrackBrake", "A track brake on the body that carries its magnets.");
+  bind_laws<AnySandingStart>(m, "sanding_starts", "Sanding");
+  bind_struct<Sanding>(m, "Sanding", "When sand flows in front of which wheels, and how much.");
   bind_struct<AxleBrake>(m, "AxleBrake", "A friction brake between an axle and a body, or -1: the ground.");
   bind_laws<AnySpeedSensor>(m, "speed_sensors");
   bind_struct<ForceSensor>(m, "ForceSensor", "Transducer of a force or a torque.");
@@ -112,15 +126,16 @@ void bind_controllers(nb::module_& m) {
           "__init__",
           [](VirtualRail* self, std::shared_ptr<Model const> const& model, int contact,
              std::shared_ptr<AdhesionMap const> adhesion, EquivalentPatch const& patch, double cell,
-             double energy_width, double wheel_memory) {
+             double energy_width, double wheel_memory, double sand_kept) {
             check_value(cell, positive, "VirtualRail", "cell");
             check_value(energy_width, not_negative, "VirtualRail", "energy_width");
             check_value(wheel_memory, not_negative, "VirtualRail", "wheel_memory");
+            check_value(sand_kept, fraction, "VirtualRail", "sand_kept");
             new (self) VirtualRail(
-                virtual_rail(*model, contact, std::move(adhesion), patch, cell, energy_width, wheel_memory));
+                virtual_rail(*model, contact, std::move(adhesion), patch, cell, energy_width, wheel_memory, sand_kept));
           },
           nb::kw_only(), "model"_a, "contact"_a, "adhesion"_a.none(), "patch"_a, "cell"_a, "energy_width"_a,
-          "wheel_memory"_a, nb::keep_alive<1, 2>());
+          "wheel_memory"_a, "sand_kept"_a, nb::keep_alive<1, 2>());
   bind_laws<AnySlideProtection>(m, "slide_protections", "Protection");
   bind_laws<AnyController>(m, "controllers");
 }

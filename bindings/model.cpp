@@ -73,6 +73,7 @@ void bind_model(nb::module_& m) {
           "start"_a, "step"_a, "pieces"_a)
       .def("add_contact", &ModelBuilder::add_contact, "contact"_a)
       .def("add_brake", &ModelBuilder::add_brake, "brake"_a)
+      .def("add_track_brake", &ModelBuilder::add_track_brake, "brake"_a)
       .def("add_axle_torque", &ModelBuilder::add_axle_torque, "torque"_a)
       .def("add_roller_torque", &ModelBuilder::add_roller_torque, "torque"_a)
       .def("add_rolling_constraint", &ModelBuilder::add_rolling_constraint, "wheelset"_a)

@@ -67,6 +67,8 @@ class AssembledModel:
     """Actuators of each axle; empty where the model was assembled without."""
     adhesion: _core.AdhesionMap | None
     """Adhesion of the case's rails; None without [adhesion], and where the model was assembled without actuators."""
+    bogies: int
+    """That carry the magnets of a track brake, where the case has one."""
 
     def body_index(self, name: str) -> int:
         """Index of a body in the core.
@@ -146,6 +148,7 @@ class Assembly:
         start_core: _core.Model | None = None,
         axles: tuple[AxleActuators, ...] = (),
         adhesion: _core.AdhesionMap | None = None,
+        bogies: int = 0,
     ) -> AssembledModel:
         """The model with what has been added so far; by custom a run starts from the equilibrium of this very model."""
         core = self.builder.finish()
@@ -173,6 +176,7 @@ class Assembly:
             breakpoints=self.breakpoints,
             axles=axles,
             adhesion=adhesion,
+            bogies=bogies,
         )
 
     def _add_plant(self) -> None:

@@ -13,7 +13,16 @@ from pathlib import Path
 from rollerrig.config import Body, Case, Rig, Track, load_case, load_support
 from rollerrig.config.write.toml import plain
 
-ACTUATORS = ("adhesion", "brake", "traction", "slide_protection", "wheel_slip_control", "rig_control")
+ACTUATORS = (
+    "adhesion",
+    "brake",
+    "track_brake",
+    "sanding",
+    "traction",
+    "slide_protection",
+    "wheel_slip_control",
+    "rig_control",
+)
 """Tables of a case beside vehicle, support and contact: what acts on the vehicle, and degraded adhesion."""
 
 _NO_ACTUATORS: dict[str, object] = {**dict.fromkeys(ACTUATORS), "contact.pure_rolling": False}

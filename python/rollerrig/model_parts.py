@@ -29,3 +29,5 @@ class AxleActuators:
     axle_torque: int = ABSENT
     roller: int = ABSENT
     roller_torque: int = ABSENT
+    electrodynamic: bool = False
+    sands: bool = False

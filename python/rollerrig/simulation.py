@@ -37,6 +37,7 @@ from rollerrig.recording import SLICE, Recording, readings_per_sample
 from rollerrig.restraint import rolled_off
 from rollerrig.results import Draft, Outcome, add_energy_audit, add_termination, run_draft
 from rollerrig.results.contact_loss import add_contact_losses, contact_loss_warning
+from rollerrig.results.drive_limits import drive_warning
 from rollerrig.results.readings import add_readings, reading_columns
 from rollerrig.starting_state import StartError, starting_state
 
@@ -143,7 +144,7 @@ def _results(model: AssembledModel, recording: Recording, simulation: _core.Simu
     times, support = draft.values("time"), model.case.support.data
     duration = float(np.ptp(times)) if len(times) else 0.0
     lost = contact_loss_warning(losses, duration, on_rollers=isinstance(support, Rig))
-    draft.attributes["warnings"] = "\n".join(filter(None, (_energy_warning(draft), lost)))
+    draft.attributes["warnings"] = "\n".join(filter(None, (_energy_warning(draft), lost, drive_warning(draft))))
     return draft.dataset()
 
 

@@ -20,6 +20,7 @@ RigController::State RigController::start(Measurements const& now, double train_
   State s;
   s.train = {train, train_speed};
   s.rail.reset(rail.cell);
+  s.sand.reset(rail.cell);
   for (std::size_t k = 0; k < at(now.axles); ++k) {
     AxleState& axle = s.axle[k];
     std::visit([&](auto const& law) { axle.estimator = law.start(assumed, period, sample_of(now, k)); }, estimator);
@@ -42,12 +43,14 @@ void RigController::step(State& s, Measurements const& now, double period, PerAx
   }
   double const from = s.train.distance();
   auto const rail_force = [&](int i, double slip, double speed, double load) {
-    return rail.force(slip, speed, load, now.time, from + train.position[at(i)], s.axle[at(i)].energy);
+    return rail.force(slip, speed, load, now.time, from + train.position[at(i)], s.axle[at(i)].energy,
+                      s.axle[at(i)].sand);
   };
-  s.train.step(train, now.axles, torques, measured_loads ? &now.axle_load : nullptr, period, rail_force);
+  s.train.step(train, now.axles, torques, measured_loads ? &now.axle_load : nullptr, now.track_brake_force, period,
+               rail_force);
   for (int i = 0; i < now.axles; ++i) {  // front to back: the leading axle cleans for the following ones
     AxleState& axle = s.axle[at(i)];
-    recover(s, i, from, period);
+    recover(s, now, i, from, period);
     axle.feed_forward = assumed.roller_inertia * train.wheel_radius / assumed.roller_radius * s.train.axle_rate(i) -
                         assumed.roller_radius * s.train.force(i);  // (D5)
     double wanted = axle.feed_forward;
@@ -89,8 +92,8 @@ void RigController::lock_or_unlock(State& s, int i, double axle_speed) const {
   }
 }
 
-/// What the wheels ahead and this one have dissipated on the virtual rail under an axle.
-void RigController::recover(State& s, int i, double from, double period) const {
+/// What the wheels ahead and this one have dissipated on the virtual rail under an axle, and the sand there.
+void RigController::recover(State& s, Measurements const& now, int i, double from, double period) const {
   AxleState& axle = s.axle[at(i)];
   double const begin = from + train.position[at(i)], end = s.train.distance() + train.position[at(i)];
   double const speed = train.wheel_radius * s.train.axle_speed(i);
@@ -99,6 +102,8 @@ void RigController::recover(State& s, int i, double from, double period) const {
   // Half of its own is dissipated behind the patch's middle.
   axle.energy = s.rail.before(begin) + axle.wheel.energy() + 0.5 * own;
   s.rail.dissipate(begin, end, own);
+  s.sand.run(begin, end, now.sand_flow[at(i)] * period, rail.sand_kept);
+  axle.sand = s.sand.at(end);
   axle.wheel.run(own, end - begin, period * std::fabs(speed), 2.0 * pi * train.wheel_radius, rail.wheel_memory);
 }
 

@@ -10,6 +10,16 @@ constexpr double largest_motor_part = 0.2;  ///< of a second-order torque loop, 
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
+DumpValve valve_of(double command) { return static_cast<DumpValve>(static_cast<int>(command)); }
+
+double spin(Dynamics const& plant, int body) { return plant.work().motion[at(body)].rate[coord_pitch]; }
+
+/// Steps of the blending's delay.
+int blending_steps(MechatronicSetup const& setup) {
+  auto const& machine = setup.actuators.electrodynamic;
+  return machine ? static_cast<int>(std::lround(machine->blending_delay / setup.step)) : 0;
+}
+
 /// One step of a motor's torque loop: exact for a first-order loop under a constant command, else fine Runge-Kutta steps.
 void step_motor(Motor const& motor, double* state, double command, double speed, double h) {
   double const wanted = motor.within_envelope(command, speed);
@@ -33,16 +43,48 @@ void step_motor(Motor const& motor, double* state, double command, double speed,
 ActuatorStates::ActuatorStates(MechatronicSetup const& setup)
     : axle_(setup.axles.size()),
       cylinder_(setup.axles.size()),
-      supply_{std::visit([](auto const& air) { return air.start(); }, setup.actuators.pneumatics.air)} {}
+      supply_{std::visit([](auto const& air) { return air.start(); }, setup.actuators.pneumatics.air)},
+      counted_{0.0, blending_steps(setup)} {}
+
+/// The motors that brake, and what their axles are asked for in all.
+void ActuatorStates::step_electrodynamic(MechatronicSetup const& setup, std::int64_t step, PerAxle<double> const& valve,
+                                         Dynamics const& plant) {
+  Actuators const& actuators = setup.actuators;
+  double const pressure = actuators.brake_demand.at(setup.step * static_cast<double>(step));
+  PerAxle<double> counted{};
+  for (std::size_t i = 0; i < axle_.size(); ++i) {
+    Axle& axle = axle_[i];
+    double const speed = spin(plant, setup.axles[i].wheelset);
+    axle.asked = actuators.brake.sliding_torque(pressure, speed);
+    if (!actuators.electrodynamic || !setup.axles[i].electrodynamic) continue;
+    actuators.electrodynamic->step(axle.electrodynamic, axle.asked, speed, valve_of(valve[i]), setup.step);
+    counted[i] = axle.electrodynamic.counted;
+  }
+  counted_.send(counted, step);
+  counted_.advance(step);
+}
+
+/// The drive of an axle's roller, and how long each of its limits has acted.
+void ActuatorStates::step_drive(MechatronicSetup const& setup, std::size_t axle, double command, double roller_speed) {
+  Axle& own = axle_[axle];
+  Motor const& drive = setup.actuators.roller_drive;
+  own.drive_wanted = command * roller_speed;
+  own.drive_limited[at(static_cast<int>(drive.limit_met(command, roller_speed)))] += setup.step;
+  step_motor(drive, own.drive, command, roller_speed, setup.step);
+}
 
 /// All cylinders together: they may draw on one reservoir.
-void ActuatorStates::step_pneumatics(MechatronicSetup const& setup, double t, PerAxle<double> const& valve) {
+void ActuatorStates::step_pneumatics(MechatronicSetup const& setup, double t, PerAxle<double> const& valve,
+                                     Dynamics const& plant) {
   Pneumatics const& pneumatics = setup.actuators.pneumatics;
   PerAxle<DumpValve> command{};
   PerAxle<double> demand{};
   for (std::size_t i = 0; i < cylinder_.size(); ++i) {
-    command[i] = static_cast<DumpValve>(static_cast<int>(valve[i]));
+    command[i] = valve_of(valve[i]);
     demand[i] = setup.actuators.brake_demand.at(t);
+    if (!setup.axles[i].electrodynamic) continue;
+    double const rest = std::fmax(0.0, axle_[i].asked - counted_.acting()[i]);
+    demand[i] = std::fmin(demand[i], setup.actuators.brake.pressure(rest, spin(plant, setup.axles[i].wheelset)));
   }
   auto const step = [&](auto const& air) {
     air.step(pneumatics.control_valve, cylinder_, supply_, command, demand, setup.step);
@@ -50,31 +92,40 @@ void ActuatorStates::step_pneumatics(MechatronicSetup const& setup, double t, Pe
   std::visit(step, pneumatics.air);
 }
 
-void ActuatorStates::step(MechatronicSetup const& setup, double t, ActingCommands const& acting, Dynamics const& plant,
-                          Inputs& inputs) {
-  double const h = setup.step;
+void ActuatorStates::step(MechatronicSetup const& setup, std::int64_t step, ActingCommands const& acting,
+                          Dynamics const& plant, double train_speed, Inputs& inputs) {
+  double const h = setup.step, t = h * static_cast<double>(step);
   auto const& [valve, factor, roller_torque] = acting;
   auto const line = [&](double from, double to) { return HeldInput{t, from, (to - from) / h}; };
-  auto const spin = [&](int body) { return plant.work().motion[at(body)].rate[coord_pitch]; };
-  PerAxle<double> before{};
-  for (std::size_t i = 0; i < axle_.size(); ++i) before[i] = cylinder_[i].pressure;
-  if (setup.braked()) step_pneumatics(setup, t, valve);
+  PerAxle<double> before{}, motor_before{};
+  for (std::size_t i = 0; i < axle_.size(); ++i) {
+    before[i] = cylinder_[i].pressure;
+    motor_before[i] = axle_[i].of_motor();
+  }
+  if (setup.braked()) {
+    step_electrodynamic(setup, step, valve, plant);
+    step_pneumatics(setup, t, valve, plant);
+  }
+  if (auto const& brake = setup.actuators.track_brake) {
+    double const from = track_brake_;
+    track_brake_ = brake->next(track_brake_, t, train_speed, h);
+    inputs.track_brake = line(from, track_brake_);
+  }
   for (std::size_t i = 0; i < axle_.size(); ++i) {
     AxleParts const& parts = setup.axles[i];
     Axle& axle = axle_[i];
-    double const speed = spin(parts.wheelset), pressure = cylinder_[i].pressure;
+    double const speed = spin(plant, parts.wheelset), pressure = cylinder_[i].pressure;
 
     if (parts.brake != absent) inputs.cylinder[at(parts.brake)] = line(before[i], pressure);
     axle.stand_in = setup.actuators.motors_stand_in ? setup.actuators.brake.torque(pressure, speed) : 0.0;
     if (parts.axle_torque != absent) {
-      double const from = axle.motor[0];
       double const demand = factor[i] * setup.actuators.torque_demand.at(t) + axle.stand_in;
       step_motor(setup.actuators.motor, axle.motor, demand, speed, h);
-      inputs.axle_torque[at(parts.axle_torque)] = line(from, axle.motor[0]);
+      inputs.axle_torque[at(parts.axle_torque)] = line(motor_before[i], axle.of_motor());
     }
     if (parts.roller_torque != absent) {
       double const from = axle.drive[0];
-      step_motor(setup.actuators.roller_drive, axle.drive, roller_torque[i], -spin(parts.roller), h);
+      step_drive(setup, i, roller_torque[i], -spin(plant, parts.roller));
       inputs.roller_torque[at(parts.roller_torque)] = line(from, axle.drive[0]);
     }
   }

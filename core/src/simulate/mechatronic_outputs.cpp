@@ -44,6 +44,14 @@ constexpr Field axle_table[] = {
     {"roller_power", "W", "that the roller's drive delivers; negative: that it takes up"},
     {"vehicle_axle_speed", "rad/s", "reading of the vehicle's own speed sensor at the last sample"},
     {"exhausted_air", "m^3", "air let out of the cylinder since the start, at ambient pressure"},
+    {"electrodynamic_torque", "N m", "of the traction motor that brakes, beside traction_torque"},
+    {"asked_brake_torque", "N m",
+     "of all brakes of the axle together against its turning: that of the friction brake under the full demand"},
+    {"sand", "kg/m", "mass of sand per length of rail under the axle"},
+    {"wanted_roller_power", "W", "what the roller's drive is asked for, before its limits"},
+    {"drive_torque_limited", "s", "how long the limit of torque has held the roller's drive back since the start"},
+    {"drive_power_limited", "s", "the same of its limit of power"},
+    {"drive_speed_limited", "s", "the same of its limit of speed"},
 };
 
 constexpr Field train_table[] = {
@@ -58,6 +66,9 @@ constexpr Field train_table[] = {
     {"main_pipe_air", "m^3",
      "air that the reservoir has drawn from the main pipe since the start, at ambient pressure"},
     {"reference_speed_error", "m/s", "reference speed less the train's; 0 where no controller estimates it"},
+    {"track_brake_force", "N", "of all track brakes against running: on a rig on the virtual train"},
+    {"track_brake_energy", "J", "that they have taken since the start"},
+    {"sand_used", "kg", "that has been laid on both rails since the start"},
 };
 
 constexpr Field measurement_table[] = {
@@ -138,6 +149,9 @@ void MechatronicSystem::record(Dynamics const& plant, std::int64_t step, double 
   row[6] = actuators_.supply().reservoir;
   row[7] = actuators_.supply().drawn;
   row[8] = reference_speed().value_or(train.speed) - train.speed;
+  row[9] = track_brake_force(plant);
+  row[10] = track_brake_energy_;
+  row[11] = sand_used_;
 }
 
 void MechatronicSystem::record_axle(Dynamics const& plant, std::size_t i, Inputs const& inputs, double* out) const {
@@ -154,6 +168,7 @@ void MechatronicSystem::record_axle(Dynamics const& plant, std::size_t i, Inputs
   double const ground_speed = frame_moves() ? train_.speed() : setup_.speed;
   double const surface = parts.roller != absent ? roller * contact.roller_radius() : ground_speed;
   auto const force = longitudinal_force(plant, parts, axle);
+  auto const limited = [&](DriveLimit of) { return actuators.drive_limited[at(static_cast<int>(of))]; };
   double const row[] = {wheel,
                         measured_.axle_speed[i],
                         roller,
@@ -182,7 +197,16 @@ void MechatronicSystem::record_axle(Dynamics const& plant, std::size_t i, Inputs
                         static_cast<double>(cylinder.outlet_open),
                         actuators.drive[0] * roller,
                         measured_.vehicle_axle_speed[i],
-                        cylinder.exhausted};
+                        cylinder.exhausted,
+                        actuators.electrodynamic.torque,
+                        actuators.asked,
+                        control != nullptr    ? own.sand
+                        : inputs.sand.empty() ? 0.0
+                                              : inputs.sand[at(parts.contacts[0])],
+                        actuators.drive_wanted,
+                        limited(DriveLimit::torque),
+                        limited(DriveLimit::power),
+                        limited(DriveLimit::speed)};
   static_assert(std::size(row) == std::size(axle_table));
   std::copy(std::begin(row), std::end(row), out);
 }

@@ -21,7 +21,11 @@ std::size_t at(int i) { return static_cast<std::size_t>(i); }
 }  // namespace
 
 MechatronicSystem::MechatronicSystem(MechatronicSetup setup)
-    : setup_{std::move(setup)}, sensors_{axles()}, actuators_{setup_}, train_{setup_.speed} {
+    : setup_{std::move(setup)},
+      sensors_{axles()},
+      actuators_{setup_},
+      train_{setup_.speed},
+      sand_{0.0, setup_.sanding ? static_cast<int>(std::lround(setup_.sanding->delay / setup_.step)) : 0} {
   for (auto const& [sampling, any] : setup_.controllers) {
     auto const [name, command] = std::visit([](auto const& law) { return std::pair{law.name, law.command}; }, any);
     auto const index = at(static_cast<int>(command));
@@ -30,6 +34,7 @@ MechatronicSystem::MechatronicSystem(MechatronicSetup setup)
   }
   measured_.axles = static_cast<int>(axles());
   for (auto& rail : rail_) rail.reset(setup_.rail_cell);
+  sanded_.reset(setup_.rail_cell);
   for (std::size_t c = 0; c < command_count; ++c) acting_[c].fill(command_fields[c].initial);
 }
 
@@ -38,6 +43,7 @@ void MechatronicSystem::prepare(Model const& model, Inputs& inputs) const {
   inputs.roller_torque.assign(model.roller_torques.size(), {});
   inputs.cylinder.assign(model.brakes.size(), {});
   inputs.dissipated_energy.assign(model.contacts.size(), 0.0);
+  inputs.sand.assign(setup_.sanding ? model.contacts.size() : 0, 0.0);
   inputs.frame_moves = frame_moves();
   inputs.speed = {0.0, setup_.speed, 0.0};
   inputs.distance = 0.0;
@@ -59,6 +65,8 @@ bool MechatronicSystem::sample(Dynamics const& plant, std::int64_t step, double 
   measured_.time = time(step);
   sensors_.read(setup_, setup_.step * shortest_, measured_);
   read_true_forces(plant);
+  measured_.track_brake_force = track_brake_force(plant);
+  measured_.sand_flow = sand_.acting();
   for (std::size_t i = 0; i < controllers_.size(); ++i)
     if (due(setup_.controllers[i])) ask(i, step);
   return !waits();
@@ -91,9 +99,9 @@ void MechatronicSystem::read_true_forces(Dynamics const& plant) {
     double const rate = -plant.work().acceleration[at(parts.roller)][coord_pitch];
     measured_.true_force[i] = (model.bodies[at(parts.roller)].inertia.y * rate - axle.drive[0]) /
                               model.contacts[at(parts.contacts[0])].roller_radius();
-    measured_.motor_torque[i] = axle.motor[0];
+    measured_.motor_torque[i] = axle.of_motor();
     measured_.true_torque[i] =
-        axle.motor[0] + (parts.brake != absent ? plant.evaluation().brake_torque[at(parts.brake)] : 0.0);
+        axle.of_motor() + (parts.brake != absent ? plant.evaluation().brake_torque[at(parts.brake)] : 0.0);
     measured_.brake_torque[i] =
         parts.brake != absent ? setup_.actuators.brake.torque(actuators_.cylinder(i).pressure, measured_.axle_speed[i])
                               : 0.0;
@@ -106,11 +114,50 @@ void MechatronicSystem::act(Dynamics const& plant, std::int64_t step, Inputs& in
     own.commands.advance(step);
     acting_[own.command] = own.commands.acting();
   }
-  if (frame_moves()) train_.accelerate(setup_.frame, plant, inputs);
-  actuators_.step(setup_, time(step), acting_, plant, inputs);
+  if (setup_.sanding) switch_sand(plant, step);
+  if (frame_moves()) train_.accelerate(setup_.frame, plant, inputs, track_brake_force(plant));
+  actuators_.step(setup_, step, acting_, plant, train_speed(plant), inputs);
   inputs.speed = {time(step), train_.speed(), train_.acceleration()};
   inputs.distance = train_.distance();
   dissipate(plant, inputs);
+  if (setup_.sanding) lay_sand(plant, inputs);
+}
+
+/// What slide protection or wheel-slip control has just asked of an axle.
+bool MechatronicSystem::slides(std::size_t axle) const {
+  double const valve = acting_[at(static_cast<int>(Command::dump_valve))][axle];
+  return valve == static_cast<double>(DumpValve::vent) ||
+         acting_[at(static_cast<int>(Command::torque_factor))][axle] < 1.0;
+}
+
+void MechatronicSystem::switch_sand(Dynamics const& plant, std::int64_t step) {
+  SandingMoment now{time(step), train_distance(), false};
+  for (std::size_t i = 0; i < axles(); ++i) now.slides = now.slides || slides(i);
+  bool const flows = sanding_.step(*setup_.sanding, now, train_speed(plant), setup_.step);
+  PerAxle<double> flow{};
+  for (std::size_t i = 0; i < axles(); ++i) flow[i] = flows && setup_.axles[i].sands ? setup_.sanding->flow : 0.0;
+  sand_.send(flow, step);
+  sand_.advance(step);
+  for (std::size_t i = 0; i < axles(); ++i) sand_used_ += 2.0 * sand_.acting()[i] * setup_.step;  // on both rails
+}
+
+/// Sand on the rails of a track, in front of the wheels and behind them; on a rig it lies on the virtual rail.
+void MechatronicSystem::lay_sand(Dynamics const& plant, Inputs& inputs) {
+  if (!frame_moves()) return;
+  double const way = setup_.step * std::max(0.0, train_.speed());
+  for (std::size_t i = 0; i < axles(); ++i) {
+    AxleParts const& parts = setup_.axles[i];
+    double const from = train_.distance() + plant.model().contacts[at(parts.contacts[0])].distance_ahead;
+    sanded_.run(from, from + way, sand_.acting()[i] * setup_.step, setup_.sanding->kept);
+    for (int c : parts.contacts)
+      if (c != absent) inputs.sand[at(c)] = sanded_.at(from + way);
+  }
+}
+
+/// Of all bogies, against running [N].
+double MechatronicSystem::track_brake_force(Dynamics const& plant) const {
+  auto const& brake = setup_.actuators.track_brake;
+  return brake ? brake->bogies * actuators_.track_brake() * brake->force(train_speed(plant)) : 0.0;
 }
 
 /// Energy that the wheels dissipate on the rail under them, and what they leave for those behind.
@@ -147,6 +194,9 @@ void MechatronicSystem::dissipate(Dynamics const& plant, Inputs& inputs) {
 
 Status MechatronicSystem::advance(Dynamics const& plant, std::int64_t step) {
   if (frame_moves()) train_.advance(setup_.step);
+  double const power = track_brake_force(plant) * train_speed(plant);
+  track_brake_energy_ += 0.5 * setup_.step * (track_brake_power_ + power);
+  track_brake_power_ = power;
   if (wheels_slide(plant)) return Status::rollers_protected;
   return time(step) > settling_time && train_speed(plant) < setup_.stop_speed ? Status::stopped : Status::ok;
 }
@@ -186,6 +236,12 @@ double MechatronicSystem::train_speed(Dynamics const& plant) const {
   if (frame_moves()) return train_.speed();
   auto const* control = rig_state();
   return control != nullptr ? control->train.speed() : crown_speed(plant);
+}
+
+/// Of the train on track, of the virtual train on a rig, since the start [m].
+double MechatronicSystem::train_distance() const {
+  auto const* control = rig_state();
+  return frame_moves() || control == nullptr ? train_.distance() : control->train.distance();
 }
 
 /// Of the first controller that estimates the train's speed.

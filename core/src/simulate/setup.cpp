@@ -39,6 +39,7 @@ void check_axle(AxleParts const& parts, Model const& model, std::string const& o
   need_item(model.roller_torques, parts.roller_torque, owner, "roller_torque", true);
   for (int contact : parts.contacts) need_item(model.contacts, contact, owner, "contacts", true);
   need(parts.roller_torque == absent || parts.roller != absent, owner + ": roller_torque needs a roller");
+  need(!parts.electrodynamic || parts.axle_torque != absent, owner + ": electrodynamic needs an axle_torque");
   if (parts.roller == absent) return;
   need_turning(model, parts.roller, owner, "roller");
   int const left = parts.contacts[0];
@@ -73,6 +74,10 @@ void check_setup(MechatronicSetup const& setup, Model const& model) {
   need(axles <= at(most_axles),
        "at most " + std::to_string(most_axles) + " axles have sensors and actuators, not " + std::to_string(axles));
   for (std::size_t i = 0; i < axles; ++i) check_axle(setup.axles[i], model, "axle " + std::to_string(i));
+  if (auto const& machine = setup.actuators.electrodynamic)
+    check_value(machine->blending_delay / setup.step, delay_steps, "ElectrodynamicBrake", "blending_delay / step");
+  if (auto const& sanding = setup.sanding)
+    check_value(sanding->delay / setup.step, delay_steps, "Sanding", "delay / step");
   check_motor(setup.actuators.motor, setup.step, "motor");
   check_motor(setup.actuators.roller_drive, setup.step, "roller_drive");
   for (auto const& [sampling, any] : setup.controllers) {

@@ -2,11 +2,12 @@
 
 namespace rollerrig {
 
-void TrainMotion::accelerate(TravellingFrame const& frame, Dynamics const& plant, Inputs const& inputs) {
+void TrainMotion::accelerate(TravellingFrame const& frame, Dynamics const& plant, Inputs const& inputs,
+                             double retarding) {
   Model const& model = plant.model();
   auto const& work = plant.work();
   double force = plant.evaluation().longitudinal_force - frame.train_mass * model.gravity * model.resistance.gradient;
-  force -= model.resistance.force(speed_);
+  force -= model.resistance.force(speed_) + retarding;
   double momentum_rate = 0.0, momentum = 0.0, offset = 0.0, free_mass = 0.0;
   for (std::size_t b = 0; b < model.bodies.size(); ++b) {
     Body const& body = model.bodies[b];

@@ -78,6 +78,17 @@ void ForceAssembly<T>::apply_brakes(T const& t) const {
   }
 }
 
+/// Against running, in the line of the centre of what carries the magnets.
+template <Scalar T>
+void ForceAssembly<T>::apply_track_brakes(T const& t) const {
+  for (BodyTrackBrake const& own : model_.track_brakes) {
+    auto const& m = w_.motion[at(own.body)];
+    T const force = inputs_.track_brake.at(t) * own.brake.force(w_.travel.speed + m.v.x);
+    w_.wrench[at(own.body)].force.x -= force;
+    w_.power[work_of_drive] -= force * m.v.x;
+  }
+}
+
 template <Scalar T>
 void ForceAssembly<T>::apply_resistance() const {
   RunningResistance const& r = model_.resistance;
@@ -143,6 +154,7 @@ void ForceAssembly<T>::apply_couplings(Selection const* selection) const {
   template void ForceAssembly<T>::apply_axle_torques(T const&) const;   \
   template void ForceAssembly<T>::apply_roller_torques(T const&) const; \
   template void ForceAssembly<T>::apply_brakes(T const&) const;         \
+  template void ForceAssembly<T>::apply_track_brakes(T const&) const;   \
   template void ForceAssembly<T>::apply_resistance() const;             \
   template void ForceAssembly<T>::apply_couplings(Selection const*) const;
 ROLLERRIG_INSTANTIATE(double)

@@ -24,6 +24,7 @@ ContactPlacement<T> ForceAssembly<T>::placement(std::size_t index) const {
   if (contact.laws.friction.map != nullptr) {
     p.motion.arc_length = w_.travel.s + contact.distance_ahead;
     p.motion.dissipated_energy = inputs_.dissipated_energy.empty() ? 0.0 : inputs_.dissipated_energy[index];
+    p.motion.sand = inputs_.sand.empty() ? 0.0 : inputs_.sand[index];
   }
   return p;
 }

@@ -122,6 +122,7 @@ void ForceAssembly<T>::accelerate(T const& t, Selection const* selection) const 
   apply_axle_torques(t);
   apply_roller_torques(t);
   apply_brakes(t);
+  apply_track_brakes(t);
   apply_resistance();
   for (std::size_t b = 0; b < bodies; ++b)
     if (selected(b)) apply_inertia(b);

@@ -104,6 +104,7 @@ Selection JacobianSweeps::touched_by(Model const& model, Sweep const& sweep, boo
   for (auto const& t : model.axle_torques) affect({t.wheelset, t.reaction});
   for (auto const& t : model.roller_torques) affect({t.roller});
   for (auto const& brake : model.brakes) affect({brake.wheelset, brake.reaction});
+  for (auto const& brake : model.track_brakes) affect({brake.body});
   affect({model.resistance.body});
   for (std::size_t i = 0; i < model.couplings.size(); ++i)  // a chain of couplings is at most as long as there are
     for (auto const& [term, inertia, rate] : model.couplings) {
@@ -194,7 +195,8 @@ void JacobianSweeps::fill_time(Model const& model, Inputs const& inputs, ForceAs
   auto const moves = [t](auto const& torque) { return torque.torque.rate(t) != 0.0; };
   bool const moving = model.speed.rate(t) != 0.0 || std::ranges::any_of(model.axle_torques, moves) ||
                       std::ranges::any_of(model.roller_torques, moves) || inputs.frame_moves ||
-                      !inputs.axle_torque.empty() || !inputs.roller_torque.empty() || !inputs.cylinder.empty();
+                      !inputs.axle_torque.empty() || !inputs.roller_torque.empty() || !inputs.cylinder.empty() ||
+                      inputs.track_brake.slope != 0.0;
   if (!moving && !work_.curved && model.irregularity.empty()) return;
   forces.place_track(JacobianDual::variable(t, 0));
   if (work_.curved)

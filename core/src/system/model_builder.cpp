@@ -261,6 +261,12 @@ int ModelBuilder::add_brake(AxleBrake const& brake) {
   return static_cast<int>(model_.brakes.size()) - 1;
 }
 
+int ModelBuilder::add_track_brake(BodyTrackBrake const& brake) {
+  check_body(brake.body, number("track brake", model_.track_brakes.size()) + ": body");
+  model_.track_brakes.push_back(brake);
+  return static_cast<int>(model_.track_brakes.size()) - 1;
+}
+
 int ModelBuilder::add_rolling_constraint(int wheelset) {
   RollingConstraint added;
   int wheels = 0;

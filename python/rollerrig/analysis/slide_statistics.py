@@ -97,6 +97,7 @@ def _train(run: xr.Dataset) -> dict[str, float]:
     acting = np.flatnonzero(_acting(run))
     begin = acting[0] if acting.size else -1
     run_since = way[-1] - way[begin]
+    wrong = run["reference_speed_error"].to_numpy()[speed > LEAST_SPEED]
     return {
         "distance_m": way[-1],
         "duration_s": run.attrs["stopped_at_s"],
@@ -106,14 +107,20 @@ def _train(run: xr.Dataset) -> dict[str, float]:
         else math.nan,
         "dump_cycles": run["dump_cycles"].isel(time=-1).sum(),
         "air_litres": 1e3 * run["air"].isel(time=-1).sum(),
+        "reference_speed_error_rms_mps": rms(wrong),
+        "reference_speed_error_largest_mps": largest(wrong),
         "energy_relative_residual": run.attrs["energy_relative_residual"],
     }
 
 
 def _acting(run: xr.Dataset) -> NDArray[np.bool_]:
     """Whether brake or traction act on any axle, over time."""
-    torque = abs(run["brake_torque"]) + abs(run["traction_torque"])
-    return np.asarray((torque > 1.0).any("axle"))
+    return np.asarray((_torque(run) > 1.0).any("axle"))
+
+
+def _torque(run: xr.Dataset) -> xr.DataArray:
+    """Of friction brake and motor on each axle, their magnitudes [N m]."""
+    return abs(run["brake_torque"]) + abs(run["traction_torque"]) + abs(run["electrodynamic_torque"])
 
 
 def axle_load(run: xr.Dataset) -> float:
@@ -123,7 +130,7 @@ def axle_load(run: xr.Dataset) -> float:
 
 def _axles(run: xr.Dataset) -> dict[str, float]:
     slips = abs(slip(run)).transpose("time", "axle").to_numpy()
-    torque = (abs(run["brake_torque"]) + abs(run["traction_torque"])).transpose("time", "axle").to_numpy()
+    torque = _torque(run).transpose("time", "axle").to_numpy()
     used = abs(run["creep_force"]).transpose("time", "axle").to_numpy() / axle_load(run)
     braked = used[torque > 1.0]
     return {
@@ -171,7 +178,10 @@ def _slip_shares(run: xr.Dataset) -> Array:
 def _rig(run: xr.Dataset, largest_torque: float, roller_radius: float) -> dict[str, float]:
     """Of a rig alone: how it follows its virtual train."""
     sliding = run["real_sliding"].to_numpy()
-    limited = (abs(run["roller_command"]) >= LIMITED * largest_torque).any("axle")
+    limits = ("drive_torque_limited", "drive_power_limited", "drive_speed_limited")
+    held = sum(run[name].transpose("time", "axle").to_numpy() for name in limits)
+    asked = (abs(run["roller_command"]) >= LIMITED * largest_torque).transpose("time", "axle").to_numpy()
+    limited = (asked | (np.diff(held, axis=0, prepend=0.0) > 0.0)).any(axis=1)
     error, greatest = tracking(run)
     fast = run["train_speed"].to_numpy() > LEAST_SPEED
     force, virtual = (run[name].transpose("time", "axle").to_numpy()[fast] for name in ("creep_force", "virtual_force"))
@@ -182,6 +192,8 @@ def _rig(run: xr.Dataset, largest_torque: float, roller_radius: float) -> dict[s
         "force_error_rms": rms(force - virtual) / size if size > 0.0 else math.nan,
         "drive_ringing_nm": ringing(run, roller_radius),
         "drive_limited_share": float(limited.mean()),
+        "drive_power_wanted_kw": 1e-3 * largest(run["wanted_roller_power"]),
+        "drive_power_limited_s": float(run["drive_power_limited"].isel(time=-1).max()),
         "crown_gravity_largest": largest(gravity) / axle_load(run),
         "real_sliding_largest_mps": largest(sliding),
         "real_sliding_rms_mps": rms(sliding),

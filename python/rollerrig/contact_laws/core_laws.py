@@ -11,6 +11,7 @@ from rollerrig import _core
 from rollerrig.config import Adhesion, Condition, Contact
 from rollerrig.config.schema.base import Table
 from rollerrig.config.schema.contact_law import CreepRoot
+from rollerrig.config.schema.sanding import Sanding
 from rollerrig.config.validate.messages import validate
 from rollerrig.contact_laws.table_file import shipped_table
 
@@ -54,13 +55,17 @@ def creep_law(name: str, **parameters: Any) -> CoreLaw:
     return core_law(law.root)
 
 
-def adhesion_map(adhesion: Adhesion) -> _core.AdhesionMap:
-    """Condition of the rail over distance or time, with its recovery."""
+def adhesion_map(adhesion: Adhesion, sanding: Sanding | None = None) -> _core.AdhesionMap:
+    """Condition of the rail over distance or time, with its recovery and the sand on it."""
     recovered = _condition(adhesion.recovered)
     return _core.AdhesionMap(
         pieces=[
             _core.RailAdhesion(
-                degraded=_condition(rail), recovered=recovered, recovery_constant=adhesion.recovery_constant
+                degraded=_condition(rail),
+                recovered=recovered,
+                recovery_constant=adhesion.recovery_constant,
+                sanded=_condition(sanding.rail) if sanding else recovered,
+                sand_constant=1.0 / sanding.saturation if sanding else 0.0,
             )
             for rail in (adhesion.rail, *(piece.rail for piece in adhesion.piece))
         ],

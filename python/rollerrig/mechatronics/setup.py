@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from rollerrig import _core
-from rollerrig.actuators import friction_brake, pneumatics
+from rollerrig.actuators import electrodynamic_brake, friction_brake, pneumatics, track_brake
 from rollerrig.assembly import AssembledModel
 from rollerrig.config import Adhesion, Brake, Case, Encoder, ForceSensor, Motor, Rig, RigControl, Sensors
 from rollerrig.config.schema.rig_control import (
@@ -54,7 +54,7 @@ def mechatronic_setup(
         speed=case.motion.speed,
         stop_speed=_stop_speed(case),
         axles=[_axle(axle) for axle in model.axles],
-        actuators=_actuators(case, control),
+        actuators=_actuators(model, control),
         sensors=_sensors(case.sensors),
         controllers=_controllers(model, controllers or {}),
         protection=core_struct(_core.RollerProtection, control.protection),
@@ -62,7 +62,17 @@ def mechatronic_setup(
         rail_cell=_rail_cell(case),
         energy_width=_energy_width(case),
         wheel_memory=_wheel_memory(case),
+        sanding=_sanding(case),
     )
+
+
+def _sanding(case: Case) -> _core.Sanding | None:
+    table = case.sanding
+    if table is None:
+        return None
+    law = _core.sanding_starts[table.start.kind]
+    start = core_struct(law, table.start, without=("kind",))
+    return core_struct(_core.Sanding, table, without=("axles", "saturation", "rail"), start=start)
 
 
 def _stop_speed(case: Case) -> float:
@@ -109,7 +119,8 @@ def motor(table: Motor) -> _core.Motor:
     )
 
 
-def _actuators(case: Case, control: RigControl) -> _core.Actuators:
+def _actuators(model: AssembledModel, control: RigControl) -> _core.Actuators:
+    case = model.case
     brake = case.brake or Brake(demand=((0.0, 0.0), (1.0, 0.0)))
     traction = case.traction
     return core_struct(
@@ -117,6 +128,8 @@ def _actuators(case: Case, control: RigControl) -> _core.Actuators:
         brake=friction_brake(brake),
         pneumatics=pneumatics(brake),
         motors_stand_in=brake.motors_stand_in,
+        electrodynamic=electrodynamic_brake(brake, case.vehicle.data.wheel.radius),
+        track_brake=None if case.track_brake is None else track_brake(case.track_brake, model.bogies),
         brake_demand=brake.demand,
         motor=motor(traction.motor if traction else Motor()),
         torque_demand=traction.demand if traction else (),
@@ -210,6 +223,7 @@ def rig_controller(model: AssembledModel) -> _core.RigControl:
             cell=_rail_cell(model.case),
             energy_width=_energy_width(model.case),
             wheel_memory=_wheel_memory(model.case),
+            sand_kept=model.case.sanding.kept if model.case.sanding else 1.0,
         ),
     )
 

@@ -20,10 +20,12 @@ from rollerrig.config.schema.actuators import Controller, Motor
 from rollerrig.config.schema.adhesion import Adhesion
 from rollerrig.config.schema.base import quantity_of
 from rollerrig.config.schema.case import Contact, SupportChoice, TimeSettings, VehicleChoice
+from rollerrig.config.schema.electrodynamic_brake import ElectrodynamicBrake
 from rollerrig.config.schema.irregularity import Deviation
 from rollerrig.config.schema.material import Material
 from rollerrig.config.schema.pneumatics import ReservoirAir
 from rollerrig.config.schema.profile import ProfileSpec
+from rollerrig.config.schema.sanding import Sanding
 from rollerrig.config.schema.similitude import KEPT, ScaledFrom
 from rollerrig.similitude.factors import Similitude
 from rollerrig.similitude.units import exponents
@@ -131,6 +133,8 @@ def _exceptions(kept: tuple[str, ...]) -> Exceptions:
         "material": ((Material, "young_modulus"), (Material, "shear_modulus"), (Contact, "friction")),
         "clock": (
             *((ReservoirAir, key) for key in ("opening_time", "closing_time", "least_pulse")),
+            (ElectrodynamicBrake, "blending_delay"),
+            (Sanding, "delay"),
             (Controller, "sample_time"),
             (Controller, "delay"),
             (TimeSettings, "sampling_step"),

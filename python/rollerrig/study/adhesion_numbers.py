@@ -35,6 +35,14 @@ RUN = (
     ),
     ("adhesion_used_mean", "mean of |creep force| over static axle load under brake or traction", "1", "", None),
     ("adhesion_used_largest", "largest of the same", "1", "", None),
+    (
+        "reference_speed_error_rms_mps",
+        "reference speed of the slide protection less the train's, RMS above 2 m/s; 0 without protection",
+        "m/s",
+        "reference speed error, RMS",
+        None,
+    ),
+    ("reference_speed_error_largest_mps", "largest of the same", "m/s", "the same, largest", None),
     ("energy_relative_residual", "energy audit", "1", "residual of the energy audit", None),
 )
 RIG = (
@@ -49,6 +57,14 @@ RIG = (
         "time at a drive's limit",
         PERCENT,
     ),
+    (
+        "drive_power_wanted_kw",
+        "asked of a roller drive, before its limits",
+        "kW",
+        "power asked of a roller drive",
+        None,
+    ),
+    ("drive_power_limited_s", "how long the limit of power held back a drive", "s", "time at a drive's power", None),
     ("crown_gravity_largest", "gravity on the crown over static axle load", "1", "gravity on the crown", PERCENT),
     ("real_sliding_largest_mps", "wheel against roller, largest", "m/s", "sliding on the roller, largest", None),
     ("real_sliding_rms_mps", "the same, RMS", "m/s", "the same, RMS", None),

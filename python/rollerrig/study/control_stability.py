@@ -57,6 +57,8 @@ def excited_case(case: Case) -> Case:
     changes: dict[str, object] = {
         "adhesion": {"rail": "dry"},
         "rig_control.feedback.kind": "proportional_integral",
+        "track_brake": None,
+        "sanding": None,
         "slide_protection": None,
         "wheel_slip_control": None,
         "time.duration": EXCITED_DURATION,

@@ -137,6 +137,7 @@ def _braking(case: Case, torque: float) -> dict[str, object]:
         "follow_rate": FOLLOW,
         "air": {"kind": "unlimited", "fill_rate": FOLLOW},
         "motors_stand_in": False,
+        "electrodynamic": None,
     }
     protection: object = {} if case.slide_protection is None else case.slide_protection
     without = {"traction": None, "wheel_slip_control": None}
@@ -164,6 +165,8 @@ def _pulling(case: Case, torque: float) -> dict[str, object]:
         "traction": {**_plain(traction), "demand": demand, "motor": _plain(motor)},
         "wheel_slip_control": {} if case.wheel_slip_control is None else case.wheel_slip_control,
         "brake": None,
+        "track_brake": None,
+        "sanding": None,
         "slide_protection": None,
     }
 

@@ -126,7 +126,7 @@ TEST_CASE("the virtual train stops in the distance of its adhesion") {
   auto const coulomb = [&](int, double slip, double, double load) { return mu * load * std::tanh(slip / 1e-3); };
   double time = 0.0;
   while (virtual_train.speed() > 1.0) {
-    virtual_train.step(train, 2, locked, nullptr, 1e-3, coulomb);
+    virtual_train.step(train, 2, locked, nullptr, 0.0, 1e-3, coulomb);
     time += 1e-3;
   }
   double const deceleration = mu * 2 * 109100.0 / 22000.0;
@@ -140,7 +140,7 @@ TEST_CASE("the virtual axle is integrated to second order") {
   auto const end_speed = [&](double period) {
     VirtualTrainState state(train, 30.0);
     int const steps = static_cast<int>(std::lround(1.0 / period));
-    for (int k = 0; k < steps; ++k) state.step(train, 2, {-4000.0, -6000.0}, nullptr, period, degraded_force);
+    for (int k = 0; k < steps; ++k) state.step(train, 2, {-4000.0, -6000.0}, nullptr, 0.0, period, degraded_force);
     return state.axle_speed(1);
   };
   double const reference = end_speed(1e-5);
@@ -225,7 +225,7 @@ TEST_CASE(
     return 33e3 * std::tanh(22e6 / 33e3 * slip / std::hypot(speed, 1.0));
   };
   while (state.speed() > 0.5) {
-    state.step(train, 1, {torque}, nullptr, 1e-3, law);
+    state.step(train, 1, {torque}, nullptr, 0.0, 1e-3, law);
     REQUIRE(std::fabs(train.wheel_radius * state.axle_speed(0) - state.speed()) < 0.02);
     REQUIRE(state.force(0) < 0.0);
   }

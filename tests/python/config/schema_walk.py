@@ -149,6 +149,9 @@ def whole_cases() -> dict[str, Raw]:
     brake["traction"] = {"motor": {"envelope": [[0, 1e4], [100, 1e3]]}}
     brake["wheel_slip_control"] = {}
     brake["brake"]["air"] = {"kind": "reservoir", "reservoir_pressure": "8 bar"}
+    brake["brake"]["electrodynamic"] = {}
+    brake["track_brake"] = {"demand": [[0.0, 0.0], [1.0, 1.0]], "friction": 0.1}
+    brake["sanding"] = {}
     brake["sensors"] = {
         "roller_torque": {"noise": 1.0}, "vehicle": {"kind": "pulse_period"}, "rollers": {"kind": "pulse_frequency"}
     }  # fmt: skip
@@ -166,8 +169,12 @@ def whole_cases() -> dict[str, Raw]:
     }  # fmt: skip
     kalman["slide_protection"] = {"kind": "threshold_table"}
     kalman["rig_control"]["motor"] = {"largest_torque": 2e4, "largest_power": 1e6, "largest_speed": 200.0}
+    kalman["brake"]["electrodynamic"] = {"kind": "table", "forces": [[1.0, 0.0], [3.0, 1e4]]}
+    kalman["track_brake"] = {"kind": "eddy_current", "demand": [[0.0, 0.0], [1.0, 1.0]]}
+    kalman["sanding"] = {"start": {"kind": "from_distance", "begin": 10.0}}
     derivative = plain(load_case("adhesion_brake"))
     derivative["rig_control"] |= {"estimator": {"kind": "filtered_derivative"}, "feedback": {"kind": "none"}}
+    derivative["sanding"] = {"start": {"kind": "from_time", "begin": 1.0}}
     track = plain(load_case("vehicle_track_irregular"))
     track["support"]["data"]["foundation"] = {"rail_mass": 60.0, "lateral": {"stiffness": 1e8}}
     damped = {"damper": {"damping": 1e4, "series_stiffness": 1e6}}

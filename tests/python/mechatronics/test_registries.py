@@ -11,16 +11,23 @@ from rollerrig import _core
 from rollerrig.actuators import friction_brake, pneumatics
 from rollerrig.config import Brake, Case, Encoder, ForceSensor, Motor, Sensors
 from rollerrig.config.schema.contact_law import kinds
+from rollerrig.config.schema.electrodynamic_brake import AnyElectrodynamicBrake
 from rollerrig.config.schema.pneumatics import AnyAir
 from rollerrig.config.schema.rig_control import AnyEstimator, AnyFeedback, Assumed, Protection
+from rollerrig.config.schema.sanding import AnySandingStart
 from rollerrig.config.schema.sensors import AnySpeedSensor
 from rollerrig.config.schema.slide_protection import AnySlideProtection
+from rollerrig.config.schema.track_brake import AnyTrackBrake
 from rollerrig.config.validate.check_actuators import MOST_AXLES
 from rollerrig.core_struct import core_struct
 
 TIMING = {"sample_time", "delay", "user"}
+BLENDING = {"axles", *_core.ElectrodynamicBrake.fields}
 FAMILIES = {
     "airs": (_core.airs, AnyAir, set()),
+    "electrodynamic_brakes": (_core.electrodynamic_brakes, AnyElectrodynamicBrake, BLENDING),
+    "track_brakes": (_core.track_brakes, AnyTrackBrake, {"demand", "delay", "rise_time", "release_speed"}),
+    "sanding_starts": (_core.sanding_starts, AnySandingStart, set()),
     "estimators": (_core.estimators, AnyEstimator, {"torque"}),
     "speed_sensors": (_core.speed_sensors, AnySpeedSensor, set()),
     "slide_protections": (_core.slide_protections, AnySlideProtection, TIMING | {"wheel_radius"}),
@@ -69,7 +76,7 @@ def test_tables_and_structs_have_the_same_fields(struct: Any, table: type[BaseMo
 
 def test_a_brake_s_table_has_the_fields_of_its_parts() -> None:
     parts = {*_core.FrictionBrake.fields, *_core.ControlValve.fields}
-    assert set(Brake.model_fields) - {"demand", "motors_stand_in", "air"} == parts
+    assert set(Brake.model_fields) - {"demand", "motors_stand_in", "air", "electrodynamic"} == parts
 
 
 def test_the_configuration_allows_as_many_axles_as_the_core_has_room_for() -> None:
@@ -106,12 +113,14 @@ def _setup(axles: int) -> _core.MechatronicSetup:
         step=1e-3,
         speed=10.0,
         stop_speed=1.0,
-        axles=[_core.AxleParts(**none, contacts=[-1, -1]) for _ in range(axles)],
+        axles=[_core.AxleParts(**none, contacts=[-1, -1], electrodynamic=False, sands=False) for _ in range(axles)],
         actuators=core_struct(
             _core.Actuators,
             brake=friction_brake(brake),
             pneumatics=pneumatics(brake),
             motors_stand_in=False,
+            electrodynamic=None,
+            track_brake=None,
             brake_demand=[],
             motor=drive,
             torque_demand=[],
@@ -132,4 +141,5 @@ def _setup(axles: int) -> _core.MechatronicSetup:
         rail_cell=0.05,
         energy_width=0.0,
         wheel_memory=0.0,
+        sanding=None,
     )

@@ -316,7 +316,7 @@ def test_a_controller_that_cannot_be_used_is_refused() -> None:
 
 
 def test_the_rollers_are_protected() -> None:
-    """A controller that brakes the rollers with all it has ends the test, not the rollers."""
+    """A controller that brakes the rollers with all it has ends the test, not the rollers; drives of 20 kN m could not."""
 
     class Mad:
         sample_time = 1e-3
@@ -324,7 +324,8 @@ def test_the_rollers_are_protected() -> None:
         def step(self, measurements):
             return {"roller_torque": [-1e5 for _ in measurements["axle_speed"]]}
 
-    run = simulate(brake_case(), controllers={"rig_control": Mad()})
+    strong = {"largest_torque": "100 kN m", "largest_power": "10 MW"}
+    run = simulate(brake_case(**{"rig_control.motor": strong}), controllers={"rig_control": Mad()})
     assert run.attrs["status"] == "rollers_protected"
     assert "rig_control.protection.slip" in run.attrs["status_message"]
 

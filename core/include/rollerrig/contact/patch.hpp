@@ -47,6 +47,7 @@ struct ContactMotion {
   Vec3<T> omega_roller;           ///< its angular velocity incl. spin [rad/s]
   T arc_length{0.0};              ///< of the contact along the rail [m]
   double dissipated_energy{0.0};  ///< per area, by the wheels that ran there [J/m^2]
+  double sand{0.0};               ///< mass per length of rail [kg/m]
 };
 
 /// What the motion of both bodies makes of a patch under load; forces act on the wheel, times the patch's blending weight.
@@ -171,7 +172,7 @@ struct MovingPatch {
 
   /// @param slip  velocity [m/s]
   RailSurface<T> surface(T const& time, T const& slip) const {
-    return (*friction)(time, motion->arc_length, slip, motion->dissipated_energy);
+    return (*friction)(time, motion->arc_length, slip, motion->dissipated_energy, motion->sand);
   }
 };
 

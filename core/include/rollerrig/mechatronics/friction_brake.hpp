@@ -31,13 +31,31 @@ struct FrictionBrake {
   /// Torque on the axle [N m], against its turning.
   template <Scalar T>
   T torque(T const& cylinder, T const& axle_speed) const {
-    using std::sqrt;
+    T const speed = rubbing_speed(axle_speed);
+    return -(sliding_torque(cylinder, axle_speed) * (friction_radius * axle_speed / speed));
+  }
+
+  /// The same of pads that slide in full, whichever way: its magnitude, also of an axle at rest [N m].
+  template <Scalar T>
+  T sliding_torque(T const& cylinder, T const& axle_speed) const {
     T const pressed = piston_area * cylinder - spring_force;
     T const force = select(pressed > 0.0, pressed, T(0.0));
+    return faces * friction_radius * friction.at(rubbing_speed(axle_speed)) * force;
+  }
+
+  /// Cylinder pressure over the ambient at which sliding_torque() is this [Pa]; of no torque that at which the pads touch.
+  double pressure(double torque, double axle_speed) const {
+    double const per_force = faces * friction_radius * friction.at(rubbing_speed(axle_speed));
+    return per_force > 0.0 && piston_area > 0.0 ? (torque / per_force + spring_force) / piston_area : 0.0;
+  }
+
+ private:
+  /// At the friction radius, never zero [m/s].
+  template <Scalar T>
+  T rubbing_speed(T const& axle_speed) const {
+    using std::sqrt;
     T const sliding = friction_radius * axle_speed;
-    T const speed = sqrt(sliding * sliding + friction_regularisation_speed * friction_regularisation_speed);
-    T const mu = friction.at(speed);
-    return -(faces * friction_radius * mu * force * (sliding / speed));
+    return sqrt(sliding * sliding + friction_regularisation_speed * friction_regularisation_speed);
   }
 };
 

@@ -20,6 +20,8 @@ struct Measurements {
   PerAxle<double> motor_torque{};                ///< of the traction motor, as its drive reports it [N m]
   PerAxle<double> brake_torque{};                ///< from cylinder pressure and the pads' friction [N m]
   PerAxle<double> axle_load{};                   ///< vertical force of rail or rollers on both wheels [N]
+  PerAxle<double> sand_flow{};                   ///< in front of each axle, on each rail [kg/s]
+  double track_brake_force{};                    ///< of all bogies, against running [N]
   /// What really acts: T of (D1) [N], torque of motor and brake [N m]; for the estimator `exact` alone.
   PerAxle<double> true_force{}, true_torque{};
 };

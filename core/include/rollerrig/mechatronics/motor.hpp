@@ -5,6 +5,7 @@
 // Signs   torque and speed of the driven axle, positive forward; a gearbox is in the numbers (torque times ratio, speed over it).
 #pragma once
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <tuple>
 
@@ -12,6 +13,9 @@
 #include "rollerrig/math/piecewise_linear.hpp"
 
 namespace rollerrig {
+
+/// What keeps a drive from the torque that it is asked for.
+enum class DriveLimit : int { none, torque, power, speed };
 
 struct Motor {
   PiecewiseLinear envelope{};              ///< largest |torque| [N m] over |speed| [rad/s]; empty: no limit
@@ -42,6 +46,17 @@ struct Motor {
     if (largest_speed) limit = select(fast > *largest_speed, T(0.0), limit);
     limit = select(limit > 0.0, limit, T(0.0));
     return select(command > limit, limit, select(command < -limit, -limit, command));
+  }
+
+  /// Which limit a command meets at this speed, if any; a controller that never asks for more than the drive's torque meets it.
+  DriveLimit limit_met(double command, double speed) const {
+    double const wanted = std::fabs(command), fast = std::fabs(speed);
+    if (wanted == 0.0) return DriveLimit::none;
+    if (largest_speed && fast > *largest_speed) return DriveLimit::speed;
+    double torque = largest_torque.value_or(std::numeric_limits<double>::infinity());
+    if (!envelope.empty()) torque = std::fmin(torque, envelope.at(fast));
+    if (largest_power && std::fmin(torque, wanted) * fast > *largest_power) return DriveLimit::power;
+    return wanted >= torque ? DriveLimit::torque : DriveLimit::none;
   }
 
   template <Scalar T>

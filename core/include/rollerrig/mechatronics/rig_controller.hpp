@@ -15,6 +15,7 @@
 
 #include "rollerrig/contact/adhesion/cleaned_wheel.hpp"
 #include "rollerrig/contact/adhesion/recovered_rail.hpp"
+#include "rollerrig/contact/adhesion/sanded_rail.hpp"
 #include "rollerrig/fields.hpp"
 #include "rollerrig/mechatronics/axle_torques.hpp"
 #include "rollerrig/mechatronics/drive_commands.hpp"
@@ -67,11 +68,13 @@ struct RigController {
     double feed_forward{};            ///< (D5) [N m]
     double energy{};       ///< dissipated per area of the virtual rail under the axle, and of its wheels [J/m^2]
     CleanedWheel wheel{};  ///< the virtual ones
+    double sand{};         ///< mass per length of the virtual rail under the axle [kg/m]
   };
   struct State {
     PerAxle<AxleState> axle{};
     VirtualTrainState train{};
     RecoveredRail rail{};
+    SandedRail sand{};
   };
 
   State start(Measurements const& now, double train_speed, double period) const;
@@ -83,7 +86,7 @@ struct RigController {
   void lock_or_unlock(State& s, int axle, double axle_speed) const;
   /// The torque of an axle that the virtual train takes, from its estimate and what is known of brake and motor.
   double torque_of_axle(AxleState& axle, Measurements const& now, std::size_t k, double period) const;
-  void recover(State& s, int axle, double from, double period) const;
+  void recover(State& s, Measurements const& now, int axle, double from, double period) const;
 };
 
 }  // namespace rollerrig

@@ -36,6 +36,7 @@ struct VirtualRail {
   double width{};         ///< over which dissipated energy is spread: that the patches of a wheel sweep together [m]
   double cell{};          ///< length of the cells in which dissipated energy is kept [m]
   double wheel_memory{};  ///< length rolled over which a wheel's own cleaning fades [m]; 0: none is kept
+  double sand_kept{1.0};  ///< of the sand on the rail that a wheel leaves behind [-]
   double log_aspect{};    ///< ln(a/b)
   KalkerStiffness<double> stiffness{};     ///< of one wheel
   double creepage_regularisation_speed{};  ///< [m/s]
@@ -47,7 +48,9 @@ struct VirtualRail {
   /// @param load   of the axle [N]
   /// @param place  distance along the rail [m]
   /// @param energy_density  dissipated per area of the rail there [J/m^2]
-  double force(double slip, double speed, double load, double time, double place, double energy_density) const {
+  /// @param sand   mass per length of the rail there [kg/m]
+  double force(double slip, double speed, double load, double time, double place, double energy_density,
+               double sand) const {
     double const per_wheel = 0.5 * load;
     double const growth = std::cbrt(per_wheel / wheel_load);  // of the semi-axes
     double const rolling = speed + 0.5 * slip;
@@ -56,7 +59,7 @@ struct VirtualRail {
     double const grown = growth * growth;
     KalkerStiffness<double> const f{grown * stiffness.f11, grown * stiffness.f22, grown * growth * stiffness.f23,
                                     grown * grown * stiffness.f33};
-    auto const surface = friction(time, place, std::fabs(slip), energy_density);
+    auto const surface = friction(time, place, std::fabs(slip), energy_density, sand);
     double const adhesion = surface.friction * per_wheel + regularisation::adhesion;
     // Creepage is wheel over roller: a driving wheel's surface runs backwards.
     Creepage<double> const creepage{epsilon, 0.0, 0.0};

@@ -3,7 +3,8 @@
 //   torque C on each axle (estimated) -> [virtual train] -> wheel speeds, contact forces and train speed to be reproduced
 //
 //     J_w w_v' = C - r T_v        (D3)
-//     M v'     = sum T_v - R(v) - M g i        (D4)
+//     M v'     = sum T_v - R(v) - M g i - F        (D4)
+//     F        of brakes that act on the rail
 //     T_v      from the adhesion law at the virtual slip r w_v - v, per axle
 //     N_i      = N_i0 + t_i (v' + g i)         (D9)
 //
@@ -64,10 +65,11 @@ class VirtualTrainState {
   /// One sample under the torques `axle_torque` [N m], constant over it.
   ///
   /// @param load  of each axle [N], in place of (D9); null: (D9)
+  /// @param retarding  F [N]
   /// @param law   law(axle, slip speed [m/s], train speed [m/s], axle load [N]) -> force T_v on the axle, forward [N]
   template <class Law>
   void step(VirtualTrain const& train, int axles, PerAxle<double> const& axle_torque, PerAxle<double> const* load,
-            double period, Law&& law) {
+            double retarding, double period, Law&& law) {
     double const half = 0.5 * period;
     double const speed_middle = std::fmax(0.0, speed_ + half * acceleration_);
     double const specific_force = acceleration_ + train.gravity * train.gradient;
@@ -84,7 +86,7 @@ class VirtualTrainState {
       axle_speed_[k] += period * rate;
       sum += force_[k];
     }
-    acceleration_ = (sum - train.resistance(speed_middle)) / train.mass - train.gravity * train.gradient;
+    acceleration_ = (sum - train.resistance(speed_middle) - retarding) / train.mass - train.gravity * train.gradient;
     distance_ += period * speed_middle;
     speed_ = std::fmax(0.0, speed_ + period * acceleration_);
   }

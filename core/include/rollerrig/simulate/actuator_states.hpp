@@ -2,8 +2,11 @@
 //
 //   commands, demands, speeds of axles and rollers -> [actuators, exact or in fine steps] -> inputs on straight lines
 #pragma once
+#include <array>
+#include <cstdint>
 #include <vector>
 
+#include "rollerrig/mechatronics/delayed_commands.hpp"
 #include "rollerrig/simulate/setup.hpp"
 #include "rollerrig/system/dynamics.hpp"
 
@@ -18,22 +21,35 @@ class ActuatorStates {
     double motor[2]{};  ///< torque of the traction motor [N m], its rate
     double drive[2]{};  ///< of the roller's drive
     double stand_in{};  ///< brake torque that the motor stands in for [N m]
+    double asked{};     ///< of all brakes of the axle together, not negative [N m]
+    ElectrodynamicBrake::State electrodynamic{};
+    double drive_wanted{};                  ///< power asked of the roller's drive [W]
+    std::array<double, 4> drive_limited{};  ///< how long each DriveLimit has held it back [s]
+
+    /// Of the traction motor on the axle, driving and braking [N m].
+    double of_motor() const { return motor[0] + electrodynamic.torque; }
   };
 
   explicit ActuatorStates(MechatronicSetup const& setup);
 
-  void step(MechatronicSetup const& setup, double t, ActingCommands const& acting, Dynamics const& plant,
-            Inputs& inputs);
+  void step(MechatronicSetup const& setup, std::int64_t step, ActingCommands const& acting, Dynamics const& plant,
+            double train_speed, Inputs& inputs);
   Axle const& axle(std::size_t i) const { return axle_[i]; }
   Cylinder const& cylinder(std::size_t i) const { return cylinder_[i]; }
   AirSupply const& supply() const { return supply_; }
+  double track_brake() const { return track_brake_; }  ///< excitation, 0 to 1
 
  private:
-  void step_pneumatics(MechatronicSetup const& setup, double t, PerAxle<double> const& valve);
+  void step_drive(MechatronicSetup const& setup, std::size_t axle, double command, double roller_speed);
+  void step_electrodynamic(MechatronicSetup const& setup, std::int64_t step, PerAxle<double> const& valve,
+                           Dynamics const& plant);
+  void step_pneumatics(MechatronicSetup const& setup, double t, PerAxle<double> const& valve, Dynamics const& plant);
 
   std::vector<Axle> axle_;
   std::vector<Cylinder> cylinder_;
   AirSupply supply_;
+  double track_brake_{0.0};
+  DelayedCommands counted_;  ///< torque of the motors that brake, as the pneumatic brakes know it
 };
 
 }  // namespace rollerrig

@@ -14,6 +14,7 @@
 
 #include "rollerrig/contact/adhesion/cleaned_wheel.hpp"
 #include "rollerrig/contact/adhesion/recovered_rail.hpp"
+#include "rollerrig/contact/adhesion/sanded_rail.hpp"
 #include "rollerrig/mechatronics/delayed_commands.hpp"
 #include "rollerrig/simulate/actuator_states.hpp"
 #include "rollerrig/simulate/recorder.hpp"
@@ -77,6 +78,11 @@ class MechatronicSystem {
   void ask(std::size_t index, std::int64_t step);
   void read_true_forces(Dynamics const& plant);
   void dissipate(Dynamics const& plant, Inputs& inputs);
+  void lay_sand(Dynamics const& plant, Inputs& inputs);
+  void switch_sand(Dynamics const& plant, std::int64_t step);
+  bool slides(std::size_t axle) const;
+  double train_distance() const;
+  double track_brake_force(Dynamics const& plant) const;
   bool wheels_slide(Dynamics const& plant);
   void record_axle(Dynamics const& plant, std::size_t axle, Inputs const& inputs, double* row) const;
 
@@ -90,7 +96,12 @@ class MechatronicSystem {
   std::array<RecoveredRail, 2> rail_;             ///< left, right
   std::array<PerAxle<CleanedWheel>, 2> wheel_{};  ///< left, right
   PerAxle<double> slides_for_{};                  ///< wheel on roller, beyond the protection's limit [s]
-  int shortest_{0};                               ///< sample time of the controllers, in steps; 0: none
+  SandingSwitch sanding_;
+  DelayedCommands sand_;                                     ///< flow in front of each axle [kg/s]
+  SandedRail sanded_;                                        ///< both rails alike
+  double sand_used_{0.0};                                    ///< [kg]
+  double track_brake_power_{0.0}, track_brake_energy_{0.0};  ///< [W], [J]
+  int shortest_{0};                                          ///< sample time of the controllers, in steps; 0: none
 };
 
 }  // namespace rollerrig

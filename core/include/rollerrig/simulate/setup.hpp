@@ -4,15 +4,19 @@
 #pragma once
 #include <algorithm>
 #include <array>
+#include <optional>
 #include <tuple>
 #include <vector>
 
 #include "rollerrig/fields.hpp"
 #include "rollerrig/mechatronics/controllers.hpp"
+#include "rollerrig/mechatronics/electrodynamic_brake.hpp"
 #include "rollerrig/mechatronics/friction_brake.hpp"
 #include "rollerrig/mechatronics/motor.hpp"
 #include "rollerrig/mechatronics/pneumatics.hpp"
+#include "rollerrig/mechatronics/sanding.hpp"
 #include "rollerrig/mechatronics/sensors.hpp"
+#include "rollerrig/mechatronics/track_brake.hpp"
 
 namespace rollerrig {
 
@@ -26,6 +30,8 @@ struct AxleParts {
   int roller{absent};         ///< body
   int roller_torque{absent};  ///< of the roller's drive
   std::array<int, 2> contacts{absent, absent};
+  bool electrodynamic{};  ///< brakes with its motor too
+  bool sands{};           ///< sand falls in front of its wheels
 
   static constexpr auto fields() {
     using P = AxleParts;
@@ -34,7 +40,9 @@ struct AxleParts {
                       Member{"brake", &P::brake, index_or_none},
                       Member{"roller", &P::roller, index_or_none},
                       Member{"roller_torque", &P::roller_torque, index_or_none},
-                      Member{"contacts", &P::contacts, index_or_none}};
+                      Member{"contacts", &P::contacts, index_or_none},
+                      Member{"electrodynamic", &P::electrodynamic},
+                      Member{"sands", &P::sands}};
   }
 };
 
@@ -42,7 +50,9 @@ struct AxleParts {
 struct Actuators {
   FrictionBrake brake{};
   Pneumatics pneumatics{};
-  bool motors_stand_in{};    ///< the traction motors exert the brake's torque
+  bool motors_stand_in{};                               ///< the traction motors exert the brake's torque
+  std::optional<ElectrodynamicBrake> electrodynamic{};  ///< of the axles that have it
+  std::optional<TrackBrake> track_brake{};
   TimeTable brake_demand{};  ///< cylinder pressure over the ambient [Pa]
   Motor motor{};
   TimeTable torque_demand{};  ///< of the traction motor of each axle, positive forward [N m]
@@ -53,6 +63,8 @@ struct Actuators {
     return std::tuple{Member{"brake", &P::brake},
                       Member{"pneumatics", &P::pneumatics},
                       Member{"motors_stand_in", &P::motors_stand_in},
+                      Member{"electrodynamic", &P::electrodynamic},
+                      Member{"track_brake", &P::track_brake},
                       Member{"brake_demand", &P::brake_demand},
                       Member{"motor", &P::motor},
                       Member{"torque_demand", &P::torque_demand},
@@ -96,6 +108,7 @@ struct MechatronicSetup {
   double rail_cell{};     ///< length of the cells of rail in which dissipated energy is kept [m]
   double energy_width{};  ///< of rail over which dissipated energy is spread [m]; 0: that of the patches
   double wheel_memory{};  ///< length rolled over which a wheel's own cleaning fades [m]; 0: it keeps nothing
+  std::optional<Sanding> sanding{};
 
   /// Whether there are cylinders to be filled.
   bool braked() const {
@@ -117,7 +130,8 @@ struct MechatronicSetup {
                       Member{"frame", &P::frame},
                       Member{"rail_cell", &P::rail_cell, positive},
                       Member{"energy_width", &P::energy_width, not_negative},
-                      Member{"wheel_memory", &P::wheel_memory, not_negative}};
+                      Member{"wheel_memory", &P::wheel_memory, not_negative},
+                      Member{"sanding", &P::sanding}};
   }
 };
 

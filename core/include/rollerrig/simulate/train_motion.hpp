@@ -15,7 +15,9 @@ class TrainMotion {
   explicit TrainMotion(double speed) : speed_{speed} {}
 
   /// V' over the next step.
-  void accelerate(TravellingFrame const& frame, Dynamics const& plant, Inputs const& inputs);
+  ///
+  /// @param retarding  force of track brakes [N]
+  void accelerate(TravellingFrame const& frame, Dynamics const& plant, Inputs const& inputs, double retarding);
   void advance(double step) {
     distance_ += step * (speed_ + 0.5 * step * acceleration_);
     speed_ += step * acceleration_;

@@ -58,6 +58,7 @@ class ForceAssembly {
   void apply_reaction(AxleTorque const& torque, Vec3<T> const& moment) const;
   void apply_roller_torques(T const& t) const;
   void apply_brakes(T const& t) const;
+  void apply_track_brakes(T const& t) const;
   void apply_resistance() const;
   void apply_inertia(std::size_t body) const;
   Vec3<T> moving_frame_wrench(std::size_t body) const;

@@ -13,6 +13,7 @@
 
 #include "rollerrig/contact/patch.hpp"
 #include "rollerrig/mechatronics/friction_brake.hpp"
+#include "rollerrig/mechatronics/track_brake.hpp"
 #include "rollerrig/multibody/force_element.hpp"
 #include "rollerrig/system/couplings.hpp"
 #include "rollerrig/track/irregularity.hpp"
@@ -109,6 +110,16 @@ struct RunningResistance {
   }
 };
 
+/// A track brake on the body that carries its magnets, for a vehicle on rails.
+struct BodyTrackBrake {
+  int body{0};
+  TrackBrake brake{};
+
+  static constexpr auto fields() {
+    return std::tuple{Member{"body", &BodyTrackBrake::body, an_index}, Member{"brake", &BodyTrackBrake::brake}};
+  }
+};
+
 /// An axle that rolls on its roller without slip: r w = R W, system/rolling_constraint.hpp.
 struct RollingConstraint {
   int wheelset{0}, roller{0};  ///< bodies
@@ -141,6 +152,7 @@ struct Model {
   std::vector<AxleTorque> axle_torques;
   std::vector<RollerTorque> roller_torques;
   std::vector<AxleBrake> brakes;
+  std::vector<BodyTrackBrake> track_brakes;
   std::vector<RollingConstraint> rolling_constraints;
   RunningResistance resistance{};
   TimeTable speed{};               ///< running speed V(t) [m/s] of speed-controlled rollers (at the crown) and of rails

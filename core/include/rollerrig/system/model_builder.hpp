@@ -58,6 +58,7 @@ class ModelBuilder {
   int add_axle_torque(AxleTorque const& torque);
   int add_roller_torque(RollerTorque const& torque);
   int add_brake(AxleBrake const& brake);
+  int add_track_brake(BodyTrackBrake const& brake);
   /// The axle whose two wheels stand on one roller rolls on it without slip.
   int add_rolling_constraint(int wheelset);
 

@@ -6,6 +6,7 @@ from pydantic import AfterValidator, Field, StrictBool, model_validator
 from pydantic_core import PydanticCustomError
 
 from rollerrig.config.schema.base import Table, in_order
+from rollerrig.config.schema.electrodynamic_brake import AnyElectrodynamicBrake
 from rollerrig.config.schema.pneumatics import AnyAir, Pressure, Rate, UnlimitedAir, Volume
 from rollerrig.config.schema.units import Quantity, Time, Torque
 
@@ -94,6 +95,10 @@ class Brake(Table):
     motors_stand_in: StrictBool = Field(
         default=False,
         description="the traction motors exert the brake's torque, within what they can do, as on the scaled bogie",
+    )
+    electrodynamic: AnyElectrodynamicBrake | None = Field(
+        default=None,
+        description="traction motors brake first, the friction brake gives the rest: their kind, or a table; absent: none do",
     )
 
 

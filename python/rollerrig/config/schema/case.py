@@ -17,10 +17,12 @@ from rollerrig.config.schema.contact_law import (
 )
 from rollerrig.config.schema.material import Material
 from rollerrig.config.schema.rig_control import RigControl
+from rollerrig.config.schema.sanding import Sanding
 from rollerrig.config.schema.sensors import Sensors
 from rollerrig.config.schema.similitude import ScaledFrom
 from rollerrig.config.schema.slide_protection import AnySlideProtection
 from rollerrig.config.schema.support import AnySupport
+from rollerrig.config.schema.track_brake import AnyTrackBrake
 from rollerrig.config.schema.train import Train
 from rollerrig.config.schema.units import Damping, Quantity, RollerRadius, RunningSpeed, Torque
 from rollerrig.config.schema.vehicle import Cut, Name, Vehicle
@@ -291,6 +293,11 @@ class CaseTables(Table):
         default=None, description="adhesion of the rail, real or virtual; absent: friction"
     )
     brake: Brake | None = Field(default=None, description="friction brake of each axle")
+    track_brake: AnyTrackBrake | None = Field(
+        default=None,
+        description="magnets of each bogie that brake on the rail: their kind, or a table; on a rig they brake the virtual train",
+    )
+    sanding: Sanding | None = Field(default=None, description="sand on the rail of [adhesion]")
     traction: Traction | None = Field(default=None, description="traction drive of each axle")
     slide_protection: AnySlideProtection | None = Field(
         default=None, description="wheel slide protection: its kind, or a table"
@@ -306,7 +313,7 @@ class CaseTables(Table):
     @property
     def sampled(self) -> bool:
         """Whether actuators or controllers act on the vehicle, sampled in time."""
-        return any((self.adhesion, self.brake, self.traction, self.rig_control))
+        return any((self.adhesion, self.brake, self.track_brake, self.traction, self.rig_control))
 
     @property
     def integration(self) -> Integration:

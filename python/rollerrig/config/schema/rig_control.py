@@ -207,6 +207,25 @@ class Protection(Table):
     time: Phase = Field(default=0.2, description="... for longer than this")
 
 
+class RollerDrive(Motor):
+    """Drive of a roller axle: torque and power of the full-scale rig are ours, its speed is that of a published one.
+
+    350 km/h, here at rollers of 725 mm radius, is the largest speed for a bogie on RTRI's Rolling Stock Test Plant of 1959, and
+    500 km/h that of its successor of 1990 (Railway Technical Research Institute, news release of 10 August 2021). No published
+    figures of torque and power were found that could be stood behind.
+    """
+
+    largest_torque: Annotated[float, Quantity("N m", 1e-3, 1e9)] | None = Field(
+        default=2e4, description="on the roller axle, either way; ours"
+    )
+    largest_power: Annotated[float, Quantity("W", 1e-3, 1e10)] | None = Field(
+        default=1e6, description="torque times speed of the roller axle, either way; ours"
+    )
+    largest_speed: Annotated[float, Quantity("rad/s", 1e-3, 1e5)] | None = Field(
+        default=134.0, description="of the roller axle, 350 km/h at a radius of 725 mm: beyond it there is no torque"
+    )
+
+
 class Assumed(Table):
     """Numbers in the controller that may differ from the rig's; absent: right."""
 
@@ -245,6 +264,6 @@ class RigControl(Controller):
     drive_command: AnyDriveCommand = Field(
         default=LeadCommand(), description="how the drives are asked for their torque: its kind, or a table"
     )
-    motor: Motor = Field(default=Motor(), description="drive of each roller axle")
+    motor: RollerDrive = Field(default=RollerDrive(), description="drive of each roller axle, with its limits")
     protection: Protection = Field(default=Protection(), description="of the rollers")
     assumed: Assumed = Field(default=Assumed(), description="what the controller believes in")

@@ -5,7 +5,7 @@ Case -> [check_actuators] -> problems
 
 from collections.abc import Iterator
 
-from rollerrig.config.errors import ConfigProblem, show_value
+from rollerrig.config.errors import ConfigProblem, nearest, show_value
 from rollerrig.config.schema.case import CaseTables
 from rollerrig.config.schema.pneumatics import ReservoirAir
 from rollerrig.config.schema.support import Rig
@@ -25,6 +25,8 @@ def _without(case: CaseTables, file: str) -> Iterator[ConfigProblem]:
     for key, of in (("slide_protection", "[brake]"), ("wheel_slip_control", "[traction]")):
         if getattr(case, key) is not None:
             yield ConfigProblem(file, key, "a table", f"allowed only with {of}, on which it acts")
+    if case.sanding is not None:
+        yield ConfigProblem(file, "sanding", "a table", "allowed only with [adhesion], the rail that it covers")
     if case.contact.pure_rolling:
         allowed = "allowed with actuators: [brake], [traction] or [rig_control]"
         yield ConfigProblem(file, "contact.pure_rolling", "true", allowed)
@@ -38,6 +40,7 @@ def _tables(case: CaseTables, file: str) -> Iterator[ConfigProblem]:
     if brake is not None and brake.motors_stand_in and traction is None:
         yield ConfigProblem(file, "brake.motors_stand_in", "true", "needed: [traction], the motors that stand in")
     yield from _air(case, file)
+    yield from _machines(case, file)
     vehicle = case.vehicle
     wheelsets = [body for body in vehicle.data.bodies_in(vehicle.part) if body.kind == "wheelset"]
     if len(wheelsets) > MOST_AXLES:
@@ -60,6 +63,31 @@ def _tables(case: CaseTables, file: str) -> Iterator[ConfigProblem]:
             )
         return
     yield from _on_rollers(case, support, file)
+
+
+def _machines(case: CaseTables, file: str) -> Iterator[ConfigProblem]:
+    """Electrodynamic brake, track brake and sand: what they act on."""
+    machine = case.brake.electrodynamic if case.brake else None
+    if case.brake is not None and machine is not None and case.brake.motors_stand_in:
+        allowed = "allowed without brake.motors_stand_in: the motors either stand in for the brake or brake beside it"
+        yield ConfigProblem(file, "brake.electrodynamic", "a table", allowed)
+    if case.track_brake is not None and isinstance(case.support.data, Rig) and case.rig_control is None:
+        allowed = (
+            "allowed on rollers with [rig_control]: it brakes the virtual train, there is no rail beside the rollers"
+        )
+        yield ConfigProblem(file, "track_brake", "a table", allowed)
+    if case.sanding is not None and case.adhesion is None:
+        yield ConfigProblem(file, "sanding", "a table", "allowed only with [adhesion], the rail that it covers")
+    protected = case.slide_protection is not None or case.wheel_slip_control is not None
+    if case.sanding is not None and case.sanding.start.kind == "on_slide" and not protected:
+        allowed = "allowed with [slide_protection] or [wheel_slip_control], which see the slide; or 'from_time', 'from_distance'"
+        yield ConfigProblem(file, "sanding.start", "'on_slide'", allowed)
+    wheelsets = [b.name for b in case.vehicle.data.bodies_in(case.vehicle.part) if b.kind == "wheelset"]
+    for key, table in (("brake.electrodynamic.axles", machine), ("sanding.axles", case.sanding)):
+        for name in (table.axles or ()) if table is not None else ():
+            if name not in wheelsets:
+                guess = nearest(name, tuple(wheelsets))
+                yield ConfigProblem(file, key, show_value(name), f"allowed: {', '.join(wheelsets)}", guess)
 
 
 def _air(case: CaseTables, file: str) -> Iterator[ConfigProblem]:
@@ -115,6 +143,10 @@ def _times(case: CaseTables, file: str) -> Iterator[ConfigProblem]:
             times.append((f"{key}.delay", controller.delay))
     if case.brake is not None and isinstance(case.brake.air, ReservoirAir):
         times += [(f"brake.air.{key}", getattr(case.brake.air, key)) for key in _DEAD_TIMES]
+    if case.brake is not None and case.brake.electrodynamic is not None:
+        times.append(("brake.electrodynamic.blending_delay", case.brake.electrodynamic.blending_delay))
+    if case.sanding is not None:
+        times.append(("sanding.delay", case.sanding.delay))
     for key, value in times:
         steps = value / step
         least = 0 if key.endswith(("delay", *_DEAD_TIMES)) else 1

@@ -15,9 +15,13 @@ from recipes import recipes
 
 import rollerrig as rr
 from rollerrig import _core
+from rollerrig.actuators import electrodynamic_brake, track_brake
 from rollerrig.assembly import assemble
+from rollerrig.config import Brake
+from rollerrig.config.schema.electrodynamic_brake import ConstantPowerBrake
 from rollerrig.config.schema.pneumatics import ReservoirAir
 from rollerrig.config.schema.slide_protection import TableSlideProtection
+from rollerrig.config.schema.track_brake import MagneticTrackBrake
 from rollerrig.contact_laws import shipped_table
 from rollerrig.core_struct import core_struct
 from rollerrig.mechatronics.setup import slide_protection
@@ -149,7 +153,18 @@ class Examples:
     def _rarely_used(self) -> list[Any]:
         """Objects that the recipes do without."""
         constant = _core.Constant(mu_0=0.3)
+        motor = ConstantPowerBrake()
+        magnets = MagneticTrackBrake(demand=((0.0, 0.0), (1.0, 1.0)))
+        eddies = _core.EddyCurrentTrackBrake(largest_force=1e4, critical_speed=20.0)
         return [
+            electrodynamic_brake(Brake(demand=((0.0, 0.0), (1.0, 3e5)), electrodynamic=motor), 0.46),
+            _core.TableBrake(forces=[(1.0, 0.0), (3.0, 1e4)]),
+            track_brake(magnets, 1),
+            eddies,
+            _core.BodyTrackBrake(body=0, brake=track_brake(magnets, 1)),
+            _core.Sanding(start=_core.OnSlideSanding(), flow=0.01, delay=0.5, run_on=1.0, least_speed=2.0, kept=0.7),
+            _core.FromDistanceSanding(begin=10.0, end=20.0),
+            _core.FromTimeSanding(begin=1.0, end=2.0),
             _core.KalkerSaturated(saturate_spin_moment=True),
             _core.KalkerLinear(),
             _core.Fastsim(),
@@ -248,6 +263,8 @@ class Examples:
             "RollingReference.kalker_coefficients": Call(reference.kalker_coefficients, {}),
             "reflected_inertia": Call(_core.reflected_inertia, {"rotor_inertia": 2.0, "gear_ratio": 3.0}),
             "FrictionBrake.torque": Call(brake.torque, {"cylinder_pressure": 3e5, "axle_speed": 60.0}),
+            "ElectrodynamicBrake.largest": Call(objects["ElectrodynamicBrake"].largest, {"axle_speed": 60.0}),
+            "TrackBrake.force": Call(objects["TrackBrake"].force, {"speed": 30.0}),
             "estimator_response": Call(
                 _core.estimator_response,
                 {"estimator": objects["ObserverEstimator"], "assumed": assumed, "period": period},
@@ -269,6 +286,7 @@ class Examples:
                     "cell": 0.05,
                     "energy_width": 0.0,
                     "wheel_memory": 4.0,
+                    "sand_kept": 0.7,
                 },
             ),
             "torque_lag": Call(
@@ -300,6 +318,9 @@ class Examples:
                 upon("brake", "add_rolling_constraint"), {"wheelset": self.recipes["brake"].setup.axles[0].wheelset}
             ),
             "ModelBuilder.add_axle_torque": Call(upon("brake", "add_axle_torque"), {"torque": objects["AxleTorque"]}),
+            "ModelBuilder.add_track_brake": Call(
+                upon("brake", "add_track_brake"), {"brake": objects["BodyTrackBrake"]}
+            ),
             "Model.with_speed": Call(self.plain.with_speed, {"speed": [(0.0, 30.0), (1.0, 20.0)]}),
             "static_loads": Call(
                 _core.static_loads, {"bodies": bodies, "springs": [objects["LoadSpring"]], "gravity": 9.81}

@@ -5,9 +5,10 @@
 //
 // One implementation for the contact of the 3-D track and for the virtual rail in the rig's controller.
 // Source  Polach, Wear 258 (2005): (A1);
-//         Meacci, Rindi, Pugi et al., degraded adhesion with recovery by dissipated energy: (A2), (A3).
+//         Meacci, Rindi, Pugi et al., degraded adhesion with recovery by dissipated energy: (A2), (A3). Sand, (A19): ours.
 #pragma once
 #include <algorithm>
+#include <cmath>
 #include <functional>
 #include <stdexcept>
 #include <vector>
@@ -37,20 +38,31 @@ struct RailCondition {
 ///
 ///     mu = (1 - lambda) mu_degraded(w) + lambda mu_recovered(w),   lambda = 1 - exp(-tau W)   (A2), (A3)
 ///
-/// and k_A, k_S likewise. W is the energy dissipated per unit of running surface [J/m^2].
+/// and k_A, k_S likewise. W is the energy dissipated per unit of running surface [J/m^2]. Sand lies over both:
+///
+///     mu_s = (1 - sigma) mu + sigma mu_sanded(w),   sigma = 1 - exp(-q/q_0)                  (A19)
+///
+/// with q its mass per length of rail [kg/m].
 struct RailAdhesion {
   RailCondition degraded{};
   RailCondition recovered{};
   double recovery_constant{0.0};  ///< tau [m^2/J], or [m/J] of energy per metre run; 0: no recovery
+  RailCondition sanded{};
+  double sand_constant{0.0};  ///< 1/q_0 [m/kg]; 0: sand does nothing
   static constexpr auto fields() {
     return std::tuple{Member{"degraded", &RailAdhesion::degraded}, Member{"recovered", &RailAdhesion::recovered},
-                      Member{"recovery_constant", &RailAdhesion::recovery_constant, not_negative}};
+                      Member{"recovery_constant", &RailAdhesion::recovery_constant, not_negative},
+                      Member{"sanded", &RailAdhesion::sanded},
+                      Member{"sand_constant", &RailAdhesion::sand_constant, not_negative}};
   }
 
+  /// @param sand  mass per length on the rail [kg/m]
   template <Scalar T>
-  RailSurface<T> at(T const& slip, T const& energy_density) const {
+  RailSurface<T> at(T const& slip, T const& energy_density, double sand = 0.0) const {
     using std::exp;
-    return blended(recovered.at(slip), degraded.at(slip), exp(-recovery_constant * energy_density));
+    auto const bare = blended(recovered.at(slip), degraded.at(slip), exp(-recovery_constant * energy_density));
+    if (!(sand > 0.0)) return bare;
+    return blended(bare, sanded.at(slip), T(-std::expm1(-sand_constant * sand)));
   }
 };
 
@@ -73,16 +85,17 @@ struct AdhesionMap {
       throw std::invalid_argument("adhesion map: borders must increase");
   }
 
-  /// @param at  arc length along the rail [m], or time [s]
+  /// @param at    arc length along the rail [m], or time [s]
+  /// @param sand  mass per length on the rail [kg/m]
   template <Scalar T>
-  RailSurface<T> operator()(T const& at, T const& slip, T const& energy_density) const {
+  RailSurface<T> operator()(T const& at, T const& slip, T const& energy_density, double sand = 0.0) const {
     auto const after = std::upper_bound(borders.begin(), borders.end(), value_of(at)) - borders.begin();
     auto const k = static_cast<std::size_t>(after);
-    auto const here = pieces[k].at(slip, energy_density);
+    auto const here = pieces[k].at(slip, energy_density, sand);
     if (k == 0 || !(blend > 0.0)) return here;
     T const t = (at - borders[k - 1]) / blend;
     if (value_of(t) >= 1.0) return here;
-    return blended(pieces[k - 1].at(slip, energy_density), here, t * t * (3.0 - 2.0 * t));
+    return blended(pieces[k - 1].at(slip, energy_density, sand), here, t * t * (3.0 - 2.0 * t));
   }
 };
 

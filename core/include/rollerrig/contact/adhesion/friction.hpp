@@ -17,9 +17,11 @@ struct Friction {
   /// @param arc_length      along the rail [m]
   /// @param slip            slip velocity [m/s]
   /// @param energy_density  dissipated on this piece of rail, by the wheels ahead and by this one [J/m^2]
+  /// @param sand            mass per length on it [kg/m]
   template <Scalar T>
-  RailSurface<T> operator()(T const& time, T const& arc_length, T const& slip, double energy_density) const {
-    if (map) return (*map)(map->over_time ? time : arc_length, slip, T(energy_density));
+  RailSurface<T> operator()(T const& time, T const& arc_length, T const& slip, double energy_density,
+                            double sand) const {
+    if (map) return (*map)(map->over_time ? time : arc_length, slip, T(energy_density), sand);
     return {friction_at(law, slip), T(1.0), T(1.0)};
   }
 };

@@ -1,0 +1,96 @@
+// mechatronics/electrodynamic_brake.hpp - traction motors that brake, and what they leave to the friction brake of their axle.
+//
+//   torque asked of an axle -> [share, characteristic, lag, slide protection] -> torque of the motor -> [after a delay] -> the rest,
+//   as cylinder pressure, for pneumatics.hpp
+//
+//     a' = (min(s D, r F(v)) - a)/T,   C_e = k min(a, r F(v)),   p = p(D - C_e(t - t_b))        (A18)
+//
+// D is the torque of the friction brake under the full demand at the axle's speed, k the factor that slide protection leaves. The
+// machine never drives: its torque is against the turning, and within the characteristic whatever its lag remembers.
+//
+// To add a characteristic: a header in electrodynamic_brake/, its line in AnyElectrodynamicBrake, its table in
+// python/rollerrig/config/schema/electrodynamic_brake.py. Source  ours; docs/theory/adhesion.md.
+#pragma once
+#include <cmath>
+#include <tuple>
+#include <variant>
+
+#include "rollerrig/fields.hpp"
+#include "rollerrig/mechatronics/dump_valve.hpp"
+#include "rollerrig/mechatronics/electrodynamic_brake/constant_power.hpp"
+#include "rollerrig/mechatronics/electrodynamic_brake/force_table.hpp"
+
+namespace rollerrig {
+
+using AnyElectrodynamicBrake = OneOf<ConstantPowerBrake, ForceTableBrake>;
+
+/// What the machine of an axle does while slide protection vents the axle's cylinder.
+enum class OnSlide : int {
+  keep,       ///< nothing: the air alone gives way
+  reduce,     ///< its torque goes and comes back; the friction brake does not fill what is missing
+  switch_off  ///< its torque goes until the brake is released; the friction brake takes over
+};
+
+struct ElectrodynamicBrake {
+  AnyElectrodynamicBrake characteristic{};
+  double wheel_radius{};    ///< r [m]
+  double share{};           ///< s: of the torque asked of the axle, at most [-]
+  double time_constant{};   ///< T of the torque [s]
+  double blending_delay{};  ///< t_b from the machine's torque to the pneumatic demand that takes it into account [s]
+  int on_slide{};           ///< OnSlide
+  double reduction_rate{};  ///< of the factor k while the cylinder is vented [1/s]
+  double restoring_rate{};  ///< of the factor k while it is filled [1/s]
+
+  static constexpr auto fields() {
+    using P = ElectrodynamicBrake;
+    return std::tuple{Member{"characteristic", &P::characteristic},
+                      Member{"wheel_radius", &P::wheel_radius, positive},
+                      Member{"share", &P::share, fraction},
+                      Member{"time_constant", &P::time_constant, positive},
+                      Member{"blending_delay", &P::blending_delay, not_negative},
+                      Member{"on_slide", &P::on_slide, Range{0.0, 2.0, "0 to 2"}},
+                      Member{"reduction_rate", &P::reduction_rate, not_negative},
+                      Member{"restoring_rate", &P::restoring_rate, not_negative}};
+  }
+
+  /// Largest torque [N m], not negative, at an axle speed [rad/s].
+  template <Scalar T>
+  T largest(T const& axle_speed) const {
+    T const speed = wheel_radius * select(axle_speed < 0.0, -axle_speed, axle_speed);
+    return wheel_radius * std::visit([&](auto const& law) { return law.force(speed); }, characteristic);
+  }
+
+  /// Of one axle.
+  struct State {
+    double able{};       ///< a: what the machine has come to [N m]
+    double factor{1.0};  ///< k
+    bool off{false};     ///< until the brake is released
+    double torque{};     ///< on the axle, against its turning [N m]
+    double counted{};    ///< what the friction brake need not give [N m]
+  };
+
+  /// One step.
+  ///
+  /// @param asked  D [N m], not negative
+  void step(State& s, double asked, double axle_speed, DumpValve valve, double h) const {
+    double const most = largest(axle_speed);
+    double const wanted = std::fmin(share * asked, most);
+    s.able = wanted + (s.able - wanted) * std::exp(-h / time_constant);
+    give_way(s, asked, valve, h);
+    double const within = std::fmin(s.able, most), given = s.factor * within;
+    s.torque = axle_speed < 0.0 ? given : -given;
+    s.counted = on_slide == static_cast<int>(OnSlide::reduce) ? within : given;
+  }
+
+ private:
+  void give_way(State& s, double asked, DumpValve valve, double h) const {
+    if (on_slide == static_cast<int>(OnSlide::keep)) return;
+    bool const vents = valve == DumpValve::vent;
+    bool const stays_off = on_slide == static_cast<int>(OnSlide::switch_off) && asked > 0.0;
+    s.off = (s.off && stays_off) || (vents && stays_off);
+    if (vents || s.off) s.factor = std::fmax(0.0, s.factor - reduction_rate * h);
+    if (valve == DumpValve::fill && !s.off) s.factor = std::fmin(1.0, s.factor + restoring_rate * h);
+  }
+};
+
+}  // namespace rollerrig

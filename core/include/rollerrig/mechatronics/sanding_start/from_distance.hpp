@@ -1,0 +1,21 @@
+// mechatronics/sanding_start/from_distance.hpp - sand from a place on.
+#pragma once
+#include <tuple>
+
+#include "rollerrig/fields.hpp"
+#include "rollerrig/mechatronics/sanding_start/sanding_moment.hpp"
+
+namespace rollerrig {
+
+struct SandFromDistance {
+  static constexpr char const* name = "from_distance";
+  double begin{};  ///< distance of the train since the start [m]
+  double end{};    ///< [m]
+
+  static constexpr auto fields() {
+    return std::tuple{Member{"begin", &SandFromDistance::begin}, Member{"end", &SandFromDistance::end}};
+  }
+  bool wanted(SandingMoment const& now) const { return now.distance >= begin && now.distance < end; }
+};
+
+}  // namespace rollerrig
