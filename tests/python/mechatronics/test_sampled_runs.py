@@ -16,7 +16,7 @@ from rollerrig.similitude import scale_case, similitude
 from rollerrig.study.adhesion_variants import track_case
 
 RADIUS = 0.46  # of the wheels of vehicle 1 [m]
-SHORT = {"time.duration": "6 s"}
+SHORT = {"time.duration": "6 s", "contact.normal": "hertz"}  # sampling is none of the contact's
 
 
 def brake_case(**changes: object) -> Case:
@@ -116,6 +116,7 @@ def test_slow_wheels_cost_no_more_steps_and_stay_exact(on_track: bool) -> None:
         "motion.speed": "12 km/h",
         "time.duration": "10 s",
         "contact.creepage_regularisation_speed": "0.5 m/s",
+        "contact.normal": "strips",  # ellipses that appear and merge are not smooth in time
     }
     slow["brake.demand"] = [[0.0, 0.0], [0.1, 0.0], [0.6, 1.2e5]]
     case = brake_case(**slow).model_copy(update={"slide_protection": None, "adhesion": None})

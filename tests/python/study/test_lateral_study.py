@@ -12,16 +12,21 @@ from rollerrig import ConfigError, load_case, load_run
 from rollerrig.analysis.lateral_guidance import amplitude, amplitudes_over_time, slide_begins
 from rollerrig.study.frame import Outcome
 from rollerrig.study.lateral import Found, LateralStudy
-from rollerrig.study.lateral_cases import MEMBERS
 from rollerrig.study.lateral_numbers import LABELS, run_numbers
 
 Study = Outcome[Found]
+
+MEMBERS = 3
+"""Of the ensembles here, in place of the study's own number."""
 
 
 @pytest.fixture(scope="module")
 def outcome() -> Study:
     case = load_case("adhesion_lateral").with_changes({"time.duration": "6 s"})
-    found = LateralStudy(case).run()
+    with pytest.MonkeyPatch.context() as patch:
+        for module in ("lateral", "lateral_cases"):
+            patch.setattr(f"rollerrig.study.{module}.MEMBERS", MEMBERS)
+        found = LateralStudy(case).run()
     assert found is not None
     assert set(found.results.runs) == set(LABELS)
     return found
