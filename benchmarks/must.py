@@ -1,15 +1,17 @@
 """What was asked for, and what is there: one table, with the error against a tight reference beside every run.
 
-    python benchmarks/must.py [--quick]
+    python benchmarks/must.py [--quick] [--write]
 
-Contact `strips` with `table`. Processor time of one core, best of several; on a busy machine all times are up to twice as long.
-Asked for, after the slash the goal. The model in Numba and SciPy stands in `benchmarks/run.py`.
+--write puts the table into docs/performance.md. Contact `strips` with `table`. Processor time of one core, best of several; on a
+busy machine all times are up to twice as long. Asked for, after the slash the goal. The model in Numba and SciPy stands in
+`benchmarks/run.py`.
 """
 
 from __future__ import annotations
 
 import argparse
 import resource
+from pathlib import Path
 
 import numpy as np
 from long_runs import RUNS, long_run
@@ -30,9 +32,13 @@ WORDS = {
 }
 
 
-def line(what: str, asked: str, now: str, beside: str = "") -> None:
-    """One row."""
-    print(f"| {what} | {asked} | {now} | {beside} |", flush=True)
+PAGE, BEGIN, END = Path(__file__).parents[1] / "docs/performance.md", "<!-- must: begin -->", "<!-- must: end -->"
+
+
+def line(rows: list[str], what: str, asked: str, now: str, beside: str = "") -> None:
+    """One row, printed as soon as it is there."""
+    rows.append(f"| {what} | {asked} | {now} | {beside} |")
+    print(rows[-1], flush=True)
 
 
 def one_wheel() -> float:
@@ -57,10 +63,13 @@ def main() -> None:
     """Print the table."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--quick", action="store_true", help="a tenth of the brake test, a quarter of the others")
-    quick = parser.parse_args().quick
-    line("what", "must / goal", "now", "beside it")
-    line("---", "---", "---", "---")
+    parser.add_argument("--write", action="store_true", help="into docs/performance.md")
+    given = parser.parse_args()
+    rows: list[str] = []
+    line(rows, "what", "must / goal", "now", "beside it")
+    line(rows, "---", "---", "---", "---")
     line(
+        rows,
         "strips, one wheel alone",
         "1.5 / 1.0 us",
         f"{one_wheel():.2f} us",
@@ -69,15 +78,23 @@ def main() -> None:
     for case, wheels, asked in (("bogie on rollers", 4, "9 / 5 us"), ("vehicle on irregular rails", 8, "")):
         full, paper = (right_hand_side(case, laws) for laws in ("strips, table", "hertz, kalker_saturated"))
         line(
-            f"right-hand side, {case}", asked, f"{full:.1f} us", f"{wheels} wheels; the paper's contact: {paper:.1f} us"
+            rows,
+            f"right-hand side, {case}",
+            asked,
+            f"{full:.1f} us",
+            f"{wheels} wheels; the paper's contact: {paper:.1f} us",
         )
-    for name, changes, step in RUNS:
-        one = long_run(name, changes, step, quick)
+    for name, changes in RUNS:
+        one = long_run(name, changes, given.quick)
         found = ", ".join(f"{kind} {100 * value:.2g} %" for kind, value in one.errors.items())
-        where = f"{1e3 * step:g} ms, {one.run.evaluations:.2f} right-hand sides/ms"
+        where = f"{1e3 * one.step:g} ms, {one.run.evaluations:.2f} right-hand sides/ms"
         beside = f"{where}; {found} in the first {one.until:.3g} s; energy {one.run.energy:.1e}"
-        line(WORDS[name], ASKED[name], f"{one.run.real_time:.3g} x real time", beside)
-    line("memory over equal runs", "flat", f"{growth_of_memory():+.1f} MB in 10 runs", "")
+        line(rows, WORDS[name], ASKED[name], f"{one.run.real_time:.3g} x real time", beside)
+    line(rows, "memory over equal runs", "flat", f"{growth_of_memory():+.1f} MB in 10 runs", "")
+    if given.write:
+        text = PAGE.read_text()
+        table = "\n".join(rows)
+        PAGE.write_text(f"{text.split(BEGIN)[0]}{BEGIN}\n\n{table}\n\n{END}{text.split(END)[1]}")
 
 
 if __name__ == "__main__":

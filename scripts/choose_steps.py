@@ -72,20 +72,23 @@ PLAIN = (
     Candidate("exponential_rk4", 1.0),
     Candidate("exponential_adams", 1.0, 1e-4),
     Candidate("exponential_adams", 1.0, 1e-5),
+    Candidate("exponential_adams", 1.5, 1e-4),
+    Candidate("exponential_adams", 1.5, 1e-5),
     Candidate("exponential_adams", 2.0, 1e-4),
     Candidate("exponential_adams", 2.0, 1e-5),
-    Candidate("exponential_adams", 2.5, 1e-5),
     Candidate("rodas4", None, 1e-4),
     Candidate("rodas4", None, 1e-5),
 )
 SAMPLED = (
     Candidate("exponential_rk4", 0.5),
     Candidate("exponential_rk4", 1.0),
-    Candidate("exponential_adams", 1.0, 1e-3),
     Candidate("exponential_adams", 1.0, 1e-4),
     Candidate("exponential_adams", 1.0, 1e-5),
+    Candidate("exponential_adams", 1.0, 1e-6),
+    Candidate("exponential_adams", 1.0, 3e-7),
+    Candidate("exponential_adams", 1.0, 1e-7),
 )
-REFERENCES = (Candidate("exponential_adams", 0.25, 1e-6), Candidate("exponential_rk4", 0.125))
+REFERENCES = (Candidate("exponential_adams", 0.25, 1e-8), Candidate("exponential_rk4", 0.125))
 
 
 @dataclass(frozen=True)
