@@ -24,12 +24,16 @@ from rollerrig.results.contact_loss import LONGEST_SPELL
 from rollerrig.simulation import ENERGY_WARNING
 from rollerrig.study.adhesion_verdicts import Row, Word, verdict_rows
 from rollerrig.study.ensemble import Estimate, estimate
+from rollerrig.wording import percent
 
 Support = Literal["track", "rig"]
 SUPPORTS: tuple[Support, ...] = ("track", "rig")
 
 SLID = 0.03
 """An axle has slid whose slip passed this: beyond the peak of the creep curve on low adhesion, 2.6 % [-]."""
+
+POWER_LIMITED = 0.01
+"""Part of the time at the power limit of a roller drive from which the rig is no track, as at its torque limit [-]."""
 
 MEASURES: Mapping[str, tuple[str, float]] = {
     "k_wet": ("k_wet", 1.0),
@@ -184,6 +188,11 @@ def rig_faults(rig: StopTests, track: StopTests) -> Iterator[str]:
     ended = ("rig_ended", "track_ended")  # said of each support's own tests
     gates = [row for row in verdict_rows(rig.case, track.tests, rig.tests) if row.gate and row.key not in ended]
     shut = [f"{row.text} {row.value_text}, target {row.target_text}" for row in gates if not _is_open(row)]
+    power = max(one.measures.get("drive_power_limited_s", 0.0) / one.measures["duration_s"] for one in rig.tests)
+    if not power <= POWER_LIMITED:
+        shut.append(
+            f"time at a roller drive's power limit up to {percent(power)}, target at most {percent(POWER_LIMITED)}"
+        )
     if shut:
         yield f"the rig is no track here: {'; '.join(shut)}"
 

@@ -210,7 +210,7 @@ GOOD = {
     "distance_m": 900.0, "mean_deceleration_mps2": 0.6, "dump_cycles": 300.0, "air_litres": 1100.0, "longest_lock_s": 0.1,
     "largest_slip": 0.3, "flat_length_m": 0.01, "large_slip_share": 0.01, "adhesion_utilisation": 0.7,
     "contact_lost_s": 0.0, "energy_relative_residual": 1e-6, "force_error_rms": 0.02, "drive_ringing_nm": 5.0,
-    "drive_limited_share": 0.001, "tracking_rms": 0.001,
+    "drive_limited_share": 0.001, "tracking_rms": 0.001, "duration_s": 50.0,
 }  # fmt: skip
 DRY = {**GOOD, "distance_m": 600.0, "largest_slip": 0.002, "dump_cycles": 0.0}
 LIMITS: dict[CriterionName, float] = {
@@ -317,7 +317,13 @@ def test_a_run_that_says_nothing_of_itself_gets_no_verdict() -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "value"), [("force_error_rms", 0.2), ("drive_limited_share", 0.1), ("drive_ringing_nm", 5000.0)]
+    ("name", "value"),
+    [
+        ("force_error_rms", 0.2),
+        ("drive_power_limited_s", 5.0),
+        ("drive_limited_share", 0.1),
+        ("drive_ringing_nm", 5000.0),
+    ],
 )
 def test_a_rig_that_is_no_track_gets_no_verdict_but_the_track_does(name: str, value: float) -> None:
     found = judged(made(**{name: value}), "rig")
