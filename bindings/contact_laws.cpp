@@ -83,6 +83,7 @@ auto friction_over_slip(FrictionLaw const& law, Column const& slip) {
 }
 
 auto rail_friction(AdhesionMap const& map, Column const& at) {
+  map.check();
   std::size_t const n = at.shape(0);
   std::vector<double> out(n);
   for (std::size_t i = 0; i < n; ++i) out[i] = map(at(i), 0.0, 0.0).friction;

@@ -168,7 +168,12 @@ def whole_cases() -> dict[str, Raw]:
         "axle_torque": {"kind": "extrapolated"}, "drive_command": {"kind": "torque_loop"},
     }  # fmt: skip
     kalman["slide_protection"] = {"kind": "threshold_table"}
-    kalman["rig_control"]["motor"] = {"largest_torque": 2e4, "largest_power": 1e6, "largest_speed": 200.0}
+    kalman["rig_control"]["motor"] = {
+        "envelope": [[0, 1e4], [100, 1e3]],
+        "largest_torque": 2e4,
+        "largest_power": 1e6,
+        "largest_speed": 200.0,
+    }
     kalman["brake"]["electrodynamic"] = {"kind": "table", "forces": [[1.0, 0.0], [3.0, 1e4]]}
     kalman["track_brake"] = {"kind": "eddy_current", "demand": [[0.0, 0.0], [1.0, 1.0]]}
     kalman["sanding"] = {"start": {"kind": "from_distance", "begin": 10.0}}
