@@ -164,7 +164,9 @@ void bind_mechatronics(nb::module_& m) {
   bind_struct<AxleParts>(m, "AxleParts", "Indices of an axle's parts in the model; -1: absent.");
   bind_struct<RollerProtection>(m, "RollerProtection", "Ends a test before real sliding damages the rollers.");
   bind_struct<TravellingFrame>(m, "TravellingFrame", "Masses of a train on track.");
+  bind_struct<SimulatedAxles>(m, "SimulatedAxles", "Axles of the train that are not in the model.");
   bind_struct<MechatronicSetup>(m, "MechatronicSetup", "Sensors, controllers and actuators around a vehicle.");
   bind_commands(m, static_cast<AnyController const*>(nullptr));
   m.attr("most_axles") = most_axles;
+  m.attr("rail_cells") = RailCells::cells;
 }

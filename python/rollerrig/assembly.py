@@ -82,6 +82,12 @@ class AssembledModel:
             raise KeyError(f"no body named {name!r}; there are {', '.join(self.bodies)}") from None
 
     @property
+    def axle_names(self) -> tuple[str, ...]:
+        """Axles of the train: wheelsets of the model, then `axle_N` for each simulated one, N its number along the train."""
+        table = self.case.train.axles
+        return (*self.wheelsets, *(f"axle_{k}" for k in table.simulated)) if table else self.wheelsets
+
+    @property
     def lateral_bodies(self) -> tuple[str, ...]:
         """Vehicle bodies that can move sideways: frames, wheelsets, car body where free."""
         return tuple(b for b in self.vehicle_bodies if b not in self.fixed)

@@ -15,7 +15,8 @@ from rollerrig.actuators import assemble_with_actuators
 from rollerrig.analysis.slide_statistics import test_record as record_of
 from rollerrig.config import Case
 from rollerrig.config.schema.contact_law import FallingFriction
-from rollerrig.mechatronics.virtual_train import load_transfer, rail_patch, train_mass
+from rollerrig.mechatronics.train_axles import train_mass
+from rollerrig.mechatronics.virtual_train import load_transfer, rail_patch
 from rollerrig.simulation import simulate
 from rollerrig.study.adhesion_variants import track_case
 from rollerrig.study.ensemble import starts

@@ -21,7 +21,7 @@ RigController::State RigController::start(Measurements const& now, double train_
   s.train = {train, train_speed};
   s.rail.reset(rail.cell);
   s.sand.reset(rail.cell);
-  for (std::size_t k = 0; k < at(now.axles); ++k) {
+  for (std::size_t k = 0; k < at(now.under_test); ++k) {
     AxleState& axle = s.axle[k];
     std::visit([&](auto const& law) { axle.estimator = law.start(assumed, period, sample_of(now, k)); }, estimator);
     std::visit([&]<class Law>(Law const&) { axle.axle_torque = typename Law::State{}; }, axle_torque);
@@ -33,7 +33,7 @@ RigController::State RigController::start(Measurements const& now, double train_
 
 void RigController::step(State& s, Measurements const& now, double period, PerAxle<double>& torque) const {
   PerAxle<double> torques{};
-  for (std::size_t k = 0; k < at(now.axles); ++k) {
+  for (std::size_t k = 0; k < at(now.under_test); ++k) {
     auto const estimate = [&](auto const& law, auto& state) {
       return law.step(state, assumed, sample_of(now, k), period);
     };
@@ -46,9 +46,9 @@ void RigController::step(State& s, Measurements const& now, double period, PerAx
     return rail.force(slip, speed, load, now.time, from + train.position[at(i)], s.axle[at(i)].energy,
                       s.axle[at(i)].sand);
   };
-  s.train.step(train, now.axles, torques, measured_loads ? &now.axle_load : nullptr, now.track_brake_force, period,
-               rail_force);
-  for (int i = 0; i < now.axles; ++i) {  // front to back: the leading axle cleans for the following ones
+  s.train.step(train, now.under_test, torques, measured_loads ? &now.axle_load : nullptr,
+               now.track_brake_force - now.force_of_others, period, rail_force);
+  for (int i = 0; i < now.under_test; ++i) {  // front to back: the leading axle cleans for the following ones
     AxleState& axle = s.axle[at(i)];
     recover(s, now, i, from, period);
     axle.feed_forward = assumed.roller_inertia * train.wheel_radius / assumed.roller_radius * s.train.axle_rate(i) -

@@ -12,8 +12,6 @@ std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 DumpValve valve_of(double command) { return static_cast<DumpValve>(static_cast<int>(command)); }
 
-double spin(Dynamics const& plant, int body) { return plant.work().motion[at(body)].rate[coord_pitch]; }
-
 /// Steps of the blending's delay.
 int blending_steps(MechatronicSetup const& setup) {
   auto const& machine = setup.actuators.electrodynamic;
@@ -48,14 +46,14 @@ ActuatorStates::ActuatorStates(MechatronicSetup const& setup)
 
 /// The motors that brake, and what their axles are asked for in all.
 void ActuatorStates::step_electrodynamic(MechatronicSetup const& setup, std::int64_t step, PerAxle<double> const& valve,
-                                         Dynamics const& plant) {
+                                         PerAxle<double> const& axle_speed) {
   Actuators const& actuators = setup.actuators;
-  double const pressure = actuators.brake_demand.at(setup.step * static_cast<double>(step));
+  double const t = setup.step * static_cast<double>(step);
   PerAxle<double> counted{};
   for (std::size_t i = 0; i < axle_.size(); ++i) {
     Axle& axle = axle_[i];
-    double const speed = spin(plant, setup.axles[i].wheelset);
-    axle.asked = actuators.brake.sliding_torque(pressure, speed);
+    double const speed = axle_speed[i];
+    axle.asked = actuators.brake.sliding_torque(setup.demand(i, t), speed);
     if (!actuators.electrodynamic || !setup.axles[i].electrodynamic) continue;
     actuators.electrodynamic->step(axle.electrodynamic, axle.asked, speed, valve_of(valve[i]), setup.step);
     counted[i] = axle.electrodynamic.counted;
@@ -75,16 +73,16 @@ void ActuatorStates::step_drive(MechatronicSetup const& setup, std::size_t axle,
 
 /// All cylinders together: they may draw on one reservoir.
 void ActuatorStates::step_pneumatics(MechatronicSetup const& setup, double t, PerAxle<double> const& valve,
-                                     Dynamics const& plant) {
+                                     PerAxle<double> const& axle_speed) {
   Pneumatics const& pneumatics = setup.actuators.pneumatics;
   PerAxle<DumpValve> command{};
   PerAxle<double> demand{};
   for (std::size_t i = 0; i < cylinder_.size(); ++i) {
     command[i] = valve_of(valve[i]);
-    demand[i] = setup.actuators.brake_demand.at(t);
+    demand[i] = setup.demand(i, t);
     if (!setup.axles[i].electrodynamic) continue;
     double const rest = std::fmax(0.0, axle_[i].asked - counted_.acting()[i]);
-    demand[i] = std::fmin(demand[i], setup.actuators.brake.pressure(rest, spin(plant, setup.axles[i].wheelset)));
+    demand[i] = std::fmin(demand[i], setup.actuators.brake.pressure(rest, axle_speed[i]));
   }
   auto const step = [&](auto const& air) {
     air.step(pneumatics.control_valve, cylinder_, supply_, command, demand, setup.step);
@@ -93,7 +91,8 @@ void ActuatorStates::step_pneumatics(MechatronicSetup const& setup, double t, Pe
 }
 
 void ActuatorStates::step(MechatronicSetup const& setup, std::int64_t step, ActingCommands const& acting,
-                          Dynamics const& plant, double train_speed, Inputs& inputs) {
+                          PerAxle<double> const& axle_speed, PerAxle<double> const& roller_speed, double train_speed,
+                          Inputs& inputs) {
   double const h = setup.step, t = h * static_cast<double>(step);
   auto const& [valve, factor, roller_torque] = acting;
   auto const line = [&](double from, double to) { return HeldInput{t, from, (to - from) / h}; };
@@ -103,8 +102,8 @@ void ActuatorStates::step(MechatronicSetup const& setup, std::int64_t step, Acti
     motor_before[i] = axle_[i].of_motor();
   }
   if (setup.braked()) {
-    step_electrodynamic(setup, step, valve, plant);
-    step_pneumatics(setup, t, valve, plant);
+    step_electrodynamic(setup, step, valve, axle_speed);
+    step_pneumatics(setup, t, valve, axle_speed);
   }
   if (auto const& brake = setup.actuators.track_brake) {
     double const from = track_brake_;
@@ -114,18 +113,19 @@ void ActuatorStates::step(MechatronicSetup const& setup, std::int64_t step, Acti
   for (std::size_t i = 0; i < axle_.size(); ++i) {
     AxleParts const& parts = setup.axles[i];
     Axle& axle = axle_[i];
-    double const speed = spin(plant, parts.wheelset), pressure = cylinder_[i].pressure;
+    double const speed = axle_speed[i], pressure = cylinder_[i].pressure;
 
     if (parts.brake != absent) inputs.cylinder[at(parts.brake)] = line(before[i], pressure);
     axle.stand_in = setup.actuators.motors_stand_in ? setup.actuators.brake.torque(pressure, speed) : 0.0;
-    if (parts.axle_torque != absent) {
+    if (parts.driven()) {
       double const demand = factor[i] * setup.actuators.torque_demand.at(t) + axle.stand_in;
       step_motor(setup.actuators.motor, axle.motor, demand, speed, h);
-      inputs.axle_torque[at(parts.axle_torque)] = line(motor_before[i], axle.of_motor());
+      if (parts.axle_torque != absent)
+        inputs.axle_torque[at(parts.axle_torque)] = line(motor_before[i], axle.of_motor());
     }
     if (parts.roller_torque != absent) {
       double const from = axle.drive[0];
-      step_drive(setup, i, roller_torque[i], -spin(plant, parts.roller));
+      step_drive(setup, i, roller_torque[i], roller_speed[i]);
       inputs.roller_torque[at(parts.roller_torque)] = line(from, axle.drive[0]);
     }
   }

@@ -52,6 +52,9 @@ constexpr Field axle_table[] = {
     {"drive_torque_limited", "s", "how long the limit of torque has held the roller's drive back since the start"},
     {"drive_power_limited", "s", "the same of its limit of power"},
     {"drive_speed_limited", "s", "the same of its limit of speed"},
+    {"axle_work", "J", "of motor and brake on a simulated axle since the start; 0 for those under test"},
+    {"work_on_train", "J", "of a simulated axle on the train since the start"},
+    {"slip_dissipation", "J", "of a simulated axle's slip since the start"},
 };
 
 constexpr Field train_table[] = {
@@ -119,7 +122,7 @@ std::vector<double> MechatronicSystem::measurement(std::string_view controller) 
   bool const of_vehicle = asked != controllers_.end() && asked->command != at(static_cast<int>(Command::roller_torque));
   std::vector<double> out;
   auto const* control = rig_state();
-  for (std::size_t i = 0; i < axles(); ++i) {
+  for (std::size_t i = 0; i < (of_vehicle ? axles() : under_test()); ++i) {
     auto const& m = measured_;
     auto const own = control != nullptr ? control->axle[i] : RigController::AxleState{};
     double const virtual_speed = control != nullptr ? control->train.axle_speed(static_cast<int>(i)) : 0.0;
@@ -132,7 +135,8 @@ std::vector<double> MechatronicSystem::measurement(std::string_view controller) 
 
 void MechatronicSystem::record(Dynamics const& plant, std::int64_t step, double const* z, Inputs const& inputs,
                                double* row) const {
-  for (std::size_t i = 0; i < axles(); ++i, row += std::size(axle_table)) record_axle(plant, i, inputs, row);
+  for (std::size_t i = 0; i < axles(); ++i, row += std::size(axle_table))
+    i < under_test() ? record_axle(plant, i, inputs, row) : record_simulated(i, row);
   auto const* control = frame_moves() ? nullptr : rig_state();
   double const t = time(step);
   Travel<double> train = running_motion(plant, t, z, inputs);  // on a rig without a virtual train: that of the rollers
@@ -206,9 +210,53 @@ void MechatronicSystem::record_axle(Dynamics const& plant, std::size_t i, Inputs
                         actuators.drive_wanted,
                         limited(DriveLimit::torque),
                         limited(DriveLimit::power),
-                        limited(DriveLimit::speed)};
+                        limited(DriveLimit::speed),
+                        0.0,
+                        0.0,
+                        0.0};
   static_assert(std::size(row) == std::size(axle_table));
   std::copy(std::begin(row), std::end(row), out);
+}
+
+/// Of an axle outside the model there are no rollers, and the virtual rail's force is all that acts on it.
+void MechatronicSystem::record_simulated(std::size_t i, double* out) const {
+  auto const& own = simulated_.axle(i - under_test());
+  auto const& actuators = actuators_.axle(i);
+  auto const& cylinder = actuators_.cylinder(i);
+  bool const on_rig = rig_state() != nullptr;
+  std::fill_n(out, std::size(axle_table), 0.0);
+  auto const set = [&](std::string_view name, double value) {
+    auto const found = std::find_if(std::begin(axle_table), std::end(axle_table),
+                                    [&](Field const& field) { return field.name == name; });
+    out[found - std::begin(axle_table)] = value;
+  };
+  double const force = own.wheels.force();
+  set("axle_speed", own.wheels.speed());
+  set("measured_axle_speed", measured_.axle_speed[i]);
+  set("vehicle_axle_speed", measured_.vehicle_axle_speed[i]);
+  set("virtual_speed", on_rig ? own.wheels.speed() : 0.0);
+  set("virtual_force", on_rig ? force : 0.0);
+  set("contact_force", force);
+  set("creep_force", force);
+  set("real_sliding", on_rig ? 0.0 : own.slip);  // nothing slides on a roller
+  set("measured_load", measured_.axle_load[i]);
+  set("dissipated_energy_density", own.energy);
+  set("sand", own.sand);
+  set("cylinder_pressure", cylinder.pressure);
+  set("valve", acting_[at(static_cast<int>(Command::dump_valve))][i]);
+  set("torque_factor", acting_[at(static_cast<int>(Command::torque_factor))][i]);
+  set("brake_torque", setup_.actuators.motors_stand_in ? actuators.stand_in : own.wheels.brake_torque());
+  set("traction_torque", actuators.motor[0]);
+  set("electrodynamic_torque", actuators.electrodynamic.torque);
+  set("asked_brake_torque", actuators.asked);
+  set("air", cylinder.air);
+  set("exhausted_air", cylinder.exhausted);
+  set("dump_cycles", static_cast<double>(cylinder.dump_cycles));
+  set("inlet_open", static_cast<double>(cylinder.inlet_open));
+  set("outlet_open", static_cast<double>(cylinder.outlet_open));
+  set("axle_work", own.work);
+  set("work_on_train", own.to_train);
+  set("slip_dissipation", own.dissipated);
 }
 
 }  // namespace rollerrig

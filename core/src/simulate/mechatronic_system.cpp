@@ -25,6 +25,7 @@ MechatronicSystem::MechatronicSystem(MechatronicSetup setup)
       sensors_{axles()},
       actuators_{setup_},
       train_{setup_.speed},
+      simulated_{setup_.simulated, setup_.speed},
       sand_{0.0, setup_.sanding ? static_cast<int>(std::lround(setup_.sanding->delay / setup_.step)) : 0} {
   for (auto const& [sampling, any] : setup_.controllers) {
     auto const [name, command] = std::visit([](auto const& law) { return std::pair{law.name, law.command}; }, any);
@@ -33,6 +34,7 @@ MechatronicSystem::MechatronicSystem(MechatronicSetup setup)
     shortest_ = shortest_ == 0 ? sampling.every : std::min(shortest_, sampling.every);
   }
   measured_.axles = static_cast<int>(axles());
+  measured_.under_test = static_cast<int>(under_test());
   for (auto& rail : rail_) rail.reset(setup_.rail_cell);
   sanded_.reset(setup_.rail_cell);
   for (std::size_t c = 0; c < command_count; ++c) acting_[c].fill(command_fields[c].initial);
@@ -50,7 +52,7 @@ void MechatronicSystem::prepare(Model const& model, Inputs& inputs) const {
 }
 
 void MechatronicSystem::start(Dynamics const& plant) {
-  sensors_.start(setup_, plant, measured_);
+  sensors_.start(setup_, plant, simulated_, measured_);
   for (std::size_t i = 0; i < controllers_.size(); ++i) {
     auto const& [sampling, any] = setup_.controllers[i];
     double const period = setup_.step * sampling.every;
@@ -59,7 +61,7 @@ void MechatronicSystem::start(Dynamics const& plant) {
 }
 
 bool MechatronicSystem::sample(Dynamics const& plant, std::int64_t step, double const* z) {
-  sensors_.follow(setup_, plant, time(step), z, actuators_);
+  sensors_.follow(setup_, plant, time(step), z, actuators_, simulated_);
   auto const due = [&](SampledController const& c) { return step % c.sampling.every == 0; };
   if (std::none_of(setup_.controllers.begin(), setup_.controllers.end(), due)) return true;
   measured_.time = time(step);
@@ -79,9 +81,11 @@ void MechatronicSystem::ask(std::size_t index, std::int64_t step) {
   own.waits = sampling.external;
   PerAxle<double> command{};
   auto const run = [&]<class Law>(Law const& law, typename Law::State& state) {
-    if constexpr (std::same_as<Law, RigController>)
+    if constexpr (std::same_as<Law, RigController>) {
       sensors_.read_roller_torques(setup_, law.commanded_torque ? &acting_[own.command] : nullptr, measured_);
-    else if (sampling.external)
+      measured_.force_of_others = impulse_of_simulated_ / (setup_.step * sampling.every);
+      impulse_of_simulated_ = 0.0;
+    } else if (sampling.external)
       return;
     law.step(state, measured_, setup_.step * sampling.every, command);
   };
@@ -92,7 +96,7 @@ void MechatronicSystem::ask(std::size_t index, std::int64_t step) {
 /// T of (D1) from the roller's own acceleration, and the torque of motor and brake on the axle.
 void MechatronicSystem::read_true_forces(Dynamics const& plant) {
   Model const& model = plant.model();
-  for (std::size_t i = 0; i < axles(); ++i) {
+  for (std::size_t i = 0; i < under_test(); ++i) {
     AxleParts const& parts = setup_.axles[i];
     if (parts.roller == absent) continue;
     auto const& axle = actuators_.axle(i);
@@ -115,12 +119,64 @@ void MechatronicSystem::act(Dynamics const& plant, std::int64_t step, Inputs& in
     acting_[own.command] = own.commands.acting();
   }
   if (setup_.sanding) switch_sand(plant, step);
-  if (frame_moves()) train_.accelerate(setup_.frame, plant, inputs, track_brake_force(plant));
-  actuators_.step(setup_, step, acting_, plant, train_speed(plant), inputs);
+  if (frame_moves()) train_.accelerate(setup_.frame, plant, inputs, track_brake_force(plant) - simulated_.force());
+  PerAxle<double> speed{}, roller_speed{};
+  for (std::size_t i = 0; i < axles(); ++i) {
+    int const roller = setup_.axles[i].roller;
+    speed[i] = axle_speed(plant, i);
+    roller_speed[i] = roller != absent ? -plant.work().motion[at(roller)].rate[coord_pitch] : 0.0;
+  }
+  actuators_.step(setup_, step, acting_, speed, roller_speed, train_speed(plant), inputs);
   inputs.speed = {time(step), train_.speed(), train_.acceleration()};
   inputs.distance = train_.distance();
   dissipate(plant, inputs);
   if (setup_.sanding) lay_sand(plant, inputs);
+  if (simulated_.count() > 0) step_simulated(step);
+}
+
+/// True speed of an axle [rad/s].
+double MechatronicSystem::axle_speed(Dynamics const& plant, std::size_t i) const {
+  if (i >= under_test()) return simulated_.axle(i - under_test()).wheels.speed();
+  return plant.work().motion[at(setup_.axles[i].wheelset)].rate[coord_pitch];
+}
+
+/// The train over the step that begins: on a rig the virtual train has been advanced to its controller's next sample.
+TrainStep MechatronicSystem::train_step(std::int64_t step) const {
+  double const h = setup_.step, t = time(step);
+  if (frame_moves()) {
+    double const rate = train_.acceleration();
+    return {t, train_.distance(), std::max(0.0, train_.speed() + 0.5 * h * rate), rate};
+  }
+  VirtualTrainState const& train = rig_state()->train;
+  int every = 1;
+  for (SampledController const& c : setup_.controllers)
+    if (std::holds_alternative<RigController>(c.controller)) every = c.sampling.every;
+  double const until = h * static_cast<double>(every - step % every), rate = train.acceleration();
+  double const behind = until * (train.speed() - 0.5 * until * rate);  // that the train still has to run until then
+  return {t, train.distance() - behind, std::max(0.0, train.speed() - (until - 0.5 * h) * rate), rate};
+}
+
+/// The axles of the train that are not in the model, over the step that begins.
+void MechatronicSystem::step_simulated(std::int64_t step) {
+  TrainStep const train = train_step(step);
+  RigController::State* control = rig_state();
+  FoundRail found{.energy = rail_, .sand = setup_.sanding ? &sanded_ : nullptr};
+  if (control != nullptr) {
+    found.energy = {&control->rail, 1};
+    if (setup_.sanding) found.sand = &control->sand;
+  }
+  std::size_t const first = under_test();
+  found.sand_flow = sand_.acting().data() + first;
+  auto const torque = [&](std::size_t i) {
+    AxleParts const& parts = setup_.axles[first + i];
+    return parts.driven() ? actuators_.axle(first + i).of_motor() : 0.0;
+  };
+  auto const brake = [&](std::size_t i, double w) {
+    AxleParts const& parts = setup_.axles[first + i];
+    return parts.has_brake ? setup_.actuators.brake.torque(actuators_.cylinder(first + i).pressure, w) : 0.0;
+  };
+  simulated_.step(setup_.simulated, *setup_.rail, train, setup_.step, found, torque, brake);
+  impulse_of_simulated_ += setup_.step * simulated_.force();
 }
 
 /// What slide protection or wheel-slip control has just asked of an axle.
@@ -145,7 +201,7 @@ void MechatronicSystem::switch_sand(Dynamics const& plant, std::int64_t step) {
 void MechatronicSystem::lay_sand(Dynamics const& plant, Inputs& inputs) {
   if (!frame_moves()) return;
   double const way = setup_.step * std::max(0.0, train_.speed());
-  for (std::size_t i = 0; i < axles(); ++i) {
+  for (std::size_t i = 0; i < under_test(); ++i) {
     AxleParts const& parts = setup_.axles[i];
     double const from = train_.distance() + plant.model().contacts[at(parts.contacts[0])].distance_ahead;
     sanded_.run(from, from + way, sand_.acting()[i] * setup_.step, setup_.sanding->kept);
@@ -166,7 +222,7 @@ void MechatronicSystem::dissipate(Dynamics const& plant, Inputs& inputs) {
   double const step_length = setup_.step * std::max(0.0, train_.speed());
   double const per_speed =
       1.0 / std::max(least_speed, train_.speed());  // rail passes at train speed, even if wheels slide
-  for (std::size_t i = 0; i < axles(); ++i) {
+  for (std::size_t i = 0; i < under_test(); ++i) {
     AxleParts const& parts = setup_.axles[i];
     for (std::size_t side = 0; side < 2; ++side) {
       int const c = parts.contacts[side];
@@ -206,7 +262,7 @@ bool MechatronicSystem::wheels_slide(Dynamics const& plant) {
   RigController const* control = rig();
   if (control == nullptr) return false;
   bool too_long = false;
-  for (std::size_t i = 0; i < axles(); ++i) {
+  for (std::size_t i = 0; i < under_test(); ++i) {
     AxleParts const& parts = setup_.axles[i];
     if (parts.roller == absent) continue;
     double const wheel = control->assumed.wheel_radius * plant.work().motion[at(parts.wheelset)].rate[coord_pitch];
@@ -222,6 +278,12 @@ bool MechatronicSystem::wheels_slide(Dynamics const& plant) {
 RigController const* MechatronicSystem::rig() const {
   for (SampledController const& c : setup_.controllers)
     if (auto const* found = std::get_if<RigController>(&c.controller)) return found;
+  return nullptr;
+}
+
+RigController::State* MechatronicSystem::rig_state() {
+  for (Controller& own : controllers_)
+    if (auto* found = std::get_if<RigController::State>(&own.state)) return found;
   return nullptr;
 }
 
@@ -267,9 +329,11 @@ bool MechatronicSystem::waits_for(std::string_view controller) const {
 }
 
 void MechatronicSystem::set_command(std::string_view controller, std::span<double const> command, std::int64_t step) {
-  if (command.size() != axles()) throw std::invalid_argument("a command has one number per axle");
   for (Controller& own : controllers_) {
     if (own.name != controller || !own.waits) continue;
+    bool const of_rollers = own.command == at(static_cast<int>(Command::roller_torque));
+    if (command.size() != (of_rollers ? under_test() : axles()))
+      throw std::invalid_argument("a command has one number per axle");
     CommandField const& field = command_fields[own.command];
     for (double number : command)
       if (!(number >= field.lowest && number <= field.highest) || (field.whole && number != std::round(number)))

@@ -12,6 +12,13 @@ std::uint64_t stream_of(Sensors const& sensors, std::size_t axle) { return senso
 
 double spin(Dynamics const& plant, int body) { return plant.work().motion[at(body)].rate[coord_pitch]; }
 
+/// Null: it is in the model.
+SimulatedAxleStates::Axle const* simulated_axle(MechatronicSetup const& setup, SimulatedAxleStates const& simulated,
+                                                std::size_t axle) {
+  std::size_t const first = setup.under_test();
+  return axle < first ? nullptr : &simulated.axle(axle - first);
+}
+
 }  // namespace
 
 double axle_load(Dynamics const& plant, AxleParts const& parts) {
@@ -36,12 +43,15 @@ double SensorReadings::SpeedSensor::read(AnySpeedSensor const& sensor, double pe
                           state);
 }
 
-void SensorReadings::start(MechatronicSetup const& setup, Dynamics const& plant, Measurements& measured) {
+void SensorReadings::start(MechatronicSetup const& setup, Dynamics const& plant, SimulatedAxleStates const& simulated,
+                           Measurements& measured) {
   Sensors const& sensors = setup.sensors;
   for (std::size_t i = 0; i < axle_.size(); ++i) {
     AxleParts const& parts = setup.axles[i];
     Axle& axle = axle_[i] = {};
-    measured.axle_speed[i] = measured.vehicle_axle_speed[i] = spin(plant, parts.wheelset);
+    SimulatedAxleStates::Axle const* only = simulated_axle(setup, simulated, i);
+    measured.axle_speed[i] = measured.vehicle_axle_speed[i] =
+        only != nullptr ? only->wheels.speed() : spin(plant, parts.wheelset);
     measured.roller_speed[i] = parts.roller != absent ? -spin(plant, parts.roller) : 0.0;
     std::uint64_t const stream = stream_of(sensors, i);
     AxleTurn const wheels{0.0, 0.0, measured.axle_speed[i]};
@@ -49,19 +59,22 @@ void SensorReadings::start(MechatronicSetup const& setup, Dynamics const& plant,
     axle.roller_speed.start(sensors.rollers, {0.0, 0.0, measured.roller_speed[i]}, stream + of_roller);
     if (sensors.vehicle) axle.vehicle_speed.start(*sensors.vehicle, wheels, stream + of_vehicle);
     axle.torque_flange.reset(0.0);
-    axle.load_cell.reset(axle_load(plant, parts));
+    axle.load_cell.reset(only != nullptr ? only->load : axle_load(plant, parts));
   }
 }
 
 void SensorReadings::follow(MechatronicSetup const& setup, Dynamics const& plant, double time, double const* z,
-                            ActuatorStates const& actuators) {
+                            ActuatorStates const& actuators, SimulatedAxleStates const& simulated) {
   auto const& map = plant.map();
   Sensors const& sensors = setup.sensors;
   for (std::size_t i = 0; i < axle_.size(); ++i) {
     AxleParts const& parts = setup.axles[i];
     Axle& axle = axle_[i];
     std::uint64_t const stream = stream_of(sensors, i);
-    AxleTurn const wheels{time, z[map.angle[at(parts.wheelset)]], spin(plant, parts.wheelset)};
+    SimulatedAxleStates::Axle const* only = simulated_axle(setup, simulated, i);
+    AxleTurn const wheels = only != nullptr
+                                ? AxleTurn{time, only->angle, only->wheels.speed()}
+                                : AxleTurn{time, z[map.angle[at(parts.wheelset)]], spin(plant, parts.wheelset)};
     axle.speed.follow(sensors.axles, wheels, stream + of_axle);
     if (sensors.vehicle) axle.vehicle_speed.follow(*sensors.vehicle, wheels, stream + of_vehicle);
     if (parts.roller != absent)
@@ -70,7 +83,7 @@ void SensorReadings::follow(MechatronicSetup const& setup, Dynamics const& plant
     double const torque = actuators.axle(i).drive[0];
     axle.drive.follow(torque);
     if (sensors.roller_torque) axle.torque_flange.follow(*sensors.roller_torque, torque, setup.step);
-    axle.load_cell.follow(sensors.axle_load, axle_load(plant, parts), setup.step);
+    axle.load_cell.follow(sensors.axle_load, only != nullptr ? only->load : axle_load(plant, parts), setup.step);
   }
 }
 

@@ -1,5 +1,6 @@
 #include "rollerrig/simulate/setup.hpp"
 
+#include <algorithm>
 #include <stdexcept>
 #include <string>
 
@@ -65,6 +66,27 @@ void check_controller(WheelSlideProtection const& control, std::size_t /*axles*/
 }
 void check_controller(WheelSlipControl const& /*control*/, std::size_t /*axles*/) {}
 
+/// Axles that are only simulated stand behind those of the model in the lists, wherever they are in the train.
+void check_simulated(MechatronicSetup const& setup) {
+  SimulatedAxles const& simulated = setup.simulated;
+  std::size_t const count = simulated.count(), axles = setup.axles.size();
+  need(count < axles, "SimulatedAxles: of " + std::to_string(axles) + " axles one at least must be under test");
+  need(simulated.load_transfer.size() == count && simulated.position.size() == count,
+       "SimulatedAxles: static_load, load_transfer and position need one number per axle");
+  need(setup.brake_delay.empty() || setup.brake_delay.size() == axles,
+       "MechatronicSetup: brake_delay needs one number per axle, or none");
+  for (std::size_t i = axles - count; i < axles; ++i)
+    need(setup.axles[i].wheelset == absent, "axle " + std::to_string(i) + ": wheelset must be absent: it is simulated");
+  if (count == 0) return;
+  need(simulated.wheel_radius > 0.0 && simulated.wheelset_inertia > 0.0,
+       "SimulatedAxles: wheel_radius and wheelset_inertia must be positive");
+  need(setup.rail.has_value(), "SimulatedAxles: rail: needed is one of VirtualRail(...)");
+  bool const rolls = setup.frame.train_mass > 0.0 ||
+                     std::any_of(setup.controllers.begin(), setup.controllers.end(),
+                                 [](auto const& one) { return std::holds_alternative<RigController>(one.controller); });
+  need(rolls, "SimulatedAxles: needed is a train that they belong to, on track or of rig_control");
+}
+
 }  // namespace
 
 void check_setup(MechatronicSetup const& setup, Model const& model) {
@@ -73,7 +95,8 @@ void check_setup(MechatronicSetup const& setup, Model const& model) {
   need(axles >= 1, "MechatronicSetup: axles must not be empty");
   need(axles <= at(most_axles),
        "at most " + std::to_string(most_axles) + " axles have sensors and actuators, not " + std::to_string(axles));
-  for (std::size_t i = 0; i < axles; ++i) check_axle(setup.axles[i], model, "axle " + std::to_string(i));
+  check_simulated(setup);
+  for (std::size_t i = 0; i < setup.under_test(); ++i) check_axle(setup.axles[i], model, "axle " + std::to_string(i));
   if (auto const& machine = setup.actuators.electrodynamic)
     check_value(machine->blending_delay / setup.step, delay_steps, "ElectrodynamicBrake", "blending_delay / step");
   if (auto const& sanding = setup.sanding)
@@ -82,7 +105,7 @@ void check_setup(MechatronicSetup const& setup, Model const& model) {
   check_motor(setup.actuators.roller_drive, setup.step, "roller_drive");
   for (auto const& [sampling, any] : setup.controllers) {
     check_fields(sampling, "Sampling");
-    std::visit([&](auto const& law) { check_controller(law, axles); }, any);
+    std::visit([&](auto const& law) { check_controller(law, setup.under_test()); }, any);
   }
 }
 

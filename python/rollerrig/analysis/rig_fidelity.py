@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from rollerrig.analysis.tracking import LEAST_SPEED, rms, slip, wheel_radius
+from rollerrig.analysis.tracking import LEAST_SPEED, rms, slip, under_test, wheel_radius
 
 
 def point_by_point(track: xr.Dataset, other: xr.Dataset) -> dict[str, Any]:
@@ -36,6 +36,7 @@ def point_by_point(track: xr.Dataset, other: xr.Dataset) -> dict[str, Any]:
 
 def by_own_motion(run: xr.Dataset) -> float | None:
     """Part of the variance of the tracking error in proportion to the wheelsets' own motion along the track, (D14) [-]."""
+    run = under_test(run)
     moving = run["train_speed"].to_numpy() > LEAST_SPEED
     error = (run["axle_speed"] - run["virtual_speed"]).to_numpy()[moving].ravel()
     own = run["longitudinal_velocity"].sel(body=list(run["axle"].to_numpy())).to_numpy()[moving].ravel()

@@ -21,7 +21,8 @@ from rollerrig.config import Case, Condition, Rig, SlideProtection, WheelSlipCon
 from rollerrig.config.schema.contact_law import ConstantFriction
 from rollerrig.contact_laws import core_law
 from rollerrig.mechatronics.setup import rotor_inertia, wheelset_inertia
-from rollerrig.mechatronics.virtual_train import load_transfer, rail_patch, train_mass
+from rollerrig.mechatronics.train_axles import train_mass
+from rollerrig.mechatronics.virtual_train import load_transfer, rail_patch
 
 Array = NDArray[np.float64]
 

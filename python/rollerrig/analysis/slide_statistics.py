@@ -16,7 +16,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from rollerrig.analysis.torque_ripple import RIPPLE_ABOVE, torque_ripple
-from rollerrig.analysis.tracking import LEAST_SPEED, largest, rms, slip, tracking
+from rollerrig.analysis.tracking import LEAST_SPEED, largest, rms, slip, tracking, under_test
 from rollerrig.config import Case, Rig
 from rollerrig.results import COMPLETED
 
@@ -75,7 +75,7 @@ def test_record(run: xr.Dataset, case: Case) -> TestRecord:
     kept = _kept(run["time"].to_numpy())
     measures = {**_train(run), **_axles(run)}
     if case.rig_control is not None and isinstance(case.support.data, Rig):
-        measures |= _rig(run, case.rig_control.feedback.largest, case.support.data.roller_radius)
+        measures |= _rig(under_test(run), case.rig_control.feedback.largest, case.support.data.roller_radius)
     return TestRecord(
         run.attrs["status"],
         run.attrs["status_message"],
@@ -125,7 +125,7 @@ def _torque(run: xr.Dataset) -> xr.DataArray:
 
 def axle_load(run: xr.Dataset) -> float:
     """Static load of an axle, from the wheels' forces at the start [N]."""
-    return float(run["vertical_force"].isel(time=0).sum()) / run.sizes["axle"]
+    return 2.0 * float(run["vertical_force"].isel(time=0).sum()) / run.sizes["wheel"]
 
 
 def _axles(run: xr.Dataset) -> dict[str, float]:

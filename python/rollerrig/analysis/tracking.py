@@ -24,6 +24,14 @@ def wheel_radius(run: xr.Dataset) -> float:
     return RunInfo.of(run).wheel_radius
 
 
+def under_test(run: xr.Dataset) -> xr.Dataset:
+    """The run with those axles alone that are wheelsets of the vehicle, on rollers or on track; the train may have others."""
+    bodies = set(run["body"].to_numpy().tolist())
+    names = run["axle"].to_numpy().tolist()
+    tested = [name for name in names if name in bodies]
+    return run if len(tested) == len(names) else run.sel(axle=tested)
+
+
 def slip(run: xr.Dataset) -> xr.DataArray:
     """(wheel speed - train speed) / train speed, over time and axle [-]."""
     return _relative(run, wheel_radius(run) * run["axle_speed"] - run["train_speed"])
@@ -35,7 +43,8 @@ def virtual_slip(run: xr.Dataset) -> xr.DataArray:
 
 
 def tracking_error(run: xr.Dataset) -> xr.DataArray:
-    """(wheel speed - virtual wheel speed) / train speed, over time and axle [-]."""
+    """(wheel speed - virtual wheel speed) / train speed, over time and axle under test [-]."""
+    run = under_test(run)
     return _relative(run, wheel_radius(run) * (run["axle_speed"] - run["virtual_speed"]))
 
 

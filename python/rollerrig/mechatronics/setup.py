@@ -26,7 +26,9 @@ from rollerrig.config.schema.sensors import PulseFrequency, PulsePeriod
 from rollerrig.config.schema.slide_protection import SlideProtection, TableSlideProtection, entry_numbers
 from rollerrig.core_struct import angular, core_struct
 from rollerrig.mechatronics.controllers import UserController
-from rollerrig.mechatronics.virtual_train import load_transfer, rail_patch, train_mass
+from rollerrig.mechatronics.train_axles import brake_delay, simulated_axles, simulated_count, train_mass
+from rollerrig.mechatronics.virtual_train import load_transfer, rail_patch
+from rollerrig.model_parts import ABSENT
 
 _TIMING = ("sample_time", "delay", "user")
 """Fields of a controller's table that say when it is asked, not what it does."""
@@ -53,7 +55,7 @@ def mechatronic_setup(
         step=case.time.sampling_step,
         speed=case.motion.speed,
         stop_speed=_stop_speed(case),
-        axles=[_axle(axle) for axle in model.axles],
+        axles=_axles(model),
         actuators=_actuators(model, control),
         sensors=_sensors(case.sensors),
         controllers=_controllers(model, controllers or {}),
@@ -63,6 +65,9 @@ def mechatronic_setup(
         energy_width=_energy_width(case),
         wheel_memory=_wheel_memory(case),
         sanding=_sanding(case),
+        simulated=simulated_axles(model, wheelset_inertia(model)),
+        rail=virtual_rail(model) if simulated_count(case) else None,
+        brake_delay=brake_delay(model),
     )
 
 
@@ -94,9 +99,29 @@ def _wheel_memory(case: Case) -> float:
     return case.adhesion.wheel_memory if case.adhesion else 0.0
 
 
-def _axle(axle: Any) -> _core.AxleParts:
-    parts: dict[str, Any] = {name: getattr(axle, name) for name in _core.AxleParts.fields}
-    return core_struct(_core.AxleParts, **parts)
+def _axles(model: AssembledModel) -> list[_core.AxleParts]:
+    """Those of the model, then those that are only simulated, which have what the first one has."""
+    first, case = model.axles[0], model.case
+    none: dict[str, Any] = {"has_brake": False, "has_motor": False}
+    of_model = {name for name in _core.AxleParts.fields if name not in none}
+    found = [
+        core_struct(_core.AxleParts, **none, **{name: getattr(axle, name) for name in of_model}) for axle in model.axles
+    ]
+    braked = case.brake is not None and not case.brake.motors_stand_in
+    simulated = core_struct(
+        _core.AxleParts,
+        wheelset=ABSENT,
+        axle_torque=ABSENT,
+        brake=ABSENT,
+        roller=ABSENT,
+        roller_torque=ABSENT,
+        contacts=(ABSENT, ABSENT),
+        electrodynamic=first.electrodynamic,
+        sands=False,
+        has_brake=braked,
+        has_motor=case.traction is not None,
+    )
+    return found + [simulated] * simulated_count(case)
 
 
 def _frame(model: AssembledModel) -> _core.TravellingFrame:
@@ -215,16 +240,25 @@ def rig_controller(model: AssembledModel) -> _core.RigControl:
         commanded_torque=control.estimator.torque == "commanded",
         measured_loads=control.loads == "measured",
         train=_virtual_train(model),
-        rail=_core.VirtualRail(
-            model=model.core,
-            contact=model.axles[0].contacts[0],
-            adhesion=model.adhesion,
-            patch=rail_patch(model),
-            cell=_rail_cell(model.case),
-            energy_width=_energy_width(model.case),
-            wheel_memory=_wheel_memory(model.case),
-            sand_kept=model.case.sanding.kept if model.case.sanding else 1.0,
-        ),
+        rail=virtual_rail(model),
+    )
+
+
+def virtual_rail(model: AssembledModel) -> _core.VirtualRail:
+    """The rail under axles that are only computed.
+
+    Raises:
+        StartError: the vehicle has no equilibrium on track.
+    """
+    return _core.VirtualRail(
+        model=model.core,
+        contact=model.axles[0].contacts[0],
+        adhesion=model.adhesion,
+        patch=rail_patch(model),
+        cell=_rail_cell(model.case),
+        energy_width=_energy_width(model.case),
+        wheel_memory=_wheel_memory(model.case),
+        sand_kept=model.case.sanding.kept if model.case.sanding else 1.0,
     )
 
 
@@ -291,6 +325,7 @@ def _virtual_train(model: AssembledModel) -> _core.VirtualTrain:
     return core_struct(
         _core.VirtualTrain,
         case.train,
+        without=("axles", "brake_signal_speed"),
         mass=train_mass(model),
         gravity=case.gravity,
         wheelset_inertia=wheelset_inertia(model),

@@ -16,6 +16,7 @@ from rollerrig import _core
 from rollerrig.assembly import GROUND, AssembledModel, Assembly, assemble, axle_torque
 from rollerrig.cases import on_track, without_actuators
 from rollerrig.config import Case, RigControl
+from rollerrig.mechatronics.train_axles import train_mass
 from rollerrig.starting_state import equilibrium_dataset
 
 _GRADIENT = 0.01
@@ -59,7 +60,7 @@ def _axle_loads(case: Case, acceleration: float) -> NDArray[np.float64]:
     assembly = Assembly(_bare_on_track(case))
     plain = assembly.finish()
     free = sum(plain.masses[name] for name in plain.vehicle_bodies if name not in plain.fixed)
-    force = (train_mass(plain) if plain.fixed else free) * acceleration / len(plain.wheelsets)
+    force = (train_mass(plain) if plain.fixed else free) * acceleration / len(plain.axle_names)
     radius = case.vehicle.data.wheel.radius
     on_ground = case.brake is None and case.traction is not None and case.traction.suspension == "ground"
     for name in plain.wheelsets:
@@ -80,8 +81,3 @@ def _axle_loads(case: Case, acceleration: float) -> NDArray[np.float64]:
 
 def _bare_on_track(case: Case) -> Case:
     return on_track(without_actuators(case)).with_changes({"disturbance": []})
-
-
-def train_mass(model: AssembledModel) -> float:
-    """What the axles brake or pull [kg]."""
-    return model.case.train.mass or sum(model.axle_loads.values()) / model.case.gravity

@@ -162,7 +162,7 @@ def run_draft(model: AssembledModel, times: NDArray[np.float64], rows: NDArray[n
         ((), (), _core.run_fields, _RUN_NAMES),
     ]
     if rows.shape[1] > sum(math.prod(shape) * len(fields) for _, shape, fields, _ in blocks):
-        blocks.append((("axle",), (len(model.wheelsets),), _core.axle_fields, {}))
+        blocks.append((("axle",), (len(model.axle_names),), _core.axle_fields, {}))
         blocks.append(((), (), _core.train_fields, {}))
     variables: dict[str, Variable] = {}
     start = 0
@@ -173,7 +173,7 @@ def run_draft(model: AssembledModel, times: NDArray[np.float64], rows: NDArray[n
         for column, (name, unit, meaning) in enumerate(fields):
             attributes = {"units": unit, "long_name": meaning}
             variables[names.get(name, name)] = (("time", *dims), block[..., column], attributes)
-    axles = model.wheelsets if "axle_speed" in variables else ()
+    axles = model.axle_names if "axle_speed" in variables else ()
     return Draft(
         variables,
         {"time": variable("time", times, "s", "time since the start")},
@@ -198,7 +198,11 @@ def _parts(
         "element": ("element", np.array(elements, dtype=str), {"long_name": "force element"}),
     }
     if axles:
-        coordinates["axle"] = ("axle", list(axles), {"long_name": "wheelset"})
+        coordinates["axle"] = (
+            "axle",
+            list(axles),
+            {"long_name": "wheelset under test, or simulated axle of the train"},
+        )
     return xr.Coordinates(coordinates)
 
 

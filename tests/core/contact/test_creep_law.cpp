@@ -165,5 +165,5 @@ TEST_CASE("creep laws and friction hold for a scalar with no implicit conversion
     CHECK(force.lateral.x == plain.lateral);
     CHECK(force.spin_moment.x == plain.spin_moment);
   }
-  CHECK(Friction{ConstantFriction{0.25}}(E(0.0), E(0.0), E(0.0), 0.0).friction.x == 0.25);
+  CHECK(Friction{ConstantFriction{0.25}}(E(0.0), E(0.0), E(0.0), 0.0, 0.0).friction.x == 0.25);
 }

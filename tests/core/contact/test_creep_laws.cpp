@@ -292,8 +292,8 @@ TEST_CASE("the table is symmetric as the patch is: mirrored slip, mirrored force
 
 TEST_CASE("friction falls with slip velocity as Polach's formula says") {
   Friction const wet{FallingFriction{0.3, 0.4, 0.2}};
-  CHECK(wet(0.0, 0.0, 0.0, 0.0).friction == doctest::Approx(0.3));
-  CHECK(wet(0.0, 0.0, 5.0, 0.0).friction == doctest::Approx(0.3 * (0.6 * std::exp(-1.0) + 0.4)));
-  CHECK(wet(0.0, 0.0, 1e6, 0.0).friction == doctest::Approx(0.12));
-  CHECK(Friction{ConstantFriction{0.3}}(0.0, 0.0, 7.0, 0.0).friction == 0.3);
+  CHECK(wet(0.0, 0.0, 0.0, 0.0, 0.0).friction == doctest::Approx(0.3));
+  CHECK(wet(0.0, 0.0, 5.0, 0.0, 0.0).friction == doctest::Approx(0.3 * (0.6 * std::exp(-1.0) + 0.4)));
+  CHECK(wet(0.0, 0.0, 1e6, 0.0, 0.0).friction == doctest::Approx(0.12));
+  CHECK(Friction{ConstantFriction{0.3}}(0.0, 0.0, 7.0, 0.0, 0.0).friction == 0.3);
 }

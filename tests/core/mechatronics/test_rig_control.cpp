@@ -53,7 +53,7 @@ TEST_CASE("with pure rolling and exact torque the rig's wheels turn as those of 
   RigController controller = controller_of_two_axles(ExactForces{}, 1e9, 0.1);
 
   double const period = 1e-3, reduced = J_w + J_r * (r / R) * (r / R);
-  Measurements now{.axles = 2};
+  Measurements now{.axles = 2, .under_test = 2};
   double wheel = 120 / 3.6 / r;
   now.axle_speed = {wheel, wheel};
   auto state = controller.start(now, 120 / 3.6, period);
@@ -87,7 +87,7 @@ TEST_CASE("the drives of locked wheels give the rail's force without ringing, wh
   auto const run = [&](AnyEstimator const& estimator, double locked_speed) {
     controller.estimator = estimator;
     controller.locked_speed = locked_speed;
-    Measurements now{.axles = 1};
+    Measurements now{.axles = 1, .under_test = 1};
     auto state = controller.start(now, 20.0, period);
     state.train.lock(0, 0.0);
     double wheel = 0.0, torque = 500.0, mean = 0.0, square = 0.0, off = 0.0;

@@ -18,7 +18,7 @@ from rollerrig.config.schema.sanding import AnySandingStart
 from rollerrig.config.schema.sensors import AnySpeedSensor
 from rollerrig.config.schema.slide_protection import AnySlideProtection
 from rollerrig.config.schema.track_brake import AnyTrackBrake
-from rollerrig.config.validate.check_actuators import MOST_AXLES
+from rollerrig.config.schema.train import MOST_AXLES
 from rollerrig.core_struct import core_struct
 
 TIMING = {"sample_time", "delay", "user"}
@@ -113,7 +113,12 @@ def _setup(axles: int) -> _core.MechatronicSetup:
         step=1e-3,
         speed=10.0,
         stop_speed=1.0,
-        axles=[_core.AxleParts(**none, contacts=[-1, -1], electrodynamic=False, sands=False) for _ in range(axles)],
+        axles=[
+            _core.AxleParts(
+                **none, contacts=[-1, -1], electrodynamic=False, has_brake=False, has_motor=False, sands=False
+            )
+            for _ in range(axles)
+        ],
         actuators=core_struct(
             _core.Actuators,
             brake=friction_brake(brake),
@@ -142,4 +147,14 @@ def _setup(axles: int) -> _core.MechatronicSetup:
         energy_width=0.0,
         wheel_memory=0.0,
         sanding=None,
+        simulated=_core.SimulatedAxles(
+            wheelset_inertia=0.0,
+            wheel_radius=0.0,
+            gradient_force=0.0,
+            static_load=[],
+            load_transfer=[],
+            position=[],
+        ),
+        rail=None,
+        brake_delay=[],
     )

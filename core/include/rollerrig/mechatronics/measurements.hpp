@@ -11,8 +11,9 @@ namespace rollerrig {
 
 /// Per axle; only the first `axles` entries count.
 struct Measurements {
-  double time{};  ///< [s]
-  int axles{};
+  double time{};     ///< [s]
+  int axles{};       ///< of the train: first those under test, then those that are only simulated
+  int under_test{};  ///< on rollers, or in the 3-D model
   PerAxle<double> axle_speed{}, roller_speed{};  ///< as the rig's sensors see them [rad/s]
   PerAxle<double> vehicle_axle_speed{};          ///< as the vehicle's own sensors see them [rad/s]
   PerAxle<double> roller_torque{};               ///< since the last sample of the rig's controller [N m]
@@ -22,6 +23,7 @@ struct Measurements {
   PerAxle<double> axle_load{};                   ///< vertical force of rail or rollers on both wheels [N]
   PerAxle<double> sand_flow{};                   ///< in front of each axle, on each rail [kg/s]
   double track_brake_force{};                    ///< of all bogies, against running [N]
+  double force_of_others{};                      ///< (N2), mean since the last sample of the rig's controller [N]
   /// What really acts: T of (D1) [N], torque of motor and brake [N m]; for the estimator `exact` alone.
   PerAxle<double> true_force{}, true_torque{};
 };

@@ -8,7 +8,7 @@
 
 #include "rollerrig/mechatronics/delayed_commands.hpp"
 #include "rollerrig/simulate/setup.hpp"
-#include "rollerrig/system/dynamics.hpp"
+#include "rollerrig/system/inputs.hpp"
 
 namespace rollerrig {
 
@@ -32,8 +32,9 @@ class ActuatorStates {
 
   explicit ActuatorStates(MechatronicSetup const& setup);
 
-  void step(MechatronicSetup const& setup, std::int64_t step, ActingCommands const& acting, Dynamics const& plant,
-            double train_speed, Inputs& inputs);
+  /// @param axle_speed, roller_speed  true ones, positive forward [rad/s]
+  void step(MechatronicSetup const& setup, std::int64_t step, ActingCommands const& acting,
+            PerAxle<double> const& axle_speed, PerAxle<double> const& roller_speed, double train_speed, Inputs& inputs);
   Axle const& axle(std::size_t i) const { return axle_[i]; }
   Cylinder const& cylinder(std::size_t i) const { return cylinder_[i]; }
   AirSupply const& supply() const { return supply_; }
@@ -42,8 +43,9 @@ class ActuatorStates {
  private:
   void step_drive(MechatronicSetup const& setup, std::size_t axle, double command, double roller_speed);
   void step_electrodynamic(MechatronicSetup const& setup, std::int64_t step, PerAxle<double> const& valve,
-                           Dynamics const& plant);
-  void step_pneumatics(MechatronicSetup const& setup, double t, PerAxle<double> const& valve, Dynamics const& plant);
+                           PerAxle<double> const& axle_speed);
+  void step_pneumatics(MechatronicSetup const& setup, double t, PerAxle<double> const& valve,
+                       PerAxle<double> const& axle_speed);
 
   std::vector<Axle> axle_;
   std::vector<Cylinder> cylinder_;

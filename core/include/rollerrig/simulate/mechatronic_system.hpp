@@ -69,12 +69,17 @@ class MechatronicSystem {
   };
 
   std::size_t axles() const { return setup_.axles.size(); }
+  std::size_t under_test() const { return setup_.under_test(); }
   bool frame_moves() const { return setup_.frame.train_mass > 0.0; }
   double time(std::int64_t step) const { return setup_.step * static_cast<double>(step); }
   double train_speed(Dynamics const& plant) const;
   std::optional<double> reference_speed() const;
   RigController const* rig() const;
   RigController::State const* rig_state() const;
+  RigController::State* rig_state();
+  double axle_speed(Dynamics const& plant, std::size_t axle) const;
+  TrainStep train_step(std::int64_t step) const;
+  void step_simulated(std::int64_t step);
   void ask(std::size_t index, std::int64_t step);
   void read_true_forces(Dynamics const& plant);
   void dissipate(Dynamics const& plant, Inputs& inputs);
@@ -85,12 +90,15 @@ class MechatronicSystem {
   double track_brake_force(Dynamics const& plant) const;
   bool wheels_slide(Dynamics const& plant);
   void record_axle(Dynamics const& plant, std::size_t axle, Inputs const& inputs, double* row) const;
+  void record_simulated(std::size_t axle, double* row) const;
 
   MechatronicSetup setup_;
   Measurements measured_;
   SensorReadings sensors_;
   ActuatorStates actuators_;
   TrainMotion train_;
+  SimulatedAxleStates simulated_;
+  double impulse_of_simulated_{0.0};  ///< since the last sample of the rig's controller [N s]
   std::vector<Controller> controllers_;
   ActingCommands acting_{};
   std::array<RecoveredRail, 2> rail_;             ///< left, right

@@ -15,12 +15,13 @@ class SensorReadings {
  public:
   explicit SensorReadings(std::size_t axles) : axle_(axles) {}
 
-  void start(MechatronicSetup const& setup, Dynamics const& plant, Measurements& measured);
+  void start(MechatronicSetup const& setup, Dynamics const& plant, SimulatedAxleStates const& simulated,
+             Measurements& measured);
   /// Each step: edges of phonic wheels, lags, and means of the drives' torques.
   ///
   /// @param z  the plant's quadratures, for the angles
   void follow(MechatronicSetup const& setup, Dynamics const& plant, double time, double const* z,
-              ActuatorStates const& actuators);
+              ActuatorStates const& actuators, SimulatedAxleStates const& simulated);
   /// At a controller's instant, to be called after follow().
   void read(MechatronicSetup const& setup, double period, Measurements& measured);
   /// Torque of the drives since the last call [N m].

@@ -16,31 +16,38 @@
 #include "rollerrig/mechatronics/pneumatics.hpp"
 #include "rollerrig/mechatronics/sanding.hpp"
 #include "rollerrig/mechatronics/sensors.hpp"
+#include "rollerrig/mechatronics/simulated_axles.hpp"
 #include "rollerrig/mechatronics/track_brake.hpp"
 
 namespace rollerrig {
 
 constexpr int absent = -1;
 
-/// One axle of the vehicle and on a rig its rollers, by indices of the model.
+/// One axle of the train: of the vehicle under test, by indices of the model, with its rollers on a rig, or only simulated.
 struct AxleParts {
-  int wheelset{absent};     ///< body
+  int wheelset{absent};     ///< body; absent: the axle is simulated, see simulated_axles.hpp
   int axle_torque{absent};  ///< of the traction motor
   int brake{absent};
   int roller{absent};         ///< body
   int roller_torque{absent};  ///< of the roller's drive
   std::array<int, 2> contacts{absent, absent};
+  bool has_brake{};  ///< of a simulated axle
+  bool has_motor{};  ///< of a simulated axle
+
+  bool driven() const { return axle_torque != absent || has_motor; }
   bool electrodynamic{};  ///< brakes with its motor too
   bool sands{};           ///< sand falls in front of its wheels
 
   static constexpr auto fields() {
     using P = AxleParts;
-    return std::tuple{Member{"wheelset", &P::wheelset, an_index},
+    return std::tuple{Member{"wheelset", &P::wheelset, index_or_none},
                       Member{"axle_torque", &P::axle_torque, index_or_none},
                       Member{"brake", &P::brake, index_or_none},
                       Member{"roller", &P::roller, index_or_none},
                       Member{"roller_torque", &P::roller_torque, index_or_none},
                       Member{"contacts", &P::contacts, index_or_none},
+                      Member{"has_brake", &P::has_brake},
+                      Member{"has_motor", &P::has_motor},
                       Member{"electrodynamic", &P::electrodynamic},
                       Member{"sands", &P::sands}};
   }
@@ -109,6 +116,16 @@ struct MechatronicSetup {
   double energy_width{};  ///< of rail over which dissipated energy is spread [m]; 0: that of the patches
   double wheel_memory{};  ///< length rolled over which a wheel's own cleaning fades [m]; 0: it keeps nothing
   std::optional<Sanding> sanding{};
+  SimulatedAxles simulated{};         ///< the last ones of `axles`
+  std::optional<VirtualRail> rail{};  ///< under them
+  std::vector<double> brake_delay{};  ///< of the demand at each axle, (N3) [s]; empty: none
+
+  /// Axles in the model: the first ones of `axles`.
+  std::size_t under_test() const { return axles.size() - simulated.count(); }
+  /// Cylinder pressure asked of an axle [Pa].
+  double demand(std::size_t axle, double t) const {
+    return actuators.brake_demand.at(brake_delay.empty() ? t : t - brake_delay[axle]);
+  }
 
   /// Whether there are cylinders to be filled.
   bool braked() const {
@@ -131,7 +148,10 @@ struct MechatronicSetup {
                       Member{"rail_cell", &P::rail_cell, positive},
                       Member{"energy_width", &P::energy_width, not_negative},
                       Member{"wheel_memory", &P::wheel_memory, not_negative},
-                      Member{"sanding", &P::sanding}};
+                      Member{"sanding", &P::sanding},
+                      Member{"simulated", &P::simulated},
+                      Member{"rail", &P::rail},
+                      Member{"brake_delay", &P::brake_delay, not_negative}};
   }
 };
 

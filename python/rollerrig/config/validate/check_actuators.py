@@ -5,13 +5,16 @@ Case -> [check_actuators] -> problems
 
 from collections.abc import Iterator
 
+from rollerrig import _core
 from rollerrig.config.errors import ConfigProblem, nearest, show_value
 from rollerrig.config.schema.case import CaseTables
 from rollerrig.config.schema.pneumatics import ReservoirAir
 from rollerrig.config.schema.support import Rig
 from rollerrig.config.schema.track import Track
+from rollerrig.config.schema.train import MOST_AXLES
 
-MOST_AXLES = 8
+_PLACED = 1e-3
+"""To which places of axles must agree [m]."""
 _DEAD_TIMES = ("opening_time", "closing_time", "least_pulse")
 DRIVE_OF_RIG_CONTROL = "allowed with [rig_control]: 'free', its drives act on the rollers"
 
@@ -46,6 +49,7 @@ def _tables(case: CaseTables, file: str) -> Iterator[ConfigProblem]:
     if len(wheelsets) > MOST_AXLES:
         yield ConfigProblem(file, "vehicle.cut", show_value(case.vehicle.cut), f"allowed: at most {MOST_AXLES} axles")
     yield from _train(case, len(wheelsets), file)
+    yield from _train_axles(case, sorted((body.position[0] for body in wheelsets), reverse=True), file)
     if case.axle_torque:
         yield ConfigProblem(
             file, "axle_torque", "given", "allowed beside actuators: [traction], which drives every axle"
@@ -105,6 +109,34 @@ def _air(case: CaseTables, file: str) -> Iterator[ConfigProblem]:
         empty = "a reservoir that is empty from the start brakes nothing"
         allowed = f"{empty}; allowed: above {least / 1e5:.3g} bar, at which the pads touch"
         yield ConfigProblem(file, key if given else "brake.air.main_pipe_pressure", f"{start / 1e5:.3g} bar", allowed)
+
+
+def _train_axles(case: CaseTables, places: list[float], file: str) -> Iterator[ConfigProblem]:
+    """The axles under test are those of the vehicle, at `places` [m] front to back, and the others have a train."""
+    table, on_rig = case.train.axles, isinstance(case.support.data, Rig)
+    if table is None:
+        return
+    if not case.vehicle.part.fixed and table.simulated:
+        allowed = f"allowed where a body of the vehicle is fixed in the train; '{case.vehicle.cut}' has none"
+        yield ConfigProblem(file, "train.axles", "a table", allowed)
+    if on_rig and case.rig_control is None and table.simulated:
+        allowed = "allowed with [rig_control], whose virtual train they belong to, or on track"
+        yield ConfigProblem(file, "train.axles", "a table", allowed)
+    if len(table.under_test) != len(places):
+        allowed = f"allowed: as many as the vehicle under test has, {len(places)}"
+        yield ConfigProblem(file, "train.axles.under_test", show_value(list(table.under_test)), allowed)
+        return
+    behind = [table.positions[k - 1] - table.positions[table.under_test[0] - 1] for k in table.under_test]
+    own = [places[0] - x for x in places]
+    if any(abs(a - b) > _PLACED for a, b in zip(behind, own, strict=True)):
+        allowed = (
+            f"allowed: axles {list(table.under_test)} spaced as those of the vehicle, {[round(x, 4) for x in own]} m"
+        )
+        yield ConfigProblem(file, "train.axles.positions", show_value(list(table.positions)), allowed)
+    reach = _core.rail_cells * (case.adhesion.cell_length if case.adhesion else 1e9)
+    if table.positions[-1] >= reach:
+        allowed = f"allowed: within {reach:.3g} m, the rail that is remembered; or a longer adhesion.cell_length"
+        yield ConfigProblem(file, "train.axles.positions", f"{table.positions[-1]:g} m", allowed)
 
 
 def _train(case: CaseTables, axles: int, file: str) -> Iterator[ConfigProblem]:

@@ -32,8 +32,12 @@ def numbers_per_sample(case: CaseTables) -> int:
         (len(bodies) + len(part.fixed) + 2 * axles) * len(_core.body_fields)
         + 2 * axles * of_a_wheel
         + len(case.vehicle.data.elements_in(part)) * len(_core.element_fields)
-        + (axles * len(_core.axle_fields) if case.sampled else 0)
+        + (max(axles, _train_axles(case)) * len(_core.axle_fields) if case.sampled else 0)
     )
+
+
+def _train_axles(case: CaseTables) -> int:
+    return len(case.train.axles.positions) if case.train.axles else 0
 
 
 def _results(case: CaseTables, file: str) -> Iterator[ConfigProblem]:

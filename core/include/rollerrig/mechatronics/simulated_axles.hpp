@@ -1,0 +1,143 @@
+// mechatronics/simulated_axles.hpp - the axles of the train that are neither on rollers nor in the 3-D model.
+//
+//   motion of the train, cylinders, motors, rail as the axles ahead left it -> [each axle: (N1)] -> axle speeds, force on the train
+//
+//     J_w w_i' = C_i + B_i(w_i) - r T_i        (N1)
+//     F        = sum T_i                       (N2), into (D4) on a rig and (D8) on track
+//     N_i      = N_i0 + t_i (v' + g i)         (D9)
+//
+// Source  the same laws as of the virtual train; docs/theory/virtual_train.md. Energy is counted at the middle of each step, where
+//         the change of 1/2 J_w w^2 is the work of the torques exactly.
+#pragma once
+#include <algorithm>
+#include <cmath>
+#include <span>
+#include <tuple>
+#include <vector>
+
+#include "rollerrig/contact/adhesion/cleaned_wheel.hpp"
+#include "rollerrig/contact/adhesion/recovered_rail.hpp"
+#include "rollerrig/contact/adhesion/sanded_rail.hpp"
+#include "rollerrig/fields.hpp"
+#include "rollerrig/mechatronics/virtual_axle.hpp"
+#include "rollerrig/mechatronics/virtual_rail.hpp"
+
+namespace rollerrig {
+
+/// Empty lists: every axle of the train is under test.
+struct SimulatedAxles {
+  double wheelset_inertia{};            ///< J_w, with the rotor of the motor [kg m^2]
+  double wheel_radius{};                ///< r [m]
+  double gradient_force{};              ///< g i, per mass [m/s^2]
+  std::vector<double> static_load{};    ///< N_i0 of each axle [N]
+  std::vector<double> load_transfer{};  ///< t_i [kg]
+  std::vector<double> position{};       ///< along the running direction, as that of the axles under test [m]
+
+  std::size_t count() const { return static_load.size(); }
+
+  static constexpr auto fields() {
+    using P = SimulatedAxles;
+    return std::tuple{Member{"wheelset_inertia", &P::wheelset_inertia, not_negative},
+                      Member{"wheel_radius", &P::wheel_radius, not_negative},
+                      Member{"gradient_force", &P::gradient_force},
+                      Member{"static_load", &P::static_load, positive},
+                      Member{"load_transfer", &P::load_transfer},
+                      Member{"position", &P::position}};
+  }
+};
+
+/// The train over a step.
+struct TrainStep {
+  double time{};          ///< at its start [s]
+  double distance{};      ///< at its start [m]
+  double speed{};         ///< at its middle [m/s]
+  double acceleration{};  ///< [m/s^2]
+};
+
+/// What lies on the rails, left there by the axles ahead.
+struct FoundRail {
+  std::span<RecoveredRail> energy{};  ///< of one rail or two; an axle finds their mean and cleans all of them
+  SandedRail* sand{};                 ///< null: none
+  double const* sand_flow{};          ///< in front of each axle [kg/s]
+};
+
+class SimulatedAxleStates {
+ public:
+  struct Axle {
+    VirtualAxle wheels{};
+    double angle{};       ///< turned since the start [rad]
+    double slip{};        ///< r w less the train's speed, mean of the last step [m/s]
+    double load{};        ///< [N]
+    double energy{};      ///< dissipated per area of the rail under the axle, and what its wheels keep [J/m^2]
+    double work{};        ///< of motor and brake on the axle since the start [J]
+    double to_train{};    ///< work of the rail's force on the train [J]
+    double dissipated{};  ///< by slip [J]
+    double sand{};        ///< mass per length of the rail under the axle [kg/m]
+    CleanedWheel cleaned{};
+  };
+
+  explicit SimulatedAxleStates(SimulatedAxles const& axles, double speed) : axle_(axles.count()) {
+    for (std::size_t i = 0; i < axle_.size(); ++i)
+      axle_[i].wheels = VirtualAxle{speed / axles.wheel_radius}, axle_[i].load = axles.static_load[i];
+  }
+
+  /// One step of length h.
+  ///
+  /// @param rail    of both wheels
+  /// @param found   what the axles ahead have left
+  /// @param torque  of motors, axle by axle [N m]
+  /// @param brake   brake(i, w) -> torque of the friction brake [N m]
+  template <class Torque, class Brake>
+  void step(SimulatedAxles const& axles, VirtualRail const& rail, TrainStep const& train, double h,
+            FoundRail const& found, Torque&& torque, Brake&& brake) {
+    force_ = 0.0;
+    double const ahead = h * train.speed, r = axles.wheel_radius;
+    for (std::size_t i = 0; i < axle_.size(); ++i) {
+      Axle& own = axle_[i];
+      double const place = train.distance + axles.position[i];
+      own.load = std::fmax(
+          0.0, axles.static_load[i] + axles.load_transfer[i] * (train.acceleration + axles.gradient_force));  // (D9)
+      auto const force = [&](double w) {
+        return rail.force(r * w - train.speed, train.speed, own.load, train.time, place, own.energy, own.sand);
+      };
+      double const driving = torque(i);
+      own.wheels.step({axles.wheelset_inertia, r}, driving, h, force, [&](double w) { return brake(i, w); });
+      double const w = own.wheels.middle_speed(), of_rail = own.wheels.force();
+      own.slip = r * w - train.speed;
+      own.angle += h * w;
+      own.work += h * (driving + own.wheels.brake_torque()) * w;
+      own.to_train += h * of_rail * train.speed;
+      own.dissipated += h * of_rail * own.slip;
+      force_ += of_rail;
+      clean(axles, rail, own, place, ahead, h, train.speed, found.energy);
+      if (found.sand == nullptr) continue;
+      found.sand->run(place, place + ahead, found.sand_flow[i] * h, rail.sand_kept);
+      own.sand = found.sand->at(place + ahead);
+    }
+  }
+
+  std::size_t count() const { return axle_.size(); }
+  Axle const& axle(std::size_t i) const { return axle_[i]; }
+  double force() const { return force_; }  ///< (N2), mean of the last step [N]
+
+ private:
+  static constexpr double least_speed = 0.1;  ///< below it the dissipated energy is counted as at it [m/s]
+
+  static void clean(SimulatedAxles const& axles, VirtualRail const& rail, Axle& own, double place, double ahead,
+                    double h, double speed, std::span<RecoveredRail> rails) {
+    double const spent = std::fabs(own.wheels.force() * own.slip) / (2.0 * std::max(speed, least_speed) * rail.width);
+    double found = 0.0;
+    for (RecoveredRail& of : rails) {
+      found += of.before(place) / static_cast<double>(rails.size());
+      of.dissipate(place, place + ahead, spent);
+    }
+    own.energy = found + own.cleaned.energy() + 0.5 * spent;  // half of its own is dissipated behind the patch's middle
+    double const rolled = h * std::fabs(axles.wheel_radius * own.wheels.middle_speed());
+    own.cleaned.run(spent, ahead, rolled, 2.0 * pi * axles.wheel_radius, rail.wheel_memory);
+  }
+
+  std::vector<Axle> axle_;
+  double force_{0.0};
+};
+
+}  // namespace rollerrig
