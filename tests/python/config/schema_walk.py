@@ -157,7 +157,15 @@ def whole_cases() -> dict[str, Raw]:
     }  # fmt: skip
     brake["rig_control"]["assumed"] = {"wheel_radius": 0.46}
     brake["rig_control"]["load_transfer"] = [100.0, -100.0]
-    brake["train"] = {"gradient": 0.01}
+    brake["train"] = {
+        "gradient": 0.01,
+        "axles": {
+            "positions": [0.0, 2.56, 19.0, 21.56],
+            "under_test": [1, 2],
+            "loads": [1e5, 1e5],
+            "load_transfer": [0.0, 0.0],
+        },
+    }
     brake["adhesion"]["piece"] = [{"distance": 10.0, "rail": "low"}]
     brake["support"]["data"]["mounting"] = {"lateral": {"stiffness": 1e8}, "yaw": {"stiffness": 1e8}}
     brake["support"]["data"]["restraint"] = {"height": 1.0, "stiffness": 1e7}

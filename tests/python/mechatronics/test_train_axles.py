@@ -122,6 +122,7 @@ def test_the_rear_bogie_may_be_under_test() -> None:
         ({"under_test": [2, 1]}, "under_test"),
         ({"under_test": [1, 1]}, "under_test"),
         ({"under_test": [1, 9]}, "under_test"),
+        ({"under_test": [1, 5]}, "under_test"),
         ({"under_test": []}, "under_test"),
         ({"under_test": [1, 2, 3]}, "under_test"),  # the vehicle has two
         ({"positions": [0.0, 2.56, 2.56, 21.0]}, "positions"),

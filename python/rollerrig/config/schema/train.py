@@ -18,7 +18,7 @@ class TrainAxles(Table):
     positions: tuple[Annotated[float, Quantity("m", 0.0, 1e4)], ...] = Field(
         description="distance of each axle behind the first one, in order"
     )
-    under_test: tuple[StrictInt, ...] = Field(
+    under_test: tuple[Annotated[StrictInt, Field(ge=1, le=MOST_AXLES)], ...] = Field(
         description="which of them are those of [vehicle]: on rollers, or on track in the 3-D model; the first axle is 1"
     )
     loads: tuple[Annotated[float, Quantity("N", 1.0, 1e7)], ...] | None = Field(
