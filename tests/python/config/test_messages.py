@@ -111,7 +111,7 @@ PRIMARY = 'between = ["front_frame", "wheelset_1"]\npoint = [10.78, 1.0, 0.46]'
         ("case", 'method = "exponential_adams"', 'method = "rk5"',
          "case.toml: time.method: 'rk5'; allowed: rodas4, rk4, exponential_rk4, exponential_adams, "
          "dormand_prince; did you mean 'rk4'?"),
-        ("case", '\nstep = "1 ms"', "",
+        ("case", '\nstep = "2 ms"', "",
          "case.toml: time.step: missing; needed: the step of the fixed-step method exponential_adams, e.g. step = '0.1 ms'"),
         ("case", 'output_step = "2 ms"', 'output_step = "20 s"',
          "case.toml: time.output_step: '20 s'; allowed: at most the duration, 10 s"),
