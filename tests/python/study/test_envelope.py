@@ -84,7 +84,8 @@ def made_up_run(status: str = "ok", **values: object) -> xr.Dataset:
     }
     info = describe(assemble(load_case("adhesion_brake"))).to_json()
     attributes = {"status": status, "status_message": "", "stopped_at_s": 1.0, "run_info": info}
-    return xr.Dataset(variables, {"time": t}, attributes)
+    wheelsets = ["wheelset_1", "wheelset_2"]
+    return xr.Dataset(variables, {"time": t, "axle": wheelsets, "body": ["front_frame", *wheelsets]}, attributes)
 
 
 def between(begin: float, end: float, value: float, otherwise: float = 0.0):
