@@ -27,6 +27,7 @@ from rollerrig.config.schema.pneumatics import ReservoirAir
 from rollerrig.config.schema.profile import ProfileSpec
 from rollerrig.config.schema.sanding import Sanding
 from rollerrig.config.schema.similitude import KEPT, ScaledFrom
+from rollerrig.config.validate.simulated_axles import simulated_axles
 from rollerrig.similitude.factors import Similitude
 from rollerrig.similitude.units import exponents
 
@@ -99,7 +100,7 @@ def factors_of(case: Case) -> Similitude:
 
 
 def _check(case: Case, kept: tuple[str, ...]) -> None:
-    problems = []
+    problems = simulated_axles(case, "a scaled rig")
     if case.similitude is not None:
         allowed = f"allowed: a full-scale case; this one is a model of {case.similitude.case} already"
         problems.append(ConfigProblem(case.name, "similitude", "a table", allowed))

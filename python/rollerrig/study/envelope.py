@@ -21,6 +21,7 @@ from rollerrig.analysis.rig_limits import FULL_SLIDING, LINES, SLIDES
 from rollerrig.analysis.run_limits import LEAST_DURATION, REGIONS, REPRODUCED, TRACKING_LIMIT
 from rollerrig.cases import as_case
 from rollerrig.config import Case, ConfigError, ConfigProblem, Rig
+from rollerrig.config.validate.simulated_axles import simulated_axles
 from rollerrig.plot import envelope as figures
 from rollerrig.study.envelope_map import map_dataset, middles
 from rollerrig.study.envelope_points import (
@@ -134,6 +135,8 @@ class EnvelopeStudy(Study[Envelope]):
         if not isinstance(self.case.support.data, Rig) or self.case.rig_control is None:
             needed = "needed: a case on rollers with [rig_control], which reproduces a track; see adhesion_* of the catalogue"
             raise ConfigError([ConfigProblem(self.case.name, "rig_control", "missing", needed)])
+        if others := simulated_axles(self.case, self.command):
+            raise ConfigError(others)
         object.__setattr__(self, "torques", self.torques or tuple(default_torques(self.case)))
         check(self.case, self.torques, self.adhesions, self.loads, self.duration, self.refine)
 

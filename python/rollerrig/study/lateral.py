@@ -25,6 +25,7 @@ from rollerrig.analysis.lateral_guidance import (
 )
 from rollerrig.analysis.tracking import wheel_radius
 from rollerrig.config import Case, ConfigError, ConfigProblem, Rig
+from rollerrig.config.validate.simulated_axles import simulated_axles
 from rollerrig.plot import lateral as figures
 from rollerrig.results import COMPLETED
 from rollerrig.study.adhesion_variants import track_case
@@ -88,6 +89,7 @@ class LateralStudy(Study[Found]):
         problems = [
             ConfigProblem(self.case.name, k, "missing", f"needed: {needed[k]}") for k, on in there.items() if not on
         ]
+        problems += simulated_axles(self.case, self.command)
         if problems:
             raise ConfigError(problems)
 

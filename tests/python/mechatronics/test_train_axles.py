@@ -6,10 +6,12 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from rollerrig import ConfigError, load_case, simulate
+from rollerrig import ConfigError, load_case, scale, simulate
 from rollerrig.analysis.slide_statistics import test_record as record_of
 from rollerrig.config import Case
 from rollerrig.study.adhesion_variants import track_case
+from rollerrig.study.envelope import EnvelopeStudy
+from rollerrig.study.lateral import LateralStudy
 
 RADIUS, SPIN_INERTIA = 0.46, 112.0  # vehicle 1
 COACH = {"positions": [0.0, 2.56, 19.0, 21.56], "under_test": [1, 2]}
@@ -149,3 +151,19 @@ def test_a_free_vehicle_and_a_rig_without_a_train_are_refused() -> None:
         case_of(**{"vehicle.cut": "vehicle", "train.axles": {**COACH, "positions": [0.0, 2.56, 19.0, 21.56, 25.0]}})
     with pytest.raises(ConfigError, match="rig_control"):
         case_of(rig_control=None, adhesion=None)
+
+
+@pytest.mark.parametrize("study", ["envelope", "lateral", "scaled"])
+def test_studies_that_know_only_the_axles_under_test_refuse_others(study: str) -> None:
+    case = load_case("adhesion_lateral" if study == "lateral" else "adhesion_brake").with_changes(
+        {"train.axles": COACH}
+    )
+    calls = {
+        "envelope": EnvelopeStudy,
+        "lateral": LateralStudy,
+        "scaled": lambda one: scale(one, strategy="dlr"),
+    }
+    with pytest.raises(
+        ConfigError, match=r"train\.axles: 4 axles, 2 of them under test; allowed: all axles under test"
+    ):
+        calls[study](case)
