@@ -6,8 +6,8 @@
     python scripts/write_figures.py --from DIR  from the folders DIR/NAME of earlier runs
 
 A [[figure]] names the page, the command, the places of its values in summary.json (`100 * a.b` is scaled; a/b where names have
-dots) and the text of the page with a format for each value. `tests/python/docs/test_figures.py` says when page and file, or
-file and program, disagree.
+dots; of a list the item k, or the one of `family=delay&curve=PI`) and the text of the page with a format for each value.
+`tests/python/docs/test_figures.py` says when page and file, or file and program, disagree.
 """
 
 from __future__ import annotations
@@ -73,8 +73,17 @@ def value(numbers: Any, key: str) -> float | str:
     """A value of summary.json, times a factor."""
     factor, path = place(key)
     for part in path:
-        numbers = numbers[int(part)] if isinstance(numbers, list) else numbers[part]
+        numbers = item(numbers, part) if isinstance(numbers, list) else numbers[part]
     return numbers if factor == 1.0 else factor * numbers
+
+
+def item(rows: list[Any], part: str) -> Any:
+    """Of a list the item at a place, or the only one with these fields."""
+    if "=" not in part:
+        return rows[int(part)]
+    fields = dict(field.split("=") for field in part.split("&"))
+    (found,) = (row for row in rows if all(str(row[name]) == text for name, text in fields.items()))
+    return found
 
 
 def place(key: str) -> tuple[float, list[str]]:
@@ -92,12 +101,12 @@ def written(data: dict[str, Any]) -> str:
     """The file."""
     lines = ["# Figures quoted on the pages; values written by scripts/write_figures.py."]
     for name, command in data["command"].items():
-        lines += ["", f"[command.{name}]", *(f"{key} = {json.dumps(item)}" for key, item in command.items())]
+        lines += ["", f"[command.{name}]", *(f"{key} = {json.dumps(entry)}" for key, entry in command.items())]
     for figure in data["figure"]:
         lines += [
             "",
             "[[figure]]",
-            *(f"{key} = {json.dumps(item, ensure_ascii=False)}" for key, item in figure.items()),
+            *(f"{key} = {json.dumps(entry, ensure_ascii=False)}" for key, entry in figure.items()),
         ]
     return "\n".join(lines) + "\n"
 
