@@ -10,7 +10,7 @@ void bind_simulation(nb::module_& m);
 void bind_mechatronics(nb::module_& m);
 
 NB_MODULE(_core, m) {
-  nb::set_leak_warnings(false);  // caches and fixtures of Python may outlive the module at exit: nothing of ours is lost
+  nb::set_leak_warnings(false);  // caches and fixtures of Python may outlive the module at exit
   m.doc() = "Compiled core of rollerrig: model, contact, simulation. SI units throughout.";
   bind_contact_laws(m);
   bind_model(m);
