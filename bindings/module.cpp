@@ -8,6 +8,7 @@ void bind_model(nb::module_& m);
 void bind_contact(nb::module_& m);
 void bind_simulation(nb::module_& m);
 void bind_mechatronics(nb::module_& m);
+void bind_plant(nb::module_& m);
 
 NB_MODULE(_core, m) {
   nb::set_leak_warnings(false);  // caches and fixtures of Python may outlive the module at exit
@@ -17,4 +18,5 @@ NB_MODULE(_core, m) {
   bind_contact(m);
   bind_mechatronics(m);
   bind_simulation(m);
+  bind_plant(m);
 }

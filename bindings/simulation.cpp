@@ -15,6 +15,7 @@
 #include <stdexcept>
 
 #include "arguments.hpp"
+#include "integrator_options.hpp"
 #include "rollerrig/contact/adhesion/recovered_rail.hpp"
 #include "rollerrig/integrate/amplification.hpp"
 #include "rollerrig/simulate/driver.hpp"
@@ -23,22 +24,12 @@
 
 using namespace nb::literals;
 using namespace rollerrig;
-using integrate::Method;
 using integrate::Options;
 
 namespace {
 
 using Table = nb::ndarray<double, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
 using Vector = nb::ndarray<double, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
-
-Method method_named(std::string const& name) {
-  if (name == "rk4") return Method::rk4;
-  if (name == "exponential_rk4") return Method::exponential_rk4;
-  if (name == "exponential_adams") return Method::exponential_adams;
-  if (name == "dormand_prince") return Method::dormand_prince;
-  if (name == "rodas4") return Method::rodas4;
-  throw nb::value_error("unknown method; known: rk4, exponential_rk4, exponential_adams, dormand_prince, rodas4");
-}
 
 /// A simulation serves one thread at a time: advance() runs beside other Python threads, which must not touch it meanwhile.
 class Turn {
@@ -65,18 +56,12 @@ class Simulation {
             double initial_step, double maximum_step, double final_time, double output_step,
             std::vector<double> const& breakpoints, double t0, Column const& x0) {
     Turn const turn(taken_);
-    Options options;
-    options.method = method_named(method);
     check_value(x0, Range{0.0, 1e5, "within 1e5 m, rad, m/s, rad/s", false, false, true}, "start", "x0");
+    check_value(final_time, finite_number, "start", "final_time");
     check_state(x0);
-    options.step = step;
-    options.relative_tolerance = relative;
-    options.absolute_tolerance = absolute;
-    options.initial_step = initial_step;
-    options.maximum_step = maximum_step;
-    options.final_time = final_time;
+    Options options =
+        integrator_options(method, step, relative, absolute, initial_step, maximum_step, final_time, breakpoints);
     options.output_step = output_step;
-    options.breakpoints = breakpoints;
     return static_cast<int>(driver_.start(std::move(options), t0, x0.data()));
   }
 

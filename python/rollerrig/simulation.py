@@ -46,6 +46,8 @@ __all__ = [
     "StartError",
     "absolute_tolerances",
     "begin",
+    "check_fixed_step",
+    "integrator_settings",
     "march",
     "outcome",
     "prepare",
@@ -206,26 +208,41 @@ def begin(
     Raises:
         ConfigError: the fixed step is beyond the stability limit of the method at the start.
     """
+    check_fixed_step(simulation, model.case, state)
+    settings = integrator_settings(simulation, model)
+    if end_time is not None:
+        settings["final_time"] = end_time
+    step = model.case.time.output_step if output_step is None else output_step
+    simulation.start(**settings, output_step=step, t0=start_time, x0=state)
+
+
+def integrator_settings(simulation: _core.Simulation, model: AssembledModel) -> dict[str, Any]:
+    """Method, step, tolerances, end and breakpoints of the model's case, by the core's names."""
     settings, own = model.case.time, model.case.integration
-    if own.method in ("rk4", "exponential_rk4"):
-        _check_fixed_step(simulation, model.case, state)
-    simulation.start(
-        method=own.method,
-        step=(own.step or 0.0) if own.fixed else 0.0,
-        relative_tolerance=settings.relative_tolerance,
-        absolute_tolerance=absolute_tolerances(simulation, settings.absolute_tolerance, model.case),
-        initial_step=0.0 if own.fixed else own.step or 0.0,
-        maximum_step=settings.maximum_step or math.inf,
-        final_time=settings.duration if end_time is None else end_time,
-        output_step=settings.output_step if output_step is None else output_step,
-        breakpoints=list(model.breakpoints),
-        t0=start_time,
-        x0=state,
-    )
+    return {
+        "method": own.method,
+        "step": (own.step or 0.0) if own.fixed else 0.0,
+        "relative_tolerance": settings.relative_tolerance,
+        "absolute_tolerance": absolute_tolerances(simulation, settings.absolute_tolerance, model.case),
+        "initial_step": 0.0 if own.fixed else own.step or 0.0,
+        "maximum_step": settings.maximum_step or math.inf,
+        "final_time": settings.duration,
+        "breakpoints": list(model.breakpoints),
+    }
+
+
+def check_fixed_step(simulation: _core.Simulation, case: Case, state: Vector) -> None:
+    """Refuse a step that is beyond the stability limit of the case's method at the start.
+
+    Raises:
+        ConfigError: it is; the message says which would not be.
+    """
+    if case.integration.method in ("rk4", "exponential_rk4"):
+        _check_amplification(simulation, case, state)
 
 
 @one_blas_thread()
-def _check_fixed_step(simulation: _core.Simulation, case: Case, state: Vector) -> None:
+def _check_amplification(simulation: _core.Simulation, case: Case, state: Vector) -> None:
     """Refuse a step at which the method lets a decaying motion of the starting state grow.
 
     The motions that last or grow by themselves each own the eigenvalue of the step's amplification matrix nearest to

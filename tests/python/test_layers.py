@@ -1,10 +1,10 @@
 """The arrow of the data is a test: a folder may use only what stands to its left.
 
-core:    scalar -> math -> integrate -> track -> multibody -> geometry -> contact -> mechatronics -> system -> simulate
+core:    scalar -> math -> integrate -> track -> multibody -> geometry -> contact -> mechatronics -> system -> simulate -> plant
 Python:  wording -> splines, input_files, memory, workers, blas_threads -> profiles, track, irregularity -> config -> core_struct
          -> catalog -> cases -> contact_laws, force_laws, static_loads, model_parts -> assembly -> actuators -> results
-         -> restraint -> starting_state -> mechatronics -> simulation -> similitude -> contact_analysis -> analysis -> plot
-         -> study -> commands -> cli
+         -> restraint -> starting_state -> mechatronics -> simulation -> plant -> similitude -> contact_analysis -> analysis
+         -> plot -> study -> commands -> cli
 """
 
 from __future__ import annotations
@@ -37,6 +37,7 @@ CORE_LAYERS = [
     {"mechatronics"},
     {"system"},
     {"simulate"},
+    {"plant"},
 ]
 """From left to right: folders, or single headers with their ending. What stands together does not see each other."""
 
@@ -132,6 +133,7 @@ PYTHON_LAYERS = [
     {"starting_state"},
     {"mechatronics"},
     {"simulation"},
+    {"plant"},
     {"similitude"},
     {"contact_analysis"},
     {"analysis"},

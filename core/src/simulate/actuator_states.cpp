@@ -46,14 +46,13 @@ ActuatorStates::ActuatorStates(MechatronicSetup const& setup)
 
 /// The motors that brake, and what their axles are asked for in all.
 void ActuatorStates::step_electrodynamic(MechatronicSetup const& setup, std::int64_t step, PerAxle<double> const& valve,
-                                         PerAxle<double> const& axle_speed) {
+                                         PerAxle<double> const& demand, PerAxle<double> const& axle_speed) {
   Actuators const& actuators = setup.actuators;
-  double const t = setup.step * static_cast<double>(step);
   PerAxle<double> counted{};
   for (std::size_t i = 0; i < axle_.size(); ++i) {
     Axle& axle = axle_[i];
     double const speed = axle_speed[i];
-    axle.asked = actuators.brake.sliding_torque(setup.demand(i, t), speed);
+    axle.asked = actuators.brake.sliding_torque(demand[i], speed);
     if (!actuators.electrodynamic || !setup.axles[i].electrodynamic) continue;
     actuators.electrodynamic->step(axle.electrodynamic, axle.asked, speed, valve_of(valve[i]), setup.step);
     counted[i] = axle.electrodynamic.counted;
@@ -72,14 +71,13 @@ void ActuatorStates::step_drive(MechatronicSetup const& setup, std::size_t axle,
 }
 
 /// All cylinders together: they may draw on one reservoir.
-void ActuatorStates::step_pneumatics(MechatronicSetup const& setup, double t, PerAxle<double> const& valve,
-                                     PerAxle<double> const& axle_speed) {
+void ActuatorStates::step_pneumatics(MechatronicSetup const& setup, PerAxle<double> const& valve,
+                                     PerAxle<double> const& asked, PerAxle<double> const& axle_speed) {
   Pneumatics const& pneumatics = setup.actuators.pneumatics;
   PerAxle<DumpValve> command{};
-  PerAxle<double> demand{};
+  PerAxle<double> demand = asked;
   for (std::size_t i = 0; i < cylinder_.size(); ++i) {
     command[i] = valve_of(valve[i]);
-    demand[i] = setup.demand(i, t);
     if (!setup.axles[i].electrodynamic) continue;
     double const rest = std::fmax(0.0, axle_[i].asked - counted_.acting()[i]);
     demand[i] = std::fmin(demand[i], setup.actuators.brake.pressure(rest, axle_speed[i]));
@@ -91,19 +89,20 @@ void ActuatorStates::step_pneumatics(MechatronicSetup const& setup, double t, Pe
 }
 
 void ActuatorStates::step(MechatronicSetup const& setup, std::int64_t step, ActingCommands const& acting,
-                          PerAxle<double> const& axle_speed, PerAxle<double> const& roller_speed, double train_speed,
-                          Inputs& inputs) {
+                          CallerDemands const& caller, PerAxle<double> const& axle_speed,
+                          PerAxle<double> const& roller_speed, double train_speed, Inputs& inputs) {
   double const h = setup.step, t = h * static_cast<double>(step);
   auto const& [valve, factor, roller_torque] = acting;
   auto const line = [&](double from, double to) { return HeldInput{t, from, (to - from) / h}; };
-  PerAxle<double> before{}, motor_before{};
+  PerAxle<double> before{}, motor_before{}, pressure_demand{};
   for (std::size_t i = 0; i < axle_.size(); ++i) {
+    pressure_demand[i] = std::fmax(0.0, setup.demand(i, t) + caller.brake_demand[i]);
     before[i] = cylinder_[i].pressure;
     motor_before[i] = axle_[i].of_motor();
   }
   if (setup.braked()) {
-    step_electrodynamic(setup, step, valve, axle_speed);
-    step_pneumatics(setup, t, valve, axle_speed);
+    step_electrodynamic(setup, step, valve, pressure_demand, axle_speed);
+    step_pneumatics(setup, valve, pressure_demand, axle_speed);
   }
   if (auto const& brake = setup.actuators.track_brake) {
     double const from = track_brake_;
@@ -118,7 +117,8 @@ void ActuatorStates::step(MechatronicSetup const& setup, std::int64_t step, Acti
     if (parts.brake != absent) inputs.cylinder[at(parts.brake)] = line(before[i], pressure);
     axle.stand_in = setup.actuators.motors_stand_in ? setup.actuators.brake.torque(pressure, speed) : 0.0;
     if (parts.driven()) {
-      double const demand = factor[i] * setup.actuators.torque_demand.at(t) + axle.stand_in;
+      double const asked = setup.actuators.torque_demand.at(t) + caller.motor_torque[i];
+      double const demand = factor[i] * asked + axle.stand_in;
       step_motor(setup.actuators.motor, axle.motor, demand, speed, h);
       if (parts.axle_torque != absent)
         inputs.axle_torque[at(parts.axle_torque)] = line(motor_before[i], axle.of_motor());

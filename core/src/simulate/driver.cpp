@@ -12,12 +12,14 @@
 namespace rollerrig {
 namespace {
 
+constexpr Range finite_or_endless{0.0, largest_number, "a time, or infinite", false, true, true};
 constexpr double longest_count = 1e15;  ///< of steps, far within 64 bits
 
-/// Every length of a step that a run may be cut into, against its duration: a run that would not end is refused.
-void check_lengths(integrate::Options const& o, double t0, double sampling_step) {
+}  // namespace
+
+void check_settings(integrate::Options const& o, double t0, double sampling_step) {
   check_value(t0, finite_number, "start", "t0");
-  check_value(o.final_time, finite_number, "start", "final_time");
+  check_value(o.final_time, finite_or_endless, "start", "final_time");
   check_value(o.step, not_negative, "start", "step");
   check_value(o.initial_step, not_negative, "start", "initial_step");
   check_value(o.maximum_step, positive_or_infinite, "start", "maximum_step");
@@ -26,7 +28,7 @@ void check_lengths(integrate::Options const& o, double t0, double sampling_step)
   check_value(o.absolute_tolerance, positive, "start", "absolute_tolerance");
   check_value(o.breakpoints, finite_number, "start", "breakpoints");
   auto const need_length = [&](double length, char const* name, double least) {
-    if (length == 0.0 || !(o.final_time > t0)) return;
+    if (length == 0.0 || !(o.final_time > t0) || std::isinf(o.final_time)) return;
     if (length < least || (o.final_time - t0) / length > static_cast<double>(o.max_steps))
       throw std::invalid_argument(std::string("start: ") + name + " is too short: " +
                                   std::to_string((o.final_time - t0) / length) + " of it until final_time");
@@ -40,8 +42,6 @@ void check_lengths(integrate::Options const& o, double t0, double sampling_step)
   need_length(sampling_step, "the sampling step of its setup", resolution);
 }
 
-}  // namespace
-
 Driver::Driver(std::shared_ptr<Model const> model, std::optional<MechatronicSetup> setup)
     : plant_{model}, observed_{model}, recorder_{*model}, setup_{std::move(setup)} {
   if (!setup_) return;
@@ -50,11 +50,14 @@ Driver::Driver(std::shared_ptr<Model const> model, std::optional<MechatronicSetu
 }
 
 Status Driver::start(integrate::Options options, double t0, double const* x0) {
-  check_lengths(options, t0, setup_ ? setup_->step : 0.0);
+  check_settings(options, t0, setup_ ? setup_->step : 0.0);
   plant_.reset_run();
   final_time_ = options.final_time;
   step_ = 0;
-  sampled_ = false;
+  sampled_ = held_ = false;
+  inputs_ = {};
+  inputs_.axle_torque.reserve(plant_.model().axle_torques.size());  // for hold_torque()
+  inputs_.roller_torque.reserve(plant_.model().roller_torques.size());
   if (setup_) {
     system_.emplace(*setup_);
     system_->prepare(plant_.model(), inputs_);
@@ -65,6 +68,8 @@ Status Driver::start(integrate::Options options, double t0, double const* x0) {
   }
   std::vector<double> x(x0, x0 + plant_.sizes().states);
   start_without_slip(x.data());
+  x_.resize(x.size());
+  z_.resize(static_cast<std::size_t>(plant_.sizes().quadratures));
   integrator_.emplace(driven_, std::move(options));
   status_ = integrator_->start(t0, x.data());
   if (system_) system_->start(plant_);
@@ -105,6 +110,21 @@ void Driver::advance_step() {
   if (status_ != Status::ok) return;
   sampled_ = false;
   status_ = system_->advance(plant_, ++step_);
+}
+
+void Driver::hold_torque(bool of_roller, std::size_t index, double value, double from) {
+  if (!std::exchange(held_, true)) {
+    inputs_.axle_torque.resize(plant_.model().axle_torques.size());
+    inputs_.roller_torque.resize(plant_.model().roller_torques.size());
+  }
+  (of_roller ? inputs_.roller_torque : inputs_.axle_torque)[index] = {from, value, 0.0};
+  integrator_->rewind(from);
+}
+
+void Driver::record_at(double t, double* row) {
+  if (system_ || t >= time()) return record(time(), states(), integrator_->quadratures(), row);
+  integrator_->sample(t, x_.data(), z_.data());
+  record(t, x_.data(), z_.data(), row);
 }
 
 void Driver::record(double t, double const* x, double const* z, double* row) {

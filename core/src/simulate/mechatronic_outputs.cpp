@@ -1,5 +1,7 @@
 // What a run with sensors, controllers and actuators records beside the plant, and what its controllers see.
 #include <algorithm>
+#include <stdexcept>
+#include <string>
 
 #include "rollerrig/simulate/mechatronic_system.hpp"
 #include "rollerrig/system/outputs.hpp"
@@ -117,20 +119,37 @@ int MechatronicSystem::width() const {
 }
 
 std::vector<double> MechatronicSystem::measurement(std::string_view controller) const {
-  auto const named = [&](Controller const& own) { return own.name == controller; };
-  auto const asked = std::find_if(controllers_.begin(), controllers_.end(), named);
-  bool const of_vehicle = asked != controllers_.end() && asked->command != at(static_cast<int>(Command::roller_torque));
-  std::vector<double> out;
+  auto const asked = std::ranges::find(controllers_, controller, &Controller::name);
+  if (asked == controllers_.end()) throw std::invalid_argument("no controller " + std::string(controller));
+  auto const index = static_cast<std::size_t>(asked - controllers_.begin());
+  std::vector<double> out(at(measurement_width(index)));
+  measure(index, out.data());
+  return out;
+}
+
+int MechatronicSystem::measurement_width(std::size_t controller) const {
+  bool const of_rollers = controllers_[controller].command == at(static_cast<int>(Command::roller_torque));
+  return static_cast<int>((of_rollers ? under_test() : axles()) * std::size(measurement_table));
+}
+
+void MechatronicSystem::measure(std::size_t controller, double* row) const {
+  bool const of_rollers = controllers_[controller].command == at(static_cast<int>(Command::roller_torque));
   auto const* control = rig_state();
-  for (std::size_t i = 0; i < (of_vehicle ? axles() : under_test()); ++i) {
-    auto const& m = measured_;
+  auto const& m = measured_;
+  for (std::size_t i = 0; i < (of_rollers ? under_test() : axles()); ++i, row += std::size(measurement_table)) {
     auto const own = control != nullptr ? control->axle[i] : RigController::AxleState{};
     double const virtual_speed = control != nullptr ? control->train.axle_speed(static_cast<int>(i)) : 0.0;
-    double const speed = of_vehicle ? m.vehicle_axle_speed[i] : m.axle_speed[i];
-    out.insert(out.end(), {speed, m.roller_speed[i], m.roller_torque[i], own.estimate.force, own.estimate.torque,
-                           virtual_speed, own.feed_forward, m.axle_load[i]});
+    double const seen[] = {of_rollers ? m.axle_speed[i] : m.vehicle_axle_speed[i],
+                           m.roller_speed[i],
+                           m.roller_torque[i],
+                           own.estimate.force,
+                           own.estimate.torque,
+                           virtual_speed,
+                           own.feed_forward,
+                           m.axle_load[i]};
+    static_assert(std::size(seen) == std::size(measurement_table));
+    std::ranges::copy(seen, row);
   }
-  return out;
 }
 
 void MechatronicSystem::record(Dynamics const& plant, std::int64_t step, double const* z, Inputs const& inputs,

@@ -6,6 +6,7 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 #include "rollerrig/system/outputs.hpp"
 
@@ -31,6 +32,7 @@ MechatronicSystem::MechatronicSystem(MechatronicSetup setup)
     auto const [name, command] = std::visit([](auto const& law) { return std::pair{law.name, law.command}; }, any);
     auto const index = at(static_cast<int>(command));
     controllers_.push_back({name, index, {}, {command_fields[index].initial, sampling.delay}});
+    controlled_[index] = true;
     shortest_ = shortest_ == 0 ? sampling.every : std::min(shortest_, sampling.every);
   }
   measured_.axles = static_cast<int>(axles());
@@ -38,6 +40,7 @@ MechatronicSystem::MechatronicSystem(MechatronicSetup setup)
   for (auto& rail : rail_) rail.reset(setup_.rail_cell);
   sanded_.reset(setup_.rail_cell);
   for (std::size_t c = 0; c < command_count; ++c) acting_[c].fill(command_fields[c].initial);
+  caller_.commands = acting_;
 }
 
 void MechatronicSystem::prepare(Model const& model, Inputs& inputs) const {
@@ -118,6 +121,8 @@ void MechatronicSystem::act(Dynamics const& plant, std::int64_t step, Inputs& in
     own.commands.advance(step);
     acting_[own.command] = own.commands.acting();
   }
+  for (std::size_t c = 0; c < command_count; ++c)
+    if (!controlled_[c]) acting_[c] = caller_.commands[c];
   if (setup_.sanding) switch_sand(plant, step);
   if (frame_moves()) train_.accelerate(setup_.frame, plant, inputs, track_brake_force(plant) - simulated_.force());
   PerAxle<double> speed{}, roller_speed{};
@@ -126,7 +131,7 @@ void MechatronicSystem::act(Dynamics const& plant, std::int64_t step, Inputs& in
     speed[i] = axle_speed(plant, i);
     roller_speed[i] = roller != absent ? -plant.work().motion[at(roller)].rate[coord_pitch] : 0.0;
   }
-  actuators_.step(setup_, step, acting_, speed, roller_speed, train_speed(plant), inputs);
+  actuators_.step(setup_, step, acting_, caller_, speed, roller_speed, train_speed(plant), inputs);
   inputs.speed = {time(step), train_.speed(), train_.acceleration()};
   inputs.distance = train_.distance();
   dissipate(plant, inputs);
@@ -326,6 +331,11 @@ bool MechatronicSystem::waits() const {
 bool MechatronicSystem::waits_for(std::string_view controller) const {
   return std::any_of(controllers_.begin(), controllers_.end(),
                      [&](Controller const& c) { return c.waits && c.name == controller; });
+}
+
+void MechatronicSystem::answer(std::int64_t step) {
+  for (Controller& own : controllers_)
+    if (std::exchange(own.waits, false)) own.commands.send(caller_.commands[own.command], step);
 }
 
 void MechatronicSystem::set_command(std::string_view controller, std::span<double const> command, std::int64_t step) {

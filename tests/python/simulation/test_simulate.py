@@ -165,7 +165,7 @@ def test_leaving_the_model_is_named_with_time_and_wheel() -> None:
 
 
 def test_a_diverging_run_ends_with_a_status(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(simulation_module, "_check_fixed_step", lambda *_: None)  # it would have been refused
+    monkeypatch.setattr(simulation_module, "check_fixed_step", lambda *_: None)  # it would have been refused
     run = rr.simulate(short_case(time__method="rk4", time__step="5 ms", time__output_step="5 ms"))
     assert run.attrs["status"] in ("not_finite", "off_profile")  # whichever is seen first
     assert 0 < run.sizes["time"] < 41
@@ -207,7 +207,7 @@ def test_the_exponential_method_goes_beyond_the_limit_that_the_dampers_set(monke
     run = rr.simulate(short_case(time__method="exponential_rk4", **settings))
     assert run.attrs["status"] == "ok"
     assert run.attrs["energy_relative_residual"] < 1e-3
-    monkeypatch.setattr(simulation_module, "_check_fixed_step", lambda *_: None)
+    monkeypatch.setattr(simulation_module, "check_fixed_step", lambda *_: None)
     assert rr.simulate(short_case(time__method="rk4", **settings)).attrs["status"] != "ok"
 
 

@@ -11,7 +11,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <stdexcept>
 #include <type_traits>
 #include <utility>
 #include <variant>
@@ -35,7 +34,7 @@ class Integrator {
         n_{f_.sizes().states},
         method_{make_method(options_.method, f_)},
         controller_{std::visit([](auto const& m) { return controller_for(m); }, method_)} {
-    check_options();
+    check_options(options_, n_, HasJacobian<System>);
     absolute_.setConstant(n_, options_.absolute_tolerance.front());
     if (options_.absolute_tolerance.size() > 1) std::copy_n(options_.absolute_tolerance.data(), n_, absolute_.data());
     std::sort(options_.breakpoints.begin(), options_.breakpoints.end());
@@ -101,6 +100,17 @@ class Integrator {
     std::visit([](auto& m) { m.restart(); }, method_);
   }
 
+  /// Back into the last step, step_start() <= t <= time(), along its dense output: the system changes from t on.
+  void rewind(double t) {
+    interpolate(t);
+    y_ = y_out_;
+    if (t_ > t && next_breakpoint_ > 0 && options_.breakpoints[next_breakpoint_ - 1] == t_) --next_breakpoint_;
+    if (t0_ + static_cast<double>(grid_steps_) * options_.step > t + 1e-9 * options_.step) --grid_steps_;
+    t_ = t;
+    prepared_ = false;
+    restart();
+  }
+
   double time() const { return t_; }                            ///< [s] end of the last accepted step
   double step_start() const { return t_old_; }                  ///< [s] start of the last accepted step
   double const* states() const { return y_.data(); }            ///< x at time()
@@ -121,7 +131,6 @@ class Integrator {
   using AnyMethod = std::variant<RungeKutta4, ExponentialRungeKutta4, ExponentialAdams, DormandPrince, Rodas4>;
   static constexpr double crawling_step = 1e-9;  ///< [s] thousands of times below any step that a vehicle asks for ...
   static constexpr int longest_crawl = 1'000;    ///< ... so many of them in a row: the run will not end
-  static constexpr double least_tolerance = 1e-30;  ///< of a state that stays zero
   static constexpr double epsilon = std::numeric_limits<double>::epsilon();
 
   static AnyMethod make_method(Method method, Evaluator<System> const& f) {
@@ -135,28 +144,6 @@ class Integrator {
   template <class M>
   static StepController controller_for(M const&) {
     return StepController(M::error_order, M::implicit);
-  }
-
-  void check_options() const {
-    auto const require = [](bool condition, char const* message) {
-      if (!condition) throw std::invalid_argument(message);
-    };
-    auto const& o = options_;
-    auto const tolerances = static_cast<int>(o.absolute_tolerance.size());
-    require(o.step >= 0, "step must be positive, or 0 to let the error choose it");
-    bool const free = o.method == Method::dormand_prince || o.method == Method::rodas4;
-    require(o.step > 0 || free, "methods rk4, exponential_rk4 and exponential_adams need a step");
-    bool const linearised = o.method == Method::exponential_adams || o.method == Method::rodas4;
-    require(!linearised || HasJacobian<System>, "methods exponential_adams and rodas4 need a Jacobian");
-    require(std::isfinite(o.step) && std::isfinite(o.output_step), "step and output_step must be finite");
-    require(o.relative_tolerance > 0 && std::isfinite(o.relative_tolerance), "relative_tolerance must be positive");
-    require(tolerances == 1 || tolerances == n_, "absolute_tolerance must hold one value, or one per state");
-    for (double a : o.absolute_tolerance)
-      require(a >= least_tolerance && std::isfinite(a), "absolute_tolerance must be 1e-30 or more");
-    require(o.maximum_step > 0, "maximum_step must be positive");
-    require(o.initial_step >= 0 && std::isfinite(o.initial_step), "initial_step must be finite and not negative");
-    require(o.output_step >= 0, "output_step must not be negative");
-    for (double b : o.breakpoints) require(std::isfinite(b), "a breakpoint must be a finite time");
   }
 
   // ------------------------------------------------------------------------------- stepping

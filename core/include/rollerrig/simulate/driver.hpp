@@ -14,6 +14,7 @@
 #include <memory>
 #include <optional>
 #include <utility>
+#include <vector>
 
 #include "rollerrig/integrate/integrator.hpp"
 #include "rollerrig/simulate/mechatronic_system.hpp"
@@ -21,6 +22,10 @@
 #include "rollerrig/system/dynamics.hpp"
 
 namespace rollerrig {
+
+/// Every number of the settings, and every length of a step that a run may be cut into against its duration: throws
+/// std::invalid_argument for a run that would not end.
+void check_settings(integrate::Options const& options, double t0, double sampling_step);
 
 class Driver {
  public:
@@ -37,11 +42,17 @@ class Driver {
   /// @param observer  observer(t, x, z)
   template <class Observer>
   Status advance(double t_stop, Observer&& observer) {
-    if (!system_) return status_ = integrator_->advance(t_stop, observer);
+    if (!system_) {
+      if (held_) integrator_->hold_until(t_stop);
+      return status_ = integrator_->advance(t_stop, observer);
+    }
     std::int64_t const last = steps_until(t_stop);
     while (status_ == Status::ok && step_ < last) {
       if (!std::exchange(sampled_, true)) sample();
-      if (system_->waits()) return status_;
+      if (system_->waits()) {
+        if (!answers_) return status_;
+        system_->answer(step_);
+      }
       show(observer);
       advance_step();
     }
@@ -49,8 +60,21 @@ class Driver {
     return status_;
   }
 
+  /// Reads the sensors and asks the controllers at this instant, as advance() would before its next step.
+  void sample_now() {
+    if (system_ && status_ == Status::ok && !std::exchange(sampled_, true)) sample();
+  }
+  /// From now on advance() answers for external controllers with the caller's commands, where otherwise it returns.
+  void answer_for_controllers() { answers_ = true; }
+
+  /// Without sampled blocks: a torque of the model beside its own table [N m], from a time within the last step on. Steps end
+  /// where advance() is asked to from then on.
+  void hold_torque(bool of_roller, std::size_t index, double value, double from);
+
   /// One row of width() numbers: the plant's, then those of the sampled blocks.
   void record(double t, double const* x, double const* z, double* row);
+  /// The same where the run is, without sampled blocks up to a step before it.
+  void record_at(double t, double* row);
   int width() const { return recorder_.width() + (system_ ? system_->width() : 0); }
 
   bool started() const { return integrator_.has_value(); }
@@ -62,6 +86,7 @@ class Driver {
   Dynamics const& plant() const { return plant_; }
   Dynamics& observed() { return observed_; }
   MechatronicSystem* system() { return system_ ? &*system_ : nullptr; }
+  MechatronicSystem const* system() const { return system_ ? &*system_ : nullptr; }
   void set_command(std::string_view controller, std::span<double const> command) {
     system_->set_command(controller, command, step_);
   }
@@ -93,7 +118,10 @@ class Driver {
   std::int64_t step_{0};          ///< sampling steps done
   std::int64_t output_every_{1};  ///< in sampling steps
   bool sampled_{false};           ///< at this instant
+  bool answers_{false};           ///< for external controllers
+  bool held_{false};              ///< a torque is
   Status status_{Status::ok};
+  std::vector<double> x_, z_;  ///< within a step
 };
 
 }  // namespace rollerrig

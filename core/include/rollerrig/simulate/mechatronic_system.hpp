@@ -56,6 +56,13 @@ class MechatronicSystem {
   bool waits_for(std::string_view controller) const;
   /// What a controller sees, axle by axle.
   std::vector<double> measurement(std::string_view controller) const;
+  /// Numbers of measurement(), for a caller with room of his own; the controller's place in the setup.
+  int measurement_width(std::size_t controller) const;
+  void measure(std::size_t controller, double* row) const;
+  /// What a caller asks for; it may change at every instant.
+  CallerDemands& caller() { return caller_; }
+  /// Answers for every controller that waits, with the caller's commands.
+  void answer(std::int64_t step);
   /// Answers for an external controller; throws std::invalid_argument where there is none of that name.
   void set_command(std::string_view controller, std::span<double const> command, std::int64_t step);
 
@@ -100,7 +107,9 @@ class MechatronicSystem {
   SimulatedAxleStates simulated_;
   double impulse_of_simulated_{0.0};  ///< since the last sample of the rig's controller [N s]
   std::vector<Controller> controllers_;
+  CallerDemands caller_{};
   ActingCommands acting_{};
+  std::array<bool, command_count> controlled_{};  ///< by a controller of the setup
   std::array<RecoveredRail, 2> rail_;             ///< left, right
   std::array<PerAxle<CleanedWheel>, 2> wheel_{};  ///< left, right
   PerAxle<double> slides_for_{};                  ///< wheel on roller, beyond the protection's limit [s]

@@ -212,6 +212,7 @@ class Examples:
         found |= (
             self._law_calls(objects) | self._model_calls(objects) | self._contact_calls() | self._simulation_calls()
         )
+        found |= self._plant_calls()
         return found
 
     def _law_calls(self, objects: dict[str, Any]) -> dict[str, Call]:
@@ -348,6 +349,42 @@ class Examples:
                 contact.seconds_per_contact, at_height | {"wheels": 2, "repeats": 2}
             ),
             "StaticWheelsetContact.minima": Call(contact.minima, at_height | {"reach": 1e-3}),
+        }
+
+    def _plant_calls(self) -> dict[str, Call]:
+        brake = self.recipes["brake"]
+        counts = [sum(step == kind for step, _ in brake.steps) for kind in ("add_body", "add_element")]
+        bodies, elements = (
+            [f"{kind}_{i}" for i in range(n)] for kind, n in zip(("body", "element"), counts, strict=True)
+        )
+        names = {"bodies": bodies, "elements": elements, "axles": ["axle_1", "axle_2"]}
+        start = {name: value for name, value in start_arguments(brake.state, 0).items() if name != "output_step"}
+        given = {
+            "name": "brake",
+            "model": self.models["brake"],
+            "setup": brake.setup,
+            "names": _core.PartNames(**names),
+        }
+        assembled = _core.AssembledModel(**given, **start)
+
+        def started(method: str) -> Callable[..., Any]:
+            def call(**given: Any) -> Any:
+                plant = _core.Plant(assembled)
+                plant.start(final_time=1.0)
+                return getattr(plant, method)(**given)
+
+            return call
+
+        return {
+            "PartNames": Call(_core.PartNames, names),
+            "AssembledModel": Call(_core.AssembledModel, given | start),
+            "Plant": Call(_core.Plant, {"assembled": assembled}),
+            "Plant.find": Call(started("find"), {"name": "body_0.y"}),
+            "Plant.start": Call(started("start"), {"final_time": 1.0}),
+            "Plant.advance": Call(started("advance"), {"t": 0.02}),
+            "Plant.set_input": Call(started("set_input"), {"index": 0, "value": 1e5}),
+            "Plant.get": Call(started("get"), {"index": 0}),
+            "Plant.values": Call(started("values"), {"indices": [0, 1, 10**6]}),
         }
 
     def _simulation_calls(self) -> dict[str, Call]:

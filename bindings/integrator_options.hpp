@@ -1,0 +1,33 @@
+// bindings/integrator_options.hpp - the settings of an integrator, by the names that Python knows.
+#pragma once
+#include <string>
+
+#include "convert.hpp"
+#include "rollerrig/integrate/options.hpp"
+
+inline rollerrig::integrate::Method method_named(std::string const& name) {
+  using rollerrig::integrate::Method;
+  if (name == "rk4") return Method::rk4;
+  if (name == "exponential_rk4") return Method::exponential_rk4;
+  if (name == "exponential_adams") return Method::exponential_adams;
+  if (name == "dormand_prince") return Method::dormand_prince;
+  if (name == "rodas4") return Method::rodas4;
+  throw nb::value_error("unknown method; known: rk4, exponential_rk4, exponential_adams, dormand_prince, rodas4");
+}
+
+/// Outputs are the caller's matter.
+inline rollerrig::integrate::Options integrator_options(std::string const& method, double step, double relative,
+                                                        std::vector<double> const& absolute, double initial_step,
+                                                        double maximum_step, double final_time,
+                                                        std::vector<double> const& breakpoints) {
+  rollerrig::integrate::Options options;
+  options.method = method_named(method);
+  options.step = step;
+  options.relative_tolerance = relative;
+  options.absolute_tolerance = absolute;
+  options.initial_step = initial_step;
+  options.maximum_step = maximum_step;
+  options.final_time = final_time;
+  options.breakpoints = breakpoints;
+  return options;
+}

@@ -1,0 +1,108 @@
+// bindings/plant.cpp - an assembled model, and the plant that other tools drive.
+#include "rollerrig/plant/plant.hpp"
+
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/shared_ptr.h>
+
+#include <cmath>
+#include <limits>
+
+#include "arguments.hpp"
+#include "fields.hpp"
+#include "integrator_options.hpp"
+
+using namespace nb::literals;
+using namespace rollerrig;
+
+namespace {
+
+constexpr char const* causalities[] = {"input", "output", "parameter"};
+constexpr char const* variabilities[] = {"fixed", "tunable", "discrete", "continuous"};
+
+void bind_variable(nb::module_& m) {
+  nb::class_<Variable>(m, "Variable", "A number of a plant that a tool may set or read.")
+      .def_ro("name", &Variable::name)
+      .def_ro("unit", &Variable::unit)
+      .def_ro("description", &Variable::description)
+      .def_prop_ro("causality", [](Variable const& v) { return causalities[static_cast<int>(v.causality)]; })
+      .def_prop_ro("variability", [](Variable const& v) { return variabilities[static_cast<int>(v.variability)]; })
+      .def_ro("start", &Variable::start)
+      .def_ro("least", &Variable::least)
+      .def_ro("most", &Variable::most)
+      .def_ro("whole", &Variable::whole);
+}
+
+void bind_assembled(nb::module_& m) {
+  bind_struct<PartNames>(m, "PartNames", "Names of a model's parts, in the order of its indices.");
+  nb::class_<AssembledModel>(m, "AssembledModel", "What a run needs, and the names of its parts.")
+      .def(
+          "__init__",
+          [](AssembledModel* self, std::string const& name, std::shared_ptr<Model const> const& model,
+             std::optional<MechatronicSetup> const& setup, PartNames const& names, std::string const& method,
+             double step, double relative, std::vector<double> const& absolute, double initial_step,
+             double maximum_step, double final_time, std::vector<double> const& breakpoints, double t0,
+             std::vector<double> const& x0) {
+            check_value(final_time, finite_number, "AssembledModel", "final_time");
+            auto options = integrator_options(method, step, relative, absolute, initial_step, maximum_step, final_time,
+                                              breakpoints);
+            AssembledModel assembled{name, model, setup, names, std::move(options), t0, x0};
+            check_assembled(assembled);
+            new (self) AssembledModel(std::move(assembled));
+          },
+          nb::kw_only(), "name"_a, "model"_a, "setup"_a.none(), "names"_a, "method"_a, "step"_a, "relative_tolerance"_a,
+          "absolute_tolerance"_a, "initial_step"_a, "maximum_step"_a, "final_time"_a, "breakpoints"_a, "t0"_a, "x0"_a)
+      .def_ro("name", &AssembledModel::name)
+      .def_ro("names", &AssembledModel::names)
+      .def_prop_ro("final_time", [](AssembledModel const& self) { return self.options.final_time; });
+}
+
+void set_input(Plant& self, int index, double value) {
+  if (self.set_input(index, value)) return;
+  auto const all = self.variables();
+  bool const known = index >= 0 && index < static_cast<int>(all.size());
+  if (!self.started()) throw nb::value_error("set_input: start() has not been called");
+  if (!known || all[static_cast<std::size_t>(index)].causality != Causality::input)
+    throw nb::value_error(("set_input: index must be that of an input, got " + std::to_string(index)).c_str());
+  Variable const& variable = all[static_cast<std::size_t>(index)];
+  Range const range{variable.least, variable.most, variable.whole ? "a whole number in its limits" : "in its limits"};
+  refuse_value(value, range, "set_input", ("value of " + variable.name).c_str());
+}
+
+}  // namespace
+
+void bind_plant(nb::module_& m) {
+  bind_variable(m);
+  bind_assembled(m);
+  nb::class_<Plant>(m, "Plant", "An assembled model as other tools take it; SI.")
+      .def(nb::init<AssembledModel>(), "assembled"_a)
+      .def_prop_ro("variables",
+                   [](Plant const& self) {
+                     auto const all = self.variables();
+                     return std::vector<Variable>(all.begin(), all.end());
+                   })
+      .def(
+          "find", [](Plant const& self, std::string const& name) { return self.find(name); }, "name"_a)
+      .def(
+          "start", [](Plant& self, double final_time) { return static_cast<int>(self.start(final_time)); },
+          "final_time"_a = std::numeric_limits<double>::infinity())
+      .def(
+          "advance",
+          [](Plant& self, double t) {
+            if (std::isnan(t)) throw nb::value_error("advance: t must be a time, got nan");
+            return static_cast<int>(self.advance(t));
+          },
+          "t"_a, "To the last sampling step at or before t; without sampled blocks to t.")
+      .def("set_input", &set_input, "index"_a, "value"_a, "Holds from the present time on.")
+      .def("get", &Plant::get, "index"_a)
+      .def(
+          "values",
+          [](Plant& self, std::vector<int> const& indices) {
+            std::vector<double> values;
+            for (int const index : indices) values.push_back(self.get(index));
+            return owned_array<nb::ndim<1>>(std::move(values), {indices.size()});
+          },
+          "indices"_a)
+      .def_prop_ro("time", &Plant::time)
+      .def_prop_ro("sampling_step", &Plant::sampling_step)
+      .def_prop_ro("failed_wheel", [](Plant const& self) { return std::string(self.failed_wheel()); });
+}

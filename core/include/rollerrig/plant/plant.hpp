@@ -1,0 +1,64 @@
+// plant/plant.hpp - an assembled model as other tools take it: start, set inputs, advance, read outputs.
+//
+//   AssembledModel -> [plant: Driver] -> variables by index; Status, with time and wheel where the model's validity ends
+//
+// It is the run of `simulate`: the same driver, the same steps. After start() nothing throws and nothing is allocated.
+// Where the model has sampled blocks, time advances in whole sampling steps; at the end of each the sensors have been read and
+// the controllers asked. The present inputs hold from there on; they also answer for external controllers.
+#pragma once
+#include <span>
+#include <string_view>
+
+#include "rollerrig/plant/variable.hpp"
+#include "rollerrig/simulate/driver.hpp"
+
+namespace rollerrig {
+
+class Plant {
+ public:
+  /// Throws std::invalid_argument for a model that cannot be run.
+  explicit Plant(AssembledModel assembled);
+
+  std::span<Variable const> variables() const { return list_.variables; }
+  /// Index of a variable; -1: there is none of that name.
+  int find(std::string_view name) const;
+
+  /// Begins a run, with all inputs at their start values; a run that has begun is begun anew.
+  ///
+  /// @param final_time  that the steps end at exactly [s]; that of the case: assembled().options.final_time; infinite: none
+  /// Throws std::invalid_argument for an end that the steps would never reach.
+  Status start(double final_time);
+  /// To the last sampling step at or before t, or without sampled blocks to t. What is not ok is final.
+  Status advance(double t);
+
+  /// False, and nothing is changed: it is no input, or its limits do not allow the number.
+  bool set_input(int index, double value);
+  /// Of an input what was set; of an output its value at time(). NaN: there is no such variable, or no run.
+  double get(int index);
+
+  bool started() const { return driver_.started(); }
+  double time() const { return time_; }  ///< [s]
+  Status status() const { return status_; }
+  double sampling_step() const {
+    return assembled_.setup ? assembled_.setup->step : 0.0;
+  }  ///< [s]; 0: nothing is sampled
+  /// The wheel that ended the run, wheelset_1.left; empty: none did.
+  std::string_view failed_wheel() const;
+  AssembledModel const& assembled() const { return assembled_; }
+  Driver& driver() { return driver_; }
+
+ private:
+  void read_outputs();
+
+  AssembledModel assembled_;
+  VariableList list_;
+  std::vector<std::string> wheels_;  ///< per contact
+  Driver driver_;
+  std::vector<double> value_;           ///< per variable: of inputs
+  std::vector<double> row_, measured_;  ///< outputs at time_
+  bool fresh_{false};                   ///< they are
+  double time_{0.0};
+  Status status_{Status::ok};
+};
+
+}  // namespace rollerrig

@@ -1,0 +1,61 @@
+// plant/variable.hpp - what a tool sees of a plant: numbers with names, units and limits.
+//
+//   AssembledModel -> [variables] -> index, name, unit of every input and output
+#pragma once
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "rollerrig/plant/assembled_model.hpp"
+
+namespace rollerrig {
+
+enum class Causality : int { input, output, parameter };
+
+/// When a variable may change: never after the start; between steps; at instants of sampling; at any time.
+enum class Variability : int { fixed, tunable, discrete, continuous };
+
+struct Variable {
+  std::string name;  ///< structured: wheelset_1.left.Q
+  std::string unit;  ///< SI, as in the glossary: N m, m/s^2
+  std::string description;
+  Causality causality{};
+  Variability variability{};
+  double start{};          ///< of inputs and parameters
+  double least{}, most{};  ///< allowed; infinite: any finite number
+  bool whole{false};       ///< only whole numbers are
+
+  bool allows(double value) const;  ///< finite, in the limits, and whole where that is asked for
+};
+
+/// Where the number behind a variable stands.
+struct Place {
+  enum Kind : int {
+    brake_demand,  ///< per axle
+    motor_torque,  ///< per axle
+    command,       ///< `item` of the commands, per axle
+    axle_torque,   ///< of the model: where nothing is sampled
+    roller_torque,
+    recorded,    ///< column of the recorder's row
+    side_ratio,  ///< column of Y; Q stands in column `item`
+    measured,    ///< column of what an external controller sees
+  } kind{};
+  std::size_t index{};
+  std::size_t item{};
+};
+
+struct VariableList {
+  std::vector<Variable> variables;
+  std::vector<Place> places;  ///< as many
+  std::size_t measured{0};    ///< columns of measurements
+
+  void add(Variable variable, Place place);
+};
+
+/// wheelset_1.left
+std::string wheel_name(AssembledModel const& assembled, WheelContact const& contact);
+
+/// Inputs, then outputs. Throws std::invalid_argument where names are missing or stand for two things.
+VariableList list_variables(AssembledModel const& assembled);
+
+}  // namespace rollerrig

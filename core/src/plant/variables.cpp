@@ -1,0 +1,173 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <set>
+#include <stdexcept>
+
+#include "rollerrig/plant/variable.hpp"
+#include "rollerrig/simulate/mechatronic_system.hpp"
+#include "rollerrig/simulate/recorder.hpp"
+
+namespace rollerrig {
+namespace {
+
+constexpr double any = std::numeric_limits<double>::infinity();
+constexpr double highest_pressure = 1e7;  ///< [Pa]
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+bool has_command(MechatronicSetup const& setup, std::size_t axle, Command command) {
+  AxleParts const& parts = setup.axles[axle];
+  if (command == Command::dump_valve)
+    return parts.brake != absent || parts.has_brake || setup.actuators.motors_stand_in;
+  return command == Command::torque_factor ? parts.driven() : parts.roller_torque != absent;
+}
+
+/// Commands that no controller of the setup gives.
+std::array<bool, command_count> open_commands(MechatronicSetup const& setup) {
+  std::array<bool, command_count> open{};
+  open.fill(true);
+  for (auto const& [sampling, any_law] : setup.controllers)
+    open[at(static_cast<int>(std::visit([](auto const& law) { return law.command; }, any_law)))] = sampling.external;
+  return open;
+}
+
+void add_demands(MechatronicSetup const& setup, PartNames const& names, VariableList& list) {
+  for (std::size_t i = 0; i < setup.axles.size(); ++i) {
+    std::string const axle = names.axles[i] + ".";
+    auto const add = [&](char const* name, char const* unit, char const* what, double limit, Place::Kind kind) {
+      list.add({axle + name, unit, what, Causality::input, Variability::discrete, 0.0, -limit, limit}, {kind, i});
+    };
+    if (has_command(setup, i, Command::dump_valve))
+      add("brake_demand", "Pa", "cylinder pressure asked for beside the demand of the case", highest_pressure,
+          Place::brake_demand);
+    if (setup.axles[i].driven())
+      add("motor_torque", "N m", "torque asked of the traction motor beside the demand of the case, positive forward",
+          any, Place::motor_torque);
+  }
+  constexpr char const* what[] = {"command of the dump valve: 0 fill, 1 hold, 2 vent",
+                                  "part of the traction demand that is admitted",
+                                  "torque asked of the roller's drive, positive drives the wheel forward"};
+  constexpr char const* unit[] = {"1", "1", "N m"};
+  auto const open = open_commands(setup);
+  for (std::size_t c = 0; c < command_count; ++c)
+    for (std::size_t i = 0; i < setup.axles.size() && open[c]; ++i) {
+      if (!has_command(setup, i, static_cast<Command>(c))) continue;
+      CommandField const& field = command_fields[c];
+      auto const limit = [](double number) {
+        return std::abs(number) < unlimited ? number : std::copysign(any, number);
+      };
+      std::string const name = names.axles[i] + "." + std::string(field.name) + "_command";
+      list.add({name, unit[c], what[c], Causality::input, Variability::discrete, field.initial, limit(field.lowest),
+                limit(field.highest), field.whole},
+               {Place::command, i, c});
+    }
+}
+
+/// Torques about axles of a model in which nothing is sampled.
+void add_torques(Model const& model, PartNames const& names, VariableList& list) {
+  auto const add = [&](int body, char const* name, char const* what, Place place) {
+    std::string const full = names.bodies[at(body)] + "." + name;
+    list.add({full, "N m", what, Causality::input, Variability::discrete, 0.0, -any, any}, place);
+  };
+  for (std::size_t i = 0; i < model.axle_torques.size(); ++i)
+    add(model.axle_torques[i].wheelset, "axle_torque",
+        "torque about the axle beside that of the case, positive forward", {Place::axle_torque, i});
+  for (std::size_t i = 0; i < model.roller_torques.size(); ++i)
+    add(model.roller_torques[i].roller, "roller_torque",
+        "torque on the roller beside that of the case, positive drives the wheel forward", {Place::roller_torque, i});
+}
+
+/// Names of the recorder's row, in its order, without what stands there once per patch.
+class Columns {
+ public:
+  explicit Columns(VariableList& list) : list_{list} {}
+
+  void block(std::string const& owner, std::span<Field const> fields) {
+    for (Field const& field : fields) add(owner + std::string(field.name), field, {Place::recorded, column_++});
+  }
+  void wheel(std::string const& owner) {
+    std::size_t y = 0, q = 0;
+    for (Field const& field : Recorder::wheel_fields()) {
+      if (field.name == "lateral_force") y = column_;
+      if (field.name == "vertical_force") q = column_;
+      std::string const name = column_ == y && y > 0 ? "Y" : column_ == q && q > 0 ? "Q" : std::string(field.name);
+      add(owner + name, field, {Place::recorded, column_++});
+    }
+    add(owner + "Y_over_Q", {"", "1", "lateral over vertical force on the wheel"}, {Place::side_ratio, y, q});
+  }
+  void train(std::span<Field const> fields) {
+    for (Field const& field : fields) {
+      std::string const name(field.name.starts_with("train_") ? field.name.substr(6) : field.name);
+      add("train." + name, field, {Place::recorded, column_++});
+    }
+  }
+  void skip(std::size_t columns) { column_ += columns; }
+  void measured(std::string const& owner, std::span<Field const> fields) {
+    for (Field const& field : fields) add(owner + std::string(field.name), field, {Place::measured, list_.measured++});
+  }
+
+ private:
+  void add(std::string name, Field const& field, Place place) {
+    list_.add({std::move(name), std::string(field.unit), std::string(field.meaning), Causality::output,
+               Variability::continuous, 0.0, -any, any},
+              place);
+  }
+
+  VariableList& list_;
+  std::size_t column_{0};
+};
+
+void add_measurements(MechatronicSetup const& setup, PartNames const& names, Columns& columns) {
+  for (auto const& [sampling, any_law] : setup.controllers) {
+    if (!sampling.external) continue;
+    auto const [name, command] = std::visit([](auto const& law) { return std::pair{law.name, law.command}; }, any_law);
+    std::size_t const axles = command == Command::roller_torque ? setup.under_test() : setup.axles.size();
+    for (std::size_t i = 0; i < axles; ++i)
+      columns.measured(std::string(name) + "." + names.axles[i] + ".", MechatronicSystem::measurement_fields());
+  }
+}
+
+}  // namespace
+
+bool Variable::allows(double value) const {
+  return std::isfinite(value) && value >= least && value <= most && (!whole || value == std::round(value));
+}
+
+void VariableList::add(Variable variable, Place place) {
+  variables.push_back(std::move(variable));
+  places.push_back(place);
+}
+
+std::string wheel_name(AssembledModel const& assembled, WheelContact const& contact) {
+  return assembled.names.bodies[at(contact.wheelset)] + (contact.right ? ".right" : ".left");
+}
+
+VariableList list_variables(AssembledModel const& assembled) {
+  check_assembled(assembled);
+  VariableList list;
+  Model const& model = *assembled.model;
+  PartNames const& names = assembled.names;
+  if (assembled.setup)
+    add_demands(*assembled.setup, names, list);
+  else
+    add_torques(model, names, list);
+  Columns columns(list);
+  for (std::string const& body : names.bodies) columns.block(body + ".", Recorder::body_fields());
+  for (WheelContact const& contact : model.contacts) columns.wheel(wheel_name(assembled, contact) + ".");
+  columns.skip(model.contacts.size() * Recorder::patches * Recorder::patch_fields().size());
+  for (std::string const& element : names.elements) columns.block(element + ".", Recorder::element_fields());
+  columns.block("run.", Recorder::run_fields());
+  if (assembled.setup) {
+    for (std::string const& axle : names.axles) columns.block(axle + ".", MechatronicSystem::axle_fields());
+    columns.train(MechatronicSystem::train_fields());
+    add_measurements(*assembled.setup, names, columns);
+  }
+  std::set<std::string_view> seen;
+  for (Variable const& variable : list.variables)
+    if (!seen.insert(variable.name).second)
+      throw std::invalid_argument("assembled model: two variables are called " + variable.name);
+  return list;
+}
+
+}  // namespace rollerrig
