@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from rollerrig import _core
 from rollerrig.analysis.signals import half_waves
-from rollerrig.analysis.tracking import slip, virtual_slip
+from rollerrig.analysis.tracking import slip, under_test, virtual_slip
 from rollerrig.config import Case
 
 Array = NDArray[np.float64]
@@ -116,6 +116,7 @@ def guidance(run: xr.Dataset, f22: float) -> Guidance | None:
     Returns:
         What was found; None where no axle slid, or none moved sideways.
     """
+    run = under_test(run)
     axles = (run.sizes["time"], run.sizes["axle"], 2)  # wheels stand left and right of each axle, in order
     along, across = (run[f"{name}_sliding"].to_numpy().reshape(axles) for name in ("longitudinal", "lateral"))
     x, y = (creep_force(run, direction).reshape(axles) for direction in "xy")

@@ -14,7 +14,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from rollerrig.analysis.rig_limits import FULL_SLIDING, RigLimits
-from rollerrig.analysis.tracking import tracking, virtual_slip, wheel_radius
+from rollerrig.analysis.tracking import tracking, under_test, virtual_slip, wheel_radius
 from rollerrig.config import Case
 from rollerrig.results import COMPLETED
 
@@ -157,7 +157,8 @@ def persists_since(times: NDArray[np.float64], reached: Mask) -> float | None:
 
 
 def friction_used(run: xr.Dataset, friction: float) -> NDArray[np.float64]:
-    """Creep force over friction times normal force of both wheels of each axle, shape (time, axle)."""
+    """Creep force over friction times normal force of both wheels of each axle under test, shape (time, axle)."""
+    run = under_test(run)
     size = np.hypot(run["patch_creep_force_x"].to_numpy(), run["patch_creep_force_y"].to_numpy())
     per_axle = (run.sizes["time"], run.sizes["axle"], -1)
     force = np.nan_to_num(size).reshape(per_axle).sum(axis=2)
