@@ -17,9 +17,12 @@ from rollerrig.analysis.tracking import LEAST_SPEED, rms, slip, under_test, whee
 
 
 def point_by_point(track: xr.Dataset, other: xr.Dataset) -> dict[str, Any]:
-    """Another run, of the rig or of a second start, against the track's at the same times, as far as both ran."""
+    """Another run, of the rig or of a second start, against the track's at the same times, as far as both ran.
+
+    Of the axles under test.
+    """
     count = min(track.sizes["time"], other.sizes["time"])
-    a, b = (run.isel(time=slice(0, count)) for run in (track, other))
+    a, b = (under_test(run).isel(time=slice(0, count)) for run in (track, other))
     speed = a["train_speed"].to_numpy()
     fast = speed > LEAST_SPEED
     difference = wheel_radius(other) * (b["axle_speed"].to_numpy() - a["axle_speed"].to_numpy())

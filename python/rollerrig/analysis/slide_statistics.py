@@ -45,8 +45,8 @@ class TestRecord:
     Attributes:
         status, message: how it ended.
         measures: name -> value; NaN where there is none.
-        slip_shares: of the time of all axles in the classes of SLIP_EDGES, while the train is faster than LEAST_SPEED and brake
-            or traction act; shape (class,), zeros where they never do.
+        slip_shares: of the time of all axles under test in the classes of SLIP_EDGES, while the train is faster than
+            LEAST_SPEED and brake or traction act; shape (class,), zeros where they never do.
         time, distance: of the train, every SERIES_STEP and at the end [s, m].
     """
 
@@ -71,16 +71,17 @@ class TestRecord:
 
 
 def test_record(run: xr.Dataset, case: Case) -> TestRecord:
-    """The record of a run of `case` on track or rig."""
+    """The record of a run of `case` on track or rig: of the train, and of its axles under test."""
     kept = _kept(run["time"].to_numpy())
-    measures = {**_train(run), **_axles(run)}
+    tested = under_test(run)
+    measures = {**_train(run), **_valves(tested), **_axles(tested)}
     if case.rig_control is not None and isinstance(case.support.data, Rig):
-        measures |= _rig(under_test(run), case.rig_control.feedback.largest, case.support.data.roller_radius)
+        measures |= _rig(tested, case.rig_control.feedback.largest, case.support.data.roller_radius)
     return TestRecord(
         run.attrs["status"],
         run.attrs["status_message"],
         {name: float(value) for name, value in measures.items()},
-        _slip_shares(run),
+        _slip_shares(tested),
         run["time"].to_numpy()[kept],
         run["train_distance"].to_numpy()[kept],
     )
@@ -92,7 +93,7 @@ def _kept(time: Array) -> NDArray[np.intp]:
 
 
 def _train(run: xr.Dataset) -> dict[str, float]:
-    """Of the train, and what its brakes took."""
+    """Of the train as a whole, which every axle brakes or pulls."""
     speed, way = run["train_speed"].to_numpy(), run["train_distance"].to_numpy()
     acting = np.flatnonzero(_acting(run))
     begin = acting[0] if acting.size else -1
@@ -105,12 +106,16 @@ def _train(run: xr.Dataset) -> dict[str, float]:
         "mean_deceleration_mps2": 0.5 * (speed[begin] ** 2 - speed[-1] ** 2) / run_since
         if run_since > 0.0
         else math.nan,
-        "dump_cycles": run["dump_cycles"].isel(time=-1).sum(),
-        "air_litres": 1e3 * run["air"].isel(time=-1).sum(),
         "reference_speed_error_rms_mps": rms(wrong),
         "reference_speed_error_largest_mps": largest(wrong),
         "energy_relative_residual": run.attrs["energy_relative_residual"],
     }
+
+
+def _valves(run: xr.Dataset) -> dict[str, float]:
+    """What the slide protection of the given axles did and took."""
+    last = run[["dump_cycles", "air"]].isel(time=-1).sum("axle")
+    return {"dump_cycles": float(last["dump_cycles"]), "air_litres": 1e3 * float(last["air"])}
 
 
 def _acting(run: xr.Dataset) -> NDArray[np.bool_]:

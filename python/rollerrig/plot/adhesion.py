@@ -8,7 +8,6 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from rollerrig.analysis.tracking import under_test
 from rollerrig.plot.axles import axles_over_time
 from rollerrig.plot.style import line, panels
 
@@ -88,7 +87,7 @@ def sliding(rig: xr.Dataset, ideal: xr.Dataset | None, radius: float) -> Figure:
 
 
 def _own_motion(run: xr.Dataset) -> xr.DataArray:
-    return run["longitudinal_velocity"].sel(body=under_test(run)["axle"].to_numpy()).rename(body="axle")
+    return run["longitudinal_velocity"].sel(body=run["axle"].to_numpy()).rename(body="axle")
 
 
 def errors(track: xr.Dataset, rig: xr.Dataset, radius: float) -> Figure:

@@ -12,7 +12,7 @@ import xarray as xr
 from numpy.typing import ArrayLike
 
 from rollerrig.analysis.slide_statistics import SLIP_EDGES, TestRecord, axle_load
-from rollerrig.analysis.tracking import wheel_radius
+from rollerrig.analysis.tracking import under_test, wheel_radius
 from rollerrig.config import Case
 from rollerrig.plot import adhesion as figures
 from rollerrig.plot.causes import cause_bars, dead_time_curve, slip_histogram
@@ -149,6 +149,7 @@ def _signals(case: Case, whole: Whole) -> Iterator[Picture]:
     track, rig, ideal = whole["track"], whole["rig"], whole.get("rolling")
     radius = wheel_radius(rig)
     yield Picture("speeds", figures.speeds(track, rig, radius), "Train and wheels: rig, virtual train, track.")
+    track, rig, ideal = under_test(track), under_test(rig), None if ideal is None else under_test(ideal)
     yield Picture("first_slide", figures.first_slide(track, rig, radius), "Slip, and the response to it.")
     if case.brake is not None:
         yield Picture("brakes", figures.brakes(track, rig), "Cylinder pressure, ventings, air taken.")

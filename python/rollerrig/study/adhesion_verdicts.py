@@ -216,7 +216,12 @@ def _fidelity(case: Case, track: Sequence[TestRecord], rig: Sequence[TestRecord]
     way = "deceleration" if case.brake is not None else "acceleration"
     pairs = (
         ("mean_deceleration_mps2", f"mean {way} since the demand", 0.02, "ours: as the distance"),
-        ("dump_cycles", "ventings, all axles", 0.05, "ours: wear of the valves, and the first thing a supplier counts"),
+        (
+            "dump_cycles",
+            "ventings, all axles under test",
+            0.05,
+            "ours: wear of the valves, and the first thing a supplier counts",
+        ),
         ("air_litres", "air taken by the cylinders", 0.05, "ours: size of the reservoir"),
         ("regrip_adhesion", "largest force on an axle that has slid (regrip)", 0.10, "ours: load on the drive line"),
     )

@@ -12,6 +12,7 @@ import math
 from collections.abc import Mapping
 
 from rollerrig.actuators import assemble_with_actuators
+from rollerrig.analysis.tracking import under_test
 from rollerrig.config import Case
 from rollerrig.config.schema.rig_control import BandwidthEstimator
 from rollerrig.mechatronics.lags import lags
@@ -55,7 +56,7 @@ COMPENSATION = (
     *(Quantity(f"compensation.*.{name}{end}", f"{meaning}, {what}", unit, f"{label}{mark}", 4 if not end else 2)
       for name, meaning, unit, label in (
           ("distance_m", "run by the train", "m", "distance"),
-          ("dump_cycles", "of the slide protection, all axles", "", "dump cycles"),
+          ("dump_cycles", "of the slide protection, all axles under test", "", "dump cycles"),
           ("air_litres", "taken by the cylinders, at ambient pressure", "l", "air"))
       for end, what, mark in (
           ("", f"mean of {STARTS} starts", ""), ("_standard_error", "standard error of that mean", ", s.e."))),
@@ -98,7 +99,7 @@ def compensation_jobs(case: Case) -> Round:
 
 def run_end(case: Case, progress: Progress | None = None) -> dict[str, float]:
     """What a run has come to at its end, by name of RESULTS."""
-    last = whole_run(case, progress).isel(time=-1)
+    last = under_test(whole_run(case, progress)).isel(time=-1)
     values = (last["train_distance"], last["dump_cycles"].sum(), 1e3 * last["air"].sum())
     return {name: float(value) for name, value in zip(RESULTS, values, strict=True)}
 

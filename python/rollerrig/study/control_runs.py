@@ -12,7 +12,7 @@ import numpy as np
 import xarray as xr
 
 from rollerrig.analysis.torque_ripple import RIPPLE_ABOVE, torque_ripple
-from rollerrig.analysis.tracking import largest, rms, slip, tracking
+from rollerrig.analysis.tracking import largest, rms, slip, tracking, under_test
 from rollerrig.config import Case
 from rollerrig.study.control_compensation import COMPENSATION
 from rollerrig.study.control_held import HELD_QUANTITIES
@@ -37,7 +37,7 @@ RUN = (
     Quantity("*.*.roller_torque_largest_nm", "of a roller drive", "N m", "roller torque", 3, ("kN m", 1e-3)),
     Quantity("*.*.distance_m", "run by the virtual train", "m"),
     Quantity("*.*.distance_relative", "over that of the case as shipped, less 1", "1", "distance, less shipped", 3, PERCENT),
-    Quantity("*.*.dump_cycles", "of the slide protection, all axles", "", "dump cycles"),
+    Quantity("*.*.dump_cycles", "of the slide protection, all axles under test", "", "dump cycles"),
     Quantity("*.*.air_litres", "taken by the cylinders, at ambient pressure", "l", "air", 3),
     Quantity("*.*.ripple_nm", f"persistent roller torque above {RIPPLE_ABOVE:g} Hz, RMS, median of 0.25 s", "N m", "ripple", 3),
     Quantity("*.*.ripple_hz", "where that ripple has most power", "Hz"),
@@ -70,7 +70,11 @@ def run_variant(case: Case, with_course: bool, progress: Progress | None = None)
 
 
 def run_numbers(run: xr.Dataset) -> dict[str, Any]:
-    """The numbers of one run by name of RUN; as `distance_relative`, time and distance of the last instant compared."""
+    """The numbers of one run by name of RUN, of the axles under test.
+
+    As `distance_relative`, time and distance of the last instant compared.
+    """
+    run = under_test(run)
     error, largest_error = tracking(run)
     ripple, frequency = torque_ripple(run["time"].to_numpy(), run["roller_torque"].to_numpy())
     last, compared = run.isel(time=-1), run.isel(time=slice(None, None, 50)).isel(time=-1)

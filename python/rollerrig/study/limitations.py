@@ -97,6 +97,13 @@ def _actuators(case: Case) -> Iterator[str]:
         )
         if case.rig_control.estimator.kind == "exact":
             yield "Contact force and axle torque are known to the controller exactly, as on no real rig."
+    axles = case.train.axles
+    if axles is not None and axles.simulated:
+        yield (
+            f"{len(axles.simulated)} of the train's {len(axles.positions)} axles are only simulated: nothing carries them, they "
+            "neither pitch nor swing, and no coupling moves between vehicles. Numbers of axles are those of the "
+            f"{len(axles.under_test)} under test; distance and deceleration are the train's."
+        )
     if case.brake is not None or case.traction is not None or case.rig_control is not None:
         if all(getattr(sensor, "counts", 1.0) == 0.0 for sensor in (case.sensors.axles, case.sensors.rollers)):
             yield "The controllers see exact speeds: no encoder is modelled."

@@ -31,7 +31,8 @@ def check_case(case: Case, programme: Programme) -> None:
         if getattr(case, name) is None:
             needed = f"needed: [{name}]; a programme for wheel slide protection tests what it does to a braked axle"
             raise ConfigError([ConfigProblem(case.name, name, "missing", needed)])
-    along = sorted(body.position[0] for body in wheelsets(case))
+    train = case.train.axles
+    along = train.positions if train else sorted(body.position[0] for body in wheelsets(case))
     least = min((b - a for a, b in zip(along, along[1:], strict=False)), default=0.0)
     for stop in programme.stop:
         if not stop.speed > case.motion.stop_speed:

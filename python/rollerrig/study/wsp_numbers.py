@@ -44,8 +44,8 @@ MEASURED = (
         "flat, estimated",
         ("mm", 1e3),
     ),
-    ("air_litres", "air at ambient pressure taken by all cylinders", "l", "air", None),
-    ("dump_cycles", "times that dump valves opened to vent, all axles", "1", "ventings", None),
+    ("air_litres", "air at ambient pressure taken by the cylinders of the axles under test", "l", "air", None),
+    ("dump_cycles", "times that dump valves opened to vent, all axles under test", "1", "ventings", None),
     ("energy_relative_residual", "energy audit", "1", "residual of the energy audit", None),
     ("contact_lost_s", "longest time of a wheel without contact", "s", "longest loss of contact", None),
 )

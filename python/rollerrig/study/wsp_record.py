@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from rollerrig import _core
 from rollerrig.analysis.slide_statistics import SLIP_EDGES, TestRecord, axle_load, test_record
-from rollerrig.analysis.tracking import LEAST_SPEED, wheel_radius
+from rollerrig.analysis.tracking import LEAST_SPEED, under_test, wheel_radius
 from rollerrig.analysis.wheel_flat import longest_flat
 from rollerrig.config import Case
 from rollerrig.config.schema.programme import FlatWear
@@ -66,7 +66,7 @@ def stop_record(case: Case, flat: FlatWear, keep: bool, progress: Progress | Non
     own = {
         "large_slip_share": float(record.slip_shares[np.flatnonzero(SLIP_EDGES[:-1] > LARGE_SLIP - 1e-9)].sum()),
         "adhesion_utilisation": adhesion_utilisation(run, case),
-        "flat_length_m": longest_flat(run, flat.wear, flat.width),
+        "flat_length_m": longest_flat(under_test(run), flat.wear, flat.width),
         "contact_lost_s": max((loss.longest_s for loss in contact_losses(run)), default=0.0),
     }
     test = replace(record, measures={**record.measures, **own})

@@ -7,11 +7,17 @@ import pytest
 import xarray as xr
 
 from rollerrig import ConfigError, load_case, scale, simulate
+from rollerrig.analysis.lateral_guidance import guidance
+from rollerrig.analysis.run_limits import friction_used
 from rollerrig.analysis.slide_statistics import test_record as record_of
-from rollerrig.config import Case
+from rollerrig.analysis.tracking import slip
+from rollerrig.config import Case, load_programme
 from rollerrig.study.adhesion_variants import track_case
+from rollerrig.study.control_runs import run_numbers
 from rollerrig.study.envelope import EnvelopeStudy
 from rollerrig.study.lateral import LateralStudy
+from rollerrig.study.limitations import limitations
+from rollerrig.study.wsp_cases import check_case
 
 RADIUS, SPIN_INERTIA = 0.46, 112.0  # vehicle 1
 COACH = {"positions": [0.0, 2.56, 19.0, 21.56], "under_test": [1, 2]}
@@ -167,3 +173,44 @@ def test_studies_that_know_only_the_axles_under_test_refuse_others(study: str) -
         ConfigError, match=r"train\.axles: 4 axles, 2 of them under test; allowed: all axles under test"
     ):
         calls[study](case)
+
+
+@pytest.mark.parametrize("name", ["rig", "track"])
+def test_what_is_counted_is_of_the_axles_under_test(name: str, request: pytest.FixtureRequest) -> None:
+    """What is only simulated agrees between rig and track whatever the rig does: it must not thin out a verdict on the rig."""
+    run = request.getfixturevalue(name)
+    case = case_of() if name == "rig" else track_case(case_of())
+    tested = run.sel(axle=["wheelset_1", "wheelset_2"])
+    measures = record_of(run, case).measures
+    assert measures["dump_cycles"] == float(tested["dump_cycles"][-1].sum()) < float(run["dump_cycles"][-1].sum())
+    assert measures["air_litres"] == pytest.approx(1e3 * float(tested["air"][-1].sum()))
+    assert measures["mean_slip"] == pytest.approx(float(abs(slip(tested)).mean()))
+    if name == "rig":
+        numbers = run_numbers(run)
+        assert numbers["dump_cycles"] == measures["dump_cycles"]
+        assert numbers["ripple_nm"] == run_numbers(tested)["ripple_nm"]
+
+
+def test_friction_and_guidance_are_of_the_axles_under_test(rig: xr.Dataset) -> None:
+    used = friction_used(rig, 0.3)
+    assert used.shape == (rig.sizes["time"], 2)
+    force = rig["creep_force"].sel(axle="wheelset_2").to_numpy()
+    load = rig["vertical_force"].sel(wheel=["wheelset_2_left", "wheelset_2_right"]).sum("wheel").to_numpy()
+    late = rig["time"].to_numpy() > 2.0
+    assert used[late, 1] == pytest.approx(np.abs(force / load)[late] / 0.3, abs=0.02)
+    found, alone = guidance(rig, 10e6), guidance(rig.sel(axle=["wheelset_1", "wheelset_2"]), 10e6)
+    assert (found is None) == (alone is None)
+    if found and alone:
+        assert np.array_equal(found.force, alone.force)
+
+
+def test_the_report_says_how_many_axles_are_only_simulated() -> None:
+    assert any("2 of the train's 4 axles are only simulated" in one for one in limitations(case_of()))
+    assert not any("only simulated" in one for one in limitations(load_case("adhesion_brake")))
+
+
+def test_a_patch_of_a_programme_is_shorter_than_the_least_spacing_of_the_train() -> None:
+    programme = load_programme("slide_protection_stops")  # patches of 2.4 m; the bogie's axles are 2.56 m apart
+    check_case(case_of(), programme)
+    with pytest.raises(ConfigError, match=r"least spacing of the axles, 2 m"):
+        check_case(case_of(**{"train.axles": {"positions": [0.0, 2.56, 19.0, 21.0], "under_test": [1, 2]}}), programme)
