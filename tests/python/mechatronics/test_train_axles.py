@@ -214,3 +214,17 @@ def test_a_patch_of_a_programme_is_shorter_than_the_least_spacing_of_the_train()
     check_case(case_of(), programme)
     with pytest.raises(ConfigError, match=r"least spacing of the axles, 2 m"):
         check_case(case_of(**{"train.axles": {"positions": [0.0, 2.56, 19.0, 21.0], "under_test": [1, 2]}}), programme)
+
+
+def test_the_catalogue_s_train_cleans_for_its_rear_bogie() -> None:
+    """Each axle finds more adhesion than the one ahead; the energy of the whole test closes."""
+    run = simulate(load_case("adhesion_train").with_changes({"time.duration": "12 s"}))
+    order = ["axle_1", "axle_2", "wheelset_1", "wheelset_2"]
+    late = run.sel(time=slice(4.0, None), axle=order)
+    found = late["dissipated_energy_density"].mean("time").to_numpy()
+    assert (np.diff(found) > 0.05 * found[-1]).all()
+    force = abs(late["virtual_force"]).mean("time").to_numpy()
+    assert (np.diff(force[:3]) > 0.0).all()
+    assert force[2:].min() > 1.1 * force[0]
+    assert (late["dump_cycles"].isel(time=-1) > 5).all()
+    assert run.attrs["energy_relative_residual"] < 1e-6
