@@ -9,6 +9,7 @@ void bind_contact(nb::module_& m);
 void bind_simulation(nb::module_& m);
 void bind_mechatronics(nb::module_& m);
 void bind_plant(nb::module_& m);
+void bind_realtime(nb::module_& m);
 
 NB_MODULE(_core, m) {
   nb::set_leak_warnings(false);  // caches and fixtures of Python may outlive the module at exit
@@ -19,4 +20,5 @@ NB_MODULE(_core, m) {
   bind_mechatronics(m);
   bind_simulation(m);
   bind_plant(m);
+  bind_realtime(m);
 }

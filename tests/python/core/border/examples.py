@@ -212,7 +212,7 @@ class Examples:
         found |= (
             self._law_calls(objects) | self._model_calls(objects) | self._contact_calls() | self._simulation_calls()
         )
-        found |= self._plant_calls()
+        found |= self._plant_calls() | self._server_calls()
         return found
 
     def _law_calls(self, objects: dict[str, Any]) -> dict[str, Call]:
@@ -351,21 +351,52 @@ class Examples:
             "StaticWheelsetContact.minima": Call(contact.minima, at_height | {"reach": 1e-3}),
         }
 
-    def _plant_calls(self) -> dict[str, Call]:
+    def _assembled(self) -> Arguments:
+        """Of an assembled model with brakes."""
         brake = self.recipes["brake"]
         counts = [sum(step == kind for step, _ in brake.steps) for kind in ("add_body", "add_element")]
         bodies, elements = (
             [f"{kind}_{i}" for i in range(n)] for kind, n in zip(("body", "element"), counts, strict=True)
         )
-        names = {"bodies": bodies, "elements": elements, "axles": ["axle_1", "axle_2"]}
+        names = _core.PartNames(bodies=bodies, elements=elements, axles=["axle_1", "axle_2"])
         start = {name: value for name, value in start_arguments(brake.state, 0).items() if name != "output_step"}
-        given = {
-            "name": "brake",
-            "model": self.models["brake"],
-            "setup": brake.setup,
-            "names": _core.PartNames(**names),
+        given = {"name": "brake", "model": self.models["brake"], "setup": brake.setup, "names": names}
+        return given | start
+
+    def _server_calls(self) -> dict[str, Call]:
+        assembled = _core.AssembledModel(**self._assembled())
+        chosen = {"inputs": [0, 1], "outputs": [_core.Plant(assembled).find("body_0.y")]}
+        settings = {
+            "period": 2e-3, "periods": 5, "session": 7, "oldest": 3, "patience": 10, "ramp": 5, "lock_step": True,
+            "at_once": True, "give_up": 1.0, "spin": 1e-5, "record": True,
+        }  # fmt: skip
+        place = {"safe": [0.0, 0.0], "description": "{}", "address": "127.0.0.1", "port": 50000}
+
+        def run(**given: Any) -> Any:
+            return _core.RigServer(**given).run()
+
+        rig = {"assembled": assembled} | chosen
+        served = rig | place | {"settings": _core.ServerSettings(**settings)}
+
+        def after_a_run(method: str) -> Call:
+            def call() -> Any:
+                server = _core.RigServer(**served)
+                return server.run() if method == "run" else (server.run(), getattr(server, method)())
+
+            return Call(call, {})
+
+        methods = ("run", "stop", "statistics", "histogram", "commands", "sensors")
+        return {f"RigServer.{method}": after_a_run(method) for method in methods} | {
+            "ServerSettings": Call(_core.ServerSettings, settings),
+            "RigServer": Call(run, served),
+            "measure_rig": Call(_core.measure_rig, rig | {"period": 2e-3, "periods": 5}),
+            "replay_rig": Call(_core.replay_rig, rig | {"period": 2e-3, "commands": np.zeros((5, 2))}),
+            "require_real_time": Call(_core.require_real_time, {}),
         }
-        assembled = _core.AssembledModel(**given, **start)
+
+    def _plant_calls(self) -> dict[str, Call]:
+        given = self._assembled()
+        assembled = _core.AssembledModel(**given)
 
         def started(method: str) -> Callable[..., Any]:
             def call(**given: Any) -> Any:
@@ -376,8 +407,8 @@ class Examples:
             return call
 
         return {
-            "PartNames": Call(_core.PartNames, names),
-            "AssembledModel": Call(_core.AssembledModel, given | start),
+            "PartNames": Call(_core.PartNames, fields(given["names"])),
+            "AssembledModel": Call(_core.AssembledModel, given),
             "Plant": Call(_core.Plant, {"assembled": assembled}),
             "Plant.find": Call(started("find"), {"name": "body_0.y"}),
             "Plant.start": Call(started("start"), {"final_time": 1.0}),
