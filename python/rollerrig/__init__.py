@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     from rollerrig.config import Case as Case
     from rollerrig.config import ConfigError as ConfigError
     from rollerrig.config import load_case as load_case
+    from rollerrig.realtime.server import serve as serve
     from rollerrig.results import OutputError as OutputError
     from rollerrig.results import ResultsError as ResultsError
     from rollerrig.results import RunInfo as RunInfo
@@ -71,6 +72,7 @@ _HOME = {
     "paper": "commands",
     "save_run": "results",
     "scale": "commands",
+    "serve": "realtime.server",
     "simulate": "simulation",
     "stability": "analysis.mode_table",
     "wheel_forces": "analysis.wheel_rail_forces",

@@ -3,8 +3,8 @@
 core:    scalar -> math -> integrate -> track -> multibody -> geometry -> contact -> mechatronics -> system -> simulate -> plant
 Python:  wording -> splines, input_files, memory, workers, blas_threads -> profiles, track, irregularity -> config -> core_struct
          -> catalog -> cases -> contact_laws, force_laws, static_loads, model_parts -> assembly -> actuators -> results
-         -> restraint -> starting_state -> mechatronics -> simulation -> plant -> similitude -> contact_analysis -> analysis
-         -> plot -> study -> commands -> cli
+         -> restraint -> starting_state -> mechatronics -> simulation -> plant -> realtime -> similitude -> contact_analysis
+         -> analysis -> plot -> study -> commands -> cli
 """
 
 from __future__ import annotations
@@ -134,6 +134,7 @@ PYTHON_LAYERS = [
     {"mechatronics"},
     {"simulation"},
     {"plant"},
+    {"realtime"},
     {"similitude"},
     {"contact_analysis"},
     {"analysis"},

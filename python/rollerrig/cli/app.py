@@ -23,6 +23,7 @@ COMMANDS = (
     "lateral",
     "scale",
     "envelope",
+    "serve",
     "contact",
     "creep",
     "conicity",

@@ -1,0 +1,93 @@
+"""`rollerrig serve CASE --rate 1kHz --udp 127.0.0.1:PORT`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from rollerrig.cli.command import AllowCode, CaseName, read_case
+from rollerrig.cli.termination import LEFT_VALIDITY, exit_code, say, stop
+
+
+def command(
+    case: CaseName,
+    rate: Annotated[str, typer.Option(help="Of commands and sensors.")] = "1 kHz",
+    udp: Annotated[
+        str, typer.Option(metavar="[ADDRESS:]PORT", help="Where to listen; the loopback unless an address is given.")
+    ] = "127.0.0.1:0",
+    lock_step: Annotated[
+        bool,
+        typer.Option(
+            "--lock-step", help="Wait for the command of each step: no real time, the same run on any machine."
+        ),
+    ] = False,
+    at_once: Annotated[
+        bool,
+        typer.Option("--at-once", help="Begin without a controller, and go on without one: commands at their start."),
+    ] = False,
+    external: Annotated[
+        str | None,
+        typer.Option(help="Tables of the controllers that are outside, with commas; absent: all but rig_control."),
+    ] = None,
+    outputs: Annotated[
+        str,
+        typer.Option(
+            help="Names of what is sent, with commas, '*' for anything; absent: what those controllers measure."
+        ),
+    ] = "",
+    safe: Annotated[
+        str, typer.Option(help="Commands of the safe state, NAME=VALUE with commas; the others are 0.")
+    ] = "",
+    patience: Annotated[int, typer.Option(min=1, help="Periods without a command until the watchdog acts.")] = 10,
+    ramp: Annotated[float, typer.Option(min=0.0, max=60.0, help="From there to the safe state [s].")] = 0.2,
+    record: Annotated[
+        Path | None, typer.Option(help="File for what acted and what was sent in each period (.npz).")
+    ] = None,
+    replay: Annotated[
+        Path | None,
+        typer.Option(help="Run with the commands of such a file, without a network, and compare what is sent."),
+    ] = None,
+    watch: Annotated[bool, typer.Option("--watch", help="Show deadlines and frames while it runs.")] = False,
+    allow_code: AllowCode = False,
+) -> None:
+    """The rig as a server for a controller in another process or on a test bench, in real time over UDP."""
+    from rollerrig.cli import serving
+    from rollerrig.realtime.server import check_rate, open_server, serve_case
+
+    whole = read_case(case, allow_code=allow_code)
+    address, port = serving.address_of(udp, whole.name)
+    roles = None if external is None else [name.strip() for name in external.split(",") if name.strip()]
+    served = serve_case(
+        whole,
+        rate,
+        external=roles,
+        outputs=[name.strip() for name in outputs.split(",") if name.strip()],
+        safe=serving.values_of(safe, whole.name),
+    )
+    if replay is not None:
+        typer.echo(serving.replayed(served, replay))
+        raise typer.Exit
+    serving.check_target(record)
+    if not lock_step:
+        check_rate(served)
+    server = open_server(
+        served,
+        address,
+        port,
+        lock_step=lock_step,
+        at_once=at_once,
+        patience=patience,
+        ramp=ramp,
+        record=record is not None,
+    )
+    for line in serving.opening_lines(served, address, server.port, lock_step=lock_step):
+        say(f"rollerrig: {line}")
+    ended = serving.run_watched(server, live=watch)
+    if record is not None:
+        serving.write_record(record, served, server)
+    typer.echo("\n".join(serving.closing_lines(served, server, ended)))
+    if ended.ending == "controller_silent":
+        stop("in lock-step the run cannot go on without commands", LEFT_VALIDITY)
+    raise typer.Exit(exit_code("interrupted" if ended.ending == "stopped_by_caller" else ended.status))

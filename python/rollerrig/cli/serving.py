@@ -1,0 +1,200 @@
+"""What `rollerrig serve` reads from its options and tells of a run.
+
+options -> addresses, safe values;  server -> [run_watched] -> lines at its end;  record -> file -> the same run again
+"""
+
+from __future__ import annotations
+
+import ipaddress
+import sys
+import threading
+import zipfile
+from contextlib import ExitStack
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from rollerrig.cli.termination import stop
+
+if TYPE_CHECKING:
+    from rollerrig.realtime.server import Ended, Served
+
+LOOPBACK = "127.0.0.1"
+LOOK_SECONDS = 0.25
+"""Between two looks at a server that runs."""
+
+
+def address_of(text: str, case: str) -> tuple[str, int]:
+    """Address and port of '127.0.0.1:5005' or '5005'."""
+    host, _, number = text.rpartition(":")
+    try:
+        address = str(ipaddress.IPv4Address(host)) if host else LOOPBACK
+        port = int(number)
+        if not 0 <= port <= 65535:
+            raise ValueError
+    except ValueError:
+        stop(
+            f"{case}: udp: {text!r}; allowed: a port from 0 to 65535, or an address of IPv4 and a port, {LOOPBACK}:5005"
+        )
+    return address, port
+
+
+def values_of(text: str, case: str) -> dict[str, float]:
+    """Numbers by name of 'a=1, b=2'."""
+    found = {}
+    for part in filter(None, (item.strip() for item in text.split(","))):
+        name, _, number = part.partition("=")
+        try:
+            found[name.strip()] = float(number)
+        except ValueError:
+            stop(f"{case}: safe: {part!r}; allowed: NAME=VALUE, with commas between")
+    return found
+
+
+def opening_lines(served: Served, address: str, port: int, *, lock_step: bool) -> list[str]:
+    """What is told before a run."""
+    pace = "in lock-step, not in real time" if lock_step else f"{1.0 / served.period:g} Hz"
+    lines = [
+        f"{served.case.name}: UDP {address}:{port}, {pace}; {len(served.inputs)} commands, {len(served.outputs)} sensors",
+        "frames are neither encrypted nor signed: whoever reaches the port can command the rig",
+    ]
+    if not ipaddress.IPv4Address(address).is_loopback:
+        lines.append(f"{address} is not the loopback: other machines reach it")
+    return lines
+
+
+def run_watched(server: Any, *, live: bool) -> Ended:
+    """Run a server; Ctrl-C ends it after the period at work."""
+    from rollerrig.realtime.server import run_server
+
+    found: list[Ended] = []
+    failed: list[BaseException] = []
+    done = threading.Event()  # Thread.join() does not survive a Ctrl-C
+
+    def work() -> None:
+        try:
+            found.append(run_server(server))
+        except BaseException as error:  # told by the main thread
+            failed.append(error)
+        finally:
+            done.set()
+
+    threading.Thread(target=work, name="rig").start()
+    try:
+        with ExitStack() as stack:
+            show = stack.enter_context(live_view()) if live and sys.stderr.isatty() else None
+            while not done.wait(LOOK_SECONDS):
+                if show is not None:
+                    show.update(table(server.statistics()))
+    except KeyboardInterrupt:
+        server.stop()
+        done.wait()
+    if failed:
+        raise failed[0]
+    return found[0]
+
+
+def live_view() -> Any:
+    """A place on the terminal that is written anew."""
+    from rich.console import Console
+    from rich.live import Live
+
+    return Live(console=Console(stderr=True), auto_refresh=True, refresh_per_second=4)
+
+
+def table(statistics: dict[str, Any]) -> Any:
+    """State, deadlines and frames of a server as they are now."""
+    from rich.table import Table
+
+    from rollerrig.realtime.frames import STATES
+
+    view = Table(title=f"{STATES[statistics['state']]}, t = {statistics['time']:.2f} s", title_justify="left")
+    for heading in ("", "median", "99 %", "99.99 %", "longest"):
+        view.add_column(heading, justify="left" if not heading else "right")
+    for name, key in (("step", "step"), ("wake-up", "wake")):
+        view.add_row(name, *(f"{1e-3 * ns:.1f} us" for ns in statistics[key][1:]))
+    dropped = ", ".join(f"{n} {name}" for name, n in statistics["frames"].items() if n and name != "accepted")
+    view.caption = (
+        f"{statistics['misses']} of {statistics['periods']} deadlines missed; commands: "
+        f"{statistics['frames']['accepted']} accepted{', ' + dropped if dropped else ''}; "
+        f"silent for {statistics['silent']} periods, watchdog {statistics['trips']} times"
+    )
+    return view
+
+
+def closing_lines(served: Served, server: Any, ended: Ended) -> list[str]:
+    """What is told after a run."""
+    told = server.statistics()
+    endings = {
+        "ran": "to its end",
+        "stopped_by_caller": "interrupted",
+        "plant_ended": ended.sentence,
+        "controller_silent": "the controller fell silent",
+    }
+    lines = [f"{served.case.name}: t = {told['time']:.3f} s, {told['periods']} periods; {endings[ended.ending]}"]
+    for name, key in (("step", "step"), ("wake-up", "wake")):
+        count, median, most, nearly_all, longest = told[key]
+        if count:
+            times = f"median {median / 1e3:.1f}, 99 % {most / 1e3:.1f}, 99.99 % {nearly_all / 1e3:.1f}"
+            lines.append(f"{name}: {times}, longest {longest / 1e3:.1f} us, of {count}")
+    lines.append(f"deadlines missed: {told['misses']}, given up: {told['skipped']}")
+    lines.append("frames: " + ", ".join(f"{n} {name}" for name, n in told["frames"].items() if n))
+    if told["trips"]:
+        lines.append(f"watchdog: {told['trips']} times, first at t = {told['first_trip']:.3f} s: safe state")
+    lines.append(f"memory: {ended.memory}; scheduling: {ended.scheduling}")
+    return lines
+
+
+# ---------------------------------------------------------------------------------------------------- records
+
+
+def check_target(path: Path | None) -> None:
+    """Refuse a file that could not be written at the end, before the run."""
+    if path is None:
+        return
+    if path.is_dir() or not path.parent.is_dir():
+        stop(f"{path}: no file can be written there; allowed: a file in a folder that exists")
+    if path.exists():
+        stop(f"{path}: exists already; allowed: a new file, or remove it first")
+
+
+def write_record(path: Path, served: Served, server: Any) -> None:
+    """What acted and what was sent in each period, with the names."""
+    import numpy as np
+
+    with path.open("xb") as file:
+        np.savez(
+            file,
+            commands=server.commands(),
+            sensors=server.sensors(),
+            inputs=np.array([v.name for v in served.inputs]),
+            outputs=np.array([v.name for v in served.outputs]),
+            period=served.period,
+        )
+
+
+def replayed(served: Served, path: Path) -> str:
+    """Run with the commands of a record; the sentence that says whether the sensors are the same, byte for byte."""
+    import numpy as np
+
+    from rollerrig.realtime.server import replay
+
+    try:
+        with np.load(path, allow_pickle=False) as file:
+            kept = {name: file[name] for name in ("commands", "sensors", "inputs", "outputs", "period")}
+    except (OSError, ValueError, KeyError, zipfile.BadZipFile, EOFError) as error:
+        stop(f"{path}: {str(error).splitlines()[0]}; needed: a file of `rollerrig serve --record`")
+    now = {"inputs": [v.name for v in served.inputs], "outputs": [v.name for v in served.outputs]}
+    for what, names in now.items():
+        if names != kept[what].tolist():
+            stop(
+                f"{path}: {what}: recorded with others than this case has; allowed: the case and options of the record"
+            )
+    if float(kept["period"]) != served.period:
+        stop(f"{path}: recorded at {1.0 / float(kept['period']):g} Hz; allowed: that --rate")
+    found = replay(served, kept["commands"])
+    rows = len(kept["sensors"])
+    if found[:rows].tobytes() != kept["sensors"].tobytes():
+        unlike = np.flatnonzero((found[:rows] != kept["sensors"]).any(axis=1)) if len(found) >= rows else [len(found)]
+        first = unlike[0] if len(unlike) else 0
+        stop(f"{path}: not the same run: sensors differ from t = {first * served.period:.4f} s on", 3)
+    return f"{path}: {rows - 1} periods, {found.shape[1]} sensors: the same bytes"

@@ -1,0 +1,11 @@
+"""The rig in real time: a server that holds the plant, and a client for controllers in Python.
+
+    case -> [server] <- UDP: commands in, sensors out -> [client] your controller
+
+`rollerrig serve` is the server's command; the frames stand in docs/how_to/real_time.md and, for C, in `c_header()`.
+"""
+
+from rollerrig.realtime.client import Client as Client
+from rollerrig.realtime.client import ClientError as ClientError
+from rollerrig.realtime.client import Sensors as Sensors
+from rollerrig.realtime.frames import c_header as c_header

@@ -1,0 +1,362 @@
+"""From a case to a rig that is served: what a controller may command and sees, at which rate, and whether one core holds it.
+
+case, rate -> [serve_case] -> Served: model, inputs, outputs, description -> [open_server] -> _core.RigServer
+"""
+
+from __future__ import annotations
+
+import json
+import secrets
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from fnmatch import fnmatchcase
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rollerrig import _core
+from rollerrig.cases import as_case
+from rollerrig.config import Case, ConfigError, ConfigProblem
+from rollerrig.config.errors import nearest, one_of
+from rollerrig.config.schema.units import Quantity
+from rollerrig.mechatronics import COMMANDS
+from rollerrig.plant import assembled_model
+
+RATE = Quantity("Hz", 1.0, 1e5)
+MEASURED_PERIODS = 1000
+"""Periods that are run before the server opens, to see whether the rate can be held."""
+LOAD = 0.8
+"""Part of a period that a step may take in 99 of 100 periods; the rest is for frames, and for what else the system does."""
+LARGEST_FRAME = 512
+"""Numbers that a frame holds."""
+
+
+@dataclass(frozen=True)
+class Served:
+    """A rig ready to be served.
+
+    Attributes:
+        case: as it is run; external controllers are asked at each period.
+        assembled: its model.
+        period: [s].
+        inputs: variables that are commanded.
+        outputs: variables that are sent.
+        safe: values of the inputs in the safe state.
+        external: tables of the case whose controllers are outside.
+    """
+
+    case: Case
+    assembled: _core.AssembledModel
+    period: float
+    inputs: tuple[_core.Variable, ...]
+    outputs: tuple[_core.Variable, ...]
+    safe: tuple[float, ...]
+    external: tuple[str, ...]
+
+    @property
+    def input_indices(self) -> list[int]:
+        """Of the inputs, as the core counts its variables."""
+        return self._indices(self.inputs)
+
+    @property
+    def output_indices(self) -> list[int]:
+        """Of the outputs, as the core counts its variables."""
+        return self._indices(self.outputs)
+
+    def _indices(self, variables: Sequence[_core.Variable]) -> list[int]:
+        plant = _core.Plant(self.assembled)
+        return [plant.find(variable.name) for variable in variables]
+
+    @property
+    def periods(self) -> int:
+        """Of the run."""
+        return max(1, round(self.case.time.duration / self.period))
+
+
+def serve_case(
+    case: Case,
+    rate: str | float = "1 kHz",
+    *,
+    external: Sequence[str] | None = None,
+    outputs: Sequence[str] = (),
+    safe: Mapping[str, float] | None = None,
+) -> Served:
+    """Prepare a case for a server.
+
+    Args:
+        case: a checked case.
+        rate: of commands and sensors [Hz]; its period is a multiple of `time.sampling_step`.
+        external: tables of the case's controllers that are outside; None: 'slide_protection' and 'wheel_slip_control', as far
+            as the case has them. They are asked every period.
+        outputs: names of what is sent, '*' stands for anything; empty: what the controllers outside measure.
+        safe: values of commands in the safe state, by name; 0 for the others.
+
+    Raises:
+        ConfigError: the rate, a name or a value is not allowed, or two controllers would command the same valves.
+        StartError: no equilibrium was found to start from.
+    """
+    there = [role for role in COMMANDS if getattr(case, role) is not None]
+    roles = tuple(external if external is not None else (role for role in there if role != "rig_control"))
+    for role in roles:
+        if role not in there:
+            raise _refused(case, "external", role, one_of(there), nearest(role, there))
+        if (user := getattr(case, role).user) is not None:
+            allowed = "two controllers for one command: remove it, or leave its table out of --external"
+            raise _refused(case, f"{role}.user", repr(user), allowed)
+    period = _period(case, rate)
+    case = case.with_changes({f"{role}.sample_time": period for role in roles})
+    assembled = assembled_model(case, external=roles)
+    variables = _core.Plant(assembled).variables
+    inputs = tuple(v for v in variables if v.causality == "input")
+    chosen = _chosen(case, variables, outputs, roles)
+    if max(len(inputs), len(chosen)) > LARGEST_FRAME:
+        allowed = f"a frame holds at most {LARGEST_FRAME} numbers; name fewer with --outputs"
+        raise _refused(case, "outputs", f"{len(chosen)} variables", allowed)
+    return Served(case, assembled, period, inputs, chosen, _safe(case, inputs, safe or {}), roles)
+
+
+def describe(served: Served, *, session: int, lock_step: bool, patience: int) -> str:
+    """What a controller is told of the server, as JSON."""
+    sensors = tuple(f"{role}." for role in served.external)
+
+    def entry(variable: _core.Variable, **more: Any) -> dict[str, Any]:
+        return {"name": variable.name, "unit": variable.unit, "meaning": variable.description, **more}
+
+    told = {
+        "case": served.case.name,
+        "session": session,
+        "period": served.period,
+        "lock_step": lock_step,
+        "watchdog_periods": patience,
+        "inputs": [
+            entry(v, start=v.start, safe=s, least=_finite(v.least), most=_finite(v.most), whole=v.whole)
+            for v, s in zip(served.inputs, served.safe, strict=True)
+        ],
+        "outputs": [entry(v, measured=v.name.startswith(sensors)) for v in served.outputs],
+    }
+    return json.dumps(told, separators=(",", ":"), ensure_ascii=False)
+
+
+def open_server(
+    served: Served,
+    address: str,
+    port: int,
+    *,
+    lock_step: bool = False,
+    at_once: bool = False,
+    patience: int = 10,
+    ramp: float = 0.2,
+    oldest: int = 3,
+    give_up: float = 10.0,
+    spin: float = 5e-5,
+    record: bool = False,
+) -> _core.RigServer:
+    """A server that listens; its `run` is the loop.
+
+    Args:
+        served: the rig.
+        address: of IPv4; '127.0.0.1' is the loopback.
+        port: 0: any that is free.
+        lock_step: wait for the command of each step, whatever time that takes.
+        at_once: begin without a controller.
+        patience: periods without a command until the watchdog acts.
+        ramp: time from there to the safe state [s].
+        oldest: periods that the sensors may be old that a command answers.
+        give_up: in lock-step the run ends after so long without a command [s].
+        spin: how long before a deadline the loop is awake already [s].
+        record: keep what acted and what was sent.
+
+    Raises:
+        ConfigError: the port cannot be had, or this system has no server.
+    """
+    session = secrets.randbelow(10**9 - 1) + 1
+    settings = _core.ServerSettings(
+        period=served.period,
+        periods=served.periods,
+        session=session,
+        oldest=oldest,
+        patience=patience,
+        ramp=round(ramp / served.period),
+        lock_step=lock_step,
+        at_once=at_once,
+        give_up=give_up,
+        spin=min(spin, 0.25 * served.period),
+        record=record,
+    )
+    try:
+        return _core.RigServer(
+            assembled=served.assembled,
+            inputs=served.input_indices,
+            outputs=served.output_indices,
+            safe=list(served.safe),
+            description=describe(served, session=session, lock_step=lock_step, patience=patience),
+            address=address,
+            port=port,
+            settings=settings,
+        )
+    except RuntimeError as error:  # of the system: in use, not of this machine, not Linux
+        allowed = "allowed: a free port of this machine; 0 takes any"
+        raise _refused(served.case, "udp", f"{address}:{port}", f"{error}; {allowed}") from None
+
+
+def check_rate(served: Served, periods: int = MEASURED_PERIODS) -> float:
+    """Run some periods as quickly as they go, and see whether the rate can be held.
+
+    Returns:
+        The largest rate that can [Hz], by processor time.
+
+    Raises:
+        ConfigError: it is below that of the server; the message says what can be held.
+    """
+    count = min(periods, served.periods)
+    found = _core.measure_rig(
+        served.assembled, served.input_indices, served.output_indices, period=served.period, periods=count
+    )
+    longest = 1e-9 * found[2]
+    rate = LOAD / longest if longest > 0 else float("inf")
+    if rate < 1.0 / served.period:
+        allowed = (
+            f"one core of this machine holds {_hertz(rate)} of this case: 99 of 100 steps take at most "
+            f"{1e3 * longest:.3g} ms, {100 * LOAD:.0f} % of a period is allowed"
+        )
+        raise _refused(served.case, "rate", _hertz(1.0 / served.period), allowed)
+    return rate
+
+
+def replay(served: Served, commands: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Sensors of a run whose commands are known, shape (period + 1, output): those of the start come first.
+
+    Args:
+        served: the rig.
+        commands: what acts in each period, shape (period, input).
+    """
+    found: NDArray[np.float64] = _core.replay_rig(
+        served.assembled,
+        served.input_indices,
+        served.output_indices,
+        period=served.period,
+        commands=np.ascontiguousarray(commands, dtype=np.float64),
+    )
+    return found
+
+
+@dataclass(frozen=True)
+class Ended:
+    """How a server's run ended.
+
+    Attributes:
+        ending: 'ran', 'stopped_by_caller', 'plant_ended' or 'controller_silent'.
+        status: of the run, as in the results: 'ok', 'stopped', 'contact_lost' ...
+        sentence: what the status means.
+        memory: 'locked', or why not.
+        scheduling: 'SCHED_FIFO', or why not.
+        statistics: of deadlines and frames; times are (count, median, 99 %, 99.99 %, longest) [ns].
+    """
+
+    ending: str
+    status: str
+    sentence: str
+    memory: str
+    scheduling: str
+    statistics: dict[str, Any]
+
+
+def run_server(server: _core.RigServer) -> Ended:
+    """Run a server to its end; other threads may look on and stop it."""
+    ending, code, memory, scheduling = server.run()
+    status = next(name for name, number in _core.status_codes.items() if number == code)
+    wheel = f"{server.failed_wheel}: " if server.failed_wheel else ""
+    return Ended(ending, status, wheel + _core.status_sentence(code), memory, scheduling, server.statistics())
+
+
+def serve(
+    case: Case | str, rate: str | float = "1 kHz", *, address: str = "127.0.0.1", port: int = 0, **options: Any
+) -> Ended:
+    """Serve a case until it ends, `rollerrig serve`; a controller commands it over UDP.
+
+    Args:
+        case: what to serve, or its name in the catalogue.
+        rate: of commands and sensors [Hz].
+        address: to listen at; the loopback unless another one is given: frames are not encrypted.
+        port: 0: any that is free.
+        options: of `serve_case` and `open_server`.
+
+    Returns:
+        How it ended.
+
+    Raises:
+        ConfigError: something is not allowed, the port is in use, or one core cannot hold the rate.
+        StartError: no equilibrium was found to start from.
+    """
+    of_case = {name: options.pop(name) for name in ("external", "outputs", "safe") if name in options}
+    served = serve_case(as_case(case), rate, **of_case)
+    if not options.get("lock_step"):
+        check_rate(served)
+    return run_server(open_server(served, address, port, **options))
+
+
+# ---------------------------------------------------------------------------------------------------- parts
+
+
+def _period(case: Case, rate: str | float) -> float:
+    try:
+        number = float(rate) if not isinstance(rate, str) or _is_number(rate) else rate
+        hertz = RATE.parse(number)
+    except ValueError:
+        raise _refused(case, "rate", repr(rate), f"allowed: a rate like '1 kHz', {RATE.bounds}") from None
+    if not case.sampled:
+        return 1.0 / hertz
+    step = case.time.sampling_step
+    steps = 1.0 / hertz / step
+    if round(steps) < 1 or abs(steps - round(steps)) > 1e-6 * steps:
+        near = _hertz(1.0 / (max(1, round(steps)) * step))
+        allowed = f"allowed: a rate whose period is a multiple of time.sampling_step, {1e3 * step:g} ms; the nearest is {near}"
+        raise _refused(case, "rate", _hertz(hertz), allowed)
+    return round(steps) * step
+
+
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
+
+
+def _chosen(
+    case: Case, variables: Sequence[_core.Variable], patterns: Sequence[str], roles: Sequence[str]
+) -> tuple[_core.Variable, ...]:
+    outputs = [v for v in variables if v.causality == "output"]
+    asked = list(patterns) or [f"{role}.*" for role in roles] or ["*axle_speed", "*pitch_rate"]
+    for pattern in patterns:
+        if not any(fnmatchcase(v.name, pattern) for v in outputs):
+            names = [v.name for v in outputs]
+            allowed = f"allowed: names of outputs, with '*' for anything, like '{names[0]}'"
+            raise _refused(case, "outputs", repr(pattern), allowed, nearest(pattern, names))
+    return tuple(v for v in outputs if any(fnmatchcase(v.name, pattern) for pattern in asked))
+
+
+def _safe(case: Case, inputs: Sequence[_core.Variable], given: Mapping[str, float]) -> tuple[float, ...]:
+    names = [v.name for v in inputs]
+    for name, value in given.items():
+        if name not in names:
+            raise _refused(case, "safe", repr(name), one_of(names), nearest(name, names))
+        limits = inputs[names.index(name)]
+        if not limits.least <= value <= limits.most or (limits.whole and value != round(value)):
+            kind = "a whole number" if limits.whole else "a number"
+            allowed = f"allowed: {kind} from {limits.least:g} to {limits.most:g}"
+            raise _refused(case, f"safe: {name}", f"{value:g}", allowed)
+    return tuple(float(given.get(name, 0.0)) for name in names)
+
+
+def _finite(value: float) -> float | None:
+    return value if np.isfinite(value) else None
+
+
+def _hertz(rate: float) -> str:
+    return f"{rate / 1e3:.3g} kHz" if rate >= 1e3 else f"{rate:.3g} Hz"
+
+
+def _refused(case: Case, key: str, value: str, allowed: str, hint: str = "") -> ConfigError:
+    return ConfigError([ConfigProblem(case.name, key, value, allowed, hint)])

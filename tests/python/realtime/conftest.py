@@ -1,0 +1,31 @@
+"""Rigs that are served for the tests: short, on the loopback, each in a thread of its own."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import pytest
+
+from python.realtime.running import Running, brake_case
+from rollerrig.realtime.server import Served, serve_case
+
+
+@pytest.fixture(scope="session")
+def served_brake() -> Served:
+    """The brake test of 1 s at 200 Hz, the sample time of its slide protection, with the train's motion."""
+    return serve_case(brake_case(), "200 Hz", outputs=["slide_protection.*", "train.*"])
+
+
+@pytest.fixture
+def serve() -> Iterator[Callable[..., Running]]:
+    """Starts servers, and stops them whatever happens."""
+    started: list[Running] = []
+
+    def start(served: Served, **settings: Any) -> Running:
+        started.append(Running(served, **settings))
+        return started[-1]
+
+    yield start
+    for running in started:
+        running.stop()

@@ -1,0 +1,34 @@
+"""A server at work in a thread of its own, and the case that the tests serve."""
+
+from __future__ import annotations
+
+import threading
+from typing import Any
+
+import rollerrig as rr
+from rollerrig.realtime.server import Ended, Served, open_server, run_server
+
+
+class Running:
+    """A server at work; `join` waits for its end."""
+
+    def __init__(self, served: Served, **settings: Any) -> None:
+        self.served = served
+        self.server = open_server(served, "127.0.0.1", 0, **settings)
+        self.address = f"127.0.0.1:{self.server.port}"
+        self._ended: list[Ended] = []
+        self._thread = threading.Thread(target=lambda: self._ended.append(run_server(self.server)))
+        self._thread.start()
+
+    def join(self) -> Ended:
+        self._thread.join(30.0)
+        assert self._ended, "the server did not end"
+        return self._ended[0]
+
+    def stop(self) -> None:
+        self.server.stop()
+        self._thread.join(30.0)
+
+
+def brake_case(**changes: Any) -> rr.Case:
+    return rr.load_case("adhesion_brake").with_changes({"time.duration": 1.0, "time.output_step": 0.005} | changes)
