@@ -43,7 +43,7 @@ class Row:
         key: its name in summary.json.
         text: what is compared.
         value: of many starts, in SI units.
-        low, high: target.
+        low, high: target; low = 0: of a size, at most `high`.
         origin: where the target comes from.
         unit, factor: in which it is shown.
         signed: whether it is a difference, with a sign.
@@ -71,7 +71,8 @@ class Row:
         """'met', 'not met' or 'not decided'."""
         if not math.isfinite(self.value.mean):
             return "not decided"
-        within = self.value.interval.within(self.low, self.high)
+        # A size is never below 0, its interval may be, where starts differ by more than their mean.
+        within = self.value.interval.within(self.low or -math.inf, self.high)
         if within is None or (within and self.bad_run):
             return "not decided"
         return "met" if within else "not met"
@@ -84,7 +85,8 @@ class Row:
         if not math.isfinite(self.value.mean):
             return "–"
         interval, ends = self.value.interval, ""
-        low, high = self._number(interval.low), self._number(interval.high)
+        least = interval.low if self.low else max(0.0, interval.low)
+        low, high = self._number(least), self._number(interval.high)
         if interval.bounded and low != high:
             ends = f" ({low} … {high})"
         return f"{self._number(self.value.mean)}{ends} {self.unit}".strip()

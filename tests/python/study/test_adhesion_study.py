@@ -198,6 +198,16 @@ def test_a_wide_interval_decides_nothing() -> None:
     assert replace(row, value=Estimate(0.01, math.nan, 0.0)).verdict == "not decided"  # a single test
 
 
+def test_a_size_is_within_its_target_also_where_starts_differ_by_more_than_their_mean() -> None:
+    """A drive at its limit in one start of eight, for a moment: the interval reaches below zero, which says nothing against it."""
+    row = Row("tracking", "x", "x", Estimate(7e-5, 5e-5, 7.0), 0.0, 0.01, "")
+    assert row.value.interval.low < 0.0
+    assert row.verdict == "met"
+    assert row.value_text == "0.007 (0 … 0.019) %"
+    assert replace(row, value=Estimate(7e-3, 5e-3, 7.0)).verdict == "not decided"
+    assert replace(row, value=Estimate(-0.03, 1e-3, 7.0), low=-0.02, high=0.02, signed=True).verdict == "not met"
+
+
 def test_the_force_of_an_axle_counts_once_it_has_slid() -> None:
     slips = np.array([[0.0], [0.0], [0.3], [0.3], [0.0], [0.0]])
     used = np.array([[0.5], [0.1], [0.06], [0.06], [0.417], [0.1]])
