@@ -199,7 +199,7 @@ def test_a_wide_interval_decides_nothing() -> None:
 
 
 def test_a_size_is_within_its_target_also_where_starts_differ_by_more_than_their_mean() -> None:
-    """A drive at its limit in one start of eight, for a moment: the interval reaches below zero, which says nothing against it."""
+    """A drive at its limit in one start of eight: the interval reaches below zero, which says nothing against it."""
     row = Row("tracking", "x", "x", Estimate(7e-5, 5e-5, 7.0), 0.0, 0.01, "")
     assert row.value.interval.low < 0.0
     assert row.verdict == "met"
