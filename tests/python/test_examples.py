@@ -24,6 +24,8 @@ ANSWERS = {
     # Smooth contact: the raw load is the filtered one, where ellipses that come and go shook it down to 24 kN.
     "06_running_safety": ([r"largest Y/Q: 0\.22 at wheelset_1_right; .* 1\.34", r"load: 39\.4 kN; raw 39\.4 kN"],
                           ["quotient.png"]),
+    # In lock-step at the sample time of the built-in controller it is the same run, read one sample of the rig later.
+    "10_brake_controller": ([r"after 53\.\d+ s at 3\.6 km/h", r"outside: 978\.\d\d m, built in: 978\.\d\d m, [+-]0\.00\d %"], []),
 }  # fmt: skip
 """Script -> patterns of its output in their order, and files that it leaves."""
 

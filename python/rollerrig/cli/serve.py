@@ -59,15 +59,17 @@ def command(
     whole = read_case(case, allow_code=allow_code)
     address, port = serving.address_of(udp, whole.name)
     roles = None if external is None else [name.strip() for name in external.split(",") if name.strip()]
+    kept = None if replay is None else serving.read_record(replay)
     served = serve_case(
         whole,
         rate,
         external=roles,
         outputs=[name.strip() for name in outputs.split(",") if name.strip()],
         safe=serving.values_of(safe, whole.name),
+        lock_step=lock_step if kept is None else bool(kept["lock_step"]),
     )
-    if replay is not None:
-        typer.echo(serving.replayed(served, replay))
+    if kept is not None:
+        typer.echo(serving.replayed(served, kept, str(replay)))
         raise typer.Exit
     serving.check_target(record)
     if not lock_step:
@@ -86,7 +88,7 @@ def command(
         say(f"rollerrig: {line}")
     ended = serving.run_watched(server, live=watch)
     if record is not None:
-        serving.write_record(record, served, server)
+        serving.write_record(record, served, server, lock_step=lock_step)
     typer.echo("\n".join(serving.closing_lines(served, server, ended)))
     if ended.ending == "controller_silent":
         stop("in lock-step the run cannot go on without commands", LEFT_VALIDITY)

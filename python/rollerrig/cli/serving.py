@@ -157,7 +157,7 @@ def check_target(path: Path | None) -> None:
         stop(f"{path}: exists already; allowed: a new file, or remove it first")
 
 
-def write_record(path: Path, served: Served, server: Any) -> None:
+def write_record(path: Path, served: Served, server: Any, *, lock_step: bool) -> None:
     """What acted and what was sent in each period, with the names."""
     import numpy as np
 
@@ -169,20 +169,28 @@ def write_record(path: Path, served: Served, server: Any) -> None:
             inputs=np.array([v.name for v in served.inputs]),
             outputs=np.array([v.name for v in served.outputs]),
             period=served.period,
+            lock_step=lock_step,
         )
 
 
-def replayed(served: Served, path: Path) -> str:
+def read_record(path: Path) -> dict[str, Any]:
+    """What `write_record` wrote."""
+    import numpy as np
+
+    names = ("commands", "sensors", "inputs", "outputs", "period", "lock_step")
+    try:
+        with np.load(path, allow_pickle=False) as file:
+            return {name: file[name] for name in names}
+    except (OSError, ValueError, KeyError, AttributeError, TypeError, zipfile.BadZipFile, EOFError) as error:
+        stop(f"{path}: {(str(error) or 'empty').splitlines()[0]}; needed: a file of `rollerrig serve --record`")
+
+
+def replayed(served: Served, kept: dict[str, Any], path: str) -> str:
     """Run with the commands of a record; the sentence that says whether the sensors are the same, byte for byte."""
     import numpy as np
 
     from rollerrig.realtime.server import replay
 
-    try:
-        with np.load(path, allow_pickle=False) as file:
-            kept = {name: file[name] for name in ("commands", "sensors", "inputs", "outputs", "period")}
-    except (OSError, ValueError, KeyError, zipfile.BadZipFile, EOFError) as error:
-        stop(f"{path}: {str(error).splitlines()[0]}; needed: a file of `rollerrig serve --record`")
     now = {"inputs": [v.name for v in served.inputs], "outputs": [v.name for v in served.outputs]}
     for what, names in now.items():
         if names != kept[what].tolist():

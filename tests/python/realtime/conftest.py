@@ -14,7 +14,7 @@ from rollerrig.realtime.server import Served, serve_case
 @pytest.fixture(scope="session")
 def served_brake() -> Served:
     """The brake test of 1 s at 200 Hz, the sample time of its slide protection, with the train's motion."""
-    return serve_case(brake_case(), "200 Hz", outputs=["slide_protection.*", "train.*"])
+    return serve_case(brake_case(), "200 Hz", outputs=["slide_protection.*", "train.*"], lock_step=True)
 
 
 @pytest.fixture

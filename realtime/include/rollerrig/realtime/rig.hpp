@@ -46,6 +46,10 @@ class Rig {
     return plant_.advance(period_ * static_cast<double>(++periods_)) == Status::ok;
   }
 
+  /// The time of the model's run is over.
+  bool ended() const { return plant_.time() + 0.5 * period_ > plant_.assembled().options.final_time; }
+
+  std::span<int const> input_indices() const { return inputs_; }
   Plant& plant() { return plant_; }
   Plant const& plant() const { return plant_; }
 
@@ -56,22 +60,23 @@ class Rig {
   std::int64_t periods_{0};
 };
 
-/// Steps a rig that has started, as its inputs stand, and reads its outputs; what each period cost [ns of this thread's
-/// processor]. Ends with the run.
+/// Steps a rig, its commands at their start values, and reads its outputs: what each period cost [ns of this thread's
+/// processor]. A run that comes to its end is begun anew.
 ///
 /// @param time  of the processor: processor_time()
 template <class ProcessorTime>
 void measure_periods(Rig& rig, std::int64_t periods, ProcessorTime time, Histogram& cost) {
-  std::vector<double> command(rig.inputs()), out(rig.outputs());
-  std::size_t i = 0;
-  for (Variable const& variable : rig.plant().variables())
-    if (variable.causality == Causality::input && i < command.size()) command[i++] = variable.start;
+  std::vector<double> command, out(rig.outputs());
+  for (int const index : rig.input_indices())
+    command.push_back(rig.plant().variables()[static_cast<std::size_t>(index)].start);
+  bool goes_on = false;
   for (std::int64_t k = 0; k < periods; ++k) {
+    if (!goes_on && rig.start() != Status::ok) return;
     std::int64_t const begun = time();
-    bool const goes_on = rig.step(command);
+    goes_on = rig.step(command);
     rig.read(out);
     cost.add(time() - begun);
-    if (!goes_on) return;
+    goes_on = goes_on && !rig.ended();
   }
 }
 

@@ -385,8 +385,14 @@ class Examples:
 
             return Call(call, {})
 
+        law = next(c.controller for c in self.recipes["brake"].setup.controllers if hasattr(c.controller, "law"))
+        unit = {"controller": law, "axles": 2, "train_speed": 30.0, "period": 5e-3}
+        speeds = {"time": 0.0, "axle_speed": [60.0, 61.0]}
+
         methods = ("run", "stop", "statistics", "histogram", "commands", "sensors")
         return {f"RigServer.{method}": after_a_run(method) for method in methods} | {
+            "SlideProtectionUnit": Call(_core.SlideProtectionUnit, unit),
+            "SlideProtectionUnit.step": Call(lambda **given: _core.SlideProtectionUnit(**unit).step(**given), speeds),
             "ServerSettings": Call(_core.ServerSettings, settings),
             "RigServer": Call(run, served),
             "measure_rig": Call(_core.measure_rig, rig | {"period": 2e-3, "periods": 5}),

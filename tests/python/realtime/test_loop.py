@@ -1,0 +1,81 @@
+"""What the loop promises of itself: no allocation, the same cost at every speed."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from python.realtime.running import brake_case
+from rollerrig import _core, simulate
+from rollerrig.realtime.server import serve_case
+
+COUNTER = """
+#define _GNU_SOURCE
+#include <stddef.h>
+extern void* __libc_malloc(size_t);
+static __thread long calls = 0;
+void* malloc(size_t size) { ++calls; return __libc_malloc(size); }
+long malloc_calls(void) { return calls; }
+"""
+
+RUNS = """
+import ctypes
+from python.realtime.running import brake_case
+from rollerrig.realtime.server import open_server, serve_case
+calls = ctypes.CDLL(None).malloc_calls
+calls.restype = ctypes.c_long
+for duration, lock_step in ((0.2, False), (0.2, False), (1.2, False), (0.2, True), (0.2, True), (1.2, True)):
+    served = serve_case(brake_case(**{"time.duration": duration}), "1 kHz", lock_step=lock_step)
+    server = open_server(served, "127.0.0.1", 0, at_once=True, lock_step=True)
+    before = calls()
+    server.run()
+    print(server.statistics()["periods"], calls() - before)
+"""
+"""The brake bites after 0.5 s."""
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="counts the calls of glibc's malloc")
+def test_a_thousand_periods_more_allocate_nothing_more(tmp_path: Path) -> None:
+    compiler = shutil.which("cc") or shutil.which("gcc")
+    if compiler is None:
+        pytest.skip("no C compiler")
+    (tmp_path / "counter.c").write_text(COUNTER)
+    library = tmp_path / "counter.so"
+    subprocess.run([compiler, "-shared", "-fPIC", "-O1", "-o", library, tmp_path / "counter.c"], check=True)
+    environment = os.environ | {"LD_PRELOAD": str(library), "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
+    done = subprocess.run([sys.executable, "-c", RUNS], capture_output=True, text=True, env=environment, check=False)
+    assert done.returncode == 0, done.stderr
+    runs = [[int(word) for word in line.split()] for line in done.stdout.splitlines()]
+    for short, long in (runs[1:3], runs[4:6]):  # in real time and in lock-step the methods differ
+        assert (short[0], long[0]) == (200, 1200)
+        assert short[1] == long[1] > 0  # the start of a run does allocate
+
+
+def test_standstill_and_walking_pace_cost_what_200_km_h_costs() -> None:
+    """Processor time is noisy, and evaluations are not: the median within a third, the evaluations within 5 %."""
+    medians, evaluations = [], []
+    for speed in ("0 km/h", "1 m/s", "200 km/h"):
+        case = brake_case(**{"motion.speed": speed, "time.duration": 1.0})
+        served = serve_case(case, "1 kHz")
+        rig = (served.assembled, served.input_indices, served.output_indices)
+        medians.append(min(_core.measure_rig(*rig, period=1e-3, periods=1000)[1] for _ in range(3)))
+        evaluations.append(json.loads(simulate(served.case).attrs["solver_statistics"])["derivative_calls"])
+    assert max(medians) < 1.34 * min(medians)
+    assert max(evaluations) < 1.05 * min(evaluations)
+
+
+def test_in_real_time_no_step_stops_for_a_jacobian_or_is_done_again() -> None:
+    """The method of `simulate` renews its matrices now and then, in a step that takes thirty times the others."""
+    case = brake_case(**{"time.duration": 2.0})
+    steps, usual = (
+        json.loads(simulate(serve_case(case, "1 kHz", lock_step=lock_step).case).attrs["solver_statistics"])
+        for lock_step in (False, True)
+    )
+    assert (steps["jacobian_calls"], steps["rejected_steps"], steps["steps"]) == (0, 0, 2000)
+    assert usual["jacobian_calls"] > 0
