@@ -69,9 +69,8 @@ std::shared_ptr<CreepTable> creep_table(double log_aspect_end, double rho_0, int
   check_value(cells, table_cells, "CreepTable", "cells");
   check_value(coefficients, finite_number, "CreepTable", "coefficients");
   auto table = std::make_shared<CreepTable>(CreepTable{log_aspect_end, rho_0, aspects, cells, {}});
-  if (coefficients.shape(0) != table->size())
-    throw nb::value_error("the creep table has not as many coefficients as its shape asks for");
   table->coefficients.assign(coefficients.data(), coefficients.data() + coefficients.shape(0));
+  table->check();
   return table;
 }
 

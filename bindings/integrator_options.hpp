@@ -1,18 +1,20 @@
 // bindings/integrator_options.hpp - the settings of an integrator, by the names that Python knows.
 #pragma once
+#include <algorithm>
+#include <array>
 #include <string>
 
 #include "convert.hpp"
 #include "rollerrig/integrate/options.hpp"
 
+inline constexpr std::array<char const*, 5> method_names{"rk4", "exponential_rk4", "exponential_adams",
+                                                         "dormand_prince", "rodas4"};  ///< of integrate::Method
+
 inline rollerrig::integrate::Method method_named(std::string const& name) {
-  using rollerrig::integrate::Method;
-  if (name == "rk4") return Method::rk4;
-  if (name == "exponential_rk4") return Method::exponential_rk4;
-  if (name == "exponential_adams") return Method::exponential_adams;
-  if (name == "dormand_prince") return Method::dormand_prince;
-  if (name == "rodas4") return Method::rodas4;
-  throw nb::value_error("unknown method; known: rk4, exponential_rk4, exponential_adams, dormand_prince, rodas4");
+  auto const found = std::find(method_names.begin(), method_names.end(), name);
+  if (found == method_names.end())
+    throw nb::value_error("unknown method; known: rk4, exponential_rk4, exponential_adams, dormand_prince, rodas4");
+  return static_cast<rollerrig::integrate::Method>(found - method_names.begin());
 }
 
 /// Outputs are the caller's matter.

@@ -10,6 +10,7 @@
 #include "arguments.hpp"
 #include "fields.hpp"
 #include "integrator_options.hpp"
+#include "rollerrig/plant/model_file.hpp"
 
 using namespace nb::literals;
 using namespace rollerrig;
@@ -30,6 +31,20 @@ void bind_variable(nb::module_& m) {
       .def_ro("least", &Variable::least)
       .def_ro("most", &Variable::most)
       .def_ro("whole", &Variable::whole);
+}
+
+nb::dict settings(AssembledModel const& self) {
+  auto const& o = self.options;
+  nb::dict d;
+  d["method"] = method_names[static_cast<std::size_t>(o.method)];
+  d["step"] = o.step;
+  d["relative_tolerance"] = o.relative_tolerance;
+  d["absolute_tolerance"] = o.absolute_tolerance;
+  d["initial_step"] = o.initial_step;
+  d["maximum_step"] = o.maximum_step;
+  d["final_time"] = o.final_time;
+  d["breakpoints"] = o.breakpoints;
+  return d;
 }
 
 void bind_assembled(nb::module_& m) {
@@ -53,7 +68,25 @@ void bind_assembled(nb::module_& m) {
           "absolute_tolerance"_a, "initial_step"_a, "maximum_step"_a, "final_time"_a, "breakpoints"_a, "t0"_a, "x0"_a)
       .def_ro("name", &AssembledModel::name)
       .def_ro("names", &AssembledModel::names)
-      .def_prop_ro("final_time", [](AssembledModel const& self) { return self.options.final_time; });
+      .def_ro("model", &AssembledModel::model)
+      .def_ro("setup", &AssembledModel::setup)
+      .def_ro("t0", &AssembledModel::start_time)
+      .def_ro("x0", &AssembledModel::start)
+      .def_prop_ro("settings", &settings, "Of the integrator, as Simulation.start() takes them.");
+  m.def(
+      "write_model",
+      [](AssembledModel const& assembled) {
+        auto const bytes = write_model(assembled);
+        return nb::bytes(bytes.data(), bytes.size());
+      },
+      "assembled"_a, "The bytes of a model file.");
+  m.def(
+      "read_model",
+      [](nb::bytes const& content) {
+        return read_model({static_cast<std::byte const*>(content.data()), content.size()});
+      },
+      "content"_a, "The model in a model file; ValueError says what is wrong with it.");
+  m.attr("model_layout") = model_layout();
 }
 
 void set_input(Plant& self, int index, double value) {

@@ -181,10 +181,9 @@ int ModelBuilder::add_element(ForceElement const& element) {
 }
 
 int ModelBuilder::add_profile(UniformSpline const& profile) {
-  need_profile(profile, number("profile", profiles_.size()));
-  profiles_.push_back(std::make_shared<UniformSpline const>(profile));
-  model_.tables.push_back(profiles_.back());
-  return static_cast<int>(profiles_.size()) - 1;
+  need_profile(profile, number("profile", model_.profiles.size()));
+  model_.profiles.push_back(std::make_shared<UniformSpline const>(profile));
+  return static_cast<int>(model_.profiles.size()) - 1;
 }
 
 int ModelBuilder::add_contact(ContactDescription const& d) {
@@ -192,11 +191,11 @@ int ModelBuilder::add_contact(ContactDescription const& d) {
   check_body(d.wheelset, what + ": wheelset");
   check_body(d.roller, what + ": roller", d.roller_radius == 0.0);
   for (int profile : {d.wheel_profile, d.rail_profile})
-    need(profile >= 0 && profile < static_cast<int>(profiles_.size()),
+    need(profile >= 0 && profile < static_cast<int>(model_.profiles.size()),
          what + ": there is no profile " + std::to_string(profile));
   check_fields(d, what);
   for (int profile : {d.wheel_profile, d.rail_profile})
-    need(profiles_[at(profile)]->end() - profiles_[at(profile)]->start <= widest_profile * d.size,
+    need(model_.profiles[at(profile)]->end() - model_.profiles[at(profile)]->start <= widest_profile * d.size,
          what + ": size is too small for profile " + std::to_string(profile));
   if (d.laws.friction.map) d.laws.friction.map->check();
   Body const& wheelset = model_.bodies[at(d.wheelset)];
@@ -211,8 +210,8 @@ int ModelBuilder::add_contact(ContactDescription const& d) {
     need(std::abs(roller.position.z + d.roller_radius) < 1e-9, what + ": the crown of its roller is not at z = 0");
     c.crown_in_roller = {wheelset.position.x - roller.position.x, -roller.position.y, d.roller_radius};
   }
-  c.pair = {profiles_[at(d.wheel_profile)].get(),
-            profiles_[at(d.rail_profile)].get(),
+  c.pair = {model_.profiles[at(d.wheel_profile)].get(),
+            model_.profiles[at(d.rail_profile)].get(),
             d.wheel_radius,
             d.tape_circle_y,
             d.rail_origin_y,

@@ -37,6 +37,7 @@ inline void check_options(Options const& o, int states, bool has_jacobian) {
   };
   auto const tolerances = static_cast<int>(o.absolute_tolerance.size());
   require(o.step >= 0, "step must be positive, or 0 to let the error choose it");
+  require(o.method >= Method::rk4 && o.method <= Method::rodas4, "there is no such method");
   bool const free = o.method == Method::dormand_prince || o.method == Method::rodas4;
   require(o.step > 0 || free, "methods rk4, exponential_rk4 and exponential_adams need a step");
   bool const linearised = o.method == Method::exponential_adams || o.method == Method::rodas4;

@@ -172,8 +172,8 @@ struct Model {
   std::size_t rotors{0};                   ///< of the couplings
   Eigen::MatrixXd coupling_matrix;         ///< inverse of G, system/couplings.hpp
   std::vector<int> constraint_of_contact;  ///< rolling constraint of the axle; -1: none
-  std::vector<std::vector<int>> contact_groups;     ///< contacts of the same laws, friction aside
-  std::vector<std::shared_ptr<void const>> tables;  ///< keeps what the contacts point to
+  std::vector<std::vector<int>> contact_groups;                ///< contacts of the same laws, friction aside
+  std::vector<std::shared_ptr<UniformSpline const>> profiles;  ///< what the contacts point to
 
   /// Throws std::invalid_argument that names the argument where there is no such contact.
   WheelContact const& contact(int index, char const* argument) const {

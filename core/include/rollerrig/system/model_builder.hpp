@@ -80,7 +80,6 @@ class ModelBuilder {
   void check_body(int body, std::string const& what, bool may_be_ground = false) const;
 
   Model model_;
-  std::vector<std::shared_ptr<UniformSpline const>> profiles_;
   std::map<double, std::shared_ptr<KalkerTable const>> kalker_;              ///< over Poisson's ratio
   std::map<std::pair<int, double>, std::shared_ptr<GapNodes const>> nodes_;  ///< over wheel profile and size
 };

@@ -14,6 +14,7 @@
 #include <array>
 #include <cstddef>
 #include <memory>
+#include <stdexcept>
 #include <vector>
 
 #include "rollerrig/contact/creep/creep_query.hpp"
@@ -38,6 +39,11 @@ struct CreepTable {
   std::size_t size() const {
     auto const s = shape();
     return 4 * s[0] * s[1] * s[2] * s[3];
+  }
+
+  void check() const {
+    if (coefficients.size() != size())
+      throw std::invalid_argument("the creep table has not as many coefficients as its shape asks for");
   }
 };
 

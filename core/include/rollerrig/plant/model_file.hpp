@@ -1,0 +1,34 @@
+// plant/model_file.hpp - an assembled model as bytes: one file that stands on its own. docs/model_file.md.
+//
+//   AssembledModel -> [write_model] -> bytes -> [read_model] -> the same AssembledModel, or a refusal by name
+//
+//   bytes  0  "rollerrig model\n"
+//         16  version of what follows, u32; 0, u32
+//         24  length of the layout, u64; length of the model, u64
+//         40  CRC-64 of everything but these eight bytes, u64
+//         48  layout: a text, a line for each field; then the model
+//
+// The layout is that of the core that wrote the file: another core reads only what has the same.
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "rollerrig/plant/assembled_model.hpp"
+
+namespace rollerrig {
+
+constexpr std::uint32_t model_file_version = 1;
+
+/// A line for each field of a model, in the order in which they are written.
+std::string const& model_layout();
+
+/// The same model, the same bytes.
+std::vector<std::byte> write_model(AssembledModel const& assembled);
+
+/// Throws std::invalid_argument that says what is wrong: no model, cut, changed, of another version, or a number out of its range.
+AssembledModel read_model(std::span<std::byte const> bytes);
+
+}  // namespace rollerrig

@@ -1,0 +1,58 @@
+// system/model_parts.hpp - what a model was built of, to be kept and built again.
+//
+//   Model -> [parts_of] -> ModelParts -> [model_of: ModelBuilder] -> the same Model
+#pragma once
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "rollerrig/system/model_builder.hpp"
+
+namespace rollerrig {
+
+/// In the order of the model's indices.
+struct ModelParts {
+  double gravity{};  ///< [m/s^2]
+  std::vector<Body> bodies{};
+  std::vector<ForceElement> elements{};
+  std::vector<UniformSpline> profiles{};
+  std::vector<ContactDescription> contacts{};
+  std::vector<AxleTorque> axle_torques{};
+  std::vector<RollerTorque> roller_torques{};
+  std::vector<AxleBrake> brakes{};
+  std::vector<BodyTrackBrake> track_brakes{};
+  std::vector<int> rolling_wheelsets{};  ///< bodies that roll on their rollers without slip
+  RunningResistance resistance{};
+  TimeTable speed{};  ///< [m/s]
+  Line line{};
+  double start{};  ///< arc length of the vehicle's reference point at time 0 [m]
+  std::optional<Irregularity> irregularity{};
+  double contact_loss_limit{};  ///< [s]
+
+  static constexpr auto fields() {
+    using P = ModelParts;
+    return std::tuple{Member{"gravity", &P::gravity},
+                      Member{"bodies", &P::bodies},
+                      Member{"elements", &P::elements},
+                      Member{"profiles", &P::profiles},
+                      Member{"contacts", &P::contacts},
+                      Member{"axle_torques", &P::axle_torques},
+                      Member{"roller_torques", &P::roller_torques},
+                      Member{"brakes", &P::brakes},
+                      Member{"track_brakes", &P::track_brakes},
+                      Member{"rolling_wheelsets", &P::rolling_wheelsets, an_index},
+                      Member{"resistance", &P::resistance},
+                      Member{"speed", &P::speed},
+                      Member{"line", &P::line},
+                      Member{"start", &P::start},
+                      Member{"irregularity", &P::irregularity},
+                      Member{"contact_loss_limit", &P::contact_loss_limit, positive}};
+  }
+};
+
+ModelParts parts_of(Model const& model);
+
+/// Throws std::invalid_argument that names what cannot be built.
+std::shared_ptr<Model const> model_of(ModelParts const& parts);
+
+}  // namespace rollerrig
