@@ -35,6 +35,8 @@ if TYPE_CHECKING:
     from rollerrig.config import Case as Case
     from rollerrig.config import ConfigError as ConfigError
     from rollerrig.config import load_case as load_case
+    from rollerrig.plant import assemble_file as assemble_file
+    from rollerrig.plant import read_model as read_model
     from rollerrig.realtime.server import serve as serve
     from rollerrig.results import OutputError as OutputError
     from rollerrig.results import ResultsError as ResultsError
@@ -56,6 +58,7 @@ _HOME = {
     "StartError": "starting_state",
     "adhesion": "commands",
     "assemble": "assembly",
+    "assemble_file": "plant",
     "catalog_entries": "catalog",
     "catalog_text": "catalog",
     "compare": "commands",
@@ -70,6 +73,7 @@ _HOME = {
     "load_case": "config",
     "load_run": "results",
     "paper": "commands",
+    "read_model": "plant",
     "save_run": "results",
     "scale": "commands",
     "serve": "realtime.server",

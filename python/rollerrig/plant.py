@@ -1,21 +1,89 @@
-"""A case as other tools drive it: assembled, at its start, with named inputs and outputs.
+"""A case as other tools drive it: assembled, at its start, with named inputs and outputs; and the file that it stands in.
 
 Case -> [assembled_model] -> _core.AssembledModel -> _core.Plant
+        [assemble_file]   -> model file -> [read_model] -> _core.AssembledModel
 """
 
 from __future__ import annotations
 
 from collections.abc import Collection
 from dataclasses import dataclass
+from pathlib import Path
 from typing import cast
 
 from rollerrig import _core
 from rollerrig.actuators import assemble_with_actuators
 from rollerrig.assembly import assemble
+from rollerrig.cases import as_case
 from rollerrig.config import Case, ConfigError, ConfigProblem
+from rollerrig.input_files import MEGABYTE, read_input
 from rollerrig.mechatronics import COMMANDS, UserController, mechatronic_setup
+from rollerrig.results.files import output_file, write_bytes
 from rollerrig.simulation import check_fixed_step, integrator_settings
 from rollerrig.starting_state import starting_state
+
+LARGEST_MODEL = 256 * MEGABYTE
+"""Of a model file: 200 km of measured track have some 100 MB [bytes]."""
+
+
+class ModelFileError(ValueError):
+    """A file holds no model that this version can read; the message says why."""
+
+
+def assemble_file(
+    case: Case | str,
+    path: str | Path,
+    *,
+    external: Collection[str] = (),
+    may_drift: bool = False,
+    force: bool = False,
+) -> Path:
+    """Write everything that a run of a case needs into one file, which the core reads without Python (docs/model_file.md).
+
+    Args:
+        case: what to assemble, or its name in the catalogue.
+        path: the file; replaced if this program wrote it. The same case gives the same bytes.
+        external: tables of the case's controllers whose commands come from outside, as inputs.
+        may_drift: also where nothing holds the vehicle along the track on its rollers.
+        force: whether a file of another program may be replaced.
+
+    Raises:
+        ConfigError: see `rollerrig.plant.assembled_model`.
+        StartError: no equilibrium was found to start from.
+        OutputError: the file could not be written.
+
+    Example:
+        >>> import rollerrig as rr
+        >>> path = rr.assemble_file("wheelset_rollers", "build/wheelset.model")
+        >>> rr.read_model(path).name
+        'wheelset_rollers'
+    """
+    target = output_file(path, force=force)
+    content = _core.write_model(assembled_model(as_case(case), external=external, may_drift=may_drift))
+    return write_bytes(target, content, force=force)
+
+
+def read_model(path: str | Path) -> _core.AssembledModel:
+    """The assembled model in a file.
+
+    Raises:
+        ModelFileError: it is none, or cut, changed, or of another version.
+        OSError: there is no such file, or it cannot be read.
+    """
+    try:
+        return _core.read_model(read_input(path, LARGEST_MODEL))
+    except ValueError as error:
+        raise ModelFileError(f"{path}: {error}") from None
+
+
+def contents(assembled: _core.AssembledModel) -> str:
+    """Lines for a user: how large a model is, and its inputs."""
+    variables = _core.Plant(assembled).variables
+    inputs = [f"{v.name} [{v.unit}]" for v in variables if v.causality == "input"]
+    counted = (
+        f"{len(assembled.names.bodies)} bodies, {len(assembled.x0)} states, {len(variables) - len(inputs)} outputs"
+    )
+    return f"{assembled.name}: {counted}\ninputs: {', '.join(inputs) or 'none'}"
 
 
 @dataclass(frozen=True)

@@ -76,7 +76,7 @@ atexit.register(lambda: print("|", *(name for name in {COSTLY!r} if name in sys.
 
 
 def test_every_command_is_a_function() -> None:
-    elsewhere = {"run": "simulate", "check": "load_case", "catalog": "catalog_entries"}
+    elsewhere = {"run": "simulate", "assemble": "assemble_file", "check": "load_case", "catalog": "catalog_entries"}
     assert {elsewhere.get(command, command) for command in COMMANDS} <= set(rr.__all__)
 
 

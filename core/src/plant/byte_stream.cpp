@@ -5,22 +5,35 @@
 namespace rollerrig {
 namespace {
 
-constexpr std::array<std::uint64_t, 256> crc_table() {
-  std::array<std::uint64_t, 256> table{};
-  for (std::uint64_t i = 0; i < table.size(); ++i) {
+using Tables = std::array<std::array<std::uint64_t, 256>, 8>;
+
+/// Of a byte, and of one with k zero bytes behind it: eight bytes are taken at a time.
+constexpr Tables crc_tables() {
+  Tables tables{};
+  for (std::uint64_t i = 0; i < 256; ++i) {
     std::uint64_t value = i;
     for (int bit = 0; bit < 8; ++bit) value = (value >> 1) ^ ((value & 1) != 0 ? 0xC96C5795D7870F42ULL : 0ULL);
-    table[i] = value;
+    tables[0][i] = value;
   }
-  return table;
+  for (std::size_t k = 1; k < tables.size(); ++k)
+    for (std::size_t i = 0; i < 256; ++i) tables[k][i] = (tables[k - 1][i] >> 8) ^ tables[0][tables[k - 1][i] & 0xFF];
+  return tables;
 }
 
 }  // namespace
 
-std::uint64_t crc64(std::span<std::byte const> bytes) {
-  static constexpr auto table = crc_table();
-  std::uint64_t crc = ~0ULL;
-  for (std::byte const byte : bytes) crc = table[(crc ^ std::to_integer<std::uint64_t>(byte)) & 0xFF] ^ (crc >> 8);
+std::uint64_t crc64(std::span<std::byte const> bytes, std::uint64_t before) {
+  static constexpr Tables tables = crc_tables();
+  std::uint64_t crc = ~before;
+  std::size_t i = 0;
+  for (; i + 8 <= bytes.size(); i += 8) {
+    std::uint64_t word;
+    std::memcpy(&word, bytes.data() + i, sizeof word);
+    word ^= crc;
+    crc = 0;
+    for (std::size_t k = 0; k < 8; ++k) crc ^= tables[7 - k][(word >> (8 * k)) & 0xFF];
+  }
+  for (; i < bytes.size(); ++i) crc = tables[0][(crc ^ std::to_integer<std::uint64_t>(bytes[i])) & 0xFF] ^ (crc >> 8);
   return ~crc;
 }
 

@@ -28,6 +28,7 @@ COMMANDS = (
     "creep",
     "conicity",
     "check",
+    "assemble",
     "catalog",
 )
 """Modules of this folder, each with a function `command`, or with an `app` of its own where there are subcommands."""

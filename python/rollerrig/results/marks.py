@@ -2,8 +2,8 @@
 
     path -> [is_ours] -> whether the file carries our mark
 
-A figure and a file of results say it in their metadata, a table by its first line. Files of a study need no marks: the manifest
-of their folder knows them by their checksums (results/folder.py).
+A figure and a file of results say it in their metadata, a table and a model file by their first line. Files of a study need no
+marks: the manifest of their folder knows them by their checksums (results/folder.py).
 """
 
 from __future__ import annotations
@@ -17,13 +17,16 @@ from rollerrig.input_files import open_input
 PROGRAM = "rollerrig"
 """Stands in the metadata of every figure and file of results."""
 
+MODEL = f"{PROGRAM} model\n".encode()
+"""First bytes of a model file."""
 _HEAD = 4096
 """Metadata and first lines stand within so many bytes."""
 _MARKS = {
     b"\x89PNG": f"Software\0{PROGRAM}".encode(),
     b"<?xml": f"<dc:title>{PROGRAM}</dc:title>".encode(),
+    MODEL: MODEL,
 }
-"""How a figure begins -> what says that it is ours."""
+"""How a figure or a model file begins -> what says that it is ours."""
 
 
 def is_ours(path: Path, tables: Sequence[str] = ()) -> bool:

@@ -92,7 +92,7 @@ class ByteReader {
   std::size_t position_{0};
 };
 
-/// CRC-64/XZ: ECMA-182, reflected.
-std::uint64_t crc64(std::span<std::byte const> bytes);
+/// CRC-64/XZ: ECMA-182, reflected; of bytes behind others whose checksum is `before`.
+std::uint64_t crc64(std::span<std::byte const> bytes, std::uint64_t before = 0);
 
 }  // namespace rollerrig

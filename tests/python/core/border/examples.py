@@ -415,6 +415,8 @@ class Examples:
         return {
             "PartNames": Call(_core.PartNames, fields(given["names"])),
             "AssembledModel": Call(_core.AssembledModel, given),
+            "write_model": Call(_core.write_model, {"assembled": assembled}),
+            "read_model": Call(_core.read_model, {"content": _core.write_model(assembled)}),
             "Plant": Call(_core.Plant, {"assembled": assembled}),
             "Plant.find": Call(started("find"), {"name": "body_0.y"}),
             "Plant.start": Call(started("start"), {"final_time": 1.0}),
