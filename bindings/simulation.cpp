@@ -62,8 +62,22 @@ class Simulation {
     Options options =
         integrator_options(method, step, relative, absolute, initial_step, maximum_step, final_time, breakpoints);
     options.output_step = output_step;
+    readings_.reset();
     return static_cast<int>(driver_.start(std::move(options), t0, x0.data()));
   }
+
+  /// From the next output time on: a reading at each, a whole row at every `every`-th; until the next start.
+  void keep_readings(int every, Vector times, Table values) {
+    Turn const turn(taken_);
+    require_start();
+    check_value(every, Range{1.0, 1e6, "a number of output times"}, "keep_readings", "every");
+    if (static_cast<int>(values.shape(1)) != driver_.reading_width())
+      throw nb::value_error("values must have `reading_width` columns");
+    if (times.shape(0) != values.shape(0))
+      throw nb::value_error("times and values must have room for equally many readings");
+    readings_.emplace(Readings{every, std::move(times), std::move(values)});
+  }
+  std::size_t reading_count() const { return readings_ ? readings_->filled : 0; }
 
   /// Advances to t_stop and writes one row per output time; returns status and rows filled so far.
   std::tuple<int, int> advance(double t_stop, Vector times, Table rows, int filled) {
@@ -81,6 +95,7 @@ class Simulation {
     {
       nb::gil_scoped_release other_threads_may_run;
       status = driver_.advance(t_stop, [&](double t, double const* x, double const* z) {
+        if (readings_ && !read(t, x, z)) return;
         if (filled >= capacity) {
           ++left_out;
           return;
@@ -247,8 +262,28 @@ class Simulation {
   }
   int width() const { return driver_.width(); }
   int plant_width() const { return recorder_.width(); }
+  int reading_width() const { return recorder_.reading_width(); }
 
  private:
+  struct Readings {
+    int every;
+    Vector times;
+    Table values;
+    std::size_t filled{0};
+    std::int64_t shown{0};
+  };
+
+  /// Takes a reading; whether a whole row is due.
+  bool read(double t, double const* x, double const* z) {
+    Readings& r = *readings_;
+    if (r.filled < r.times.shape(0)) {
+      r.times.data()[r.filled] = t;
+      driver_.record_reading(t, x, z, r.values.data() + r.filled * r.values.shape(1));
+      ++r.filled;
+    }
+    return r.shown++ % r.every == 0;
+  }
+
   void check_state(Column const& x) const {
     if (static_cast<int>(x.shape(0)) != dynamics().sizes().states)
       throw nb::value_error("x must hold one value per state");
@@ -272,6 +307,7 @@ class Simulation {
 
   Driver driver_;
   Recorder recorder_;
+  std::optional<Readings> readings_;
   bool taken_{false};
 };
 
@@ -295,6 +331,9 @@ void bind_simulation(nb::module_& m) {
            "maximum_step"_a, "final_time"_a, "output_step"_a, "breakpoints"_a, "t0"_a, "x0"_a)
       .def("advance", &S::advance, "t_stop"_a, "times"_a.noconvert(), "rows"_a.noconvert(), "filled"_a,
            "Status and rows filled; raises ValueError where `times` and `rows` have no room for the outputs due.")
+      .def("keep_readings", &S::keep_readings, "every"_a, "times"_a.noconvert(), "values"_a.noconvert(),
+           "At each output time a reading of `reading_fields`, at every `every`-th a row; what does not fit is left "
+           "out.")
       .def("equilibrium", &S::equilibrium, "speed"_a, "t"_a, "fixed"_a, "near"_a = nb::none());
   def_method(simulation, "waits_for",
              "Whether a controller of the caller must be answered for before advance() continues.", &S::waits_for,
@@ -318,6 +357,8 @@ void bind_simulation(nb::module_& m) {
       .def_prop_ro("state", &Simulation::state, nb::rv_policy::move)
       .def_prop_ro("width", &Simulation::width)
       .def_prop_ro("plant_width", &Simulation::plant_width)
+      .def_prop_ro("reading_width", &Simulation::reading_width)
+      .def_prop_ro("reading_count", &Simulation::reading_count)
       .def_prop_rw(
           "exhaustive_search", [](Simulation& s) { return s.dynamics().exhaustive_search(); },
           [](Simulation& s, bool on) { s.dynamics().set_exhaustive_search(on); })
@@ -327,6 +368,9 @@ void bind_simulation(nb::module_& m) {
       .def_prop_ro("failed_contact", [](Simulation& s) { return s.dynamics().failed_contact(); })
       .def_prop_ro("coordinate_index", [](Simulation& s) { return s.dynamics().map().coordinate; })
       .def_prop_ro("rate_index", [](Simulation& s) { return s.dynamics().map().rate; });
+  nb::list readings;
+  for (auto const name : Recorder::reading_fields()) readings.append(std::string(name));
+  m.attr("reading_fields") = readings;
   m.attr("patches_recorded") = Recorder::patches;
   m.attr("rail_cells") = RecoveredRail::cells;
   m.attr("body_fields") = field_list(Recorder::body_fields());

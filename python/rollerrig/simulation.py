@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from functools import cache
 from typing import Any
 
@@ -33,12 +33,12 @@ from rollerrig.mechatronics import (
     users_controllers,
 )
 from rollerrig.memory import available_memory
-from rollerrig.recording import SLICE, Recording, readings_per_sample
+from rollerrig.recording import Recording, readings_per_sample
 from rollerrig.restraint import rolled_off
 from rollerrig.results import Draft, Outcome, add_energy_audit, add_termination, run_draft
 from rollerrig.results.contact_loss import add_contact_losses, contact_loss_warning
 from rollerrig.results.drive_limits import drive_warning
-from rollerrig.results.readings import add_readings, reading_columns
+from rollerrig.results.readings import add_readings
 from rollerrig.starting_state import StartError, starting_state
 
 __all__ = [
@@ -111,31 +111,30 @@ def simulate(
     model = assemble_with_actuators(case) if case.sampled else assemble(case)
     step = case.time.output_step / readings_per_sample(case)
     simulation = prepare(model, users, may_drift=may_drift, output_step=step)
-    recording = _room(case, simulation.width, reading_columns(model))
+    recording = _room(case, simulation.width, simulation.reading_width)
+    if recording.every > 1:
+        simulation.keep_readings(recording.every, recording.reading_times, recording.readings)
     failure = ""
     try:
         code, _ = march(
             simulation,
             case.time.duration,
-            recording.chunk_times,
-            recording.chunk,
+            recording.times,
+            recording.rows,
             slice_length=case.time.output_step,
-            longest_slice=(SLICE - 2) * step if recording.every > 1 else math.inf,
             users=users,
-            report=progress and _reporter(case, recording.chunk, progress),
-            after_slice=recording.sort,
+            report=progress and _reporter(case, recording.rows, progress),
         )
     except KeyboardInterrupt:
         code = _core.status_codes["interrupted"]
     except ControllerError as error:
         code, failure = _core.status_codes["controller_failed"], str(error)
-    recording.sort()  # also what the last slice wrote before it was cut off
     return _results(model, recording, simulation, outcome(simulation, model, code, failure))
 
 
 def _results(model: AssembledModel, recording: Recording, simulation: _core.Simulation, ended: Outcome) -> xr.Dataset:
     """The Dataset of a run with all that is told about it."""
-    filled, read = recording.filled, recording.read
+    filled, read = recording.filled, simulation.reading_count
     draft = run_draft(model, recording.times[:filled], recording.rows[:filled], ended)
     add_readings(draft, model, recording.reading_times[:read], recording.readings[:read])
     add_termination(draft, model)
@@ -299,14 +298,14 @@ def sample_count(case: Case) -> int:
     return math.floor(case.time.duration / case.time.output_step * (1 + 1e-12) + 1e-9) + 1
 
 
-def _room(case: Case, width: int, columns: Sequence[int]) -> Recording:
+def _room(case: Case, width: int, columns: int) -> Recording:
     """Room for all output times and readings, taken once: a run needs no more memory at its end than at its start.
 
     Raises:
         ConfigError: the results, and the copy made when they are written, would not fit.
     """
     count, every = sample_count(case), readings_per_sample(case)
-    needed = 2.0 * 8.0 * Recording.size(count, width, every, len(columns))
+    needed = 2.0 * 8.0 * Recording.size(count, width, every, columns)
     if needed > SURELY_THERE and needed > 0.9 * (available := available_memory()):
         least = case.time.duration / (count * 0.9 * available / needed)
         allowed = (
@@ -324,11 +323,9 @@ def march(
     rows: Vector,
     *,
     slice_length: float,
-    longest_slice: float = math.inf,
     begin_at: float = 0.0,
     users: Mapping[str, UserController] | None = None,
     report: Callable[[float, int], None] | None = None,
-    after_slice: Callable[[], int] | None = None,
 ) -> tuple[int, int]:
     """Advance a simulation that has begun, in slices that last about 0.2 s of the clock.
 
@@ -338,11 +335,9 @@ def march(
         times: room for the output times, shape (time,).
         rows: and for what is recorded, shape (time, width).
         slice_length: of the first slice [s].
-        longest_slice: no slice is longer [s].
         begin_at: time at which the simulation stands [s].
         users: the user's controllers, asked at their instants.
         report: called after each slice with the time [s] and the number of rows.
-        after_slice: called then; it may take rows away, and returns how many are left.
 
     Returns:
         Code of the first status that is not ok, or of ok; and the rows filled.
@@ -361,10 +356,8 @@ def march(
         elapsed = time.perf_counter() - clock
         if code == ok and report is not None:
             report(at, filled)
-        if after_slice is not None:
-            filled = after_slice()
         if elapsed < 0.5 * _SLICE_SECONDS:
-            length = min(2.0 * length, longest_slice)
+            length *= 2.0
         elif elapsed > 2.0 * _SLICE_SECONDS:
             length = max(0.5 * length, 0.1 * slice_length)  # however slow the model is
     return code, filled

@@ -128,9 +128,12 @@ void Driver::record_at(double t, double* row) {
 }
 
 void Driver::record(double t, double const* x, double const* z, double* row) {
-  bool const known = system_ || plant_.evaluated_at(t, x, inputs_);
-  recorder_.record(known ? plant_ : observed_, t, x, z, row, inputs_);
+  recorder_.record(shown(t, x), t, x, z, row, inputs_);
   if (system_) system_->record(plant_, step_, z, inputs_, row + recorder_.width());
+}
+
+void Driver::record_reading(double t, double const* x, double const* z, double* row) {
+  recorder_.record_reading(shown(t, x), t, x, z, row, inputs_);
 }
 
 }  // namespace rollerrig

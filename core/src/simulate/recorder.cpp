@@ -119,6 +119,8 @@ constexpr Field run_table[] = {
     {"speed", "m/s", "running speed: mean crown speed of the rollers, or speed of the vehicle on track"},
 };
 
+constexpr std::string_view reading_table[] = {"lateral_force", "vertical_force", "wear_number"};
+
 double const nan = std::numeric_limits<double>::quiet_NaN();
 
 void record_body(Dynamics const& d, std::size_t b, double const* z, double* out) {
@@ -215,6 +217,7 @@ std::span<Field const> Recorder::wheel_fields() { return wheel_table; }
 std::span<Field const> Recorder::patch_fields() { return patch_table; }
 std::span<Field const> Recorder::element_fields() { return element_table; }
 std::span<Field const> Recorder::run_fields() { return run_table; }
+std::span<std::string_view const> Recorder::reading_fields() { return reading_table; }
 
 Recorder::Recorder(Model const& model)
     : bodies_{static_cast<int>(model.bodies.size())},
@@ -248,6 +251,24 @@ void Recorder::record(Dynamics& d, double t, double const* x, double const* z, d
   row[1] = d.model().line.curvature.at(running.s).value;
   row[2] = d.model().line.cant.at(running.s).value;
   row[3] = running.speed;
+}
+
+void Recorder::record_reading(Dynamics& d, double t, double const* x, double const* z, double* row,
+                              Inputs const& inputs) const {
+  d.evaluate(t, x, inputs);
+  for (int w = 0; w < wheels_; ++w, row += std::size(reading_table)) {
+    Vec3<double> force{};
+    double wear = 0.0;
+    for (int k = 0; k < d.patch_count(w); ++k) {
+      force += d.patch(w, k).force;
+      wear += d.patch(w, k).wear_number();
+    }
+    double const side = d.model().contacts[static_cast<std::size_t>(w)].right ? -1.0 : 1.0;
+    double const values[] = {side * force.y, force.z, wear};
+    static_assert(std::size(values) == std::size(reading_table));
+    std::ranges::copy(values, row);
+  }
+  *row = running_motion(d, t, z, inputs).s;
 }
 
 }  // namespace rollerrig

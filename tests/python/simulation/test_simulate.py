@@ -186,7 +186,7 @@ def test_results_that_do_not_fit_are_refused(monkeypatch: pytest.MonkeyPatch) ->
 
 def test_memory_is_taken_once() -> None:
     case = short_case()
-    room = simulation_module._room(case, 10, [3, 4, 9])
+    room = simulation_module._room(case, 10, 3)
     assert room.rows.shape == (simulation_module.sample_count(case), 10)
     assert len(room.times) == 101
     assert room.readings.shape == (100 * room.every + 1, 3)
@@ -263,3 +263,13 @@ def test_a_wheelset_that_climbs_its_flange_is_stopped_there() -> None:
     assert 0.1 < run.attrs["stopped_at_s"] < 0.4
     # the centre rises by half of what the climbing wheel does, which is nearly the flange's 28 mm
     assert 0.010 < float(run["vertical"].sel(body="wheelset_1").max()) < 0.016
+
+
+def test_readings_are_the_columns_of_the_rows_at_the_same_times() -> None:
+    run = rr.simulate(short_case(time__duration="0.1 s"))
+    whole = run["reading_time"].values.searchsorted(run["time"].values)
+    assert run.sizes["reading_time"] == (run.sizes["time"] - 1) * round(float(whole[1])) + 1
+    assert whole[1] > 1
+    for name in rr._core.reading_fields:
+        assert run[f"reading_{name}"].values[whole].tobytes() == run[name].values.tobytes()
+    assert run["reading_distance"].values[whole].tobytes() == run["distance"].values.tobytes()

@@ -73,7 +73,10 @@ class Driver {
 
   /// One row of width() numbers: the plant's, then those of the sampled blocks.
   void record(double t, double const* x, double const* z, double* row);
-  /// The same where the run is, without sampled blocks up to a step before it.
+  /// Of the plant alone what is read between the output times: reading_width() numbers.
+  void record_reading(double t, double const* x, double const* z, double* row);
+  int reading_width() const { return recorder_.reading_width(); }
+  /// A whole row where the run is, without sampled blocks up to a step before it.
   void record_at(double t, double* row);
   int width() const { return recorder_.width() + (system_ ? system_->width() : 0); }
 
@@ -92,6 +95,10 @@ class Driver {
   }
 
  private:
+  /// Evaluated at an output: at a sample the run's own, otherwise one of its own, which changes no bit of the run.
+  Dynamics& shown(double t, double const* x) {
+    return system_ || plant_.evaluated_at(t, x, inputs_) ? plant_ : observed_;
+  }
   std::int64_t steps_until(double t_stop) const;
   void sample();
   void advance_step();

@@ -34,6 +34,13 @@ class Recorder {
   void record(Dynamics& dynamics, double t, double const* x, double const* z, double* row,
               Inputs const& inputs = {}) const;
 
+  /// Of each wheel what is to be filtered, in this order; a reading has them of one wheel after the other, then the distance.
+  static std::span<std::string_view const> reading_fields();
+  int reading_width() const { return wheels_ * static_cast<int>(reading_fields().size()) + 1; }
+  /// The same numbers as in a row, alone.
+  void record_reading(Dynamics& dynamics, double t, double const* x, double const* z, double* row,
+                      Inputs const& inputs = {}) const;
+
  private:
   int bodies_, wheels_, elements_, width_;
 };

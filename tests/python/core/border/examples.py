@@ -438,6 +438,11 @@ class Examples:
         def run(**given: Any) -> Any:
             return run_fully(self.simulation(), **given)
 
+        def read(**given: Any) -> Any:
+            simulation = self.simulation(True)
+            simulation.keep_readings(**given)
+            return simulation.advance(0.02, np.zeros(10), np.zeros((10, width)), 0)
+
         sampled_state = self.recipes["brake"].state
         sampled = {name: value for name, value in start_arguments(x, 0).items() if name != "x0"}
         sampled_start = {"state": sampled_state, **sampled, "method": "rk4", "step": 1e-3}
@@ -453,6 +458,10 @@ class Examples:
             "Simulation.advance": Call(
                 fresh("advance", started=True),
                 {"t_stop": 0.02, "times": np.zeros(10), "rows": np.zeros((10, width)), "filled": 0},
+            ),
+            "Simulation.keep_readings": Call(
+                read,
+                {"every": 2, "times": np.zeros(10), "values": np.zeros((10, self.simulation().reading_width))},
             ),
             "Simulation.waits_for": Call(
                 lambda **given: self.waiting().waits_for(**given), {"controller": "slide_protection"}
