@@ -17,7 +17,7 @@ using namespace rollerrig::realtime;
 
 namespace {
 
-using Loop = Server<Rig, UdpPort, DeadlineClock>;
+using Loop = Server<Rig, AnyPort, DeadlineClock>;
 
 constexpr double most_recorded = 2.5e8;
 constexpr Range a_port{0.0, 65535.0, "from 0 to 65535"};
@@ -127,7 +127,7 @@ class RigServer {
 
  private:
   Rig rig_;
-  UdpPort port_;
+  AnyPort port_;
   DeadlineClock clock_;
   Loop loop_;
   bool in_real_time_;
@@ -199,7 +199,7 @@ void bind_realtime(nb::module_& m) {
   Argument const assembled{"assembled"}, inputs{"inputs", an_index}, outputs{"outputs", an_index};
   Argument const period{"period", Range{1e-6, 10.0, "from 1e-6 to 10 s"}};
   bind_struct<ServerSettings>(m, "ServerSettings", "How a server keeps time, and how long it is patient.");
-  nb::class_<RigServer>(m, "RigServer", "A rig that answers a controller over UDP, period by period.")
+  nb::class_<RigServer>(m, "RigServer", "A rig that answers a controller, period by period.")
       .def(
           "__init__",
           [](RigServer* self, AssembledModel const& model, std::vector<int> const& commands,

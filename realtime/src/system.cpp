@@ -7,6 +7,7 @@
 
 #if defined(__linux__)
 #include <arpa/inet.h>
+#include <fcntl.h>
 #include <netinet/in.h>
 #include <poll.h>
 #include <pthread.h>
@@ -15,6 +16,8 @@
 #include <sys/socket.h>
 #include <time.h>
 #include <unistd.h>
+
+#include "rollerrig_shm.h"
 
 namespace rollerrig::realtime {
 namespace {
@@ -35,6 +38,8 @@ sockaddr_in address_of(Peer peer) {
   address.sin_port = static_cast<std::uint16_t>(peer & 0xffff);
   return address;
 }
+
+constexpr int looks_before_sleep = 2000;  ///< some 50 us
 
 [[noreturn]] void fail(int error, char const* what) { throw std::system_error(error, std::generic_category(), what); }
 
@@ -85,6 +90,48 @@ void UdpPort::wait(std::int64_t ns) {
   ::poll(&one, 1, static_cast<int>((ns + 999'999) / 1'000'000));
 }
 
+SharedMemoryPort::SharedMemoryPort(std::string const& name) : name_{name} {
+  if (name.size() < 2 || name.size() > 200 || name[0] != '/' || name.find('/', 1) != std::string::npos ||
+      name.find('\0') != std::string::npos)
+    throw std::invalid_argument("RigServer: address must be /name, with no other '/', or one of IPv4");
+  int const file = ::shm_open(name.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
+  if (file < 0) fail(errno, "shared memory");
+  if (::ftruncate(file, RR_SHM_SIZE) == 0)
+    memory_ = ::mmap(nullptr, RR_SHM_SIZE, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_POPULATE, file, 0);
+  int const error = errno;
+  ::close(file);
+  if (memory_ == nullptr || memory_ == MAP_FAILED) {
+    ::shm_unlink(name.c_str());
+    fail(error, "shared memory");
+  }
+  std::memcpy(memory_, "RRIGSHM1", 8);
+}
+
+SharedMemoryPort::~SharedMemoryPort() {
+  ::munmap(memory_, RR_SHM_SIZE);
+  ::shm_unlink(name_.c_str());
+}
+
+std::ptrdiff_t SharedMemoryPort::receive(std::span<unsigned char> buffer, Peer& sender) {
+  sender = 1;
+  return rr_ring_get(rr_controller_ring(memory_), &next_, buffer.data(), buffer.size());
+}
+
+void SharedMemoryPort::send(std::span<unsigned char const> frame, Peer) {
+  rr_ring_put(rr_server_ring(memory_), frame.data(), frame.size());
+}
+
+void SharedMemoryPort::wait(std::int64_t ns) {
+  std::int64_t const until = read_clock(CLOCK_MONOTONIC) + ns;
+  rr_ring* ring = rr_controller_ring(memory_);
+  for (int looks = 0; __atomic_load_n(&ring->written, __ATOMIC_ACQUIRE) <= next_; ++looks) {
+    if (read_clock(CLOCK_MONOTONIC) > until) return;
+    if (looks < looks_before_sleep) continue;
+    timespec const nap{0, 50'000};
+    ::nanosleep(&nap, nullptr);
+  }
+}
+
 std::int64_t DeadlineClock::now() const { return read_clock(CLOCK_MONOTONIC); }
 
 void DeadlineClock::sleep_until(std::int64_t deadline) const {
@@ -132,6 +179,11 @@ UdpPort::~UdpPort() = default;
 std::ptrdiff_t UdpPort::receive(std::span<unsigned char>, Peer&) { return -1; }
 void UdpPort::send(std::span<unsigned char const>, Peer) {}
 void UdpPort::wait(std::int64_t) {}
+SharedMemoryPort::SharedMemoryPort(std::string const&) { require_real_time(); }
+SharedMemoryPort::~SharedMemoryPort() = default;
+std::ptrdiff_t SharedMemoryPort::receive(std::span<unsigned char>, Peer&) { return -1; }
+void SharedMemoryPort::send(std::span<unsigned char const>, Peer) {}
+void SharedMemoryPort::wait(std::int64_t) {}
 std::int64_t DeadlineClock::now() const { return 0; }
 void DeadlineClock::sleep_until(std::int64_t) const {}
 std::int64_t processor_time() { return 0; }
@@ -141,3 +193,14 @@ RealTimePriority::~RealTimePriority() = default;
 }  // namespace rollerrig::realtime
 
 #endif
+
+namespace rollerrig::realtime {
+
+AnyPort::AnyPort(std::string const& address, int port) {
+  if (address.starts_with('/'))
+    memory_.emplace(address);
+  else
+    udp_.emplace(address, port);
+}
+
+}  // namespace rollerrig::realtime

@@ -15,8 +15,15 @@ def command(
     case: CaseName,
     rate: Annotated[str, typer.Option(help="Of commands and sensors.")] = "1 kHz",
     udp: Annotated[
-        str, typer.Option(metavar="[ADDRESS:]PORT", help="Where to listen; the loopback unless an address is given.")
-    ] = "127.0.0.1:0",
+        str | None,
+        typer.Option(
+            metavar="[ADDRESS:]PORT",
+            help="Where to listen; the loopback unless an address is given. Absent: a free port.",
+        ),
+    ] = None,
+    shm: Annotated[
+        str | None, typer.Option(metavar="NAME", help="Shared memory of this name, to be made, in place of UDP.")
+    ] = None,
     lock_step: Annotated[
         bool,
         typer.Option(
@@ -52,12 +59,12 @@ def command(
     watch: Annotated[bool, typer.Option("--watch", help="Show deadlines and frames while it runs.")] = False,
     allow_code: AllowCode = False,
 ) -> None:
-    """The rig as a server for a controller in another process or on a test bench, in real time over UDP."""
+    """The rig as a server for a controller in another process or on a test bench, in real time."""
     from rollerrig.cli import serving
     from rollerrig.realtime.server import check_rate, open_server, serve_case
 
     whole = read_case(case, allow_code=allow_code)
-    address, port = serving.address_of(udp, whole.name)
+    address, port = serving.address_of(udp, shm, whole.name)
     roles = None if external is None else [name.strip() for name in external.split(",") if name.strip()]
     kept = None if replay is None else serving.read_record(replay)
     served = serve_case(

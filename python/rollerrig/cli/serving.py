@@ -23,8 +23,14 @@ LOOK_SECONDS = 0.25
 """Between two looks at a server that runs."""
 
 
-def address_of(text: str, case: str) -> tuple[str, int]:
-    """Address and port of '127.0.0.1:5005' or '5005'."""
+def address_of(udp: str | None, shm: str | None, case: str) -> tuple[str, int]:
+    """Address and port of '127.0.0.1:5005' or '5005'; or '/name' of shared memory."""
+    if shm is not None:
+        name = shm.removeprefix("/")
+        if udp is not None or not name or "/" in name or len(name) > 100:
+            stop(f"{case}: shm: {shm!r}; allowed: a name without '/', in place of --udp")
+        return f"/{name}", 0
+    text = udp if udp is not None else f"{LOOPBACK}:0"
     host, _, number = text.rpartition(":")
     try:
         address = str(ipaddress.IPv4Address(host)) if host else LOOPBACK
@@ -53,11 +59,12 @@ def values_of(text: str, case: str) -> dict[str, float]:
 def opening_lines(served: Served, address: str, port: int, *, lock_step: bool) -> list[str]:
     """What is told before a run."""
     pace = "in lock-step, not in real time" if lock_step else f"{1.0 / served.period:g} Hz"
+    place = f"shared memory {address}" if address.startswith("/") else f"UDP {address}:{port}"
     lines = [
-        f"{served.case.name}: UDP {address}:{port}, {pace}; {len(served.inputs)} commands, {len(served.outputs)} sensors",
-        "frames are neither encrypted nor signed: whoever reaches the port can command the rig",
+        f"{served.case.name}: {place}, {pace}; {len(served.inputs)} commands, {len(served.outputs)} sensors",
+        f"frames are neither encrypted nor signed: whoever reaches {address} can command the rig",
     ]
-    if not ipaddress.IPv4Address(address).is_loopback:
+    if not address.startswith("/") and not ipaddress.IPv4Address(address).is_loopback:
         lines.append(f"{address} is not the loopback: other machines reach it")
     return lines
 

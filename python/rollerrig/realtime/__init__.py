@@ -6,6 +6,6 @@
 """
 
 from rollerrig.realtime.client import Client as Client
-from rollerrig.realtime.client import ClientError as ClientError
 from rollerrig.realtime.client import Sensors as Sensors
 from rollerrig.realtime.frames import c_header as c_header
+from rollerrig.realtime.links import ClientError as ClientError

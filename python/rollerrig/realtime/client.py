@@ -6,20 +6,15 @@ description, sensors <- [client] <- server;  commands -> [client] -> server
 from __future__ import annotations
 
 import json
-import socket
 import time
 from collections.abc import Iterator, Mapping
-from contextlib import suppress
 from dataclasses import dataclass
 from types import TracebackType
 from typing import Any
 
 from rollerrig.realtime import frames
 from rollerrig.realtime.frames import Frame, pack, unpack
-
-
-class ClientError(Exception):
-    """The server does not answer, or another controller has the rig; one line."""
+from rollerrig.realtime.links import ClientError, Link, open_link
 
 
 @dataclass(frozen=True)
@@ -40,7 +35,7 @@ class Sensors:
 
 
 class Client:
-    """A connection to a server; a context that closes its socket.
+    """A connection to a server; a context that closes it.
 
     Attributes:
         description: what the server told of itself: names, units and limits.
@@ -57,20 +52,18 @@ class Client:
         """Ask the server for its description; this makes the caller its controller.
 
         Args:
-            address: of the server, '127.0.0.1:5005'.
+            address: of the server, '127.0.0.1:5005', or '/name' of its shared memory.
             timeout: for its answers [s].
 
         Raises:
             ClientError: nobody answers, or another controller has the rig.
         """
-        host, _, port = address.rpartition(":")
         self._timeout = timeout
-        self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        self._link: Link = open_link(address, timeout)
         try:
-            self._socket.connect((host or "127.0.0.1", int(port)))
             self._session, self.description = self._ask(address)
         except BaseException:
-            self._socket.close()
+            self._link.close()
             raise
         self.inputs: tuple[str, ...] = tuple(one["name"] for one in self.description["inputs"])
         self.outputs: tuple[str, ...] = tuple(one["name"] for one in self.description["outputs"])
@@ -82,12 +75,12 @@ class Client:
         return self
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
-        """Close its socket."""
+        """Close the connection."""
         self.close()
 
     def close(self) -> None:
-        """Close the socket; the server's watchdog notices."""
-        self._socket.close()
+        """Close the connection; the server's watchdog notices."""
+        self._link.close()
 
     def receive(self) -> Sensors:
         """The newest sensors: those that lie there already are passed over but for the last.
@@ -147,23 +140,24 @@ class Client:
     # ------------------------------------------------------------------------------------------------ frames
 
     def _send(self, frame: Frame) -> None:
-        with suppress(ConnectionRefusedError):  # of an earlier datagram: nobody was there
-            self._socket.send(pack(frame))
+        self._link.send(pack(frame))
 
     def _frame(self, wait: float) -> Frame | None:
         """The next sound frame; None where there is none within so long [s]."""
         until = time.monotonic() + wait
-        while True:
-            self._socket.settimeout(max(0.0, until - time.monotonic()))
-            try:
-                data = self._socket.recv(frames.LARGEST_FRAME + 1)
-            except (TimeoutError, BlockingIOError):
-                return None
-            except ConnectionRefusedError:
-                time.sleep(min(0.05, wait))
-                continue
+        while (data := self._link.receive(max(0.0, until - time.monotonic()))) is not None:
             if (frame := unpack(data)) is not None:
                 return frame
+        return None
+
+    def _next_of(self, kind: int, wait: float) -> Frame | None:
+        """The next frame of a kind; None where there is none within so long [s], whatever else arrives."""
+        until = time.monotonic() + wait
+        while (left := until - time.monotonic()) > 0.0:
+            frame = self._frame(left)
+            if frame is not None and frame.kind == kind:
+                return frame
+        return None
 
     def _newest(self) -> Frame | None:
         found, wait = None, self._timeout
@@ -188,12 +182,10 @@ class Client:
         while len(parts) < count:
             missing = next(i for i in range(count) if i not in parts)
             self._send(Frame(frames.ASK, answers=missing))
-            part = self._frame(0.2)
-            while part is not None and part.kind != frames.DESCRIPTION:
-                part = self._frame(0.2)
+            part = self._next_of(frames.DESCRIPTION, 0.2)
             if part is None:
                 if time.monotonic() > until:
-                    raise ClientError(f"{address}: nobody answers; start `rollerrig serve CASE --udp {address}`")
+                    raise ClientError(f"{address}: nobody answers; start `rollerrig serve CASE` with this address")
                 continue
             if part.answers == 0:
                 raise ClientError(f"{address}: another controller has this rig; end it, or serve another rig")

@@ -164,8 +164,8 @@ def open_server(
 
     Args:
         served: the rig.
-        address: of IPv4; '127.0.0.1' is the loopback.
-        port: 0: any that is free.
+        address: of IPv4; '127.0.0.1' is the loopback. Or '/name' of shared memory to be made.
+        port: of UDP; 0: any that is free.
         lock_step: wait for the command of each step, whatever time that takes.
         at_once: begin without a controller.
         patience: periods without a command until the watchdog acts.
@@ -204,6 +204,9 @@ def open_server(
             settings=settings,
         )
     except RuntimeError as error:  # of the system: in use, not of this machine, not Linux
+        if address.startswith("/"):
+            allowed = f"allowed: a name that is not in use; if no server runs, remove /dev/shm{address}"
+            raise _refused(served.case, "shm", address, f"{error}; {allowed}") from None
         allowed = "allowed: a free port of this machine; 0 takes any"
         raise _refused(served.case, "udp", f"{address}:{port}", f"{error}; {allowed}") from None
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import os
 import signal
 import socket
@@ -12,9 +13,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from rich.console import Console
 from typer.testing import CliRunner, Result
 
 from rollerrig.cli.app import build_app
+from rollerrig.cli.serving import table
 
 CASE = """
 name = "short_brake"
@@ -100,12 +103,26 @@ def test_other_options_than_those_of_the_record_are_refused(case: str, recorded:
         assert what in done.stderr
 
 
+def test_the_live_view_tells_deadlines_and_frames() -> None:
+    frames = {"accepted": 40, "corrupt": 2, "late": 0}
+    times = (50, 30_000, 40_000, 90_000, 100_000)
+    told = {"state": 1, "time": 0.05, "step": times, "wake": times, "misses": 3, "periods": 50, "silent": 4, "trips": 1}
+    console = Console(width=150, file=io.StringIO())
+    console.print(table(told | {"frames": frames}))
+    shown = " ".join(console.file.getvalue().split())
+    for text in ("running, t = 0.05 s", "wake-up", "100.0 us", "3 of 50 deadlines missed", "40 accepted, 2 corrupt;"):
+        assert text in shown
+    assert "late" not in shown
+
+
 @pytest.mark.parametrize(
     ("options", "message"),
     [
         (["--udp", "loopback:5005"], "allowed: a port from 0 to 65535"),
         (["--udp", "127.0.0.1:70000"], "allowed: a port from 0 to 65535"),
         (["--udp", "203.0.113.7:0"], "udp: 203.0.113.7:0"),
+        (["--shm", "a/b"], "allowed: a name without '/'"),
+        (["--shm", "rig", "--udp", "5005"], "in place of --udp"),
         (["--rate", "3 kHz"], "multiple of time.sampling_step"),
         (["--external", "rig_controller"], "did you mean 'rig_control'"),
         (["--safe", "valve"], "allowed: NAME=VALUE"),

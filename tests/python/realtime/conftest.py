@@ -22,8 +22,8 @@ def serve() -> Iterator[Callable[..., Running]]:
     """Starts servers, and stops them whatever happens."""
     started: list[Running] = []
 
-    def start(served: Served, **settings: Any) -> Running:
-        started.append(Running(served, **settings))
+    def start(served: Served, address: str = "127.0.0.1", **settings: Any) -> Running:
+        started.append(Running(served, address, **settings))
         return started[-1]
 
     yield start

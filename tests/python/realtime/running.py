@@ -12,10 +12,10 @@ from rollerrig.realtime.server import Ended, Served, open_server, run_server
 class Running:
     """A server at work; `join` waits for its end."""
 
-    def __init__(self, served: Served, **settings: Any) -> None:
+    def __init__(self, served: Served, address: str = "127.0.0.1", **settings: Any) -> None:
         self.served = served
-        self.server = open_server(served, "127.0.0.1", 0, **settings)
-        self.address = f"127.0.0.1:{self.server.port}"
+        self.server = open_server(served, address, 0, **settings)
+        self.address = address if address.startswith("/") else f"{address}:{self.server.port}"
         self._ended: list[Ended] = []
         self._thread = threading.Thread(target=lambda: self._ended.append(run_server(self.server)))
         self._thread.start()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import socket
 import time
 from collections.abc import Callable
@@ -14,6 +15,7 @@ from python.realtime.running import Running, brake_case
 from rollerrig import simulate
 from rollerrig.config import ConfigError
 from rollerrig.realtime import Client, ClientError
+from rollerrig.realtime.links import SHARED_MEMORY, Rings
 from rollerrig.realtime.server import Served, check_rate, open_server, replay, serve_case
 
 Serve = Callable[..., Running]
@@ -35,7 +37,7 @@ def valves(speed: Any) -> list[float]:
 def drive(running: Running) -> list[np.ndarray]:
     """The same rule over the network; all sensors."""
     found = []
-    with Client(running.address) as rig:
+    with Client(running.address, timeout=20.0) as rig:
         places = [rig.outputs.index(f"slide_protection.wheelset_{i}.axle_speed") for i in (1, 2)]
         demand = dict.fromkeys(rig.inputs, 0.0)
         for sensors in rig.sensors():
@@ -48,8 +50,14 @@ def drive(running: Running) -> list[np.ndarray]:
     return found
 
 
-def test_in_lock_step_the_run_is_that_of_one_process_bit_for_bit(serve: Serve, served_brake: Served) -> None:
-    running = serve(served_brake, lock_step=True, record=True)
+PLACES = ("127.0.0.1", f"/rollerrig_test_{os.getpid()}")
+
+
+@pytest.mark.parametrize("address", PLACES, ids=["udp", "shared memory"])
+def test_in_lock_step_the_run_is_that_of_one_process_bit_for_bit(
+    serve: Serve, served_brake: Served, address: str
+) -> None:
+    running = serve(served_brake, address, lock_step=True, record=True)
     found = drive(running)
     assert running.join().ending == "ran"
     rows = running.server.sensors()
@@ -89,7 +97,7 @@ def test_a_silent_controller_brings_the_safe_state_and_a_command_takes_the_rig_u
     """Only what holds on a busy machine: each period one by one is in tests/core/realtime."""
     running = serve(served_brake, patience=20, ramp=0.05, record=True)
     asked, phases = [1e4, 1e4, 1.0, 1.0], ["waiting"]
-    with Client(running.address) as rig:
+    with Client(running.address, timeout=20.0) as rig:
         for sensors in rig.sensors():
             if sensors.state != phases[-1]:
                 phases.append(sensors.state)
@@ -114,7 +122,7 @@ def test_noise_on_the_port_is_counted_and_changes_nothing(serve: Serve, served_b
     random = np.random.default_rng(1)
     running = serve(served_brake, lock_step=True)
     host, port = running.address.split(":")
-    with Client(running.address) as rig, socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as stranger:
+    with Client(running.address, timeout=20.0) as rig, socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as stranger:
         rig.receive()
         for _ in range(40):
             for _ in range(10):
@@ -138,7 +146,7 @@ def test_nobody_there_is_one_sentence() -> None:
 
 def test_commands_by_name_are_all_needed(serve: Serve, served_brake: Served) -> None:
     running = serve(served_brake, lock_step=True)
-    with Client(running.address) as rig:
+    with Client(running.address, timeout=20.0) as rig:
         assert rig.description["period"] == 0.005
         assert [one["unit"] for one in rig.description["inputs"]] == ["Pa", "Pa", "1", "1"]
         assert {one["measured"] for one in rig.description["outputs"]} == {True, False}
@@ -155,6 +163,37 @@ def test_sensors_have_the_noise_and_steps_of_the_case() -> None:
     column = [v.name for v in exact.outputs].index("slide_protection.wheelset_1.axle_speed")
     speeds = [replay(served, commands)[:, column] for served in (exact, coarse)]
     assert 1e-6 < np.abs(speeds[0][1:] - speeds[1][1:]).max() < 1.0
+
+
+def test_shared_memory_holds_frames_and_noise_apart(serve: Serve, served_brake: Served) -> None:
+    """A writer beside the controller's client: whatever stands in its ring, the server goes on."""
+    random = np.random.default_rng(2)
+    running = serve(served_brake, PLACES[1], lock_step=True)
+    with Client(running.address, timeout=20.0) as rig:
+        rig.receive()
+        memory = np.memmap(SHARED_MEMORY / PLACES[1][1:], mode="r+")
+        for k in range(200):
+            ring = memory[64 + Rings.RING + 64 :]
+            at = random.integers(0, 8 * Rings.SLOT, 50) // 2 * 2
+            ring[at] = random.integers(0, 256, 50)
+            rig.command([0.0] * 4)
+            rig.receive()
+            if k == 100:
+                memory[64 + Rings.RING : 64 + Rings.RING + 8] = 255  # frames written: more than there can be
+                memory[64 + Rings.RING : 64 + Rings.RING + 8] = 0
+        running.server.stop()
+    assert running.join().ending in ("stopped_by_caller", "ran")
+    assert not (SHARED_MEMORY / PLACES[1][1:]).exists() or running.server
+
+
+def test_the_memory_is_gone_with_its_server(served_brake: Served) -> None:
+    name = f"{PLACES[1]}_gone"
+    server = open_server(served_brake, name, 0)
+    assert (SHARED_MEMORY / name[1:]).exists()
+    with pytest.raises(ConfigError, match=rf"shm: {name}; .*remove /dev/shm{name}"):
+        open_server(served_brake, name, 0)
+    del server
+    assert not (SHARED_MEMORY / name[1:]).exists()
 
 
 # ---------------------------------------------------------------------------------------------------- refusals

@@ -1,9 +1,10 @@
-// realtime/system.hpp - what the operating system gives to a loop in real time: datagrams, a clock, memory and a place in the queue.
+// realtime/system.hpp - what the operating system gives to a loop in real time: datagrams, shared memory, a clock, a place in the queue.
 //
 // Written for Linux. Elsewhere everything is there by name, and says on its making that it is not.
 #pragma once
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 
@@ -35,6 +36,44 @@ class UdpPort {
 
  private:
   int socket_{-1}, port_{0};
+};
+
+/// Two rings of frames in shared memory of this machine, rollerrig_shm.h; whoever writes there is the one controller.
+class SharedMemoryPort {
+ public:
+  /// Makes the memory; throws std::system_error where there is one of that name.
+  ///
+  /// @param name  begins with '/', and has no other
+  explicit SharedMemoryPort(std::string const& name);
+  ~SharedMemoryPort();
+  SharedMemoryPort(SharedMemoryPort const&) = delete;
+  SharedMemoryPort& operator=(SharedMemoryPort const&) = delete;
+
+  std::ptrdiff_t receive(std::span<unsigned char> buffer, Peer& sender);
+  void send(std::span<unsigned char const> frame, Peer to);
+  void wait(std::int64_t ns);
+
+ private:
+  std::string name_;
+  void* memory_{nullptr};
+  std::uint64_t next_{0};
+};
+
+/// One of both, by its address: "/name" is shared memory, everything else of IPv4.
+class AnyPort {
+ public:
+  AnyPort(std::string const& address, int port);
+
+  int port() const { return udp_ ? udp_->port() : 0; }
+  std::ptrdiff_t receive(std::span<unsigned char> buffer, Peer& sender) {
+    return udp_ ? udp_->receive(buffer, sender) : memory_->receive(buffer, sender);
+  }
+  void send(std::span<unsigned char const> frame, Peer to) { udp_ ? udp_->send(frame, to) : memory_->send(frame, to); }
+  void wait(std::int64_t ns) { udp_ ? udp_->wait(ns) : memory_->wait(ns); }
+
+ private:
+  std::optional<UdpPort> udp_;
+  std::optional<SharedMemoryPort> memory_;
 };
 
 /// Monotonic time, and a sleep to a deadline that ends in a short spin.
