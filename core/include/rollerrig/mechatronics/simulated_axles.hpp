@@ -3,7 +3,7 @@
 //   motion of the train, cylinders, motors, rail as the axles ahead left it -> [each axle: (N1)] -> axle speeds, force on the train
 //
 //     J_w w_i' = C_i + B_i(w_i) - r T_i        (N1)
-//     F        = sum T_i                       (N2), into (D4) on a rig and (D8) on track
+//     F        = sum T_i                       (N2), into (D4) on a rig, into the travelling frame's V' on track
 //     N_i      = N_i0 + t_i (v' + g i)         (D9)
 //
 // Source  the same laws as of the virtual train; docs/theory/virtual_train.md. Energy is counted at the middle of each step, where
