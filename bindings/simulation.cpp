@@ -19,6 +19,7 @@
 #include "rollerrig/contact/adhesion/recovered_rail.hpp"
 #include "rollerrig/integrate/amplification.hpp"
 #include "rollerrig/simulate/driver.hpp"
+#include "rollerrig/simulate/linear_model.hpp"
 #include "rollerrig/simulate/recorder.hpp"
 #include "rollerrig/system/equilibrium.hpp"
 
@@ -30,6 +31,17 @@ namespace {
 
 using Table = nb::ndarray<double, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
 using Vector = nb::ndarray<double, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
+
+std::vector<double> row_major(Eigen::MatrixXd const& m) {
+  std::vector<double> values(static_cast<std::size_t>(m.size()));
+  Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(values.data(), m.rows(),
+                                                                                     m.cols()) = m;
+  return values;
+}
+auto table(Eigen::MatrixXd const& m) {
+  return owned_array<nb::ndim<2>>(row_major(m),
+                                  {static_cast<std::size_t>(m.rows()), static_cast<std::size_t>(m.cols())});
+}
 
 /// A simulation serves one thread at a time: advance() runs beside other Python threads, which must not touch it meanwhile.
 class Turn {
@@ -144,6 +156,16 @@ class Simulation {
     JacobianData j(dynamics().sizes());
     dynamics().jacobian(t, x.data(), j);
     return nb::make_tuple(matrix(j.a), matrix(j.g), matrix(j.f_t), matrix(j.g_t));
+  }
+
+  /// A, B, C, D of small motions about a state, under the inputs of a run's start; row-major.
+  auto linear_model(double t, Column const& x) {
+    Turn const turn(taken_);
+    check_state(x);
+    Inputs inputs;
+    if (driver_.system() != nullptr) driver_.system()->prepare(dynamics().model(), inputs);
+    LinearModel const linear = rollerrig::linear_model(dynamics(), t, x.data(), std::move(inputs));
+    return nb::make_tuple(table(linear.a), table(linear.b), table(linear.c), table(linear.d));
   }
 
   /// What one step of a fixed-step method does to a small deviation from x, row-major.
@@ -288,13 +310,11 @@ class Simulation {
     if (static_cast<int>(x.shape(0)) != dynamics().sizes().states)
       throw nb::value_error("x must hold one value per state");
   }
+  /// One-dimensional where it has one column.
   static nb::ndarray<nb::numpy, double> matrix(Eigen::MatrixXd const& m) {
-    std::vector<double> values(static_cast<std::size_t>(m.size()));
-    Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(values.data(), m.rows(),
-                                                                                       m.cols()) = m;
     auto const rows = static_cast<std::size_t>(m.rows());
     auto const columns = static_cast<std::size_t>(m.cols());
-    return columns == 1 ? owned_array<>(std::move(values), {rows}) : owned_array<>(std::move(values), {rows, columns});
+    return columns == 1 ? owned_array<>(row_major(m), {rows}) : owned_array<>(row_major(m), {rows, columns});
   }
 
   void require_start() const {
@@ -344,6 +364,11 @@ void bind_simulation(nb::module_& m) {
              Argument{"command"});
   def_method(simulation, "derivative", "x_dot and z_dot in a state.", &S::derivative, t, x);
   def_method(simulation, "jacobian", "df/dx, dg/dx, df/dt, dg/dt in a state.", &S::jacobian, t, x);
+  def_method(
+      simulation, "linear_model",
+      "A, B, C, D in a state: inputs are torques of axles and rollers and cylinder pressures of brakes, outputs the "
+      "recorded columns of bodies and wheels.",
+      &S::linear_model, t, x);
   def_method(simulation, "step_amplification", "What one step of a fixed-step method does to a small deviation from x.",
              &S::step_amplification, Argument{"method"}, step, t, x);
   def_method(simulation, "record", "One row of the plant's outputs in a state.", &S::record, t, x, Argument{"z"});
@@ -366,6 +391,18 @@ void bind_simulation(nb::module_& m) {
       .def_prop_ro("state_count", [](Simulation& s) { return s.dynamics().sizes().states; })
       .def_prop_ro("quadrature_count", [](Simulation& s) { return s.dynamics().sizes().quadratures; })
       .def_prop_ro("failed_contact", [](Simulation& s) { return s.dynamics().failed_contact(); })
+      .def_prop_ro(
+          "torque_bodies",
+          [](Simulation& s) {
+            std::vector<int> bodies;
+            for (auto const& torque : s.dynamics().model().axle_torques) bodies.push_back(torque.wheelset);
+            for (auto const& torque : s.dynamics().model().roller_torques) bodies.push_back(torque.roller);
+            return bodies;
+          },
+          "Body that each torque of the model acts on: those of axles, then those of rollers.")
+      .def_prop_ro(
+          "angle_index", [](Simulation& s) { return s.dynamics().map().angle; },
+          "Per body the quadrature that is the angle it has turned; -1: none is.")
       .def_prop_ro("coordinate_index", [](Simulation& s) { return s.dynamics().map().coordinate; })
       .def_prop_ro("rate_index", [](Simulation& s) { return s.dynamics().map().rate; });
   nb::list readings;

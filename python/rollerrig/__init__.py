@@ -2,6 +2,7 @@
 
     load_case -> Case -> simulate -> xarray.Dataset -> save_run, plot
                       -> stability, critical_speed, limit_cycle -> xarray.Dataset
+                      -> linearize -> control.StateSpace
     run -> wheel_forces -> Y, Q, Y/Q, wear number
                       -> envelope -> xarray.Dataset
     adhesion, wsp, control, lateral, compare, scale -> Outcome -> write(folder)
@@ -16,6 +17,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from rollerrig import plot as plot
     from rollerrig.analysis.critical_speed import critical_speed as critical_speed
+    from rollerrig.analysis.linear_bench import linearize as linearize
     from rollerrig.analysis.mode_table import stability as stability
     from rollerrig.analysis.wheel_rail_forces import wheel_forces as wheel_forces
     from rollerrig.assembly import assemble as assemble
@@ -70,6 +72,7 @@ _HOME = {
     "envelope": "study.envelope",
     "lateral": "commands",
     "limit_cycle": "commands",
+    "linearize": "analysis.linear_bench",
     "load_case": "config",
     "load_run": "results",
     "paper": "commands",

@@ -1,8 +1,8 @@
 #include "rollerrig/simulate/recorder.hpp"
-#include "rollerrig/system/outputs.hpp"
+
+#include "rollerrig/simulate/recorded_rows.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 
@@ -124,20 +124,9 @@ constexpr std::string_view reading_table[] = {"lateral_force", "vertical_force",
 double const nan = std::numeric_limits<double>::quiet_NaN();
 
 void record_body(Dynamics const& d, std::size_t b, double const* z, double* out) {
-  auto const& m = d.work().motion[b];
-  for (std::size_t c = 0; c < 6; ++c) {
-    out[c] = m.q[c];
-    out[6 + c] = m.rate[c];
-    out[12 + c] = d.work().acceleration[b][c];
-  }
+  static_assert(body_columns == std::size(body_table));
+  body_row(d.model(), d.work(), b, out);
   if (int const angle = d.map().angle[b]; angle >= 0) out[coord_pitch] = z[angle];
-  out[18] = d.work().constraint_moment[b];
-  Vec3<double> const measured = specific_force(d, static_cast<int>(b));
-  auto const [rate, acceleration] = inertial_turning(d, static_cast<int>(b));
-  double const felt[] = {measured.y, measured.z,     rate.x,         rate.y,
-                         rate.z,     acceleration.x, acceleration.y, acceleration.z};
-  static_assert(19 + std::size(felt) == std::size(body_table));
-  std::copy(std::begin(felt), std::end(felt), out + 19);
 }
 
 void record_patch(Patch<double> const& p, double side, double* out) {
@@ -163,51 +152,8 @@ void record_patch(Patch<double> const& p, double side, double* out) {
 }
 
 void record_wheel(Dynamics const& d, int wheel, double* out) {
-  auto const& contact = d.model().contacts[static_cast<std::size_t>(wheel)];
-  double const side = contact.right ? -1.0 : 1.0;
-  int const n = d.patch_count(wheel);
-  double load = 0.0, creep = 0.0, moment = 0.0, power = 0.0, wear = 0.0;
-  Vec3<double> force{};
-  std::array<double, 7> mean{};
-  for (int k = 0; k < n; ++k) {
-    auto const& p = d.patch(wheel, k);
-    double const w = p.normal.total();
-    load += w;
-    force += p.force;
-    creep += p.creep.longitudinal;
-    moment += p.creep.spin_moment;
-    power += p.creep_dissipation();
-    wear += p.wear_number();
-    double const value[] = {p.slip_longitudinal,
-                            side * p.slip_lateral,
-                            p.creepage.longitudinal,
-                            side * p.creepage.lateral,
-                            p.rolling_speed,
-                            p.point.wheel_s,
-                            contact.pair.wheel_radius + contact.pair.wheel->at(p.point.wheel_s).value};
-    for (std::size_t i = 0; i < mean.size(); ++i) mean[i] += w * value[i];
-  }
-  for (double& v : mean) v = load > 0.0 ? v / load : nan;
-  double const row[] = {static_cast<double>(n),
-                        load,
-                        force.x,
-                        creep,
-                        side * force.y,
-                        force.z,
-                        side * moment,
-                        mean[0],
-                        mean[1],
-                        mean[2],
-                        mean[3],
-                        mean[4],
-                        power,
-                        mean[5],
-                        mean[6],
-                        wear,
-                        d.work().offset[static_cast<std::size_t>(wheel)].y.value,
-                        d.work().offset[static_cast<std::size_t>(wheel)].z.value};
-  static_assert(std::size(row) == std::size(wheel_table));
-  std::copy(std::begin(row), std::end(row), out);
+  static_assert(wheel_columns == std::size(wheel_table));
+  wheel_row(d.model(), d.work(), static_cast<std::size_t>(wheel), out);
 }
 
 }  // namespace

@@ -84,9 +84,10 @@ Status Dynamics::derivative(double t, double const* x, double* x_dot, double* z_
   return Status::ok;
 }
 
-Status Dynamics::jacobian(double t, double const* x, JacobianData& j, Inputs const& inputs) {
+Status Dynamics::jacobian(double t, double const* x, JacobianData& j, Inputs const& inputs,
+                          JacobianSweeps::Reader const& reader) {
   evaluate(t, x, inputs);
-  jacobian_sweeps_.fill(*model_, inputs, evaluation_, t, j);
+  jacobian_sweeps_.fill(*model_, inputs, evaluation_, t, j, reader);
   return Status::ok;
 }
 

@@ -165,7 +165,8 @@ void JacobianSweeps::store(Model const& model, Sweep const& sweep, JacobianData&
       j.g(map.angles + account, sweep.columns[k]) = work_.power[at(account)].d[static_cast<int>(k)];
 }
 
-void JacobianSweeps::fill(Model const& model, Inputs const& inputs, Evaluation& evaluation, double t, JacobianData& j) {
+void JacobianSweeps::fill(Model const& model, Inputs const& inputs, Evaluation& evaluation, double t, JacobianData& j,
+                          Reader const& reader) {
   StateMap const& map = model.map;
   ForceAssembly<JacobianDual> const forces(model, inputs, evaluation, work_);
   j.a.setZero();
@@ -182,13 +183,14 @@ void JacobianSweeps::fill(Model const& model, Inputs const& inputs, Evaluation& 
     seed(model, evaluation, sweep, forces);
     forces.accelerate(JacobianDual(t), &sweep.touched);
     store(model, sweep, j);
+    if (reader) reader(work_, sweep.touched, sweep.columns);
     unseed(evaluation, sweep);
   }
-  fill_time(model, inputs, forces, t, j);
+  fill_time(model, inputs, forces, t, j, reader);
 }
 
 void JacobianSweeps::fill_time(Model const& model, Inputs const& inputs, ForceAssembly<JacobianDual> const& forces,
-                               double t, JacobianData& j) {
+                               double t, JacobianData& j, Reader const& reader) {
   StateMap const& map = model.map;
   j.f_t.setZero();
   j.g_t.setZero();
@@ -209,6 +211,7 @@ void JacobianSweeps::fill_time(Model const& model, Inputs const& inputs, ForceAs
     for (int node = model.elements[i].first_node(); node < model.elements[i].end_node(); ++node)
       if (time_.element[i]) j.f_t[map.coordinates + map.rates + node] = work_.node_rate[at(node)].d[0];
   for (int account = 0; account < account_count; ++account) j.g_t[map.angles + account] = work_.power[at(account)].d[0];
+  if (reader) reader(work_, time_, {});
 }
 
 }  // namespace rollerrig

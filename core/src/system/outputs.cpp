@@ -45,35 +45,6 @@ double element_energy(Dynamics const& dynamics) {
   return sum;
 }
 
-Vec3<double> specific_force(Dynamics const& dynamics, int body) {
-  auto const b = static_cast<std::size_t>(body);
-  Model const& model = dynamics.model();
-  auto const& work = dynamics.work();
-  auto const& a = work.acceleration[b];
-  bool const moving = model.bodies[b].in_moving_frame && model.on_rails;
-  Vec3<double> f{a[coord_x], a[coord_y], a[coord_z]};
-  if (moving && work.curved) {
-    f += transport_acceleration(model.bodies[b], work.frame[b], work.motion[b]) + model.gravity * work.frame[b].up;
-  } else {
-    f.z += model.gravity;
-    if (moving) f.x += work.travel.acceleration;
-  }
-  return work.motion[b].R.transposed_times(f);
-}
-
-InertialTurning inertial_turning(Dynamics const& dynamics, int body) {
-  auto const b = static_cast<std::size_t>(body);
-  Body const& data = dynamics.model().bodies[b];
-  auto const& work = dynamics.work();
-  auto const& m = work.motion[b];
-  InertialTurning turning{m.frame_body, frame_angular_acceleration(data, m, work.acceleration[b])};
-  if (data.in_moving_frame && dynamics.model().on_rails && work.curved) {  // (W11)
-    turning.rate += m.R.transposed_times(work.frame[b].omega);
-    turning.acceleration += transport_turning(work.frame[b], m);
-  }
-  return turning;
-}
-
 namespace {
 
 /// Mean over the wheels of R times what `pitch` says of their rollers, positive where a wheel on it rolls forward.

@@ -103,7 +103,7 @@ TEST_CASE("cant deficiency loads the outer wheels as in statics") {
     auto const& m = d.work().motion[b];
     Body const& body = model.bodies[b];
     Vec3<double> const place = f.origin + f.R * place_in_frame(body, m);
-    Vec3<double> const force = f.R * (body.mass * (m.R * specific_force(d, static_cast<int>(b))));
+    Vec3<double> const force = f.R * (body.mass * (m.R * specific_force(d.model(), d.work(), static_cast<int>(b))));
     of_bodies += place.z * force.y - place.y * force.z;
     weight += body.mass * 9.81;
     shift += body.mass * m.p.y / 12600.0;

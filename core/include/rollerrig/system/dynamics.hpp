@@ -26,7 +26,9 @@ class Dynamics {
   int kinematic_states() const { return map().coordinates; }
   int velocity_column(int i) const { return map().velocity_column[static_cast<std::size_t>(i)]; }
   Status derivative(double t, double const* x, double* x_dot, double* z_dot, Inputs const& inputs = {});
-  Status jacobian(double t, double const* x, JacobianData& j, Inputs const& inputs = {});
+  /// @param reader  shown what else depends on the states, after each sweep
+  Status jacobian(double t, double const* x, JacobianData& j, Inputs const& inputs = {},
+                  JacobianSweeps::Reader const& reader = {});
   Status accept(double t, double const* x, Inputs const& inputs = {});
   /// Inner nodes of elements, and slips against creep.
   StiffModes stiff_modes() const { return stiff_creep_modes_.room(); }

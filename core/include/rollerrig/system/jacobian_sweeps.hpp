@@ -2,6 +2,9 @@
 //
 //   evaluation in double -> [per group: seed its states, evaluate what they touch] -> columns of df/dx, dg/dx, df/dt, dg/dt
 #pragma once
+#include <functional>
+#include <span>
+
 #include "rollerrig/integrate/differential_equation.hpp"
 #include "rollerrig/system/force_assembly.hpp"
 
@@ -9,10 +12,18 @@ namespace rollerrig {
 
 class JacobianSweeps {
  public:
+  /// What a sweep leaves to be read: derivatives by its seeds, of the parts that it touches.
+  ///
+  /// columns: state index of each seed; empty: the one seed is time
+  using Reader =
+      std::function<void(Workspace<JacobianDual> const& work, Selection const& touched, std::span<int const> columns)>;
+
   explicit JacobianSweeps(Model const& model);
 
   /// @param evaluation  of the model at time t, in double
-  void fill(Model const& model, Inputs const& inputs, Evaluation& evaluation, double t, JacobianData& j);
+  /// @param reader      called after each sweep, if there is one; without it time is swept only where something depends on it
+  void fill(Model const& model, Inputs const& inputs, Evaluation& evaluation, double t, JacobianData& j,
+            Reader const& reader = {});
 
  private:
   struct Sweep {
@@ -29,7 +40,7 @@ class JacobianSweeps {
   void unseed(Evaluation const& evaluation, Sweep const& sweep);
   void store(Model const& model, Sweep const& sweep, JacobianData& j) const;
   void fill_time(Model const& model, Inputs const& inputs, ForceAssembly<JacobianDual> const& forces, double t,
-                 JacobianData& j);
+                 JacobianData& j, Reader const& reader);
 
   Workspace<JacobianDual> work_;
   std::vector<Sweep> sweeps_;

@@ -1,0 +1,321 @@
+"""Small motions of the bench about steady rolling: from its commands to its outputs, by the names of the plant.
+
+    Case, speed, names -> [linearize] -> control.StateSpace, or A, B, C, D as an xarray.Dataset
+
+The vehicle, its rollers or rails and its contacts are the core's exact linearisation; drives are their linear torque loops. The
+controllers are outside: their commands are inputs. Brakes have no small motion here: at the pressure of steady rolling, none,
+springs hold their pads off.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from importlib.util import find_spec
+from typing import TYPE_CHECKING
+
+import numpy as np
+import xarray as xr
+
+from rollerrig import _core
+from rollerrig.actuators import assemble_with_actuators
+from rollerrig.analysis.linear_system import LinearSystem, Matrix
+from rollerrig.assembly import AssembledModel, assemble
+from rollerrig.cases import as_case, at_speed, wheelsets
+from rollerrig.config import Case, ConfigError, ConfigProblem, Motor
+from rollerrig.config.errors import nearest
+from rollerrig.core_struct import angular
+from rollerrig.starting_state import starting_state
+
+if TYPE_CHECKING:
+    import control
+
+MOTIONS = tuple(name for name, _, _ in _core.body_fields)[:12]
+"""Coordinates and rates of a body, as the core orders them."""
+
+_SHORT = {"lateral_force": "Y", "vertical_force": "Q"}
+_LISTED = 12
+"""So many names a message lists."""
+
+
+@dataclass(frozen=True)
+class Signal:
+    """A named row of a linear system: `row @ x + through @ torques`."""
+
+    name: str
+    unit: str
+    row: Matrix
+    through: Matrix
+
+
+@dataclass(frozen=True)
+class Lag:
+    """A drive between a command and a torque of the model.
+
+    Attributes:
+        torque: column of the torque.
+        bandwidth: of its torque loop [rad/s].
+        damping: of a second-order loop; 0: first order.
+        steps: by which the command acts late, in sampling steps.
+    """
+
+    torque: int
+    bandwidth: float
+    damping: float
+    steps: int
+
+
+def steady_case(case: Case, speed: float | None = None) -> Case:
+    """The case rolling steadily: nothing disturbs it, nothing is demanded; its drives and controllers stay.
+
+    Wheelsets that no torque acts on get one of zero, so that there is an input.
+
+    Args:
+        case: the case.
+        speed: running speed [m/s]; None: that of the case.
+
+    Raises:
+        ConfigError: the case cannot be run at this speed.
+    """
+    if not case.sampled:
+        steady = at_speed(case, speed) if case.motion.drive == "speed_controlled" else case
+        given = [torque.model_dump() for torque in case.axle_torque]
+        free = {body.name for body in wheelsets(case)} - {torque.wheelset for torque in case.axle_torque}
+        given += [{"wheelset": name, "constant": 0.0} for name in sorted(free)]
+        case = steady.with_changes({"axle_torque": given})
+    nothing = [[0.0, 0.0], [1.0, 0.0]]
+    changes: dict[str, object] = {
+        "disturbance": [],
+        "motion.speed": f"{case.motion.speed if speed is None else speed} m/s",
+    }
+    if case.motion.speed_table is not None:
+        changes["motion.speed_table"] = None
+    if case.motion.torque_table is not None:
+        changes["motion.torque_table"] = nothing
+    for table in ("brake", "traction"):
+        if getattr(case, table) is not None:
+            changes[f"{table}.demand"] = nothing
+    if case.support.data.irregularity is not None:
+        changes["support.irregularity"] = None
+    return case.with_changes(changes)
+
+
+class LinearBench:
+    """A case in steady rolling at one speed, linearised once; systems of any inputs and outputs are read off it."""
+
+    def __init__(self, case: Case, speed: float | None = None) -> None:
+        """Assemble, find the equilibrium, linearise.
+
+        Args:
+            case: the case.
+            speed: running speed [m/s]; None: that of the case.
+
+        Raises:
+            ConfigError: the case cannot be run at this speed.
+            StartError: no rolling equilibrium was found.
+        """
+        self.case = steady_case(case, speed)
+        self.speed = self.case.motion.speed
+        self.model = assemble_with_actuators(self.case) if case.sampled else assemble(self.case)
+        state = starting_state(_core.Simulation(self.model.start_core), self.model)
+        self._simulation = _core.Simulation(self.model.core)
+        a, b, self._c, self._d = self._simulation.linear_model(0.0, state)
+        self._names = _state_names(self._simulation, self.model)
+        driven = {
+            self._simulation.rate_index[self.model.body_index(name)][4]
+            for name in self.model.rollers
+            if self.case.motion.drive == "speed_controlled"
+        }
+        self._kept = np.array([i for i in range(len(a)) if i not in driven])
+        self._a, self._b = a[np.ix_(self._kept, self._kept)], b[self._kept]
+
+    # ------------------------------------------------------------------------------------------------ what there is
+
+    @cached_property
+    def torques(self) -> Mapping[str, int]:
+        """Torque of the model by name -> its column."""
+        model, columns = self.model, [*self._simulation.torque_bodies]
+        return {
+            f"{model.bodies[body]}.{'roller' if model.bodies[body] in model.rollers else 'axle'}_torque": k
+            for k, body in enumerate(columns)
+        }
+
+    @cached_property
+    def commands(self) -> Mapping[str, Lag]:
+        """Command by name -> the drive that follows it."""
+        found: dict[str, Lag] = {}
+        case, step = self.case, self.case.time.sampling_step
+        for axle, wheelset in zip(self.model.axles, self.model.wheelsets, strict=False):
+            if case.traction is not None:
+                column = self.torques[f"{wheelset}.axle_torque"]
+                found[f"{wheelset}.motor_torque"] = _lag(column, case.traction.motor, 0)
+            if case.rig_control is not None and axle.roller >= 0:
+                column = self.torques[f"{self.model.bodies[axle.roller]}.roller_torque"]
+                late = round(case.rig_control.delay / step)
+                found[f"{wheelset}.roller_torque_command"] = _lag(column, case.rig_control.motor, late)
+        return found
+
+    @cached_property
+    def inputs(self) -> tuple[str, ...]:
+        """Names of all inputs."""
+        return (*self.commands, *self.torques)
+
+    @cached_property
+    def outputs(self) -> Mapping[str, Signal]:
+        """All outputs by name."""
+        found: list[Signal] = []
+        torques = self._d[:, : len(self.torques)]
+        angles = self._simulation.angle_index
+        width = len(_core.body_fields)
+        for k, body in enumerate(self.model.bodies):
+            for i, (name, unit, _) in enumerate(_core.body_fields):
+                if name == "pitch" and angles[k] >= 0:  # it only accumulates
+                    continue
+                row = k * width + i
+                found.append(Signal(f"{body}.{name}", unit, self._c[row, self._kept], torques[row]))
+        first = width * len(self.model.bodies)
+        for k, wheel in enumerate(self.model.wheels):
+            for i, (name, unit, _) in enumerate(_core.wheel_fields):
+                row = first + k * len(_core.wheel_fields) + i
+                label = f"{wheel.wheelset}.{wheel.side}.{_SHORT.get(name, name)}"
+                found.append(Signal(label, unit, self._c[row, self._kept], torques[row]))
+        by_name = {signal.name: signal for signal in found}
+        for axle, wheelset in zip(self.model.axles, self.model.wheelsets, strict=False):
+            turning = {"axle_speed": (wheelset, 1.0)}
+            if axle.roller >= 0:
+                turning["roller_speed"] = (self.model.bodies[axle.roller], -1.0)
+            for name, (body, sign) in turning.items():
+                spin = by_name[f"{body}.pitch_rate"]
+                found.append(Signal(f"{wheelset}.{name}", spin.unit, sign * spin.row, sign * spin.through))
+        return {signal.name: signal for signal in found}
+
+    # ------------------------------------------------------------------------------------------------------ systems
+
+    def system(self, inputs: Sequence[str], outputs: Sequence[str], *, discrete: bool = False) -> LinearSystem:
+        """From some inputs to some outputs.
+
+        Args:
+            inputs: names of inputs.
+            outputs: names of outputs.
+            discrete: from sample to sample of the case, under commands held between; their delay is in it. Without, the
+                commands act without delay.
+
+        Raises:
+            ConfigError: there is no such name, or the case has no samples.
+        """
+        lags = [self.commands.get(name) for name in self._known("inputs", inputs, self.inputs)]
+        signals = [self.outputs[name] for name in self._known("outputs", outputs, self.outputs)]
+        if discrete and not self.case.sampled:
+            allowed = (
+                "allowed: false, of a case without sampled actuators or controllers; or .sampled(step) of the result"
+            )
+            raise ConfigError([ConfigProblem(self.case.name, "discrete", "true", allowed)])
+        n, count = len(self._a), len(self.torques)
+        # States x, then of each lag its torque and rate; a torque of the model is the sum of what acts on it.
+        sizes = [0 if lag is None else 2 if lag.damping > 0.0 else 1 for lag in lags]
+        total = n + sum(sizes)
+        acting = np.zeros((count, total))  # torques from the states
+        direct = np.zeros((count, len(inputs)))  # torques from the inputs
+        a, b = np.zeros((total, total)), np.zeros((total, len(inputs)))
+        names, at = list(self._state_labels()), n
+        for k, (name, lag, size) in enumerate(zip(inputs, lags, sizes, strict=True)):
+            if lag is None:
+                direct[self.torques[name], k] = 1.0
+                continue
+            acting[lag.torque, at] = 1.0
+            own = slice(at, at + size)
+            a[own, own], b[own, k] = _torque_loop(lag)
+            names += [f"{name}.acting", f"{name}.acting_rate"][:size]
+            at += size
+        torque = self._b[:, :count]
+        a[:n, :n] = self._a
+        a[:n] += torque @ acting
+        b[:n] = torque @ direct
+        through = np.array([signal.through for signal in signals])
+        c = np.zeros((len(signals), total))
+        c[:, :n] = [signal.row for signal in signals]
+        system = LinearSystem(
+            self.case.name, self.speed, 0.0, a, b, c + through @ acting, through @ direct,
+            tuple(names), tuple(inputs), tuple(outputs), ("N m",) * len(inputs), tuple(s.unit for s in signals),
+        )  # fmt: skip
+        if not discrete:
+            return system
+        return system.sampled(self.case.time.sampling_step).delayed([lag.steps if lag else 0 for lag in lags])
+
+    def _state_labels(self) -> Iterable[str]:
+        return (self._names[i] for i in self._kept)
+
+    def _known(self, key: str, asked: Sequence[str], there: Iterable[str]) -> Sequence[str]:
+        choices = tuple(there)
+        problems = [
+            ConfigProblem(self.case.name, key, repr(name), f"allowed: {_listed(choices, name)}", nearest(name, choices))
+            for name in asked
+            if name not in choices
+        ]
+        if not asked:
+            problems = [ConfigProblem(self.case.name, key, "none", f"allowed: {_listed(choices, '')}")]
+        for name in {name for name in asked if list(asked).count(name) > 1}:
+            problems.append(ConfigProblem(self.case.name, key, repr(name), "allowed: each name once"))
+        if problems:
+            raise ConfigError(problems)
+        return asked
+
+
+def _listed(choices: Sequence[str], asked: str) -> str:
+    """The choices, of many those of the same part, or of every part one."""
+    part = asked.rpartition(".")[0]
+    near = [name for name in choices if name.rpartition(".")[0] == part] or list(choices)
+    return ", ".join(near[:_LISTED]) + (f" and {len(choices) - _LISTED} more" if len(near) > _LISTED else "")
+
+
+def _lag(column: int, motor: Motor, steps: int) -> Lag:
+    return Lag(column, angular(motor.bandwidth), motor.damping_ratio, steps)
+
+
+def _torque_loop(lag: Lag) -> tuple[Matrix, Matrix]:
+    """The linear torque loop of a drive, `Motor::rates` of the core without its limits: of torque (and rate), by its command."""
+    w = lag.bandwidth
+    if lag.damping > 0.0:
+        return np.array([[0.0, 1.0], [-(w**2), -2.0 * lag.damping * w]]), np.array([0.0, w**2])
+    return np.array([[-w]]), np.array([w])
+
+
+def _state_names(simulation: _core.Simulation, model: AssembledModel) -> list[str]:
+    names = [f"inner_node_{i}" for i in range(simulation.state_count)]
+    for places, fields in ((simulation.coordinate_index, MOTIONS[:6]), (simulation.rate_index, MOTIONS[6:])):
+        for body, row in zip(model.bodies, places, strict=True):
+            for name, index in zip(fields, row, strict=True):
+                if index >= 0:
+                    names[index] = f"{body}.{name}"
+    return names
+
+
+def linearize(
+    case: Case | str,
+    speed: float | None = None,
+    inputs: Sequence[str] = (),
+    outputs: Sequence[str] = (),
+    *,
+    discrete: bool = False,
+) -> control.StateSpace | xr.Dataset:
+    """The bench in small motions about steady rolling, with exact derivatives.
+
+    Args:
+        case: the case, or its name.
+        speed: running speed [m/s]; None: that of the case.
+        inputs: names as the plant has them: wheelset_1.roller_torque_command, wheelset_1.motor_torque,
+            wheelset_1.axle_torque ...; none or a wrong one: the message lists them.
+        outputs: names: wheelset_1.y, wheelset_1.left.Q, wheelset_1.axle_speed ...
+        discrete: at the case's time.sampling_step, commands held between the samples and as late as they act.
+
+    Returns:
+        A control.StateSpace where python-control is installed, else a Dataset with A, B, C, D, see
+        `LinearSystem.to_dataset`. In both, signals have their names; python-control allows no dots in them: wheelset_1/left/Q.
+
+    Raises:
+        ConfigError: an unknown name, a speed that the case does not allow, no samples.
+        StartError: no rolling equilibrium was found.
+    """
+    system = LinearBench(as_case(case), speed).system(inputs, outputs, discrete=discrete)
+    return system.to_control() if find_spec("control") is not None else system.to_dataset()

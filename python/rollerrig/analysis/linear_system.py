@@ -1,0 +1,227 @@
+"""A linear system with names and units: responses, poles, zeros, margins; as an xarray.Dataset, for python-control, for MATLAB.
+
+A, B, C, D and names -> [LinearSystem] -> frequency response, poles, zeros, Margins -> Dataset, control.StateSpace, .mat
+"""
+
+from __future__ import annotations
+
+import io
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, cast
+
+import numpy as np
+import xarray as xr
+from numpy.typing import ArrayLike, NDArray
+from scipy.linalg import block_diag, expm
+from scipy.linalg import eigvals as generalised_eigenvalues
+
+from rollerrig.blas_threads import one_blas_thread
+
+if TYPE_CHECKING:
+    import control
+
+Matrix = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+
+
+@dataclass(frozen=True)
+class Margins:
+    """Of an open loop L that is closed with negative feedback, L read from one response; NaN where there is none.
+
+    Attributes:
+        gain: factor on L at which the loop is at its limit [-].
+        gain_frequency: at which that is [Hz].
+        phase: by which L may lag more [rad].
+        phase_frequency: at which |L| is 1 [Hz].
+    """
+
+    gain: float
+    gain_frequency: float
+    phase: float
+    phase_frequency: float
+
+
+@dataclass(frozen=True)
+class LinearSystem:
+    """x' = A x + B u, y = C x + D u, or from one sample to the next.
+
+    Attributes:
+        name: of the case.
+        speed: running speed [m/s].
+        step: sample time [s]; 0: continuous.
+        a, b, c, d: the matrices.
+        states, inputs, outputs: names.
+        input_units, output_units: units.
+    """
+
+    name: str
+    speed: float
+    step: float
+    a: Matrix
+    b: Matrix
+    c: Matrix
+    d: Matrix
+    states: tuple[str, ...]
+    inputs: tuple[str, ...]
+    outputs: tuple[str, ...]
+    input_units: tuple[str, ...]
+    output_units: tuple[str, ...]
+
+    @one_blas_thread()
+    def response(self, frequencies: ArrayLike) -> Complex:
+        """Transfer from inputs to outputs.
+
+        Args:
+            frequencies: [Hz].
+
+        Returns:
+            Complex amplitudes, shape (frequency, output, input).
+        """
+        s = 2j * math.pi * np.asarray(frequencies, dtype=float)
+        points = np.exp(s * self.step) if self.step else s
+        unit = np.eye(len(self.a))
+        return np.stack([self.c @ np.linalg.solve(point * unit - self.a, self.b) + self.d for point in points])
+
+    @one_blas_thread()
+    def poles(self) -> Complex:
+        """Eigenvalues [1/s], of a sampled system as ln(z)/step; motions that never move (z = 0) are left out."""
+        return self._continuous(np.linalg.eigvals(self.a))
+
+    @one_blas_thread()
+    def zeros(self, output: int = 0, input: int = 0) -> Complex:  # noqa: A002
+        """Invariant zeros between one input and one output [1/s]."""
+        n = len(self.a)
+        pencil = np.block([[self.a, self.b[:, [input]]], [self.c[[output]], self.d[[output]][:, [input]]]])
+        found = generalised_eigenvalues(pencil, block_diag(np.eye(n), np.zeros((1, 1))))
+        scale = max(1.0, float(np.abs(self.a).max()))
+        return self._continuous(found[np.isfinite(found) & (np.abs(found) < 1e6 * scale)])
+
+    def _continuous(self, roots: NDArray[Any]) -> Complex:
+        values: Complex = np.asarray(roots, dtype=complex)
+        if self.step:
+            values = np.log(values[np.abs(values) > 1e-9].astype(complex)) / self.step
+        return values[np.lexsort((values.imag, values.real))]
+
+    @one_blas_thread()
+    def sampled(self, step: float) -> LinearSystem:
+        """The system under inputs that are constant from one sample to the next.
+
+        Args:
+            step: sample time [s].
+        """
+        n, m = self.b.shape
+        block = np.zeros((n + m, n + m))
+        block[:n, :n], block[:n, n:] = step * self.a, step * self.b
+        exact = expm(block)
+        return replace(self, step=step, a=exact[:n, :n], b=exact[:n, n:])
+
+    def delayed(self, steps: Sequence[int]) -> LinearSystem:
+        """A sampled system whose inputs come some steps late, each by its own number; what waits is among the states."""
+        n, system = len(self.a), self
+        assert self.step
+        for k, count in enumerate(steps):
+            if count == 0:
+                continue
+            chain = np.eye(count, k=-1)  # newest first
+            first, last = np.zeros((count, system.b.shape[1])), np.zeros((1, count))
+            first[0, k], last[0, -1] = 1.0, 1.0
+            b, d = system.b.copy(), system.d.copy()
+            b[:, k], d[:, k] = 0.0, 0.0
+            system = replace(
+                system,
+                a=np.block([[system.a, system.b[:, [k]] @ last], [np.zeros((count, n)), chain]]),
+                b=np.vstack([b, first]),
+                c=np.hstack([system.c, system.d[:, [k]] @ last]),
+                d=d,
+                states=(*system.states, *(f"{self.inputs[k]}.waiting_{i + 1}" for i in range(count))),
+            )
+            n = len(system.a)
+        return system
+
+    # ------------------------------------------------------------------------------------------- for other tools
+
+    def to_dataset(self) -> xr.Dataset:
+        """A, B, C, D over `state`, `state_` (columns of A), `input`, `output`, with names and units."""
+        return xr.Dataset(
+            {
+                "A": (("state", "state_"), self.a),
+                "B": (("state", "input"), self.b),
+                "C": (("output", "state_"), self.c),
+                "D": (("output", "input"), self.d),
+            },
+            coords={
+                "state": list(self.states),
+                "state_": list(self.states),
+                "input": list(self.inputs),
+                "output": list(self.outputs),
+                "input_unit": ("input", list(self.input_units)),
+                "output_unit": ("output", list(self.output_units)),
+            },
+            attrs={"case": self.name, "speed": self.speed, "sample_time": self.step},
+        )
+
+    def to_control(self) -> control.StateSpace:
+        """For python-control, which allows no dots in names: wheelset_1/left/Q.
+
+        Raises:
+            ImportError: it is not installed.
+        """
+        import control
+
+        signals = {"inputs": self.inputs, "outputs": self.outputs, "states": self.states}
+        names: dict[str, Any] = {kind: [name.replace(".", "/") for name in words] for kind, words in signals.items()}
+        label = "".join(c if c.isalnum() else "_" for c in f"{self.name} at {3.6 * self.speed:g} km/h")
+        return control.ss(self.a, self.b, self.c, self.d, self.step, name=label, **names)
+
+    def mat_bytes(self) -> bytes:
+        """A MATLAB file: A, B, C, D, Ts, cell arrays of names; `ss(A, B, C, D, Ts)` takes it."""
+        import scipy.io
+
+        def cells(names: Sequence[str]) -> NDArray[np.object_]:
+            return np.array(names, dtype=object).reshape(1, -1)
+
+        names = ("State", self.states), ("Input", self.inputs), ("Output", self.outputs)
+        units = ("Input", self.input_units), ("Output", self.output_units)
+        content: dict[str, Any] = dict(zip("ABCD", (self.a, self.b, self.c, self.d), strict=True))
+        content |= {"Ts": self.step, "speed": self.speed, "name": self.name}
+        content |= {f"{kind}Name": cells(words) for kind, words in names}
+        content |= {f"{kind}Unit": cells(words) for kind, words in units}
+        buffer = io.BytesIO()
+        scipy.io.savemat(cast("Any", buffer), content, do_compression=True)
+        head = b"MATLAB 5.0 MAT-file, written by rollerrig"
+        return head.ljust(116) + buffer.getvalue()[116:]  # scipy writes the time there
+
+
+def margins_of(frequencies: Matrix, loop: Complex) -> Margins:
+    """Margins of a loop given at ascending frequencies, by straight lines between them: the smallest of each kind.
+
+    Args:
+        frequencies: [Hz], shape (frequency,).
+        loop: L there.
+    """
+    size, phase = np.log(np.abs(loop)), np.unwrap(np.angle(loop))
+    gain, gain_frequency = math.nan, math.nan
+    for k in range(math.floor(phase.min() / (2 * math.pi)) - 1, math.ceil(phase.max() / (2 * math.pi)) + 1):
+        for at, part in _crossings(phase - math.pi * (2 * k + 1)):
+            factor = math.exp(-_between(size, at, part))
+            if math.isnan(gain) or abs(math.log(factor)) < abs(math.log(gain)):
+                gain, gain_frequency = factor, _between(frequencies, at, part)
+    least, least_frequency = math.nan, math.nan
+    for at, part in _crossings(size):
+        left = _between(phase, at, part)
+        margin = math.remainder(left - math.pi, 2 * math.pi)
+        if math.isnan(least) or abs(margin) < abs(least):
+            least, least_frequency = margin, _between(frequencies, at, part)
+    return Margins(gain, gain_frequency, least, least_frequency)
+
+
+def _crossings(values: Matrix) -> list[tuple[int, float]]:
+    """Where a sign changes: index before, and the part of the way to the next."""
+    at = np.flatnonzero(np.sign(values[:-1]) * np.sign(values[1:]) < 0)
+    return [(int(k), float(values[k] / (values[k] - values[k + 1]))) for k in at]
+
+
+def _between(values: Matrix, at: int, part: float) -> float:
+    return float(values[at] + part * (values[at + 1] - values[at]))
