@@ -19,6 +19,7 @@ from rollerrig import _core
 from rollerrig.assembly import AssembledModel
 from rollerrig.blas_threads import one_blas_thread
 from rollerrig.config import ConfigError, ConfigProblem, Rig
+from rollerrig.eigenvalues import eigenvalues
 
 Vector = NDArray[np.float64]
 
@@ -47,7 +48,6 @@ class Drift:
     whole: bool
 
 
-@one_blas_thread()
 def drift(simulation: _core.Simulation, model: AssembledModel, state: Vector) -> Drift | None:
     """The motion with which a vehicle rolls off its rollers; None where it is held, and on track.
 
@@ -59,7 +59,7 @@ def drift(simulation: _core.Simulation, model: AssembledModel, state: Vector) ->
     if not isinstance(model.case.support.data, Rig):
         return None
     matrix = simulation.jacobian(0.0, state)[0]
-    rates = np.linalg.eigvals(matrix)
+    rates = eigenvalues(matrix)
     growing = rates.real[(np.abs(rates.imag) < LEAST_RATE) & (rates.real > LEAST_RATE)]
     return next(
         (found for rate in -np.sort(-growing) if (found := _along_track(simulation, model, matrix, rate))), None
@@ -68,7 +68,8 @@ def drift(simulation: _core.Simulation, model: AssembledModel, state: Vector) ->
 
 def _along_track(simulation: _core.Simulation, model: AssembledModel, matrix: Vector, rate: float) -> Drift | None:
     """The drift that belongs to a real eigenvalue; None if its motion is another one."""
-    values, vectors = np.linalg.eig(matrix)
+    with one_blas_thread():
+        values, vectors = np.linalg.eig(matrix)
     shape = np.abs(vectors[:, int(np.argmin(np.abs(values - rate)))])
     along: dict[str, float] = {}
     total = 0.0

@@ -21,9 +21,9 @@ from numpy.typing import NDArray
 from rollerrig import _core
 from rollerrig.actuators import assemble_with_actuators
 from rollerrig.assembly import AssembledModel, assemble
-from rollerrig.blas_threads import one_blas_thread
 from rollerrig.cases import as_case
 from rollerrig.config import Case, ConfigError, ConfigProblem, Rig
+from rollerrig.eigenvalues import eigenvalues
 from rollerrig.mechatronics import (
     MEASUREMENTS,
     ControllerError,
@@ -240,7 +240,6 @@ def check_fixed_step(simulation: _core.Simulation, case: Case, state: Vector) ->
         _check_amplification(simulation, case, state)
 
 
-@one_blas_thread()
 def _check_amplification(simulation: _core.Simulation, case: Case, state: Vector) -> None:
     """Refuse a step at which the method lets a decaying motion of the starting state grow.
 
@@ -251,12 +250,12 @@ def _check_amplification(simulation: _core.Simulation, case: Case, state: Vector
     method, step = case.integration.method, case.integration.step or 0.0
 
     @cache
-    def lasting() -> Vector:
-        rates = np.linalg.eigvals(simulation.jacobian(0.0, state)[0])
+    def lasting() -> NDArray[np.complex128]:
+        rates = eigenvalues(simulation.jacobian(0.0, state)[0])
         return rates[rates.real >= -1.0]
 
     def stable(step: float) -> bool:
-        factors = np.linalg.eigvals(simulation.step_amplification(method, step, 0.0, state))
+        factors = eigenvalues(simulation.step_amplification(method, step, 0.0, state))
         if np.all(np.abs(factors) <= 1.0 + 1e-9):
             return True
         for factor in np.exp(step * lasting()):
@@ -390,7 +389,7 @@ def outcome(simulation: _core.Simulation, model: AssembledModel, code: int, fail
     at = simulation.time
     blamed = simulation.failed_contact if status not in _BLAMELESS else -1
     wheel = next((w.name for w in model.wheels if w.contact == blamed), "")
-    lost = status in ("contact_lost", "rollers_protected")
+    lost = status in ("contact_lost", "rollers_protected", "not_finite")
     message = failure or (lost and rolled_off(simulation, model)) or _core.status_sentence(code)
     if status != "ok" and not failure:
         place = f"t = {at:.4g} s" + (f", {wheel}" if wheel else "")

@@ -1,10 +1,10 @@
 """The arrow of the data is a test: a folder may use only what stands to its left.
 
 core:    scalar -> math -> integrate -> track -> multibody -> geometry -> contact -> mechatronics -> system -> simulate -> plant
-Python:  wording -> splines, input_files, memory, workers, blas_threads -> profiles, track, irregularity -> config -> core_struct
-         -> catalog -> cases -> contact_laws, force_laws, static_loads, model_parts -> assembly -> actuators -> results
-         -> restraint -> starting_state -> mechatronics -> simulation -> plant -> realtime -> similitude -> contact_analysis
-         -> analysis -> plot -> study -> commands -> cli
+Python:  wording -> splines, input_files, memory, workers, blas_threads -> eigenvalues -> profiles, track, irregularity
+         -> config -> core_struct -> catalog -> cases -> contact_laws, force_laws, static_loads, model_parts -> assembly
+         -> actuators -> results -> restraint -> starting_state -> mechatronics -> simulation -> plant -> realtime
+         -> similitude -> contact_analysis -> analysis -> plot -> study -> commands -> cli
 """
 
 from __future__ import annotations
@@ -120,6 +120,7 @@ PYTHON_LAYERS = [
     {"_core", "_version"},
     {"wording"},
     {"splines", "input_files", "memory", "workers", "blas_threads"},
+    {"eigenvalues"},
     {"profiles", "track", "irregularity"},
     {"config"},
     {"core_struct", "recording"},

@@ -159,60 +159,100 @@ bool unbalanced(Dynamics& dynamics, Problem const& problem, double t, std::vecto
   return residual.allFinite();
 }
 
-/// One Newton step for the unknowns.
-///
-/// @param out_of_reach  largest force that no change of the unknowns can balance, where a motion is neutral [N]
-Eigen::VectorXd newton_step(Dynamics& dynamics, Problem const& problem, double t, std::vector<double> const& x,
-                            Eigen::VectorXd const& residual, JacobianData& j, double& out_of_reach) {
-  auto const n = residual.size();
-  dynamics.jacobian(t, x.data(), j);
-  Eigen::MatrixXd matrix(n, n);
-  for (Eigen::Index r = 0; r < n; ++r)
-    for (Eigen::Index c = 0; c < n; ++c)
-      matrix(r, c) = problem.weight[static_cast<std::size_t>(r)] *
-                     j.a(problem.rows[static_cast<std::size_t>(r)], problem.columns[static_cast<std::size_t>(c)]);
+/// The equations of a state made linear, and decomposed: they serve for as many steps as gain by them.
+class LinearEquations {
+ public:
+  LinearEquations(Dynamics& dynamics, Problem const& problem, double t, std::vector<double> const& x, JacobianData& j)
+      : LinearEquations(matrix_of(dynamics, problem, t, x, j)) {}
+
+  Eigen::VectorXd step(Eigen::VectorXd const& residual) const {
+    return scale_.asDiagonal() * decomposed_.solve(residual);
+  }
+
+  /// Largest force that no change of the unknowns can balance, where a motion is neutral [N].
+  double out_of_reach(Eigen::VectorXd const& residual, Eigen::VectorXd const& step) const {
+    return decomposed_.rank() < step.size() ? (residual - matrix_ * step).cwiseAbs().maxCoeff() : 0.0;
+  }
+
+ private:
+  explicit LinearEquations(Eigen::MatrixXd matrix)
+      : matrix_(std::move(matrix)),
+        scale_(matrix_.colwise().norm().cwiseMax(floor).cwiseInverse()),
+        decomposed_(matrix_ * scale_.asDiagonal(), 1e-10) {}
+
+  static Eigen::MatrixXd matrix_of(Dynamics& dynamics, Problem const& problem, double t, std::vector<double> const& x,
+                                   JacobianData& j) {
+    auto const n = static_cast<Eigen::Index>(problem.rows.size());
+    dynamics.jacobian(t, x.data(), j);
+    Eigen::MatrixXd matrix(n, n);
+    for (Eigen::Index r = 0; r < n; ++r)
+      for (Eigen::Index c = 0; c < n; ++c)
+        matrix(r, c) = problem.weight[static_cast<std::size_t>(r)] *
+                       j.a(problem.rows[static_cast<std::size_t>(r)], problem.columns[static_cast<std::size_t>(c)]);
+    return matrix;
+  }
+
   // Unknowns of very different size (m, rad, rad/s): scale the columns. Least norm where a motion is neutral, as the
   // spin of a wheelset without friction is: forces that change by less than a hundred newton per unit do not count.
-  double const floor = 1e2;
-  Eigen::VectorXd const scale = matrix.colwise().norm().cwiseMax(floor).cwiseInverse();
-  LeastNorm const found = least_norm(matrix * scale.asDiagonal(), residual, 1e-10);
-  Eigen::VectorXd const step = scale.asDiagonal() * found.x;
-  out_of_reach = found.rank < n ? (residual - matrix * step).cwiseAbs().maxCoeff() : 0.0;
-  return step;
-}
+  static constexpr double floor = 1e2;
+  Eigen::MatrixXd matrix_;
+  Eigen::VectorXd scale_;
+  LeastNorm decomposed_;
+};
 
-/// Newton's method from a state.
+/// State, what is unbalanced there, and room for a trial of both.
+struct Iterate {
+  std::vector<double> x, trial_x;
+  Eigen::VectorXd residual, trial_residual;
+
+  /// Whether the state less a part of a step leaves less unbalanced.
+  bool gains(Dynamics& dynamics, Problem const& problem, double t, Eigen::VectorXd const& step, double fraction) {
+    for (std::size_t i = 0; i < problem.columns.size(); ++i)
+      trial_x[at(problem.columns[i])] = x[at(problem.columns[i])] - fraction * step[static_cast<Eigen::Index>(i)];
+    return unbalanced(dynamics, problem, t, trial_x, trial_residual) && trial_residual.norm() < residual.norm();
+  }
+  void accept() {
+    x = trial_x;
+    residual = trial_residual;
+  }
+};
+
+/// Newton's method from a state. A Jacobian costs fifteen evaluations of the forces: the last one serves on as long as each
+/// step with it leaves less than a tenth.
 Equilibrium newton(Dynamics& dynamics, double t, std::vector<FixedCoordinate> const& fixed, std::vector<double> start) {
   Problem const problem = set_up(dynamics, fixed);
-  Equilibrium result;
-  result.x = std::move(start);
-  std::vector<double>& x = result.x;
-
   JacobianData j(dynamics.sizes());
-  Eigen::VectorXd residual(static_cast<Eigen::Index>(problem.rows.size()));
-  Eigen::VectorXd trial_residual = residual;
-  unbalanced(dynamics, problem, t, x, residual);
+  auto const n = static_cast<Eigen::Index>(problem.rows.size());
+  Iterate now{start, start, Eigen::VectorXd(n), Eigen::VectorXd(n)};
+  unbalanced(dynamics, problem, t, now.x, now.residual);
+  Equilibrium result;
   double out_of_reach = 0.0;
   double const enough = 1e-7;    // unbalanced [N, N m], far below anything a result shows; rounding leaves 1e-8
   double const accepted = 1e-3;  // [N, N m]
   for (result.iterations = 1; result.iterations <= 60; ++result.iterations) {
-    Eigen::VectorXd const step = newton_step(dynamics, problem, t, x, residual, j, out_of_reach);
+    LinearEquations const equations(dynamics, problem, t, now.x, j);
+    Eigen::VectorXd step = equations.step(now.residual);
+    out_of_reach = equations.out_of_reach(now.residual, step);
     double fraction = 1.0;
-    std::vector<double> trial = x;
-    for (int halving = 0; halving < 12; ++halving, fraction *= 0.5) {
-      for (std::size_t i = 0; i < problem.columns.size(); ++i)
-        trial[at(problem.columns[i])] = x[at(problem.columns[i])] - fraction * step[static_cast<Eigen::Index>(i)];
-      if (unbalanced(dynamics, problem, t, trial, trial_residual) && trial_residual.norm() < residual.norm()) break;
-    }
-    if (!(trial_residual.norm() < residual.norm())) break;  // rounding level, or stuck
+    bool gains = now.gains(dynamics, problem, t, step, fraction);
+    for (int halving = 1; !gains && halving < 12; ++halving)
+      gains = now.gains(dynamics, problem, t, step, fraction *= 0.5);
+    if (!(now.trial_residual.norm() < now.residual.norm())) break;  // rounding level, or stuck
     // Newton's method squares the error: less than half of it gained this near to the end is rounding.
-    bool const rounding = residual.norm() < accepted && trial_residual.norm() > 0.5 * residual.norm();
-    x = trial;
-    residual = trial_residual;
-    if (rounding || residual.norm() < enough) break;
+    bool const rounding = now.residual.norm() < accepted && now.trial_residual.norm() > 0.5 * now.residual.norm();
+    now.accept();
+    bool quick = fraction == 1.0;
+    while (quick) {  // beyond what is enough too, where it costs one evaluation
+      double const before = now.residual.norm();
+      if (!now.gains(dynamics, problem, t, equations.step(now.residual), 1.0)) break;
+      now.accept();
+      quick = now.residual.norm() < 0.1 * before;
+    }
+    if (rounding || now.residual.norm() < enough) break;
   }
-  unbalanced(dynamics, problem, t, x, residual);
-  result.residual = residual.cwiseAbs().maxCoeff();
+  unbalanced(dynamics, problem, t, now.x, now.residual);
+  result.x = std::move(now.x);
+  result.residual = now.residual.cwiseAbs().maxCoeff();
   // A vehicle that is free along its track keeps its rolling resistance, newtons: steady but for a slow coasting.
   bool const coasting = out_of_reach > 0.0 && out_of_reach < 10.0 && result.residual < 1.001 * out_of_reach + 1e-3;
   result.converged = result.residual < accepted || coasting;

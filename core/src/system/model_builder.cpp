@@ -227,7 +227,9 @@ int ModelBuilder::add_contact(ContactDescription const& d) {
     if (!nodes) nodes = std::make_shared<GapNodes const>(*c.pair.wheel, d.size);
     c.laws.nodes = nodes;
   }
-  c.flange_tip = flange_tip(*c.pair.wheel, d.size);
+  auto& tip = flange_tips_[{d.wheel_profile, d.size}];
+  if (!tip) tip = flange_tip(*c.pair.wheel, d.size);
+  c.flange_tip = *tip;
   model_.contacts.push_back(c);
   return static_cast<int>(model_.contacts.size()) - 1;
 }

@@ -37,7 +37,7 @@ StaticLoads static_loads(std::vector<StandingBody> const& bodies, std::vector<Lo
   }
   Eigen::VectorXd preload = Eigen::VectorXd::Zero(columns);
   if (rows > 0 && columns > 0) {
-    preload = least_norm(balance, load).x;
+    preload = LeastNorm(balance).solve(load);
     load -= balance * preload;
   }
 

@@ -16,6 +16,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import lru_cache
 from typing import Literal
 
 import numpy as np
@@ -196,6 +197,7 @@ def tabulate(
     return ProfileTable(name, kind, float(low), h, coefficients, source, outline)
 
 
+@lru_cache(maxsize=64)
 def gauge_point(table: ProfileTable, depth: float = 14e-3) -> float:
     """Abscissa of the point of a rail where its gauge is taken.
 
@@ -235,6 +237,7 @@ def _first_bad(values: FloatArray) -> int:
     return int(np.flatnonzero(~np.isfinite(values))[0] // (values.shape[1] if values.ndim == 2 else 1))
 
 
+@lru_cache(maxsize=64)  # of a constant table
 def flange_angle(wheel: ProfileTable) -> float:
     """Steepest slope of a wheel profile towards the flange, as an angle [rad]."""
     low, high = wheel.domain

@@ -38,12 +38,10 @@ def add_energy_audit(draft: Draft) -> None:
     Args:
         draft: results with the accounts, which are changed.
     """
-    residual = np.zeros(len(draft.values("time")))
-    turned_over = 0.0
-    for names, sign in _SIGNS:
-        for account in map(draft.values, names):
-            residual += sign * (account - account[:1])
-            turned_over += 0.5 * float(np.abs(np.diff(account)).sum())
+    accounts = np.stack([draft.values(name) for names, _ in _SIGNS for name in names])
+    signs = np.array([[sign] for names, sign in _SIGNS for _ in names])
+    residual = (signs * (accounts - accounts[:, :1])).sum(axis=0)
+    turned_over = 0.5 * float(np.abs(np.diff(accounts)).sum(axis=1).sum())
     meaning = "work in minus change of kinetic, potential and stored energy minus heat; 0 but for integration errors"
     largest = float(np.abs(residual).max(initial=0.0))
     draft.variables["energy_residual"] = variable("time", residual, "J", meaning)

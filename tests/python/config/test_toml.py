@@ -39,3 +39,14 @@ def test_every_case_is_what_a_library_writes() -> None:
 def test_a_table_of_tables_alone_has_no_head_and_an_innermost_list_is_one_line() -> None:
     text = text_of({"a": {"b": {"c": [[1.0, 2.0], [3.0, 4.0]]}}, "d": {}, "e": [{"f": "g"}, {}]})
     assert text == '[a.b]\nc = [\n    [1.0, 2.0],\n    [3.0, 4.0],\n]\n\n[d]\n\n[[e]]\nf = "g"\n\n[[e]]\n'
+
+
+def test_cases_that_share_a_vehicle_are_written_like_those_that_do_not() -> None:
+    case = rr.load_case("bogie_rollers_constant")
+    before = case.to_toml()
+    faster = case.with_changes({"motion.speed": "54 km/h"})
+    heavier = case.with_changes({"vehicle.body.car_body.mass": "31 t", "support.roller_radius": 1.0})
+    assert faster.vehicle.data is case.vehicle.data
+    for changed in (faster, heavier):
+        assert tomllib.loads(changed.to_toml()) == tomllib.loads(tomli_w.dumps(plain(changed)))
+    assert case.to_toml() == before

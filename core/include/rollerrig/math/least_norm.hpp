@@ -3,17 +3,25 @@
 // One compiled copy: Eigen's decomposition takes longer to compile than to write down.
 #pragma once
 #include <Eigen/Core>
+#include <memory>
 
 namespace rollerrig {
 
-struct LeastNorm {
-  Eigen::VectorXd x;
-  Eigen::Index rank{0};
-};
+/// min |x| over all x that minimise |A x - b|, by a complete orthogonal decomposition of A, for one b after the other.
+class LeastNorm {
+ public:
+  /// @param threshold  pivots below this over the largest count as zero; 0: as rounding asks
+  explicit LeastNorm(Eigen::MatrixXd const& A, double threshold = 0.0);
+  ~LeastNorm();
+  LeastNorm(LeastNorm&&) noexcept;
+  LeastNorm& operator=(LeastNorm&&) noexcept;
 
-/// min |x| over all x that minimise |A x - b|, by a complete orthogonal decomposition.
-///
-/// @param threshold  pivots below this over the largest count as zero; 0: as rounding asks
-LeastNorm least_norm(Eigen::MatrixXd const& A, Eigen::VectorXd const& b, double threshold = 0.0);
+  Eigen::VectorXd solve(Eigen::VectorXd const& b) const;
+  Eigen::Index rank() const;
+
+ private:
+  struct Decomposition;
+  std::unique_ptr<Decomposition> decomposition_;
+};
 
 }  // namespace rollerrig

@@ -21,7 +21,7 @@ struct FixedCoordinate {
 
 struct Equilibrium {
   bool converged{false};
-  int iterations{0};
+  int iterations{0};      ///< Jacobians evaluated
   double residual{0.0};   ///< largest unbalanced force [N] or moment [N m]
   std::vector<double> x;  ///< state
 };

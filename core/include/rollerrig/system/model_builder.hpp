@@ -7,6 +7,7 @@
 #pragma once
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "rollerrig/system/model.hpp"
@@ -82,6 +83,7 @@ class ModelBuilder {
   Model model_;
   std::map<double, std::shared_ptr<KalkerTable const>> kalker_;              ///< over Poisson's ratio
   std::map<std::pair<int, double>, std::shared_ptr<GapNodes const>> nodes_;  ///< over wheel profile and size
+  std::map<std::pair<int, double>, std::optional<double>> flange_tips_;      ///< likewise [m]
 };
 
 /// A model that differs only in the running speed; the tables are shared.

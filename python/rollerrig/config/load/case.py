@@ -72,7 +72,7 @@ class Case(CaseTables):
 
     def to_toml(self) -> str:
         """The whole case, nothing referred to by name, as TOML text that `load_case` reads again."""
-        return to_toml(self)
+        return to_toml(self, shared=[(part, "data") for part in _OWN_KEYS])  # with_changes shares them
 
     def to_short_toml(self) -> str:
         """The same without what has its default value: a file to read and edit."""

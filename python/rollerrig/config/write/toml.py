@@ -1,11 +1,12 @@
 """Cases as TOML text in SI: complete, as a result file stores them, or short, for people to read and edit.
 
-Written here and not by a library because every run carries its case: 17 kB of text in a third of a millisecond.
+Written here and not by a library because every run carries its case: 17 kB of text in less than a third of a millisecond, and
+vehicle and support are written once for all cases that share them.
 """
 
 import re
-from collections.abc import Mapping
-from functools import cache
+from collections.abc import Mapping, Sequence
+from functools import cache, lru_cache
 from json.encoder import encode_basestring
 from typing import Any
 
@@ -17,9 +18,39 @@ from rollerrig.config.schema.units import AS_WRITTEN
 _BARE_KEY = re.compile(r"[A-Za-z0-9_-]+")
 
 
-def to_toml(table: Table) -> str:
-    """The table as TOML text; unset keys are left out, everything else is written, defaults too."""
-    return text_of(table.model_dump(exclude_none=True, context=AS_WRITTEN))
+class _Kept:
+    """A table that is written once: two are the same where they are one object. Tables never change."""
+
+    __slots__ = ("table",)
+
+    def __init__(self, table: Table) -> None:
+        self.table = table
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, _Kept) and self.table is other.table
+
+    def __hash__(self) -> int:
+        return id(self.table)
+
+
+@lru_cache(maxsize=16)
+def _kept_lines(kept: _Kept, path: str) -> tuple[str, ...]:
+    lines: list[str] = []
+    _write(kept.table.model_dump(exclude_none=True, context=AS_WRITTEN), path, lines)
+    return tuple(lines)
+
+
+def to_toml(table: Table, shared: Sequence[tuple[str, str]] = ()) -> str:
+    """The table as TOML text; unset keys are left out, everything else is written, defaults too.
+
+    Args:
+        table: what to write.
+        shared: keys of tables in tables of it that other tables share; the text of the last ones is kept.
+    """
+    tables = table.model_dump(exclude_none=True, context=AS_WRITTEN, exclude={part: {key} for part, key in shared})
+    for part, key in shared:
+        tables[part][key] = _Kept(getattr(getattr(table, part), key))
+    return text_of(tables)
 
 
 def to_short_toml(table: Table) -> str:
@@ -37,15 +68,20 @@ def text_of(tables: Mapping[str, Any]) -> str:
 def _write(table: Mapping[str, Any], path: str, lines: list[str]) -> None:
     inner = []
     for key, value in table.items():
-        if isinstance(value, dict) or (isinstance(value, list | tuple) and value and isinstance(value[0], dict)):
+        if isinstance(value, dict | _Kept) or (
+            isinstance(value, list | tuple) and value and isinstance(value[0], dict)
+        ):
             inner.append((f"{path}{_key(key)}", value))
         else:
             lines.append(f"{_key(key)} = {_literal(value)}")
     for name, value in inner:
-        if isinstance(value, dict):
+        if isinstance(value, dict | _Kept):
             head = len(lines)
             lines.append(f"\n[{name}]")
-            _write(value, f"{name}.", lines)
+            if isinstance(value, _Kept):
+                lines += _kept_lines(value, f"{name}.")
+            else:
+                _write(value, f"{name}.", lines)
             if len(lines) > head + 1 and lines[head + 1].startswith("\n["):
                 del lines[head]  # a table of tables alone
             continue
