@@ -7,12 +7,17 @@ from typing import Annotated
 
 import typer
 
-from rollerrig.cli.command import AllowCode, CaseName, read_case
+from rollerrig.cli.command import AllowCode
 from rollerrig.cli.termination import LEFT_VALIDITY, exit_code, say, stop
 
 
 def command(
-    case: CaseName,
+    case: Annotated[
+        str,
+        typer.Argument(
+            metavar="CASE", help="Case: a name of the catalogue or a TOML file; or a model file, rig.model."
+        ),
+    ],
     rate: Annotated[str, typer.Option(help="Of commands and sensors.")] = "1 kHz",
     udp: Annotated[
         str | None,
@@ -61,19 +66,18 @@ def command(
 ) -> None:
     """The rig as a server for a controller in another process or on a test bench, in real time."""
     from rollerrig.cli import serving
-    from rollerrig.realtime.server import check_rate, open_server, serve_case
+    from rollerrig.realtime.server import check_rate, open_server
 
-    whole = read_case(case, allow_code=allow_code)
-    address, port = serving.address_of(udp, shm, whole.name)
-    roles = None if external is None else [name.strip() for name in external.split(",") if name.strip()]
+    address, port = serving.address_of(udp, shm, case)
     kept = None if replay is None else serving.read_record(replay)
-    served = serve_case(
-        whole,
+    served = serving.prepared(
+        case,
         rate,
-        external=roles,
+        external=external,
         outputs=[name.strip() for name in outputs.split(",") if name.strip()],
-        safe=serving.values_of(safe, whole.name),
+        safe=serving.values_of(safe, case),
         lock_step=lock_step if kept is None else bool(kept["lock_step"]),
+        allow_code=allow_code,
     )
     if kept is not None:
         typer.echo(serving.replayed(served, kept, str(replay)))

@@ -13,10 +13,12 @@ from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from rollerrig.cli.command import read_case
 from rollerrig.cli.termination import stop
 
 if TYPE_CHECKING:
-    from rollerrig.realtime.server import Ended, Served
+    from rollerrig.realtime.served import Served
+    from rollerrig.realtime.server import Ended
 
 LOOPBACK = "127.0.0.1"
 LOOK_SECONDS = 0.25
@@ -56,12 +58,43 @@ def values_of(text: str, case: str) -> dict[str, float]:
     return found
 
 
+def prepared(
+    case: str,
+    rate: str,
+    *,
+    external: str | None,
+    outputs: list[str],
+    safe: dict[str, float],
+    lock_step: bool,
+    allow_code: bool,
+) -> Served:
+    """The rig of a case or of a model file."""
+    from rollerrig.plant import ModelFileError, read_model
+    from rollerrig.realtime.served import serve_case, serve_model
+
+    if not case.endswith(".model"):
+        roles = None if external is None else [name.strip() for name in external.split(",") if name.strip()]
+        whole = read_case(case, allow_code=allow_code)
+        return serve_case(whole, rate, external=roles, outputs=outputs, safe=safe, lock_step=lock_step)
+    if external is not None:
+        stop(
+            f"{case}: external: {external!r}; a model file has its external controllers from `rollerrig assemble --external`"
+        )
+    try:
+        assembled = read_model(case)
+    except ModelFileError as error:
+        stop(error)
+    except OSError as error:
+        stop(f"{case}: {error.strerror}")
+    return serve_model(assembled, rate, name=case, outputs=outputs, safe=safe)
+
+
 def opening_lines(served: Served, address: str, port: int, *, lock_step: bool) -> list[str]:
     """What is told before a run."""
     pace = "in lock-step, not in real time" if lock_step else f"{1.0 / served.period:g} Hz"
     place = f"shared memory {address}" if address.startswith("/") else f"UDP {address}:{port}"
     lines = [
-        f"{served.case.name}: {place}, {pace}; {len(served.inputs)} commands, {len(served.outputs)} sensors",
+        f"{served.name}: {place}, {pace}; {len(served.inputs)} commands, {len(served.outputs)} sensors",
         f"frames are neither encrypted nor signed: whoever reaches {address} can command the rig",
     ]
     if not address.startswith("/") and not ipaddress.IPv4Address(address).is_loopback:
@@ -137,7 +170,7 @@ def closing_lines(served: Served, server: Any, ended: Ended) -> list[str]:
         "plant_ended": ended.sentence,
         "controller_silent": "the controller fell silent",
     }
-    lines = [f"{served.case.name}: t = {told['time']:.3f} s, {told['periods']} periods; {endings[ended.ending]}"]
+    lines = [f"{served.name}: t = {told['time']:.3f} s, {told['periods']} periods; {endings[ended.ending]}"]
     for name, key in (("step", "step"), ("wake-up", "wake")):
         count, median, most, nearly_all, longest = told[key]
         if count:

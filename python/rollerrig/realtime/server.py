@@ -1,15 +1,12 @@
-"""From a case to a rig that is served: what a controller may command and sees, at which rate, and whether one core holds it.
+"""The server of a rig: whether one core holds its rate, where it listens, and how its run ended.
 
-case, rate -> [serve_case] -> Served: model, inputs, outputs, description -> [open_server] -> _core.RigServer
+Served -> [open_server] -> _core.RigServer -> [run_server] -> Ended
 """
 
 from __future__ import annotations
 
-import json
 import secrets
-from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from fnmatch import fnmatchcase
 from typing import Any
 
 import numpy as np
@@ -17,133 +14,13 @@ from numpy.typing import NDArray
 
 from rollerrig import _core
 from rollerrig.cases import as_case
-from rollerrig.config import Case, ConfigError, ConfigProblem
-from rollerrig.config.errors import nearest, one_of
-from rollerrig.config.schema.units import Quantity
-from rollerrig.mechatronics import COMMANDS
-from rollerrig.plant import assembled_model
+from rollerrig.config import Case
+from rollerrig.realtime.served import Served, describe, hertz, refused, serve_case
 
-RATE = Quantity("Hz", 1.0, 1e5)
 MEASURED_PERIODS = 1000
 """Periods that are run before the server opens, to see whether the rate can be held."""
 LOAD = 0.8
 """Part of a period that a step may take in 99 of 100 periods; the rest is for frames, and for what else the system does."""
-LARGEST_FRAME = 512
-"""Numbers that a frame holds."""
-
-
-@dataclass(frozen=True)
-class Served:
-    """A rig ready to be served.
-
-    Attributes:
-        case: as it is run; external controllers are asked at each period.
-        assembled: its model.
-        period: [s].
-        inputs: variables that are commanded.
-        outputs: variables that are sent.
-        safe: values of the inputs in the safe state.
-        external: tables of the case whose controllers are outside.
-    """
-
-    case: Case
-    assembled: _core.AssembledModel
-    period: float
-    inputs: tuple[_core.Variable, ...]
-    outputs: tuple[_core.Variable, ...]
-    safe: tuple[float, ...]
-    external: tuple[str, ...]
-
-    @property
-    def input_indices(self) -> list[int]:
-        """Of the inputs, as the core counts its variables."""
-        return self._indices(self.inputs)
-
-    @property
-    def output_indices(self) -> list[int]:
-        """Of the outputs, as the core counts its variables."""
-        return self._indices(self.outputs)
-
-    def _indices(self, variables: Sequence[_core.Variable]) -> list[int]:
-        plant = _core.Plant(self.assembled)
-        return [plant.find(variable.name) for variable in variables]
-
-    @property
-    def periods(self) -> int:
-        """Of the run."""
-        return max(1, round(self.case.time.duration / self.period))
-
-
-def serve_case(
-    case: Case,
-    rate: str | float = "1 kHz",
-    *,
-    external: Sequence[str] | None = None,
-    outputs: Sequence[str] = (),
-    safe: Mapping[str, float] | None = None,
-    lock_step: bool = False,
-) -> Served:
-    """Prepare a case for a server.
-
-    A case that leaves `time.method` open is run in real time with a method whose steps all cost about the same: that of
-    `simulate` is the faster one on average, but a step that renews its matrices takes thirty times as long.
-
-    Args:
-        case: a checked case.
-        rate: of commands and sensors [Hz]; its period is a multiple of `time.sampling_step`.
-        external: tables of the case's controllers that are outside; None: 'slide_protection' and 'wheel_slip_control', as far
-            as the case has them. They are asked every period.
-        outputs: names of what is sent, '*' stands for anything; empty: what the controllers outside measure.
-        safe: values of commands in the safe state, by name; 0 for the others.
-        lock_step: not in real time: the method is that of `simulate`.
-
-    Raises:
-        ConfigError: the rate, a name or a value is not allowed, or two controllers would command the same valves.
-        StartError: no equilibrium was found to start from.
-    """
-    there = [role for role in COMMANDS if getattr(case, role) is not None]
-    roles = tuple(external if external is not None else (role for role in there if role != "rig_control"))
-    for role in roles:
-        if role not in there:
-            raise _refused(case, "external", role, one_of(there), nearest(role, there))
-        if (user := getattr(case, role).user) is not None:
-            allowed = "two controllers for one command: remove it, or leave its table out of --external"
-            raise _refused(case, f"{role}.user", repr(user), allowed)
-    period = _period(case, rate)
-    changes: dict[str, object] = {f"{role}.sample_time": period for role in roles}
-    if case.sampled and case.time.method is None and not lock_step:
-        changes |= {"time.method": "exponential_rk4", "time.step": case.time.sampling_step}
-    case = case.with_changes(changes) if changes else case
-    assembled = assembled_model(case, external=roles)
-    variables = _core.Plant(assembled).variables
-    inputs = tuple(v for v in variables if v.causality == "input")
-    chosen = _chosen(case, variables, outputs, roles)
-    if max(len(inputs), len(chosen)) > LARGEST_FRAME:
-        allowed = f"a frame holds at most {LARGEST_FRAME} numbers; name fewer with --outputs"
-        raise _refused(case, "outputs", f"{len(chosen)} variables", allowed)
-    return Served(case, assembled, period, inputs, chosen, _safe(case, inputs, safe or {}), roles)
-
-
-def describe(served: Served, *, session: int, lock_step: bool, patience: int) -> str:
-    """What a controller is told of the server, as JSON."""
-    sensors = tuple(f"{role}." for role in served.external)
-
-    def entry(variable: _core.Variable, **more: Any) -> dict[str, Any]:
-        return {"name": variable.name, "unit": variable.unit, "meaning": variable.description, **more}
-
-    told = {
-        "case": served.case.name,
-        "session": session,
-        "period": served.period,
-        "lock_step": lock_step,
-        "watchdog_periods": patience,
-        "inputs": [
-            entry(v, start=v.start, safe=s, least=_finite(v.least), most=_finite(v.most), whole=v.whole)
-            for v, s in zip(served.inputs, served.safe, strict=True)
-        ],
-        "outputs": [entry(v, measured=v.name.startswith(sensors)) for v in served.outputs],
-    }
-    return json.dumps(told, separators=(",", ":"), ensure_ascii=False)
 
 
 def open_server(
@@ -206,9 +83,9 @@ def open_server(
     except RuntimeError as error:  # of the system: in use, not of this machine, not Linux
         if address.startswith("/"):
             allowed = f"allowed: a name that is not in use; if no server runs, remove /dev/shm{address}"
-            raise _refused(served.case, "shm", address, f"{error}; {allowed}") from None
+            raise refused(served.name, "shm", address, f"{error}; {allowed}") from None
         allowed = "allowed: a free port of this machine; 0 takes any"
-        raise _refused(served.case, "udp", f"{address}:{port}", f"{error}; {allowed}") from None
+        raise refused(served.name, "udp", f"{address}:{port}", f"{error}; {allowed}") from None
 
 
 def check_rate(served: Served, periods: int = MEASURED_PERIODS) -> float:
@@ -227,10 +104,10 @@ def check_rate(served: Served, periods: int = MEASURED_PERIODS) -> float:
     rate = LOAD / longest if longest > 0 else float("inf")
     if rate < 1.0 / served.period:
         allowed = (
-            f"one core of this machine holds {_hertz(rate)} of this case: 99 of 100 steps take at most "
+            f"one core of this machine holds {hertz(rate)} of this case: 99 of 100 steps take at most "
             f"{1e3 * longest:.3g} ms, {100 * LOAD:.0f} % of a period is allowed"
         )
-        raise _refused(served.case, "rate", _hertz(1.0 / served.period), allowed)
+        raise refused(served.name, "rate", hertz(1.0 / served.period), allowed)
     return rate
 
 
@@ -305,69 +182,3 @@ def serve(
     if not lock_step:
         check_rate(served)
     return run_server(open_server(served, address, port, **options))
-
-
-# ---------------------------------------------------------------------------------------------------- parts
-
-
-def _period(case: Case, rate: str | float) -> float:
-    try:
-        number = float(rate) if not isinstance(rate, str) or _is_number(rate) else rate
-        hertz = RATE.parse(number)
-    except ValueError:
-        raise _refused(case, "rate", repr(rate), f"allowed: a rate like '1 kHz', {RATE.bounds}") from None
-    if not case.sampled:
-        return 1.0 / hertz
-    step = case.time.sampling_step
-    steps = 1.0 / hertz / step
-    if round(steps) < 1 or abs(steps - round(steps)) > 1e-6 * steps:
-        near = _hertz(1.0 / (max(1, round(steps)) * step))
-        allowed = f"allowed: a rate whose period is a multiple of time.sampling_step, {1e3 * step:g} ms; the nearest is {near}"
-        raise _refused(case, "rate", _hertz(hertz), allowed)
-    return round(steps) * step
-
-
-def _is_number(text: str) -> bool:
-    try:
-        float(text)
-    except ValueError:
-        return False
-    return True
-
-
-def _chosen(
-    case: Case, variables: Sequence[_core.Variable], patterns: Sequence[str], roles: Sequence[str]
-) -> tuple[_core.Variable, ...]:
-    outputs = [v for v in variables if v.causality == "output"]
-    asked = list(patterns) or [f"{role}.*" for role in roles] or ["*axle_speed", "*pitch_rate"]
-    for pattern in patterns:
-        if not any(fnmatchcase(v.name, pattern) for v in outputs):
-            names = [v.name for v in outputs]
-            allowed = f"allowed: names of outputs, with '*' for anything, like '{names[0]}'"
-            raise _refused(case, "outputs", repr(pattern), allowed, nearest(pattern, names))
-    return tuple(v for v in outputs if any(fnmatchcase(v.name, pattern) for pattern in asked))
-
-
-def _safe(case: Case, inputs: Sequence[_core.Variable], given: Mapping[str, float]) -> tuple[float, ...]:
-    names = [v.name for v in inputs]
-    for name, value in given.items():
-        if name not in names:
-            raise _refused(case, "safe", repr(name), one_of(names), nearest(name, names))
-        limits = inputs[names.index(name)]
-        if not limits.least <= value <= limits.most or (limits.whole and value != round(value)):
-            kind = "a whole number" if limits.whole else "a number"
-            allowed = f"allowed: {kind} from {limits.least:g} to {limits.most:g}"
-            raise _refused(case, f"safe: {name}", f"{value:g}", allowed)
-    return tuple(float(given.get(name, 0.0)) for name in names)
-
-
-def _finite(value: float) -> float | None:
-    return value if np.isfinite(value) else None
-
-
-def _hertz(rate: float) -> str:
-    return f"{rate / 1e3:.3g} kHz" if rate >= 1e3 else f"{rate:.3g} Hz"
-
-
-def _refused(case: Case, key: str, value: str, allowed: str, hint: str = "") -> ConfigError:
-    return ConfigError([ConfigProblem(case.name, key, value, allowed, hint)])

@@ -103,6 +103,35 @@ def test_other_options_than_those_of_the_record_are_refused(case: str, recorded:
         assert what in done.stderr
 
 
+def test_a_model_file_is_served_without_its_case(case: str, tmp_path: Path) -> None:
+    path = tmp_path / "rig.model"
+    assert (
+        CliRunner()
+        .invoke(build_app(), ["assemble", case, "--out", str(path), "--external", "slide_protection"])
+        .exit_code
+        == 0
+    )
+    records = [tmp_path / "case.npz", tmp_path / "model.npz"]
+    for source, record in zip((case, path), records, strict=True):
+        options = ["--rate", "200 Hz", "--at-once", "--lock-step", "--record", record]  # the sample time of the file
+        done = serve(source, *options)
+        assert done.exit_code == 0, done.output
+    with np.load(records[0]) as one, np.load(records[1]) as other:
+        assert one["sensors"].tobytes() == other["sensors"].tobytes()
+    for options, message in (
+        (["--external", "slide_protection"], "rollerrig assemble --external"),
+        (["--rate", "3 kHz"], "3 kHz"),
+    ):
+        done = serve(path, *options)
+        assert done.exit_code == 2
+        assert message in done.stderr
+        assert len(done.stderr.splitlines()) == 1
+    (tmp_path / "cut.model").write_bytes(path.read_bytes()[:-9])
+    done = serve(tmp_path / "cut.model")
+    assert (done.exit_code, len(done.stderr.splitlines())) == (2, 1)
+    assert serve(tmp_path / "none.model").exit_code == 2
+
+
 def test_the_live_view_tells_deadlines_and_frames() -> None:
     frames = {"accepted": 40, "corrupt": 2, "late": 0}
     times = (50, 30_000, 40_000, 90_000, 100_000)

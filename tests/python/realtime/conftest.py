@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from python.realtime.running import Running, brake_case
-from rollerrig.realtime.server import Served, serve_case
+from rollerrig.realtime.served import Served, serve_case
 
 
 @pytest.fixture(scope="session")

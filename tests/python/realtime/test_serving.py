@@ -16,7 +16,8 @@ from rollerrig import simulate
 from rollerrig.config import ConfigError
 from rollerrig.realtime import Client, ClientError
 from rollerrig.realtime.links import SHARED_MEMORY, Rings
-from rollerrig.realtime.server import Served, check_rate, open_server, replay, serve_case
+from rollerrig.realtime.served import Served, serve_case
+from rollerrig.realtime.server import check_rate, open_server, replay
 
 Serve = Callable[..., Running]
 
