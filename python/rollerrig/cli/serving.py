@@ -161,6 +161,20 @@ def table(statistics: dict[str, Any]) -> Any:
     return view
 
 
+def histogram_lines(bins: list[tuple[int, int, int]]) -> list[str]:
+    """Steps and wake-ups per doubling of the time, from rows (upper edge [ns], steps, wake-ups)."""
+    counts: dict[float, list[int]] = {}
+    for edge, steps, wakes in bins:
+        microseconds = 1.0
+        while 1e3 * microseconds < edge:
+            microseconds *= 2.0
+        own = counts.setdefault(microseconds, [0, 0])
+        own[0] += steps
+        own[1] += wakes
+    rows = [f"{f'{until:g} us':>12} {steps:>10} {wakes:>10}" for until, (steps, wakes) in sorted(counts.items())]
+    return [f"{'up to':>12} {'steps':>10} {'wake-ups':>10}", *rows] if rows else []
+
+
 def closing_lines(served: Served, server: Any, ended: Ended) -> list[str]:
     """What is told after a run."""
     told = server.statistics()
@@ -176,6 +190,7 @@ def closing_lines(served: Served, server: Any, ended: Ended) -> list[str]:
         if count:
             times = f"median {median / 1e3:.1f}, 99 % {most / 1e3:.1f}, 99.99 % {nearly_all / 1e3:.1f}"
             lines.append(f"{name}: {times}, longest {longest / 1e3:.1f} us, of {count}")
+    lines += histogram_lines(server.histogram())
     lines.append(f"deadlines missed: {told['misses']}, given up: {told['skipped']}")
     lines.append("frames: " + ", ".join(f"{n} {name}" for name, n in told["frames"].items() if n))
     if told["trips"]:

@@ -57,18 +57,10 @@ def open_server(
     """
     session = secrets.randbelow(10**9 - 1) + 1
     settings = _core.ServerSettings(
-        period=served.period,
-        periods=served.periods,
-        session=session,
-        oldest=oldest,
-        patience=patience,
-        ramp=round(ramp / served.period),
-        lock_step=lock_step,
-        at_once=at_once,
-        give_up=give_up,
-        spin=min(spin, 0.25 * served.period),
-        record=record,
-    )
+        period=served.period, periods=served.periods, session=session, oldest=oldest, patience=patience,
+        ramp=round(ramp / served.period), lock_step=lock_step, at_once=at_once, give_up=give_up,
+        spin=min(spin, 0.25 * served.period), record=record,
+    )  # fmt: skip
     try:
         return _core.RigServer(
             assembled=served.assembled,

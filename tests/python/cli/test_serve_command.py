@@ -17,7 +17,7 @@ from rich.console import Console
 from typer.testing import CliRunner, Result
 
 from rollerrig.cli.app import build_app
-from rollerrig.cli.serving import table
+from rollerrig.cli.serving import histogram_lines, table
 
 CASE = """
 name = "short_brake"
@@ -130,6 +130,15 @@ def test_a_model_file_is_served_without_its_case(case: str, tmp_path: Path) -> N
     done = serve(tmp_path / "cut.model")
     assert (done.exit_code, len(done.stderr.splitlines())) == (2, 1)
     assert serve(tmp_path / "none.model").exit_code == 2
+
+
+def test_the_histogram_counts_every_step_and_wake_up() -> None:
+    lines = histogram_lines([(900, 0, 3), (1000, 0, 2), (40_000, 5, 0), (60_000, 6, 1), (65_000, 1, 0)])
+    assert [line.split() for line in lines[1:]] == [
+        ["1", "us", "0", "5"],
+        ["64", "us", "11", "1"],
+        ["128", "us", "1", "0"],
+    ]
 
 
 def test_the_live_view_tells_deadlines_and_frames() -> None:
