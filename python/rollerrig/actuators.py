@@ -150,7 +150,7 @@ def pneumatics(brake: Brake) -> _core.Pneumatics:
     given = {}
     if isinstance(brake.air, ReservoirAir) and brake.air.reservoir_pressure is None:
         given = {"reservoir_pressure": brake.air.main_pipe_pressure}
-    air = core_struct(_core.airs[brake.air.kind], brake.air, without=("kind",), **given)
+    air = core_struct(_core.airs[brake.air.kind], brake.air, without=("kind", "axles_per_reservoir"), **given)
     return core_struct(_core.Pneumatics, control_valve=valve, air=air)
 
 

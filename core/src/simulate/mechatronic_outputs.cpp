@@ -57,6 +57,8 @@ constexpr Field axle_table[] = {
     {"axle_work", "J", "of motor and brake on a simulated axle since the start; 0 for those under test"},
     {"work_on_train", "J", "of a simulated axle on the train since the start"},
     {"slip_dissipation", "J", "of a simulated axle's slip since the start"},
+    {"reservoir_pressure", "Pa",
+     "of the auxiliary reservoir that feeds the axle's cylinder, over the ambient; 0 where the supply is unlimited"},
 };
 
 constexpr Field train_table[] = {
@@ -66,10 +68,8 @@ constexpr Field train_table[] = {
     {"reference_speed", "m/s", "train speed as slide protection, or else wheel-slip control, estimates it"},
     {"brake_demand", "Pa", "cylinder pressure asked for"},
     {"traction_demand", "N m", "torque per axle asked for"},
-    {"reservoir_pressure", "Pa",
-     "of the brake's auxiliary reservoir, over the ambient; 0 where the supply is unlimited"},
     {"main_pipe_air", "m^3",
-     "air that the reservoir has drawn from the main pipe since the start, at ambient pressure"},
+     "air that all reservoirs have drawn from the main pipe since the start, at ambient pressure"},
     {"reference_speed_error", "m/s", "reference speed less the train's; 0 where no controller estimates it"},
     {"track_brake_force", "N", "of all track brakes against running: on a rig on the virtual train"},
     {"track_brake_energy", "J", "that they have taken since the start"},
@@ -169,12 +169,11 @@ void MechatronicSystem::record(Dynamics const& plant, std::int64_t step, double 
   row[3] = reference_speed().value_or(setup_.speed);
   row[4] = setup_.actuators.brake_demand.at(t);
   row[5] = setup_.actuators.torque_demand.at(t);
-  row[6] = actuators_.supply().reservoir;
-  row[7] = actuators_.supply().drawn;
-  row[8] = reference_speed().value_or(train.speed) - train.speed;
-  row[9] = track_brake_force(plant);
-  row[10] = track_brake_energy_;
-  row[11] = sand_used_;
+  row[6] = actuators_.drawn();
+  row[7] = reference_speed().value_or(train.speed) - train.speed;
+  row[8] = track_brake_force(plant);
+  row[9] = track_brake_energy_;
+  row[10] = sand_used_;
 }
 
 void MechatronicSystem::record_axle(Dynamics const& plant, std::size_t i, Inputs const& inputs, double* out) const {
@@ -232,7 +231,8 @@ void MechatronicSystem::record_axle(Dynamics const& plant, std::size_t i, Inputs
                         limited(DriveLimit::speed),
                         0.0,
                         0.0,
-                        0.0};
+                        0.0,
+                        actuators_.supply(i).reservoir};
   static_assert(std::size(row) == std::size(axle_table));
   std::copy(std::begin(row), std::end(row), out);
 }
@@ -273,6 +273,7 @@ void MechatronicSystem::record_simulated(std::size_t i, double* out) const {
   set("dump_cycles", static_cast<double>(cylinder.dump_cycles));
   set("inlet_open", static_cast<double>(cylinder.inlet_open));
   set("outlet_open", static_cast<double>(cylinder.outlet_open));
+  set("reservoir_pressure", actuators_.supply(i).reservoir);
   set("axle_work", own.work);
   set("work_on_train", own.to_train);
   set("slip_dissipation", own.dissipated);

@@ -75,6 +75,11 @@ void check_simulated(MechatronicSetup const& setup) {
        "SimulatedAxles: static_load, load_transfer and position need one number per axle");
   need(setup.brake_delay.empty() || setup.brake_delay.size() == axles,
        "MechatronicSetup: brake_delay needs one number per axle, or none");
+  need(setup.reservoir.empty() || setup.reservoir.size() == axles,
+       "MechatronicSetup: reservoir needs one number per axle, or none");
+  for (int number : setup.reservoir)
+    need(number >= 0 && static_cast<std::size_t>(number) < axles,
+         "MechatronicSetup: reservoir: allowed is 0 to " + std::to_string(axles - 1));
   for (std::size_t i = axles - count; i < axles; ++i)
     need(setup.axles[i].wheelset == absent, "axle " + std::to_string(i) + ": wheelset must be absent: it is simulated");
   if (count == 0) return;

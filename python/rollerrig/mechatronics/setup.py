@@ -26,7 +26,7 @@ from rollerrig.config.schema.sensors import PulseFrequency, PulsePeriod
 from rollerrig.config.schema.slide_protection import SlideProtection, TableSlideProtection, entry_numbers
 from rollerrig.core_struct import angular, core_struct
 from rollerrig.mechatronics.controllers import UserController
-from rollerrig.mechatronics.train_axles import brake_delay, simulated_axles, simulated_count, train_mass
+from rollerrig.mechatronics.train_axles import brake_delay, reservoirs, simulated_axles, simulated_count, train_mass
 from rollerrig.mechatronics.virtual_train import load_transfer, rail_patch
 from rollerrig.model_parts import ABSENT
 
@@ -68,6 +68,7 @@ def mechatronic_setup(
         simulated=simulated_axles(model, wheelset_inertia(model)),
         rail=virtual_rail(model) if simulated_count(case) else None,
         brake_delay=brake_delay(model),
+        reservoir=reservoirs(model),
     )
 
 

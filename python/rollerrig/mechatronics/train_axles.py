@@ -1,6 +1,6 @@
 """The axles of the train: those under test, in the order of the model, then those that are only simulated.
 
-Case, AssembledModel -> [train_axles] -> names, loads, positions, delay of the brake demand; _core.SimulatedAxles
+Case, AssembledModel -> [train_axles] -> names, loads, places, brake demand and air; _core.SimulatedAxles
 """
 
 from __future__ import annotations
@@ -8,6 +8,7 @@ from __future__ import annotations
 from rollerrig import _core
 from rollerrig.assembly import AssembledModel
 from rollerrig.config import Case
+from rollerrig.config.schema.pneumatics import ReservoirAir
 
 
 def simulated_count(case: Case) -> int:
@@ -55,12 +56,23 @@ def simulated_axles(model: AssembledModel, wheelset_inertia: float) -> _core.Sim
 
 def brake_delay(model: AssembledModel) -> list[float]:
     """After which the brake demand reaches each axle, as `model.axle_names` [s]; empty: no delay."""
-    train = model.case.train
-    if train.brake_signal_speed is None:
+    speed = model.case.train.brake_signal_speed
+    return [] if speed is None else [place / speed for place in places(model)]
+
+
+def reservoirs(model: AssembledModel) -> list[int]:
+    """Number of the auxiliary reservoir that feeds each axle, as `model.axle_names`; empty: one feeds all."""
+    brake = model.case.brake
+    if brake is None or not isinstance(brake.air, ReservoirAir) or brake.air.axles_per_reservoir is None:
         return []
-    if train.axles is None:
+    along = places(model)
+    return [sorted(along).index(place) // brake.air.axles_per_reservoir for place in along]
+
+
+def places(model: AssembledModel) -> list[float]:
+    """Distance of each axle behind the train's first one, as `model.axle_names` [m]."""
+    table = model.case.train.axles
+    if table is None:
         first = max(axle.x for axle in model.axles)
-        places = [first - axle.x for axle in model.axles]
-    else:
-        places = [train.axles.positions[k - 1] for k in (*train.axles.under_test, *train.axles.simulated)]
-    return [place / train.brake_signal_speed for place in places]
+        return [first - axle.x for axle in model.axles]
+    return [table.positions[k - 1] for k in (*table.under_test, *table.simulated)]

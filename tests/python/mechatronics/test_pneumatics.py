@@ -24,9 +24,15 @@ def run() -> xr.Dataset:
 
 def test_air_is_conserved_over_a_run(run: xr.Dataset) -> None:
     """(A13): what the main pipe gave is in the volumes or went out; to round-off of the single precision of results."""
-    in_reservoir = 0.1 * (run["reservoir_pressure"] - run["reservoir_pressure"][0]) / AMBIENT
+    assert_air_is_conserved(run, ["wheelset_1"])
+
+
+def assert_air_is_conserved(run: xr.Dataset, one_of_each: list[str]) -> None:
+    """Over all reservoirs, of each of which one axle is named."""
+    pressure = run["reservoir_pressure"].sel(axle=one_of_each)
+    in_reservoirs = 0.1 * (pressure - pressure[0]).sum("axle") / AMBIENT
     in_cylinders = 5e-3 * run["cylinder_pressure"].sum("axle") / AMBIENT
-    balance = run["main_pipe_air"] - in_reservoir - in_cylinders - run["exhausted_air"].sum("axle")
+    balance = run["main_pipe_air"] - in_reservoirs - in_cylinders - run["exhausted_air"].sum("axle")
     scale = float(run["air"].sum("axle")[-1])
     assert scale > 0.05, "some air was used"
     assert float(abs(balance).max()) < 1e-6 * scale
@@ -45,8 +51,41 @@ def test_valves_move_one_dead_time_after_their_command(run: xr.Dataset) -> None:
 def test_a_small_reservoir_that_is_not_fed_runs_out(run: xr.Dataset) -> None:
     small = simulate(braked(reservoir_volume="20 l", charging_conductance=0.0))
     assert float(small["main_pipe_air"][-1]) == 0.0
-    assert (np.diff(small["reservoir_pressure"]) <= 1e-3).all()
-    assert float(small["reservoir_pressure"][-1]) < 0.75 * float(run["reservoir_pressure"][-1])
+    assert (np.diff(small["reservoir_pressure"], axis=0) <= 1e-3).all()
+    assert float(small["reservoir_pressure"][-1, 0]) < 0.75 * float(run["reservoir_pressure"][-1, 0])
+
+
+TRAIN = {"positions": [0.0, 2.56, 19.0, 21.56], "under_test": [3, 4]}
+
+
+def train(**air: object) -> xr.Dataset:
+    """A coach whose rear bogie is under test; its reservoirs are not fed."""
+    return simulate(braked("5 s", charging_conductance=0.0, **air).with_changes({"train.axles": TRAIN}))
+
+
+@pytest.fixture(scope="module")
+def by_bogie() -> xr.Dataset:
+    return train(axles_per_reservoir=2)
+
+
+def test_each_bogie_has_its_own_reservoir_and_air_is_conserved(by_bogie: xr.Dataset) -> None:
+    """Counted from the front of the train, wherever the axles stand in the model's lists."""
+    pressure = by_bogie["reservoir_pressure"]
+    assert list(pressure["axle"].to_numpy()) == ["wheelset_1", "wheelset_2", "axle_1", "axle_2"]
+    assert np.array_equal(pressure.sel(axle="wheelset_1"), pressure.sel(axle="wheelset_2"))
+    assert np.array_equal(pressure.sel(axle="axle_1"), pressure.sel(axle="axle_2"))
+    assert float(abs(pressure.sel(axle="wheelset_1") - pressure.sel(axle="axle_1")).max()) > 1e3
+    assert_air_is_conserved(by_bogie, ["wheelset_1", "axle_1"])
+    for bogie in (["wheelset_1", "wheelset_2"], ["axle_1", "axle_2"]):  # not fed: what its cylinders took it has lost
+        lost = 0.1 * (pressure[0] - pressure[-1]).sel(axle=bogie[0]) / AMBIENT
+        assert float(lost) == pytest.approx(float(by_bogie["air"][-1].sel(axle=bogie).sum()), rel=1e-6)
+
+
+def test_one_reservoir_for_all_is_what_the_absent_key_means(by_bogie: xr.Dataset) -> None:
+    shared, four = train(), train(axles_per_reservoir=4)
+    for name in ("reservoir_pressure", "cylinder_pressure", "train_speed"):
+        assert np.array_equal(shared[name].to_numpy(), four[name].to_numpy())
+    assert float(shared["reservoir_pressure"][-1, 0]) < float(by_bogie["reservoir_pressure"][-1].min())
 
 
 @pytest.mark.parametrize(
@@ -55,6 +94,8 @@ def test_a_small_reservoir_that_is_not_fed_runs_out(run: xr.Dataset) -> None:
         ({"vent_conductance": -1e-7}, "brake.air.vent_conductance: -1e-07; allowed: a number in m^3/(s Pa) or a text"),
         ({"fill_conductance": 0.0}, "brake.air.fill_conductance: 0"),
         ({"reservoir_volume": 0.0}, "brake.air.reservoir_volume: 0"),
+        ({"axles_per_reservoir": 0}, "brake.air.axles_per_reservoir: 0"),
+        ({"axles_per_reservoir": 9}, "brake.air.axles_per_reservoir: 9"),
         (
             {"reservoir_pressure": 0.0},
             "brake.air.reservoir_pressure: 0 bar; a reservoir that is empty from the start brakes nothing",

@@ -24,7 +24,7 @@ from rollerrig.core_struct import core_struct
 TIMING = {"sample_time", "delay", "user"}
 BLENDING = {"axles", *_core.ElectrodynamicBrake.fields}
 FAMILIES = {
-    "airs": (_core.airs, AnyAir, set()),
+    "airs": (_core.airs, AnyAir, {"axles_per_reservoir"}),
     "electrodynamic_brakes": (_core.electrodynamic_brakes, AnyElectrodynamicBrake, BLENDING),
     "track_brakes": (_core.track_brakes, AnyTrackBrake, {"demand", "delay", "rise_time", "release_speed"}),
     "sanding_starts": (_core.sanding_starts, AnySandingStart, set()),
@@ -157,4 +157,5 @@ def _setup(axles: int) -> _core.MechatronicSetup:
         ),
         rail=None,
         brake_delay=[],
+        reservoir=[],
     )

@@ -43,8 +43,11 @@ class ActuatorStates {
   void step(MechatronicSetup const& setup, std::int64_t step, ActingCommands const& acting, CallerDemands const& caller,
             PerAxle<double> const& axle_speed, PerAxle<double> const& roller_speed, double train_speed, Inputs& inputs);
   Axle const& axle(std::size_t i) const { return axle_[i]; }
-  Cylinder const& cylinder(std::size_t i) const { return cylinder_[i]; }
-  AirSupply const& supply() const { return supply_; }
+  Cylinder const& cylinder(std::size_t i) const { return cylinder_[place_[i]]; }
+  /// The reservoir that feeds an axle's cylinder.
+  AirSupply const& supply(std::size_t i) const { return supply_[fed_by_[i]]; }
+  /// Air that all reservoirs have drawn from the main pipe since the start [m^3].
+  double drawn() const;
   double track_brake() const { return track_brake_; }  ///< excitation, 0 to 1
 
  private:
@@ -55,8 +58,11 @@ class ActuatorStates {
                        PerAxle<double> const& axle_speed);
 
   std::vector<Axle> axle_;
-  std::vector<Cylinder> cylinder_;
-  AirSupply supply_;
+  std::vector<Cylinder> cylinder_;  ///< reservoir by reservoir
+  std::vector<std::size_t> place_;  ///< of each axle's cylinder in that order
+  std::vector<std::size_t> fed_by_;
+  std::vector<AirSupply> supply_;
+  std::vector<std::size_t> first_;  ///< cylinder of each reservoir, and the end
   double track_brake_{0.0};
   DelayedCommands counted_;  ///< torque of the motors that brake, as the pneumatic brakes know it
 };

@@ -119,6 +119,7 @@ struct MechatronicSetup {
   SimulatedAxles simulated{};         ///< the last ones of `axles`
   std::optional<VirtualRail> rail{};  ///< under them
   std::vector<double> brake_delay{};  ///< of the demand at each axle, (N3) [s]; empty: none
+  std::vector<int> reservoir{};       ///< number of the reservoir that feeds each axle; empty: one feeds all
 
   /// Axles in the model: the first ones of `axles`.
   std::size_t under_test() const { return axles.size() - simulated.count(); }
@@ -151,7 +152,8 @@ struct MechatronicSetup {
                       Member{"sanding", &P::sanding},
                       Member{"simulated", &P::simulated},
                       Member{"rail", &P::rail},
-                      Member{"brake_delay", &P::brake_delay, not_negative}};
+                      Member{"brake_delay", &P::brake_delay, not_negative},
+                      Member{"reservoir", &P::reservoir}};
   }
 };
 

@@ -2,9 +2,10 @@
 
 from typing import Annotated, Literal
 
-from pydantic import Discriminator, Field
+from pydantic import Discriminator, Field, StrictInt
 
 from rollerrig.config.schema.base import Table, by_kind
+from rollerrig.config.schema.train import MOST_AXLES
 from rollerrig.config.schema.units import Quantity
 
 Pressure = Annotated[float, Quantity("Pa", 0.0, 1e8)]
@@ -52,7 +53,11 @@ class ReservoirAir(Table):
     least_pulse: DeadTime = Field(
         default=0.02, description="a magnet valve's command stays at least so long: a shorter one is prolonged"
     )
-    reservoir_volume: Volume = Field(default=0.1, description="for all axles under test together")
+    reservoir_volume: Volume = Field(default=0.1, description="of each auxiliary reservoir")
+    axles_per_reservoir: Annotated[StrictInt, Field(ge=1, le=MOST_AXLES)] | None = Field(
+        default=None,
+        description="axles in a row that share a reservoir, counted from the front: 4 of a coach, 2 of a bogie; absent: all",
+    )
     reservoir_pressure: Pressure | None = Field(
         default=None, description="over the ambient, at the start; absent: that of the main pipe"
     )

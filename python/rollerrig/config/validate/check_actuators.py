@@ -103,7 +103,9 @@ def _air(case: CaseTables, file: str) -> Iterator[ConfigProblem]:
     given = air.reservoir_pressure is not None
     start = air.reservoir_pressure if air.reservoir_pressure is not None else air.main_pipe_pressure
     wheelsets = [body for body in case.vehicle.data.bodies_in(case.vehicle.part) if body.kind == "wheelset"]
-    share = air.reservoir_volume / (air.reservoir_volume + len(wheelsets) * brake.volume)
+    axles = len(case.train.axles.positions if case.train.axles else wheelsets)
+    fed = min(axles, air.axles_per_reservoir or axles)
+    share = air.reservoir_volume / (air.reservoir_volume + fed * brake.volume)
     least = brake.spring_force / brake.piston_area / share
     if start <= least:
         empty = "a reservoir that is empty from the start brakes nothing"

@@ -180,7 +180,11 @@ class Examples:
             _core.DampingForceLaw(damping=1e4),
             _core.StiffnessForceLaw(stiffness=1e6),
             _core.DamperForceLaw(damping=1e4, series_stiffness=1e6),
-            core_struct(_core.ReservoirAir, ReservoirAir(kind="reservoir", reservoir_pressure=8e5), without=("kind",)),
+            core_struct(
+                _core.ReservoirAir,
+                ReservoirAir(kind="reservoir", reservoir_pressure=8e5),
+                without=("kind", "axles_per_reservoir"),
+            ),
             _core.PulsePeriod(teeth=100.0, pitch_error=0.01, averaging_time=5e-3, timeout=0.3, clock=1e6),
             _core.PulseFrequency(teeth=100.0, pitch_error=0.01, gate_time=0.1),
             slide_protection(TableSlideProtection(kind="threshold_table"), 0.46),
