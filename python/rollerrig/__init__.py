@@ -5,7 +5,7 @@
                       -> linearize -> control.StateSpace
     run -> wheel_forces -> Y, Q, Y/Q, wear number
                       -> envelope -> xarray.Dataset
-    adhesion, wsp, control, lateral, compare, scale -> Outcome -> write(folder)
+    response, adhesion, wsp, control, lateral, compare, scale -> Outcome -> write(folder)
 
 Every command of the command line is a function here, under the same name; `plot` draws what they return. Names are loaded when
 first used, so that `import rollerrig` costs nothing. No public object has the name of a module.
@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from rollerrig.commands import lateral as lateral
     from rollerrig.commands import limit_cycle as limit_cycle
     from rollerrig.commands import paper as paper
+    from rollerrig.commands import response as response
     from rollerrig.commands import scale as scale
     from rollerrig.commands import wsp as wsp
     from rollerrig.config import Case as Case
@@ -77,6 +78,7 @@ _HOME = {
     "load_run": "results",
     "paper": "commands",
     "read_model": "plant",
+    "response": "commands",
     "save_run": "results",
     "scale": "commands",
     "serve": "realtime.server",

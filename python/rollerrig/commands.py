@@ -240,6 +240,38 @@ def control(
     return _outcome(study, processes, progress)
 
 
+def response(
+    case: Case | str,
+    inputs: Sequence[str],
+    outputs: Sequence[str],
+    speeds_kmh: Sequence[float] = (),
+    *,
+    processes: int = 1,
+    progress: Progress | None = None,
+    **options: Any,
+) -> Outcome[Any]:
+    """Frequency responses of the bench from commands to outputs, linear and measured on the nonlinear one.
+
+    Args:
+        case: the case.
+        inputs: names of commands, as `linearize` takes them.
+        outputs: names of outputs.
+        speeds_kmh: [km/h]; none: that of the case.
+        processes: speeds at a time; more than 1 asks a script for `if __name__ == "__main__":`.
+        progress: called with the fraction done and a short text.
+        **options: of `ResponseStudy`: frequencies [Hz], points, measured, amplitude.
+
+    Raises:
+        ConfigError: an unknown name, or a speed that the case does not allow.
+        StartError: no rolling equilibrium was found.
+    """
+    from rollerrig.study.response import ResponseStudy
+
+    whole = as_case(case)
+    speeds = tuple(speeds_kmh) or (3.6 * whole.motion.speed,)
+    return _outcome(ResponseStudy(whole, tuple(inputs), tuple(outputs), speeds, **options), processes, progress)
+
+
 def lateral(case: Case | str, *, processes: int = 1, progress: Progress | None = None) -> Outcome[Any]:
     """Lateral motion during a slide, on the rig and on the track.
 

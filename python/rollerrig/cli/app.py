@@ -16,6 +16,7 @@ COMMANDS = (
     "paper",
     "run",
     "stability",
+    "response",
     "compare",
     "adhesion",
     "wsp",

@@ -10,6 +10,7 @@ _HOME = {
     "PaperStudy": "paper",
     "RunStudy": "run",
     "StabilityStudy": "stability",
+    "ResponseStudy": "response",
     "CompareStudy": "compare",
     "AdhesionStudy": "adhesion",
     "WspStudy": "wsp",

@@ -42,8 +42,8 @@ R = TypeVar("R")
 SUMMARY, REPORT = "summary.json", "report.html"
 TIMING = "timing.json"
 """The one file whose bytes differ between identical runs: measured times."""
-Content = xr.Dataset | str | Mapping[str, ArrayLike] | Sequence[Sequence[object]]
-"""Of a file: a Dataset (.nc), text, or a CSV file: name of a column -> values, or rows, header first."""
+Content = xr.Dataset | str | bytes | Mapping[str, ArrayLike] | Sequence[Sequence[object]]
+"""Of a file: a Dataset (.nc), text, bytes, or a CSV file: name of a column -> values, or rows, header first."""
 
 
 class Study(ABC, Generic[R]):
@@ -302,6 +302,8 @@ def _json(numbers: Mapping[str, Any]) -> bytes:
 
 
 def _bytes(content: Content) -> bytes | memoryview:
+    if isinstance(content, bytes):
+        return content
     if isinstance(content, xr.Dataset):
         return netcdf_bytes(content)
     if isinstance(content, Mapping):

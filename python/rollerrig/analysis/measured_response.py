@@ -1,0 +1,121 @@
+"""Frequency response measured as on a bench: a sine on one command of the nonlinear plant, frequency by frequency.
+
+Case, speed, command, frequencies -> [plant under a stepped sine] -> complex amplitudes of the outputs over that of the command
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rollerrig import _core
+from rollerrig.analysis.linear_bench import steady_case
+from rollerrig.config import Case
+from rollerrig.mechatronics import COMMANDS
+from rollerrig.plant import assembled_model
+
+POINTS = 32
+"""Of the held sine in a period, where the plant has no samples of its own."""
+
+READINGS = 4
+"""Of the outputs between two of them: the steps of the held sine are then not taken for the sine."""
+
+SETTLING = 3.0
+"""From the first period to those that are evaluated [s]; and so many periods of each:"""
+LEAST_SETTLED, PERIODS = 4, 4
+LEAST_EVALUATED = 1.0
+"""So long the evaluated periods last at least [s]."""
+
+
+@dataclass(frozen=True)
+class MeasuredResponse:
+    """What a sine on one input gives.
+
+    Attributes:
+        frequencies: those asked for, rounded to whole samples in a period [Hz].
+        values: amplitude and phase over those of the input, shape (frequency, output); NaN where the run ended early.
+        ended: how a run ended early, a sentence; "" where none did.
+    """
+
+    frequencies: NDArray[np.float64]
+    values: NDArray[np.complex128]
+    ended: str
+
+
+def measured_response(
+    case: Case,
+    speed: float | None,
+    source: str,
+    outputs: Sequence[str],
+    frequencies: Sequence[float],
+    amplitude: float,
+    progress: Callable[[float, str], None] | None = None,
+) -> MeasuredResponse | None:
+    """Drive a command of the nonlinear bench with a sine about steady rolling.
+
+    The controllers of the case are outside and give nothing. Where the plant has samples, the response is that from sample to
+    sample, the command held between; else that of the continuous plant.
+
+    Args:
+        case: the case.
+        speed: running speed [m/s]; None: that of the case.
+        source: name of the command.
+        outputs: names of outputs.
+        frequencies: [Hz].
+        amplitude: of the sine, in the command's unit.
+        progress: called with the fraction done and a short text.
+
+    Returns:
+        The response; None where the plant has no such command or output.
+    """
+    steady = steady_case(case, speed)
+    external = [role for role in COMMANDS if getattr(steady, role) is not None]
+    plant = _core.Plant(assembled_model(steady, external=external, may_drift=True))
+    index, indices = plant.find(source), [plant.find(name) for name in outputs]
+    if min(index, *indices) < 0:
+        return None
+    own = plant.sampling_step
+    counts = [max(4, round(1.0 / (f * own))) if own else POINTS for f in frequencies]
+    steps = [own or 1.0 / (f * POINTS) for f in frequencies]
+    found, ended = [], ""
+    for k, (count, step) in enumerate(zip(counts, steps, strict=True)):
+        if progress is not None:
+            progress(k / len(counts), f"{source}: {1.0 / (count * step):.3g} Hz")
+        row, status = _one_sine(plant, index, indices, count, step, amplitude)
+        if status:
+            ended = f"{1.0 / (count * step):.3g} Hz: {status}"
+        held = 1.0 if own else np.sinc(1.0 / count) * np.exp(-1j * math.pi / count)
+        found.append(row / held)
+    actual = np.array([1.0 / (count * step) for count, step in zip(counts, steps, strict=True)])
+    return MeasuredResponse(actual, np.array(found), ended)
+
+
+def _one_sine(
+    plant: _core.Plant, index: int, indices: list[int], count: int, step: float, amplitude: float
+) -> tuple[NDArray[np.complex128], str]:
+    """Response at one frequency, `count` samples in a period; and how the run ended where it did so early."""
+    period, readings = count * step, 1 if plant.sampling_step else READINGS
+    settled = count * max(LEAST_SETTLED, math.ceil(SETTLING / period))
+    total = settled + count * max(PERIODS, math.ceil(LEAST_EVALUATED / period))
+    times, rows = [], []
+    code = plant.start()
+    for k in range(total):
+        if k >= settled and readings == 1:
+            times.append(k * step)
+            rows.append(plant.values(indices))
+        plant.set_input(index, amplitude * math.sin(2.0 * math.pi * (k % count) / count))
+        for i in range(readings if k >= settled and readings > 1 else 0):
+            times.append((k + (i + 0.5) / readings) * step)
+            plant.advance(times[-1])
+            rows.append(plant.values(indices))
+        code = plant.advance((k + 1) * step)
+        if code != _core.status_codes["ok"]:
+            return np.full(len(indices), complex(math.nan, math.nan)), _core.status_sentence(code)
+    phase = 2.0 * np.pi / period * np.array(times)
+    basis = np.stack([np.ones_like(phase), phase, np.sin(phase), np.cos(phase)], axis=1)  # a free bench drifts
+    _, _, sine, cosine = np.linalg.lstsq(basis, np.array(rows), rcond=None)[0]
+    return (sine + 1j * cosine) / amplitude, ""

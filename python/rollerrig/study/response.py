@@ -1,0 +1,234 @@
+"""Frequency responses of the bench: linear at several speeds, and measured with a sine on the nonlinear bench.
+
+Case, commands, outputs, speeds -> [ResponseStudy] -> Bode, Nyquist, poles and zeros, margins, MATLAB files, report
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rollerrig.analysis.linear_bench import LinearBench
+from rollerrig.analysis.linear_system import margins_of
+from rollerrig.analysis.measured_response import measured_response
+from rollerrig.config import Case, ConfigError, ConfigProblem
+from rollerrig.plot.response import bode_figure, nyquist_figure, poles_and_zeros_figure
+from rollerrig.study.frame import Study
+from rollerrig.study.jobs import Done, Progress, Round, job
+from rollerrig.study.quantities import Numbers, Quantities, Quantity
+from rollerrig.study.report import Block, Picture, Section, Table, Text
+from rollerrig.study.response_tables import AtSpeed, measured_error, pole_rows, response_rows
+
+CHANNEL = tuple(
+    Quantity(f"channels.*.*.{key}", meaning, unit, label, 3)
+    for key, meaning, unit, label in (
+        ("bandwidth_hz", "where the magnitude is first 3 dB below that at the lowest frequency", "Hz", "bandwidth"),
+        ("gain_margin_db", "of the loop that negative feedback closes over this response", "dB", "gain margin"),
+        ("gain_margin_frequency_hz", "where its phase is -180°", "Hz", "at"),
+        ("phase_margin_deg", "of the same loop", "°", "phase margin"),
+        ("phase_margin_frequency_hz", "where its magnitude is 1", "Hz", "where |L| = 1"),
+        (
+            "measured_error_db",
+            "largest difference of the measured magnitude, up to half the bandwidth of the command's drive",
+            "dB",
+            "measured",
+        ),
+    )
+)
+QUANTITIES = Quantities(
+    Quantity("case", "its name"),
+    Quantity("speeds_kmh", "speeds of the linear bench", "km/h"),
+    Quantity("sampling_step_ms", "from sample to sample of a case that has samples; else none", "ms"),
+    Quantity("amplitude", "of the measuring sine, in the command's unit"),
+    Quantity("growing_poles.*", "poles in the right half plane, 1e-6 1/s from its border, at a speed"),
+    CHANNEL,
+)
+
+
+@dataclass(frozen=True)
+class ResponseStudy(Study[dict[str, AtSpeed]]):
+    """From some commands to some outputs at some speeds.
+
+    Attributes:
+        case: the case.
+        inputs, outputs: names of the plant.
+        speeds_kmh: [km/h].
+        frequencies: lowest and highest [Hz].
+        points: frequencies between them, evenly in their logarithm.
+        measured: frequencies at which the nonlinear bench is driven; 0: none.
+        amplitude: of that sine, in the command's unit.
+    """
+
+    case: Case
+    inputs: tuple[str, ...]
+    outputs: tuple[str, ...]
+    speeds_kmh: tuple[float, ...]
+    frequencies: tuple[float, float] = (0.1, 100.0)
+    points: int = 400
+    measured: int = 0
+    amplitude: float = 1000.0
+
+    command = "response"
+    quantities = QUANTITIES
+    writes = ("response.csv", "poles.csv", "linear_*_kmh.mat")
+    formats = ("svg",)
+    resumable = False
+
+    def __post_init__(self) -> None:
+        """Refuse frequencies that are none, or beyond half the sampling frequency.
+
+        Raises:
+            ConfigError: they are.
+        """
+        low, high = self.frequencies
+        most = 0.5 / self.case.time.sampling_step if self.case.sampled else math.inf
+        if not 0.0 < low < high or high > most:
+            half = f", half the sampling frequency being {most:g} Hz" if self.case.sampled else ""
+            allowed = f"allowed: from low to high, both positive{half}"
+            raise ConfigError([ConfigProblem(self.case.name, "frequencies", f"{low:g} to {high:g} Hz", allowed)])
+        if not (math.isfinite(self.amplitude) and self.amplitude > 0.0):
+            raise ConfigError([ConfigProblem(self.case.name, "amplitude", f"{self.amplitude:g}", "allowed: positive")])
+
+    @property
+    def title(self) -> str:
+        return f"Frequency response: {self.case.name}"
+
+    def rounds(self, done: Done) -> Iterator[Round]:
+        yield {f"{speed:g} km/h": job(at_speed, self, speed) for speed in self.speeds_kmh}
+
+    def collect(self, done: Done) -> dict[str, AtSpeed] | None:
+        return dict(done) or None
+
+    def limitations(self) -> list[str]:
+        return [
+            "The linear bench is exact for small motions about steady rolling: no limits of drives, no full sliding, no flange.",
+            "The controllers are outside; a delay of their commands is in the response of a case with samples.",
+            *super().limitations(),
+        ]
+
+    # --------------------------------------------------------------------------------------------------- numbers
+
+    @property
+    def _grid(self) -> NDArray[np.float64]:
+        return np.geomspace(*self.frequencies, self.points)
+
+    def _channels(self) -> Iterator[tuple[str, int, int]]:
+        """Name of the channel, index of output and input."""
+        for k, source in enumerate(self.inputs):
+            for i, output in enumerate(self.outputs):
+                yield f"{source} to {output}", i, k
+
+    def numbers(self, results: dict[str, AtSpeed]) -> dict[str, Any]:
+        responses = {label: found.system.response(self._grid) for label, found in results.items()}
+        channels = {
+            name: {label: self._channel(found, responses[label], i, k) for label, found in results.items()}
+            for name, i, k in self._channels()
+        }
+        growing = {label: int(np.sum(found.system.poles().real > 1e-6)) for label, found in results.items()}
+        step = next(iter(results.values())).system.step
+        return {
+            "case": self.case.name,
+            "speeds_kmh": list(self.speeds_kmh),
+            "sampling_step_ms": 1e3 * step if step else None,
+            "amplitude": self.amplitude,
+            "growing_poles": growing,
+            "channels": channels,
+        }
+
+    def _channel(self, found: AtSpeed, response: NDArray[np.complex128], output: int, source: int) -> dict[str, float]:
+        values = response[:, output, source]
+        size = 20 * np.log10(np.abs(values))
+        below = np.flatnonzero(size < size[0] - 3.0)
+        bandwidth = float(self._grid[below[0]]) if below.size else math.nan
+        margins = margins_of(self._grid, values)
+        return {
+            "bandwidth_hz": bandwidth,
+            "gain_margin_db": 20 * math.log10(margins.gain) if math.isfinite(margins.gain) else math.nan,
+            "gain_margin_frequency_hz": margins.gain_frequency,
+            "phase_margin_deg": math.degrees(margins.phase),
+            "phase_margin_frequency_hz": margins.phase_frequency,
+            "measured_error_db": measured_error(found, output, source),
+        }
+
+    def summary(self, results: dict[str, AtSpeed], numbers: Numbers) -> list[str]:
+        sentences = []
+        for name, by_speed in numbers["channels"].items():
+            errors = [one["measured_error_db"] for one in by_speed.values() if one["measured_error_db"] is not None]
+            measured = f" Measured at {self.amplitude:g}: within {max(errors):.2g} dB of it." if errors else ""
+            widths = [one["bandwidth_hz"] for one in by_speed.values() if one["bandwidth_hz"] is not None]
+            width = f"bandwidth {min(widths):.3g} to {max(widths):.3g} Hz" if widths else "no bandwidth in this range"
+            sentences.append(f"{name}: {width}.{measured}")
+        ended = [
+            f"{label}: {one.ended}" for label, found in results.items() for one in found.measured.values() if one.ended
+        ]
+        return [*sentences, *(f"A measurement ended early at {line}" for line in ended)]
+
+    # --------------------------------------------------------------------------------------------------- files
+
+    def files(self, results: dict[str, AtSpeed], numbers: Numbers) -> Mapping[str, Any]:
+        return {
+            "response.csv": response_rows(results, self._grid),
+            "poles.csv": pole_rows(results),
+            **{
+                f"linear_{label.removesuffix(' km/h')}_kmh.mat": found.system.mat_bytes()
+                for label, found in results.items()
+            },
+        }
+
+    def sections(self, results: dict[str, AtSpeed], numbers: Numbers) -> list[Section]:
+        sections = []
+        responses = {label: found.system.response(self._grid) for label, found in results.items()}
+        for number, (name, i, k) in enumerate(self._channels(), 1):
+            system = next(iter(results.values())).system
+            unit = f"{system.output_units[i]} per {system.input_units[k]}"
+            lines = {label: (self._grid, response[:, i, k]) for label, response in responses.items()}
+            points = {
+                label: (one.frequencies, one.values[:, i])
+                for label, found in results.items()
+                for source, one in found.measured.items()
+                if source == self.inputs[k]
+            }
+            poles = {label: found.system.poles() for label, found in results.items()}
+            zeros = {label: found.system.zeros(i, k) for label, found in results.items()}
+            blocks: list[Block] = [
+                Picture(f"bode_{number}", bode_figure(lines, points, unit), f"{name}: magnitude and phase."),
+                QUANTITIES.table(numbers["channels"][name], [q.key for q in CHANNEL], "Bandwidth and margins.", "at"),
+                Picture(f"nyquist_{number}", nyquist_figure(lines, unit), f"{name} in the complex plane."),
+                Picture(
+                    f"poles_{number}",
+                    poles_and_zeros_figure(poles, zeros),
+                    f"{name}: poles (crosses) and zeros (circles) by growth rate and frequency.",
+                ),
+            ]
+            sections.append(Section(name, blocks))
+        note = "Of a case with samples, poles are ln(z) over the sampling step. Those of all motions are in poles.csv."
+        slow = Table(
+            ("at", "growing poles"), list(numbers["growing_poles"].items()), "Motions that grow by themselves."
+        )
+        return [*sections, Section("Poles", [slow, Text(note)])]
+
+
+def at_speed(study: ResponseStudy, speed_kmh: float, progress: Progress | None = None) -> AtSpeed:
+    """The linear bench at one speed, and what is measured there.
+
+    Raises:
+        ConfigError: an unknown name, or a speed that the case does not allow.
+        StartError: no rolling equilibrium was found.
+    """
+    case, speed = study.case, speed_kmh / 3.6
+    bench = LinearBench(case, speed)
+    system = bench.system(study.inputs, study.outputs, discrete=case.sampled)
+    drives = {name: bench.commands[name].bandwidth / (2.0 * math.pi) for name in study.inputs if name in bench.commands}
+    measured = {}
+    for source in study.inputs if study.measured else ():
+        low, high = study.frequencies
+        frequencies = np.geomspace(low, high if not system.step else min(high, 0.25 / system.step), study.measured)
+        found = measured_response(case, speed, source, study.outputs, frequencies.tolist(), study.amplitude, progress)
+        if found is not None:
+            measured[source] = found
+    return AtSpeed(system, measured, drives)
