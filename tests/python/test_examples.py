@@ -38,6 +38,8 @@ def test_every_example_has_its_answer_and_its_line_in_the_readme() -> None:
 
 @pytest.mark.parametrize("name", ANSWERS)
 def test_an_example_gives_its_answer(name: str, tmp_path: Path) -> None:
+    if name == "10_brake_controller" and not sys.platform.startswith("linux"):
+        pytest.skip("the server is written for Linux")
     command = [sys.executable, "-W", "error::FutureWarning", str(EXAMPLES / f"{name}.py")]
     done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False, timeout=600)
     assert done.returncode == 0, done.stderr

@@ -6,6 +6,7 @@ Served -> [open_server] -> _core.RigServer -> [run_server] -> Ended
 from __future__ import annotations
 
 import secrets
+import sys
 from dataclasses import dataclass
 from typing import Any
 
@@ -55,6 +56,7 @@ def open_server(
     Raises:
         ConfigError: the port cannot be had, or this system has no server.
     """
+    check_system(served)
     session = secrets.randbelow(10**9 - 1) + 1
     settings = _core.ServerSettings(
         period=served.period, periods=served.periods, session=session, oldest=oldest, patience=patience,
@@ -72,12 +74,26 @@ def open_server(
             port=port,
             settings=settings,
         )
-    except RuntimeError as error:  # of the system: in use, not of this machine, not Linux
+    except RuntimeError as error:  # of the system: in use, not of this machine
         if address.startswith("/"):
             allowed = f"allowed: a name that is not in use; if no server runs, remove /dev/shm{address}"
             raise refused(served.name, "shm", address, f"{error}; {allowed}") from None
         allowed = "allowed: a free port of this machine; 0 takes any"
         raise refused(served.name, "udp", f"{address}:{port}", f"{error}; {allowed}") from None
+
+
+def check_system(served: Served) -> None:
+    """See that this system has a server.
+
+    Raises:
+        ConfigError: it has not.
+    """
+    try:
+        _core.require_real_time()
+    except RuntimeError as error:
+        raise refused(
+            served.name, "serve", sys.platform, f"{error}; allowed: `--replay`, and `rollerrig run`"
+        ) from None
 
 
 def check_rate(served: Served, periods: int = MEASURED_PERIODS) -> float:
@@ -87,8 +103,9 @@ def check_rate(served: Served, periods: int = MEASURED_PERIODS) -> float:
         The largest rate that can [Hz], by processor time.
 
     Raises:
-        ConfigError: it is below that of the server; the message says what can be held.
+        ConfigError: it is below that of the server; the message says what can be held. Or this system has no server.
     """
+    check_system(served)
     found = _core.measure_rig(
         served.assembled, served.input_indices, served.output_indices, period=served.period, periods=periods
     )

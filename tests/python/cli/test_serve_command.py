@@ -19,6 +19,8 @@ from typer.testing import CliRunner, Result
 from rollerrig.cli.app import build_app
 from rollerrig.cli.serving import histogram_lines, table
 
+pytestmark = pytest.mark.skipif(not sys.platform.startswith("linux"), reason="the server is written for Linux")
+
 CASE = """
 name = "short_brake"
 [vehicle]

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from python.realtime.running import Running, brake_case
-from rollerrig import simulate
+from rollerrig import _core, simulate
 from rollerrig.config import ConfigError
 from rollerrig.realtime import Client, ClientError
 from rollerrig.realtime.links import SHARED_MEMORY, Rings
@@ -198,6 +198,16 @@ def test_the_memory_is_gone_with_its_server(served_brake: Served) -> None:
 
 
 # ---------------------------------------------------------------------------------------------------- refusals
+
+
+def test_a_system_without_a_server_is_told_by_name(served_brake: Served, monkeypatch: pytest.MonkeyPatch) -> None:
+    def missing() -> None:
+        raise RuntimeError("not on this system: the server in real time is written for Linux")
+
+    monkeypatch.setattr(_core, "require_real_time", missing)
+    for attempt in (check_rate, lambda served: open_server(served, "127.0.0.1", 0)):
+        with pytest.raises(ConfigError, match=r"serve: \w+; not on this system: .* for Linux"):
+            attempt(served_brake)
 
 
 def test_a_port_in_use_is_refused(serve: Serve, served_brake: Served) -> None:
