@@ -65,7 +65,7 @@ def test_standstill_and_walking_pace_cost_what_200_km_h_costs() -> None:
         case = brake_case(**{"motion.speed": speed, "time.duration": 1.0})
         served = serve_case(case, "1 kHz")
         rig = (served.assembled, served.input_indices, served.output_indices)
-        medians.append(min(_core.measure_rig(*rig, period=1e-3, periods=1000)[1] for _ in range(3)))
+        medians.append(_core.measure_rig(*rig, period=1e-3, periods=1000, repeats=3)[1])
         evaluations.append(json.loads(simulate(served.case).attrs["solver_statistics"])["derivative_calls"])
     assert max(medians) < 1.34 * min(medians)
     assert max(evaluations) < 1.05 * min(evaluations)
@@ -80,3 +80,11 @@ def test_in_real_time_no_step_stops_for_a_jacobian_or_is_done_again() -> None:
     )
     assert (steps["jacobian_calls"], steps["rejected_steps"], steps["steps"]) == (0, 0, 2000)
     assert usual["jacobian_calls"] > 0
+
+
+def test_in_real_time_no_step_is_far_longer_than_the_others() -> None:
+    """The least of five runs of each period, so that what else the machine does falls out: 1.2 times the median when quiet."""
+    served = serve_case(brake_case(), "1 kHz")
+    rig = (served.assembled, served.input_indices, served.output_indices)
+    _, median, _, _, longest = _core.measure_rig(*rig, period=1e-3, periods=700, repeats=5)
+    assert longest < 4 * median

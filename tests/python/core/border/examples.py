@@ -400,7 +400,7 @@ class Examples:
             "SlideProtectionUnit.step": Call(lambda **given: _core.SlideProtectionUnit(**unit).step(**given), speeds),
             "ServerSettings": Call(_core.ServerSettings, settings),
             "RigServer": Call(run, served),
-            "measure_rig": Call(_core.measure_rig, rig | {"period": 2e-3, "periods": 5}),
+            "measure_rig": Call(_core.measure_rig, rig | {"period": 2e-3, "periods": 5, "repeats": 2}),
             "replay_rig": Call(_core.replay_rig, rig | {"period": 2e-3, "commands": np.zeros((5, 2))}),
             "require_real_time": Call(_core.require_real_time, {}),
         }
