@@ -86,6 +86,12 @@ void bind_assembled(nb::module_& m) {
         return read_model({static_cast<std::byte const*>(content.data()), content.size()});
       },
       "content"_a, "The model in a model file; ValueError says what is wrong with it.");
+  m.def(
+      "model_token",
+      [](nb::bytes const& content) {
+        return model_token({static_cast<std::byte const*>(content.data()), content.size()});
+      },
+      "content"_a, "The checksum of a model file as text.");
   m.attr("model_layout") = model_layout();
 }
 

@@ -38,6 +38,7 @@ if TYPE_CHECKING:
     from rollerrig.config import Case as Case
     from rollerrig.config import ConfigError as ConfigError
     from rollerrig.config import load_case as load_case
+    from rollerrig.fmu.export import export_fmu as export_fmu
     from rollerrig.plant import assemble_file as assemble_file
     from rollerrig.plant import read_model as read_model
     from rollerrig.realtime.server import serve as serve
@@ -71,6 +72,7 @@ _HOME = {
     "creep": "commands",
     "critical_speed": "analysis.critical_speed",
     "envelope": "study.envelope",
+    "export_fmu": "fmu.export",
     "lateral": "commands",
     "limit_cycle": "commands",
     "linearize": "analysis.linear_bench",

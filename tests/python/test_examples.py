@@ -26,6 +26,8 @@ ANSWERS = {
                           ["quotient.png"]),
     # In lock-step at the sample time of the built-in controller it is the same run, read one sample of the rig later.
     "10_brake_controller": ([r"after 53\.\d+ s at 3\.6 km/h", r"outside: 978\.\d\d m, built in: 978\.\d\d m, [+-]0\.00\d %"], []),
+    "11_fmu": ([r"validation: nothing to say", r"after 8 s: 10[67]\.\d km/h",
+                r"slip 1\d %, vented in 3\d\d of 1600"], ["bench.fmu"]),
 }  # fmt: skip
 """Script -> patterns of its output in their order, and files that it leaves."""
 

@@ -104,4 +104,12 @@ AssembledModel read_model(std::span<std::byte const> bytes) {
   return read;
 }
 
+std::string model_token(std::span<std::byte const> bytes) {
+  if (bytes.size() < header_size) refuse("cut: it ends after " + std::to_string(bytes.size()) + " bytes");
+  std::string text;
+  for (std::byte const byte : bytes.subspan(checksum_at, sizeof(std::uint64_t)))
+    for (int const shift : {4, 0}) text += "0123456789abcdef"[(std::to_integer<int>(byte) >> shift) & 15];
+  return text;
+}
+
 }  // namespace rollerrig

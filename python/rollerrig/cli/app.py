@@ -25,6 +25,7 @@ COMMANDS = (
     "scale",
     "envelope",
     "serve",
+    "export_fmu",
     "contact",
     "creep",
     "conicity",
@@ -64,10 +65,11 @@ def build_app() -> typer.Typer:
     for name in COMMANDS:
         if find_spec(f"rollerrig.cli.{name}") is not None:
             module = import_module(f"rollerrig.cli.{name}")
+            word = name.replace("_", "-")
             if hasattr(module, "app"):
-                app.add_typer(module.app, name=name)
+                app.add_typer(module.app, name=word)
             else:
-                app.command(name, short_help=first_line(module.command))(readable_errors(module.command))
+                app.command(word, short_help=first_line(module.command))(readable_errors(module.command))
     return app
 
 

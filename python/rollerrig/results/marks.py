@@ -2,7 +2,8 @@
 
     path -> [is_ours] -> whether the file carries our mark
 
-A figure and a file of results say it in their metadata, a table and a model file by their first line. Files of a study need no
+A figure and a file of results say it in their metadata, a table and a model file by their first line,
+an FMU on its page. Files of a study need no
 marks: the manifest of their folder knows them by their checksums (results/folder.py).
 """
 
@@ -19,12 +20,15 @@ PROGRAM = "rollerrig"
 
 MODEL = f"{PROGRAM} model\n".encode()
 """First bytes of a model file."""
+FMU = f'<meta name="generator" content="{PROGRAM}">'.encode()
+"""On the first page of an FMU, which is the first of its files and not compressed."""
 _HEAD = 4096
 """Metadata and first lines stand within so many bytes."""
 _MARKS = {
     b"\x89PNG": f"Software\0{PROGRAM}".encode(),
     b"<?xml": f"<dc:title>{PROGRAM}</dc:title>".encode(),
     MODEL: MODEL,
+    b"PK\x03\x04": FMU,
 }
 """How a figure or a model file begins -> what says that it is ours."""
 

@@ -31,4 +31,7 @@ std::vector<std::byte> write_model(AssembledModel const& assembled);
 /// Throws std::invalid_argument that says what is wrong: no model, cut, changed, of another version, or a number out of its range.
 AssembledModel read_model(std::span<std::byte const> bytes);
 
+/// The checksum of a model file as text: what names its model. Throws std::invalid_argument for bytes that are too few.
+std::string model_token(std::span<std::byte const> bytes);
+
 }  // namespace rollerrig

@@ -1,0 +1,214 @@
+// fmu/instance.hpp - one FMU that runs: which call is allowed when, values by reference, steps. Of both versions of the standard.
+//
+//   calls of FMI 2.0, of FMI 3.0 -> [instance] -> Plant
+//
+// Reference 0 is the time; reference i + 1 the i-th variable of the plant. A call that is refused changes nothing.
+// Source: FMI 2.0.4, sections 2.1 and 4.2; FMI 3.0.2, sections 2.3 and 4.2.
+#pragma once
+#include <cmath>
+#include <concepts>
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "rollerrig/fmu/log.hpp"
+#include "rollerrig/plant/variable.hpp"
+#include "rollerrig/status.hpp"
+
+namespace rollerrig::fmu {
+
+/// What an FMU asks of a plant; rollerrig::Plant says what each means.
+template <class P>
+concept PlantLike = requires(P plant, P const constant, int index, double number) {
+  { constant.variables() } -> std::convertible_to<std::span<Variable const>>;
+  { plant.start(number) } -> std::same_as<Status>;
+  { plant.advance(number) } -> std::same_as<Status>;
+  { plant.set_input(index, number) } -> std::same_as<bool>;
+  { plant.get(index) } -> std::same_as<double>;
+  { constant.time() } -> std::same_as<double>;
+  { constant.failed_wheel() } -> std::convertible_to<std::string_view>;
+  { anew(constant) } -> std::same_as<std::unique_ptr<P>>;  // of the same model, nothing kept of a run
+};
+
+/// States of the standards' state machines for co-simulation: bits, so that a call names all in which it may come.
+enum Phase : unsigned {
+  instantiated = 1,
+  initializing = 2,
+  stepping = 4,
+  step_failed = 8,  ///< the model left its validity, or the run ended
+  terminated = 16,
+};
+constexpr unsigned running = stepping | step_failed | terminated;
+
+/// What a step ended with.
+struct StepEnd {
+  bool run_over{false};  ///< nothing follows: the train has stopped, or the model's validity ended
+  double time{};         ///< up to which results are valid [s]
+};
+
+template <PlantLike P>
+class Instance {
+ public:
+  Instance(std::unique_ptr<P> plant, Log tell_tool)
+      : log{tell_tool}, plant_{std::move(plant)}, chosen_(plant_->variables().size(), unset) {}
+
+  Log log;
+
+  Phase phase() const { return phase_; }
+  double time() const { return time_; }
+  StepEnd const& last_step() const { return step_; }
+  P& plant() { return *plant_; }
+
+  /// Whether a call may come now; if not, the log says so.
+  bool may(unsigned phases, char const* call) const {
+    if ((phase_ & phases) != 0) return true;
+    log(Answer::error, "%s: not allowed %s", call, where());
+    return false;
+  }
+
+  Answer setup(char const* call, double start, bool has_stop, double stop) {
+    if (!may(instantiated, call)) return Answer::error;
+    if (!std::isfinite(start)) return log(Answer::error, "%s: startTime must be a finite number", call);
+    if (has_stop && !(std::isfinite(stop) && stop > start))
+      return log(Answer::error, "%s: stopTime must be later than startTime", call);
+    start_ = time_ = start;
+    stop_ = has_stop ? stop : endless;
+    return Answer::ok;
+  }
+
+  Answer enter_initialization(char const* call) {
+    if (!may(instantiated, call)) return Answer::error;
+    // The plant's own clock begins where its case does.
+    Status const status = plant_->start(stop_ - start_);
+    if (status != Status::ok) return tell(call, status, Answer::error);
+    offset_ = start_ - plant_->time();
+    for (std::size_t i = 0; i < chosen_.size(); ++i)
+      if (!std::isnan(chosen_[i])) plant_->set_input(static_cast<int>(i), chosen_[i]);
+    step_ = {false, start_};
+    phase_ = initializing;
+    return Answer::ok;
+  }
+
+  Answer exit_initialization(char const* call) {
+    if (!may(initializing, call)) return Answer::error;
+    phase_ = stepping;
+    return Answer::ok;
+  }
+
+  Answer terminate(char const* call) {
+    if (!may(stepping | step_failed, call)) return Answer::error;
+    phase_ = terminated;
+    return Answer::ok;
+  }
+
+  Answer reset() {
+    plant_ = anew(std::as_const(*plant_));
+    chosen_.assign(chosen_.size(), unset);
+    phase_ = instantiated;
+    start_ = time_ = 0.0;
+    stop_ = endless;
+    return Answer::ok;
+  }
+
+  /// @param count   of references, each of a scalar
+  /// @param values  as many
+  template <class Reference>
+  Answer set(char const* call, Reference const* references, std::size_t count, double const* values) {
+    if (!may(instantiated | initializing | stepping, call)) return Answer::error;
+    if (count > 0 && (references == nullptr || values == nullptr)) return log(Answer::error, "%s: null pointer", call);
+    auto const all = variables();
+    for (std::size_t k = 0; k < count; ++k) {
+      if (references[k] == 0 || references[k] > all.size())
+        return log(Answer::error, "%s: no variable that can be set has the reference %u", call,
+                   static_cast<unsigned>(references[k]));
+      Variable const& variable = all[references[k] - 1];
+      if (variable.causality == Causality::output)
+        return log(Answer::error, "%s: %s is an output", call, variable.name.c_str());
+      if (variable.causality == Causality::parameter && variable.variability == Variability::fixed &&
+          phase_ == stepping)
+        return log(Answer::error, "%s: %s is fixed after the initialization", call, variable.name.c_str());
+      if (!variable.allows(values[k]))
+        return log(Answer::error, "%s: %s = %g is not allowed: a %snumber from %g to %g", call, variable.name.c_str(),
+                   values[k], variable.whole ? "whole " : "", variable.least, variable.most);
+    }
+    for (std::size_t k = 0; k < count; ++k) {
+      std::size_t const i = references[k] - 1;
+      if (phase_ == instantiated)
+        chosen_[i] = values[k];
+      else if (!plant_->set_input(static_cast<int>(i), values[k]))
+        return log(Answer::error, "%s: %s = %g was refused", call, all[i].name.c_str(), values[k]);
+    }
+    return Answer::ok;
+  }
+
+  template <class Reference>
+  Answer get(char const* call, Reference const* references, std::size_t count, double* values) {
+    if (!may(initializing | running, call)) return Answer::error;
+    if (count > 0 && (references == nullptr || values == nullptr)) return log(Answer::error, "%s: null pointer", call);
+    std::size_t const last = variables().size();
+    for (std::size_t k = 0; k < count; ++k)
+      if (references[k] > last)
+        return log(Answer::error, "%s: no variable has the reference %u", call, static_cast<unsigned>(references[k]));
+    for (std::size_t k = 0; k < count; ++k)
+      values[k] = references[k] == 0 ? time_ : plant_->get(static_cast<int>(references[k]) - 1);
+    return Answer::ok;
+  }
+
+  /// The plant's own steps do not depend on the communication step. With sampled blocks outputs are those of the last
+  /// sampling step within it.
+  Answer step(char const* call, double at, double length) {
+    if (!may(stepping, call)) return Answer::error;
+    double const round_off = 1e-9 * std::max(1.0, std::abs(time_));  // importers add up their steps
+    if (!(std::abs(at - time_) <= round_off))
+      return log(Answer::error, "%s: currentCommunicationPoint is %.17g, the FMU stands at %.17g s", call, at, time_);
+    if (!(std::isfinite(length) && length > 0.0))
+      return log(Answer::error, "%s: communicationStepSize must be positive, got %g", call, length);
+    double const target = at + length;
+    if (!(target <= stop_ + round_off))
+      return log(Answer::error, "%s: the step ends at %g s, after stopTime %g s", call, target, stop_);
+    Status const status = plant_->advance(target - offset_);
+    bool const ok = status == Status::ok;
+    time_ = ok ? target : plant_->time() + offset_;
+    step_ = {!ok, time_};
+    if (ok) return Answer::ok;
+    phase_ = step_failed;
+    return tell(call, status, Answer::discard);
+  }
+
+ private:
+  static constexpr double unset = std::numeric_limits<double>::quiet_NaN();
+  static constexpr double endless = std::numeric_limits<double>::infinity();
+
+  std::span<Variable const> variables() const { return std::as_const(*plant_).variables(); }
+
+  char const* where() const {
+    switch (phase_) {
+      case instantiated: return "before the initialization";
+      case initializing: return "in the initialization";
+      case stepping: return "between steps";
+      case step_failed: return "after a step that ended the run";
+      case terminated: return "after the end";
+    }
+    return "now";
+  }
+
+  Answer tell(char const* call, Status status, Answer answer) const {
+    std::string const wheel{plant_->failed_wheel()};
+    return log(answer, "%s: at %.6g s%s%s: %s", call, plant_->time() + offset_, wheel.empty() ? "" : ", ",
+               wheel.c_str(), std::string(status_sentence(status)).c_str());
+  }
+
+  std::unique_ptr<P> plant_;
+  std::vector<double> chosen_;  ///< per variable: set before the initialization
+  Phase phase_{instantiated};
+  double start_{0.0}, stop_{endless};  ///< [s]
+  double offset_{0.0};                 ///< time of the tool minus that of the plant [s]
+  double time_{0.0};                   ///< communication point [s]
+  StepEnd step_{};
+};
+
+}  // namespace rollerrig::fmu

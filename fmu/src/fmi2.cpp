@@ -1,0 +1,124 @@
+// The names that a tool looks up in the library: FMI 2.0, Fmi2 over an assembled model.
+#include "rollerrig/fmu/fmi2.hpp"
+
+using rollerrig::fmu::Answer;
+using Fmu = rollerrig::fmu::Fmi2<rollerrig::fmu::RigShell>;
+
+extern "C" {
+
+/// For the export: instructions that this library needs.
+FMI2_Export char const* rollerrig_needs() {
+  static std::string const text = rollerrig::fmu::needed_instructions();
+  return text.c_str();
+}
+
+char const* fmi2GetTypesPlatform() { return fmi2TypesPlatform; }
+char const* fmi2GetVersion() { return fmi2Version; }
+
+fmi2Status fmi2SetDebugLogging(fmi2Component c, fmi2Boolean, size_t count, fmi2String const categories[]) {
+  return Fmu::set_debug_logging(c, count, categories);
+}
+
+fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, fmi2String location,
+                              fmi2CallbackFunctions const* functions, fmi2Boolean, fmi2Boolean) {
+  return Fmu::instantiate(name, type, guid, location, functions);
+}
+void fmi2FreeInstance(fmi2Component c) { Fmu::free(c); }
+
+// ------------------------------------------------------------------------------ phases
+fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean, fmi2Real, fmi2Real start, fmi2Boolean has_stop,
+                               fmi2Real stop) {
+  return Fmu::with(c, __func__, [&](auto& i) { return i.setup("fmi2SetupExperiment", start, has_stop != 0, stop); });
+}
+fmi2Status fmi2EnterInitializationMode(fmi2Component c) {
+  return Fmu::with(c, __func__, [](auto& i) { return i.enter_initialization("fmi2EnterInitializationMode"); });
+}
+fmi2Status fmi2ExitInitializationMode(fmi2Component c) {
+  return Fmu::with(c, __func__, [](auto& i) { return i.exit_initialization("fmi2ExitInitializationMode"); });
+}
+fmi2Status fmi2Terminate(fmi2Component c) {
+  return Fmu::with(c, __func__, [](auto& i) { return i.terminate("fmi2Terminate"); });
+}
+fmi2Status fmi2Reset(fmi2Component c) {
+  return Fmu::with(c, __func__, [](auto& i) { return i.reset(); });
+}
+
+// ------------------------------------------------------------------------------ values
+fmi2Status fmi2GetReal(fmi2Component c, fmi2ValueReference const refs[], size_t n, fmi2Real values[]) {
+  return Fmu::with(c, __func__, [&](auto& i) { return i.get("fmi2GetReal", refs, n, values); });
+}
+fmi2Status fmi2SetReal(fmi2Component c, fmi2ValueReference const refs[], size_t n, fmi2Real const values[]) {
+  return Fmu::with(c, __func__, [&](auto& i) { return i.set("fmi2SetReal", refs, n, values); });
+}
+fmi2Status fmi2GetInteger(fmi2Component c, fmi2ValueReference const[], size_t n, fmi2Integer[]) {
+  return Fmu::lacks(c, __func__, n);
+}
+fmi2Status fmi2GetBoolean(fmi2Component c, fmi2ValueReference const[], size_t n, fmi2Boolean[]) {
+  return Fmu::lacks(c, __func__, n);
+}
+fmi2Status fmi2GetString(fmi2Component c, fmi2ValueReference const[], size_t n, fmi2String[]) {
+  return Fmu::lacks(c, __func__, n);
+}
+fmi2Status fmi2SetInteger(fmi2Component c, fmi2ValueReference const[], size_t n, fmi2Integer const[]) {
+  return Fmu::lacks(c, __func__, n);
+}
+fmi2Status fmi2SetBoolean(fmi2Component c, fmi2ValueReference const[], size_t n, fmi2Boolean const[]) {
+  return Fmu::lacks(c, __func__, n);
+}
+fmi2Status fmi2SetString(fmi2Component c, fmi2ValueReference const[], size_t n, fmi2String const[]) {
+  return Fmu::lacks(c, __func__, n);
+}
+
+// ------------------------------------------------------------------------------ saved states
+fmi2Status fmi2GetFMUstate(fmi2Component c, fmi2FMUstate*) { return Fmu::lacks(c, __func__); }
+fmi2Status fmi2SetFMUstate(fmi2Component c, fmi2FMUstate) { return Fmu::lacks(c, __func__); }
+fmi2Status fmi2FreeFMUstate(fmi2Component c, fmi2FMUstate*) { return Fmu::lacks(c, __func__); }
+fmi2Status fmi2SerializedFMUstateSize(fmi2Component c, fmi2FMUstate, size_t*) { return Fmu::lacks(c, __func__); }
+fmi2Status fmi2SerializeFMUstate(fmi2Component c, fmi2FMUstate, fmi2Byte[], size_t) { return Fmu::lacks(c, __func__); }
+fmi2Status fmi2DeSerializeFMUstate(fmi2Component c, fmi2Byte const[], size_t, fmi2FMUstate*) {
+  return Fmu::lacks(c, __func__);
+}
+
+// ------------------------------------------------------------------------------ co-simulation
+fmi2Status fmi2DoStep(fmi2Component c, fmi2Real at, fmi2Real length, fmi2Boolean) {
+  return Fmu::with(c, __func__, [&](auto& i) { return i.step("fmi2DoStep", at, length); });
+}
+fmi2Status fmi2CancelStep(fmi2Component c) { return Fmu::lacks(c, __func__); }
+fmi2Status fmi2SetRealInputDerivatives(fmi2Component c, fmi2ValueReference const[], size_t n, fmi2Integer const[],
+                                       fmi2Real const[]) {
+  return Fmu::lacks(c, __func__, n);
+}
+fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, fmi2ValueReference const[], size_t n, fmi2Integer const[],
+                                        fmi2Real[]) {
+  return Fmu::lacks(c, __func__, n);
+}
+fmi2Status fmi2GetStatus(fmi2Component c, fmi2StatusKind kind, fmi2Status* value) {
+  return Fmu::get_status(c, __func__, kind, value);
+}
+fmi2Status fmi2GetRealStatus(fmi2Component c, fmi2StatusKind kind, fmi2Real* value) {
+  return Fmu::get_real_status(c, __func__, kind, value);
+}
+fmi2Status fmi2GetIntegerStatus(fmi2Component c, fmi2StatusKind, fmi2Integer*) { return Fmu::lacks(c, __func__); }
+fmi2Status fmi2GetBooleanStatus(fmi2Component c, fmi2StatusKind kind, fmi2Boolean* value) {
+  return Fmu::get_boolean_status(c, __func__, kind, value);
+}
+fmi2Status fmi2GetStringStatus(fmi2Component c, fmi2StatusKind, fmi2String*) { return Fmu::lacks(c, __func__); }
+
+// ------------------------------------------------------------------------------ model exchange: not offered
+fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, fmi2ValueReference const[], size_t, fmi2ValueReference const[],
+                                        size_t, fmi2Real const[], fmi2Real[]) {
+  return Fmu::lacks(c, __func__);
+}
+fmi2Status fmi2EnterEventMode(fmi2Component c) { return Fmu::lacks(c, __func__); }
+fmi2Status fmi2NewDiscreteStates(fmi2Component c, fmi2EventInfo*) { return Fmu::lacks(c, __func__); }
+fmi2Status fmi2EnterContinuousTimeMode(fmi2Component c) { return Fmu::lacks(c, __func__); }
+fmi2Status fmi2CompletedIntegratorStep(fmi2Component c, fmi2Boolean, fmi2Boolean*, fmi2Boolean*) {
+  return Fmu::lacks(c, __func__);
+}
+fmi2Status fmi2SetTime(fmi2Component c, fmi2Real) { return Fmu::lacks(c, __func__); }
+fmi2Status fmi2SetContinuousStates(fmi2Component c, fmi2Real const[], size_t) { return Fmu::lacks(c, __func__); }
+fmi2Status fmi2GetDerivatives(fmi2Component c, fmi2Real[], size_t) { return Fmu::lacks(c, __func__); }
+fmi2Status fmi2GetEventIndicators(fmi2Component c, fmi2Real[], size_t) { return Fmu::lacks(c, __func__); }
+fmi2Status fmi2GetContinuousStates(fmi2Component c, fmi2Real[], size_t) { return Fmu::lacks(c, __func__); }
+fmi2Status fmi2GetNominalsOfContinuousStates(fmi2Component c, fmi2Real[], size_t) { return Fmu::lacks(c, __func__); }
+}

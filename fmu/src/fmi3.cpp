@@ -1,0 +1,223 @@
+// The names that a tool looks up in the library: FMI 3.0, Fmi3 over an assembled model.
+#include "rollerrig/fmu/fmi3.hpp"
+
+using rollerrig::fmu::Answer;
+using rollerrig::fmu::Listener3;
+using Fmu = rollerrig::fmu::Fmi3<rollerrig::fmu::RigShell>;
+
+extern "C" {
+
+char const* fmi3GetVersion() { return fmi3Version; }
+
+fmi3Status fmi3SetDebugLogging(fmi3Instance c, fmi3Boolean, size_t count, fmi3String const categories[]) {
+  return Fmu::set_debug_logging(c, count, categories);
+}
+
+fmi3Instance fmi3InstantiateCoSimulation(fmi3String, fmi3String token, fmi3String resources, fmi3Boolean, fmi3Boolean,
+                                         fmi3Boolean event_mode, fmi3Boolean, fmi3ValueReference const[], size_t,
+                                         fmi3InstanceEnvironment environment, fmi3LogMessageCallback message,
+                                         fmi3IntermediateUpdateCallback) {
+  return Fmu::instantiate(__func__, token, resources, event_mode, {environment, message});
+}
+fmi3Instance fmi3InstantiateModelExchange(fmi3String, fmi3String, fmi3String, fmi3Boolean, fmi3Boolean,
+                                          fmi3InstanceEnvironment environment, fmi3LogMessageCallback message) {
+  return Fmu::refuse(__func__, {environment, message});
+}
+fmi3Instance fmi3InstantiateScheduledExecution(fmi3String, fmi3String, fmi3String, fmi3Boolean, fmi3Boolean,
+                                               fmi3InstanceEnvironment environment, fmi3LogMessageCallback message,
+                                               fmi3ClockUpdateCallback, fmi3LockPreemptionCallback,
+                                               fmi3UnlockPreemptionCallback) {
+  return Fmu::refuse(__func__, {environment, message});
+}
+void fmi3FreeInstance(fmi3Instance c) { Fmu::free(c); }
+
+// ------------------------------------------------------------------------------ phases
+fmi3Status fmi3EnterInitializationMode(fmi3Instance c, fmi3Boolean, fmi3Float64, fmi3Float64 start,
+                                       fmi3Boolean has_stop, fmi3Float64 stop) {
+  return Fmu::enter_initialization(c, start, has_stop, stop);
+}
+fmi3Status fmi3ExitInitializationMode(fmi3Instance c) {
+  return Fmu::with(c, __func__, [](auto& i) { return i.exit_initialization("fmi3ExitInitializationMode"); });
+}
+fmi3Status fmi3Terminate(fmi3Instance c) {
+  return Fmu::with(c, __func__, [](auto& i) { return i.terminate("fmi3Terminate"); });
+}
+fmi3Status fmi3Reset(fmi3Instance c) {
+  return Fmu::with(c, __func__, [](auto& i) { return i.reset(); });
+}
+fmi3Status fmi3DoStep(fmi3Instance c, fmi3Float64 at, fmi3Float64 length, fmi3Boolean, fmi3Boolean* event,
+                      fmi3Boolean* terminate, fmi3Boolean* early, fmi3Float64* time) {
+  return Fmu::step(c, at, length, {event, terminate, early, time});
+}
+
+// ------------------------------------------------------------------------------ values
+fmi3Status fmi3GetFloat64(fmi3Instance c, fmi3ValueReference const refs[], size_t n, fmi3Float64 values[], size_t m) {
+  return Fmu::exchange(c, __func__, n, m, [&](auto& i) { return i.get("fmi3GetFloat64", refs, n, values); });
+}
+fmi3Status fmi3SetFloat64(fmi3Instance c, fmi3ValueReference const refs[], size_t n, fmi3Float64 const values[],
+                          size_t m) {
+  return Fmu::exchange(c, __func__, n, m, [&](auto& i) { return i.set("fmi3SetFloat64", refs, n, values); });
+}
+
+// ------------------------------------------------------------------------------ other types: no variable has one
+fmi3Status fmi3GetFloat32(fmi3Instance c, fmi3ValueReference const[], size_t n, fmi3Float32[], size_t) {
+  return Fmu::lacks(c, __func__, n);
+}
+fmi3Status fmi3GetInt8(fmi3Instance c, fmi3ValueReference const[], size_t n, fmi3Int8[], size_t) {
+  return Fmu::lacks(c, __func__, n);
+}
+fmi3Status fmi3GetUInt8(fmi3Instance c, fmi3ValueReference const[], size_t n, fmi3UInt8[], size_t) {
+  return Fmu::lacks(c, __func__, n);
+}
+fmi3Status fmi3GetInt16(fmi3Instance c, fmi3ValueReference const[], size_t n, fmi3Int16[], size_t) {
+  return Fmu::lacks(c, __func__, n);
+}
+fmi3Status fmi3GetUInt16(fmi3Instance c, fmi3ValueReference const[], size_t n, fmi3UInt16[], size_t) {
+  return Fmu::lacks(c, __func__, n);
+}
+fmi3Status fmi3GetInt32(fmi3Instance c, fmi3ValueReference const[], size_t n, fmi3Int32[], size_t) {
+  return Fmu::lacks(c, __func__, n);
+}
+fmi3Status fmi3GetUInt32(fmi3Instance c, fmi3ValueReference const[], size_t n, fmi3UInt32[], size_t) {
+  return Fmu::lacks(c, __func__, n);
+}
+fmi3Status fmi3GetInt64(fmi3Instance c, fmi3ValueReference const[], size_t n, fmi3Int64[], size_t) {
+  return Fmu::lacks(c, __func__, n);
+}
+fmi3Status fmi3GetUInt64(fmi3Instance c, fmi3ValueReference const[], size_t n, fmi3UInt64[], size_t) {
+  return Fmu::lacks(c, __func__, n);
+}
+fmi3Status fmi3GetBoolean(fmi3Instance c, fmi3ValueReference const[], size_t n, fmi3Boolean[], size_t) {
+  return Fmu::lacks(c, __func__, n);
+}
+fmi3Status fmi3GetString(fmi3Instance c, fmi3ValueReference const[], size_t n, fmi3String[], size_t) {
+  return Fmu::lacks(c, __func__, n);
+}
+fmi3Status fmi3GetBinary(fmi3Instance c, fmi3ValueReference const[], size_t n, size_t[], fmi3Binary[], size_t) {
+  return Fmu::lacks(c, __func__, n);
+}
+fmi3Status fmi3GetClock(fmi3Instance c, fmi3ValueReference const[], size_t n, fmi3Clock[]) {
+  return Fmu::lacks(c, __func__, n);
+}
+fmi3Status fmi3SetFloat32(fmi3Instance c, fmi3ValueReference const[], size_t n, fmi3Float32 const[], size_t) {
+  return Fmu::lacks(c, __func__, n);
+}
+fmi3Status fmi3SetInt8(fmi3Instance c, fmi3ValueReference const[], size_t n, fmi3Int8 const[], size_t) {
+  return Fmu::lacks(c, __func__, n);
+}
+fmi3Status fmi3SetUInt8(fmi3Instance c, fmi3ValueReference const[], size_t n, fmi3UInt8 const[], size_t) {
+  return Fmu::lacks(c, __func__, n);
+}
+fmi3Status fmi3SetInt16(fmi3Instance c, fmi3ValueReference const[], size_t n, fmi3Int16 const[], size_t) {
+  return Fmu::lacks(c, __func__, n);
+}
+fmi3Status fmi3SetUInt16(fmi3Instance c, fmi3ValueReference const[], size_t n, fmi3UInt16 const[], size_t) {
+  return Fmu::lacks(c, __func__, n);
+}
+fmi3Status fmi3SetInt32(fmi3Instance c, fmi3ValueReference const[], size_t n, fmi3Int32 const[], size_t) {
+  return Fmu::lacks(c, __func__, n);
+}
+fmi3Status fmi3SetUInt32(fmi3Instance c, fmi3ValueReference const[], size_t n, fmi3UInt32 const[], size_t) {
+  return Fmu::lacks(c, __func__, n);
+}
+fmi3Status fmi3SetInt64(fmi3Instance c, fmi3ValueReference const[], size_t n, fmi3Int64 const[], size_t) {
+  return Fmu::lacks(c, __func__, n);
+}
+fmi3Status fmi3SetUInt64(fmi3Instance c, fmi3ValueReference const[], size_t n, fmi3UInt64 const[], size_t) {
+  return Fmu::lacks(c, __func__, n);
+}
+fmi3Status fmi3SetBoolean(fmi3Instance c, fmi3ValueReference const[], size_t n, fmi3Boolean const[], size_t) {
+  return Fmu::lacks(c, __func__, n);
+}
+fmi3Status fmi3SetString(fmi3Instance c, fmi3ValueReference const[], size_t n, fmi3String const[], size_t) {
+  return Fmu::lacks(c, __func__, n);
+}
+fmi3Status fmi3SetBinary(fmi3Instance c, fmi3ValueReference const[], size_t n, size_t const[], fmi3Binary const[],
+                         size_t) {
+  return Fmu::lacks(c, __func__, n);
+}
+fmi3Status fmi3SetClock(fmi3Instance c, fmi3ValueReference const[], size_t n, fmi3Clock const[]) {
+  return Fmu::lacks(c, __func__, n);
+}
+
+// ------------------------------------------------------------------------------ not offered
+fmi3Status fmi3EnterEventMode(fmi3Instance c) { return Fmu::lacks(c, __func__); }
+fmi3Status fmi3GetNumberOfVariableDependencies(fmi3Instance c, fmi3ValueReference, size_t*) {
+  return Fmu::lacks(c, __func__);
+}
+fmi3Status fmi3GetVariableDependencies(fmi3Instance c, fmi3ValueReference, size_t[], fmi3ValueReference[], size_t[],
+                                       fmi3DependencyKind[], size_t) {
+  return Fmu::lacks(c, __func__);
+}
+fmi3Status fmi3GetFMUState(fmi3Instance c, fmi3FMUState*) { return Fmu::lacks(c, __func__); }
+fmi3Status fmi3SetFMUState(fmi3Instance c, fmi3FMUState) { return Fmu::lacks(c, __func__); }
+fmi3Status fmi3FreeFMUState(fmi3Instance c, fmi3FMUState*) { return Fmu::lacks(c, __func__); }
+fmi3Status fmi3SerializedFMUStateSize(fmi3Instance c, fmi3FMUState, size_t*) { return Fmu::lacks(c, __func__); }
+fmi3Status fmi3SerializeFMUState(fmi3Instance c, fmi3FMUState, fmi3Byte[], size_t) { return Fmu::lacks(c, __func__); }
+fmi3Status fmi3DeserializeFMUState(fmi3Instance c, fmi3Byte const[], size_t, fmi3FMUState*) {
+  return Fmu::lacks(c, __func__);
+}
+fmi3Status fmi3GetDirectionalDerivative(fmi3Instance c, fmi3ValueReference const[], size_t, fmi3ValueReference const[],
+                                        size_t, fmi3Float64 const[], size_t, fmi3Float64[], size_t) {
+  return Fmu::lacks(c, __func__);
+}
+fmi3Status fmi3GetAdjointDerivative(fmi3Instance c, fmi3ValueReference const[], size_t, fmi3ValueReference const[],
+                                    size_t, fmi3Float64 const[], size_t, fmi3Float64[], size_t) {
+  return Fmu::lacks(c, __func__);
+}
+fmi3Status fmi3EnterConfigurationMode(fmi3Instance c) { return Fmu::lacks(c, __func__); }
+fmi3Status fmi3ExitConfigurationMode(fmi3Instance c) { return Fmu::lacks(c, __func__); }
+fmi3Status fmi3GetIntervalDecimal(fmi3Instance c, fmi3ValueReference const[], size_t, fmi3Float64[],
+                                  fmi3IntervalQualifier[]) {
+  return Fmu::lacks(c, __func__);
+}
+fmi3Status fmi3GetIntervalFraction(fmi3Instance c, fmi3ValueReference const[], size_t, fmi3UInt64[], fmi3UInt64[],
+                                   fmi3IntervalQualifier[]) {
+  return Fmu::lacks(c, __func__);
+}
+fmi3Status fmi3GetShiftDecimal(fmi3Instance c, fmi3ValueReference const[], size_t, fmi3Float64[]) {
+  return Fmu::lacks(c, __func__);
+}
+fmi3Status fmi3GetShiftFraction(fmi3Instance c, fmi3ValueReference const[], size_t, fmi3UInt64[], fmi3UInt64[]) {
+  return Fmu::lacks(c, __func__);
+}
+fmi3Status fmi3SetIntervalDecimal(fmi3Instance c, fmi3ValueReference const[], size_t, fmi3Float64 const[]) {
+  return Fmu::lacks(c, __func__);
+}
+fmi3Status fmi3SetIntervalFraction(fmi3Instance c, fmi3ValueReference const[], size_t, fmi3UInt64 const[],
+                                   fmi3UInt64 const[]) {
+  return Fmu::lacks(c, __func__);
+}
+fmi3Status fmi3SetShiftDecimal(fmi3Instance c, fmi3ValueReference const[], size_t, fmi3Float64 const[]) {
+  return Fmu::lacks(c, __func__);
+}
+fmi3Status fmi3SetShiftFraction(fmi3Instance c, fmi3ValueReference const[], size_t, fmi3UInt64 const[],
+                                fmi3UInt64 const[]) {
+  return Fmu::lacks(c, __func__);
+}
+fmi3Status fmi3EvaluateDiscreteStates(fmi3Instance c) { return Fmu::lacks(c, __func__); }
+fmi3Status fmi3UpdateDiscreteStates(fmi3Instance c, fmi3Boolean*, fmi3Boolean*, fmi3Boolean*, fmi3Boolean*,
+                                    fmi3Boolean*, fmi3Float64*) {
+  return Fmu::lacks(c, __func__);
+}
+fmi3Status fmi3EnterContinuousTimeMode(fmi3Instance c) { return Fmu::lacks(c, __func__); }
+fmi3Status fmi3CompletedIntegratorStep(fmi3Instance c, fmi3Boolean, fmi3Boolean*, fmi3Boolean*) {
+  return Fmu::lacks(c, __func__);
+}
+fmi3Status fmi3SetTime(fmi3Instance c, fmi3Float64) { return Fmu::lacks(c, __func__); }
+fmi3Status fmi3SetContinuousStates(fmi3Instance c, fmi3Float64 const[], size_t) { return Fmu::lacks(c, __func__); }
+fmi3Status fmi3GetContinuousStateDerivatives(fmi3Instance c, fmi3Float64[], size_t) { return Fmu::lacks(c, __func__); }
+fmi3Status fmi3GetEventIndicators(fmi3Instance c, fmi3Float64[], size_t) { return Fmu::lacks(c, __func__); }
+fmi3Status fmi3GetContinuousStates(fmi3Instance c, fmi3Float64[], size_t) { return Fmu::lacks(c, __func__); }
+fmi3Status fmi3GetNominalsOfContinuousStates(fmi3Instance c, fmi3Float64[], size_t) { return Fmu::lacks(c, __func__); }
+fmi3Status fmi3GetNumberOfEventIndicators(fmi3Instance c, size_t*) { return Fmu::lacks(c, __func__); }
+fmi3Status fmi3GetNumberOfContinuousStates(fmi3Instance c, size_t*) { return Fmu::lacks(c, __func__); }
+fmi3Status fmi3EnterStepMode(fmi3Instance c) { return Fmu::lacks(c, __func__); }
+fmi3Status fmi3GetOutputDerivatives(fmi3Instance c, fmi3ValueReference const[], size_t, fmi3Int32 const[],
+                                    fmi3Float64[], size_t) {
+  return Fmu::lacks(c, __func__);
+}
+fmi3Status fmi3ActivateModelPartition(fmi3Instance c, fmi3ValueReference, fmi3Float64) {
+  return Fmu::lacks(c, __func__);
+}
+}

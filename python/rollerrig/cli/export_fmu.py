@@ -1,0 +1,36 @@
+"""`rollerrig export-fmu CASE --out FILE.fmu`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from rollerrig.cli.command import AllowCode, CaseName, Force, read_case
+from rollerrig.cli.termination import stop
+
+
+def command(
+    case: CaseName,
+    out: Annotated[Path, typer.Option(metavar="FILE.fmu", help="File to write.")],
+    fmi: Annotated[str, typer.Option(help="Version of the standard: 2 or 3.")] = "2",
+    kind: Annotated[str, typer.Option(help="cs: co-simulation.")] = "cs",
+    external: Annotated[
+        str, typer.Option(help="Tables of the controllers whose commands become inputs, with commas.")
+    ] = "",
+    force: Force = False,
+    allow_code: AllowCode = False,
+) -> None:
+    """A case as an FMU (Functional Mock-up Unit) for Simulink, Dymola, FMPy and others; no compiler is needed."""
+    from rollerrig.fmu.export import ExportError, export_fmu
+    from rollerrig.fmu.shells import shells
+
+    roles = [role.strip() for role in external.split(",") if role.strip()]
+    whole = read_case(case, allow_code=allow_code)
+    try:
+        typer.echo(export_fmu(whole, out, fmi=fmi, kind=kind, external=roles, force=force))
+    except ExportError as error:
+        stop(error)
+    for shell in shells():
+        typer.echo(f"   runs on {shell.platform}" + (f", processor with {shell.needs}" if shell.needs else ""))

@@ -1,0 +1,138 @@
+"""modelDescription.xml: what a tool reads of an FMU before it loads its library.
+
+variables of a plant -> [description] -> XML of FMI 2.0 or 3.0
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from xml.etree import ElementTree as ET
+
+from rollerrig import _core
+from rollerrig.fmu.units import base_units
+
+LOG = {
+    "logStatusDiscard": "the run ended, or left the validity of the model: time and wheel",
+    "logStatusError": "calls that were refused",
+}
+
+
+@dataclass(frozen=True)
+class Unit:
+    """What a description says of an FMU as a whole.
+
+    Attributes:
+        name: of the case.
+        identifier: name of the library's file, a word of C.
+        token: of the model among the resources; the library refuses another.
+        tool: name and version of this program.
+        final_time: where the case ends [s].
+        step: a step at which to exchange values [s].
+        sampled: whether there are sensors and controllers with a sample time.
+        variables: of the plant, in its order.
+    """
+
+    name: str
+    identifier: str
+    token: str
+    tool: str
+    final_time: float
+    step: float
+    sampled: bool
+    variables: Sequence[_core.Variable]
+
+    @property
+    def outputs(self) -> list[int]:
+        """References of the outputs: 1 for the first variable of the plant; 0 is the time."""
+        return [i for i, variable in enumerate(self.variables, start=1) if variable.causality == "output"]
+
+
+def number(value: float) -> str:
+    """The shortest text that is read back as the same number."""
+    return repr(float(value))
+
+
+def model_description_2(unit: Unit) -> bytes:
+    """Of FMI 2.0 (2.0.4, section 2.2)."""
+    root = ET.Element("fmiModelDescription", fmiVersion="2.0", modelName=unit.name, guid=unit.token)
+    _about(root, unit, "CoSimulation")
+    variables = ET.SubElement(root, "ModelVariables")
+    time = ET.SubElement(variables, "ScalarVariable", _heading(None, 0))
+    ET.SubElement(time, "Real", unit="s")
+    for reference, variable in enumerate(unit.variables, start=1):
+        scalar = ET.SubElement(variables, "ScalarVariable", _heading(variable, reference))
+        ET.SubElement(scalar, "Real", _value(variable))
+    structure = ET.SubElement(root, "ModelStructure")
+    for name in ("Outputs", "InitialUnknowns"):
+        unknowns = ET.SubElement(structure, name)
+        for reference in unit.outputs:  # the index counts the time as 1
+            ET.SubElement(unknowns, "Unknown", index=str(reference + 1))
+    return _written(root)
+
+
+def model_description_3(unit: Unit) -> bytes:
+    """Of FMI 3.0 (3.0.2, section 2.4)."""
+    root = ET.Element("fmiModelDescription", fmiVersion="3.0", modelName=unit.name, instantiationToken=unit.token)
+    _about(root, unit, "CoSimulation")
+    variables = ET.SubElement(root, "ModelVariables")
+    ET.SubElement(variables, "Float64", _heading(None, 0) | {"unit": "s"})
+    for reference, variable in enumerate(unit.variables, start=1):
+        ET.SubElement(variables, "Float64", _heading(variable, reference) | _value(variable))
+    structure = ET.SubElement(root, "ModelStructure")
+    for name in ("Output", "InitialUnknown"):
+        for reference in unit.outputs:
+            ET.SubElement(structure, name, valueReference=str(reference))
+    return _written(root)
+
+
+def _about(root: ET.Element, unit: Unit, kind: str) -> None:
+    """What stands in front of the variables, alike in both versions."""
+    root.set("description", "roller rig, axes x forward, y to the left, z upwards; SI")
+    root.set("generationTool", unit.tool)
+    root.set("variableNamingConvention", "structured")
+    ET.SubElement(root, kind, modelIdentifier=unit.identifier, canHandleVariableCommunicationStepSize="true")
+    definitions = ET.SubElement(root, "UnitDefinitions")
+    for name in sorted({"s", *(variable.unit for variable in unit.variables)}):
+        powers = {base: str(power) for base, power in base_units(name).items()}
+        ET.SubElement(ET.SubElement(definitions, "Unit", name=name), "BaseUnit", powers)
+    categories = ET.SubElement(root, "LogCategories")
+    for name, meaning in LOG.items():
+        ET.SubElement(categories, "Category", name=name, description=meaning)
+    ET.SubElement(
+        root, "DefaultExperiment", startTime="0.0", stopTime=number(unit.final_time), stepSize=number(unit.step)
+    )
+
+
+def _heading(variable: _core.Variable | None, reference: int) -> dict[str, str]:
+    """Attributes of a variable; without one of the time."""
+    if variable is None:
+        return {
+            "name": "time",
+            "valueReference": str(reference),
+            "description": "time",
+            "causality": "independent",
+            "variability": "continuous",
+        }
+    return {
+        "name": variable.name,
+        "valueReference": str(reference),
+        "description": variable.description,
+        "causality": variable.causality,
+        "variability": variable.variability,
+        "initial": "calculated" if variable.causality == "output" else "exact",
+    }
+
+
+def _value(variable: _core.Variable) -> dict[str, str]:
+    """Unit, limits and start of a variable."""
+    found = {"unit": variable.unit}
+    found |= {key: number(limit) for key, limit in (("min", variable.least), ("max", variable.most))
+              if math.isfinite(limit)}  # fmt: skip
+    return found if variable.causality == "output" else found | {"start": number(variable.start)}
+
+
+def _written(root: ET.Element) -> bytes:
+    ET.indent(root)
+    return b'<?xml version="1.0" encoding="UTF-8"?>\n' + ET.tostring(root, encoding="unicode").encode() + b"\n"

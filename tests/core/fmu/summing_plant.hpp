@@ -1,0 +1,47 @@
+// tests/core/fmu/summing_plant.hpp - a plant for the FMU's shell that needs no rig: an output is the integral of an input.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "rollerrig/fmu/instance.hpp"
+
+namespace rollerrig::test {
+
+class SummingPlant {
+ public:
+  std::span<Variable const> variables() const { return variables_; }
+  Status start(double final_time) {
+    end = final_time;
+    time_ = sum_ = 0.0;
+    rate_ = variables_[0].start;
+    status_ = Status::ok;
+    return starts;
+  }
+  Status advance(double t) {
+    double const reached = std::min(t, fails_at);
+    sum_ += rate_ * (reached - time_);
+    time_ = reached;
+    return status_ = t > fails_at ? Status::derailed : status_;
+  }
+  bool set_input(int index, double value) {
+    rate_ = index == 0 ? value : rate_;
+    return index == 0 || index == 2;
+  }
+  double get(int index) { return index == 1 ? sum_ : index == 0 ? rate_ : 7.0; }
+  double time() const { return time_; }
+  std::string_view failed_wheel() const { return status_ == Status::derailed ? "wheelset_1.left" : ""; }
+
+  double fails_at{1e300}, end{};
+  Status starts{Status::ok};
+
+ private:
+  std::vector<Variable> variables_{{"rate", "1/s", "", Causality::input, Variability::discrete, 2.0, -10.0, 10.0, true},
+                                   {"sum", "1", "", Causality::output, Variability::continuous, 0.0, -1.0, 1.0},
+                                   {"mass", "kg", "", Causality::parameter, Variability::fixed, 7.0, 0.0, 1e3}};
+  double time_{}, sum_{}, rate_{};
+  Status status_{};
+};
+
+inline std::unique_ptr<SummingPlant> anew(SummingPlant const&) { return std::make_unique<SummingPlant>(); }
+
+}  // namespace rollerrig::test

@@ -1,0 +1,152 @@
+"""An exported FMU: nothing to say for FMPy, and its run is that of `simulate`."""
+
+from __future__ import annotations
+
+import shutil
+import sys
+import zipfile
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from rollerrig import catalog_entries, export_fmu, load_case, simulate
+from rollerrig.cli import main
+from rollerrig.fmu.shells import shells
+from rollerrig.fmu.units import base_units
+
+fmpy = pytest.importorskip("fmpy", reason="FMPy is an optional dependency")
+validation = pytest.importorskip("fmpy.validation")
+pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="the library inside FMUs is built on Linux")
+
+
+@pytest.fixture(scope="module")
+def braked(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A brake test in which wheels slide within the first half second."""
+    out = tmp_path_factory.mktemp("fmu") / "braked.fmu"
+    export_fmu(load_case("adhesion_brake"), out)
+    return out
+
+
+@pytest.mark.parametrize("name", ["bogie_track", "adhesion_brake"])
+def test_a_run_by_fmpy_is_that_of_simulate(name: str, tmp_path: Path) -> None:
+    case = load_case(name).with_changes({"time.duration": "0.1 s"})
+    export_fmu(case, out := tmp_path / "case.fmu")
+    run = simulate(case)
+    time = run["time"].values
+    step = time[1] - time[0]
+    outputs = ["wheelset_1.y", "wheelset_1.yaw", "wheelset_1.left.Q", "wheelset_1.right.Y"]
+    found = fmpy.simulate_fmu(str(out), stop_time=time[-1], output_interval=step, output=outputs)
+    np.testing.assert_array_equal(found["time"], np.arange(len(time)) * step)
+    # With steps of its own length the model sees the same instants; FMPy adds them up where a run multiplies.
+    for output, column, where in [
+        ("wheelset_1.y", "lateral", {"body": "wheelset_1"}),
+        ("wheelset_1.yaw", "yaw", {"body": "wheelset_1"}),
+        ("wheelset_1.left.Q", "vertical_force", {"wheel": "wheelset_1_left"}),
+        ("wheelset_1.right.Y", "lateral_force", {"wheel": "wheelset_1_right"}),
+    ]:
+        expected = run[column].sel(where).values
+        np.testing.assert_allclose(found[output], expected, rtol=0.0, atol=1e-12 * np.abs(expected).max())
+    assert np.ptp(found["wheelset_1.left.Q"]) > 0.0
+
+
+def test_fmi_3_has_the_same_run(braked: Path, tmp_path: Path) -> None:
+    export_fmu("adhesion_brake", third := tmp_path / "third.fmu", fmi="3")
+    assert validation.validate_fmu(str(third)) == []
+    output = ["wheelset_1.left.Q", "train.speed", "wheelset_2.cylinder_pressure"]
+    old, new = (
+        fmpy.simulate_fmu(str(file), stop_time=0.2, output_interval=0.01, output=output) for file in (braked, third)
+    )
+    for name in output:
+        np.testing.assert_array_equal(old[name], new[name])
+
+
+def test_fmpy_has_nothing_to_say(braked: Path) -> None:
+    assert validation.validate_fmu(str(braked)) == []
+    description = fmpy.read_model_description(str(braked))
+    variables = {variable.name: variable for variable in description.modelVariables}
+    demand = variables["wheelset_1.brake_demand"]
+    assert (demand.causality, demand.unit, demand.start, demand.max) == ("input", "Pa", "0.0", "10000000.0")
+    assert variables["wheelset_1.left.Y_over_Q"].causality == "output"
+    assert description.coSimulation.modelIdentifier == "adhesion_brake"
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("fmi", ["2", "3"])
+@pytest.mark.parametrize("name", [name for kind, name, _ in catalog_entries() if kind == "case"])
+def test_fmpy_has_nothing_to_say_of_any_case_that_ships(name: str, fmi: str, tmp_path: Path) -> None:
+    export_fmu(name, out := tmp_path / "case.fmu", fmi=fmi)
+    assert validation.validate_fmu(str(out)) == []
+
+
+def test_the_same_case_gives_the_same_bytes(braked: Path, tmp_path: Path) -> None:
+    export_fmu(load_case("adhesion_brake"), again := tmp_path / "again.fmu")
+    assert again.read_bytes() == braked.read_bytes()
+
+
+def test_an_input_of_fmpy_acts(braked: Path) -> None:
+    signals = np.array([(0.0, 0.0), (0.1, 2e5)], dtype=[("time", float), ("wheelset_1.brake_demand", float)])
+    output = ["wheelset_1.cylinder_pressure", "wheelset_2.cylinder_pressure"]
+
+    def pressures(**inputs: object) -> np.ndarray:
+        found = fmpy.simulate_fmu(str(braked), stop_time=0.2, output_interval=1e-2, output=output, **inputs)
+        return np.array([found[name][-1] for name in output])
+
+    alone, more = pressures(), pressures(input=signals)
+    assert more[0] > alone[0]
+    assert more[1] == alone[1]
+
+
+def test_the_page_and_the_libraries_say_where_it_runs(braked: Path) -> None:
+    with zipfile.ZipFile(braked) as file:
+        page = file.read("documentation/index.html").decode()
+        names = file.namelist()
+    for shell in shells():
+        assert shell.platform in page
+        assert shell.needs in page
+        assert shell.place("2", "adhesion_brake") in names
+
+
+def test_powers_of_base_units() -> None:
+    assert base_units("kg/m^2") == {"kg": 1, "m": -2}
+    assert base_units("N m") == {"kg": 1, "m": 2, "s": -2}
+    assert base_units("1") == {}
+    assert base_units("m/s/s") == base_units("m/s^2") == {"m": 1, "s": -2}
+    with pytest.raises(ValueError, match="'km' is not one of"):
+        base_units("km/h")
+
+
+def refusal(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], *words: object) -> str:
+    monkeypatch.setattr(sys, "argv", ["rollerrig", "export-fmu", *map(str, words)])
+    with pytest.raises(SystemExit) as ended:
+        main()
+    assert ended.value.code == 2
+    message = capsys.readouterr().err
+    assert message.count("\n") == 1
+    return message
+
+
+@pytest.mark.parametrize(
+    ("options", "line"),
+    [
+        (["--fmi", "1"], "adhesion_brake: fmi: '1'; allowed: 2, 3"),
+        (["--kind", "hybrid"], "adhesion_brake: kind: 'hybrid'; allowed: cs"),
+        (["--external", "autopilot"], "adhesion_brake: external: 'autopilot'; allowed: a table of the case"),
+    ],
+)
+def test_what_is_not_offered_is_one_line(
+    options: list[str], line: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    message = refusal(monkeypatch, capsys, "adhesion_brake", "--out", tmp_path / "x.fmu", *options)
+    assert message.startswith(f"rollerrig: {line}")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_the_file_of_another_program_stays(
+    braked: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (theirs := tmp_path / "x.fmu").write_bytes(b"PK\x03\x04 of somebody else")
+    refusal(monkeypatch, capsys, "adhesion_brake", "--out", theirs)
+    assert theirs.read_bytes() == b"PK\x03\x04 of somebody else"
+    shutil.copy(braked, theirs)
+    export_fmu(load_case("adhesion_brake"), theirs)
