@@ -45,6 +45,7 @@ if TYPE_CHECKING:
     from rollerrig.results import OutputError as OutputError
     from rollerrig.results import ResultsError as ResultsError
     from rollerrig.results import RunInfo as RunInfo
+    from rollerrig.results import export as export
     from rollerrig.results import load_run as load_run
     from rollerrig.results import save_run as save_run
     from rollerrig.simulation import simulate as simulate
@@ -74,6 +75,7 @@ _HOME = {
     "envelope": "study.envelope",
     "export_fmu": "fmu.export",
     "lateral": "commands",
+    "export": "results",
     "limit_cycle": "commands",
     "linearize": "analysis.linear_bench",
     "load_case": "config",

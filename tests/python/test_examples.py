@@ -28,6 +28,8 @@ ANSWERS = {
     "10_brake_controller": ([r"after 53\.\d+ s at 3\.6 km/h", r"outside: 978\.\d\d m, built in: 978\.\d\d m, [+-]0\.00\d %"], []),
     "11_fmu": ([r"validation: nothing to say", r"after 8 s: 10[67]\.\d km/h",
                 r"slip 1\d %, vented in 3\d\d of 1600"], ["bench.fmu"]),
+    "07_python_control": ([r"at its limit at 1\.1\d?e\+05", r"after 5\d ms", r"at most 1\.\d\d % of the step"], []),
+    "08_to_matlab": ([r"vertical_force: time wheel, N", r"the same numbers: True"], ["run.mat", "run.csv", "run.parquet"]),
 }  # fmt: skip
 """Script -> patterns of its output in their order, and files that it leaves."""
 

@@ -5,11 +5,10 @@ A, B, C, D and names -> [LinearSystem] -> frequency response, poles, zeros, Marg
 
 from __future__ import annotations
 
-import io
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
@@ -18,6 +17,7 @@ from scipy.linalg import block_diag, expm
 from scipy.linalg import eigvals as generalised_eigenvalues
 
 from rollerrig.blas_threads import one_blas_thread
+from rollerrig.results import mat_bytes
 
 if TYPE_CHECKING:
     import control
@@ -177,7 +177,6 @@ class LinearSystem:
 
     def mat_bytes(self) -> bytes:
         """A MATLAB file: A, B, C, D, Ts, cell arrays of names; `ss(A, B, C, D, Ts)` takes it."""
-        import scipy.io
 
         def cells(names: Sequence[str]) -> NDArray[np.object_]:
             return np.array(names, dtype=object).reshape(1, -1)
@@ -188,10 +187,7 @@ class LinearSystem:
         content |= {"Ts": self.step, "speed": self.speed, "name": self.name}
         content |= {f"{kind}Name": cells(words) for kind, words in names}
         content |= {f"{kind}Unit": cells(words) for kind, words in units}
-        buffer = io.BytesIO()
-        scipy.io.savemat(cast("Any", buffer), content, do_compression=True)
-        head = b"MATLAB 5.0 MAT-file, written by rollerrig"
-        return head.ljust(116) + buffer.getvalue()[116:]  # scipy writes the time there
+        return mat_bytes(content)
 
 
 def margins_of(frequencies: Matrix, loop: Complex) -> Margins:

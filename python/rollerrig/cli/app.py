@@ -26,6 +26,7 @@ COMMANDS = (
     "envelope",
     "serve",
     "export_fmu",
+    "export",
     "contact",
     "creep",
     "conicity",

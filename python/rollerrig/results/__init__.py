@@ -17,6 +17,7 @@ from rollerrig.results.files import (
     write_text,
 )
 from rollerrig.results.folder import Manifest, ResultFolder, check_folder, read_manifest
+from rollerrig.results.other_formats import export, mat_bytes
 from rollerrig.results.run_info import RunInfo
 from rollerrig.results.summary import summarise
 from rollerrig.results.tables import motion_table, wheel_table
@@ -34,7 +35,9 @@ __all__ = [
     "add_energy_audit",
     "add_termination",
     "check_folder",
+    "export",
     "load_run",
+    "mat_bytes",
     "motion_table",
     "netcdf_bytes",
     "output_file",

@@ -29,8 +29,9 @@ _MARKS = {
     b"<?xml": f"<dc:title>{PROGRAM}</dc:title>".encode(),
     MODEL: MODEL,
     b"PK\x03\x04": FMU,
+    b"MATLAB 5.0 MAT-file": f"written by {PROGRAM}".encode(),
 }
-"""How a figure or a model file begins -> what says that it is ours."""
+"""How a figure, a model file or one of MATLAB begins -> what says that it is ours."""
 
 
 def is_ours(path: Path, tables: Sequence[str] = ()) -> bool:
