@@ -30,6 +30,7 @@ ANSWERS = {
                 r"slip 1\d %, vented in 3\d\d of 1600"], ["bench.fmu"]),
     "07_python_control": ([r"at its limit at 1\.1\d?e\+05", r"after 5\d ms", r"at most 1\.\d\d % of the step"], []),
     "08_to_matlab": ([r"vertical_force: time wheel, N", r"the same numbers: True"], ["run.mat", "run.csv", "run.parquet"]),
+    "09_gymnasium": ([r"always filled: .* slip 100 %", r"vent above 20 %: .* slip 2\d %"], []),
 }  # fmt: skip
 """Script -> patterns of its output in their order, and files that it leaves."""
 
