@@ -3,7 +3,7 @@
 core:    scalar -> math -> integrate -> track -> multibody -> geometry -> contact -> mechatronics -> system -> simulate -> plant
 Python:  wording -> splines, input_files, memory, workers, blas_threads -> eigenvalues -> profiles, track, irregularity
          -> config -> core_struct -> catalog -> cases -> contact_laws, force_laws, static_loads, model_parts -> assembly
-         -> actuators -> results -> restraint -> starting_state -> mechatronics -> simulation -> plant -> realtime, fmu
+         -> actuators -> results -> restraint -> starting_state -> mechatronics -> simulation -> plant -> realtime, fmu, gym
          -> similitude -> contact_analysis -> analysis -> plot -> study -> commands -> cli
 """
 
@@ -135,7 +135,7 @@ PYTHON_LAYERS = [
     {"mechatronics"},
     {"simulation"},
     {"plant"},
-    {"realtime", "fmu"},
+    {"realtime", "fmu", "gym"},
     {"similitude"},
     {"contact_analysis"},
     {"analysis"},
