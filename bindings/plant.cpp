@@ -134,6 +134,20 @@ void bind_plant(nb::module_& m) {
       .def("set_input", &set_input, "index"_a, "value"_a, "Holds from the present time on.")
       .def("get", &Plant::get, "index"_a)
       .def(
+          "save",
+          [](Plant& self) {
+            auto const bytes = self.save();
+            return nb::bytes(bytes.data(), bytes.size());
+          },
+          "The complete state of the run.")
+      .def(
+          "restore",
+          [](Plant& self, nb::bytes const& state) {
+            if (!self.restore({static_cast<std::byte const*>(state.data()), state.size()}))
+              throw nb::value_error("restore: state must be what save() of a plant of this model returned");
+          },
+          "state"_a, "Goes on from a saved state, of this plant or of another one of the same model.")
+      .def(
           "values",
           [](Plant& self, std::vector<int> const& indices) {
             std::vector<double> values;

@@ -44,7 +44,7 @@ void RigController::step(State& s, Measurements const& now, double period, PerAx
   double const from = s.train.distance();
   auto const rail_force = [&](int i, double slip, double speed, double load) {
     return rail.force(slip, speed, load, now.time, from + train.position[at(i)], s.axle[at(i)].energy,
-                      s.axle[at(i)].sand);
+                      s.axle[at(i)].sand, now.rail_friction);
   };
   s.train.step(train, now.under_test, torques, measured_loads ? &now.axle_load : nullptr,
                now.track_brake_force - now.force_of_others, period, rail_force);

@@ -1,8 +1,13 @@
 #include "rollerrig/plant/plant.hpp"
 
+#include <Eigen/Core>
+
 #include <algorithm>
 #include <limits>
 #include <utility>
+
+#include "rollerrig/plant/model_file.hpp"
+#include "rollerrig/plant/state_archive.hpp"
 
 namespace rollerrig {
 namespace {
@@ -35,7 +40,7 @@ Status Plant::start(double final_time) {
   for (std::size_t i = 0; i < value_.size(); ++i) value_[i] = list_.variables[i].start;
   time_ = driver_.time();
   driver_.sample_now();
-  fresh_ = false;
+  row_fresh_ = measured_fresh_ = false;
   return status_;
 }
 
@@ -45,7 +50,7 @@ Status Plant::advance(double t) {
   status_ = driver_.advance(t, [](double, double const*, double const*) {});
   driver_.sample_now();
   time_ = driver_.system() != nullptr || status_ != Status::ok ? driver_.time() : std::min(t, driver_.time());
-  fresh_ = false;
+  row_fresh_ = measured_fresh_ = false;
   return status_;
 }
 
@@ -55,16 +60,20 @@ bool Plant::set_input(int index, double value) {
   if (list_.variables[i].causality != Causality::input || !list_.variables[i].allows(value)) return false;
   if (value_[i] == value) return true;
   value_[i] = value;
-  Place const& place = list_.places[i];
-  if (MechatronicSystem* system = driver_.system()) {
-    CallerDemands& caller = system->caller();
-    if (place.kind == Place::brake_demand) caller.brake_demand[place.index] = value;
-    if (place.kind == Place::motor_torque) caller.motor_torque[place.index] = value;
-    if (place.kind == Place::command) caller.commands[place.item][place.index] = value;
-  } else {
-    driver_.hold_torque(place.kind == Place::roller_torque, place.index, value, time_);
-  }
+  apply(list_.places[i], value);
   return true;
+}
+
+void Plant::apply(Place const& place, double value) {
+  if (place.kind == Place::friction) return driver_.hold_friction(place.index, value, time_);
+  MechatronicSystem* system = driver_.system();
+  if (system == nullptr) return driver_.hold_torque(place.kind == Place::roller_torque, place.index, value, time_);
+  CallerDemands& caller = system->caller();
+  if (place.kind == Place::brake_demand) caller.brake_demand[place.index] = value;
+  if (place.kind == Place::motor_torque) caller.motor_torque[place.index] = value;
+  if (place.kind == Place::command) caller.commands[place.item][place.index] = value;
+  if (place.kind == Place::rail_friction) caller.rail_friction = value;
+  if (place.kind == Place::train_force) caller.train_force = value;
 }
 
 double Plant::get(int index) {
@@ -72,21 +81,54 @@ double Plant::get(int index) {
   auto const i = static_cast<std::size_t>(index);
   if (list_.variables[i].causality != Causality::output) return value_[i];
   if (!started()) return nan;
-  if (!std::exchange(fresh_, true)) read_outputs();
   Place const& place = list_.places[i];
-  if (place.kind == Place::measured) return measured_[place.index];
+  if (place.kind == Place::measured) {
+    if (!std::exchange(measured_fresh_, true)) read_measurements();
+    return measured_[place.index];
+  }
+  if (!std::exchange(row_fresh_, true)) driver_.record_at(time_, row_.data());
   return place.kind == Place::side_ratio ? row_[place.index] / row_[place.item] : row_[place.index];
 }
 
-void Plant::read_outputs() {
-  driver_.record_at(time_, row_.data());
-  if (!assembled_.setup) return;
+void Plant::read_measurements() {
   double* out = measured_.data();
   for (std::size_t i = 0; i < assembled_.setup->controllers.size(); ++i) {
     if (!assembled_.setup->controllers[i].sampling.external) continue;
     driver_.system()->measure(i, out);
     out += driver_.system()->measurement_width(i);
   }
+}
+
+/// What the bytes of a state are for: this model, with these variables.
+std::uint64_t Plant::identity() {
+  if (identity_ == 0) identity_ = crc64(write_model(assembled_)) | 1;
+  return identity_;
+}
+
+std::vector<std::byte> Plant::save() {
+  if (!started()) return {};
+  StateWriter archive;
+  driver_.state(archive);
+  archive(value_, time_, status_);
+  ByteWriter out;
+  out.number(identity());
+  out.number(crc64(archive.out.bytes(), identity()));
+  out.numbers(archive.out.bytes().data(), archive.out.bytes().size());
+  return out.take();
+}
+
+bool Plant::restore(std::span<std::byte const> bytes) {
+  constexpr std::size_t head = 2 * sizeof(std::uint64_t);
+  if (bytes.size() < head) return false;
+  ByteReader in(bytes);
+  auto const model = in.number<std::uint64_t>(), expected = in.number<std::uint64_t>();
+  if (model != identity() || crc64(bytes.subspan(head), model) != expected) return false;
+  if (!started()) start(assembled_.options.final_time);
+  StateReader archive(bytes.subspan(head));
+  driver_.state(archive);
+  archive(value_, time_, status_);
+  row_fresh_ = measured_fresh_ = false;
+  return true;
 }
 
 std::string_view Plant::failed_wheel() const {

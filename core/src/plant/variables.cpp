@@ -13,6 +13,7 @@ namespace {
 
 constexpr double any = std::numeric_limits<double>::infinity();
 constexpr double highest_pressure = 1e7;  ///< [Pa]
+constexpr double largest_factor = 10.0;   ///< on friction
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
@@ -62,6 +63,29 @@ void add_demands(MechatronicSetup const& setup, PartNames const& names, Variable
                 limit(field.highest), field.whole},
                {Place::command, i, c});
     }
+}
+
+/// Of the train that the axles under test belong to: on track the real one, on a rig the virtual one.
+void add_train(MechatronicSetup const& setup, VariableList& list) {
+  bool const on_rig = std::ranges::any_of(
+      setup.controllers, [](auto const& one) { return std::holds_alternative<RigController>(one.controller); });
+  if (!on_rig && !(setup.frame.train_mass > 0.0)) return;
+  list.add({"train.force", "N", "on the train beside all others, positive forward", Causality::input,
+            Variability::discrete, 0.0, -any, any},
+           {Place::train_force});
+  if (!on_rig && setup.simulated.count() == 0) return;
+  list.add(
+      {"train.friction_factor", "1", "friction of the virtual rail and under simulated axles over that of the case",
+       Causality::input, Variability::discrete, 1.0, 0.0, largest_factor},
+      {Place::rail_friction});
+}
+
+void add_friction(AssembledModel const& assembled, VariableList& list) {
+  for (std::size_t i = 0; i < assembled.model->contacts.size(); ++i)
+    list.add({wheel_name(assembled, assembled.model->contacts[i]) + ".friction_factor", "1",
+              "friction of rail or roller under the wheel over that of the case", Causality::input,
+              Variability::discrete, 1.0, 0.0, largest_factor},
+             {Place::friction, i});
 }
 
 /// Torques about axles of a model in which nothing is sampled.
@@ -148,10 +172,13 @@ VariableList list_variables(AssembledModel const& assembled) {
   VariableList list;
   Model const& model = *assembled.model;
   PartNames const& names = assembled.names;
-  if (assembled.setup)
+  if (assembled.setup) {
     add_demands(*assembled.setup, names, list);
-  else
+    add_train(*assembled.setup, list);
+  } else {
     add_torques(model, names, list);
+  }
+  add_friction(assembled, list);
   Columns columns(list);
   for (std::string const& body : names.bodies) columns.block(body + ".", Recorder::body_fields());
   for (WheelContact const& contact : model.contacts) columns.wheel(wheel_name(assembled, contact) + ".");

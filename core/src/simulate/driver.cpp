@@ -58,6 +58,7 @@ Status Driver::start(integrate::Options options, double t0, double const* x0) {
   inputs_ = {};
   inputs_.axle_torque.reserve(plant_.model().axle_torques.size());  // for hold_torque()
   inputs_.roller_torque.reserve(plant_.model().roller_torques.size());
+  inputs_.friction.reserve(plant_.model().contacts.size());
   if (setup_) {
     system_.emplace(*setup_);
     system_->prepare(plant_.model(), inputs_);
@@ -113,11 +114,20 @@ void Driver::advance_step() {
 }
 
 void Driver::hold_torque(bool of_roller, std::size_t index, double value, double from) {
-  if (!std::exchange(held_, true)) {
+  held_ = true;
+  if (inputs_.axle_torque.empty() && inputs_.roller_torque.empty()) {
     inputs_.axle_torque.resize(plant_.model().axle_torques.size());
     inputs_.roller_torque.resize(plant_.model().roller_torques.size());
   }
   (of_roller ? inputs_.roller_torque : inputs_.axle_torque)[index] = {from, value, 0.0};
+  integrator_->rewind(from);
+}
+
+void Driver::hold_friction(std::size_t contact, double factor, double from) {
+  if (inputs_.friction.empty()) inputs_.friction.resize(plant_.model().contacts.size(), 1.0);
+  inputs_.friction[contact] = factor;
+  if (system_) return integrator_->drop_slope();
+  held_ = true;
   integrator_->rewind(from);
 }
 

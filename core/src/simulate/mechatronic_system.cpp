@@ -70,7 +70,8 @@ bool MechatronicSystem::sample(Dynamics const& plant, std::int64_t step, double 
   measured_.time = time(step);
   sensors_.read(setup_, setup_.step * shortest_, measured_);
   read_true_forces(plant);
-  measured_.track_brake_force = track_brake_force(plant);
+  measured_.track_brake_force = track_brake_force(plant) - caller_.train_force;
+  measured_.rail_friction = caller_.rail_friction;
   measured_.sand_flow = sand_.acting();
   for (std::size_t i = 0; i < controllers_.size(); ++i)
     if (due(setup_.controllers[i])) ask(i, step);
@@ -124,7 +125,8 @@ void MechatronicSystem::act(Dynamics const& plant, std::int64_t step, Inputs& in
   for (std::size_t c = 0; c < command_count; ++c)
     if (!controlled_[c]) acting_[c] = caller_.commands[c];
   if (setup_.sanding) switch_sand(plant, step);
-  if (frame_moves()) train_.accelerate(setup_.frame, plant, inputs, track_brake_force(plant) - simulated_.force());
+  double const retarding = track_brake_force(plant) - simulated_.force() - caller_.train_force;
+  if (frame_moves()) train_.accelerate(setup_.frame, plant, inputs, retarding);
   PerAxle<double> speed{}, roller_speed{};
   for (std::size_t i = 0; i < axles(); ++i) {
     int const roller = setup_.axles[i].roller;
@@ -171,6 +173,7 @@ void MechatronicSystem::step_simulated(std::int64_t step) {
     if (setup_.sanding) found.sand = &control->sand;
   }
   std::size_t const first = under_test();
+  found.friction = caller_.rail_friction;
   found.sand_flow = sand_.acting().data() + first;
   auto const torque = [&](std::size_t i) {
     AxleParts const& parts = setup_.axles[first + i];

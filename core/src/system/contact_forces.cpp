@@ -21,6 +21,7 @@ ContactPlacement<T> ForceAssembly<T>::placement(std::size_t index) const {
                   w_.travel.speed);
   }
   if (contact.right) mirror(p);
+  p.motion.friction_factor = inputs_.friction.empty() ? 1.0 : inputs_.friction[index];
   if (contact.laws.friction.map != nullptr) {
     p.motion.arc_length = w_.travel.s + contact.distance_ahead;
     p.motion.dissipated_energy = inputs_.dissipated_energy.empty() ? 0.0 : inputs_.dissipated_energy[index];

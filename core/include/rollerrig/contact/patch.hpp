@@ -48,6 +48,7 @@ struct ContactMotion {
   T arc_length{0.0};              ///< of the contact along the rail [m]
   double dissipated_energy{0.0};  ///< per area, by the wheels that ran there [J/m^2]
   double sand{0.0};               ///< mass per length of rail [kg/m]
+  double friction_factor{1.0};    ///< over what the law says
 };
 
 /// What the motion of both bodies makes of a patch under load; forces act on the wheel, times the patch's blending weight.
@@ -172,7 +173,9 @@ struct MovingPatch {
 
   /// @param slip  velocity [m/s]
   RailSurface<T> surface(T const& time, T const& slip) const {
-    return (*friction)(time, motion->arc_length, slip, motion->dissipated_energy, motion->sand);
+    auto rail = (*friction)(time, motion->arc_length, slip, motion->dissipated_energy, motion->sand);
+    rail.friction = motion->friction_factor * rail.friction;
+    return rail;
   }
 };
 

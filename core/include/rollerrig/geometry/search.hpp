@@ -47,6 +47,13 @@ class ContactSearch {
 
   std::int64_t node_evaluations() const { return node_evaluations_; }
 
+  /// Everything that changes in a run, for plant/state_archive.hpp.
+  template <class Archive>
+  void state(Archive& archive) {
+    archive(nodes_, cells_, node_rail_y_, minima_, barriers_, count_, call_, node_evaluations_, motion_, last_pose_,
+            now_);
+  }
+
  private:
   enum class CellState : char { unknown, empty, one_minimum, many };
   struct Node {

@@ -31,6 +31,11 @@ struct JacobianData {
         g(Eigen::MatrixXd::Zero(sizes.quadratures, sizes.states)),
         f_t(Eigen::VectorXd::Zero(sizes.states)),
         g_t(Eigen::VectorXd::Zero(sizes.quadratures)) {}
+
+  template <class Archive>
+  void state(Archive& archive) {
+    archive(a, g, f_t, g_t);
+  }
 };
 
 /// The least an integrator can work with.  z_dot may be a null pointer: then only f is wanted.

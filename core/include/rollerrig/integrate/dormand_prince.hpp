@@ -103,6 +103,12 @@ class DormandPrince {
     out = y + theta * (y_new - y) + w * bend_ + (w * theta) * (y_new - y - h * k_[6] - bend_) + (w * w) * quartic_;
   }
 
+  /// Everything that changes in a run, for plant/state_archive.hpp.
+  template <class Archive>
+  void state(Archive& archive) {
+    archive(k_, error_, bend_, quartic_, has_end_slope_, has_polynomial_);
+  }
+
  private:
   /// out += h sum_j weight[j] k_j.
   void add(double const* weight, int count, double h, Vector& out) const {

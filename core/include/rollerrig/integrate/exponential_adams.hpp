@@ -148,6 +148,15 @@ class ExponentialAdams {
           (theta * rest) * ((1 - 2 * theta) * (y_new - y) - (rest * h) * f_start_ + (theta * h) * f_end_);
   }
 
+  /// Everything that changes in a run, for plant/state_archive.hpp; the weights follow from the Jacobian.
+  template <class Archive>
+  void state(Archive& archive) {
+    archive(jacobian_, linear_, past_, f_start_, f_end_, stage_, slope_, sum_, error_, d1_, d2_, d3_);
+    archive(h_, level_, ticks_, age_, shortened_, patience_, since_, helpful_for_, has_end_slope_, planned_);
+    if constexpr (Archive::reading)
+      if (h_ > 0.0) phi_.compute(jacobian_, h_, weights_);
+  }
+
  private:
   static constexpr int halvings = 5;
   static constexpr int first_level = 3;          // an eighth: the first steps see what a start from anywhere lets loose

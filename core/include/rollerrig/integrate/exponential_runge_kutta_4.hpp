@@ -137,6 +137,12 @@ class ExponentialRungeKutta4 {
     }
   }
 
+  /// Everything that changes in a run, for plant/state_archive.hpp.
+  template <class Archive>
+  void state(Archive& archive) {
+    archive(now_, next_, renewed_, modes_, k1_, k2_, k3_, k4_, k_end_, stage_, error_, has_end_slope_);
+  }
+
  private:
   /// What multiplies N of each stage, step included [s].
   struct Weights {

@@ -127,6 +127,15 @@ class Integrator {
     if (z != nullptr) std::copy_n(y_out_.data() + n_, y_out_.size() - n_, z);
   }
 
+  /// Everything that changes in a run, for plant/state_archive.hpp.
+  template <class Archive>
+  void state(Archive& archive) {
+    archive(f_.statistics, method_, controller_, y_, y_old_, y_new_, y_out_, options_.final_time, status_, t0_, t_,
+            t_old_);
+    archive(h_, step_length_, planned_at_, grid_steps_, outputs_, next_breakpoint_, crawled_, pending_output_,
+            prepared_, hold_);
+  }
+
  private:
   using AnyMethod = std::variant<RungeKutta4, ExponentialRungeKutta4, ExponentialAdams, DormandPrince, Rodas4>;
   static constexpr double crawling_step = 1e-9;  ///< [s] thousands of times below any step that a vehicle asks for ...

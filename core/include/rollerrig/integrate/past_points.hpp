@@ -19,6 +19,11 @@ class PastPoints {
   /// One point: states, and what their rates and those of the quadratures bend away from L x.
   struct Point {
     Vector x, nonlinear;
+
+    template <class Archive>
+    void state(Archive& archive) {
+      archive(x, nonlinear);
+    }
   };
 
   PastPoints(int states, int nonlinear) {
@@ -61,6 +66,12 @@ class PastPoints {
   /// After L has lost `part`.
   void add_linear(Eigen::MatrixXd const& part) {
     for (int k = 0; k < known_; ++k) point_[at(k)].nonlinear.noalias() += part * point_[at(k)].x;
+  }
+
+  /// Everything that changes in a run, for plant/state_archive.hpp.
+  template <class Archive>
+  void state(Archive& archive) {
+    archive(point_, known_);
   }
 
  private:

@@ -94,6 +94,12 @@ class Rodas4 {
     out = rest * y + theta * y_new + (theta * rest) * (bend_ + theta * cubic_);
   }
 
+  /// Everything that changes in a run, for plant/state_archive.hpp.
+  template <class Archive>
+  void state(Archive& archive) {
+    archive(jacobian_, u_, f0_, f_t_, stage_, error_, bend_, cubic_, has_polynomial_);
+  }
+
  private:
   template <class System>
   static std::vector<int> velocity_columns(System const& system) {

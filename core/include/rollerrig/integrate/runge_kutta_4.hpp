@@ -61,6 +61,12 @@ class RungeKutta4 {
           (theta * rest) * ((1 - 2 * theta) * (y_new - y) - (rest * h) * k1_ + (theta * h) * k_end_);
   }
 
+  /// Everything that changes in a run, for plant/state_archive.hpp.
+  template <class Archive>
+  void state(Archive& archive) {
+    archive(k1_, k2_, k3_, k4_, k_end_, stage_, error_, has_end_slope_);
+  }
+
  private:
   Vector k1_, k2_, k3_, k4_, k_end_, stage_, error_;
   bool has_end_slope_ = false;

@@ -65,6 +65,12 @@ class StiffModes {
 
   std::vector<double> origin;  ///< what the system made them from, for it to compare
 
+  /// Everything that changes in a run, for plant/state_archive.hpp.
+  template <class Archive>
+  void state(Archive& archive) {
+    archive(origin, mode_, entry_);
+  }
+
  private:
   std::vector<Mode> mode_;
   std::vector<Entry> entry_;

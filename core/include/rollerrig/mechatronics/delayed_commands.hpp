@@ -29,6 +29,12 @@ class DelayedCommands {
 
   PerAxle<double> const& acting() const { return acting_; }
 
+  /// Everything that changes in a run, for plant/state_archive.hpp.
+  template <class Archive>
+  void state(Archive& archive) {
+    archive(acting_, sent_, first_, count_);
+  }
+
  private:
   struct Sent {
     PerAxle<double> value{};

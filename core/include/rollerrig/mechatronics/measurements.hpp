@@ -24,6 +24,7 @@ struct Measurements {
   PerAxle<double> sand_flow{};                   ///< in front of each axle, on each rail [kg/s]
   double track_brake_force{};                    ///< of all bogies, against running [N]
   double force_of_others{};                      ///< (N2), mean since the last sample of the rig's controller [N]
+  double rail_friction{1.0};                     ///< of the virtual rail, over what its law says
   /// What really acts: T of (D1) [N], torque of motor and brake [N m]; for the estimator `exact` alone.
   PerAxle<double> true_force{}, true_torque{};
 };

@@ -59,6 +59,7 @@ struct FoundRail {
   std::span<RecoveredRail> energy{};  ///< of one rail or two; an axle finds their mean and cleans all of them
   SandedRail* sand{};                 ///< null: none
   double const* sand_flow{};          ///< in front of each axle [kg/s]
+  double friction{1.0};               ///< over what its law says
 };
 
 class SimulatedAxleStates {
@@ -98,7 +99,8 @@ class SimulatedAxleStates {
       own.load = std::fmax(
           0.0, axles.static_load[i] + axles.load_transfer[i] * (train.acceleration + axles.gradient_force));  // (D9)
       auto const force = [&](double w) {
-        return rail.force(r * w - train.speed, train.speed, own.load, train.time, place, own.energy, own.sand);
+        return rail.force(r * w - train.speed, train.speed, own.load, train.time, place, own.energy, own.sand,
+                          found.friction);
       };
       double const driving = torque(i);
       own.wheels.step({axles.wheelset_inertia, r}, driving, h, force, [&](double w) { return brake(i, w); });
@@ -119,6 +121,12 @@ class SimulatedAxleStates {
   std::size_t count() const { return axle_.size(); }
   Axle const& axle(std::size_t i) const { return axle_[i]; }
   double force() const { return force_; }  ///< (N2), mean of the last step [N]
+
+  /// Everything that changes in a run, for plant/state_archive.hpp.
+  template <class Archive>
+  void state(Archive& archive) {
+    archive(axle_, force_);
+  }
 
  private:
   static constexpr double least_speed = 0.1;  ///< below it the dissipated energy is counted as at it [m/s]

@@ -49,8 +49,9 @@ struct VirtualRail {
   /// @param place  distance along the rail [m]
   /// @param energy_density  dissipated per area of the rail there [J/m^2]
   /// @param sand   mass per length of the rail there [kg/m]
-  double force(double slip, double speed, double load, double time, double place, double energy_density,
-               double sand) const {
+  /// @param friction_factor  over what the law says
+  double force(double slip, double speed, double load, double time, double place, double energy_density, double sand,
+               double friction_factor = 1.0) const {
     double const per_wheel = 0.5 * load;
     double const growth = std::cbrt(per_wheel / wheel_load);  // of the semi-axes
     double const rolling = speed + 0.5 * slip;
@@ -60,7 +61,7 @@ struct VirtualRail {
     KalkerStiffness<double> const f{grown * stiffness.f11, grown * stiffness.f22, grown * growth * stiffness.f23,
                                     grown * grown * stiffness.f33};
     auto const surface = friction(time, place, std::fabs(slip), energy_density, sand);
-    double const adhesion = surface.friction * per_wheel + regularisation::adhesion;
+    double const adhesion = friction_factor * surface.friction * per_wheel + regularisation::adhesion;
     // Creepage is wheel over roller: a driving wheel's surface runs backwards.
     Creepage<double> const creepage{epsilon, 0.0, 0.0};
     CreepQuery<double> const query{creepage, f, adhesion, growth * a, growth * b, log_aspect, 1.0};

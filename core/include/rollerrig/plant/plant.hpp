@@ -36,6 +36,13 @@ class Plant {
   /// Of an input what was set; of an output its value at time(). NaN: there is no such variable, or no run.
   double get(int index);
 
+  /// The complete state of a run that has begun, as bytes: integrator, sampled blocks, memory of wheels and rails, inputs. Going
+  /// on from it gives the same numbers as never having stopped. Empty: no run has begun.
+  std::vector<std::byte> save();
+  /// Goes on from there; also in another plant of the same model, begun or not. False, and nothing is changed: bytes of another
+  /// model, cut or changed.
+  bool restore(std::span<std::byte const> bytes);
+
   bool started() const { return driver_.started(); }
   double time() const { return time_; }  ///< [s]
   Status status() const { return status_; }
@@ -48,17 +55,20 @@ class Plant {
   Driver& driver() { return driver_; }
 
  private:
-  void read_outputs();
+  void apply(Place const& place, double value);
+  void read_measurements();
+  std::uint64_t identity();
 
   AssembledModel assembled_;
   VariableList list_;
   std::vector<std::string> wheels_;  ///< per contact
   Driver driver_;
-  std::vector<double> value_;           ///< per variable: of inputs
-  std::vector<double> row_, measured_;  ///< outputs at time_
-  bool fresh_{false};                   ///< they are
+  std::vector<double> value_;                      ///< per variable: of inputs
+  std::vector<double> row_, measured_;             ///< outputs at time_
+  bool row_fresh_{false}, measured_fresh_{false};  ///< they are
   double time_{0.0};
   Status status_{Status::ok};
+  std::uint64_t identity_{0};  ///< of the model; 0: not yet known
 };
 
 }  // namespace rollerrig

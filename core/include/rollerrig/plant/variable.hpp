@@ -34,7 +34,10 @@ struct Place {
     brake_demand,  ///< per axle
     motor_torque,  ///< per axle
     command,       ///< `item` of the commands, per axle
-    axle_torque,   ///< of the model: where nothing is sampled
+    friction,      ///< per contact
+    rail_friction,
+    train_force,
+    axle_torque,  ///< of the model: where nothing is sampled
     roller_torque,
     recorded,    ///< column of the recorder's row
     side_ratio,  ///< column of Y; Q stands in column `item`

@@ -20,6 +20,8 @@ struct CallerDemands {
   ActingCommands commands{};       ///< where the case has no controller for them, or an external one
   PerAxle<double> brake_demand{};  ///< cylinder pressure beside the case's own demand [Pa]
   PerAxle<double> motor_torque{};  ///< of the traction motor beside the case's own demand [N m]
+  double train_force{0.0};         ///< on the train, forward [N]
+  double rail_friction{1.0};       ///< of the virtual rail and under simulated axles, over what its law says
 };
 
 class ActuatorStates {
@@ -49,6 +51,12 @@ class ActuatorStates {
   /// Air that all reservoirs have drawn from the main pipe since the start [m^3].
   double drawn() const;
   double track_brake() const { return track_brake_; }  ///< excitation, 0 to 1
+
+  /// Everything that changes in a run, for plant/state_archive.hpp.
+  template <class Archive>
+  void state(Archive& archive) {
+    archive(axle_, cylinder_, supply_, track_brake_, counted_);
+  }
 
  private:
   void step_drive(MechatronicSetup const& setup, std::size_t axle, double command, double roller_speed);

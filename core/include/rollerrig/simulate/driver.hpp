@@ -70,6 +70,8 @@ class Driver {
   /// Without sampled blocks: a torque of the model beside its own table [N m], from a time within the last step on. Steps end
   /// where advance() is asked to from then on.
   void hold_torque(bool of_roller, std::size_t index, double value, double from);
+  /// Friction of a contact over what its law says, from now on; without sampled blocks from a time within the last step on.
+  void hold_friction(std::size_t contact, double factor, double from);
 
   /// One row of width() numbers: the plant's, then those of the sampled blocks.
   void record(double t, double const* x, double const* z, double* row);
@@ -92,6 +94,14 @@ class Driver {
   MechatronicSystem const* system() const { return system_ ? &*system_ : nullptr; }
   void set_command(std::string_view controller, std::span<double const> command) {
     system_->set_command(controller, command, step_);
+  }
+
+  /// Everything that changes in a run, for plant/state_archive.hpp; of a run that has begun.
+  template <class Archive>
+  void state(Archive& archive) {
+    archive(plant_, inputs_, observed_);
+    if (system_) archive(*system_);
+    archive(*integrator_, final_time_, step_, output_every_, sampled_, held_, status_);
   }
 
  private:

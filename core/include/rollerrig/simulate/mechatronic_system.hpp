@@ -66,6 +66,15 @@ class MechatronicSystem {
   /// Answers for an external controller; throws std::invalid_argument where there is none of that name.
   void set_command(std::string_view controller, std::span<double const> command, std::int64_t step);
 
+  /// Everything that changes in a run, for plant/state_archive.hpp.
+  template <class Archive>
+  void state(Archive& archive) {
+    archive(measured_, sensors_, actuators_, train_, simulated_, impulse_of_simulated_);
+    for (Controller& own : controllers_) archive(own.state, own.commands, own.waits);
+    archive(caller_, acting_, rail_, wheel_, slides_for_, sanding_, sand_, sanded_, sand_used_, track_brake_power_,
+            track_brake_energy_);
+  }
+
  private:
   struct Controller {
     std::string_view name;

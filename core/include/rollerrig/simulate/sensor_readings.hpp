@@ -30,6 +30,12 @@ class SensorReadings {
   void read_roller_torques(MechatronicSetup const& setup, PerAxle<double> const* command, Measurements& measured);
   double torque_reading(std::size_t axle) const { return axle_[axle].torque; }  ///< of the torque flange [N m]
 
+  /// Everything that changes in a run, for plant/state_archive.hpp.
+  template <class Archive>
+  void state(Archive& archive) {
+    archive(axle_);
+  }
+
  private:
   struct SpeedSensor {
     StateOf<AnySpeedSensor> state{};

@@ -43,6 +43,12 @@ class ContactMonitor {
   /// The contact that made the last check() fail; -1: none did.
   int failed_contact() const { return failed_contact_; }
 
+  /// Everything that changes in a run, for plant/state_archive.hpp.
+  template <class Archive>
+  void state(Archive& archive) {
+    archive(lost_since_, losses_, checked_at_, counters_, failed_contact_);
+  }
+
  private:
   Status check_patch(Model const& model, Evaluation const& evaluation, int contact, int k);
 

@@ -63,6 +63,12 @@ class Dynamics {
   /// Evaluations of the reduced contact equation at cell borders, all wheels: what the warm search saves.
   std::int64_t search_evaluations() const;
 
+  /// Everything that changes in a run, for plant/state_archive.hpp.
+  template <class Archive>
+  void state(Archive& archive) {
+    archive(evaluation_, monitor_, evaluated_time_, evaluated_, evaluated_inputs_);
+  }
+
  private:
   void unpack(double const* x);
 

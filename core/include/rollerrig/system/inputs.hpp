@@ -32,10 +32,17 @@ struct Inputs {
   std::vector<HeldInput> cylinder;        ///< per axle brake of the model, over the ambient [Pa]
   std::vector<double> dissipated_energy;  ///< per contact: density on the rail under it [J/m^2]
   std::vector<double> sand;               ///< per contact: mass per length of the rail under it [kg/m]; empty: none
+  std::vector<double> friction;           ///< per contact: over what its law says [-]; empty: 1
   HeldInput track_brake{};                ///< excitation of the model's track brakes, 0 to 1
   bool frame_moves{false};                ///< the vehicle's frames move as the next three say, not as the table
   HeldInput speed{};                      ///< [m/s]
   double distance{0.0};                   ///< s at speed.time [m]
+
+  template <class Archive>
+  void state(Archive& archive) {
+    archive(axle_torque, roller_torque, cylinder, dissipated_energy, sand, friction, track_brake, frame_moves, speed,
+            distance);
+  }
 };
 
 }  // namespace rollerrig

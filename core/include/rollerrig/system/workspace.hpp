@@ -62,6 +62,14 @@ struct Workspace {
     wheels.reserve(model.contacts.size());
     under_load.reserve(model.contacts.size() * ContactSearch::max_minima);
   }
+
+  /// All that outlives an evaluation, for plant/state_archive.hpp.
+  template <class Archive>
+  void state(Archive& archive) {
+    archive(motion, wrench, acceleration, constraint_moment, node, node_rate, ground_motion, power, axle_creep,
+            gyroscopic, coupling_load, placed, patches, patch_count, travel, offset, curved, frame, common,
+            common_wrench);
+  }
 };
 
 /// An evaluation in double, with what outputs, controllers and the Jacobian read from it.
@@ -82,6 +90,11 @@ struct Evaluation {
         brake_torque(model.brakes.size(), 0.0),
         rolling_force(model.rolling_constraints.size(), 0.0) {
     for (auto const& c : model.contacts) search.emplace_back(c.pair);
+  }
+
+  template <class Archive>
+  void state(Archive& archive) {
+    archive(work, search, element_force, element_deflection, brake_torque, rolling_force, longitudinal_force);
   }
 
   int patch_count(int contact) const { return work.patch_count[static_cast<std::size_t>(contact)]; }
