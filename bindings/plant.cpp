@@ -95,16 +95,31 @@ void bind_assembled(nb::module_& m) {
   m.attr("model_layout") = model_layout();
 }
 
-void set_input(Plant& self, int index, double value) {
-  if (self.set_input(index, value)) return;
+/// Why a variable was not set.
+[[noreturn]] void refuse(Plant const& self, char const* what, int index, double value, Causality causality) {
   auto const all = self.variables();
   bool const known = index >= 0 && index < static_cast<int>(all.size());
-  if (!self.started()) throw nb::value_error("set_input: start() has not been called");
-  if (!known || all[static_cast<std::size_t>(index)].causality != Causality::input)
-    throw nb::value_error(("set_input: index must be that of an input, got " + std::to_string(index)).c_str());
+  if (!known || all[static_cast<std::size_t>(index)].causality != causality)
+    throw nb::value_error((std::string(what) + ": index must be that of " +
+                           (causality == Causality::input ? "an " : "a ") + causalities[static_cast<int>(causality)] +
+                           ", got " + std::to_string(index))
+                              .c_str());
   Variable const& variable = all[static_cast<std::size_t>(index)];
+  if (variable.allows(value))
+    throw nb::value_error((std::string(what) + ": " + variable.name +
+                           (causality == Causality::input ? ": start() has not been called"
+                                                          : " is fixed in a run: set it before start()"))
+                              .c_str());
   Range const range{variable.least, variable.most, variable.whole ? "a whole number in its limits" : "in its limits"};
-  refuse_value(value, range, "set_input", ("value of " + variable.name).c_str());
+  refuse_value(value, range, what, ("value of " + variable.name).c_str());
+}
+
+void set_input(Plant& self, int index, double value) {
+  if (!self.set_input(index, value)) refuse(self, "set_input", index, value, Causality::input);
+}
+
+void set_parameter(Plant& self, int index, double value) {
+  if (!self.set_parameter(index, value)) refuse(self, "set_parameter", index, value, Causality::parameter);
 }
 
 }  // namespace
@@ -132,6 +147,8 @@ void bind_plant(nb::module_& m) {
           },
           "t"_a, "To the last sampling step at or before t; without sampled blocks to t.")
       .def("set_input", &set_input, "index"_a, "value"_a, "Holds from the present time on.")
+      .def("set_parameter", &set_parameter, "index"_a, "value"_a,
+           "A fixed one before start(), which then looks for the equilibrium; a tunable one at any time.")
       .def("get", &Plant::get, "index"_a)
       .def(
           "save",

@@ -18,12 +18,16 @@ constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 Plant::Plant(AssembledModel assembled)
     : assembled_{std::move(assembled)},
+      parameters_{assembled_},
       list_{list_variables(assembled_)},
-      driver_{assembled_.model, assembled_.setup},
-      value_(list_.variables.size()),
-      row_(static_cast<std::size_t>(driver_.width()), nan),
+      driver_{std::make_unique<Driver>(assembled_.model, assembled_.setup)},
+      row_(static_cast<std::size_t>(driver_->width()), nan),
       measured_(list_.measured, nan) {
-  driver_.answer_for_controllers();
+  driver_->answer_for_controllers();
+  for (std::size_t i = 0; i < parameters_.variables().size(); ++i)
+    list_.add(parameters_.variables()[i], {Place::parameter, i});
+  check_unique(list_);
+  for (Variable const& variable : list_.variables) value_.push_back(variable.start);
   for (WheelContact const& contact : assembled_.model->contacts) wheels_.push_back(wheel_name(assembled_, contact));
 }
 
@@ -32,14 +36,41 @@ int Plant::find(std::string_view name) const {
   return found == list_.variables.end() ? -1 : static_cast<int>(found - list_.variables.begin());
 }
 
+/// The model with the parameters that were set.
+void Plant::renew() {
+  AssembledModel renewed = parameters_.assembled();
+  check_assembled(renewed);
+  auto driver = std::make_unique<Driver>(renewed.model, renewed.setup);
+  driver->answer_for_controllers();
+  assembled_ = std::move(renewed);
+  driver_ = std::move(driver);
+  changed_ = false;
+}
+
+bool Plant::set_parameter(int index, double value) {
+  if (index < 0 || index >= static_cast<int>(list_.variables.size())) return false;
+  auto const i = static_cast<std::size_t>(index);
+  Variable const& variable = list_.variables[i];
+  bool const fixed = variable.variability == Variability::fixed;
+  if (variable.causality != Causality::parameter || !variable.allows(value) || (fixed && started())) return false;
+  value_[i] = value;
+  parameters_.set(list_.places[i].index, value);
+  changed_ = changed_ || fixed;
+  if (!fixed) driver_->system()->set_controllers(parameters_.controllers());
+  return true;
+}
+
 Status Plant::start(double final_time) {
+  if (changed_) renew();
   integrate::Options options = assembled_.options;
   options.final_time = final_time;
   options.output_step = 0.0;
-  status_ = driver_.start(std::move(options), assembled_.start_time, assembled_.start.data());
-  for (std::size_t i = 0; i < value_.size(); ++i) value_[i] = list_.variables[i].start;
-  time_ = driver_.time();
-  driver_.sample_now();
+  status_ = driver_->start(std::move(options), assembled_.start_time, assembled_.start.data());
+  for (std::size_t i = 0; i < value_.size(); ++i)
+    if (list_.variables[i].causality == Causality::input) value_[i] = list_.variables[i].start;
+  if (MechatronicSystem* system = driver_->system()) system->set_controllers(parameters_.controllers());
+  time_ = driver_->time();
+  driver_->sample_now();
   row_fresh_ = measured_fresh_ = false;
   return status_;
 }
@@ -47,9 +78,9 @@ Status Plant::start(double final_time) {
 Status Plant::advance(double t) {
   if (!started()) return Status::not_finite;
   if (status_ != Status::ok || !(t > time_)) return status_;
-  status_ = driver_.advance(t, [](double, double const*, double const*) {});
-  driver_.sample_now();
-  time_ = driver_.system() != nullptr || status_ != Status::ok ? driver_.time() : std::min(t, driver_.time());
+  status_ = driver_->advance(t, [](double, double const*, double const*) {});
+  driver_->sample_now();
+  time_ = driver_->system() != nullptr || status_ != Status::ok ? driver_->time() : std::min(t, driver_->time());
   row_fresh_ = measured_fresh_ = false;
   return status_;
 }
@@ -65,9 +96,9 @@ bool Plant::set_input(int index, double value) {
 }
 
 void Plant::apply(Place const& place, double value) {
-  if (place.kind == Place::friction) return driver_.hold_friction(place.index, value, time_);
-  MechatronicSystem* system = driver_.system();
-  if (system == nullptr) return driver_.hold_torque(place.kind == Place::roller_torque, place.index, value, time_);
+  if (place.kind == Place::friction) return driver_->hold_friction(place.index, value, time_);
+  MechatronicSystem* system = driver_->system();
+  if (system == nullptr) return driver_->hold_torque(place.kind == Place::roller_torque, place.index, value, time_);
   CallerDemands& caller = system->caller();
   if (place.kind == Place::brake_demand) caller.brake_demand[place.index] = value;
   if (place.kind == Place::motor_torque) caller.motor_torque[place.index] = value;
@@ -86,7 +117,7 @@ double Plant::get(int index) {
     if (!std::exchange(measured_fresh_, true)) read_measurements();
     return measured_[place.index];
   }
-  if (!std::exchange(row_fresh_, true)) driver_.record_at(time_, row_.data());
+  if (!std::exchange(row_fresh_, true)) driver_->record_at(time_, row_.data());
   return place.kind == Place::side_ratio ? row_[place.index] / row_[place.item] : row_[place.index];
 }
 
@@ -94,21 +125,25 @@ void Plant::read_measurements() {
   double* out = measured_.data();
   for (std::size_t i = 0; i < assembled_.setup->controllers.size(); ++i) {
     if (!assembled_.setup->controllers[i].sampling.external) continue;
-    driver_.system()->measure(i, out);
-    out += driver_.system()->measurement_width(i);
+    driver_->system()->measure(i, out);
+    out += driver_->system()->measurement_width(i);
   }
 }
 
-/// What the bytes of a state are for: this model, with these variables.
+/// What the bytes of a state are for: this model, with these fixed parameters.
 std::uint64_t Plant::identity() {
-  if (identity_ == 0) identity_ = crc64(write_model(assembled_)) | 1;
-  return identity_;
+  if (identity_ == 0) identity_ = crc64(write_model(parameters_.given())) | 1;
+  std::uint64_t known = identity_;
+  for (std::size_t i = 0; i < value_.size(); ++i)
+    if (list_.variables[i].causality == Causality::parameter && list_.variables[i].variability == Variability::fixed)
+      known = crc64(std::as_bytes(std::span(&value_[i], 1)), known);
+  return known;
 }
 
 std::vector<std::byte> Plant::save() {
   if (!started()) return {};
   StateWriter archive;
-  driver_.state(archive);
+  driver_->state(archive);
   archive(value_, time_, status_);
   ByteWriter out;
   out.number(identity());
@@ -125,14 +160,17 @@ bool Plant::restore(std::span<std::byte const> bytes) {
   if (model != identity() || crc64(bytes.subspan(head), model) != expected) return false;
   if (!started()) start(assembled_.options.final_time);
   StateReader archive(bytes.subspan(head));
-  driver_.state(archive);
+  driver_->state(archive);
   archive(value_, time_, status_);
+  for (std::size_t i = 0; i < value_.size(); ++i)
+    if (list_.places[i].kind == Place::parameter) parameters_.set(list_.places[i].index, value_[i]);
+  if (MechatronicSystem* system = driver_->system()) system->set_controllers(parameters_.controllers());
   row_fresh_ = measured_fresh_ = false;
   return true;
 }
 
 std::string_view Plant::failed_wheel() const {
-  int const contact = driver_.failed_contact();
+  int const contact = driver_->failed_contact();
   return contact < 0 ? std::string_view{} : std::string_view{wheels_[static_cast<std::size_t>(contact)]};
 }
 

@@ -190,11 +190,14 @@ VariableList list_variables(AssembledModel const& assembled) {
     columns.train(MechatronicSystem::train_fields());
     add_measurements(*assembled.setup, names, columns);
   }
+  return list;
+}
+
+void check_unique(VariableList const& list) {
   std::set<std::string_view> seen;
   for (Variable const& variable : list.variables)
     if (!seen.insert(variable.name).second)
       throw std::invalid_argument("assembled model: two variables are called " + variable.name);
-  return list;
 }
 
 }  // namespace rollerrig

@@ -9,7 +9,9 @@ import pytest
 import xarray as xr
 
 from rollerrig import _core, load_case, simulate
+from rollerrig.actuators import assemble_with_actuators
 from rollerrig.config import Case, ConfigError
+from rollerrig.mechatronics.train_axles import train_mass
 from rollerrig.plant import assembled_model
 from rollerrig.results.dataset import body_variable
 
@@ -123,6 +125,63 @@ def test_torques_of_a_model_without_sampled_blocks_are_inputs() -> None:
     assert from_outside.get(from_outside.find("run.work_of_torque")) == pytest.approx(
         given.get(given.find("run.work_of_torque")), rel=1e-4
     )
+
+
+@pytest.mark.parametrize("name", ["adhesion_brake", "adhesion_train", "adhesion_sanding", "bogie_track"])
+def test_going_on_from_a_saved_state_is_going_on(name: str) -> None:
+    """In the middle of a slide, in the same plant and in another: every variable bit for bit."""
+    case = load_case(name)
+    plant = started(case)
+    every = [plant.find(variable.name) for variable in plant.variables]
+    begin = 1.2 if case.sampled else 0.1
+    plant.advance(begin)
+    state = plant.save()
+
+    def course(of: _core.Plant) -> np.ndarray:
+        times = begin + 0.01 * np.arange(1, 11)
+        return np.array([of.values(every) for t in times if of.advance(t) == OK])
+
+    expected = course(plant)
+    assert expected.shape == (10, len(every))
+    plant.restore(state)
+    np.testing.assert_array_equal(course(plant), expected)
+    other = _core.Plant(assembled_model(case))
+    other.restore(state)
+    np.testing.assert_array_equal(course(other), expected)
+    with pytest.raises(ValueError, match="restore: state must be"):
+        other.restore(state[:-1])
+
+
+def test_less_friction_of_the_rail_lets_braked_wheels_slide() -> None:
+    case = load_case("adhesion_brake").with_changes({"adhesion.rail": "dry"})
+    dry, wet = started(case), started(case)
+    wet.set_input(wet.find("train.friction_factor"), 0.1)
+    for plant in (dry, wet):
+        plant.advance(2.0)
+    assert abs(dry.get(dry.find("wheelset_1.virtual_force"))) > 3 * abs(wet.get(wet.find("wheelset_1.virtual_force")))
+    slip = {p: p.get(p.find("wheelset_1.virtual_speed")) - p.get(p.find("train.speed")) / 0.46 for p in (dry, wet)}
+    assert slip[wet] < -0.5 < slip[dry]
+
+
+def test_friction_under_a_wheel_bounds_its_creep_force() -> None:
+    """A torque beyond the friction slides the axle: the force is then the factor times friction times load."""
+    case = load_case("bogie_rollers_traction")
+    plant = started(case)
+    for side in ("left", "right"):
+        plant.set_input(plant.find(f"wheelset_1.{side}.friction_factor"), 0.01)
+    plant.set_input(plant.find("wheelset_1.axle_torque"), 3000.0)
+    plant.advance(0.2)
+    force, load = (plant.get(plant.find(f"wheelset_1.left.{name}")) for name in ("longitudinal_creep_force", "Q"))
+    assert force == pytest.approx(0.01 * case.contact.friction.mu_0 * load, rel=0.05)
+
+
+def test_a_force_on_the_train_speeds_it_up() -> None:
+    case = braked()
+    plant, untouched = started(case), started(case)
+    plant.set_input(plant.find("train.force"), 1e4)
+    plant.advance(0.1), untouched.advance(0.1)
+    gained = plant.get(plant.find("train.acceleration")) - untouched.get(untouched.find("train.acceleration"))
+    assert gained == pytest.approx(1e4 / train_mass(assemble_with_actuators(case)), rel=0.02)
 
 
 def test_only_inputs_take_only_what_is_allowed() -> None:

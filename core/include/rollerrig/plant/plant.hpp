@@ -9,7 +9,7 @@
 #include <span>
 #include <string_view>
 
-#include "rollerrig/plant/variable.hpp"
+#include "rollerrig/plant/parameters.hpp"
 #include "rollerrig/simulate/driver.hpp"
 
 namespace rollerrig {
@@ -31,9 +31,12 @@ class Plant {
   /// To the last sampling step at or before t, or without sampled blocks to t. What is not ok is final.
   Status advance(double t);
 
+  /// Fixed parameters before start() only: the run then starts from the equilibrium that the model has with them. Tunable ones
+  /// also between steps. False, and nothing is changed: it is no parameter, its limits do not allow the number, or it is too late.
+  bool set_parameter(int index, double value);
   /// False, and nothing is changed: it is no input, or its limits do not allow the number.
   bool set_input(int index, double value);
-  /// Of an input what was set; of an output its value at time(). NaN: there is no such variable, or no run.
+  /// Of an input or a parameter what was set; of an output its value at time(). NaN: there is no such variable, or no run.
   double get(int index);
 
   /// The complete state of a run that has begun, as bytes: integrator, sampled blocks, memory of wheels and rails, inputs. Going
@@ -43,7 +46,7 @@ class Plant {
   /// model, cut or changed.
   bool restore(std::span<std::byte const> bytes);
 
-  bool started() const { return driver_.started(); }
+  bool started() const { return driver_->started(); }
   double time() const { return time_; }  ///< [s]
   Status status() const { return status_; }
   double sampling_step() const {
@@ -51,24 +54,28 @@ class Plant {
   }  ///< [s]; 0: nothing is sampled
   /// The wheel that ended the run, wheelset_1.left; empty: none did.
   std::string_view failed_wheel() const;
-  AssembledModel const& assembled() const { return assembled_; }
-  Driver& driver() { return driver_; }
+  AssembledModel const& assembled() const { return assembled_; }  ///< with its parameters as at the last start()
+  Driver& driver() { return *driver_; }
 
  private:
   void apply(Place const& place, double value);
   void read_measurements();
   std::uint64_t identity();
 
+  void renew();
+
   AssembledModel assembled_;
+  ModelParameters parameters_;
   VariableList list_;
   std::vector<std::string> wheels_;  ///< per contact
-  Driver driver_;
+  std::unique_ptr<Driver> driver_;
   std::vector<double> value_;                      ///< per variable: of inputs
   std::vector<double> row_, measured_;             ///< outputs at time_
   bool row_fresh_{false}, measured_fresh_{false};  ///< they are
   double time_{0.0};
   Status status_{Status::ok};
-  std::uint64_t identity_{0};  ///< of the model; 0: not yet known
+  std::uint64_t identity_{0};  ///< of the model as given; 0: not yet known
+  bool changed_{false};        ///< a fixed parameter, since the driver was made
 };
 
 }  // namespace rollerrig

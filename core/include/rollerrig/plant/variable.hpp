@@ -37,6 +37,7 @@ struct Place {
     friction,      ///< per contact
     rail_friction,
     train_force,
+    parameter,
     axle_torque,  ///< of the model: where nothing is sampled
     roller_torque,
     recorded,    ///< column of the recorder's row
@@ -58,7 +59,10 @@ struct VariableList {
 /// wheelset_1.left
 std::string wheel_name(AssembledModel const& assembled, WheelContact const& contact);
 
-/// Inputs, then outputs. Throws std::invalid_argument where names are missing or stand for two things.
+/// Inputs, then outputs. Throws std::invalid_argument where names are missing.
 VariableList list_variables(AssembledModel const& assembled);
+
+/// Throws std::invalid_argument where a name stands for two things.
+void check_unique(VariableList const& list);
 
 }  // namespace rollerrig

@@ -59,6 +59,8 @@ class MechatronicSystem {
   /// Numbers of measurement(), for a caller with room of his own; the controller's place in the setup.
   int measurement_width(std::size_t controller) const;
   void measure(std::size_t controller, double* row) const;
+  /// The same controllers with other numbers, from their next samples on; no list in them may be of another length.
+  void set_controllers(std::vector<SampledController> const& controllers) { setup_.controllers = controllers; }
   /// What a caller asks for; it may change at every instant.
   CallerDemands& caller() { return caller_; }
   /// Answers for every controller that waits, with the caller's commands.

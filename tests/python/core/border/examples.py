@@ -432,6 +432,12 @@ class Examples:
             "Plant.start": Call(started("start"), {"final_time": 1.0}),
             "Plant.advance": Call(started("advance"), {"t": 0.02}),
             "Plant.set_input": Call(started("set_input"), {"index": 0, "value": 1e5}),
+            "Plant.set_parameter": Call(
+                lambda **given: _core.Plant(assembled).set_parameter(**given),
+                {"index": _core.Plant(assembled).find("body_0.mass"), "value": 1e4},
+            ),
+            "Plant.save": Call(started("save"), {}),
+            "Plant.restore": Call(started("restore"), {"state": started("save")()}),
             "Plant.get": Call(started("get"), {"index": 0}),
             "Plant.values": Call(started("values"), {"indices": [0, 1, 10**6]}),
         }

@@ -1,0 +1,274 @@
+#include "rollerrig/plant/parameters.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <stdexcept>
+#include <string_view>
+#include <type_traits>
+
+#include "rollerrig/system/dynamics.hpp"
+#include "rollerrig/system/equilibrium.hpp"
+
+namespace rollerrig {
+namespace {
+
+constexpr double endless = std::numeric_limits<double>::infinity();
+constexpr char const* directions[] = {"x", "y", "z", "roll", "pitch", "yaw"};
+
+struct Unit {
+  std::string_view field, unit;
+};
+/// Of the fields of laws and controllers.
+constexpr Unit units[] = {{"A", "1"},
+                          {"B", "s/m"},
+                          {"acceleration", "m/s^2"},
+                          {"ahead", "s"},
+                          {"bandwidth", "rad/s"},
+                          {"boundary_layer", "rad/s"},
+                          {"brake_friction", "1"},
+                          {"damping_ratio", "1"},
+                          {"fill_slip", "1"},
+                          {"fill_slip_speed", "m/s"},
+                          {"filter_time", "s"},
+                          {"gain", "1"},
+                          {"gradient", "1"},
+                          {"gravity", "m/s^2"},
+                          {"k_A", "1"},
+                          {"k_S", "1"},
+                          {"largest", "N m"},
+                          {"least_acceleration", "m/s^2"},
+                          {"least_deceleration", "m/s^2"},
+                          {"least_factor", "1"},
+                          {"least_slip_reference", "m/s"},
+                          {"least_speed", "m/s"},
+                          {"locked_speed", "m/s"},
+                          {"longest_release", "s"},
+                          {"longest_vent", "s"},
+                          {"mass", "kg"},
+                          {"mu_0", "1"},
+                          {"pulse_pause", "s"},
+                          {"pulse_time", "s"},
+                          {"recovery_acceleration", "m/s^2"},
+                          {"reduction_rate", "1/s"},
+                          {"reference_acceleration", "m/s^2"},
+                          {"reference_deceleration", "m/s^2"},
+                          {"regained_after", "s"},
+                          {"release_deceleration", "m/s^2"},
+                          {"release_interval", "s"},
+                          {"resistance_constant", "N"},
+                          {"resistance_linear", "N s/m"},
+                          {"resistance_quadratic", "N s^2/m^2"},
+                          {"restoring_rate", "1/s"},
+                          {"roller_inertia", "kg m^2"},
+                          {"roller_radius", "m"},
+                          {"shortest_release", "s"},
+                          {"slip", "1"},
+                          {"slip_speed", "m/s"},
+                          {"speed_noise", "rad/s"},
+                          {"switching", "N m"},
+                          {"vent_deceleration", "m/s^2"},
+                          {"vent_slip", "1"},
+                          {"vent_slip_speed", "m/s"},
+                          {"wheel_radius", "m"},
+                          {"wheelset_inertia", "kg m^2"}};
+
+std::string_view unit_of(std::string_view field) {
+  auto const found = std::ranges::find(units, field, &Unit::field);
+  return found == std::end(units) ? std::string_view{} : found->unit;
+}
+
+std::string words(std::string text) {
+  std::ranges::replace(text, '_', ' ');
+  return text;
+}
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+template <class V>
+struct IsVariant : std::false_type {};
+template <class... Laws>
+struct IsVariant<std::variant<Laws...>> : std::true_type {};
+
+/// The undisturbed state that a run of the model starts near: on level track, coasting, its axles free to slip.
+std::vector<double> rest(ModelParts parts) {
+  parts.resistance = {};
+  parts.rolling_wheelsets.clear();
+  parts.track_brakes.clear();
+  Dynamics dynamics(model_of(parts));
+  auto found = solve_equilibrium(dynamics, parts.speed.at(0.0), 0.0, {}, {});
+  if (!found.converged) throw std::invalid_argument("parameters: the model has no equilibrium with them");
+  return std::move(found.x);
+}
+
+}  // namespace
+
+/// Collects the numbers of one model.
+struct ModelParameters::Walk {
+  ModelParameters& own;
+
+  void add(std::string name, std::string_view unit, std::string what, Range const& range, std::vector<double*> places,
+           bool fixed = true) {
+    auto const limit = [](double number) { return std::abs(number) < 1e59 ? number : std::copysign(endless, number); };
+    double const value = *places.front(), most = limit(range.highest);
+    own.variables_.push_back({std::move(name), std::string(unit), std::move(what), Causality::parameter,
+                              fixed ? Variability::fixed : Variability::tunable, value,
+                              range.magnitude ? -most : range.lowest, most});
+    own.place_.push_back(std::move(places));
+    own.first_.push_back(value);
+  }
+
+  /// Every number of a struct and of the structs and laws in it.
+  template <Described S>
+  void fields(S& s, std::string const& owner, bool fixed) {
+    auto const one = [&]<class Field>(Field const& field) {
+      auto& value = s.*field.member;
+      using V = std::remove_cvref_t<decltype(value)>;
+      std::string const inner = std::string_view(field.name) == "law" ? owner : owner + "." + field.name;
+      if constexpr (std::is_same_v<V, double>) {
+        auto const unit = unit_of(field.name);
+        if (!unit.empty())
+          add(inner, unit, words(std::string(field.name) + " of " + owner), field.range, {&value}, fixed);
+      } else if constexpr (Described<V>) {
+        fields(value, inner, fixed);
+      } else if constexpr (IsVariant<V>::value) {
+        std::visit([&](auto& law) { fields(law, inner, fixed); }, value);
+      }
+    };
+    std::apply([&](auto const&... field) { (one(field), ...); }, S::fields());
+  }
+
+  void bodies() {
+    for (std::size_t i = 0; i < own.parts_.bodies.size(); ++i) {
+      Body& body = own.parts_.bodies[i];
+      std::string const& name = own.given_.names.bodies[i];
+      add(name + ".mass", "kg", "mass of " + words(name), positive, {&body.mass});
+      add(name + ".inertia_x", "kg m^2", "moment of inertia of " + words(name) + " in roll", positive,
+          {&body.inertia.x});
+      add(name + ".inertia_y", "kg m^2", "moment of inertia of " + words(name) + " in pitch", positive,
+          {&body.inertia.y});
+      add(name + ".inertia_z", "kg m^2", "moment of inertia of " + words(name) + " in yaw", positive,
+          {&body.inertia.z});
+    }
+  }
+
+  /// Linear springs and dampers.
+  void elements() {
+    for (std::size_t i = 0; i < own.parts_.elements.size(); ++i)
+      for (std::size_t c = 0; c < std::size(directions); ++c) {
+        std::string const name = own.given_.names.elements[i] + "." + directions[c];
+        char const* const force = c < 3 ? "N" : "N m";
+        char const* const path = c < 3 ? "m" : "rad";
+        auto const number = [&](double& value, char const* field, std::string const& unit) {
+          add(name + "_" + field, unit,
+              words(std::string(field) + " of " + own.given_.names.elements[i] + " in ") + directions[c], not_negative,
+              {&value});
+        };
+        for (ForceLaw& law : own.parts_.elements[i].law[c].laws) {
+          if (auto* spring = std::get_if<LinearSpring>(&law))
+            number(spring->stiffness, "stiffness", std::string(force) + "/" + path);
+          if (auto* damper = std::get_if<LinearDamper>(&law))
+            number(damper->damping, "damping", std::string(force) + " s/" + path);
+          if (auto* damper = std::get_if<SeriesDamper>(&law)) {
+            number(damper->damping, "damper_damping", std::string(force) + " s/" + path);
+            number(damper->series_stiffness, "damper_stiffness", std::string(force) + "/" + path);
+          }
+        }
+      }
+  }
+
+  void friction() {
+    for (std::size_t i = 0; i < own.parts_.contacts.size(); ++i) {
+      std::string const owner = wheel_name(own.given_, own.given_.model->contacts[i]) + ".friction";
+      Friction& law = own.parts_.contacts[i].laws.friction;
+      if (!law.map) std::visit([&](auto& one) { fields(one, owner, true); }, law.law);
+    }
+  }
+
+  /// A map of its own in place of each one that contacts and virtual rails share.
+  void adhesion() {
+    std::map<AdhesionMap const*, std::shared_ptr<AdhesionMap>> copies;
+    auto const replace = [&](Friction& friction) {
+      if (!friction.map) return;
+      auto& copy = copies[friction.map.get()];
+      if (!copy) own.maps_.push_back(copy = std::make_shared<AdhesionMap>(*friction.map));
+      friction.map = copy;
+    };
+    for (ContactDescription& contact : own.parts_.contacts) replace(contact.laws.friction);
+    if (own.setup_) {
+      if (own.setup_->rail) replace(own.setup_->rail->friction);
+      for (SampledController& one : own.setup_->controllers)
+        if (auto* rig = std::get_if<RigController>(&one.controller)) replace(rig->rail.friction);
+    }
+    for (std::size_t m = 0; m < own.maps_.size(); ++m)
+      for (std::size_t k = 0; k < own.maps_[m]->pieces.size(); ++k) {
+        RailAdhesion& piece = own.maps_[m]->pieces[k];
+        std::string const map = own.maps_.size() > 1 ? "adhesion_" + std::to_string(m + 1) : "adhesion";
+        std::string const owner = own.maps_[m]->pieces.size() > 1 ? map + ".piece_" + std::to_string(k + 1) : map;
+        condition(piece.degraded, owner + ".degraded");
+        condition(piece.recovered, owner + ".recovered");
+        add(owner + ".recovery_constant", "m^2/J", "recovery by dissipated energy per area", not_negative,
+            {&piece.recovery_constant});
+      }
+  }
+  void condition(RailCondition& rail, std::string const& owner) {
+    std::visit([&](auto& law) { fields(law, owner, true); }, rail.friction);
+    add(owner + ".k_A", "1", "stiffness of the creep curve on the area of adhesion", fraction, {&rail.k_A});
+    add(owner + ".k_S", "1", "stiffness of the creep curve on the area of slip", fraction, {&rail.k_S});
+  }
+
+  void controllers() {
+    for (SampledController& one : own.setup_->controllers)
+      std::visit([&]<class Law>(Law& law) { fields(law, Law::name, std::is_same_v<Law, RigController>); },
+                 one.controller);
+  }
+
+  /// Of all rollers: their crowns stay where they are.
+  void rollers() {
+    std::vector<double*> radius;
+    for (ContactDescription& contact : own.parts_.contacts)
+      if (contact.roller_radius > 0.0) radius.push_back(&contact.roller_radius);
+    if (radius.empty() || std::ranges::any_of(radius, [&](double const* one) { return *one != *radius.front(); }))
+      return;
+    add("rollers.radius", "m", "radius of the rollers at their crowns", positive, std::move(radius));
+  }
+};
+
+ModelParameters::ModelParameters(AssembledModel const& assembled)
+    : given_{assembled}, parts_{parts_of(*assembled.model)}, setup_{assembled.setup} {
+  Walk walk{*this};
+  walk.bodies();
+  walk.elements();
+  walk.friction();
+  walk.adhesion();
+  walk.rollers();
+  if (setup_) walk.controllers();
+}
+
+void ModelParameters::set(std::size_t index, double value) {
+  for (double* place : place_[index]) *place = value;
+}
+
+AssembledModel ModelParameters::assembled() const {
+  bool changed = false;
+  for (std::size_t i = 0; i < variables_.size(); ++i)
+    changed = changed || (variables_[i].variability == Variability::fixed && get(i) != first_[i]);
+  AssembledModel out = given_;
+  if (setup_) out.setup->controllers = setup_->controllers;
+  if (!changed) return out;
+  ModelParts parts = parts_;
+  for (ContactDescription const& contact : parts.contacts) {
+    if (!(contact.roller_radius > 0.0)) continue;
+    Body& roller = parts.bodies[at(contact.roller)];
+    roller.position.z = -contact.roller_radius;
+    if (roller.speed_controlled()) roller.speed_controlled_radius = contact.roller_radius;
+  }
+  out.setup = setup_;
+  out.model = model_of(parts);
+  std::vector<double> const before = rest(parts_of(*given_.model)), now = rest(parts);
+  for (std::size_t i = 0; i < out.start.size(); ++i) out.start[i] += now[i] - before[i];
+  return out;
+}
+
+}  // namespace rollerrig

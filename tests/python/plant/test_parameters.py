@@ -1,0 +1,120 @@
+"""Numbers of a model that a tool changes: the run is that of the case with these numbers, in equilibrium from its start."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from rollerrig import _core, load_case
+from rollerrig.config import Case
+from rollerrig.plant import assembled_model
+
+OK = _core.status_codes["ok"]
+WHEELS = [f"wheelset_{n}.{side}" for n in (1, 2) for side in ("left", "right")]
+
+
+def plant_of(case: Case, **parameters: float) -> _core.Plant:
+    """Begun, with some parameters; their names with __ for the dot."""
+    plant = _core.Plant(assembled_model(case))
+    for name, value in parameters.items():
+        plant.set_parameter(plant.find(name.replace("__", ".")), value)
+    assert plant.start() == OK
+    return plant
+
+
+def value(plant: _core.Plant, name: str) -> float:
+    assert plant.find(name) >= 0, name
+    return plant.get(plant.find(name))
+
+
+@pytest.fixture(scope="module")
+def bogie() -> Case:
+    return load_case("bogie_rollers_constant").with_changes({"time.duration": "1 s"})
+
+
+@pytest.mark.parametrize("name", ["adhesion_brake", "adhesion_start", "adhesion_valves", "bogie_track", "vehicle_curve"])
+def test_every_parameter_says_its_unit_limits_and_start(name: str) -> None:
+    plant = _core.Plant(assembled_model(load_case(name)))
+    parameters = [v for v in plant.variables if v.causality == "parameter"]
+    assert len(parameters) > 50
+    for v in parameters:
+        assert v.unit, v.name
+        assert v.description
+        assert v.least <= v.start <= v.most, v.name
+        assert v.variability == ("tunable" if v.name.startswith(("slide_protection", "wheel_slip_control")) else "fixed")
+        assert plant.get(plant.find(v.name)) == v.start
+
+
+def test_every_number_of_a_controller_is_a_parameter() -> None:
+    names = {v.name for v in _core.Plant(assembled_model(load_case("adhesion_brake"))).variables}
+    law = load_case("adhesion_brake").slide_protection
+    numbers = {name for name, number in law if isinstance(number, float) and name not in ("sample_time", "delay")}
+    assert {f"slide_protection.{name}" for name in numbers} <= names
+
+
+def test_more_mass_stands_on_the_rollers_from_the_start(bogie: Case) -> None:
+    given = plant_of(bogie)
+    mass = value(given, "front_frame.mass")
+    heavy = plant_of(bogie, front_frame__mass=mass + 1000.0)
+    stand = [sum(value(plant, f"{wheel}.Q") for wheel in WHEELS) for plant in (given, heavy)]
+    assert stand[1] - stand[0] == pytest.approx(1000.0 * 9.81, rel=1e-3)
+    assert abs(value(heavy, "front_frame.z_acceleration")) < 1e-6
+    assert value(heavy, "front_frame.z") < value(given, "front_frame.z")
+
+
+def test_a_radius_of_the_rollers_is_that_of_the_case(bogie: Case) -> None:
+    radius = 0.9
+    changed = plant_of(bogie, rollers__radius=radius)
+    case = plant_of(bogie.with_changes({"support.roller_radius": radius}))
+    for name in ("wheelset_1.left.Q", "wheelset_1.z", "roller_1.pitch_rate", "wheelset_1.left.rolling_radius"):
+        assert value(changed, name) == pytest.approx(value(case, name), rel=1e-6), name
+    for plant in (changed, case):
+        assert plant.advance(0.2) == OK
+    assert value(changed, "wheelset_1.y") == pytest.approx(value(case, "wheelset_1.y"), rel=1e-3, abs=1e-7)
+
+
+def test_friction_is_that_of_the_case() -> None:
+    base = load_case("bogie_rollers_traction")
+    changed = plant_of(base, **{f"{wheel.replace('.', '__')}__friction__mu_0": 0.2 for wheel in WHEELS})
+    case = plant_of(base.with_changes({"contact.friction": 0.2}))
+    for plant in (changed, case):
+        assert plant.advance(0.3) == OK
+    for name in ("wheelset_1.y", "wheelset_1.left.longitudinal_creep_force"):
+        assert value(changed, name) == pytest.approx(value(case, name), rel=1e-4, abs=1e-8), name
+
+
+def test_a_parameter_at_its_start_changes_no_bit(bogie: Case) -> None:
+    given = plant_of(bogie)
+    same = plant_of(bogie, front_frame__mass=value(given, "front_frame.mass"))
+    every = [given.find(v.name) for v in given.variables]
+    for plant in (given, same):
+        plant.advance(0.1)
+    np.testing.assert_array_equal(given.values(every), same.values(every))
+
+
+def test_tunable_parameters_act_from_the_next_sample_on_and_fixed_ones_wait_for_the_start() -> None:
+    case = load_case("adhesion_brake")
+    plant, untouched = plant_of(case), plant_of(case)
+    with pytest.raises(ValueError, match=r"front_frame\.mass is fixed in a run"):
+        plant.set_parameter(plant.find("front_frame.mass"), 5000.0)
+    with pytest.raises(ValueError, match="in its limits"):
+        plant.set_parameter(plant.find("slide_protection.filter_time"), -1.0)
+    for one in (plant, untouched):
+        one.advance(1.0)
+    for name in ("vent_slip", "vent_slip_speed", "vent_deceleration"):
+        plant.set_parameter(plant.find(f"slide_protection.{name}"), 1e3)  # it vents no more
+    state = plant.save()
+    for one in (plant, untouched):
+        assert one.advance(3.0) == OK
+    assert value(untouched, "wheelset_1.dump_cycles") > value(plant, "wheelset_1.dump_cycles")
+    untouched.restore(state)  # with the parameters of the plant that was saved
+    assert value(untouched, "slide_protection.vent_slip") == 1e3
+    untouched.advance(3.0)
+    assert value(untouched, "wheelset_1.dump_cycles") == value(plant, "wheelset_1.dump_cycles")
+
+
+def test_without_an_equilibrium_there_is_no_start(bogie: Case) -> None:
+    plant = _core.Plant(assembled_model(bogie))
+    plant.set_parameter(plant.find("rollers.radius"), 1e-3)
+    with pytest.raises(ValueError, match="parameters: the model has no equilibrium"):
+        plant.start()
