@@ -20,7 +20,7 @@ from rollerrig.input_files import MEGABYTE, read_input
 from rollerrig.mechatronics import COMMANDS, UserController, mechatronic_setup
 from rollerrig.results.files import output_file, write_bytes
 from rollerrig.simulation import check_fixed_step, integrator_settings
-from rollerrig.starting_state import starting_state
+from rollerrig.starting_state import prescribed_coordinates, starting_state
 
 LARGEST_MODEL = 256 * MEGABYTE
 """Of a model file: 200 km of measured track have some 100 MB [bytes]."""
@@ -122,6 +122,7 @@ def assembled_model(case: Case, *, external: Collection[str] = (), may_drift: bo
         **integrator_settings(simulation, model),
         t0=0.0,
         x0=start.tolist(),
+        disturbed=[(body, direction) for body, direction, _ in prescribed_coordinates(simulation, model, start)],
     )
 
 

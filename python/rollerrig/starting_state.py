@@ -48,7 +48,7 @@ def starting_state(simulation: _core.Simulation, model: AssembledModel, *, may_d
     rest = equilibrium(simulation, model)
     if not may_drift:
         require_restraint(simulation, model, rest)
-    prescribed = list(_prescribed_coordinates(simulation, model, rest))
+    prescribed = list(prescribed_coordinates(simulation, model, rest))
     if not prescribed:
         return rest
     coordinates = simulation.coordinate_index
@@ -124,9 +124,14 @@ def _state(found: dict[str, object]) -> Vector:
     return np.ascontiguousarray(found["x"], dtype=np.float64)
 
 
-def _prescribed_coordinates(
+def prescribed_coordinates(
     simulation: _core.Simulation, model: AssembledModel, rest: Vector
 ) -> Iterator[tuple[int, int, float]]:
+    """Body, direction and value of each coordinate that the case puts off its equilibrium.
+
+    Raises:
+        ConfigError: a disturbance moves a coordinate that is locked.
+    """
     coordinates = simulation.coordinate_index
     offsets: dict[tuple[int, int], float] = {}
     for number, disturbance in enumerate(model.case.disturbance):

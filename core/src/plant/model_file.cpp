@@ -19,12 +19,14 @@ struct Content {
   integrate::Options options{};
   double start_time{};
   std::vector<double> start{};
+  std::vector<std::array<int, 2>> disturbed{};
 
   static constexpr auto fields() {
     using P = Content;
-    return std::tuple{Member{"name", &P::name},   Member{"model", &P::model},     Member{"setup", &P::setup},
-                      Member{"names", &P::names}, Member{"options", &P::options}, Member{"start_time", &P::start_time},
-                      Member{"start", &P::start}};
+    return std::tuple{Member{"name", &P::name},       Member{"model", &P::model},
+                      Member{"setup", &P::setup},     Member{"names", &P::names},
+                      Member{"options", &P::options}, Member{"start_time", &P::start_time},
+                      Member{"start", &P::start},     Member{"disturbed", &P::disturbed}};
   }
 };
 
@@ -68,7 +70,7 @@ std::string const& model_layout() {
 }
 
 std::vector<std::byte> write_model(AssembledModel const& a) {
-  Content const content{a.name, parts_of(*a.model), a.setup, a.names, a.options, a.start_time, a.start};
+  Content const content{a.name, parts_of(*a.model), a.setup, a.names, a.options, a.start_time, a.start, a.disturbed};
   ByteWriter model;
   archive::Shared shared;
   archive::put(model, shared, content);
@@ -97,9 +99,9 @@ AssembledModel read_model(std::span<std::byte const> bytes) {
   } catch (FormatError const& error) {
     refuse(error.what());
   }
-  AssembledModel read{std::move(content.name),  model_of(content.model), std::move(content.setup),
-                      std::move(content.names), content.options,         content.start_time,
-                      std::move(content.start)};
+  AssembledModel read{
+      std::move(content.name), model_of(content.model), std::move(content.setup), std::move(content.names),
+      content.options,         content.start_time,      std::move(content.start), std::move(content.disturbed)};
   check_assembled(read);
   return read;
 }

@@ -91,16 +91,43 @@ struct IsVariant : std::false_type {};
 template <class... Laws>
 struct IsVariant<std::variant<Laws...>> : std::true_type {};
 
-/// The undisturbed state that a run of the model starts near: on level track, coasting, its axles free to slip.
-std::vector<double> rest(ModelParts parts) {
-  parts.resistance = {};
-  parts.rolling_wheelsets.clear();
-  parts.track_brakes.clear();
-  Dynamics dynamics(model_of(parts));
-  auto found = solve_equilibrium(dynamics, parts.speed.at(0.0), 0.0, {}, {});
-  if (!found.converged) throw std::invalid_argument("parameters: the model has no equilibrium with them");
-  return std::move(found.x);
-}
+/// What a run of a model starts from: on level track, coasting, its axles free to slip.
+class Start {
+ public:
+  explicit Start(ModelParts parts) : dynamics_{start_model(parts)}, speed_{parts.speed.at(0.0)} {
+    auto found = solve_equilibrium(dynamics_, speed_, 0.0, {}, {});
+    if (!found.converged) throw std::invalid_argument("parameters: the model has no equilibrium with them");
+    rest_ = std::move(found.x);
+  }
+  std::vector<double> const& rest() const { return rest_; }
+  double& place(std::vector<double>& x, std::array<int, 2> const& of) const {
+    return x[at(dynamics_.map().coordinate[at(of[0])][at(of[1])])];
+  }
+  /// In equilibrium with the disturbed coordinates at these offsets; where there is none, nothing but them is off the rest.
+  std::vector<double> disturbed(std::vector<std::array<int, 2>> const& coordinates, std::vector<double> const& offset) {
+    std::vector<double> x = rest_;
+    std::vector<FixedCoordinate> fixed;
+    for (std::size_t i = 0; i < coordinates.size(); ++i) {
+      place(x, coordinates[i]) += offset[i];
+      fixed.push_back({coordinates[i][0], coordinates[i][1], place(x, coordinates[i])});
+    }
+    if (fixed.empty()) return rest_;
+    auto found = solve_equilibrium(dynamics_, speed_, 0.0, fixed, rest_);
+    return found.converged ? std::move(found.x) : x;
+  }
+
+ private:
+  static std::shared_ptr<Model const> start_model(ModelParts parts) {
+    parts.resistance = {};
+    parts.rolling_wheelsets.clear();
+    parts.track_brakes.clear();
+    return model_of(parts);
+  }
+
+  Dynamics dynamics_;
+  double speed_;
+  std::vector<double> rest_;
+};
 
 }  // namespace
 
@@ -266,8 +293,11 @@ AssembledModel ModelParameters::assembled() const {
   }
   out.setup = setup_;
   out.model = model_of(parts);
-  std::vector<double> const before = rest(parts_of(*given_.model)), now = rest(parts);
-  for (std::size_t i = 0; i < out.start.size(); ++i) out.start[i] += now[i] - before[i];
+  Start before(parts_of(*given_.model));
+  std::vector<double> offset, start = given_.start, rest = before.rest();
+  for (auto const& coordinate : given_.disturbed)
+    offset.push_back(before.place(start, coordinate) - before.place(rest, coordinate));
+  out.start = Start(parts).disturbed(given_.disturbed, offset);
   return out;
 }
 

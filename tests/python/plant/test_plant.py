@@ -11,6 +11,7 @@ import xarray as xr
 from rollerrig import _core, load_case, simulate
 from rollerrig.actuators import assemble_with_actuators
 from rollerrig.config import Case, ConfigError
+from rollerrig.mechatronics.setup import wheelset_inertia
 from rollerrig.mechatronics.train_axles import train_mass
 from rollerrig.plant import assembled_model
 from rollerrig.results.dataset import body_variable
@@ -155,10 +156,10 @@ def test_going_on_from_a_saved_state_is_going_on(name: str) -> None:
 def test_less_friction_of_the_rail_lets_braked_wheels_slide() -> None:
     case = load_case("adhesion_brake").with_changes({"adhesion.rail": "dry"})
     dry, wet = started(case), started(case)
-    wet.set_input(wet.find("train.friction_factor"), 0.1)
+    wet.set_input(wet.find("train.friction_factor"), 0.05)
     for plant in (dry, wet):
-        plant.advance(2.0)
-    assert abs(dry.get(dry.find("wheelset_1.virtual_force"))) > 3 * abs(wet.get(wet.find("wheelset_1.virtual_force")))
+        plant.advance(4.0)
+    assert abs(dry.get(dry.find("wheelset_1.virtual_force"))) > 2 * abs(wet.get(wet.find("wheelset_1.virtual_force")))
     slip = {p: p.get(p.find("wheelset_1.virtual_speed")) - p.get(p.find("train.speed")) / 0.46 for p in (dry, wet)}
     assert slip[wet] < -0.5 < slip[dry]
 
@@ -181,7 +182,9 @@ def test_a_force_on_the_train_speeds_it_up() -> None:
     plant.set_input(plant.find("train.force"), 1e4)
     plant.advance(0.1), untouched.advance(0.1)
     gained = plant.get(plant.find("train.acceleration")) - untouched.get(untouched.find("train.acceleration"))
-    assert gained == pytest.approx(1e4 / train_mass(assemble_with_actuators(case)), rel=0.02)
+    model = assemble_with_actuators(case)
+    turning = len(model.axles) * wheelset_inertia(model) / case.vehicle.data.wheel.radius**2  # axles that speed up too
+    assert gained == pytest.approx(1e4 / (train_mass(model) + turning), rel=0.01)
 
 
 def test_only_inputs_take_only_what_is_allowed() -> None:

@@ -2,6 +2,7 @@
 //
 //   model, machines and controllers, starting state, settings of the integrator -> [assembled model] -> Plant
 #pragma once
+#include <array>
 #include <memory>
 #include <optional>
 #include <string>
@@ -32,6 +33,8 @@ struct AssembledModel {
   integrate::Options options{};
   double start_time{};          ///< [s]
   std::vector<double> start{};  ///< state there
+  /// Body and coordinate of what the case puts off its equilibrium at the start; all else is in equilibrium with them.
+  std::vector<std::array<int, 2>> disturbed{};
 };
 
 /// Throws std::invalid_argument for what cannot be run, or lacks a name.
