@@ -61,7 +61,7 @@ bool Plant::set_parameter(int index, double value) {
 }
 
 Status Plant::start(double final_time) {
-  if (changed_) renew();
+  if (changed_ || started()) renew();  // nothing of a run before is left
   integrate::Options options = assembled_.options;
   options.final_time = final_time;
   options.output_step = 0.0;
@@ -96,14 +96,14 @@ bool Plant::set_input(int index, double value) {
 }
 
 void Plant::apply(Place const& place, double value) {
-  if (place.kind == Place::friction) return driver_->hold_friction(place.index, value, time_);
+  if (place.kind == Place::friction) return driver_->hold_friction(place.index, 1.0 + value, time_);
   MechatronicSystem* system = driver_->system();
   if (system == nullptr) return driver_->hold_torque(place.kind == Place::roller_torque, place.index, value, time_);
   CallerDemands& caller = system->caller();
   if (place.kind == Place::brake_demand) caller.brake_demand[place.index] = value;
   if (place.kind == Place::motor_torque) caller.motor_torque[place.index] = value;
   if (place.kind == Place::command) caller.commands[place.item][place.index] = value;
-  if (place.kind == Place::rail_friction) caller.rail_friction = value;
+  if (place.kind == Place::rail_friction) caller.rail_friction = 1.0 + value;
   if (place.kind == Place::train_force) caller.train_force = value;
 }
 

@@ -13,7 +13,7 @@ namespace {
 
 constexpr double any = std::numeric_limits<double>::infinity();
 constexpr double highest_pressure = 1e7;  ///< [Pa]
-constexpr double largest_factor = 10.0;   ///< on friction
+constexpr double largest_change = 9.0;    ///< of friction
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
@@ -75,16 +75,16 @@ void add_train(MechatronicSetup const& setup, VariableList& list) {
            {Place::train_force});
   if (!on_rig && setup.simulated.count() == 0) return;
   list.add(
-      {"train.friction_factor", "1", "friction of the virtual rail and under simulated axles over that of the case",
-       Causality::input, Variability::discrete, 1.0, 0.0, largest_factor},
+      {"train.friction_change", "1", "relative change of the friction of the virtual rail and under simulated axles",
+       Causality::input, Variability::discrete, 0.0, -1.0, largest_change},
       {Place::rail_friction});
 }
 
 void add_friction(AssembledModel const& assembled, VariableList& list) {
   for (std::size_t i = 0; i < assembled.model->contacts.size(); ++i)
-    list.add({wheel_name(assembled, assembled.model->contacts[i]) + ".friction_factor", "1",
-              "friction of rail or roller under the wheel over that of the case", Causality::input,
-              Variability::discrete, 1.0, 0.0, largest_factor},
+    list.add({wheel_name(assembled, assembled.model->contacts[i]) + ".friction_change", "1",
+              "relative change of the friction of rail or roller under the wheel", Causality::input,
+              Variability::discrete, 0.0, -1.0, largest_change},
              {Place::friction, i});
 }
 

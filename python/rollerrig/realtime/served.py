@@ -21,6 +21,8 @@ from rollerrig.mechatronics import COMMANDS
 from rollerrig.plant import assembled_model
 
 RATE = Quantity("Hz", 1.0, 1e5)
+SURROUNDINGS = (".friction_change", "train.force")
+"""Ends of the names of inputs that no controller commands: frames do not carry them."""
 LARGEST_FRAME = 512
 """Numbers that a frame holds."""
 
@@ -144,7 +146,7 @@ def _served(
     safe: Mapping[str, float],
 ) -> Served:
     variables = _core.Plant(assembled).variables
-    inputs = tuple(v for v in variables if v.causality == "input")
+    inputs = tuple(v for v in variables if v.causality == "input" and not v.name.endswith(SURROUNDINGS))
     chosen = _chosen(name, variables, outputs)
     if max(len(inputs), len(chosen)) > LARGEST_FRAME:
         allowed = f"a frame holds at most {LARGEST_FRAME} numbers; name fewer with --outputs"

@@ -15,9 +15,9 @@ using Method = integrate::Method;
 /// All variables at every multiple of 1 ms between two times; inputs change on the way.
 std::vector<double> drive(Plant& plant, int from, int to) {
   std::vector<double> course;
-  int const friction = plant.find("body_0.left.friction_factor"), demand = plant.find("axle_1.brake_demand");
+  int const friction = plant.find("body_0.left.friction_change"), demand = plant.find("axle_1.brake_demand");
   for (int k = from; k < to; ++k) {
-    if (k % 10 == 5) REQUIRE(plant.set_input(friction, 0.2 + 0.1 * (k / 10 % 3)));
+    if (k % 10 == 5) REQUIRE(plant.set_input(friction, -0.8 + 0.1 * (k / 10 % 3)));
     if (k % 20 == 7 && demand >= 0) REQUIRE(plant.set_input(demand, 1e4 * (k / 20 % 4)));
     REQUIRE(plant.advance(1e-3 * (k + 1)) == Status::ok);
     for (int i = 0; i < static_cast<int>(plant.variables().size()); ++i) course.push_back(plant.get(i));

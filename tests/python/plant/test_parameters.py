@@ -105,7 +105,7 @@ def test_tunable_parameters_act_from_the_next_sample_on_and_fixed_ones_wait_for_
     with pytest.raises(ValueError, match="in its limits"):
         plant.set_parameter(plant.find("slide_protection.filter_time"), -1.0)
     for one in (plant, untouched):
-        one.set_input(one.find("train.friction_factor"), 0.5)
+        one.set_input(one.find("train.friction_change"), -0.5)
         one.advance(1.0)
     for name in ("vent_slip", "vent_slip_speed", "vent_deceleration"):
         plant.set_parameter(plant.find(f"slide_protection.{name}"), 1e3)  # it vents no more

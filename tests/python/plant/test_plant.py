@@ -156,7 +156,7 @@ def test_going_on_from_a_saved_state_is_going_on(name: str) -> None:
 def test_less_friction_of_the_rail_lets_braked_wheels_slide() -> None:
     case = load_case("adhesion_brake").with_changes({"adhesion.rail": "dry"})
     dry, wet = started(case), started(case)
-    wet.set_input(wet.find("train.friction_factor"), 0.05)
+    wet.set_input(wet.find("train.friction_change"), -0.95)
     for plant in (dry, wet):
         plant.advance(4.0)
     assert abs(dry.get(dry.find("wheelset_1.virtual_force"))) > 2 * abs(wet.get(wet.find("wheelset_1.virtual_force")))
@@ -169,7 +169,7 @@ def test_friction_under_a_wheel_bounds_its_creep_force() -> None:
     case = load_case("bogie_rollers_traction")
     plant = started(case)
     for side in ("left", "right"):
-        plant.set_input(plant.find(f"wheelset_1.{side}.friction_factor"), 0.01)
+        plant.set_input(plant.find(f"wheelset_1.{side}.friction_change"), -0.99)
     plant.set_input(plant.find("wheelset_1.axle_torque"), 3000.0)
     plant.advance(0.2)
     force, load = (plant.get(plant.find(f"wheelset_1.left.{name}")) for name in ("longitudinal_creep_force", "Q"))
