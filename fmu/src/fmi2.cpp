@@ -70,13 +70,26 @@ fmi2Status fmi2SetString(fmi2Component c, fmi2ValueReference const[], size_t n, 
 }
 
 // ------------------------------------------------------------------------------ saved states
-fmi2Status fmi2GetFMUstate(fmi2Component c, fmi2FMUstate*) { return Fmu::lacks(c, __func__); }
-fmi2Status fmi2SetFMUstate(fmi2Component c, fmi2FMUstate) { return Fmu::lacks(c, __func__); }
-fmi2Status fmi2FreeFMUstate(fmi2Component c, fmi2FMUstate*) { return Fmu::lacks(c, __func__); }
-fmi2Status fmi2SerializedFMUstateSize(fmi2Component c, fmi2FMUstate, size_t*) { return Fmu::lacks(c, __func__); }
-fmi2Status fmi2SerializeFMUstate(fmi2Component c, fmi2FMUstate, fmi2Byte[], size_t) { return Fmu::lacks(c, __func__); }
-fmi2Status fmi2DeSerializeFMUstate(fmi2Component c, fmi2Byte const[], size_t, fmi2FMUstate*) {
-  return Fmu::lacks(c, __func__);
+fmi2Status fmi2GetFMUstate(fmi2Component c, fmi2FMUstate* state) {
+  return Fmu::with_states(c, __func__, [&](auto& s, auto& i) { return s.get(i, "fmi2GetFMUstate", state); });
+}
+fmi2Status fmi2SetFMUstate(fmi2Component c, fmi2FMUstate state) {
+  return Fmu::with_states(c, __func__, [&](auto& s, auto& i) { return s.set(i, "fmi2SetFMUstate", state); });
+}
+fmi2Status fmi2FreeFMUstate(fmi2Component c, fmi2FMUstate* state) {
+  return Fmu::with_states(c, __func__, [&](auto& s, auto& i) { return s.free(i, "fmi2FreeFMUstate", state); });
+}
+fmi2Status fmi2SerializedFMUstateSize(fmi2Component c, fmi2FMUstate state, size_t* size) {
+  return Fmu::with_states(c, __func__,
+                          [&](auto& s, auto& i) { return s.size(i, "fmi2SerializedFMUstateSize", state, size); });
+}
+fmi2Status fmi2SerializeFMUstate(fmi2Component c, fmi2FMUstate state, fmi2Byte bytes[], size_t size) {
+  return Fmu::with_states(c, __func__,
+                          [&](auto& s, auto& i) { return s.write(i, "fmi2SerializeFMUstate", state, bytes, size); });
+}
+fmi2Status fmi2DeSerializeFMUstate(fmi2Component c, fmi2Byte const bytes[], size_t size, fmi2FMUstate* state) {
+  return Fmu::with_states(c, __func__,
+                          [&](auto& s, auto& i) { return s.read(i, "fmi2DeSerializeFMUstate", bytes, size, state); });
 }
 
 // ------------------------------------------------------------------------------ co-simulation

@@ -59,6 +59,29 @@ fmi3Status fmi3SetFloat64(fmi3Instance c, fmi3ValueReference const refs[], size_
   return Fmu::exchange(c, __func__, n, m, [&](auto& i) { return i.set("fmi3SetFloat64", refs, n, values); });
 }
 
+// ------------------------------------------------------------------------------ saved states
+fmi3Status fmi3GetFMUState(fmi3Instance c, fmi3FMUState* state) {
+  return Fmu::with_states(c, __func__, [&](auto& s, auto& i) { return s.get(i, "fmi3GetFMUState", state); });
+}
+fmi3Status fmi3SetFMUState(fmi3Instance c, fmi3FMUState state) {
+  return Fmu::with_states(c, __func__, [&](auto& s, auto& i) { return s.set(i, "fmi3SetFMUState", state); });
+}
+fmi3Status fmi3FreeFMUState(fmi3Instance c, fmi3FMUState* state) {
+  return Fmu::with_states(c, __func__, [&](auto& s, auto& i) { return s.free(i, "fmi3FreeFMUState", state); });
+}
+fmi3Status fmi3SerializedFMUStateSize(fmi3Instance c, fmi3FMUState state, size_t* size) {
+  return Fmu::with_states(c, __func__,
+                          [&](auto& s, auto& i) { return s.size(i, "fmi3SerializedFMUStateSize", state, size); });
+}
+fmi3Status fmi3SerializeFMUState(fmi3Instance c, fmi3FMUState state, fmi3Byte bytes[], size_t size) {
+  return Fmu::with_states(c, __func__,
+                          [&](auto& s, auto& i) { return s.write(i, "fmi3SerializeFMUState", state, bytes, size); });
+}
+fmi3Status fmi3DeserializeFMUState(fmi3Instance c, fmi3Byte const bytes[], size_t size, fmi3FMUState* state) {
+  return Fmu::with_states(c, __func__,
+                          [&](auto& s, auto& i) { return s.read(i, "fmi3DeserializeFMUState", bytes, size, state); });
+}
+
 // ------------------------------------------------------------------------------ other types: no variable has one
 fmi3Status fmi3GetFloat32(fmi3Instance c, fmi3ValueReference const[], size_t n, fmi3Float32[], size_t) {
   return Fmu::lacks(c, __func__, n);
@@ -147,14 +170,6 @@ fmi3Status fmi3GetNumberOfVariableDependencies(fmi3Instance c, fmi3ValueReferenc
 }
 fmi3Status fmi3GetVariableDependencies(fmi3Instance c, fmi3ValueReference, size_t[], fmi3ValueReference[], size_t[],
                                        fmi3DependencyKind[], size_t) {
-  return Fmu::lacks(c, __func__);
-}
-fmi3Status fmi3GetFMUState(fmi3Instance c, fmi3FMUState*) { return Fmu::lacks(c, __func__); }
-fmi3Status fmi3SetFMUState(fmi3Instance c, fmi3FMUState) { return Fmu::lacks(c, __func__); }
-fmi3Status fmi3FreeFMUState(fmi3Instance c, fmi3FMUState*) { return Fmu::lacks(c, __func__); }
-fmi3Status fmi3SerializedFMUStateSize(fmi3Instance c, fmi3FMUState, size_t*) { return Fmu::lacks(c, __func__); }
-fmi3Status fmi3SerializeFMUState(fmi3Instance c, fmi3FMUState, fmi3Byte[], size_t) { return Fmu::lacks(c, __func__); }
-fmi3Status fmi3DeserializeFMUState(fmi3Instance c, fmi3Byte const[], size_t, fmi3FMUState*) {
   return Fmu::lacks(c, __func__);
 }
 fmi3Status fmi3GetDirectionalDerivative(fmi3Instance c, fmi3ValueReference const[], size_t, fmi3ValueReference const[],

@@ -91,7 +91,7 @@ std::filesystem::path path_of_uri(std::string_view uri) {
   return utf8_path(drive ? text.substr(1) : text);
 }
 
-std::unique_ptr<Plant> RigShell::open(std::filesystem::path const& resources, std::string_view token) {
+std::unique_ptr<RigPlant> RigShell::open(std::filesystem::path const& resources, std::string_view token) {
   if (std::string const lacks = missing_instructions(); !lacks.empty())
     throw std::runtime_error("this library was built for a processor with " + lacks +
                              "; export the FMU with a package that was built with ROLLERRIG_NATIVE=OFF");
@@ -102,7 +102,7 @@ std::unique_ptr<Plant> RigShell::open(std::filesystem::path const& resources, st
   AssembledModel assembled = read_model(bytes);
   if (token != model_token(bytes))
     throw std::runtime_error("the token of modelDescription.xml is not that of the model among the resources");
-  return std::make_unique<Plant>(std::move(assembled));
+  return std::make_unique<RigPlant>(std::move(assembled));
 }
 
 }  // namespace rollerrig::fmu

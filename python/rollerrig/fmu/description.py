@@ -57,7 +57,7 @@ def number(value: float) -> str:
 def model_description_2(unit: Unit) -> bytes:
     """Of FMI 2.0 (2.0.4, section 2.2)."""
     root = ET.Element("fmiModelDescription", fmiVersion="2.0", modelName=unit.name, guid=unit.token)
-    _about(root, unit, "CoSimulation")
+    _about(root, unit, "CoSimulation", "FMUstate")
     variables = ET.SubElement(root, "ModelVariables")
     time = ET.SubElement(variables, "ScalarVariable", _heading(None, 0))
     ET.SubElement(time, "Real", unit="s")
@@ -75,7 +75,7 @@ def model_description_2(unit: Unit) -> bytes:
 def model_description_3(unit: Unit) -> bytes:
     """Of FMI 3.0 (3.0.2, section 2.4)."""
     root = ET.Element("fmiModelDescription", fmiVersion="3.0", modelName=unit.name, instantiationToken=unit.token)
-    _about(root, unit, "CoSimulation")
+    _about(root, unit, "CoSimulation", "FMUState")
     variables = ET.SubElement(root, "ModelVariables")
     ET.SubElement(variables, "Float64", _heading(None, 0) | {"unit": "s"})
     for reference, variable in enumerate(unit.variables, start=1):
@@ -87,12 +87,13 @@ def model_description_3(unit: Unit) -> bytes:
     return _written(root)
 
 
-def _about(root: ET.Element, unit: Unit, kind: str) -> None:
+def _about(root: ET.Element, unit: Unit, kind: str, state: str) -> None:
     """What stands in front of the variables, alike in both versions."""
     root.set("description", "roller rig, axes x forward, y to the left, z upwards; SI")
     root.set("generationTool", unit.tool)
     root.set("variableNamingConvention", "structured")
-    ET.SubElement(root, kind, modelIdentifier=unit.identifier, canHandleVariableCommunicationStepSize="true")
+    able = ("canHandleVariableCommunicationStepSize", f"canGetAndSet{state}", f"canSerialize{state}")
+    ET.SubElement(root, kind, {"modelIdentifier": unit.identifier} | dict.fromkeys(able, "true"))
     definitions = ET.SubElement(root, "UnitDefinitions")
     for name in sorted({"s", *(variable.unit for variable in unit.variables)}):
         powers = {base: str(power) for base, power in base_units(name).items()}

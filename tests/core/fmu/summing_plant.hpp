@@ -12,6 +12,7 @@ class SummingPlant {
   std::span<Variable const> variables() const { return variables_; }
   Status start(double final_time) {
     end = final_time;
+    started_ = true;
     time_ = sum_ = 0.0;
     rate_ = variables_[0].start;
     status_ = Status::ok;
@@ -25,9 +26,16 @@ class SummingPlant {
   }
   bool set_input(int index, double value) {
     rate_ = index == 0 ? value : rate_;
-    return index == 0 || index == 2;
+    return index == 0;
   }
-  double get(int index) { return index == 1 ? sum_ : index == 0 ? rate_ : 7.0; }
+  bool set_parameter(int index, double value) {
+    bool const may = index == 2 && !started_;
+    mass_ = may ? value : mass_;
+    return may;
+  }
+  std::vector<std::byte> save() { return {std::byte{1}}; }
+  bool restore(std::span<std::byte const> bytes) { return bytes.size() == 1; }
+  double get(int index) { return index == 1 ? sum_ : index == 0 ? rate_ : mass_; }
   double time() const { return time_; }
   std::string_view failed_wheel() const { return status_ == Status::derailed ? "wheelset_1.left" : ""; }
 
@@ -38,7 +46,8 @@ class SummingPlant {
   std::vector<Variable> variables_{{"rate", "1/s", "", Causality::input, Variability::discrete, 2.0, -10.0, 10.0, true},
                                    {"sum", "1", "", Causality::output, Variability::continuous, 0.0, -1.0, 1.0},
                                    {"mass", "kg", "", Causality::parameter, Variability::fixed, 7.0, 0.0, 1e3}};
-  double time_{}, sum_{}, rate_{};
+  double time_{}, sum_{}, rate_{}, mass_{7.0};
+  bool started_{false};
   Status status_{};
 };
 

@@ -111,6 +111,42 @@ TEST_CASE("FMI 2.0: two instances do not meet, nor do eight in threads") {
   }
 }
 
+TEST_CASE(
+    "FMI 2.0: a state taken while the wheel slides, taken back here or elsewhere: the same bytes after going on") {
+  SmallFmu const fmu;
+  std::size_t const variables = Plant(braked()).variables().size();
+  auto const go_on = [&](fmi2Component c) {
+    for (int k = 10; k < 20; ++k) CHECK(fmi2DoStep(c, 0.01 * k, 0.01, fmi2True) == fmi2OK);
+    return course(c, variables, 0);
+  };
+  fmi2Component c = made(fmu), other = made(fmu);
+  begin(c);
+  course(c, variables, 10);
+  fmi2FMUstate state = nullptr, copy = nullptr;
+  CHECK(fmi2GetFMUstate(c, &state) == fmi2OK);
+  auto const expected = go_on(c);
+  CHECK(fmi2SetFMUstate(c, state) == fmi2OK);
+  CHECK(same(go_on(c), expected));
+
+  std::size_t size = 0;
+  CHECK(fmi2SerializedFMUstateSize(c, state, &size) == fmi2OK);
+  std::vector<char> bytes(size);
+  CHECK(fmi2SerializeFMUstate(c, state, bytes.data(), size - 1) == fmi2Error);
+  CHECK(fmi2SerializeFMUstate(c, state, bytes.data(), size) == fmi2OK);
+  CHECK(fmi2DeSerializeFMUstate(other, bytes.data(), size, &copy) == fmi2OK);
+  CHECK(fmi2SetFMUstate(other, copy) == fmi2OK);
+  CHECK(same(go_on(other), expected));
+
+  CHECK(fmi2SetFMUstate(c, copy) == fmi2Error);  // of the other instance
+  CHECK(fmi2DeSerializeFMUstate(c, bytes.data(), size - 1, &copy) == fmi2Error);
+  bytes[size / 2] = static_cast<char>(bytes[size / 2] ^ 1);
+  CHECK(fmi2DeSerializeFMUstate(c, bytes.data(), size, &copy) == fmi2Error);
+  CHECK(fmi2FreeFMUstate(c, &state) == fmi2OK);
+  CHECK(state == nullptr);
+  fmi2FreeInstance(c);
+  fmi2FreeInstance(other);
+}
+
 TEST_CASE("FMI 2.0: what is not this FMU's own is refused with a line") {
   SmallFmu const fmu;
   Heard heard;

@@ -59,6 +59,22 @@ TEST_CASE("what is set before the initialization is there at its start, and gone
   CHECK(r.get(sum) == 0.0);
 }
 
+TEST_CASE("fixed parameters may be set until the end of the initialization, and a reset forgets them") {
+  Running r;
+  CHECK(r.set(mass, 9.0) == Answer::ok);
+  CHECK(r.fmu.enter_initialization("enter") == Answer::ok);
+  CHECK(r.get(mass) == 9.0);
+  CHECK(r.set(rate, 4.0) == Answer::ok);
+  CHECK(r.set(mass, 11.0) == Answer::ok);
+  CHECK(r.get(mass) == 11.0);
+  CHECK(r.get(rate) == 4.0);
+  CHECK(r.fmu.exit_initialization("exit") == Answer::ok);
+  CHECK(r.set(mass, 9.0) == Answer::error);
+  CHECK(r.fmu.reset() == Answer::ok);
+  r.begin();
+  CHECK(r.get(mass) == 7.0);
+}
+
 TEST_CASE("the tool's clock may begin anywhere; the plant's begins with its case") {
   Running r;
   r.begin(100.0);

@@ -13,6 +13,7 @@
 #include "fmi2Functions.h"
 #include "rollerrig/fmu/instance.hpp"
 #include "rollerrig/fmu/shell.hpp"
+#include "rollerrig/fmu/states.hpp"
 
 namespace rollerrig::fmu {
 
@@ -41,6 +42,7 @@ struct Fmi2 {
   struct Component {
     Listener2 listener;
     Instance<typename Shell::Plant> instance;
+    States states;
     Component(Listener2 heard, std::unique_ptr<typename Shell::Plant> plant)
         : listener{std::move(heard)}, instance{std::move(plant), listener.log()} {}
   };
@@ -79,6 +81,12 @@ struct Fmi2 {
     } catch (std::exception const& problem) {
       return fmi2_status(instance.log(Answer::error, "%s: %s", name, problem.what()));
     }
+  }
+
+  /// The same, with the states that the instance has given out.
+  template <class Call>
+  static fmi2Status with_states(fmi2Component c, char const* name, Call call) {
+    return with(c, name, [&](auto& instance) { return call(static_cast<Component*>(c)->states, instance); });
   }
 
   /// A function that this FMU does not offer; with nothing asked for it is an empty task.

@@ -12,6 +12,7 @@
 #include "fmi3Functions.h"
 #include "rollerrig/fmu/instance.hpp"
 #include "rollerrig/fmu/shell.hpp"
+#include "rollerrig/fmu/states.hpp"
 
 namespace rollerrig::fmu {
 
@@ -39,6 +40,7 @@ struct Fmi3 {
   struct Component {
     Listener3 listener;
     Instance<typename Shell::Plant> instance;
+    States states;
     Component(Listener3 heard, std::unique_ptr<typename Shell::Plant> plant)
         : listener{heard}, instance{std::move(plant), listener.log()} {}
   };
@@ -79,6 +81,12 @@ struct Fmi3 {
     } catch (std::exception const& problem) {
       return fmi3_status(instance.log(Answer::error, "%s: %s", name, problem.what()));
     }
+  }
+
+  /// The same, with the states that the instance has given out.
+  template <class Call>
+  static fmi3Status with_states(fmi3Instance c, char const* name, Call call) {
+    return with(c, name, [&](auto& instance) { return call(static_cast<Component*>(c)->states, instance); });
   }
 
   /// A function that this FMU does not offer; with nothing asked for it is an empty task.

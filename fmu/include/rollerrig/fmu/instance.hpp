@@ -7,7 +7,9 @@
 #pragma once
 #include <cmath>
 #include <concepts>
+#include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <limits>
 #include <memory>
 #include <span>
@@ -16,6 +18,7 @@
 #include <vector>
 
 #include "rollerrig/fmu/log.hpp"
+#include "rollerrig/plant/byte_stream.hpp"
 #include "rollerrig/plant/variable.hpp"
 #include "rollerrig/status.hpp"
 
@@ -28,6 +31,9 @@ concept PlantLike = requires(P plant, P const constant, int index, double number
   { plant.start(number) } -> std::same_as<Status>;
   { plant.advance(number) } -> std::same_as<Status>;
   { plant.set_input(index, number) } -> std::same_as<bool>;
+  { plant.set_parameter(index, number) } -> std::same_as<bool>;
+  { plant.save() } -> std::same_as<std::vector<std::byte>>;
+  { plant.restore(std::span<std::byte const>{}) } -> std::same_as<bool>;
   { plant.get(index) } -> std::same_as<double>;
   { constant.time() } -> std::same_as<double>;
   { constant.failed_wheel() } -> std::convertible_to<std::string_view>;
@@ -82,12 +88,7 @@ class Instance {
 
   Answer enter_initialization(char const* call) {
     if (!may(instantiated, call)) return Answer::error;
-    // The plant's own clock begins where its case does.
-    Status const status = plant_->start(stop_ - start_);
-    if (status != Status::ok) return tell(call, status, Answer::error);
-    offset_ = start_ - plant_->time();
-    for (std::size_t i = 0; i < chosen_.size(); ++i)
-      if (!std::isnan(chosen_[i])) plant_->set_input(static_cast<int>(i), chosen_[i]);
+    if (Answer const begun = begin(call); begun != Answer::ok) return begun;
     step_ = {false, start_};
     phase_ = initializing;
     return Answer::ok;
@@ -135,12 +136,19 @@ class Instance {
         return log(Answer::error, "%s: %s = %g is not allowed: a %snumber from %g to %g", call, variable.name.c_str(),
                    values[k], variable.whole ? "whole " : "", variable.least, variable.most);
     }
+    bool again = false;  // a fixed parameter moves the start
     for (std::size_t k = 0; k < count; ++k) {
       std::size_t const i = references[k] - 1;
-      if (phase_ == instantiated)
-        chosen_[i] = values[k];
-      else if (!plant_->set_input(static_cast<int>(i), values[k]))
-        return log(Answer::error, "%s: %s = %g was refused", call, all[i].name.c_str(), values[k]);
+      Variable const& variable = all[i];
+      bool const fixed = variable.causality == Causality::parameter && variable.variability == Variability::fixed;
+      if (phase_ != stepping) chosen_[i] = values[k];
+      again = again || (fixed && phase_ == initializing);
+      if (phase_ != instantiated && !fixed && !apply(i, values[k]))
+        return log(Answer::error, "%s: %s = %g was refused", call, variable.name.c_str(), values[k]);
+    }
+    if (again) {
+      plant_ = anew(std::as_const(*plant_));
+      return begin(call);
     }
     return Answer::ok;
   }
@@ -179,9 +187,79 @@ class Instance {
     return tell(call, status, Answer::discard);
   }
 
+  /// Everything, as bytes that only an instance of the same model takes back.
+  std::vector<std::byte> save() {
+    Head head;
+    head.phase = phase_, head.chosen = chosen_.size();
+    head.start = start_, head.stop = stop_, head.offset = offset_, head.time = time_, head.step = step_;
+    std::vector<std::byte> bytes(sizeof head + chosen_.size() * sizeof(double));
+    std::memcpy(bytes.data() + sizeof head, chosen_.data(), chosen_.size() * sizeof(double));
+    if (phase_ != instantiated) {
+      auto const plant = plant_->save();
+      bytes.insert(bytes.end(), plant.begin(), plant.end());
+    }
+    head.checksum = crc64(std::span(std::as_const(bytes)).subspan(sizeof head));
+    std::memcpy(bytes.data(), &head, sizeof head);
+    return bytes;
+  }
+
+  /// Whether bytes are a saved state as a whole; of which model is seen when they are taken back.
+  static bool is_state(std::span<std::byte const> bytes) {
+    Head head;
+    if (bytes.size() < sizeof head) return false;
+    std::memcpy(&head, bytes.data(), sizeof head);
+    return head.mark == Head{}.mark && head.chosen <= (bytes.size() - sizeof head) / sizeof(double) &&
+           head.checksum == crc64(bytes.subspan(sizeof head));
+  }
+
+  /// Goes on from there. What is refused changes nothing.
+  Answer restore(char const* call, std::span<std::byte const> bytes) {
+    if (!is_state(bytes)) return log(Answer::error, "%s: these bytes are no saved state", call);
+    Head head;
+    std::memcpy(&head, bytes.data(), sizeof head);
+    auto const rest = bytes.subspan(sizeof head);
+    if (head.chosen != chosen_.size()) return log(Answer::error, "%s: the state of another FMU", call);
+    auto fresh = anew(std::as_const(*plant_));
+    if (head.phase != instantiated && !fresh->restore(rest.subspan(head.chosen * sizeof(double))))
+      return log(Answer::error, "%s: the state of another FMU", call);
+    plant_ = std::move(fresh);
+    std::memcpy(chosen_.data(), rest.data(), head.chosen * sizeof(double));
+    phase_ = static_cast<Phase>(head.phase);
+    start_ = head.start, stop_ = head.stop, offset_ = head.offset, time_ = head.time, step_ = head.step;
+    return Answer::ok;
+  }
+
  private:
+  struct Head {
+    std::uint64_t mark{0x3174617473756d66};  ///< "fmustat1"
+    std::uint64_t checksum{}, phase{}, chosen{};
+    double start{}, stop{}, offset{}, time{};
+    StepEnd step{};
+  };
   static constexpr double unset = std::numeric_limits<double>::quiet_NaN();
   static constexpr double endless = std::numeric_limits<double>::infinity();
+
+  /// The plant at its start, with what was chosen before; its own clock begins where its case does.
+  Answer begin(char const* call) {
+    auto const apply_chosen = [&](bool parameters) {
+      for (std::size_t i = 0; i < chosen_.size(); ++i)
+        if (!std::isnan(chosen_[i]) && (variables()[i].causality == Causality::parameter) == parameters &&
+            !apply(i, chosen_[i]))
+          return log(Answer::error, "%s: %s = %g was refused", call, variables()[i].name.c_str(), chosen_[i]);
+      return Answer::ok;
+    };
+    if (apply_chosen(true) != Answer::ok) return Answer::error;
+    Status const status = plant_->start(stop_ - start_);
+    if (status != Status::ok) return tell(call, status, Answer::error);
+    offset_ = start_ - plant_->time();
+    return apply_chosen(false);
+  }
+
+  bool apply(std::size_t i, double value) {
+    bool const parameter = variables()[i].causality == Causality::parameter;
+    int const index = static_cast<int>(i);
+    return parameter ? plant_->set_parameter(index, value) : plant_->set_input(index, value);
+  }
 
   std::span<Variable const> variables() const { return std::as_const(*plant_).variables(); }
 

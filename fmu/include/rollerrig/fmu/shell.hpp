@@ -6,21 +6,28 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "rollerrig/plant/plant.hpp"
 
-namespace rollerrig {
+namespace rollerrig::fmu {
+
+/// A plant that knows the model as it came, whatever parameters it has been given since.
+class RigPlant : public Plant {
+ public:
+  explicit RigPlant(AssembledModel assembled) : Plant{assembled}, original_{std::move(assembled)} {}
+  AssembledModel const& original() const { return original_; }
+
+ private:
+  AssembledModel original_;
+};
 
 /// A plant of the same model, as it was before its first run.
-inline std::unique_ptr<Plant> anew(Plant const& plant) { return std::make_unique<Plant>(plant.assembled()); }
-
-}  // namespace rollerrig
-
-namespace rollerrig::fmu {
+inline std::unique_ptr<RigPlant> anew(RigPlant const& plant) { return std::make_unique<RigPlant>(plant.original()); }
 
 /// Opens a plant from an FMU's resources: what the functions of FMI 2.0 and 3.0 are made over.
 struct RigShell {
-  using Plant = rollerrig::Plant;
+  using Plant = RigPlant;
 
   /// Throws std::exception with a sentence: no such file, not the model of that description, a processor that lacks
   /// instructions.
