@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from python.realtime.running import brake_case
-from rollerrig import _core, simulate
+from rollerrig import simulate
 from rollerrig.realtime.served import serve_case
 
 COUNTER = """
@@ -58,16 +58,13 @@ def test_a_thousand_periods_more_allocate_nothing_more(tmp_path: Path) -> None:
         assert short[1] == long[1] > 0  # the start of a run does allocate
 
 
-def test_standstill_and_walking_pace_cost_what_200_km_h_costs() -> None:
-    """Processor time is noisy, and evaluations are not: the median within a third, the evaluations within 5 %."""
-    medians, evaluations = [], []
+def test_standstill_and_walking_pace_take_the_evaluations_of_200_km_h() -> None:
+    """What a step costs in time is for benchmarks/real_time.py; evaluations are counted."""
+    evaluations = []
     for speed in ("0 km/h", "1 m/s", "200 km/h"):
         case = brake_case(**{"motion.speed": speed, "time.duration": 1.0})
-        served = serve_case(case, "1 kHz")
-        rig = (served.assembled, served.input_indices, served.output_indices)
-        medians.append(_core.measure_rig(*rig, period=1e-3, periods=1000, repeats=3)[1])
-        evaluations.append(json.loads(simulate(served.case).attrs["solver_statistics"])["derivative_calls"])
-    assert max(medians) < 1.34 * min(medians)
+        run = simulate(serve_case(case, "1 kHz").case)
+        evaluations.append(json.loads(run.attrs["solver_statistics"])["derivative_calls"])
     assert max(evaluations) < 1.05 * min(evaluations)
 
 
@@ -80,11 +77,3 @@ def test_in_real_time_no_step_stops_for_a_jacobian_or_is_done_again() -> None:
     )
     assert (steps["jacobian_calls"], steps["rejected_steps"], steps["steps"]) == (0, 0, 2000)
     assert usual["jacobian_calls"] > 0
-
-
-def test_in_real_time_no_step_is_far_longer_than_the_others() -> None:
-    """The least of five runs of each period, so that what else the machine does falls out: 1.2 times the median when quiet."""
-    served = serve_case(brake_case(), "1 kHz")
-    rig = (served.assembled, served.input_indices, served.output_indices)
-    _, median, _, _, longest = _core.measure_rig(*rig, period=1e-3, periods=700, repeats=5)
-    assert longest < 4 * median
