@@ -163,6 +163,7 @@ OWN_FILES = {
     "contact_laws/table_file.py": "the table that ships",
     "input_files.py": "the door itself",
     "memory.py": "of the kernel",
+    "realtime/links.py": "the memory of the server",
     "study/report.py": "the template that ships",
 }
 """Where something is opened that is no file of the user."""

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from rollerrig import _core
 from rollerrig.analysis.linear_bench import steady_case
+from rollerrig.blas_threads import one_blas_thread
 from rollerrig.config import Case
 from rollerrig.mechatronics import COMMANDS
 from rollerrig.plant import assembled_model
@@ -94,6 +95,7 @@ def measured_response(
     return MeasuredResponse(actual, np.array(found), ended)
 
 
+@one_blas_thread()
 def _one_sine(
     plant: _core.Plant, index: int, indices: list[int], count: int, step: float, amplitude: float
 ) -> tuple[NDArray[np.complex128], str]:

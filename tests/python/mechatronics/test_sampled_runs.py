@@ -128,12 +128,11 @@ def test_slow_wheels_cost_no_more_steps_and_stay_exact(on_track: bool) -> None:
     assert float(coarse["axle_speed"].min()) * RADIUS < 2.0
     both = min(coarse.sizes["time"], fine.sizes["time"])
     a, b = coarse.isel(time=slice(both)), fine.isel(time=slice(both))
-    # The brake's cylinder is integrated on the same grid: its own error at 1 ms is 1e-3 of the force. In either run the linear
-    # part grows old as the train slows, and errors grow for some tens of steps until a step fails and renews it: 1.2 % then.
+    # The brake's cylinder is integrated on the same grid: its own error at 1 ms is 3e-4 of the force. A linear part that is not
+    # renewed as the train slows makes errors of some per cent for some tens of steps, until a step fails.
     error = np.abs(a["contact_force"] - b["contact_force"]).to_numpy() / float(np.abs(b["contact_force"]).max())
-    assert np.sqrt(np.mean(error**2)) < 1e-3
-    assert np.mean(error > 5e-3) < 0.005
-    assert error.max() < 0.03
+    assert np.sqrt(np.mean(error**2)) < 5e-4
+    assert error.max() < 2e-3
     assert coarse.attrs["energy_relative_residual"] < 1e-6
 
 

@@ -13,7 +13,8 @@
 //
 // Two evaluations a step and no Jacobian while N stays smooth. The correction shows the error: a step that is too long is repeated
 // with half of it, down to a 32nd, and doubled where it would serve. An L that is old when a step fails is renewed first; so it
-// is if half steps are all that goes.
+// is if half steps are all that goes, and every 200 steps: as a train slows, creep stiffens and the corrections under an old L
+// begin to swing long before a step fails.
 //
 // The first three steps after a start or a break are of the exponential Runge-Kutta method of Krogstad, order 4. Dense output:
 // cubic Hermite polynomial, order 3.
@@ -116,6 +117,7 @@ class ExponentialAdams {
       past_.double_step();
       --level_;
     }
+    if (since_ >= oldest) return renew(f, t, y);
     return ++age_ < patience_ ? Status::ok : renew_if_short(f, t, y);
   }
 
@@ -163,6 +165,7 @@ class ExponentialAdams {
   static constexpr double milne = 19.0 / 270.0;  // error of the corrected over the correction
   static constexpr double allowed_to_double = 0.5 / 32.0;  // error that twice the step makes 0.5
   static constexpr std::int64_t first_patience = 100;      // steps until L is looked at
+  static constexpr std::int64_t oldest = 200;              // steps after which it is renewed anyway
 
   void linearise() {
     linear_.topRows(n_ - kinematic_) = jacobian_.a.bottomRows(n_ - kinematic_);
