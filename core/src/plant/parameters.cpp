@@ -166,17 +166,24 @@ struct ModelParameters::Walk {
     std::apply([&](auto const&... field) { (one(field), ...); }, S::fields());
   }
 
+  /// What acts: a body that is held has no mass of its own here, one that only spins a single moment of inertia.
   void bodies() {
     for (std::size_t i = 0; i < own.parts_.bodies.size(); ++i) {
       Body& body = own.parts_.bodies[i];
       std::string const& name = own.given_.names.bodies[i];
-      add(name + ".mass", "kg", "mass of " + words(name), positive, {&body.mass});
-      add(name + ".inertia_x", "kg m^2", "moment of inertia of " + words(name) + " in roll", positive,
-          {&body.inertia.x});
-      add(name + ".inertia_y", "kg m^2", "moment of inertia of " + words(name) + " in pitch", positive,
-          {&body.inertia.y});
-      add(name + ".inertia_z", "kg m^2", "moment of inertia of " + words(name) + " in yaw", positive,
-          {&body.inertia.z});
+      auto const& locked = body.locked;
+      bool const moves = !(locked[coord_x] && locked[coord_y] && locked[coord_z]);
+      bool const tilts = !(locked[coord_roll] && locked[coord_yaw]), spins = !locked[coord_pitch];
+      if (moves) add(name + ".mass", "kg", "mass of " + words(name), positive, {&body.mass});
+      if (tilts)
+        add(name + ".inertia_x", "kg m^2", "moment of inertia of " + words(name) + " in roll", positive,
+            {&body.inertia.x});
+      if (tilts || spins)
+        add(name + ".inertia_y", "kg m^2", "moment of inertia of " + words(name) + " in pitch", positive,
+            {&body.inertia.y});
+      if (tilts)
+        add(name + ".inertia_z", "kg m^2", "moment of inertia of " + words(name) + " in yaw", positive,
+            {&body.inertia.z});
     }
   }
 

@@ -124,3 +124,12 @@ def test_without_an_equilibrium_there_is_no_start(bogie: Case) -> None:
     plant.set_parameter(plant.find("front_frame.mass"), 1e12)
     with pytest.raises(ValueError, match="parameters: the model has no equilibrium"):
         plant.start()
+
+
+def test_a_number_that_acts_on_nothing_is_no_parameter() -> None:
+    """The car body of a bogie alone is held: its weight is in the springs' preload. Rollers on rigid bearings only spin."""
+    plant = _core.Plant(assembled_model(load_case("adhesion_brake")))
+    names = [v.name for v in plant.variables if v.causality == "parameter"]
+    assert {"front_frame.mass", "front_frame.inertia_x", "wheelset_1.mass", "roller_1.inertia_y"} <= set(names)
+    assert not [name for name in names if name.startswith("car_body.")]
+    assert not {"roller_1.mass", "roller_1.inertia_x", "roller_1.inertia_z"} & set(names)
