@@ -375,7 +375,7 @@ class Examples:
             "period": 2e-3, "periods": 5, "session": 7, "oldest": 3, "patience": 10, "ramp": 5, "lock_step": True,
             "at_once": True, "give_up": 1.0, "spin": 1e-5, "record": True,
         }  # fmt: skip
-        place = {"safe": [0.0, 0.0], "description": "{}", "address": "127.0.0.1", "port": 50000}
+        place = {"safe": [0.0, 0.0], "description": "{}", "address": "127.0.0.1", "port": 0}
 
         def run(**given: Any) -> Any:
             return _core.RigServer(**given).run()
@@ -413,6 +413,7 @@ class Examples:
     def _plant_calls(self) -> dict[str, Call]:
         given = self._assembled()
         assembled = _core.AssembledModel(**given)
+        a_mass = next(v.name for v in _core.Plant(assembled).variables if v.name.endswith(".mass"))
 
         def started(method: str) -> Callable[..., Any]:
             def call(**given: Any) -> Any:
@@ -435,7 +436,7 @@ class Examples:
             "Plant.set_input": Call(started("set_input"), {"index": 0, "value": 1e5}),
             "Plant.set_parameter": Call(
                 lambda **given: _core.Plant(assembled).set_parameter(**given),
-                {"index": _core.Plant(assembled).find("body_0.mass"), "value": 1e4},
+                {"index": _core.Plant(assembled).find(a_mass), "value": 1e4},
             ),
             "Plant.save": Call(started("save"), {}),
             "Plant.restore": Call(started("restore"), {"state": started("save")()}),
