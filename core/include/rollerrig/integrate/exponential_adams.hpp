@@ -12,15 +12,20 @@
 //     evaluate   f(t + h, y_new), the next step's first
 //
 // Two evaluations a step and no Jacobian while N stays smooth. The correction shows the error: a step that is too long is repeated
-// with half of it, down to a 32nd, and doubled where it would serve. An L that is old when a step fails is renewed first; so it
-// is if half steps are all that goes, and every 200 steps: as a train slows, creep stiffens and the corrections under an old L
-// begin to swing long before a step fails.
+// with half of it, down to a 32nd, and doubled where it would serve.
+//
+// Whether L is too old shows in the second evaluation: the correction that it would make, over the one before it, is what is left
+// of df/dy - L over a step. L is renewed where that is above 0.3, looked at every tenth step once it has served for 200 (from
+// about 0.5 on corrections grow from step to step, as with Adams methods without L; as a train slows, creep stiffens); and above
+// 0.1 where a step fails. A step that fails at a kink of the forces, where it is small, is halved at once: a new L costs as much
+// as 50 steps.
 //
 // The first three steps after a start or a break are of the exponential Runge-Kutta method of Krogstad, order 4. Dense output:
 // cubic Hermite polynomial, order 3.
 // Source  Cox, Matthews, J. Comput. Phys. 176 (2002); Krogstad, J. Comput. Phys. 203 (2005); Hochbruck, Ostermann, Exponential
 //         multistep methods of Adams-type, BIT 51 (2011). Error: Milne's, Hairer, Norsett, Wanner, Solving ODEs I (1993), III.
 #pragma once
+#include <cmath>
 #include <cstdint>
 #include <utility>
 #include <vector>
@@ -79,8 +84,7 @@ class ExponentialAdams {
     h_ = h;
     level_ = first_level;
     ticks_ = 0;
-    age_ = shortened_ = since_ = 0;
-    patience_ = helpful_for_ = first_patience;
+    since_ = 0;
     past_.clear();
     if (auto e = f.jacobian(t, y, jacobian_); e != Status::ok) return e;
     linearise();
@@ -108,28 +112,25 @@ class ExponentialAdams {
   Status accept(Evaluator<System>& f, double t, Vector const& y, double error) {
     has_end_slope_ = true;
     ticks_ += step_ticks();
-    if (since_ == 0) helpful_for_ = first_patience;
-    ++since_;
+    bool const old = ++since_ >= serves_for && since_ % looked_at_every == 0 && past_.enough() &&
+                     std::ldexp(contraction(), level_) > worn_out;
     remember(y, f_end_);
-    shortened_ += level_ > 0 ? 1 : 0;
     if (level_ > 0 && past_.known() == PastPoints::most && error < allowed_to_double &&
         ticks_ % (2 * step_ticks()) == 0) {
       past_.double_step();
       --level_;
     }
-    if (since_ >= oldest) return renew(f, t, y);
-    return ++age_ < patience_ ? Status::ok : renew_if_short(f, t, y);
+    return old ? renew(f, t, y) : Status::ok;
   }
 
   bool can_halve() const { return level_ < halvings; }
   void halve() {
-    if (since_ == 0) helpful_for_ *= 2;  // a new L did not help
     ++level_;
     past_.halve_step();
   }
 
-  /// Whether a step that failed should be repeated with a new L rather than halved: creep stiffens as a train slows down.
-  bool stale() const { return since_ >= helpful_for_ && past_.enough(); }
+  /// Whether the step that has just failed should be repeated with a new L rather than halved.
+  bool stale() { return since_ >= looked_at_every && past_.enough() && contraction() > worn; }
 
   /// L of the state (t, y) in which a step starts.
   template <class System>
@@ -154,7 +155,7 @@ class ExponentialAdams {
   template <class Archive>
   void state(Archive& archive) {
     archive(jacobian_, linear_, past_, f_start_, f_end_, stage_, slope_, sum_, error_, d1_, d2_, d3_);
-    archive(h_, level_, ticks_, age_, shortened_, patience_, since_, helpful_for_, has_end_slope_, planned_);
+    archive(h_, level_, ticks_, since_, has_end_slope_, planned_);
     if constexpr (Archive::reading)
       if (h_ > 0.0) phi_.compute(jacobian_, h_, weights_);
   }
@@ -164,8 +165,8 @@ class ExponentialAdams {
   static constexpr int first_level = 3;          // an eighth: the first steps see what a start from anywhere lets loose
   static constexpr double milne = 19.0 / 270.0;  // error of the corrected over the correction
   static constexpr double allowed_to_double = 0.5 / 32.0;  // error that twice the step makes 0.5
-  static constexpr std::int64_t first_patience = 100;      // steps until L is looked at
-  static constexpr std::int64_t oldest = 200;              // steps after which it is renewed anyway
+  static constexpr double worn = 0.1, worn_out = 0.3;      // contraction() of a step that fails, of the longest step
+  static constexpr int serves_for = 200, looked_at_every = 10;  // steps
 
   void linearise() {
     linear_.topRows(n_ - kinematic_) = jacobian_.a.bottomRows(n_ - kinematic_);
@@ -173,16 +174,13 @@ class ExponentialAdams {
     phi_.compute(jacobian_, h_, weights_);
   }
 
-  template <class System>
-  Status renew_if_short(Evaluator<System>& f, double t, Vector const& y) {
-    bool const short_steps = 2 * shortened_ > age_;
-    age_ = shortened_ = 0;
-    if (!short_steps) {
-      patience_ = first_patience;
-      return Status::ok;
-    }
-    patience_ *= 2;  // where it does not help
-    return renew(f, t, y);
+  /// A second correction of the step that multistep() has attempted, over the first.
+  double contraction() {
+    double const first = sum_.head(n_).norm();
+    d1_ = (f_end_ - slope_).tail(d1_.size());
+    d1_.noalias() -= linear_ * (std::ldexp(h_, -level_) * sum_.head(n_));
+    error_.noalias() = weights_[static_cast<std::size_t>(level_)].difference[2].topRows(n_) * d1_;
+    return error_.norm() / first;
   }
 
   void remember(Vector const& y, Vector const& y_dot) {
@@ -268,9 +266,7 @@ class ExponentialAdams {
   double h_ = 0;   // [s]
   int level_ = 0;  // the step is h_ / 2^level_
   std::int64_t ticks_ = 0;
-  std::int64_t age_ = 0, shortened_ = 0,
-               patience_ = first_patience;                 // steps since L was looked at; short ones among them
-  std::int64_t since_ = 0, helpful_for_ = first_patience;  // steps since L was renewed; after which a new one is tried
+  std::int64_t since_ = 0;  // steps since L was renewed
   bool has_end_slope_ = false, planned_ = false;
 };
 
