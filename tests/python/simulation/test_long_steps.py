@@ -43,7 +43,7 @@ def test_two_evaluations_a_step_are_enough_for_a_thousandth(reference: xr.Datase
         largest = np.abs(b).max("time")
         assert float((np.abs(a - b).max("time") / largest.max()).max()) < allowed
     cost = json.loads(run.attrs["solver_statistics"])
-    assert cost["jacobian_calls"] == 1
+    assert cost["jacobian_calls"] <= 2  # the wheels climb onto steeper profiles: once renewed with 2 ms
     assert cost["derivative_calls"] < 2.1 * cost["steps"]
     assert cost["largest_step"] == pytest.approx(float(step.split()[0]) * 1e-3)
 
