@@ -13,12 +13,11 @@ import argparse
 import resource
 from pathlib import Path
 
-import numpy as np
 from long_runs import RUNS, long_run
+from normal_contact import microseconds_per_wheel
 from right_hand_side import measure as right_hand_side
 
 from rollerrig import load_case, simulate
-from rollerrig.contact_analysis.comparison import compare_contacts
 
 ASKED = {
     "bogie_rollers_constant": "30 / 100 x",
@@ -41,14 +40,6 @@ def line(rows: list[str], what: str, asked: str, now: str, beside: str = "") -> 
     print(rows[-1], flush=True)
 
 
-def one_wheel() -> float:
-    """Microseconds of the normal contact of one wheel alone, mean over shifts of -5 to 5 mm."""
-    positions = [(1e-3 * y, 0.0) for y in np.arange(-5.0, 5.1, 1.0)]
-    case = load_case("bogie_rollers_constant")
-    rounds = [compare_contacts(case, positions)["cost"].sel(model="strips") for _ in range(5)]
-    return 1e6 * float(np.min(rounds))
-
-
 def growth_of_memory() -> float:
     """Megabytes by which the process grows from the fifth to the fifteenth of equal runs."""
     case = load_case("bogie_rollers_constant").with_changes({"time.duration": "0.2 s"})
@@ -68,12 +59,13 @@ def main() -> None:
     rows: list[str] = []
     line(rows, "what", "must / goal", "now", "beside it")
     line(rows, "---", "---", "---", "---")
+    alone, _, of_eight = microseconds_per_wheel("bogie_rollers_constant", "strips")
     line(
         rows,
-        "strips, one wheel alone",
+        "strips with search, per wheel",
         "1.5 / 1.0 us",
-        f"{one_wheel():.2f} us",
-        "packs of all wheels of a vehicle: in the next rows",
+        f"{of_eight:.2f} us",
+        f"of eight side by side; alone {alone:.2f} us",
     )
     for case, wheels, asked in (("bogie on rollers", 4, "9 / 5 us"), ("vehicle on irregular rails", 8, "")):
         full, paper = (right_hand_side(case, laws) for laws in ("strips, table", "hertz, kalker_saturated"))

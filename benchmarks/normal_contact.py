@@ -23,27 +23,30 @@ POSITIONS = [(1e-3 * y, 0.0) for y in np.arange(-4.0, 4.1, 1.0)]  # lateral [m],
 BATCHES = (1, 4, 8)
 
 
+def microseconds_per_wheel(case_name: str, law: str) -> list[float]:
+    """Search and normal contact of a wheel: alone, and in each of BATCHES."""
+    chosen = load_case(case_name).with_changes({"contact.normal": law})
+    table = contact_table(chosen, POSITIONS)
+    _, _, contact, unloaded = leading_wheelset(assemble(chosen))
+    costs = []
+    for wheels in BATCHES:
+        rounds = []
+        for _ in range(5):
+            times = []
+            for lateral, yaw in POSITIONS:
+                rows = table.isel(row=((table["lateral"] == lateral) & (table["side"] == "left")).to_numpy())
+                z, roll = float(rows["height"][0]) + unloaded, float(rows["roll"][0])
+                times.append(contact.seconds_per_contact(0.0, lateral, z, yaw, roll, False, wheels, 4000 // wheels))
+            rounds.append(np.mean(times))
+        costs.append(1e6 * min(rounds))
+    return costs
+
+
 def per_wheel() -> None:
     """Print microseconds per wheel for each normal contact, of one wheel and of batches."""
     for name in ("contact_benchmark_track", "bogie_rollers_constant"):
-        case = load_case(name)
         for law in NORMAL_LAWS:
-            chosen = case.with_changes({"contact.normal": law})
-            table = contact_table(chosen, POSITIONS)
-            _, _, contact, unloaded = leading_wheelset(assemble(chosen))
-            costs = []
-            for wheels in BATCHES:
-                rounds = []
-                for _ in range(5):
-                    times = []
-                    for lateral, yaw in POSITIONS:
-                        rows = table.isel(row=((table["lateral"] == lateral) & (table["side"] == "left")).to_numpy())
-                        z, roll = float(rows["height"][0]) + unloaded, float(rows["roll"][0])
-                        times.append(
-                            contact.seconds_per_contact(0.0, lateral, z, yaw, roll, False, wheels, 4000 // wheels)
-                        )
-                    rounds.append(np.mean(times))
-                costs.append(1e6 * min(rounds))
+            costs = microseconds_per_wheel(name, law)
             row = ", ".join(f"{cost:.2f} of {wheels}" for wheels, cost in zip(BATCHES, costs, strict=True))
             print(f"{name:24s} {law:8s} us per wheel: {row}")
 
