@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from rollerrig.cli.command import AllowCode, Force, Out, Processes, RigCaseName, carry_out, read_case
+from rollerrig.cli.command import AllowCode, Changes, Force, Out, Processes, RigCaseName, carry_out, read_case
 
 
 def command(
@@ -22,11 +22,12 @@ def command(
         bool, typer.Option("--quick", help="Two starts of each test: to see that everything works.")
     ] = False,
     processes: Processes = 2,
+    change: Changes = None,
     allow_code: AllowCode = False,
     force: Force = False,
 ) -> None:
     """A brake or traction test on degraded track and on the dry rig that reproduces it, side by side."""
     from rollerrig.study.adhesion import AdhesionStudy
 
-    study = AdhesionStudy(read_case(case, allow_code=allow_code), error_budget, quick)
+    study = AdhesionStudy(read_case(case, allow_code=allow_code, changes=change), error_budget, quick)
     carry_out(study, out, processes, force=force)

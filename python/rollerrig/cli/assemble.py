@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from rollerrig.cli.command import AllowCode, CaseName, Force, read_case
+from rollerrig.cli.command import AllowCode, CaseName, Changes, Force, read_case
 from rollerrig.cli.termination import say
 
 
@@ -21,12 +21,13 @@ def command(
         ),
     ] = "",
     force: Force = False,
+    change: Changes = None,
     allow_code: AllowCode = False,
 ) -> None:
     """Write everything that a run of a case needs into one file, for other tools and without Python."""
     from rollerrig.plant import assemble_file, contents, read_model
 
     roles = [name.strip() for name in external.split(",") if name.strip()]
-    path = assemble_file(read_case(case, allow_code=allow_code), out, external=roles, force=force)
+    path = assemble_file(read_case(case, allow_code=allow_code, changes=change), out, external=roles, force=force)
     typer.echo(path)
     say(contents(read_model(path)))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import tomllib
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, NoReturn
 
@@ -29,18 +30,53 @@ AllowCode = Annotated[
     bool,
     typer.Option("--allow-code", help="Also take controllers from outside the folder of the case that names them."),
 ]
+Changes = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--set",
+        metavar="KEY=VALUE",
+        help="Another value for a key of the case, as in a TOML file; repeatable. "
+        "'vehicle.element.primary_*.x.stiffness=30 MN/m' changes all that match.",
+    ),
+]
 SpeedsKmh = Annotated[str, typer.Option(help="Speeds [km/h] as start:stop:step, or a list with commas.")]
 Processes = Annotated[int, typer.Option(min=1, max=64, help="Runs at a time.")]
 
 
-def read_case(name: str, *, allow_code: bool) -> Case:
-    """The case, and a line to the user for every piece of code that it brings."""
+def read_case(name: str, *, allow_code: bool, changes: list[str] | None = None) -> Case:
+    """The case with what `--set` changes of it, and a line to the user for every piece of code that it brings."""
     from rollerrig.config import load_case
 
     case = load_case(name, allow_code=allow_code)
+    if changes:
+        case = case.with_changes(changes_of(changes))
     for line in code_lines(case):
         say(f"rollerrig: {name}: {line}")
     return case
+
+
+def changes_of(texts: list[str] | None) -> dict[str, Any]:
+    """Key -> value of `KEY=VALUE` texts. A value is one of TOML; what is none and holds no quote or bracket is a text.
+
+    Raises:
+        typer.BadParameter: a text is not of that form.
+    """
+    changes: dict[str, Any] = {}
+    for text in texts or []:
+        key, equals, value = text.partition("=")
+        key, value = key.strip(), value.strip()
+        try:
+            changes[key] = tomllib.loads(f"value = {value}")["value"]
+        except (tomllib.TOMLDecodeError, ValueError, RecursionError):
+            equals = "" if not value or set(value) & set("\"'[]{}=\n") else equals
+            changes[key] = value
+        if not equals or not key:
+            raise typer.BadParameter(
+                f"'{text}': allowed: KEY=VALUE with a value of TOML, e.g. brake.motors_stand_in=true or "
+                "'motion.speed=120 km/h'",
+                param_hint="--set",
+            )
+    return changes
 
 
 def code_lines(case: Case) -> list[str]:

@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 
 import typer
 
-from rollerrig.cli.command import AllowCode, Force, read_case
+from rollerrig.cli.command import AllowCode, Changes, Force, read_case
 from rollerrig.cli.ranges import check_finite, read_range
 from rollerrig.cli.termination import LEFT_VALIDITY, say, stop
 
@@ -27,6 +27,7 @@ def command(
     compare: Annotated[
         bool, typer.Option("--compare", help="Every normal contact and creep law side by side, with its cost.")
     ] = False,
+    change: Changes = None,
     allow_code: AllowCode = False,
     force: Force = False,
 ) -> None:
@@ -38,7 +39,7 @@ def command(
         raise typer.BadParameter(f"'{plot}' must end in .png or .svg", param_hint="--plot")
     check_finite(roll_mrad, "--roll-mrad")
     places = _positions(lateral_mm, yaw_mrad, yaw_mrad_per_mm)
-    chosen = read_case(case, allow_code=allow_code)
+    chosen = read_case(case, allow_code=allow_code, changes=change)
     tables = _known_tables()
     for path in (csv, plot, *((_beside(csv), plot and _beside(plot)) if compare else ())):
         if path is not None:

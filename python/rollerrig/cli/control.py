@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from rollerrig.cli.command import AllowCode, Force, Out, Processes, RigCaseName, carry_out, read_case
+from rollerrig.cli.command import AllowCode, Changes, Force, Out, Processes, RigCaseName, carry_out, read_case
 
 
 def command(
@@ -29,6 +29,7 @@ def command(
         bool, typer.Option(help="Also compare ways to compensate the lags, in tests of the case's own length.")
     ] = True,
     processes: Processes = 2,
+    change: Changes = None,
     allow_code: AllowCode = False,
     force: Force = False,
 ) -> None:
@@ -36,7 +37,7 @@ def command(
     from rollerrig.study.control import ControlStudy, study_case
 
     names = tuple(name.strip() for name in families.split(",")) if families else ()
-    whole = read_case(case, allow_code=allow_code)
+    whole = read_case(case, allow_code=allow_code, changes=change)
     length = whole.time.duration if lags else 0.0
     carry_out(
         ControlStudy(study_case(whole, duration), names, controller, loop, length),

@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from rollerrig.cli.command import AllowCode, Force, Out, Processes, RigCaseName, carry_out, read_case
+from rollerrig.cli.command import AllowCode, Changes, Force, Out, Processes, RigCaseName, carry_out, read_case
 from rollerrig.cli.ranges import check_finite, read_range
 
 
@@ -32,6 +32,7 @@ def command(
         int, typer.Option(min=0, max=4, help="How many times cells between different regions are halved.")
     ] = 1,
     processes: Processes = 2,
+    change: Changes = None,
     allow_code: AllowCode = False,
     force: Force = False,
 ) -> None:
@@ -43,7 +44,7 @@ def command(
 
     check_finite(speed_kmh, "--speed-kmh")
     check_finite(duration, "--duration")
-    chosen = read_case(case, allow_code=allow_code)
+    chosen = read_case(case, allow_code=allow_code, changes=change)
     if speed_kmh is not None:
         chosen = chosen.with_changes({"motion.speed": f"{speed_kmh} km/h"})
     texts = {"torques": (torques_knm, 1e3), "adhesions": (adhesions, 1.0), "loads": (loads, 1.0)}

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from rollerrig.cli.command import AllowCode, CaseName, Force, read_case
+from rollerrig.cli.command import AllowCode, CaseName, Changes, Force, read_case
 from rollerrig.cli.termination import stop
 
 
@@ -20,6 +20,7 @@ def command(
         str, typer.Option(help="Tables of the controllers whose commands become inputs, with commas.")
     ] = "",
     force: Force = False,
+    change: Changes = None,
     allow_code: AllowCode = False,
 ) -> None:
     """A case as an FMU (Functional Mock-up Unit) for Simulink, Dymola, FMPy and others; no compiler is needed."""
@@ -27,7 +28,7 @@ def command(
     from rollerrig.fmu.shells import shells
 
     roles = [role.strip() for role in external.split(",") if role.strip()]
-    whole = read_case(case, allow_code=allow_code)
+    whole = read_case(case, allow_code=allow_code, changes=change)
     try:
         typer.echo(export_fmu(whole, out, fmi=fmi, kind=kind, external=roles, force=force))
     except ExportError as error:

@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from rollerrig.cli.command import AllowCode, CaseName, Force, Out, Processes, carry_out, read_case
+from rollerrig.cli.command import AllowCode, CaseName, Changes, Force, Out, Processes, carry_out, read_case
 from rollerrig.cli.ranges import read_speeds
 
 
@@ -27,13 +27,14 @@ def command(
     ] = 12,
     amplitude: Annotated[float, typer.Option(min=1e-9, max=1e9, help="Of that sine, in the command's unit.")] = 1000.0,
     processes: Processes = 1,
+    change: Changes = None,
     allow_code: AllowCode = False,
     force: Force = False,
 ) -> None:
     """Frequency response from commands to outputs: Bode, Nyquist, poles and zeros, margins, and measured beside it."""
     from rollerrig.study.response import ResponseStudy
 
-    whole = read_case(case, allow_code=allow_code)
+    whole = read_case(case, allow_code=allow_code, changes=change)
     speeds = (3.6 * whole.motion.speed,) if speeds_kmh is None else read_speeds(speeds_kmh)
     study = ResponseStudy(
         whole, tuple(input or ()), tuple(output or ()), speeds, (from_hz, to_hz), points, measured, amplitude

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from rollerrig.cli.command import AllowCode, CaseName, Force, Out, carry_out, read_case
+from rollerrig.cli.command import AllowCode, CaseName, Changes, Force, Out, carry_out, read_case
 
 
-def command(case: CaseName, out: Out, allow_code: AllowCode = False, force: Force = False) -> None:
+def command(
+    case: CaseName, out: Out, change: Changes = None, allow_code: AllowCode = False, force: Force = False
+) -> None:
     """Simulate one case: run.nc (every signal), summary.json, motion.csv, wheels.csv, running_safety.csv, report.html."""
     from rollerrig.study.run import RunStudy
 
-    carry_out(RunStudy(read_case(case, allow_code=allow_code)), out, force=force)
+    carry_out(RunStudy(read_case(case, allow_code=allow_code, changes=change)), out, force=force)

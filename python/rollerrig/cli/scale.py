@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import tomllib
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
 
-from rollerrig.cli.command import AllowCode, Force, Out, Processes, carry_out, read_case
+from rollerrig.cli.command import AllowCode, Force, Out, Processes, carry_out, changes_of, read_case
 from rollerrig.cli.termination import say
 
 
@@ -39,13 +38,14 @@ def command(
     force: Force = False,
 ) -> None:
     """A scaled rig by similitude: case.toml, to be run like any other, and what it violates."""
+    from rollerrig.config.write.toml import to_short_toml
     from rollerrig.results import ResultFolder, check_folder
     from rollerrig.similitude import requirements, similitude
     from rollerrig.study.scale import CASE_FILE, scale_study
     from rollerrig.study.scale_tables import model_summary
 
     kept = tuple(name.strip() for name in keep.split(",") if name.strip() and keep != "none")
-    factors, changes = similitude(strategy, length, time, density), _changes(change or [])
+    factors, changes = similitude(strategy, length, time, density), changes_of(change)
     study = scale_study(
         read_case(case, allow_code=allow_code),
         factors,
@@ -58,23 +58,6 @@ def command(
         carry_out(study, out, processes, force=force)
     check_folder(out, study.command, (CASE_FILE,), force=force)
     with ResultFolder(out, study.command, {study.model.name: study.model}, force=force) as folder:
-        typer.echo(folder.add(CASE_FILE, study.model.to_short_toml().encode()))
+        typer.echo(folder.add(CASE_FILE, to_short_toml(study.model).encode()))
         folder.commit()
     say("\n".join(model_summary(study.model, requirements(study.full, study.model))))
-
-
-def _changes(texts: list[str]) -> dict[str, Any]:
-    changes: dict[str, Any] = {}
-    for text in texts:
-        key, equals, value = text.partition("=")
-        try:
-            changes[key.strip()] = tomllib.loads(f"value = {value}")["value"]
-        except (tomllib.TOMLDecodeError, ValueError):
-            equals = ""
-        if not equals or not key.strip():
-            raise typer.BadParameter(
-                f"'{text}': allowed: KEY=VALUE with a value of TOML, e.g. brake.motors_stand_in=true or "
-                """traction.motor.bandwidth='"100 Hz"'""",
-                param_hint="--set",
-            )
-    return changes

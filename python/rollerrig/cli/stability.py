@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from rollerrig.cli.command import AllowCode, CaseName, Force, Out, SpeedsKmh, carry_out, read_case
+from rollerrig.cli.command import AllowCode, CaseName, Changes, Force, Out, SpeedsKmh, carry_out, read_case
 from rollerrig.cli.ranges import read_speeds
 
 
@@ -41,6 +41,7 @@ def command(
             help="Also compare the contact models, on rig and track, with a run at this speed [km/h].",
         ),
     ] = None,
+    change: Changes = None,
     allow_code: AllowCode = False,
     force: Force = False,
 ) -> None:
@@ -56,6 +57,6 @@ def command(
     )
     speeds = read_speeds(speeds_kmh)
     study = StabilityStudy(
-        read_case(case, allow_code=allow_code), speeds, limit_cycles, settings, contacts_kmh, processes
+        read_case(case, allow_code=allow_code, changes=change), speeds, limit_cycles, settings, contacts_kmh, processes
     )
     carry_out(study, out, processes, force=force)

@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from rollerrig.cli.command import AllowCode, Force, Out, Processes, RigCaseName, carry_out, read_case
+from rollerrig.cli.command import AllowCode, Changes, Force, Out, Processes, RigCaseName, carry_out, read_case
 
 
 def command(
@@ -25,6 +25,7 @@ def command(
         bool, typer.Option("--quick", help="Two starts of the first two stops: to see that everything works.")
     ] = False,
     processes: Processes = 2,
+    change: Changes = None,
     allow_code: AllowCode = False,
     force: Force = False,
 ) -> None:
@@ -32,5 +33,5 @@ def command(
     from rollerrig.config import load_programme
     from rollerrig.study.wsp import WspStudy
 
-    study = WspStudy(read_case(case, allow_code=allow_code), load_programme(programme), starts, quick)
+    study = WspStudy(read_case(case, allow_code=allow_code, changes=change), load_programme(programme), starts, quick)
     carry_out(study, out, processes, force=force)

@@ -27,6 +27,7 @@ from rollerrig.analysis.scaled_model import (
 )
 from rollerrig.analysis.tracking import wheel_radius
 from rollerrig.config import Case
+from rollerrig.config.write.toml import to_short_toml
 from rollerrig.plot import scaled as figures
 from rollerrig.results import COMPLETED
 from rollerrig.similitude import (
@@ -204,7 +205,7 @@ class ScaleStudy(Study[Scaled]):
     def files(self, results: Scaled, numbers: Numbers) -> Mapping[str, Any]:
         axles = {"axles.csv": axle_rows(results.full, results.mapped["model"])} if "train_speed" in results.full else {}
         runs = {"full.nc": results.full, "model.nc": results.mapped["model"]}
-        return {CASE_FILE: self.model.to_short_toml(), **runs, **axles}
+        return {CASE_FILE: to_short_toml(self.model), **runs, **axles}
 
     def sections(self, results: Scaled, numbers: Numbers) -> list[Section]:
         runs = {"full scale": numbers["full"], "model, mapped back": numbers["model_mapped_back"]}

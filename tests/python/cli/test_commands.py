@@ -17,6 +17,7 @@ from typer.testing import CliRunner
 
 import rollerrig as rr
 from rollerrig.cli.app import build_app
+from rollerrig.config import case_from_toml
 
 CASE = """
 name = "short"
@@ -351,3 +352,31 @@ def test_what_is_found_late_names_the_file_too(case: Path, tmp_path: Path) -> No
     done = Done("run", case, "--out", tmp_path / "out")
     assert done.code == 2
     assert f"rollerrig: {case}: time.step: 9 ms; allowed" in done.err
+
+
+def test_values_of_a_case_can_be_set_on_the_command_line(case: Path, tmp_path: Path) -> None:
+    sets = (
+        "--set",
+        "motion.speed=72 km/h",
+        "--set",
+        "vehicle.element.primary_*.x.stiffness=30 MN/m",
+        "--set",
+        "time.duration=0.02",
+    )
+    assert Done("run", case, "--out", tmp_path / "out", *sets).code == 0
+    run = rr.load_run(tmp_path / "out" / "run.nc")
+    kept = case_from_toml(run.attrs["config_toml"])
+    assert (kept.motion.speed, kept.time.duration) == (20.0, 0.02)
+    assert {e.x.stiffness for e in kept.vehicle.data.element if e.x and e.name.startswith("primary_")} == {30e6}
+
+
+@pytest.mark.parametrize(
+    ("text", "line"),
+    [("motion.speed", "allowed: KEY=VALUE"), ("motion.sped=3", "motion.sped: unknown key (= 3); allowed"),
+     ("motion.speed=3 kg", "motion.speed: '3 kg'; allowed: a number in m/s"), ("=3", "allowed: KEY=VALUE")],
+)  # fmt: skip
+def test_what_cannot_be_set_is_said(text: str, line: str, case: Path, tmp_path: Path) -> None:
+    done = Done("run", case, "--out", tmp_path / "out", "--set", text)
+    assert done.code == 2
+    assert line in " ".join(done.err.replace("│", " ").split())
+    assert not (tmp_path / "out").exists()

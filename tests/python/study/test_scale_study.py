@@ -159,7 +159,8 @@ def test_the_command(tmp_path: Path) -> None:
         (["--strategy", "inret"], "did you mean 'inrets'?"),
         (["--strategy", "dlr", "--length", "0"], "similitude: length: 0.0; allowed: a factor"),
         (["--strategy", "dlr", "--set", "time.sampling_step"], "allowed: KEY=VALUE"),
-        (["--strategy", "dlr", "--set", "time.sampling_step=1 m s"], "allowed: KEY=VALUE"),
+        (["--strategy", "dlr", "--set", "time.sampling_step=[1"], "allowed: KEY=VALUE"),
+        (["--strategy", "dlr", "--set", "time.sampling_step=1 m s"], "time.sampling_step: '1 m s'"),
         (["--strategy", "dlr", "--set", "time.sampling_stp=1"], "time.sampling_stp"),
     ],
 )

@@ -7,12 +7,15 @@ All mistakes of a case and of the files it names are collected before ConfigErro
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 from typing import Any, Literal, TypeVar, get_args
 
-from rollerrig.config.errors import ConfigError, ConfigProblem
+from rollerrig.config.errors import ConfigError, ConfigProblem, show_value
 from rollerrig.config.load.change import apply_changes
+from rollerrig.config.load.changed import BASE, OWN_KEYS, WITHOUT, changed_tables, changes_in
 from rollerrig.config.load.code import place_code
+from rollerrig.config.load.placed import placed
 from rollerrig.config.load.resolve import (
     refer,
     relative_to,
@@ -25,17 +28,18 @@ from rollerrig.config.load.resolve import (
 from rollerrig.config.read.document import Document, parse_document, read_document
 from rollerrig.config.read.library import CatalogKind, catalog_names
 from rollerrig.config.schema.base import Table
-from rollerrig.config.schema.case import CaseTables, SupportChoice, VehicleChoice
+from rollerrig.config.schema.case import CaseTables
 from rollerrig.config.schema.material import Material
 from rollerrig.config.schema.profile import ProfileRoot, ProfileSpec
 from rollerrig.config.schema.programme import Programme
 from rollerrig.config.schema.support import Rig
 from rollerrig.config.schema.track import Track
-from rollerrig.config.schema.units import AS_WRITTEN
 from rollerrig.config.schema.vehicle import Vehicle
 from rollerrig.config.validate.check_case import check_case, check_case_names, check_drive
 from rollerrig.config.validate.check_profile import check_profile
 from rollerrig.config.validate.messages import validate
+from rollerrig.config.write.differences import Differences, differences, tables_of, text_from_base
+from rollerrig.config.write.in_words import in_html, in_words
 from rollerrig.config.write.toml import plain, to_short_toml, to_toml
 
 T = TypeVar("T")
@@ -45,21 +49,29 @@ Problems = list[ConfigProblem]
 class Case(CaseTables):
     """Everything one simulation needs; read by `load_case`, in SI, never changed: `with_changes` makes another."""
 
+    def __repr__(self) -> str:
+        return in_words(self)
+
+    __str__ = __repr__
+
+    def _repr_html_(self) -> str:
+        return in_html(self)
+
     def with_changes(self, changes: Mapping[str, object]) -> "Case":
         """A copy with some values replaced, checked like a file.
 
         Args:
             changes: dotted key -> value as a file would give it, e.g. `{"motion.speed": "120 km/h",
                 "support.roller_radius": 10, "vehicle.body.car_body.mass": "30 t"}`. Items of a list are addressed
-                by name or index; `vehicle.data.` and `support.data.` may be shortened to `vehicle.` and `support.`.
+                by name or index, with `*` all that match (`vehicle.element.primary_*.x.stiffness`); numbers of NumPy and
+                quantities of pint are numbers too; None takes a key away; `vehicle.data.` and `support.data.` may be
+                shortened to `vehicle.` and `support.`.
 
         Raises:
             ConfigError: a key does not exist or a value is not allowed.
         """
         file = f"{self.name} (changed)"
-        full = {_whole_key(str(key)): value for key, value in changes.items()}
-        raw = _tables_of(self, full)
-        problems = apply_changes(raw, full, file)
+        raw, problems = changed_tables(self, {str(key): value for key, value in changes.items()}, file)
         try:
             changed = build_case(
                 Document(raw, file, Path()), allow_code=True
@@ -70,34 +82,61 @@ class Case(CaseTables):
             raise ConfigError(problems)
         return changed
 
+    def diff(self, other: "Case") -> Differences:
+        """What is different in another case: dotted key -> (value here, value there), in SI; it prints a line per key."""
+        return differences(tables_of(self), tables_of(other))
+
     def to_toml(self) -> str:
         """The whole case, nothing referred to by name, as TOML text that `load_case` reads again."""
-        return to_toml(self, shared=[(part, "data") for part in _OWN_KEYS])  # with_changes shares them
+        return to_toml(self, shared=[(part, "data") for part in OWN_KEYS])  # with_changes shares them
 
     def to_short_toml(self) -> str:
-        """The same without what has its default value: a file to read and edit."""
-        return to_short_toml(self)
+        """What differs from the nearest case of the catalogue, or all that has not its default value: a file to read and edit."""
+        changes, name = _nearest_base(self)
+        text = text_from_base(name, changes)
+        whole = to_short_toml(self)
+        try:
+            same = len(text) < len(whole) and case_from_toml(text, allow_code=True) == self
+        except ConfigError:
+            same = False
+        return text if same else whole
+
+    def save(self, path: str | Path) -> None:
+        """Write `to_short_toml` to a file that `load_case` reads.
+
+        Raises:
+            OSError: it cannot be written.
+        """
+        Path(path).write_text(self.to_short_toml(), encoding="utf-8")
 
 
-_OWN_KEYS = {"vehicle": VehicleChoice.model_fields.keys(), "support": SupportChoice.model_fields.keys()}
+@cache
+def _catalogue_tables(name: str) -> dict[str, Any]:
+    return tables_of(load_case(name))
 
 
-def _whole_key(key: str) -> str:
-    """`vehicle.body.car_body.mass` as `vehicle.data.body.car_body.mass`."""
-    head, _, rest = key.partition(".")
-    is_short = head in _OWN_KEYS and rest and rest.split(".")[0] not in _OWN_KEYS[head]
-    return f"{head}.data.{rest}" if is_short else key
+def _nearest_base(case: Case) -> tuple[Differences, str]:
+    """The case of the catalogue of that name, or the one from which least is different; and the differences."""
+    tables = tables_of(case)
+    names = [name for name in catalog_names("case") if name == case.name] or catalog_names("case")
+    found = ((differences(_from_named_parts(_catalogue_tables(name), tables), tables), name) for name in names)
+    changes, name = min(found, key=lambda pair: (len(pair[0]), pair[1]))
+    for part in OWN_KEYS:  # kept out of the comparison, not out of the file
+        use = tables[part].get("use")
+        if use != _catalogue_tables(name)[part].get("use"):
+            changes = Differences({f"{part}.use": (_catalogue_tables(name)[part].get("use"), use), **changes})
+    return changes, name
 
 
-def _tables_of(case: Case, changes: Mapping[str, object]) -> dict[str, Any]:
-    """The raw tables of a case; a vehicle or support that no change concerns stays the checked object that it is."""
-    kept = [part for part in _OWN_KEYS if all(key.partition(".")[0] != part or key == "vehicle.cut" for key in changes)]
-    raw: dict[str, Any] = plain(
-        case.model_dump(exclude_none=True, context=AS_WRITTEN, exclude={part: {"data"} for part in kept})
-    )
-    for part in kept:
-        raw[part]["data"] = getattr(case, part).data
-    return raw
+def _from_named_parts(base: dict[str, Any], case: dict[str, Any]) -> dict[str, Any]:
+    """Tables of a base with the vehicle and support of the catalogue that the case names."""
+    found = dict(base)
+    for part, load in (("vehicle", load_vehicle), ("support", load_support)):
+        use = case[part].get("use")
+        if use != base[part].get("use"):
+            data = plain(load(use)) if use in catalog_names(part) else base[part]["data"]
+            found[part] = {**base[part], "use": use, "data": data}
+    return found
 
 
 def load_case(source: str | Path, *, allow_code: bool = False) -> Case:
@@ -208,7 +247,7 @@ def load_any(
 
 def _kind_of(raw: Mapping[str, Any]) -> CatalogKind:
     """What a document is meant to be; a case if nothing tells."""
-    if raw.keys() & {"vehicle", "motion", "time"}:
+    if raw.keys() & {BASE, "vehicle", "motion", "time"}:
         return "case"
     if raw.keys() & {"stop", "limit"}:
         return "programme"
@@ -221,19 +260,27 @@ def _kind_of(raw: Mapping[str, Any]) -> CatalogKind:
     return "profile" if "kind" in raw else "case"
 
 
-def build_case(document: Document, *, own_folder: Path | None = None, allow_code: bool = False) -> Case:
+def build_case(
+    document: Document, *, own_folder: Path | None = None, allow_code: bool = False, above: tuple[str, ...] = ()
+) -> Case:
     """Resolve, validate and check a case.
 
     Args:
         document: its raw tables.
         own_folder: where its controllers may lie; None: nowhere.
         allow_code: whether they may lie anywhere.
+        above: files that start from this one.
 
     Raises:
         ConfigError: all mistakes found.
     """
+    if BASE in document.raw:
+        return _build_from_base(document, own_folder, allow_code=allow_code, above=above)
     raw: dict[str, Any] = _copied(document.raw)
     file = document.file
+    if WITHOUT in raw:
+        allowed = "allowed: beside `base`, whose keys it takes away"
+        raise ConfigError([ConfigProblem(file, WITHOUT, show_value(raw[WITHOUT]), allowed)])
     vehicle, problems = _part(raw, "vehicle", resolve_vehicle, document)
     support, mistakes = _part(raw, "support", resolve_support, document)
     problems += mistakes
@@ -251,6 +298,31 @@ def build_case(document: Document, *, own_folder: Path | None = None, allow_code
     if case is not None and not problems:
         problems += check_case(case, file)
     return _whole(case, problems)
+
+
+def _build_from_base(document: Document, own_folder: Path | None, *, allow_code: bool, above: tuple[str, ...]) -> Case:
+    """A case that says what is different from its `base`."""
+    name, file = document.raw[BASE], document.file
+    if not isinstance(name, str):
+        raise ConfigError([ConfigProblem(file, BASE, show_value(name), "allowed: a case of the catalogue or a file")])
+    found, problems = refer("case", name, document, BASE)
+    if found is None:
+        raise ConfigError(problems)
+    here = str((found.folder / Path(name).name).absolute())
+    if here in above:
+        allowed = "allowed: a case that does not start from this one again"
+        raise ConfigError([ConfigProblem(file, BASE, show_value(name), allowed)])
+    base = build_case(found, own_folder=found.folder, allow_code=allow_code, above=(*above, here))
+    changes, problems = changes_in(document, base)
+    raw, mistakes = changed_tables(base, changes, file)
+    problems += mistakes
+    try:
+        case = build_case(replace(document, raw=raw), own_folder=own_folder, allow_code=allow_code)
+    except ConfigError as error:
+        problems += error.problems
+    if problems:
+        raise ConfigError(problems)
+    return case
 
 
 def _copied(value: Any) -> Any:
@@ -278,6 +350,9 @@ def _part(
     changes, labels = _overrides(choice, key)
     changes = {name: relative_to(document.folder, name, value) for name, value in changes.items()}
     tables = plain(own.raw)
+    if key == "vehicle":
+        tables, mistakes = placed(tables, own.file)
+        problems += mistakes
     problems += apply_changes(tables, changes, document.file, f"{key}.changes")
     part, mistakes = resolve(replace(own, raw=tables))
     for mistake in mistakes:

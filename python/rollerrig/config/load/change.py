@@ -5,6 +5,7 @@ raw tables + {"body.car_body.mass": "30 t"} -> [apply_changes] -> raw tables, no
 
 import re
 from collections.abc import Mapping
+from fnmatch import fnmatchcase
 from functools import cache
 from typing import Any
 
@@ -36,7 +37,8 @@ def apply_changes(raw: dict[str, Any], changes: Mapping[str, object], file: str,
 
     Args:
         raw: tables, changed in place.
-        changes: dotted key -> value; items of a list are addressed by name or index.
+        changes: dotted key -> value; items of a list are addressed by name or index; a part of a key with `*` stands for all
+            that exist and match.
         file: what the problems name.
         at: the key under which ``changes`` themselves stand, for the problems.
 
@@ -45,14 +47,53 @@ def apply_changes(raw: dict[str, Any], changes: Mapping[str, object], file: str,
     """
     problems = []
     for key, value in changes.items():
-        problem = _write(raw, key, plain(value), set(changes), file)
-        if problem:
-            problems.append(problem.within(at))
+        path = parts_of(key)
+        matching = _matching(raw, path, key, file) if "*" in key else [path]
+        if isinstance(matching, ConfigProblem):
+            problems.append(matching.within(at))
+            continue
+        for found in matching:
+            problem = _write(raw, key if found is path else ".".join(found), plain(value), set(changes), file)
+            if problem:
+                problems.append(problem.within(at))
     return problems
 
 
+def parts_of(key: str) -> list[str]:
+    """Parts of a dotted key; `body[1]` is that of `body.1`."""
+    return re.sub(r"\[(\d+)\]", r".\1", key).split(".")
+
+
+def _matching(holder: Any, path: list[str], key: str, file: str) -> list[list[str]] | ConfigProblem:
+    """All paths that exist and match one with `*` in it; a problem where none does."""
+    if "*" not in ".".join(path):
+        return [path]
+    first, rest = path[0], path[1:]
+    items = (
+        {item_label(holder, i).strip("[]"): item for i, item in enumerate(holder)}
+        if isinstance(holder, list)
+        else holder
+    )
+    if not isinstance(items, dict):
+        items = {}
+    if first.isdecimal() and int(first) < len(items) and first not in items:
+        first = list(items)[int(first)]
+    matching = [name for name in items if fnmatchcase(name, first)]
+    if isinstance(holder, dict) and "*" in first and rest:  # of a table's keys, those below which the next one exists
+        matching = [
+            name for name in matching if isinstance(items[name], dict) and ("*" in rest[0] or rest[0] in items[name])
+        ]
+    paths: list[list[str]] = []
+    for name in matching:
+        found = _matching(items[name], rest, key, file)
+        if isinstance(found, ConfigProblem):
+            return found
+        paths += [[name, *tail] for tail in found]
+    return paths or ConfigProblem(file, key, f"nothing matches '{first}'", one_of(items), nearest(first, tuple(items)))
+
+
 def _write(raw: dict[str, Any], key: str, value: object, keys: set[str], file: str) -> ConfigProblem | None:
-    *path, last = re.sub(r"\[(\d+)\]", r".\1", key).split(".")
+    *path, last = parts_of(key)
     holder: Any = raw
     for part in path:
         if isinstance(holder, dict):

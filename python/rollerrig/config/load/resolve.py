@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from rollerrig.config.errors import ConfigError, ConfigProblem, nearest, show_value
+from rollerrig.config.load.placed import placed
 from rollerrig.config.read.document import NO_SUCH_FILE, Document, read_document
 from rollerrig.config.read.library import CatalogKind, catalog_names
 from rollerrig.config.schema.material import Material
@@ -28,8 +29,9 @@ _POINT_FILES = (".txt", ".dat", ".csv", ".prw", ".prr", ".prf", ".xy")
 
 def resolve_vehicle(document: Document) -> tuple[Vehicle | None, Problems]:
     """A vehicle from its raw tables."""
-    raw, file = dict(document.raw), document.file
-    problems = check_vehicle_names(raw, file)
+    file = document.file
+    raw, problems = placed(document.raw, file)
+    problems += check_vehicle_names(raw, file)
     wheel = raw.get("wheel")
     if isinstance(wheel, Mapping):
         raw["wheel"], mistakes = _with_profile(wheel, document, "wheel.profile")

@@ -276,6 +276,14 @@ class CaseTables(Table):
 
     model_config = ConfigDict(title="Case")
 
+    base: str | None = Field(
+        default=None,
+        description="a case of the catalogue, or a file relative to this one, from which this one says only what is different; "
+        "loading writes that into it",
+    )
+    without: tuple[str, ...] | None = Field(
+        default=None, description="with `base`: dotted keys that it has and this one has not"
+    )
     name: Name = Field(description="name of the case")
     description: str = Field(default="", description="one line about the case")
     gravity: Annotated[float, Quantity("m/s^2", 0.05, 1e4)] = Field(

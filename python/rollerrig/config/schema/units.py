@@ -12,6 +12,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import lru_cache
+from numbers import Real
 from typing import TYPE_CHECKING, Annotated, Any
 
 from pydantic import GetJsonSchemaHandler, SerializationInfo
@@ -109,6 +110,19 @@ def unit_factor(unit: str, si_unit: str) -> Fraction | None:
     return near if float(near) == factor else Fraction(factor)
 
 
+def is_quantity(value: object) -> bool:
+    """Whether it is a quantity of pint, of whichever registry; pint itself is not imported."""
+    return hasattr(value, "magnitude") and hasattr(value, "units") and hasattr(value, "dimensionality")
+
+
+def quantity_text(value: Any) -> str:
+    """A scalar quantity of pint as a file would write it; of an array it is no number with a unit, and refused as such."""
+    number = (
+        value.magnitude.item() if hasattr(value.magnitude, "item") and not value.magnitude.shape else value.magnitude
+    )
+    return f"{number!r} {value.units:D}"
+
+
 @dataclass(frozen=True)
 class Quantity:
     """Pydantic annotation of a float that has a unit and a range.
@@ -157,7 +171,7 @@ class Quantity:
         number = self._to_si(value)
         if number is None or not math.isfinite(number):
             raise ValueError(self.allowed)
-        bare = not isinstance(value, str)
+        bare = isinstance(value, Real)
         if not self.least <= number <= self.most:
             raise ValueError(self.allowed + (self._meant(number) if bare else ""))
         if bare and self.bare is not None and abs(number) > self.bare:
@@ -185,13 +199,13 @@ class Quantity:
     def _to_si(self, value: object) -> float | None:
         if isinstance(value, bool):
             return None
-        if isinstance(value, int | float):
+        if isinstance(value, Real):  # those of NumPy too
             try:
                 return float(value)
             except OverflowError:
                 return None
         if not isinstance(value, str):
-            return None
+            return self._to_si(quantity_text(value)) if is_quantity(value) else None
         ratio = _RATIO.fullmatch(value) if self.unit == "1" else None
         if ratio:  # an inclination is written 1:40
             over, under = Fraction(ratio[1]), Fraction(ratio[2])

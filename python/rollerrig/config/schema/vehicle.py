@@ -4,7 +4,7 @@ Positions are design positions in the frame of the whole vehicle: x forward from
 of rail.
 """
 
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import Field, StrictBool, model_validator
 
@@ -15,6 +15,7 @@ from rollerrig.config.schema.base import (
     MomentOverRate,
     Table,
     Vector,
+    instead_of,
     refused,
 )
 from rollerrig.config.schema.profile import AnyProfile
@@ -56,12 +57,17 @@ class Body(Table):
     """A rigid body."""
 
     name: Name = Field(description="name, unique in the vehicle")
+    at: dict[Name, dict[str, Any]] | None = Field(
+        default=None,
+        description="places at which it stands, by the end of the name: at.1 = { position = [...] } of `wheelset` is "
+        "`wheelset_1`; loading makes a body of each",
+    )
     kind: Literal["rigid", "wheelset"] = Field(default="rigid", description="a wheelset carries two wheels and spins")
     mass: Mass = Field(description="mass")
     inertia: tuple[Inertia, Inertia, Inertia] = Field(
         description="principal moments of inertia about x, y, z through the centre of mass"
     )
-    position: Vector = Field(description="design position of the centre of mass")
+    position: Vector = Field(description="design position of the centre of mass", json_schema_extra=instead_of("at"))
     locked: tuple[Direction, ...] = Field(default=(), description="directions in which the body cannot move")
 
     @model_validator(mode="after")
@@ -162,7 +168,16 @@ class Element(Table):
     """A massless force element between two bodies; its axes are those of body a, if it is `clamped` those of both."""
 
     name: Name = Field(description="name, unique in the vehicle")
-    between: tuple[str, str] = Field(description="the bodies a and b")
+    at: dict[Name, dict[str, Any]] | None = Field(
+        default=None,
+        description="places at which it stands, by the end of the name: at.1 = { between = [...], point = [...] } of `primary` "
+        "is `primary_1`; loading makes an element of each",
+    )
+    both_sides: StrictBool | None = Field(
+        default=None,
+        description="true: on the left as written, `NAME_left`, and mirrored on the right, `NAME_right`; loading makes both",
+    )
+    between: tuple[str, str] = Field(description="the bodies a and b", json_schema_extra=instead_of("at"))
     point: Vector | None = Field(default=None, description="design position of both ends")
     points: tuple[Vector, Vector] | None = Field(
         default=None,
@@ -242,6 +257,12 @@ class Vehicle(Table):
     body: tuple[Body, ...] = Field(min_length=1, max_length=200, description="the bodies")
     element: tuple[Element, ...] = Field(default=(), max_length=2000, description="the force elements")
     cut: dict[Name, Cut] = Field(default={}, description="parts of the vehicle that are run alone, by name")
+
+    def __repr__(self) -> str:
+        parts = ", ".join(self.cut_names())
+        return f"Vehicle {self.name}: {len(self.body)} bodies, {len(self.element)} elements; parts {parts}"
+
+    __str__ = __repr__
 
     def cut_named(self, name: str) -> Cut:
         """The cut; "vehicle" is all bodies unless the file says otherwise.

@@ -10,10 +10,11 @@ from functools import cache, lru_cache
 from json.encoder import encode_basestring
 from typing import Any
 
+import numpy as np
 from pydantic import BaseModel
 
 from rollerrig.config.schema.base import Table
-from rollerrig.config.schema.units import AS_WRITTEN
+from rollerrig.config.schema.units import AS_WRITTEN, is_quantity, quantity_text
 
 _BARE_KEY = re.compile(r"[A-Za-z0-9_-]+")
 
@@ -117,7 +118,8 @@ def _literal(value: Any) -> str:
 def plain(value: Any) -> Any:
     """Models as tables, tuples as lists, unset keys left out: what TOML can hold.
 
-    A number that a file may not give without its unit is a text with it, so that the result can be read again.
+    A number that a file may not give without its unit is a text with it, so that the result can be read again. Numbers of NumPy
+    and quantities of pint become what a file would have, also in lists.
     """
     if isinstance(value, dict):
         return {key: plain(item) for key, item in value.items()}
@@ -125,4 +127,8 @@ def plain(value: Any) -> Any:
         return [plain(item) for item in value]
     if isinstance(value, BaseModel):
         return plain(value.model_dump(exclude_none=True, context=AS_WRITTEN))
-    return plain(dict(value)) if isinstance(value, Mapping) else value
+    if isinstance(value, Mapping):
+        return plain(dict(value))
+    if is_quantity(value):
+        return [quantity_text(item) for item in value] if np.ndim(value.magnitude) else quantity_text(value)
+    return value.tolist() if isinstance(value, np.generic | np.ndarray) else value

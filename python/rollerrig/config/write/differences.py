@@ -1,0 +1,99 @@
+"""What is different between two cases, as dotted keys, and as the short TOML text of one that starts from the other.
+
+    two cases -> [differences] -> {"motion.speed": (41.7, 33.3)} -> [text_from_base] -> TOML text with `base`
+
+A key that one of them does not have is None there. Items of a list are told by their names while both lists have the same
+ones; else the whole list is one value.
+"""
+
+from collections.abc import Iterator
+from html import escape
+from typing import Any
+
+from rollerrig.config.errors import show_value
+from rollerrig.config.schema.case import CaseTables, SupportChoice, VehicleChoice
+from rollerrig.config.schema.units import AS_WRITTEN
+from rollerrig.config.validate.messages import item_label
+from rollerrig.config.write.toml import plain, text_of
+
+Raw = dict[str, Any]
+
+_OWN_KEYS = {"vehicle": VehicleChoice.model_fields.keys(), "support": SupportChoice.model_fields.keys()}
+
+
+class Differences(dict[str, tuple[Any, Any]]):
+    """Dotted key -> (value here, value there), in SI; None where a case does not have the key. Prints a line per key."""
+
+    def __repr__(self) -> str:
+        return "\n".join(f"{key}: {_shown(a)} -> {_shown(b)}" for key, (a, b) in self.items()) or "no difference"
+
+    def _repr_html_(self) -> str:
+        rows = "".join(
+            f"<tr><th>{escape(key)}</th><td>{escape(_shown(a))}</td><td>{escape(_shown(b))}</td></tr>"
+            for key, (a, b) in self.items()
+        )
+        return f"<table><tr><th>key</th><th>here</th><th>there</th></tr>{rows}</table>" if rows else "no difference"
+
+
+def _shown(value: object) -> str:
+    return "absent" if value is None else show_value(value)
+
+
+def tables_of(case: CaseTables) -> Raw:
+    """All tables of a case as a file would have them, defaults too."""
+    raw: Raw = plain(case.model_dump(exclude_none=True, context=AS_WRITTEN))
+    return raw
+
+
+def differences(here: Raw, there: Raw) -> Differences:
+    """What is different, in the order of the tables."""
+    return Differences({_short_key(key, pair[1]): pair for key, pair in _different(here, there, "")})
+
+
+def _different(here: Any, there: Any, key: str) -> Iterator[tuple[str, tuple[Any, Any]]]:
+    if here == there and type(here) is type(there):
+        return
+    a, b = _items(here), _items(there)
+    together = isinstance(here, dict) or (a is not None and b is not None and list(a) == list(b))
+    if a is None or b is None or not together or type(here) is not type(there):
+        yield key, (here, there)
+        return
+    for name in dict.fromkeys([*a, *b]):
+        inner = f"{key}.{name}" if key else name
+        if name in a and name in b:
+            yield from _different(a[name], b[name], inner)
+        else:
+            yield inner, (a.get(name), b.get(name))
+
+
+def _items(value: Any) -> Raw | None:
+    """What may be compared one by one: the keys of a table, the named items of a list of tables."""
+    if isinstance(value, dict):
+        return value
+    if isinstance(value, list) and value and isinstance(value[0], dict):
+        return {item_label(value, i).strip("[]"): item for i, item in enumerate(value)}
+    return None
+
+
+def _short_key(key: str, value: object) -> str:
+    """`vehicle.data.body` as `vehicle.body`, where that means the same."""
+    head, _, rest = key.partition(".data.")
+    own = _OWN_KEYS.get(head, ())
+    means_it = rest.split(".")[0] not in own or (rest == "roller_radius" and value is not None)
+    return f"{head}.{rest}" if own and rest and means_it else key
+
+
+def text_from_base(name: str, changes: Differences) -> str:
+    """TOML text of the case that starts from the one called `name`; what it does not have any more stands in `without`."""
+    without = [key for key, (_, value) in changes.items() if value is None]
+    tables: Raw = {"base": name, **({"without": without} if without else {})}
+    for key, (_, value) in changes.items():
+        if value is not None:
+            _put(tables, key.split("."), value)
+    return text_of(tables)
+
+
+def _put(tables: Raw, path: list[str], value: Any) -> None:
+    for part in path[:-1]:
+        tables = tables.setdefault(part, {})
+    tables[path[-1]] = value
