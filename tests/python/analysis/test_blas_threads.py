@@ -123,4 +123,4 @@ def test_no_module_solves_matrices_without_it() -> None:
             users.append(path.name)
             text = path.read_text(encoding="utf-8")
             assert "@one_blas_thread()" in text or "with one_blas_thread():" in text, path
-    assert {"modes.py", "simulation.py", "restraint.py", "loop_stability.py", "fits.py"} <= set(users)
+    assert {"modes.py", "eigenvalues.py", "restraint.py", "loop_stability.py", "fits.py"} <= set(users)
