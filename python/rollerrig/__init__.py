@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from rollerrig.assembly import assemble as assemble
     from rollerrig.catalog import catalog_entries as catalog_entries
     from rollerrig.catalog import catalog_text as catalog_text
+    from rollerrig.catalog.starting_case import starting_case as starting_case
     from rollerrig.commands import adhesion as adhesion
     from rollerrig.commands import compare as compare
     from rollerrig.commands import conicity as conicity
@@ -37,6 +38,8 @@ if TYPE_CHECKING:
     from rollerrig.commands import wsp as wsp
     from rollerrig.config import Case as Case
     from rollerrig.config import ConfigError as ConfigError
+    from rollerrig.config import explain as explain
+    from rollerrig.config import json_schema as json_schema
     from rollerrig.config import load_case as load_case
     from rollerrig.fmu.export import export_fmu as export_fmu
     from rollerrig.plant import assemble_file as assemble_file
@@ -45,6 +48,7 @@ if TYPE_CHECKING:
     from rollerrig.results import OutputError as OutputError
     from rollerrig.results import ResultsError as ResultsError
     from rollerrig.results import RunInfo as RunInfo
+    from rollerrig.results import cite as cite
     from rollerrig.results import export as export
     from rollerrig.results import load_run as load_run
     from rollerrig.results import save_run as save_run
@@ -66,6 +70,7 @@ _HOME = {
     "assemble_file": "plant",
     "catalog_entries": "catalog",
     "catalog_text": "catalog",
+    "cite": "results",
     "compare": "commands",
     "conicity": "commands",
     "contact": "commands",
@@ -73,7 +78,9 @@ _HOME = {
     "creep": "commands",
     "critical_speed": "analysis.critical_speed",
     "envelope": "study.envelope",
+    "explain": "config",
     "export_fmu": "fmu.export",
+    "json_schema": "config",
     "lateral": "commands",
     "export": "results",
     "limit_cycle": "commands",
@@ -88,6 +95,7 @@ _HOME = {
     "serve": "realtime.server",
     "simulate": "simulation",
     "stability": "analysis.mode_table",
+    "starting_case": "catalog.starting_case",
     "wheel_forces": "analysis.wheel_rail_forces",
     "wsp": "commands",
 }

@@ -8,7 +8,7 @@ Every entry can be copied to a file and edited: what it refers to by name is fou
 import tomllib
 from typing import get_args
 
-from rollerrig.config.read.library import CatalogKind, catalog_file, catalog_names
+from rollerrig.config.read.library import CatalogKind, catalog_file, catalog_names, schema_uri
 
 KINDS: tuple[CatalogKind, ...] = get_args(CatalogKind)
 
@@ -23,14 +23,14 @@ def catalog_entries() -> list[tuple[CatalogKind, str, str]]:
 
 
 def catalog_text(name: str) -> str:
-    """The TOML text of an entry, to copy and edit.
+    """The TOML text of an entry, to copy and edit; its first line leads editors to the JSON Schema of this installation.
 
     Raises:
         KeyError: no such entry.
     """
     for kind in KINDS:
         if name in catalog_names(kind):
-            return catalog_file(kind, name).read_text("utf-8")
+            return catalog_file(kind, name).read_text("utf-8").replace(f"../schema/{kind}.json", schema_uri(kind), 1)
     raise KeyError(f"nothing named '{name}' in the catalogue")
 
 

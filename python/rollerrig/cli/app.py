@@ -30,9 +30,13 @@ COMMANDS = (
     "contact",
     "creep",
     "conicity",
+    "new",
+    "explain",
+    "schema",
     "check",
     "assemble",
     "catalog",
+    "cite",
 )
 """Modules of this folder, each with a function `command`, or with an `app` of its own where there are subcommands."""
 

@@ -60,7 +60,9 @@ from rollerrig.config.schema.vehicle import (
     Vehicle,
     Wheel,
 )
-from rollerrig.config.write.reference import json_schema, reference_markdown
+from rollerrig.config.write.explain import explain
+from rollerrig.config.write.json_schema import json_schema
+from rollerrig.config.write.reference import reference_markdown
 
 __all__ = [
     "CONDITIONS",
@@ -126,6 +128,7 @@ __all__ = [
     "WheelSlipControl",
     "case_from_toml",
     "code_of",
+    "explain",
     "json_schema",
     "load_any",
     "load_case",

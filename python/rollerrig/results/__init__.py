@@ -3,6 +3,7 @@
 rows of the core -> [results] -> xarray.Dataset -> run.nc, summary.json, CSV
 """
 
+from rollerrig.results.citation import cite
 from rollerrig.results.dataset import COMPLETED, Draft, Outcome, run_dataset, run_draft, sources_of, variable
 from rollerrig.results.energy import add_energy_audit
 from rollerrig.results.files import (
@@ -35,6 +36,7 @@ __all__ = [
     "add_energy_audit",
     "add_termination",
     "check_folder",
+    "cite",
     "export",
     "load_run",
     "mat_bytes",

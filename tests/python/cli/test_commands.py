@@ -380,3 +380,32 @@ def test_what_cannot_be_set_is_said(text: str, line: str, case: Path, tmp_path: 
     assert done.code == 2
     assert line in " ".join(done.err.replace("│", " ").split())
     assert not (tmp_path / "out").exists()
+
+
+# ------------------------------------------------------------------------------------------------- for those who begin
+
+
+def test_a_new_case_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert Done("new", "mine", "--from", "wheelset_rollers").code == 0
+    assert Done("run", "mine.toml", "--out", "out", "--set", "time.duration=0.02").code == 0
+    again = Done("new", "mine")
+    assert (again.code, "mine.toml" in again.err) == (2, True)
+    assert Done("new", "two words").err.startswith("rollerrig: new: name: 'two words'; allowed")
+    assert Done("new", "other", "--from", "wheelst_rollers").code == 2
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["mine.toml", "out"]
+
+
+def test_keys_are_explained_and_the_schema_is_printed() -> None:
+    assert "unit       m/s" in Done("explain", "motion.speed").out
+    wrong = Done("explain", "motion.sped")
+    assert (wrong.code, wrong.err) == (2, "rollerrig: motion.sped: no such key; did you mean 'motion.speed'?\n")
+    assert json.loads(Done("schema", "material").out) == rr.json_schema("material")
+    assert Done("schema", "cse").code == 2
+
+
+def test_sources_are_printed_as_bibtex(tmp_path: Path) -> None:
+    assert Done("cite").out == rr.cite()
+    assert "polach2005" in Done("cite", "adhesion_brake").out
+    assert Done("cite", tmp_path / "none.nc").code == 2
+    assert Done("cite", "adhesion_brak").code == 2

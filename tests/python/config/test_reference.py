@@ -3,15 +3,20 @@
 from __future__ import annotations
 
 import json
+import tomllib
 from collections.abc import Iterator
 
 import pytest
+from jsonschema import Draft202012Validator
 from pydantic import BaseModel
 
-from rollerrig.catalog import KINDS
-from rollerrig.config import Case, Material, Rig, Track, Vehicle, json_schema, reference_markdown
+from rollerrig.catalog import KINDS, catalog_file, catalog_names
+from rollerrig.config import Case, Material, Rig, Track, Vehicle, json_schema, load_case, reference_markdown
+from rollerrig.config.read.library import schema_file
 from rollerrig.config.schema.base import Table
 from rollerrig.profiles import SHAPES
+
+from .schema_walk import whole_cases
 
 
 def tables(root: type[BaseModel] = Table) -> Iterator[type[BaseModel]]:
@@ -40,9 +45,51 @@ def test_the_reference_names_every_key_with_its_unit() -> None:
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_the_json_schema_can_be_exported(kind: str) -> None:
+def test_the_json_schema_that_ships_is_that_of_the_models(kind: str) -> None:
+    """If not: python scripts/write_schemas.py."""
     schema = json_schema(kind)  # type: ignore[arg-type]
-    assert json.loads(json.dumps(schema)) == schema
+    assert json.loads(schema_file(kind).read_text("utf-8")) == schema  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_the_json_schema_accepts_every_file_that_ships(kind: str) -> None:
+    schema = Draft202012Validator(json_schema(kind))  # type: ignore[arg-type]
+    Draft202012Validator.check_schema(schema.schema)
+    for name in catalog_names(kind):  # type: ignore[arg-type]
+        text = catalog_file(kind, name).read_text("utf-8")  # type: ignore[arg-type]
+        assert text.startswith(f"#:schema ../schema/{kind}.json\n")
+        assert [error.message for error in schema.iter_errors(tomllib.loads(text))] == [], name
+
+
+def test_the_json_schema_accepts_whole_and_short_cases() -> None:
+    schema = Draft202012Validator(json_schema())
+    changed = load_case("adhesion_brake").with_changes(
+        {"vehicle.element.primary_*.x.stiffness": 3e7, "axle_torque": []}
+    )
+    short = changed.with_changes({"motion.speed": "300 km/h", "rig_control.feedback": "none"}).to_short_toml()
+    raws = [*whole_cases().values(), tomllib.loads(short), tomllib.loads(STARTED)]
+    for raw in raws:
+        assert [error.message for error in schema.iter_errors(raw)] == []
+
+
+STARTED = """
+base = "bogie_track"
+without = ["disturbance"]
+"motion.speed" = "100 km/h"
+motion.speed_kmh = 100
+support.roller_radius_mm = 800
+vehicle.element."primary_*".x.stiffness = 1e6
+disturbance.wheelset_1.lateral = 0.001
+"""
+
+
+@pytest.mark.parametrize(
+    "text",
+    ['name = "x"', 'base = "bogie_track"\nmotion.sped = 3', 'base = "bogie_track"\nmotion.speed = 80',
+     'base = "bogie_track"\ncontact.creep = "polahc"', 'base = "bogie_track"\nadhesion.rail = "lo"', "base = 3"],
+)  # fmt: skip
+def test_the_json_schema_marks_mistakes(text: str) -> None:
+    assert list(Draft202012Validator(json_schema()).iter_errors(tomllib.loads(text)))
 
 
 def test_the_json_schema_lets_a_file_refer_and_leave_out() -> None:

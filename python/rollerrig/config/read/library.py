@@ -24,3 +24,13 @@ def catalog_file(kind: CatalogKind, name: str) -> Path:
     if name not in catalog_names(kind):
         raise KeyError(f"no {kind} '{name}' in the catalogue; it has {', '.join(catalog_names(kind))}")
     return CATALOG_FOLDER / f"{kind}s" / f"{name}.toml"
+
+
+def schema_file(kind: CatalogKind) -> Path:
+    """JSON Schema of one kind of file, for editors; written by scripts/write_schemas.py."""
+    return CATALOG_FOLDER / "schema" / f"{kind}.json"
+
+
+def schema_uri(kind: CatalogKind) -> str:
+    """Where editors find it on this machine."""
+    return schema_file(kind).as_uri()

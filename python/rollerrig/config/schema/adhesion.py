@@ -7,7 +7,7 @@ from pydantic import BeforeValidator, Field, ValidationInfo, field_validator, mo
 from pydantic_core import PydanticCustomError
 
 from rollerrig.config.errors import nearest, show_value
-from rollerrig.config.schema.base import Table, refused
+from rollerrig.config.schema.base import OrShort, Table, refused
 from rollerrig.config.schema.contact_law import AnyFriction, FallingFriction, Share
 from rollerrig.config.schema.units import Quantity
 
@@ -63,7 +63,7 @@ def _fits(quantity: Quantity, value: object) -> bool:
     return True
 
 
-AnyCondition = Annotated[Condition, BeforeValidator(_by_name)]
+AnyCondition = Annotated[Condition, BeforeValidator(_by_name), OrShort({"enum": list(CONDITIONS)})]
 
 
 class Piece(Table):

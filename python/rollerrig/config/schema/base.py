@@ -3,8 +3,16 @@
 from collections.abc import Mapping
 from typing import Annotated, Any, get_args
 
-from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, JsonValue, model_validator
-from pydantic_core import PydanticCustomError
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    ConfigDict,
+    GetCoreSchemaHandler,
+    GetJsonSchemaHandler,
+    JsonValue,
+    model_validator,
+)
+from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
 from rollerrig.config.schema.units import (
     KEY_SUFFIXES,
@@ -46,15 +54,40 @@ def instead_of(key: str) -> dict[str, JsonValue]:
     return {INSTEAD_OF: key}
 
 
-def by_kind(usual: str) -> BeforeValidator:
-    """A name alone asks for that kind with its defaults, a table without `kind` for the usual one."""
+USUAL_KIND = "x-usual-kind"
 
-    def completed(value: Any) -> Any:
+
+class OrShort:
+    """Mark of a table in place of which a file may write something shorter, for the JSON Schema."""
+
+    def __init__(self, *alternatives: dict[str, Any]) -> None:
+        self.alternatives = alternatives
+
+    def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+        """The alternatives beside the table."""
+        return {"anyOf": [*self.alternatives, handler(schema)]}
+
+
+class by_kind:  # noqa: N801 (stands among the annotations of pydantic)
+    """A name alone asks for that kind with its defaults, a table without `kind` for the usual one; "": none is usual."""
+
+    def __init__(self, usual: str = "") -> None:
+        self.usual = usual
+
+    def completed(self, value: Any) -> Any:
+        """The table that was meant."""
         if isinstance(value, str):
             return {"kind": value}
-        return {"kind": usual, **value} if isinstance(value, Mapping) else value
+        return {"kind": self.usual, **value} if self.usual and isinstance(value, Mapping) else value
 
-    return BeforeValidator(completed)
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        """Before the validation of the union."""
+        return core_schema.no_info_before_validator_function(self.completed, handler(source))
+
+    def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+        """The names of the kinds beside their tables."""
+        union = handler(schema)
+        return {"anyOf": [{"enum": list(union["discriminator"]["mapping"])}, {**union, USUAL_KIND: self.usual}]}
 
 
 class Table(BaseModel):

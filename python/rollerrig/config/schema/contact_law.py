@@ -11,17 +11,12 @@ from typing import Annotated, Any, ClassVar, Literal, get_args
 
 from pydantic import BeforeValidator, Discriminator, Field, RootModel, StrictBool
 
-from rollerrig.config.schema.base import Table
+from rollerrig.config.schema.base import OrShort, Table, by_kind
 from rollerrig.config.schema.units import Quantity
 
 Share = Annotated[float, Quantity("1", 1e-6, 1.0)]
 Fraction = Annotated[float, Quantity("1", 0.0, 1.0)]
 Friction = Annotated[float, Quantity("1", 0.0, 1.5)]
-
-
-def _law(value: Any) -> Any:
-    """A name alone asks for the law with the defaults of its parameters."""
-    return {"kind": value} if isinstance(value, str) else value
 
 
 def kinds(laws: Any) -> tuple[str, ...]:
@@ -96,7 +91,7 @@ class ExactTable(Table):
 AnyCreep = Annotated[
     KalkerSaturated | KalkerLinear | Fastsim | ModifiedFastsim | Polach | ExactTable,
     Discriminator("kind"),
-    BeforeValidator(_law),
+    by_kind(),
 ]
 CREEP_LAWS = kinds(AnyCreep)
 
@@ -130,7 +125,7 @@ class Strips(Table):
     kind: Literal["strips"] = Field(description="non-elliptical contact patches")
 
 
-AnyNormal = Annotated[Hertz | Strips, Discriminator("kind"), BeforeValidator(_law)]
+AnyNormal = Annotated[Hertz | Strips, Discriminator("kind"), by_kind()]
 NORMAL_LAWS = kinds(AnyNormal)
 
 
@@ -159,5 +154,10 @@ def _friction(value: Any) -> Any:
     return value if is_table else {"kind": "constant", "mu_0": value}
 
 
-AnyFriction = Annotated[ConstantFriction | FallingFriction, Discriminator("kind"), BeforeValidator(_friction)]
+AnyFriction = Annotated[
+    ConstantFriction | FallingFriction,
+    Discriminator("kind"),
+    BeforeValidator(_friction),
+    OrShort({"type": ["number", "string"]}),
+]
 FRICTION_LAWS = kinds(AnyFriction)

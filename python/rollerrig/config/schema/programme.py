@@ -182,8 +182,16 @@ class Limit(Table):
     """A limit, who set it, and the clause of a standard that it stands for."""
 
     criterion: CriterionName = Field(description="what is limited")
-    at_least: float | None = Field(default=None, description="the least that is allowed, in the unit of the criterion")
-    at_most: float | None = Field(default=None, description="the most that is allowed, in the unit of the criterion")
+    at_least: float | None = Field(
+        default=None,
+        description="the least that is allowed, in the unit of the criterion",
+        json_schema_extra={"anyOf": [{"type": "number"}, {"type": "string"}]},
+    )
+    at_most: float | None = Field(
+        default=None,
+        description="the most that is allowed, in the unit of the criterion",
+        json_schema_extra={"anyOf": [{"type": "number"}, {"type": "string"}]},
+    )
     stops: tuple[str, ...] = Field(
         default=(),
         max_length=100,

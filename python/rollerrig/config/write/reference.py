@@ -1,4 +1,4 @@
-"""The reference of keys, generated from the models: JSON Schema for editors, Markdown for the documentation."""
+"""The reference of keys, generated from the models: Markdown for the documentation."""
 
 import types
 from collections.abc import Iterator
@@ -7,26 +7,15 @@ from typing import Annotated, Any, Literal, Union, get_args, get_origin
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
-from rollerrig.config.read.library import CatalogKind
 from rollerrig.config.schema.base import INSTEAD_OF, quantity_of
 from rollerrig.config.schema.case import CaseTables
 from rollerrig.config.schema.material import Material
-from rollerrig.config.schema.profile import S1002, Arc, Cone, Cylinder, ProfileFile, ProfileRoot, Uic60
+from rollerrig.config.schema.profile import S1002, Arc, Cone, Cylinder, ProfileFile, Uic60
 from rollerrig.config.schema.programme import Programme
-from rollerrig.config.schema.support import Rig, SupportRoot
+from rollerrig.config.schema.support import Rig
 from rollerrig.config.schema.track import Track
-from rollerrig.config.schema.units import KEY_SUFFIXES
 from rollerrig.config.schema.vehicle import Vehicle
 from rollerrig.config.validate.messages import tables_in, tag_of
-
-_ROOTS: dict[CatalogKind, type[BaseModel]] = {
-    "case": CaseTables,
-    "vehicle": Vehicle,
-    "support": SupportRoot,
-    "material": Material,
-    "profile": ProfileRoot,
-    "programme": Programme,
-}
 
 _CHAPTERS: tuple[tuple[str, tuple[type[BaseModel], ...]], ...] = (
     ("Case file", (CaseTables,)),
@@ -45,31 +34,6 @@ understands: `0.46`, `"0.46 m"` and `"460 mm"` are the same. A unit may also end
 be written `"1:40"`. Unknown keys are mistakes. Where a file refers to a vehicle, support, material or profile, a
 catalogue name is meant unless the text ends in a file name's suffix; paths start at the file that names them.
 """
-
-
-def json_schema(kind: CatalogKind = "case") -> dict[str, Any]:
-    """JSON Schema of one kind of file; `x-unit` is the SI unit of a number."""
-    schema = _ROOTS[kind].model_json_schema()
-    for table in (schema, *schema.get("$defs", {}).values()):
-        _as_in_files(table)
-    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema}
-
-
-def _as_in_files(table: dict[str, Any]) -> None:
-    """Add what a file may write and the loaded object no longer shows: references, units in keys, left-out keys."""
-    properties = table.get("properties", {})
-    optional = {key for key, value in properties.items() if INSTEAD_OF in value}
-    if "required" in table:
-        table["required"] = [key for key in table["required"] if key not in optional]
-    for key in properties.keys() & {"profile", "material"}:
-        inner = {
-            name: properties[key].pop(name) for name in ("$ref", "oneOf", "discriminator") if name in properties[key]
-        }
-        properties[key]["anyOf"] = [{"type": "string"}, inner]
-    quantities = [key for key, value in properties.items() if "x-unit" in value]
-    if quantities:
-        pattern = f"^({'|'.join(quantities)})_({'|'.join(KEY_SUFFIXES)})$"
-        table["patternProperties"] = {pattern: {"type": "number"}}
 
 
 def reference_markdown() -> str:
@@ -134,7 +98,7 @@ def _section(table: type[BaseModel], keys: list[str]) -> Iterator[str]:
         quantity = None if _has_tables(field.annotation) else quantity_of(field.annotation, field.metadata)
         unit = quantity.unit if quantity and quantity.unit != "1" else ""
         meaning = "; ".join(text for text in (field.description, quantity.bounds if quantity else "") if text)
-        cells = (f"`{name}`", _type(field, quantity is not None), _units(field, unit), _default(field), meaning)
+        cells = (f"`{name}`", type_text(field), unit_text(field, unit), default_text(field), meaning)
         yield "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |"
     yield ""
 
@@ -143,7 +107,7 @@ def _has_tables(annotation: Any) -> bool:
     return any(True for _ in _inner_tables(annotation, ""))
 
 
-def _units(field: FieldInfo, unit: str) -> str:
+def unit_text(field: FieldInfo, unit: str) -> str:
     """Both units of a table of pairs, else the one unit."""
     for part in _alternatives(field.annotation):
         row = get_args(part)[:1]
@@ -154,7 +118,9 @@ def _units(field: FieldInfo, unit: str) -> str:
     return unit
 
 
-def _type(field: FieldInfo, is_quantity: bool) -> str:
+def type_text(field: FieldInfo) -> str:
+    """What may stand at a field, in words."""
+    is_quantity = not _has_tables(field.annotation) and quantity_of(field.annotation, field.metadata) is not None
     names: list[str] = []
     for part in _alternatives(field.annotation):
         origin, arguments = get_origin(part), get_args(part)
@@ -195,7 +161,8 @@ def _list(row: tuple[object, ...]) -> str:
     return f"[{', '.join(map(_number, row))}]"
 
 
-def _default(field: FieldInfo) -> str:
+def default_text(field: FieldInfo) -> str:
+    """The default as a file would have it, "required", or "" where absence is the default."""
     if isinstance(field.json_schema_extra, dict) and INSTEAD_OF in field.json_schema_extra:
         return f"this or `{field.json_schema_extra[INSTEAD_OF]}`"
     if field.is_required():

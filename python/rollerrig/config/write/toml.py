@@ -72,9 +72,9 @@ def _write(table: Mapping[str, Any], path: str, lines: list[str]) -> None:
         if isinstance(value, dict | _Kept) or (
             isinstance(value, list | tuple) and value and isinstance(value[0], dict)
         ):
-            inner.append((f"{path}{_key(key)}", value))
+            inner.append((f"{path}{key_text(key)}", value))
         else:
-            lines.append(f"{_key(key)} = {_literal(value)}")
+            lines.append(f"{key_text(key)} = {literal(value)}")
     for name, value in inner:
         if isinstance(value, dict | _Kept):
             head = len(lines)
@@ -92,7 +92,8 @@ def _write(table: Mapping[str, Any], path: str, lines: list[str]) -> None:
 
 
 @cache
-def _key(key: str) -> str:
+def key_text(key: str) -> str:
+    """A key, in quotes where it needs them."""
     return key if _BARE_KEY.fullmatch(key) else _text(key)
 
 
@@ -101,7 +102,10 @@ def _text(value: str) -> str:
     return encode_basestring(value).replace("\x7f", "\\u007f")
 
 
-def _literal(value: Any) -> str:
+def literal(value: Any) -> str:
+    """A plain value as TOML has it; a table on one line."""
+    if isinstance(value, dict):
+        return "{ " + ", ".join(f"{key_text(key)} = {literal(item)}" for key, item in value.items()) + " }"
     if isinstance(value, float):
         return repr(value)
     if isinstance(value, str):
@@ -110,8 +114,8 @@ def _literal(value: Any) -> str:
         return "true" if value else "false"
     if isinstance(value, list | tuple):
         if value and isinstance(value[0], list | tuple):
-            return "[\n" + "".join(f"    {_literal(item)},\n" for item in value) + "]"
-        return f"[{', '.join(map(_literal, value))}]"
+            return "[\n" + "".join(f"    {literal(item)},\n" for item in value) + "]"
+        return f"[{', '.join(map(literal, value))}]"
     return repr(value)
 
 

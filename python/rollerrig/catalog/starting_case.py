@@ -1,0 +1,115 @@
+"""A case to begin with: another one, written with what each key means and what else could be said.
+
+name, case of the catalogue or file -> [starting_case] -> TOML text with comments
+"""
+
+from __future__ import annotations
+
+import textwrap
+import tomllib
+from pathlib import Path
+from typing import Any
+
+from rollerrig.config import load_case
+from rollerrig.config.errors import ConfigError, ConfigProblem, show_value
+from rollerrig.config.read.library import catalog_file, catalog_names, schema_uri
+from rollerrig.config.schema.base import quantity_of
+from rollerrig.config.schema.vehicle import Vehicle
+from rollerrig.config.write.explain import KeyPlace, key_places
+from rollerrig.config.write.reference import unit_text
+from rollerrig.config.write.toml import key_text, literal, plain
+
+Raw = dict[str, Any]
+
+START = "bogie_rollers_constant"
+"""The case that a new one starts from unless another one is named."""
+
+_WIDTH = 110
+_NAME = "name"
+
+
+def starting_case(name: str, source: str | Path = START) -> str:
+    """Text of a case that runs as it stands, each key explained above it, other keys of its tables as comments.
+
+    Args:
+        name: of the new case.
+        source: a case of the catalogue, which is copied, or a file, from which the new one starts (`base`).
+
+    Raises:
+        ConfigError: there is no such case, or the name cannot be one.
+    """
+    case = load_case(source)
+    try:
+        case.with_changes({_NAME: name})
+    except ConfigError:
+        allowed = "allowed: a name of at most 60 letters, digits, _ and -"
+        raise ConfigError([ConfigProblem("new", _NAME, show_value(name), allowed)]) from None
+    if str(source) in catalog_names("case"):
+        raw = tomllib.loads(catalog_file("case", str(source)).read_text("utf-8"))
+    else:
+        raw = {
+            "base": str(Path(source).absolute()),
+            "description": case.description,
+            "motion": {"speed": case.motion.speed},
+        }
+    raw = {"name": name, **{key: value for key, value in raw.items() if key != _NAME}}
+    heading = [
+        f"#:schema {schema_uri('case')}",
+        f"# Made from {Path(source).name}. Numbers are in SI, texts have a unit. `rollerrig explain KEY` says more.",
+        f"#   rollerrig check {name}.toml",
+        f"#   rollerrig run {name}.toml --out {name}-run",
+    ]
+    lines: list[str] = []
+    _table(raw, "", lines)
+    return "\n".join([*heading, "", *lines]) + "\n"
+
+
+def _table(table: Raw, above: str, lines: list[str]) -> None:
+    """The plain keys of a table, what else it could have, then the tables in it."""
+    inner = {key: value for key, value in table.items() if _is_table(value)}
+    for key, value in table.items():
+        if key not in inner:
+            lines += [*_meaning(f"{above}{key}"), f"{key_text(key)} = {literal(value)}"]
+    lines += _offered(table, above)
+    for key, value in inner.items():
+        for item in value if isinstance(value, list) else [value]:
+            name = f"{above}{key}"
+            lines += ["", f"[[{name}]]" if isinstance(value, list) else f"[{name}]"]
+            _table(item, f"{name}.", lines)
+
+
+def _is_table(value: object) -> bool:
+    return isinstance(value, dict) or (isinstance(value, list) and bool(value) and isinstance(value[0], dict))
+
+
+def _place(key: str) -> KeyPlace | None:
+    found = [place for place in key_places() if place.file == "case" and place.matches(key.split("."))]
+    return min(found, key=lambda place: (place.key != key, place.table is Vehicle), default=None)
+
+
+def _meaning(key: str) -> list[str]:
+    """What a key means, as comments; of a key without a description nothing."""
+    place = _place(key)
+    if place is None or not place.field.description or key.endswith((".kind", ".body", ".wheelset")):
+        return []
+    quantity = quantity_of(place.field.annotation, place.field.metadata)
+    unit = unit_text(place.field, quantity.unit if quantity and quantity.unit != "1" else "")
+    return [
+        f"# {line}"
+        for line in textwrap.wrap(f"{place.field.description} {f'[{unit}]' if unit else ''}".strip(), _WIDTH)
+    ]
+
+
+def _offered(table: Raw, above: str) -> list[str]:
+    """Keys that a table could have beside those it has, with their defaults, one line each."""
+    places = [
+        place for place in key_places() if place.file == "case" and place.key.rpartition(".")[0] == above.rstrip(".")
+    ]
+    if not above or len({place.table for place in places}) != 1:  # of the kinds of a law each has its own
+        return []
+    lines = []
+    for place in places:
+        key, default = place.key.rpartition(".")[2], place.field.default
+        if key not in table and isinstance(default, str | float | int | tuple) and default not in ("", ()):
+            lines.append(f"# {key} = {literal(plain(default))}".replace(",\n", ", ").replace("\n", ""))
+    return ["# what it has by default:", *lines] if lines else []

@@ -1,0 +1,27 @@
+"""`rollerrig new NAME [--from CASE]`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from rollerrig.cli.command import Force
+from rollerrig.cli.termination import say
+
+
+def command(
+    name: Annotated[str, typer.Argument(metavar="NAME", help="Name of the new case; the file is NAME.toml.")],
+    source: Annotated[
+        str, typer.Option("--from", metavar="CASE", help="Case to start from: a name of the catalogue or a TOML file.")
+    ] = "bogie_rollers_constant",
+    force: Force = False,
+) -> None:
+    """Write a case to begin with, which runs as it stands: every key explained above it, the others as comments."""
+    from rollerrig.catalog.starting_case import starting_case
+    from rollerrig.results import write_text
+
+    target = Path(f"{name.removesuffix('.toml')}.toml")
+    typer.echo(write_text(target, starting_case(target.stem, source), force=force))
+    say(f"It runs as it stands: rollerrig run {target} --out {target.stem}-run")

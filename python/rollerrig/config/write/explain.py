@@ -1,0 +1,211 @@
+"""What a key of a file means, in words: for the command line and for Python.
+
+pydantic models -> [key_places] -> every dotted key with its table -> [explain] -> meaning, unit, default, range, users
+"""
+
+import re
+import tomllib
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cache
+from typing import Any, get_args, get_origin
+
+from pydantic import BaseModel
+from pydantic.fields import FieldInfo
+
+from rollerrig.config.errors import nearest
+from rollerrig.config.read.library import CatalogKind, catalog_file, catalog_names
+from rollerrig.config.schema.base import quantity_of
+from rollerrig.config.schema.case import CaseTables, SupportChoice, VehicleChoice
+from rollerrig.config.schema.programme import Programme
+from rollerrig.config.schema.units import Quantity
+from rollerrig.config.validate.former_names import divided, meant
+from rollerrig.config.validate.messages import tables_in, tag_of
+from rollerrig.config.write.reference import default_text, type_text, unit_text
+
+_ROOTS: tuple[tuple[str, type[BaseModel]], ...] = (("case", CaseTables), ("programme", Programme))
+_MOST_CASES = 4
+
+
+@dataclass(frozen=True)
+class KeyPlace:
+    """A key that a file may have.
+
+    Attributes:
+        key: dotted; names of list items are left out.
+        file: kind of file.
+        table: where it stands.
+        field: what the table says about it.
+        lists: numbers of the parts of the key that are lists of tables or tables by name.
+    """
+
+    key: str
+    file: str
+    table: type[BaseModel]
+    field: FieldInfo
+    lists: frozenset[int]
+
+    def matches(self, parts: list[str]) -> bool:
+        """Whether a dotted key leads here; after a list it may have the name or number of an item."""
+        own, taken = self.key.split("."), 0
+        for number, part in enumerate(own):
+            if taken >= len(parts) or parts[taken] != part:
+                return False
+            taken += 1
+            after = own[number + 1 : number + 2]
+            named = number in self.lists and taken < len(parts) and parts[taken : taken + 1] != after
+            taken += named
+        return taken == len(parts)
+
+
+@cache
+def key_places() -> tuple[KeyPlace, ...]:
+    """Every key of a case and of a programme; those of `vehicle.data` and `support.data` as `vehicle` and `support`."""
+    return tuple(place for file, root in _ROOTS for place in _places(root, "", file, frozenset()))
+
+
+def _places(table: type[BaseModel], above: str, file: str, lists: frozenset[int]) -> Iterator[KeyPlace]:
+    for name, field in table.model_fields.items():
+        key = f"{above}.{name}" if above else name
+        is_part = name == "data" and table in (VehicleChoice, SupportChoice)
+        inner, is_list = _below(field.annotation)
+        below = lists | {key.count(".")} if is_list else lists
+        if not is_part:
+            yield KeyPlace(key, file, table, field, below)
+        for one in inner:
+            yield from _places(one, above if is_part else key, file, below)
+
+
+def _below(annotation: Any) -> tuple[tuple[type[BaseModel], ...], bool]:
+    """Tables that stand at a key, and whether there are several of them by name or number."""
+    if direct := tables_in(annotation):
+        return direct, False
+    for part in (annotation, *get_args(annotation)):
+        if get_origin(part) in (tuple, dict) and (
+            tables := tables_in(get_args(part)[0 if get_origin(part) is tuple else 1])
+        ):
+            return tables, True
+    return (), False
+
+
+def explain(key: str) -> str:
+    """What a key means: unit, default, what is allowed, in which table it stands, who uses it.
+
+    Args:
+        key: dotted (`motion.speed`, `vehicle.element.primary_1_left.x.stiffness`), or its last part alone.
+
+    Raises:
+        KeyError: there is no such key; the text has the nearest one.
+    """
+    parts = (
+        re.sub(r"\[(\d+)\]", r".\1", key.strip())
+        .replace("vehicle.data.", "vehicle.")
+        .replace("support.data.", "support.")
+    )
+    found = [place for place in key_places() if place.key == parts]
+    found = found or [place for place in key_places() if place.matches(parts.split("."))]
+    if not found:
+        found = [place for place in key_places() if place.key.endswith(f".{parts}")]
+    if not found:
+        raise KeyError(_unknown(key))
+    texts = dict.fromkeys(_text(place) for place in found)
+    different = dict.fromkeys(place.key for place in found)
+    if len(texts) > 3 and len(different) > 1:
+        lines = [f"{name:<{max(map(len, different))}}  {_first(found, name)}" for name in different]
+        return "\n".join([f"{len(different)} keys end in '{parts}':", *lines])
+    return "\n\n".join(texts)
+
+
+def _first(found: list[KeyPlace], key: str) -> str:
+    return next(place.field.description or "" for place in found if place.key == key)
+
+
+def _unknown(key: str) -> str:
+    last = key.rpartition(".")[2]
+    if where := divided(key) or divided(last):
+        return f"{key}: {where}"
+    keys = tuple(dict.fromkeys(place.key for place in key_places()))
+    lasts = tuple(dict.fromkeys(name.rpartition(".")[2] for name in keys))
+    guess = nearest(key, keys) or meant(last, lasts)
+    holding = [name for name in keys if name == guess or name.endswith(f".{guess}")]
+    hint = f"; did you mean '{holding[0] if len(holding) == 1 else guess}'?" if guess else ""
+    return f"{key}: no such key{hint or '; rollerrig schema prints all keys'}"
+
+
+def _text(place: KeyPlace) -> str:
+    field = place.field
+    quantity = None if _below(field.annotation)[0] else quantity_of(field.annotation, field.metadata)
+    unit = unit_text(field, quantity.unit if quantity and quantity.unit != "1" else "")
+    default = default_text(field)
+    holder = place.key.rpartition(".")[0]
+    tag = tag_of(place.table)
+    kind = f" of kind '{tag}'" if tag and place.field is not place.table.model_fields.get("kind") else ""
+    rows = [
+        ("meaning", field.description or ""),
+        ("unit", unit or "none"),
+        ("default", {"required": "none: it must be given", "": _absent(field)}.get(default, default).replace("`", "'")),
+        ("allowed", _allowed(field, quantity)),
+        ("stands in", f"[{holder}]{kind} of a {place.file}: {_summary(place.table)}" if holder else f"a {place.file}"),
+        ("used by", _users(place)),
+        *_keys_in(field),
+    ]
+    return "\n".join([place.key, *(f"  {what:10} {text}" for what, text in rows if text)])
+
+
+def _absent(field: FieldInfo) -> str:
+    kind = getattr(field.default, "kind", None)
+    return f"'{kind}'" if kind else "none: absent" if field.default is None else "that of the keys in it"
+
+
+def _allowed(field: FieldInfo, quantity: Quantity | None) -> str:
+    """A number with its unit, names of kinds, or the type."""
+    words = type_text(field).replace("`", "")
+    if quantity is None:
+        tags = [tag for table in _below(field.annotation)[0] if (tag := tag_of(table))]
+        return f"{words} of a kind: {', '.join(tags)}" if tags else words
+    choices = [word for word in words.split(" or ") if word.startswith('"')]
+    return " or ".join([*choices, quantity.allowed.removeprefix("allowed: ")])
+
+
+def _keys_in(field: FieldInfo) -> Iterator[tuple[str, str]]:
+    """Keys of the tables that may stand there, a row per kind."""
+    for table in _below(field.annotation)[0]:
+        yield "keys in it", (f"'{tag_of(table)}': " if tag_of(table) else "") + ", ".join(table.model_fields)
+
+
+def _summary(table: type[BaseModel]) -> str:
+    return (table.__doc__ or "").strip().splitlines()[0]
+
+
+def _users(place: KeyPlace) -> str:
+    """Entries of the catalogue in which the key is written."""
+    names = [f"{kind} {name}" for kind, name, keys in _written() if any(place.matches(key) for key in keys)]
+    if not names:
+        return "no file of the catalogue"
+    more = f" and {len(names) - _MOST_CASES} more" if len(names) > _MOST_CASES else ""
+    return ", ".join(names[:_MOST_CASES]) + more
+
+
+@cache
+def _written() -> tuple[tuple[str, str, tuple[list[str], ...]], ...]:
+    """Kind, name and keys of the entries of the catalogue, as a case would have them."""
+    heads: dict[CatalogKind, str] = {
+        "case": "", "vehicle": "vehicle", "support": "support", "material": "contact.material", "programme": ""
+    }  # fmt: skip
+    found = []
+    for kind, head in heads.items():
+        for name in catalog_names(kind):
+            raw = tomllib.loads(catalog_file(kind, name).read_text("utf-8"))
+            keys = dict.fromkeys(_keys_of(raw, head))
+            found.append((kind, name, tuple(key.replace(".data.", ".").split(".") for key in keys)))
+    return tuple(found)
+
+
+def _keys_of(value: Any, above: str) -> Iterator[str]:
+    for key, inner in value.items():
+        here = f"{above}.{key}" if above else key
+        yield here
+        items = inner if isinstance(inner, list) else [inner]
+        for item in items:
+            if isinstance(item, dict):
+                yield from _keys_of(item, here)

@@ -1,0 +1,48 @@
+"""What a key means, in words."""
+
+from __future__ import annotations
+
+import pytest
+
+from rollerrig.config import explain
+from rollerrig.config.write.explain import key_places
+
+
+def test_every_key_is_explained() -> None:
+    for place in key_places():
+        text = explain(place.key)
+        assert place.key in text
+        assert place.field.description in text
+
+
+@pytest.mark.parametrize(
+    ("key", "words"),
+    [
+        ("motion.speed", ["unit       m/s", "this or 'speed_table'", "from 0 to 200 m/s", "[motion] of a case"]),
+        ("vehicle.element.primary_1_left.x.stiffness", ["vehicle.element.x.stiffness", "N/m", "manchester_vehicle_1"]),
+        ("vehicle.data.body[0].mass", ["vehicle.body.mass", "unit       kg", "it must be given"]),
+        ("contact.creep", ["kalker_saturated, ", "'polach': kind, k_A, k_S", "default    'table'"]),
+        ("output_step", ["time.output_step", "0.01"]),
+        ("stiffness", ["12 keys end in 'stiffness'", "vehicle.element.yaw.stiffness "]),
+        ("stop.speed", ["of a programme", "slide_protection_stops"]),
+    ],
+)  # fmt: skip
+def test_a_key_is_explained(key: str, words: list[str]) -> None:
+    text = explain(key)
+    for word in words:
+        assert word in text
+
+
+@pytest.mark.parametrize(
+    ("key", "line"),
+    [
+        ("motion.sped", "motion.sped: no such key; did you mean 'motion.speed'?"),
+        ("sped", "sped: no such key; did you mean 'speed'?"),
+        ("anti_skid", "anti_skid: no such key; did you mean 'slide_protection'?"),
+        ("qqqq", "qqqq: no such key; rollerrig schema prints all keys"),
+    ],
+)
+def test_an_unknown_key_is_answered_with_the_nearest(key: str, line: str) -> None:
+    with pytest.raises(KeyError) as error:
+        explain(key)
+    assert error.value.args[0] == line
