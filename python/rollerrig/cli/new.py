@@ -16,12 +16,15 @@ def command(
     source: Annotated[
         str, typer.Option("--from", metavar="CASE", help="Case to start from: a name of the catalogue or a TOML file.")
     ] = "bogie_rollers_constant",
+    out: Annotated[Path, typer.Option(help="Folder for the file; made if it does not exist.")] = Path(),
     force: Force = False,
 ) -> None:
     """Write a case to begin with, which runs as it stands: every key explained above it, the others as comments."""
     from rollerrig.catalog.starting_case import starting_case
-    from rollerrig.results import write_text
+    from rollerrig.results import output_folder, write_text
 
     target = Path(f"{name.removesuffix('.toml')}.toml")
-    typer.echo(write_text(target, starting_case(target.stem, source), force=force))
+    text = starting_case(target.stem, source)
+    target = output_folder(out) / target
+    typer.echo(write_text(target, text, force=force))
     say(f"It runs as it stands: rollerrig run {target} --out {target.stem}-run")
