@@ -55,6 +55,7 @@ if TYPE_CHECKING:
     from rollerrig.simulation import simulate as simulate
     from rollerrig.starting_state import StartError as StartError
     from rollerrig.study.envelope import envelope as envelope
+    from rollerrig.viewer import view as view
 
 __version__ = "0.1.0"
 
@@ -96,6 +97,7 @@ _HOME = {
     "simulate": "simulation",
     "stability": "analysis.mode_table",
     "starting_case": "catalog.starting_case",
+    "view": "viewer",
     "wheel_forces": "analysis.wheel_rail_forces",
     "wsp": "commands",
 }

@@ -4,7 +4,7 @@ core:    scalar -> math -> integrate -> track -> multibody -> geometry -> contac
 Python:  wording -> splines, input_files, memory, workers, blas_threads -> eigenvalues -> profiles, track, irregularity
          -> config -> core_struct -> catalog -> cases -> contact_laws, force_laws, static_loads, model_parts -> assembly
          -> actuators -> results -> restraint -> starting_state -> mechatronics -> simulation -> plant -> realtime, fmu, gym
-         -> similitude -> contact_analysis -> analysis -> plot -> study -> commands -> cli
+         -> similitude -> contact_analysis -> analysis -> viewer -> plot -> study -> commands -> cli
 """
 
 from __future__ import annotations
@@ -139,6 +139,7 @@ PYTHON_LAYERS = [
     {"similitude"},
     {"contact_analysis"},
     {"analysis"},
+    {"viewer"},
     {"plot"},
     {"study"},
     {"commands"},

@@ -27,6 +27,7 @@ COMMANDS = (
     "serve",
     "export_fmu",
     "export",
+    "view",
     "contact",
     "creep",
     "conicity",

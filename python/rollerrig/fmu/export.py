@@ -19,7 +19,7 @@ from rollerrig.fmu.description import Unit, model_description_2, model_descripti
 from rollerrig.fmu.shells import Shell, shells
 from rollerrig.plant import assembled_model
 from rollerrig.results.files import output_file, write_bytes
-from rollerrig.results.marks import FMU
+from rollerrig.results.marks import PAGE
 
 STEP = 1e-3
 """At which to exchange values where nothing is sampled [s]."""
@@ -111,7 +111,7 @@ def _page(unit: Unit, carried: list[Shell]) -> bytes:
         else "The communication step does not change the steps inside."
     )
     return f"""<!DOCTYPE html>
-<html lang="en"><head><meta charset="utf-8">{FMU.decode()}<title>{escape(unit.name)}</title></head><body>
+<html lang="en"><head><meta charset="utf-8">{PAGE.decode()}<title>{escape(unit.name)}</title></head><body>
 <h1>{escape(unit.name)}</h1>
 <p>Roller rig, written by {unit.tool}. SI; x forward, y to the left, z upwards. {sampled} Where the model leaves its validity, or
 the train has stopped, a step is discarded, and the log names time and wheel.</p>

@@ -3,7 +3,7 @@
     path -> [is_ours] -> whether the file carries our mark
 
 A figure and a file of results say it in their metadata, a table and a model file by their first line,
-an FMU on its page. Files of a study need no
+a page and an FMU in the head of the page. Files of a study need no
 marks: the manifest of their folder knows them by their checksums (results/folder.py).
 """
 
@@ -20,15 +20,16 @@ PROGRAM = "rollerrig"
 
 MODEL = f"{PROGRAM} model\n".encode()
 """First bytes of a model file."""
-FMU = f'<meta name="generator" content="{PROGRAM}">'.encode()
-"""On the first page of an FMU, which is the first of its files and not compressed."""
+PAGE = f'<meta name="generator" content="{PROGRAM}">'.encode()
+"""On a page of HTML; an FMU begins with one, which is not compressed."""
 _HEAD = 4096
 """Metadata and first lines stand within so many bytes."""
 _MARKS = {
     b"\x89PNG": f"Software\0{PROGRAM}".encode(),
     b"<?xml": f"<dc:title>{PROGRAM}</dc:title>".encode(),
     MODEL: MODEL,
-    b"PK\x03\x04": FMU,
+    b"PK\x03\x04": PAGE,
+    b"<!doctype html>": PAGE,
     b"MATLAB 5.0 MAT-file": f"written by {PROGRAM}".encode(),
 }
 """How a figure, a model file or one of MATLAB begins -> what says that it is ours."""

@@ -1,0 +1,89 @@
+"""Where the patches of a run lie, and their peak pressure: asked of the core's contact geometry, never computed here.
+
+    run, frames -> [contact_places] -> per wheel and patch: point on roller or rail, peak pressure, length, width
+
+A run records abscissas, forces and axes of its patches. The point in space follows from the pose of the wheelset against its
+rollers or rails by the geometry of the core, which is asked once per frame; it also knows peak pressure, loaded length and width.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from rollerrig import _core
+from rollerrig.assembly import AssembledModel
+
+Numbers = NDArray[np.float64]
+
+PLACE = ("x", "y", "z", "peak_pressure", "length", "width")
+"""What is found of a patch: point from the crown or top of rail below the wheelset's design position [m], [Pa], [m]."""
+
+_FARTHEST = 3e-3
+"""Between the abscissas of a recorded patch and the one that the geometry finds: more is another patch [m]."""
+
+
+def contact_places(model: AssembledModel, run: xr.Dataset, index: NDArray[np.intp], patches: int) -> Numbers:
+    """Places of the recorded patches.
+
+    Args:
+        model: of the run.
+        run: its results.
+        index: of the samples.
+        patches: of each wheel that are looked at.
+
+    Returns:
+        (frames, wheels, patches, len(PLACE)); NaN where there is no patch, or the geometry finds none there.
+    """
+    found = np.full((len(index), len(model.wheels), patches, len(PLACE)), np.nan)
+    s = run["patch_wheel_abscissa"].to_numpy()[index]
+    poses = {name: relative_pose(model, run, name, index) for name in model.wheelsets}
+    static = {name: _static(model, name) for name in model.wheelsets}
+    for number, wheel in enumerate(model.wheels):
+        contact, right = static[wheel.wheelset], wheel.side == "right"
+        for frame, pose in enumerate(poses[wheel.wheelset][right]):
+            recorded = s[frame, number, :patches]
+            if not np.isfinite(recorded).any() or not np.isfinite(pose).all():
+                continue
+            x, y, z, roll, yaw = pose
+            for patch in contact.patches(x, y, z, yaw, roll, right):
+                k = int(np.nanargmin(np.abs(recorded - patch.wheel_s)))
+                if abs(recorded[k] - patch.wheel_s) < _FARTHEST:
+                    found[frame, number, k] = (*patch.point, patch.peak_pressure, patch.length, patch.width)
+    return found
+
+
+def relative_pose(
+    model: AssembledModel, run: xr.Dataset, wheelset: str, index: NDArray[np.intp]
+) -> dict[bool, Numbers]:
+    """Pose of a wheelset against what it stands on, x, y, z, roll, yaw (frames, 5); True: on the right."""
+    own = _motion(run, wheelset, index)
+    poses: dict[bool, Numbers] = {}
+    for right, side in ((False, "left"), (True, "right")):
+        under = support_under(model, wheelset, side)
+        moved = _motion(run, under, index) if under else np.zeros_like(own)
+        wheel = run.sel(wheel=f"{wheelset}_{side}")
+        moved[:, 1] += wheel["rail_lateral"].to_numpy()[index]
+        moved[:, 2] += wheel["rail_vertical"].to_numpy()[index]
+        poses[right] = own - moved
+    return poses
+
+
+def support_under(model: AssembledModel, wheelset: str, side: str) -> str:
+    """The roller or piece of rail under a wheel; "" for a rigid rail."""
+    number = wheelset.removeprefix("wheelset_")
+    names = (f"roller_{number}", f"roller_{number}_{side}", f"rail_{number}_{side}")
+    return next((name for name in names if name in model.bodies), "")
+
+
+def _motion(run: xr.Dataset, body: str, index: NDArray[np.intp]) -> Numbers:
+    one = run.sel(body=body)
+    return np.stack(
+        [one[name].to_numpy()[index] for name in ("longitudinal", "lateral", "vertical", "roll", "yaw")], axis=1
+    )
+
+
+def _static(model: AssembledModel, wheelset: str) -> _core.StaticWheelsetContact:
+    of_side = {wheel.side: wheel.contact for wheel in model.wheels if wheel.wheelset == wheelset}
+    return _core.StaticWheelsetContact(model.core, of_side["left"], of_side["right"])

@@ -1,0 +1,209 @@
+"""One run as a page shows it: the parts of its case, their motion and forces in thinned frames, and what can be plotted.
+
+    run -> [run_scene] -> Scene -> page
+
+Everything that is drawn was recorded in the run, or is asked of the core (`contact_places`).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from rollerrig.assembly import AssembledModel, assemble
+from rollerrig.config import ConfigError, case_from_toml
+from rollerrig.results import ResultsError, RunInfo
+from rollerrig.viewer import parts
+from rollerrig.viewer.columns import MOST_FRAMES, Columns, Frames, thinned
+from rollerrig.viewer.contact_places import PLACE, contact_places
+from rollerrig.viewer.plots import plots
+
+MOTION = ("longitudinal", "lateral", "vertical", "roll", "pitch", "yaw")
+_ANGLES = ("roll", "pitch", "yaw")
+PATCH = (
+    "wheel_abscissa",
+    "rail_abscissa",
+    "contact_angle",
+    "normal",
+    "a",
+    "b",
+    "creep_force_x",
+    "creep_force_y",
+    "sliding_x",
+    "sliding_y",
+)
+WHEEL = (
+    "longitudinal_force",
+    "lateral_force",
+    "vertical_force",
+    "longitudinal_sliding",
+    "lateral_sliding",
+    "rail_lateral",
+    "rail_vertical",
+)
+AXLE = ("cylinder_pressure", "brake_torque", "traction_torque", "roller_torque", "axle_speed", "roller_speed")
+TRAIN = ("speed", "distance", "train_speed")
+
+ALLOWED = {"position_mm": 0.05, "angle_mrad": 0.1}
+"""Errors that a page may make to have fewer frames; that of the forces is only stated."""
+
+_MOST_PATCHES = 3
+"""Of a wheel that are drawn."""
+
+_MOVES = 1e-12
+
+
+@dataclass(frozen=True)
+class Scene:
+    """What the page needs of one run.
+
+    Attributes:
+        head: plain tables, as JSON.
+        columns: the numbers over time.
+    """
+
+    head: dict[str, Any]
+    columns: Columns
+
+
+def run_scene(run: xr.Dataset, *, label: str = "", most: int = MOST_FRAMES) -> Scene:
+    """The scene of a run.
+
+    Args:
+        run: results of `simulate`.
+        label: how it is called beside another one; by default its case.
+        most: frames.
+
+    Raises:
+        ResultsError: the results hold no motion, or their case cannot be read by this version.
+    """
+    model = model_of(run)
+    frames = _frames(run, most)
+    columns = Columns()
+    columns.add("time", frames.times, exact=True)
+    _add_motion(columns, run, model, frames.index)
+    _add_wheels(columns, run, frames.index)
+    patches = _add_patches(columns, run, model, frames.index)
+    bars = _add_elements(columns, run, model, frames.index)
+    _add_named(columns, run, frames.index)
+    distance = run["distance"].to_numpy()
+    head = {
+        "label": label or str(run.attrs["case"]),
+        "case": str(run.attrs["case"]),
+        "title": str(run.attrs["title"]),
+        "status": str(run.attrs["status_message"]),
+        "support": model.case.support.data.kind,
+        "gravity": model.case.gravity,
+        "bodies": parts.bodies(model),
+        "wheels": parts.wheels(model),
+        "elements": bars,
+        "shapes": parts.shapes(model),
+        "line": parts.track(model, float(distance.min()), float(distance.max())),
+        "patches": patches,
+        "brakes": model.case.brake is not None,
+        "motors": model.case.traction is not None
+        or (model.case.brake is not None and model.case.brake.motors_stand_in),
+        "axles": list(model.wheelsets),
+        "frames": len(frames.times),
+        "samples": int(run.sizes["time"]),
+        "errors": dict(frames.errors),
+        "columns": columns.places,
+    }
+    head["plots"] = plots(head)
+    return Scene(head, columns)
+
+
+def model_of(run: xr.Dataset) -> AssembledModel:
+    """The assembled model of the case that a run carries.
+
+    Raises:
+        ResultsError: the results hold no motion of bodies, or their case cannot be read by this version.
+    """
+    missing = [name for name in (*MOTION, "distance", "patch_wheel_abscissa") if name not in run]
+    if missing or "time" not in run.sizes or "config_toml" not in run.attrs:
+        lacking = ", ".join(missing[:3]) or "a time or the case"
+        raise ResultsError(f"these results hold no motion of bodies ({lacking}); view takes the run.nc of a run")
+    if run.sizes["time"] < 2:
+        raise ResultsError("this run has fewer than two samples; nothing moves")
+    try:
+        RunInfo.of(run)
+        return assemble(case_from_toml(str(run.attrs["config_toml"]), "the case of the run", allow_code=True))
+    except (ConfigError, ValueError) as error:
+        raise ResultsError(f"the case of these results cannot be read: {str(error).splitlines()[0]}") from None
+
+
+def _frames(run: xr.Dataset, most: int) -> Frames:
+    moving = RunInfo.of(run).moving
+    places = run[["longitudinal", "lateral", "vertical"]].sel(body=moving).to_array().transpose("time", ...)
+    angles = run[["roll", "yaw"]].sel(body=moving).to_array().transpose("time", ...)
+    count = run.sizes["time"]
+    drawn = {
+        "position_mm": 1e3 * places.to_numpy().reshape(count, -1),
+        "angle_mrad": 1e3 * angles.to_numpy().reshape(count, -1),
+        "force_kn": 1e-3
+        * run[["lateral_force", "vertical_force"]].to_array().transpose("time", ...).to_numpy().reshape(count, -1),
+    }
+    return thinned(run["time"].to_numpy(), drawn, ALLOWED, most)
+
+
+def _add_motion(columns: Columns, run: xr.Dataset, model: AssembledModel, index: NDArray[np.intp]) -> None:
+    """Coordinates that change, of each body by its number."""
+    spinning = {*model.wheelsets, *model.rollers}
+    for number, body in enumerate(model.bodies):
+        for name in MOTION:
+            values = run[name].sel(body=body).to_numpy()[index]
+            if np.abs(values).max(initial=0.0) > _MOVES:
+                columns.add(f"b{number}.{name}", values, exact=name == "pitch" and body in spinning)
+
+
+def _add_wheels(columns: Columns, run: xr.Dataset, index: NDArray[np.intp]) -> None:
+    for number in range(run.sizes["wheel"]):
+        for name in WHEEL:
+            columns.add(f"w{number}.{name}", run[name].to_numpy()[index, number])
+
+
+def _add_patches(columns: Columns, run: xr.Dataset, model: AssembledModel, index: NDArray[np.intp]) -> int:
+    count = int(np.nanmax(run["patch_count"].to_numpy()[index], initial=0.0))
+    count = max(1, min(count, _MOST_PATCHES, run.sizes["patch"]))
+    places = contact_places(model, run, index, count)
+    for number in range(run.sizes["wheel"]):
+        for patch in range(count):
+            for name in PATCH:
+                columns.add(f"w{number}.p{patch}.{name}", run[f"patch_{name}"].to_numpy()[index, number, patch])
+            for k, name in enumerate(PLACE):
+                columns.add(f"w{number}.p{patch}.{name}", places[:, number, patch, k])
+    return count
+
+
+def _add_elements(
+    columns: Columns, run: xr.Dataset, model: AssembledModel, index: NDArray[np.intp]
+) -> list[dict[str, Any]]:
+    """A column per element: its force or moment in the direction in which that varies most, over the first sample."""
+    table = parts.elements(model)
+    for element in table:
+        found = {way: run[_element_variable(way)].to_numpy()[:, element["number"]] for way in element["directions"]}
+        way = "z" if element["carries"] else max(found, key=lambda name: float(np.std(found[name])))
+        rest = float(found[way][0]) if element["carries"] else 0.0
+        element["direction"], element["rest"] = way, rest
+        element["largest"] = float(np.abs(found[way] - rest).max())
+        columns.add(f"e{element['number']}", found[way][index] - rest)
+    return table
+
+
+def _element_variable(direction: str) -> str:
+    return f"element_force_{direction}" if direction in "xyz" else f"element_moment_{direction}"
+
+
+def _add_named(columns: Columns, run: xr.Dataset, index: NDArray[np.intp]) -> None:
+    for name in TRAIN:
+        if name in run:
+            columns.add(name, run[name].to_numpy()[index], exact=name == "distance")
+    if "axle" not in run.sizes:
+        return
+    for name in AXLE:
+        for number in range(len(RunInfo.of(run).wheelsets)):
+            columns.add(f"a{number}.{name}", run[name].to_numpy()[index, number])

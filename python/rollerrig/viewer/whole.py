@@ -1,0 +1,76 @@
+"""`rr.view`: runs become a page.
+
+runs -> [view] -> one HTML file
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import xarray as xr
+
+from rollerrig.results import ResultsError, load_run, output_file, write_text
+from rollerrig.viewer.columns import MOST_FRAMES
+from rollerrig.viewer.page import page
+from rollerrig.viewer.scene import run_scene
+
+Run = xr.Dataset | str | Path
+
+
+def view(run: Run, other: Run | None = None, *, path: str | Path = "view.html", force: bool = False) -> Path:
+    """Write a run as a page that shows it in motion, in any browser, without a network.
+
+    Args:
+        run: results of `simulate`, or a file of them.
+        other: another run to be shown beside it, in step: the same case on track, another controller.
+        path: the page.
+        force: whether a file that this program did not write may be replaced.
+
+    Returns:
+        The page's path.
+
+    Raises:
+        FileNotFoundError: no such run.
+        ResultsError: a file is damaged or of another version, or holds no motion of bodies.
+        OutputError: the page could not be written.
+
+    Example:
+        >>> import rollerrig as rr
+        >>> run = rr.simulate(rr.load_case("wheelset_rollers").with_changes({"time.duration": "0.2 s"}))
+        >>> rr.view(run, path="view.html").name
+        'view.html'
+    """
+    target = output_file(path, force=force)
+    chosen = [_loaded(one) for one in (run, other) if one is not None]
+    return write_text(target, view_text(chosen), force=force)
+
+
+def view_text(runs: Sequence[xr.Dataset], labels: Sequence[str] = (), *, most: int = MOST_FRAMES) -> str:
+    """The page as text.
+
+    Args:
+        runs: one or two.
+        labels: how they are called; by default their cases.
+        most: frames of each.
+
+    Raises:
+        ResultsError: a run holds no motion of bodies.
+    """
+    names = list(labels) or [str(run.attrs.get("case", "")) for run in runs]
+    scenes = [run_scene(run, label=name, most=most) for run, name in zip(runs, names, strict=True)]
+    return page(" | ".join(names), scenes)
+
+
+def _loaded(run: Run) -> xr.Dataset:
+    """A run that is checked for motion, its file named in what is wrong with it."""
+    from rollerrig.viewer.scene import model_of
+
+    if isinstance(run, xr.Dataset):
+        return run
+    found = load_run(run)
+    try:
+        model_of(found)
+    except ResultsError as error:
+        raise ResultsError(f"{run}: {error}") from None
+    return found

@@ -1,0 +1,44 @@
+"""Pictures of the page that `rollerrig view` writes, for the documentation: docs/images/view_*.png.
+
+    python scripts/write_view_pictures.py        needs chromium and playwright
+
+The runs are those of the catalogue; the page is opened as a visitor opens it.
+"""
+
+from __future__ import annotations
+
+import sys
+import tempfile
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+sys.path.insert(0, str(ROOT / "tests"))
+
+import rollerrig as rr  # noqa: E402
+from browser import Opened, chromium  # noqa: E402
+
+PICTURES = {
+    "view_rig_and_track": (("bogie_rollers_constant", "bogie_track"), "260 km/h", 1.52, "free", "light"),
+    "view_brake": (("adhesion_brake",), None, 7.6, "wheelset", "light"),
+    "view_contact": (("vehicle_curve",), None, 8.0, "contact", "dark"),
+}
+"""Name -> cases, another speed, time [s], camera, theme."""
+
+
+def main() -> None:
+    """Write all pictures, or those named on the command line."""
+    with chromium() as browser, tempfile.TemporaryDirectory() as folder:
+        for name, (cases, speed, time, camera, theme) in PICTURES.items():
+            if len(sys.argv) > 1 and name not in sys.argv[1:]:
+                continue
+            chosen = [rr.load_case(case) for case in cases]
+            runs = [rr.simulate(case.with_changes({"motion.speed": speed}) if speed else case) for case in chosen]
+            page = Opened(browser, rr.view(*runs, path=Path(folder) / f"{name}.html"), 1280, 720, color_scheme=theme)
+            page.ask(f"(r.wheel = {1 if camera == 'contact' else 0}, r.clock.set({time}), r.look('{camera}'))")
+            page.page.wait_for_timeout(300)
+            page.page.screenshot(path=ROOT / "docs" / "images" / f"{name}.png")
+            page.close()
+
+
+if __name__ == "__main__":
+    main()

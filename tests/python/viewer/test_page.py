@@ -1,0 +1,138 @@
+"""The page in a browser: asks for nothing, complains of nothing, moves what moved in the run, fits a narrow screen."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import rollerrig as rr
+from browser import Opened
+from rollerrig.viewer.columns import interpolated
+
+
+def test_it_asks_for_nothing_and_complains_of_nothing(opened: Opened, both: Path) -> None:
+    opened.ask("r.clock.set(0.2)")
+    assert opened.requests == [both.as_uri()]
+    assert opened.complaints == []
+
+
+def test_it_holds_no_address(both: Path) -> None:
+    text = both.read_text()
+    assert "default-src 'none'" in text
+    assert not [word for word in ('src="http', "src='http", 'href="http', "import(") if word in text]
+
+
+def test_the_slider_moves_bodies_as_in_the_run_and_the_picture(opened: Opened, on_rig: xr.Dataset) -> None:
+    wheelset = list(on_rig["body"].to_numpy()).index("wheelset_1")
+    shots = []
+    for time in (0.0, 0.1, 0.22):
+        opened.page.evaluate(
+            "t => { const s = document.getElementById('time'); s.value = t; s.dispatchEvent(new Event('input')); }",
+            time,
+        )
+        _, y, z = opened.ask(f"(r.tick(performance.now()), r.worlds[0].bodies[{wheelset}].node.position.toArray())")
+        lateral = float(on_rig["lateral"].sel(body="wheelset_1").interp(time=time))
+        assert y == pytest.approx(lateral, abs=0.05e-3)
+        assert z == pytest.approx(0.46, abs=1e-3)
+        shots.append(opened.page.locator("#canvas").screenshot())
+    assert len(set(shots)) == 3
+
+
+def test_it_draws_the_curve_whose_error_it_states(opened: Opened) -> None:
+    times, column = opened.ask(
+        "[Array.from(r.worlds[0].numbers.times), Array.from(r.worlds[0].numbers.columns.get('b2.lateral'))]"
+    )
+    at = np.linspace(0.0, times[-1], 37)
+    drawn = opened.ask(
+        f"{at.tolist()}.map((t) => {{ const n = r.worlds[0].numbers; n.seek(t); return n.at('b2.lateral'); }})"
+    )
+    expected = interpolated(np.array(times), np.array(column)[:, None], at)[:, 0]
+    np.testing.assert_allclose(drawn, expected, atol=2e-9)  # times are of 32 bits there
+
+
+def test_two_runs_go_in_step_and_the_shorter_one_waits(opened: Opened) -> None:
+    for time in (0.05, 0.2, 0.4):
+        of_world = "(w) => { const n = w.numbers, t = n.times, k = n.frame; return t[k] + n.part * (t[k + 1] - t[k]); }"
+        frames = opened.ask(f"(r.clock.set({time}), r.tick(performance.now()), r.worlds.map({of_world}))")
+        assert frames == [pytest.approx(time, abs=1e-5), pytest.approx(min(time, 0.3), abs=1e-5)]
+
+
+def test_a_click_on_a_curve_goes_there_and_a_drag_repeats_that_range(opened: Opened) -> None:
+    over = opened.page.locator(".u-over").first
+    box = over.bounding_box()
+    over.click(position={"x": box["width"] / 2, "y": box["height"] / 2})
+    assert opened.ask("r.clock.time") == pytest.approx(0.2, abs=0.01)
+    mouse, y = opened.page.mouse, box["y"] + box["height"] / 2
+    mouse.move(box["x"] + 0.25 * box["width"], y)
+    mouse.down()
+    mouse.move(box["x"] + 0.4 * box["width"], y)
+    mouse.move(box["x"] + 0.5 * box["width"], y)
+    mouse.up()
+    assert opened.ask("r.clock.range") == [pytest.approx(0.1, abs=0.01), pytest.approx(0.2, abs=0.01)]
+    opened.ask("r.clock.set(0.19), r.clock.toggle(), r.clock.advance(0.02), r.clock.toggle()")
+    assert 0.1 <= opened.ask("r.clock.time") < 0.2
+    opened.ask("r.clock.repeat(null)")
+
+
+def test_keys(opened: Opened) -> None:
+    keyboard = opened.page.keyboard
+    opened.ask("(document.activeElement.blur(), r.clock.set(0))")
+    keyboard.press("Shift+ArrowRight")
+    assert opened.ask("r.clock.time") == pytest.approx(10 * opened.ask("r.clock.step"))
+    keyboard.press("4")
+    assert opened.ask("r.stage.mode") == "contact"
+    assert opened.page.locator(".section").first.is_visible()
+    keyboard.press("e")
+    opened.ask("0")
+    assert "displacements ×" in (opened.page.locator("#note").text_content() or "")
+    keyboard.press("1")
+    opened.page.locator("#displacement").evaluate("e => { e.value = 0; e.dispatchEvent(new Event('input')); }")
+    opened.ask("0")
+    assert "displacements" not in (opened.page.locator("#note").text_content() or "")
+
+
+def test_displacements_are_exaggerated_and_spin_is_not(opened: Opened) -> None:
+    body = "r.worlds[0].bodies[2]"
+    state = f"(r.clock.set(0.1), r.tick(performance.now()), [{body}.offset.y, {body}.spin.quaternion.y])"
+    plain = opened.ask(state)
+    larger = opened.ask(f"(r.options.displacement = 10, {state})")
+    opened.ask("r.options.displacement = 1")
+    assert larger == [pytest.approx(10 * plain[0]), pytest.approx(plain[1])]
+
+
+def test_what_it_leaves_out_is_said(opened: Opened) -> None:
+    text = opened.page.locator(".panel").text_content() or ""
+    assert "of 201 samples" in text
+    assert "mm" in text
+    assert "schematic" in text
+
+
+@pytest.mark.parametrize("scheme", ["dark", "light"])
+def test_a_narrow_screen_in_dark_and_light(browser: Any, tmp_path: Path, in_curve: xr.Dataset, scheme: str) -> None:
+    page = Opened(
+        browser, rr.view(in_curve, path=tmp_path / "curve.html"), 375, 667, color_scheme=scheme, has_touch=True
+    )
+    try:
+        width = page.ask("[document.documentElement.scrollWidth, innerWidth]")
+        assert width[0] <= width[1] == 375
+        for box in (
+            one.bounding_box() for one in page.page.locator("button:visible, select:visible, input:visible").all()
+        ):
+            assert box["x"] >= 0
+            assert box["x"] + box["width"] <= 375
+            assert box["height"] >= 24
+        canvas = page.page.locator("#canvas").bounding_box()
+        assert canvas["width"] > 300
+        assert canvas["height"] > 180
+        page.page.locator("#look-contact").tap()
+        page.page.locator("#play").tap()
+        assert page.ask("r.clock.playing") is True
+        background = page.ask("getComputedStyle(document.body).backgroundColor")
+        assert (background == "rgb(255, 255, 255)") == (scheme == "light")
+        assert page.complaints == []
+    finally:
+        page.close()

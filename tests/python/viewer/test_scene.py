@@ -1,0 +1,121 @@
+"""What a page is given: frames whose error is the one it states, numbers of sixteen bits, contacts where the run has them."""
+
+from __future__ import annotations
+
+import base64
+import gzip
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from rollerrig.results import ResultsError
+from rollerrig.viewer.columns import MOST_FRAMES, WHOLE, Columns, interpolated, thinned
+from rollerrig.viewer.parts import outline
+from rollerrig.viewer.scene import ALLOWED, model_of, run_scene
+
+
+def test_a_straight_line_is_drawn_exactly() -> None:
+    times = np.linspace(0.0, 1.0, 6)
+    at = np.linspace(0.0, 1.0, 51)
+    values = np.column_stack([3.0 * times - 1.0, 5.0 - times])
+    np.testing.assert_allclose(interpolated(times, values, at), np.column_stack([3.0 * at - 1.0, 5.0 - at]), atol=1e-14)
+
+
+def test_frames_keep_to_the_allowed_error_and_are_few() -> None:
+    times = np.linspace(0.0, 10.0, 10001)
+    swing = 5.0 * np.sin(2 * np.pi * 7.0 * times)[:, None]
+    frames = thinned(times, {"position_mm": swing}, {"position_mm": 0.05})
+    assert len(frames.index) < len(times) / 5
+    assert frames.errors["position_mm"] <= 0.05
+    drawn = interpolated(frames.times, swing[frames.index], times)
+    assert np.abs(drawn - swing).max() == pytest.approx(frames.errors["position_mm"])
+    assert frames.index[-1] == len(times) - 1
+
+
+def test_no_more_frames_than_a_page_opens_quickly_with_and_their_error_is_said() -> None:
+    times = np.linspace(0.0, 60.0, 60001)
+    swing = np.sin(2 * np.pi * 200.0 * times)[:, None]
+    frames = thinned(times, {"position_mm": swing}, {"position_mm": 0.05})
+    assert len(frames.index) <= MOST_FRAMES + 1
+    assert frames.errors["position_mm"] > 0.5
+
+
+def test_a_column_is_kept_to_half_a_step_and_gaps_stay_gaps() -> None:
+    values = np.array([-3.0, 1.0, np.nan, 7.0, 6.9999])
+    columns = Columns()
+    columns.add("first", np.arange(5.0), exact=True)
+    columns.add("second", values)
+    start, count, kind, factor, offset = columns.places["second"]
+    assert (kind, start % 4) == ("h", 0)
+    raw = np.frombuffer(gzip.decompress(base64.b64decode(columns.text())), "<i2", count, start)
+    decoded = np.where(raw == -WHOLE - 1, np.nan, offset + factor * raw)
+    np.testing.assert_allclose(decoded, values, atol=10.0 / 2 / WHOLE / 2 * 1.001)
+
+
+@pytest.mark.parametrize("name", ["on_rig", "in_curve"])
+def test_every_recorded_patch_has_its_place(name: str, request: pytest.FixtureRequest) -> None:
+    run: xr.Dataset = request.getfixturevalue(name)
+    scene = run_scene(run)
+    model = model_of(run)
+    places = decoded(scene.columns)
+    patches = places["w0.p0.normal"]
+    assert np.isfinite(places["w0.p0.x"]).mean() > 0.99
+    for wheel, side in ((0, 1.0), (1, -1.0)):
+        y, rail = places[f"w{wheel}.p0.y"], places[f"w{wheel}.p0.rail_abscissa"]
+        there = np.isfinite(y)
+        off = np.abs(y - side * (model.rail_origin_y + rail))[there]  # core's point, recorded abscissa
+        assert off.max() < 0.2e-3
+    assert patches.min() > 0
+    peak = places["w0.p0.peak_pressure"]
+    assert (peak.min(), peak.max()) > (1e8, 1e8)
+    assert peak.max() < 4e9
+
+
+@pytest.mark.parametrize("name", ["on_rig", "on_track", "in_curve"])
+def test_the_stated_errors_are_within_what_is_allowed(name: str, request: pytest.FixtureRequest) -> None:
+    head = run_scene(request.getfixturevalue(name)).head
+    assert head["frames"] < head["samples"]
+    for quantity, allowed in ALLOWED.items():
+        assert head["errors"][quantity] <= allowed
+
+
+def test_a_rig_has_no_line_and_a_curve_has(on_rig: xr.Dataset, in_curve: xr.Dataset) -> None:
+    assert run_scene(on_rig).head["line"] is None
+    line = run_scene(in_curve).head["line"]
+    assert max(line["cant"]) > 0.1  # the right rail is raised in a curve to the left
+    assert line["heading"][-1] > 0.1
+
+
+def test_few_points_draw_the_profile(on_rig: xr.Dataset) -> None:
+    profile = model_of(on_rig).wheel_profile
+    points = np.array(outline(profile))
+    assert 20 < len(points) < 200
+    y = profile.outline[:, 0]
+    order = np.argsort(y)
+    inside = (y[order] > profile.domain[0]) & (y[order] < profile.domain[1])
+    drawn = np.interp(y[order][inside], points[:, 0], points[:, 1])
+    assert np.abs(drawn - profile.outline[order][inside, 1]).max() < 0.2e-3  # 0.03 mm across, more along steep flanks
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (lambda run: run.drop_vars("lateral"), r"no motion of bodies \(lateral\); view takes the run.nc of a run"),
+        (lambda run: run.isel(time=[0]), "fewer than two samples"),
+        (lambda run: run.assign_attrs(config_toml="[motion"), "the case of these results cannot be read"),
+        (lambda run: run.assign_attrs(run_info="{}"), "results of another version of rollerrig"),
+    ],
+)
+def test_results_that_cannot_be_shown_are_refused(change: object, message: str, on_rig: xr.Dataset) -> None:
+    with pytest.raises(ResultsError, match=message):
+        run_scene(change(on_rig))  # type: ignore[operator]
+
+
+def decoded(columns: Columns) -> dict[str, np.ndarray]:
+    raw = gzip.decompress(base64.b64decode(columns.text()))
+    found = {}
+    for name, (start, count, kind, factor, offset) in columns.places.items():
+        values = np.frombuffer(raw, "<f4" if kind == "f" else "<i2", count, start)
+        found[name] = values if kind == "f" else np.where(values == -WHOLE - 1, np.nan, offset + factor * values)
+    return found

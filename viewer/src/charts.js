@@ -1,0 +1,75 @@
+// Curves over time in step with the pictures: a click goes there, a drag chooses the range that is repeated.
+
+import uPlot from "uplot";
+import { CURVES } from "./colours.js";
+
+/** One chart with a choice of what it shows. */
+export class Chart {
+  constructor(holder, worlds, first, events) {
+    this.worlds = worlds; this.events = events;
+    this.groups = groupsOf(worlds);
+    this.box = document.createElement("div"); this.box.className = "chart";
+    this.choice = document.createElement("select"); this.choice.setAttribute("aria-label", "what is plotted");
+    this.groups.forEach((group, k) => this.choice.add(new Option(`${group.title} [${group.unit}]`, String(k))));
+    this.choice.value = String(Math.min(first, this.groups.length - 1));
+    this.choice.addEventListener("change", () => this.build());
+    this.area = document.createElement("div"); this.area.className = "plot";
+    this.now = document.createElement("div"); this.now.className = "now";
+    this.box.append(this.choice, this.area);
+    holder.append(this.box);
+  }
+
+  build(theme = this.theme) {
+    this.theme = theme;
+    this.plot?.destroy();
+    const group = this.groups[Number(this.choice.value)], tables = [], series = [{}];
+    group.curves.forEach((list, run) => {
+      const n = this.worlds[run].numbers;
+      tables.push([n.times, ...list.map(([column, , factor]) => Array.from(n.columns.get(column), (v) => (v === v ? factor * v : null)))]);
+      list.forEach(([, label], k) => series.push({ label: this.worlds.length > 1 ? `${label}, ${this.worlds[run].head.label}` : label, stroke: CURVES[k % CURVES.length], width: 1.3, dash: run ? [6, 4] : undefined, spanGaps: false, points: { show: false } }));
+    });
+    const axis = { stroke: theme.text, grid: { stroke: theme.grid, width: 1 }, ticks: { stroke: theme.grid }, font: "11px system-ui, sans-serif" };
+    const options = {
+      width: this.area.clientWidth || 300, height: this.area.clientHeight || 150, series,
+      scales: { x: { time: false, range: [0, Math.max(...this.worlds.map((w) => w.numbers.end))] } },
+      axes: [{ ...axis, size: 26 }, { ...axis, size: 46 }],
+      legend: { show: false }, cursor: { drag: { x: true, y: false, setScale: false }, points: { show: false } },
+      hooks: { setSelect: [(u) => { if (u.select.width > 3) this.events.range(u.posToVal(u.select.left, "x"), u.posToVal(u.select.left + u.select.width, "x")); u.setSelect({ width: 0, height: 0 }, false); }] },
+    };
+    this.plot = new uPlot(options, tables.length > 1 ? uPlot.join(tables) : tables[0], this.area);
+    this.plot.over.append(this.now);
+    this.plot.over.addEventListener("click", () => { if (this.plot.cursor.left >= 0) this.events.time(this.plot.posToVal(this.plot.cursor.left, "x")); });
+    this.keys(group);
+    this.mark(this.time || 0);
+  }
+
+  keys(group) {
+    this.legend?.remove();
+    this.legend = document.createElement("div"); this.legend.className = "keys";
+    group.curves[0].forEach(([, label], k) => {
+      const key = document.createElement("span");
+      key.innerHTML = `<i style="background:${CURVES[k % CURVES.length]}"></i>`;
+      key.append(label);
+      this.legend.append(key);
+    });
+    if (this.worlds.length > 1) { const key = document.createElement("span"); key.textContent = `dashed: ${this.worlds[1].head.label}`; this.legend.append(key); }
+    this.box.append(this.legend);
+  }
+
+  resize() { if (this.plot && this.area.clientWidth) { this.plot.setSize({ width: this.area.clientWidth, height: this.area.clientHeight }); this.mark(this.time || 0); } }
+
+  mark(time) {
+    this.time = time;
+    if (this.plot) this.now.style.transform = `translateX(${this.plot.valToPos(time, "x")}px)`;
+  }
+}
+
+/** Groups of all runs by title; of each run its curves. */
+function groupsOf(worlds) {
+  const found = new Map();
+  worlds.forEach((world, run) => world.head.plots.forEach((group) => {
+    if (!found.has(group.title)) found.set(group.title, { title: group.title, unit: group.unit, curves: worlds.map(() => []) });
+    found.get(group.title).curves[run] = group.curves;
+  }));
+  return [...found.values()];
+}
