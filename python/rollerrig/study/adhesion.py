@@ -43,7 +43,7 @@ from rollerrig.study.ensemble import distances, estimate, recorded, starts
 from rollerrig.study.frame import Study
 from rollerrig.study.jobs import Done, Round, job
 from rollerrig.study.quantities import Numbers
-from rollerrig.study.report import Mark, Section
+from rollerrig.study.report import VIEW, Mark, Section
 
 STARTS, QUICK_STARTS, MOST_STARTS = 8, 2, 40
 """Tests of an ensemble; of a quick study; and up to which they are added until the errors of the shares are small."""
@@ -86,7 +86,7 @@ class AdhesionStudy(Study[Runs]):
 
     command = "adhesion"
     quantities = QUANTITIES
-    writes = ("track*.nc", "rig*.nc", "axles*.csv")
+    writes = ("track*.nc", "rig*.nc", "axles*.csv", VIEW)
     irrelevant = ("description", "error_budget")
 
     def __post_init__(self) -> None:
@@ -201,6 +201,9 @@ class AdhesionStudy(Study[Runs]):
     def files(self, results: Runs, numbers: Numbers) -> Mapping[str, Any]:
         track, rig = results.whole["track"], results.whole["rig"]
         return {"track.nc": track, "rig.nc": rig, "axles.csv": axle_columns(track, rig)}
+
+    def shown(self, results: Runs) -> Mapping[str, xr.Dataset]:
+        return {"degraded track": results.whole["track"], "rig": results.whole["rig"]}
 
     def sections(self, results: Runs, numbers: Numbers) -> list[Section]:
         return adhesion_sections(self.case, self.rows(results), results.whole, results.records, numbers)

@@ -36,7 +36,8 @@ from rollerrig.study.jobs import Done, Progress, Round, run_rounds
 from rollerrig.study.journal import Journal, check_jobs
 from rollerrig.study.limitations import limitations
 from rollerrig.study.quantities import Numbers, Quantities, finite
-from rollerrig.study.report import Block, Mark, Page, Picture, Preformatted, Section, Table, Text, render
+from rollerrig.study.report import VIEW, Block, Mark, Page, Picture, Preformatted, Section, Table, Text, render
+from rollerrig.viewer import view_text
 
 R = TypeVar("R")
 SUMMARY, REPORT = "summary.json", "report.html"
@@ -108,6 +109,10 @@ class Study(ABC, Generic[R]):
 
     def files(self, results: R, numbers: Numbers) -> Mapping[str, Content]:
         """File name -> content, beside report, figures and summary.json."""
+        return {}
+
+    def shown(self, results: R) -> Mapping[str, xr.Dataset]:
+        """One run, or two side by side, that a page beside the report shows in motion, by what they are called."""
         return {}
 
     def timings(self, results: R) -> Mapping[str, Mapping[str, float]]:
@@ -250,13 +255,14 @@ class Outcome(Generic[R]):
         study = self.study
         with ResultFolder(out, study.command, study.cases(), interrupted=self.interrupted, force=force) as folder:
             written = self._add_data(folder)
+            view = self._add_view(folder, written)
             sections = self._sections()
             for picture in (block for section in sections for block in section.blocks if isinstance(block, Picture)):
                 written += self._add_picture(folder, picture)
             summary = {**self.numbers, "keys": study.quantities.described()}
             written.append(folder.add(SUMMARY, _json(summary)))
             written.append(folder.add(TIMING, _json(self.timing), varies=True))
-            page = Page(study.title, self.summary, sections, f"rollerrig {__version__}", study.mark)
+            page = Page(study.title, self.summary, sections, f"rollerrig {__version__}", study.mark, view)
             written.append(folder.add(REPORT, render(page).encode()))
             folder.commit()
         if self.journal is not None and not (self.interrupted or study.keeps_jobs):
@@ -272,6 +278,15 @@ class Outcome(Generic[R]):
             marked = path if mark is None else path.with_stem(f"{path.stem}_{mark.name}")
             written.append(folder.add(marked.as_posix(), _bytes(content)))
         return written
+
+    def _add_view(self, folder: ResultFolder, written: list[Path]) -> str:
+        """The page that shows runs in motion; what it shows, "" where nothing moves."""
+        runs = {name: run for name, run in self.study.shown(self.results).items() if run.sizes["time"] > 1}
+        if not runs:
+            return ""
+        marked = "" if self.study.mark is None else f"{self.study.mark.title}: "
+        written.append(folder.add(VIEW, view_text(list(runs.values()), [f"{marked}{name}" for name in runs]).encode()))
+        return ", ".join(runs)
 
     def _add_picture(self, folder: ResultFolder, picture: Picture) -> list[Path]:
         """The files of a figure; the first one is shown in the report."""

@@ -47,7 +47,7 @@ from rollerrig.study.lateral_numbers import (
 )
 from rollerrig.study.lateral_text import control_text, guidance_text, hunting_text
 from rollerrig.study.quantities import Numbers
-from rollerrig.study.report import Block, Picture, Section, Text
+from rollerrig.study.report import VIEW, Block, Picture, Section, Text
 
 
 @dataclass(frozen=True)
@@ -66,7 +66,7 @@ class LateralStudy(Study[Found]):
 
     command = "lateral"
     quantities = QUANTITIES
-    writes = ("*.nc",)
+    writes = ("*.nc", VIEW)
 
     def __post_init__(self) -> None:
         """Refuse a case that says nothing about lateral motion in a slide.
@@ -169,6 +169,9 @@ class LateralStudy(Study[Found]):
         lines += guidance_text(numbers)
         ended = {key: run for key, run in results.runs.items() if run.attrs["status"] not in COMPLETED}
         return lines + [f"{LABELS[key]}: {run.attrs['status_message']}" for key, run in ended.items()]
+
+    def shown(self, results: Found) -> Mapping[str, xr.Dataset]:
+        return {LABELS[key]: results.runs[key] for key in ("track", "rig") if key in results.runs}
 
     def files(self, results: Found, numbers: Numbers) -> Mapping[str, Any]:
         return {f"{key}.nc": run for key, run in results.runs.items()}

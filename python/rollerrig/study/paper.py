@@ -9,6 +9,8 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+import xarray as xr
+
 from rollerrig.analysis import ramp_run
 from rollerrig.analysis.contact_state import contact_state
 from rollerrig.analysis.critical_speed import scan_linear
@@ -39,7 +41,7 @@ from rollerrig.study.paper_plan import (
 )
 from rollerrig.study.paper_results import Results, results_of
 from rollerrig.study.quantities import Numbers
-from rollerrig.study.report import Block, Mark, Picture, Section, Text
+from rollerrig.study.report import VIEW, Block, Mark, Picture, Section, Text
 
 
 @dataclass(frozen=True)
@@ -54,7 +56,7 @@ class PaperStudy(Study[Results]):
 
     command = "paper"
     quantities = QUANTITIES
-    writes = ("data/*.nc", "data/*.csv")
+    writes = ("data/*.nc", "data/*.csv", VIEW)
     formats = ("svg", "png")
     round_ends = (0.2, 0.8)
 
@@ -137,6 +139,11 @@ class PaperStudy(Study[Results]):
             found["data/traction.nc"] = results.traction
             found["data/figure_8.csv"] = tables.traction_columns(results.theory)
         return found
+
+    def shown(self, results: Results) -> Mapping[str, xr.Dataset]:
+        return (
+            {} if results.traction is None else {"the bogie on free rollers under traction, figure 8": results.traction}
+        )
 
     # ---------------------------------------------------------------------------------------------------- report
 

@@ -101,15 +101,29 @@ class Mark:
         return self.name.upper()
 
 
+VIEW = "view.html"
+"""The page beside a report that shows runs in motion."""
+
+
 @dataclass
 class Page:
-    """A whole report."""
+    """A whole report.
+
+    Attributes:
+        title: of it.
+        summary: the findings, a line each.
+        sections: in their order.
+        footer: who made it.
+        mark: what is said on every page.
+        view: what the page VIEW beside it shows in motion; "": there is none.
+    """
 
     title: str
     summary: str
     sections: list[Section]
     footer: str = ""
     mark: Mark | None = None
+    view: str = ""
 
 
 def render(page: Page) -> str:
@@ -118,4 +132,4 @@ def render(page: Page) -> str:
     environment.filters["number"] = number
     environment.tests["numeric"] = lambda cell: isinstance(cell, int | float) and not isinstance(cell, bool)
     template = files("rollerrig.study").joinpath("page.html.j2").read_text(encoding="utf-8")
-    return environment.from_string(template).render(page=page)
+    return environment.from_string(template).render(page=page, view=VIEW)

@@ -1,6 +1,6 @@
 """One simulation: every signal, the numbers, tables and a report.
 
-Case -> [RunStudy] -> run.nc, motion.csv, wheels.csv, running_safety.csv, summary.json, report.html
+Case -> [RunStudy] -> run.nc, motion.csv, wheels.csv, running_safety.csv, summary.json, report.html, view.html
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from rollerrig.study import running_safety
 from rollerrig.study.frame import Study
 from rollerrig.study.jobs import Done, Round, job
 from rollerrig.study.quantities import Numbers, Quantities, Quantity
-from rollerrig.study.report import Picture, Section, Table
+from rollerrig.study.report import VIEW, Picture, Section, Table
 from rollerrig.wording import number
 
 TERMINATION = (
@@ -116,7 +116,7 @@ class RunStudy(Study[Results]):
 
     command = "run"
     quantities = QUANTITIES
-    writes = ("run.nc", "motion.csv", "wheels.csv", "running_safety.csv")
+    writes = ("run.nc", "motion.csv", "wheels.csv", "running_safety.csv", VIEW)
     resumable = False
 
     @property
@@ -152,6 +152,9 @@ class RunStudy(Study[Results]):
             f"{number(numbers['energy_turned_over_j'] / 1e3)} kJ turned over."
         )
         return [*lines, *(f"Warning: {line}." for line in numbers["warnings"].splitlines())]
+
+    def shown(self, results: Results) -> Mapping[str, xr.Dataset]:
+        return {self.case.name: results.run}
 
     def files(self, results: Results, numbers: Numbers) -> Mapping[str, Any]:
         tables = {"motion.csv": motion_table(results.run), "wheels.csv": wheel_table(results.run)}

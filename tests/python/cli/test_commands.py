@@ -51,7 +51,17 @@ def test_run_writes_its_files(case: Path, tmp_path: Path) -> None:
     assert done.code == 0, done.err
     names = {path.name for path in (tmp_path / "out").iterdir()}
     tables = {"motion.csv", "wheels.csv", "running_safety.csv"}
-    assert names == {"rollerrig.json", "run.nc", "summary.json", "timing.json", *tables, "figures", "report.html"}
+    assert names == {
+        "rollerrig.json",
+        "run.nc",
+        "summary.json",
+        "timing.json",
+        *tables,
+        "figures",
+        "report.html",
+        "view.html",
+    }
+    assert '<a href="view.html">' in (tmp_path / "out" / "report.html").read_text()
     assert "%" not in done.err  # no progress bar where nobody looks
     assert done.err.startswith("short: 0.1 s computed.")
     summary = json.loads((tmp_path / "out" / "summary.json").read_text())

@@ -262,7 +262,8 @@ def test_every_number_is_explained_and_written(outcome: Outcome[Runs], tmp_path:
     assert QUANTITIES.unexplained(summary) == []
     pictures = {path for path in written if path.startswith("figures/")}
     data = {"track_quick.nc", "rig_quick.nc", "axles_quick.csv"}
-    assert written - pictures == {*data, "summary.json", "report.html", "timing.json"}
+    assert written - pictures == {*data, "summary.json", "report.html", "timing.json", "view.html"}
+    assert "QUICK: degraded track" in (tmp_path / "view.html").read_text()
     assert {
         "figures/causes.png",
         "figures/slip_histogram.png",
