@@ -19,6 +19,14 @@ export class Chart {
     holder.append(this.box);
   }
 
+  /** Other groups of curves to choose from; `first` is shown. */
+  regroup(groups, first) {
+    this.groups = groups;
+    this.choice.replaceChildren(...groups.map((group, k) => new Option(`${group.title} [${group.unit}]`, String(k))));
+    this.choice.value = String(Math.min(first, groups.length - 1));
+    this.build();
+  }
+
   build(theme = this.theme) {
     this.theme = theme;
     this.plot?.destroy();

@@ -22,6 +22,15 @@ export class Clock {
     this.repeat(null);
   }
 
+  /** Another length of the whole; it goes on playing if it did. */
+  bounded(end, playing) {
+    this.end = end;
+    this.bar.max = end;
+    this.repeat(null);
+    this.set(0);
+    if (playing !== this.playing) this.toggle();
+  }
+
   get first() { return this.range ? this.range[0] : 0; }
   get last() { return this.range ? this.range[1] : this.end; }
 

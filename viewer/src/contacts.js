@@ -72,7 +72,7 @@ class Patch {
 export class Contacts {
   constructor(head, bodies, unit, group, numbers) {
     this.unit = unit;
-    this.weight = Math.max(1e-9, ...head.wheels.map((_, w) => Math.abs(numbers.columns.get(`w${w}.vertical_force`)[0] || 0))) / 5.5e4 / unit;
+    this.weight = Math.max(1e-9, ...head.wheels.map((_, w) => Math.abs(numbers.columns.get(`w${w}.vertical_force`)?.[0] || 0))) / 5.5e4 / unit;
     this.wheels = head.wheels.map((wheel, w) => ({
       ...own(wheel, w, bodies[wheel.body], head.patches, group), vector: new Vector3(), place: new Vector3(),
     }));

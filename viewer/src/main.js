@@ -5,6 +5,7 @@ import { Clock } from "./clock.js";
 import { THEMES } from "./colours.js";
 import { button, element, slider } from "./dom.js";
 import { honesty, legend } from "./legend.js";
+import { modeChoice, modeNumbers, modePlots } from "./modes.js";
 import { Numbers } from "./numbers.js";
 import { drawSection } from "./section.js";
 import { Stage } from "./stage.js";
@@ -14,16 +15,17 @@ const MODES = [["free", "whole", "1"], ["wheelset", "wheelset", "2"], ["track", 
 
 class Page {
   constructor(root, content, worlds) {
-    this.content = content; this.worlds = worlds;
+    this.content = content; this.worlds = worlds; this.modes = content.scenes[0].modes;
     this.options = { displacement: 1, patchFactor: 6, arrowFactor: 1, creepFactor: 3, patches: true, arrows: true, arrowUnit: 1 };
     this.wheel = 0;
     this.build(root);
     const end = Math.max(...worlds.map((w) => w.numbers.end));
     this.clock = new Clock(this.bar, end, end / Math.max(1, worlds[0].numbers.times.length - 1));
     this.stage = new Stage(this.canvas, worlds);
-    legend(this.legend, worlds);
+    if (this.modes) this.legend.hidden = true; else legend(this.legend, worlds);
+    if (this.modes) this.clock.faster(-2);
     const events = { time: (t) => this.clock.set(t), range: (a, b) => this.clock.repeat([a, b]) };
-    this.charts = [0, 1].map((k) => new Chart(this.plots, worlds, [0, this.has("a0.cylinder_pressure") ? 2 : 3][k], events));
+    this.charts = [0, 1].map((k) => new Chart(this.plots, worlds, [0, this.modes ? 1 : this.has("a0.cylinder_pressure") ? 2 : 3][k], events));
     this.resize(); this.setTheme(matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light");
     this.look("free");
     new ResizeObserver(() => this.resize()).observe(this.view);
@@ -52,6 +54,7 @@ class Page {
     this.worlds[0].head.wheels.forEach((wheel, k) => this.wheelChoice.add(new Option(wheel.name.replaceAll("_", " "), k)));
     this.wheelChoice.addEventListener("change", () => { this.wheel = Number(this.wheelChoice.value); this.look(this.stage.mode === "contact" ? "contact" : "wheelset"); });
     const head = element("header", {}, element("h1", { title: this.worlds[0].head.title }, this.content.title), modes, this.wheelChoice,
+      ...(this.content.scenes[0].modes ? modeChoice(this.content.scenes[0], (mode, speed) => this.chooseMode(mode, speed)) : []),
       button("⚙", "what is drawn (S)", () => this.panel.toggleAttribute("hidden"), "settings"), button("◐", "dark or light (T)", () => this.setTheme(this.theme === "dark" ? "light" : "dark"), "theme"));
     this.panel = this.settings();
     root.append(head, this.view, this.plots, this.bar, this.panel);
@@ -69,8 +72,17 @@ class Page {
       slider("arrows ×", 0.2, 4, 0.1, 1, (v) => v.toFixed(1), set("arrowFactor"), "arrow-size"),
       slider("creep force ×", 1, 20, 1, 3, (v) => v.toFixed(0), set("creepFactor"), "creep-size"),
       box("patches", "patches"), box("arrows", "arrows"), car,
-      element("p", { class: "exact" }, honesty(this.worlds)),
+      element("p", { class: "exact" }, this.content.scenes[0].modes ? "Shapes are those of the linear modes." : honesty(this.worlds)),
       element("p", { class: "exact" }, "Keys: space play, ← → a frame (shift: ten), , . slower and faster, [ ] repeated range, 1 to 4 cameras, W next wheel, E displacements larger, S what is drawn, T dark or light. A click on a curve goes there; a drag repeats that range."));
+  }
+
+  /** Another mode, or another speed. */
+  chooseMode(mode, speed) {
+    const world = this.worlds[0], { playing } = this.clock;
+    world.numbers = modeNumbers(world.head, mode, speed);
+    this.clock.bounded(world.numbers.end, playing);
+    this.charts.forEach((chart, k) => chart.regroup(modePlots(world.head, world.numbers), k));
+    this.refresh();
   }
 
   look(mode) {
@@ -127,10 +139,10 @@ class Page {
     this.stage.follow();
     this.charts.forEach((chart) => chart.mark(t));
     if (this.stage.mode === "contact") this.sections.forEach((canvas, k) => drawSection(canvas, this.worlds[k], Math.min(this.wheel, this.worlds[k].head.wheels.length - 1), THEMES[this.theme], this.worlds[k].head.wheels[this.wheel].name.replaceAll("_", " ")));
-    const said = [];
+    const said = this.modes ? ["a mode has no size of its own: displacements are enlarged, growth and decay left out"] : [];
     if (this.options.displacement > 1) said.push(`displacements × ${this.options.displacement}: bodies seem to part and to overlap where they do not`);
-    if (this.options.patches && this.options.patchFactor > 1) said.push(`patches × ${this.options.patchFactor}`);
-    if (this.options.arrows && this.options.creepFactor > 1) said.push(`creep forces × ${this.options.creepFactor}`);
+    if (!this.modes && this.options.patches && this.options.patchFactor > 1) said.push(`patches × ${this.options.patchFactor}`);
+    if (!this.modes && this.options.arrows && this.options.creepFactor > 1) said.push(`creep forces × ${this.options.creepFactor}`);
     this.note.textContent = said.join(" · ");
     this.stage.dirty = true;
   }
@@ -164,7 +176,11 @@ const factor = (v) => { const f = 50 ** (v / 100); return f < 10 ? Math.round(f)
 
 async function start() {
   const content = JSON.parse(document.getElementById("scene").textContent), worlds = [];
-  for (const [k, head] of content.scenes.entries()) worlds.push(new World(head, await Numbers.of(`numbers${k}`, head.columns)));
+  for (const [k, head] of content.scenes.entries()) {
+    const numbers = head.modes ? modeNumbers(head, head.mode, head.speed) : await Numbers.of(`numbers${k}`, head.columns);
+    if (head.modes) head.plots = modePlots(head, numbers).map(({ title, unit, curves }) => ({ title, unit, curves: curves[0] }));
+    worlds.push(new World(head, numbers));
+  }
   window.rollerrig = new Page(document.getElementById("view"), content, worlds);
 }
 

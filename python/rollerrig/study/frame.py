@@ -281,7 +281,7 @@ class Outcome(Generic[R]):
 
     def _add_view(self, folder: ResultFolder, written: list[Path]) -> str:
         """The page that shows runs in motion; what it shows, "" where nothing moves."""
-        runs = {name: run for name, run in self.study.shown(self.results).items() if run.sizes["time"] > 1}
+        runs = {name: run for name, run in self.study.shown(self.results).items() if run.sizes.get("time", 2) > 1}
         if not runs:
             return ""
         marked = "" if self.study.mark is None else f"{self.study.mark.title}: "

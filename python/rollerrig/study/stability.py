@@ -25,7 +25,7 @@ from rollerrig.study.frame import Study
 from rollerrig.study.jobs import Done, Progress, Round, job
 from rollerrig.study.mode_tables import line_sentences, mode_rows, mode_table, shape_blocks, shape_rows
 from rollerrig.study.quantities import Numbers, Quantities, Quantity
-from rollerrig.study.report import Block, Picture, Section, Text
+from rollerrig.study.report import VIEW, Block, Picture, Section, Text
 
 MOST_CYCLE_SPEEDS = 20
 """Runs are made at no more speeds than this, spread over the range."""
@@ -88,7 +88,7 @@ class StabilityStudy(Study[Results]):
 
     command = "stability"
     quantities = QUANTITIES
-    writes = ("stability.nc", "modes.csv", "shapes.csv", "limit_cycles.csv", "contact_effects.csv")
+    writes = ("stability.nc", "modes.csv", "shapes.csv", "limit_cycles.csv", "contact_effects.csv", VIEW)
     formats = ("svg",)
     irrelevant = ("description", "processes")
 
@@ -167,6 +167,9 @@ class StabilityStudy(Study[Results]):
             for one in numbers["diverging"]
         ]
         return lines if results.diagram is None else [*lines, *cycles.continuation_sentences(results.diagram)]
+
+    def shown(self, results: Results) -> Mapping[str, xr.Dataset]:
+        return {f"modes of {self.case.name}": results.modes}
 
     def files(self, results: Results, numbers: Numbers) -> Mapping[str, Any]:
         modes, data = results.modes, results.modes

@@ -12,8 +12,9 @@ import xarray as xr
 
 from rollerrig.results import ResultsError, load_run, output_file, write_text
 from rollerrig.viewer.columns import MOST_FRAMES
+from rollerrig.viewer.mode_scene import holds_modes, mode_scene
 from rollerrig.viewer.page import page
-from rollerrig.viewer.scene import run_scene
+from rollerrig.viewer.scene import model_of, run_scene
 
 Run = xr.Dataset | str | Path
 
@@ -22,7 +23,7 @@ def view(run: Run, other: Run | None = None, *, path: str | Path = "view.html", 
     """Write a run as a page that shows it in motion, in any browser, without a network.
 
     Args:
-        run: results of `simulate`, or a file of them.
+        run: results of `simulate` or of `stability`, or a file of them.
         other: another run to be shown beside it, in step: the same case on track, another controller.
         path: the page.
         force: whether a file that this program did not write may be replaced.
@@ -50,7 +51,7 @@ def view_text(runs: Sequence[xr.Dataset], labels: Sequence[str] = (), *, most: i
     """The page as text.
 
     Args:
-        runs: one or two.
+        runs: one or two runs, or the modes of `stability`.
         labels: how they are called; by default their cases.
         most: frames of each.
 
@@ -58,17 +59,21 @@ def view_text(runs: Sequence[xr.Dataset], labels: Sequence[str] = (), *, most: i
         ResultsError: a run holds no motion of bodies.
     """
     names = list(labels) or [str(run.attrs.get("case", "")) for run in runs]
+    if any(map(holds_modes, runs)):
+        if len(runs) > 1:
+            raise ResultsError("modes have no time in common with another run; view takes them alone")
+        return page(names[0], [mode_scene(runs[0], label=names[0])])
     scenes = [run_scene(run, label=name, most=most) for run, name in zip(runs, names, strict=True)]
     return page(" | ".join(names), scenes)
 
 
 def _loaded(run: Run) -> xr.Dataset:
     """A run that is checked for motion, its file named in what is wrong with it."""
-    from rollerrig.viewer.scene import model_of
-
     if isinstance(run, xr.Dataset):
         return run
     found = load_run(run)
+    if holds_modes(found):
+        return found
     try:
         model_of(found)
     except ResultsError as error:

@@ -136,3 +136,23 @@ def test_a_narrow_screen_in_dark_and_light(browser: Any, tmp_path: Path, in_curv
         assert page.complaints == []
     finally:
         page.close()
+
+
+def test_modes_move_by_the_same_page(browser: Any, tmp_path: Path) -> None:
+    modes = rr.stability("wheelset_rollers", [60.0, 120.0])
+    page = Opened(browser, rr.view(modes, path=tmp_path / "modes.html"))
+    try:
+        shots = []
+        for time in (0.0, 0.03):
+            page.ask(f"(r.clock.set({time}), r.tick(performance.now()))")
+            shots.append(page.page.locator("#canvas").screenshot())
+        assert shots[0] != shots[1]
+        assert page.page.locator("#mode option").count() == modes.sizes["mode"]
+        before = page.ask("r.clock.end")
+        page.page.select_option("#mode", str(modes.sizes["mode"] - 1))
+        assert page.ask("r.clock.end") == pytest.approx(4 / float(modes["frequency"][-1, -1]), rel=1e-3)
+        assert page.ask("r.clock.end") != before
+        assert "no size of its own" in (page.page.locator("#note").text_content() or "")
+        assert page.complaints == []
+    finally:
+        page.close()

@@ -9,8 +9,11 @@ import numpy as np
 import pytest
 import xarray as xr
 
+import rollerrig as rr
 from rollerrig.results import ResultsError
+from rollerrig.viewer import view_text
 from rollerrig.viewer.columns import MOST_FRAMES, WHOLE, Columns, interpolated, thinned
+from rollerrig.viewer.mode_scene import mode_scene
 from rollerrig.viewer.parts import outline
 from rollerrig.viewer.scene import ALLOWED, model_of, run_scene
 
@@ -119,3 +122,20 @@ def decoded(columns: Columns) -> dict[str, np.ndarray]:
         values = np.frombuffer(raw, "<f4" if kind == "f" else "<i2", count, start)
         found[name] = values if kind == "f" else np.where(values == -WHOLE - 1, np.nan, offset + factor * values)
     return found
+
+
+def test_modes_are_drawn_with_their_amplitudes_and_phases() -> None:
+    modes = rr.stability("wheelset_rollers", [60.0, 120.0])
+    head = mode_scene(modes).head
+    assert [one["name"] for one in head["modes"]] == modes["mode"].to_numpy().tolist()
+    for one in head["modes"]:
+        found = modes.sel(mode=one["name"]).isel(speed=1)
+        shape, largest = one["shapes"][1], float(found["shape_amplitude"].max())
+        assert max(amplitude for amplitude, _ in shape.values()) == pytest.approx(1.0)
+        for column, (amplitude, phase) in shape.items():
+            body, name = column.split(".")
+            place = {"body": head["bodies"][int(body[1:])]["name"], "direction": name}
+            assert amplitude == pytest.approx(float(found["shape_amplitude"].sel(place)) / largest, abs=1e-5)
+            assert phase == pytest.approx(np.radians(float(found["shape_phase"].sel(place))), abs=1e-4)
+    with pytest.raises(ResultsError, match="view takes them alone"):
+        view_text([modes, modes])
