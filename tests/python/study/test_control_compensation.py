@@ -15,7 +15,7 @@ from rollerrig.study.ensemble import Estimate
 def test_every_variant_is_a_case_and_a_case_without_slide_protection_has_none() -> None:
     case = study_case(load_case("adhesion_brake"), 5.0)
     cases = compensation_cases(case)
-    assert len({repr(one) for one in cases.values()}) == len(cases)
+    assert len({one.to_toml() for one in cases.values()}) == len(cases)
     assert set(VARIANTS) < set(cases)
     assert compensation_cases(case.with_changes({"slide_protection": None})) == {}
     exact = compensation_cases(case.with_changes({"rig_control.estimator": "exact"}))
