@@ -41,6 +41,7 @@ if TYPE_CHECKING:
     from rollerrig.config import explain as explain
     from rollerrig.config import json_schema as json_schema
     from rollerrig.config import load_case as load_case
+    from rollerrig.contact_analysis.profile_curve import profile as profile
     from rollerrig.fmu.export import export_fmu as export_fmu
     from rollerrig.plant import assemble_file as assemble_file
     from rollerrig.plant import read_model as read_model
@@ -89,6 +90,7 @@ _HOME = {
     "load_case": "config",
     "load_run": "results",
     "paper": "commands",
+    "profile": "contact_analysis.profile_curve",
     "read_model": "plant",
     "response": "commands",
     "save_run": "results",

@@ -34,6 +34,8 @@ COMMANDS = (
     "new",
     "explain",
     "schema",
+    "show",
+    "profile",
     "check",
     "assemble",
     "catalog",

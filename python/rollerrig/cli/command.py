@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import tomllib
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, NoReturn
+from typing import TYPE_CHECKING, Annotated, Any, Literal, NoReturn
 
 import typer
 
@@ -77,6 +77,22 @@ def changes_of(texts: list[str] | None) -> dict[str, Any]:
                 param_hint="--set",
             )
     return changes
+
+
+def picture_kind(path: Path) -> Literal["svg", "png", "pdf"]:
+    """The kind of picture that a file's name asks for.
+
+    Raises:
+        typer.BadParameter: it asks for another one.
+    """
+    match path.suffix.lower():
+        case ".svg":
+            return "svg"
+        case ".png":
+            return "png"
+        case ".pdf":
+            return "pdf"
+    raise typer.BadParameter(f"'{path}': allowed: a file that ends in .svg, .png or .pdf", param_hint="--out")
 
 
 def code_lines(case: Case) -> list[str]:

@@ -8,10 +8,12 @@ from rollerrig.plot.creep import creep_figure
 from rollerrig.plot.hunting import amplitude_over_speed, hunting_over_time, ramp_over_speed
 from rollerrig.plot.limit_cycle import limit_cycle_diagram
 from rollerrig.plot.modes import damping_map, damping_over_speed, frequency_over_speed, root_locus
+from rollerrig.plot.profile import profile_figure
 from rollerrig.plot.run import energy_over_time, motion_over_time, sliding_over_time
 from rollerrig.plot.shapes import mode_shape, mode_shapes, shape_speed
 from rollerrig.plot.style import figure_bytes
 from rollerrig.plot.traction import traction_forces, traction_sliding
+from rollerrig.plot.vehicle import vehicle
 from rollerrig.plot.wheel_rail_forces import accelerations_along, line_and_response, quotient, track_shifting, wear
 from rollerrig.plot.wheel_rail_forces import wheel_forces as wheel_forces_over_time
 
@@ -33,6 +35,7 @@ __all__ = [
     "mode_shape",
     "mode_shapes",
     "motion_over_time",
+    "profile_figure",
     "quotient",
     "ramp_over_speed",
     "root_locus",
@@ -41,6 +44,7 @@ __all__ = [
     "track_shifting",
     "traction_forces",
     "traction_sliding",
+    "vehicle",
     "wear",
     "wheel_forces_over_time",
 ]

@@ -186,10 +186,12 @@ def watermark(figure: Figure, text: str) -> None:
                     ha="center", va="center", zorder=1000)  # fmt: skip
 
 
-def figure_bytes(figure: Figure, kind: Literal["svg", "png"] = "svg", dpi: int = 150) -> bytes:
+def figure_bytes(figure: Figure, kind: Literal["svg", "png", "pdf"] = "svg", dpi: int = 150) -> bytes:
     """The figure as a file in memory; no dates, no random names, so the same figure gives the same bytes."""
     buffer = io.BytesIO()
-    metadata = {"Date": None, "Creator": PROGRAM} if kind == "svg" else {"Software": PROGRAM}
+    metadata: dict[str, str | None] = {"Software": PROGRAM}
+    if kind != "png":
+        metadata = {"Creator": PROGRAM, "Date" if kind == "svg" else "CreationDate": None}
     with house_style():
         figure.savefig(buffer, format=kind, dpi=dpi, metadata=metadata)
     return buffer.getvalue()

@@ -103,6 +103,7 @@ def _smoothed_table(
     """The table of a smooth curve through points in our axes."""
     file, read = course.file, len(course)
     each = math.ceil(read / MOST_POINTS)
+    measured = course.points
     course = without_crowds(course.averaged(each))
     _check_count(course, "different")
     noise = _noise(course.points)
@@ -118,7 +119,7 @@ def _smoothed_table(
     origin = curve.origin(samples, branch, kind)
     thinned = f"{read} points averaged by {each}" if each > 1 else ""
     used_cut_off = f"smoothed at {curve.cut_off * 1e3:.2g} mm"
-    return tabulate(
+    table = tabulate(
         lambda y: curve.height(y + origin[0], samples, branch) - origin[1],
         float(low - origin[0]),
         float(high - origin[0]),
@@ -128,6 +129,7 @@ def _smoothed_table(
         step=step,
         outline=np.column_stack([samples.y, samples.z])[::5] - origin,
     )
+    return replace(table, measured=measured - origin)
 
 
 def _check_numbers(file: Path, step: float, inclination: float, smoothing: float | Literal["auto"]) -> None:

@@ -55,6 +55,7 @@ class ProfileTable:
         source: where the shape comes from.
         outline: (k, 2) points [m] along the whole shape, steep flanks included, where the spline stops
             at a slope of STEEPEST_SLOPE. The gauge of a track is taken on such a flank.
+        measured: (m, 2) points [m] from which the curve was smoothed, in the same axes; none of a curve by definition.
     """
 
     name: str
@@ -64,6 +65,7 @@ class ProfileTable:
     coefficients: FloatArray
     source: str
     outline: FloatArray = field(repr=False)
+    measured: FloatArray = field(repr=False, default_factory=lambda: np.empty((0, 2)))
 
     def __post_init__(self) -> None:
         """Freeze the arrays in the layout the compiled core reads; refuse what is not a profile."""
@@ -79,6 +81,7 @@ class ProfileTable:
                 raise ProfileError(f"{self.name}: {attribute}: not a finite number in row {_first_bad(values)}")
             values.flags.writeable = False
             object.__setattr__(self, attribute, values)
+        self.measured.flags.writeable = False
 
     def scaled(self, factor: float) -> ProfileTable:
         """The same curve with all lengths times a factor: the profile of a model of a wheel or rail.
@@ -91,8 +94,9 @@ class ProfileTable:
         coefficients = self.coefficients * factor ** np.array([1.0, 0.0, -1.0, -2.0])
         start, step, outline = factor * self.start, factor * self.step, factor * self.outline
         return ProfileTable(
-            f"{self.name}, scaled by {factor:g}", self.kind, start, step, coefficients, self.source, outline
-        )
+            f"{self.name}, scaled by {factor:g}", self.kind, start, step, coefficients, self.source, outline,
+            factor * self.measured,
+        )  # fmt: skip
 
     @property
     def domain(self) -> tuple[float, float]:
@@ -136,8 +140,7 @@ class ProfileTable:
     def curvature(self, y: ArrayLike) -> FloatArray:
         """Curvature -f''/(1 + f'^2)^1.5 of the curve as drawn, value upward [1/m].
 
-        Positive where a rail head is convex. A wheel is convex towards the rail where this is negative,
-        since its value is an increase of the radius, downward.
+        Positive where a rail head is convex, and where a wheel is: on the tip of its flange, where its radius is largest.
         """
         slope = self.evaluate(y, 1)
         return np.asarray(-self.evaluate(y, 2) / (1 + slope**2) ** 1.5)

@@ -45,6 +45,9 @@ def is_ours(path: Path, tables: Sequence[str] = ()) -> bool:
     try:
         with open_input(path) as file:
             head = file.read(_HEAD)
+            if head.startswith(b"%PDF"):  # which says it at its end
+                file.seek(max(0, path.stat().st_size - _HEAD))
+                return f"/Creator ({PROGRAM})".encode() in file.read(_HEAD)
     except OSError:
         return False
     if head.startswith(b"\x89HDF"):

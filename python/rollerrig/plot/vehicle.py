@@ -1,0 +1,398 @@
+"""A vehicle on its rig or track, to scale, from the right, from above and from behind.
+
+Case -> [vehicle] -> Figure
+
+Wheels, rollers and rails have their own profiles and radii. A body whose shape the case does not know is drawn as the homogeneous
+box of its mass and moments of inertia. Symbols of springs and dampers lie along the directions in which they act.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Circle, Polygon, Rectangle
+
+from rollerrig.cases import ACTUATORS, as_case, wheelsets
+from rollerrig.config import Body, Case, Element, Rig
+from rollerrig.plot import vehicle_symbols as symbols
+from rollerrig.plot.style import GREY, colour, house_style
+from rollerrig.profiles import gauge_point, profile_from_spec
+
+VIEWS = {"side": ("x", "z"), "plan": ("x", "y"), "end": ("y", "z")}
+"""View -> its axes, to the right (from behind: to the left) and up."""
+
+_INDEX = {"x": 0, "y": 1, "z": 2}
+_ANGLES = {"roll": "x", "pitch": "y", "yaw": "z"}
+_STEEL, _BODY, _HELD = "#d7dde3", "#f3efe4", "#e4e4e4"
+
+
+@dataclass(frozen=True)
+class Scene:
+    """What the views share.
+
+    Attributes:
+        case: what is drawn.
+        origin: of the part that is run, along the vehicle [m].
+        half_base: half distance between the tape circles [m].
+        rail_offset: of the highest point of a rail or roller from the middle [m].
+        families: name -> elements of that name on any side, wheelset or bogie.
+    """
+
+    case: Case
+    origin: float
+    half_base: float
+    rail_offset: float
+    families: dict[str, list[Element]]
+
+    def place(self, position: Sequence[float], view: str) -> np.ndarray[Any, np.dtype[np.float64]]:
+        """Of a position of the vehicle in a view [m]."""
+        moved = (position[0] - self.origin, position[1], position[2])
+        return np.array([moved[_INDEX[axis]] for axis in VIEWS[view]])
+
+    @property
+    def span(self) -> float:
+        """Distance between the outer axles [m]."""
+        places = [body.position[0] for body in wheelsets(self.case)]
+        return max(places) - min(places)
+
+    @property
+    def size(self) -> float:
+        """Length of a symbol [m]."""
+        return 0.7 * self.case.vehicle.data.wheel.radius
+
+
+def vehicle(case: Case | str) -> Figure:
+    """The vehicle of a case on its rig or track, drawn to scale from three sides.
+
+    Bodies, force elements with their directions, locked directions, brakes, drives and torques are named; axes and senses of
+    turning are those of every key and result. Curves and cant are not drawn.
+
+    Args:
+        case: or its name, or its file.
+
+    Example:
+        >>> vehicle("wheelset_rollers").axes[0].get_title(loc="left")
+        'from the right: x forward, z up'
+    """
+    scene = _scene(as_case(case))
+    with house_style():
+        figure, panels, beside = _sheet(scene)
+        for view, axes in panels.items():
+            _ground(axes, scene, view)
+            for body in _bodies(scene):
+                _body(axes, scene, body, view)
+            for number, elements in enumerate(scene.families.values()):
+                for element in elements:
+                    _element(axes, scene, element, view, colour(number))
+            _frame(axes, view)
+        _turning(panels["side"], scene)
+        _names(figure, scene, beside)
+        figure.canvas.draw()
+        for view, axes in panels.items():
+            into = {"side": "y into the page", "plan": "z towards you", "end": "x into the page"}[view]
+            across, up = VIEWS[view]
+            symbols.triad(axes, (across, up), into, mirrored=view == "end")
+        return figure
+
+
+def _scene(case: Case) -> Scene:
+    wheel, support = case.vehicle.data.wheel, case.support.data
+    rail = profile_from_spec(support.profile.arguments(), "rail")
+    part = case.vehicle.part
+    families: dict[str, list[Element]] = {}
+    for element in case.vehicle.data.elements_in(part):
+        families.setdefault(family(element.name), []).append(element)
+    return Scene(
+        case=case,
+        origin=part.origin_x,
+        half_base=0.5 * wheel.back_to_back + wheel.tape_circle,
+        rail_offset=0.5 * support.gauge - gauge_point(rail, support.gauge_depth),
+        families=families,
+    )
+
+
+def family(name: str) -> str:
+    """`primary_1_left` and its like as `primary`."""
+    return re.sub(r"_(left|right|front|rear|leading|trailing|\d+)(?=_|$)", "", name) or name
+
+
+def _bodies(scene: Scene) -> list[Body]:
+    """Bodies of the part, held ones first, wheelsets last."""
+    part, data = scene.case.vehicle.part, scene.case.vehicle.data
+    found = [body for body in data.body if body.name in (*part.bodies, *part.fixed)]
+    return sorted(found, key=lambda body: (body.name not in part.fixed, body.kind == "wheelset", -body.mass))
+
+
+def _box(body: Body) -> tuple[float, float, float]:
+    """Edges along x, y, z of the homogeneous box with the body's mass and moments of inertia [m]."""
+    total = sum(body.inertia)
+    x, y, z = (np.sqrt(max(6.0 * (total - 2.0 * own) / body.mass, 1e-6)) for own in body.inertia)
+    return float(x), float(y), float(z)
+
+
+# ---------------------------------------------------------------------------------------------------------- the sheet
+
+
+def _extent(scene: Scene) -> tuple[tuple[float, float], tuple[float, float], tuple[float, float]]:
+    """What is shown along x, y and z [m]; of a held body only what is near the others."""
+    part, radius = scene.case.vehicle.part, scene.case.vehicle.data.wheel.radius
+    points: list[tuple[float, float, float]] = []
+    for body in _bodies(scene):
+        if body.name in part.fixed:
+            continue
+        edges = (2 * radius, 0.0, 2 * radius) if body.kind == "wheelset" else _box(body)
+        for sign in (-0.5, 0.5):
+            points.append(tuple(p + sign * e for p, e in zip(body.position, edges, strict=True)))  # type: ignore[arg-type]
+    for elements in scene.families.values():
+        points += [end for element in elements for end in (element.end_a, element.end_b)]
+    x, y, z = (np.array(values) for values in zip(*points, strict=True))
+    across = max(float(np.abs(y).max()), scene.half_base + 0.25)
+    support = scene.case.support.data
+    below = -min(2.05 * support.roller_radius, 2.2) if isinstance(support, Rig) else -0.35
+    x = x - scene.origin
+    reach = min(support.roller_radius, 1.2) if isinstance(support, Rig) else 0.0
+    axles = [body.position[0] - scene.origin for body in wheelsets(scene.case)]
+    low, high = min(float(x.min()), min(axles) - reach) - 0.3, max(float(x.max()), max(axles) + reach) + 0.3
+    return (low, high), (-across - 0.2, across + 0.2), (below, float(z.max()) + 0.35)
+
+
+def _sheet(scene: Scene) -> tuple[Figure, dict[str, Axes], bool]:
+    """A sheet with the three views at one scale: the end beside the side, the plan below it; whether names fit beside that."""
+    (x0, x1), (y0, y1), (z0, z1) = _extent(scene)
+    gap, width = 0.55, 11.0
+    scale = (width - 3 * gap) / ((x1 - x0) + (y1 - y0))  # inches per metre
+    upright, flat = scale * (z1 - z0), scale * (y1 - y0)
+    rows = len(_bodies(scene)) + len(scene.families) + 4
+    beside = scale * (x1 - x0) < 0.6 * width  # room for the names at the right of the plan
+    strip = 0.0 if beside else 0.055 * rows + 0.25
+    lower = max(flat, 0.17 * rows) if beside else strip + flat
+    height = upright + lower + 3 * gap
+    figure = Figure(figsize=(width, height))
+    FigureCanvasAgg(figure)
+
+    def panel(left: float, bottom: float, wide: float, high: float) -> Axes:
+        return figure.add_axes((left / width, bottom / height, wide / width, high / height))
+
+    upper = 2 * gap + lower
+    side = panel(gap, upper, scale * (x1 - x0), upright)
+    end = panel(2 * gap + scale * (x1 - x0), upper, flat, upright)
+    plan = panel(gap, gap + lower - flat, scale * (x1 - x0), flat)
+    for axes, across, up in ((side, (x0, x1), (z0, z1)), (plan, (x0, x1), (y0, y1)), (end, (y1, y0), (z0, z1))):
+        axes.set_xlim(*across)
+        axes.set_ylim(*up)
+    return figure, {"side": side, "plan": plan, "end": end}, beside
+
+
+def _frame(axes: Axes, view: str) -> None:
+    across, up = VIEWS[view]
+    axes.set_aspect("equal")
+    axes.grid(visible=False)
+    axes.tick_params(labelsize=7)
+    axes.set_xlabel(f"{across} [m]", fontsize=7.5, labelpad=1)
+    axes.set_ylabel(f"{up} [m]", fontsize=7.5, labelpad=1)
+    titles = {
+        "side": "from the right: x forward, z up",
+        "plan": "from above: x forward, y to the left",
+        "end": "from behind: y to the left",
+    }
+    axes.set_title(titles[view], loc="left", fontsize=8.5)
+
+
+# ------------------------------------------------------------------------------------------------- wheels, rollers, rails
+
+
+def _ground(axes: Axes, scene: Scene, view: str) -> None:
+    """Rollers under the wheelsets, or rails."""
+    support = scene.case.support.data
+    rail = profile_from_spec(support.profile.arguments(), "rail")
+    abscissa = np.linspace(*rail.domain, 120)
+    crown = rail.evaluate(abscissa)
+    radius = support.roller_radius if isinstance(support, Rig) else 0.16
+    steel: dict[str, Any] = {"facecolor": _STEEL, "edgecolor": symbols.INK, "linewidth": 0.8, "zorder": 1.5}
+    if view == "side":
+        axes.axhline(0.0, color=GREY, linewidth=0.7, linestyle=(0, (5, 3)), zorder=1)
+        if not isinstance(support, Rig):
+            low, high = axes.get_xlim()
+            axes.add_patch(Rectangle((low, -0.16), high - low, 0.16, **steel))
+        for body in wheelsets(scene.case) if isinstance(support, Rig) else ():
+            axes.add_patch(Circle((body.position[0] - scene.origin, -radius), radius, **steel))
+            axes.plot(body.position[0] - scene.origin, -radius, "+", color=symbols.INK, markersize=6)
+        return
+    for sign in (1.0, -1.0):
+        y = sign * (scene.rail_offset + abscissa)
+        if view == "end":
+            depth = 2 * radius if isinstance(support, Rig) else radius
+            outline = np.concatenate([np.stack([y, crown], axis=1), [[y[-1], -depth], [y[0], -depth]]])
+            axes.add_patch(Polygon(outline, closed=True, **steel))
+            if isinstance(support, Rig) and sign > 0:
+                axes.plot([-y[0], y[0]], [-radius, -radius], color=symbols.INK, linewidth=2.0, zorder=1.4)
+        else:
+            for low, high in _along(scene, axes):
+                axes.add_patch(Rectangle((low, min(y[0], y[-1])), high - low, abs(y[-1] - y[0]), **steel))
+
+
+def _along(scene: Scene, axes: Axes) -> Iterator[tuple[float, float]]:
+    """From where to where the rollers or rails reach, seen from above [m]."""
+    support = scene.case.support.data
+    if not isinstance(support, Rig):
+        yield axes.get_xlim()
+        return
+    for body in wheelsets(scene.case):
+        x = body.position[0] - scene.origin
+        yield x - support.roller_radius, x + support.roller_radius
+
+
+def _wheelset(axes: Axes, scene: Scene, body: Body, view: str) -> None:
+    wheel = scene.case.vehicle.data.wheel
+    table = profile_from_spec(wheel.profile.arguments(), "wheel")
+    abscissa = np.linspace(*table.domain, 160)
+    middle = scene.place(body.position, view)
+    steel: dict[str, Any] = {"facecolor": "#b9c4cf", "edgecolor": symbols.INK, "linewidth": 0.9, "zorder": 4}
+    if view == "side":
+        axes.add_patch(Circle((middle[0], middle[1]), wheel.radius, **{**steel, "alpha": 0.85}))
+        axes.plot(*middle, "+", color=symbols.INK, markersize=6, zorder=8)
+        return
+    radius = wheel.radius + table.evaluate(abscissa)
+    ends = np.array([1.0, -1.0]) * (scene.half_base + 0.18)
+    axle = (0.0 * ends + middle[0], ends) if view == "plan" else (ends, 0.0 * ends + middle[1])
+    axes.plot(*axle, color=symbols.INK, linewidth=2.2, zorder=3.5)
+    for sign in (1.0, -1.0):
+        y = sign * (scene.half_base + abscissa)
+        rim = np.stack([np.concatenate([y, y[::-1]]), np.concatenate([radius, -radius[::-1]])], axis=1)
+        if view == "plan":
+            rim = rim[:, ::-1]
+        axes.add_patch(Polygon(middle * ([1, 0] if view == "plan" else [0, 1]) + rim, closed=True, **steel))
+
+
+# ------------------------------------------------------------------------------------------------------ bodies, elements
+
+
+def _body(axes: Axes, scene: Scene, body: Body, view: str) -> None:
+    if body.kind == "wheelset":
+        _wheelset(axes, scene, body, view)
+        return
+    held = body.name in scene.case.vehicle.part.fixed
+    if held and view == "plan":  # it would cover all
+        return
+    edges = _box(body)
+    size = np.array([edges[_INDEX[axis]] for axis in VIEWS[view]])
+    middle = scene.place(body.position, view)
+    look: dict[str, Any] = {
+        "facecolor": "white" if held else _BODY,
+        "edgecolor": "#c4c4c4" if held else symbols.INK,
+        "linewidth": 0.9,
+    }
+    axes.add_patch(
+        Rectangle((middle[0] - size[0] / 2, middle[1] - size[1] / 2), size[0], size[1], alpha=0.75, clip_on=True,
+                  hatch="////" if held else None, zorder=1.2 if held else 2.5, **look)
+    )  # fmt: skip
+
+
+def _element(axes: Axes, scene: Scene, element: Element, view: str, ink: str) -> None:
+    """Its laws in the directions that the view shows, at the ends or in the middle between them."""
+    a, b = scene.place(element.end_a, view), scene.place(element.end_b, view)
+    middle, size = 0.5 * (a + b), scene.size
+    for number, axis in enumerate(VIEWS[view]):
+        law = getattr(element, axis)
+        if law is None:
+            continue
+        along = np.eye(2)[number]
+        reach = max(abs(float((b - a) @ along)), size)
+        both = law.stiffness is not None or law.table is not None, any((law.damping, law.damping_table, law.damper))
+        shift = 0.16 * size * np.array([-along[1], along[0]]) if all(both) else np.zeros(2)
+        if both[0]:
+            symbols.spring(axes, middle + shift, along, reach, ink)
+        if both[1]:
+            symbols.damper(axes, middle - shift, along, reach, ink)
+    for angle, axis in _ANGLES.items():
+        if getattr(element, angle) is not None and axis not in VIEWS[view]:
+            symbols.turning(axes, middle, 0.45 * size, ink, arrow=False)
+    axes.plot(*middle, "o", color=ink, markersize=2.5, zorder=7)
+
+
+# ------------------------------------------------------------------------------------------------- actuators and names
+
+
+def _turning(axes: Axes, scene: Scene) -> None:
+    """Senses of turning in which forward running, driving torques and brakes are counted."""
+    case, support = scene.case, scene.case.support.data
+    radius = case.vehicle.data.wheel.radius
+    for body in wheelsets(case):
+        middle = scene.place(body.position, "side")
+        symbols.turning(axes, middle, 0.55 * radius, symbols.INK)
+        acting = [name for name in ("brake", "traction") if getattr(case, name)]
+        acting += ["torque"] if any(torque.wheelset == body.name for torque in case.axle_torque) else []
+        if acting and radius > 0.1 * scene.span:
+            axes.annotate(
+                ", ".join(acting),
+                tuple(middle - [0.0, 0.42 * radius]),
+                ha="center",
+                va="center",
+                fontsize=6.5,
+                zorder=9,
+            )
+        if isinstance(support, Rig):
+            below = np.array([middle[0], -support.roller_radius])
+            symbols.turning(axes, below, 0.4 * support.roller_radius, symbols.INK, clockwise=False)
+            controlled = "drive, rig_control" if case.rig_control else f"drive: {case.motion.drive.replace('_', ' ')}"
+            if radius > 0.1 * scene.span:
+                place = tuple(below - [0.0, 0.28 * support.roller_radius])
+                axes.annotate(controlled, place, ha="center", va="center", fontsize=6.5)
+    if isinstance(support, Rig) and support.restraint:
+        low = axes.get_xlim()[0]
+        start = np.array([low + 0.02, support.restraint.height])
+        symbols.spring(axes, start + [0.5 * scene.size, 0.0], np.array([1.0, 0.0]), scene.size, symbols.INK)
+        axes.annotate("coupler rod", tuple(start + [0.0, 0.5 * scene.size]), fontsize=6.5)
+
+
+def _names(figure: Figure, scene: Scene, beside: bool) -> None:
+    """What everything is called, at the lower right of the sheet."""
+    case, part = scene.case, scene.case.vehicle.part
+    handles: list[Line2D] = []
+
+    def row(text: str, **look: Any) -> None:
+        handles.append(Line2D([], [], **{"linestyle": "none", **look}, label=text))
+
+    for body in _bodies(scene):
+        face = "#b9c4cf" if body.kind == "wheelset" else _HELD if body.name in part.fixed else _BODY
+        words = [body.name, *(["held"] if body.name in part.fixed else [])]
+        words += [f"locked: {', '.join(body.locked)}"] if body.locked else []
+        row(", ".join(words), marker="s", markersize=7, markerfacecolor=face, markeredgecolor=symbols.INK)
+    for number, (name, elements) in enumerate(scene.families.items()):
+        row(f"{name}{f' ×{len(elements)}' if len(elements) > 1 else ''}: {_laws(elements[0])}", marker="o", markersize=4,
+            linestyle="-", color=colour(number), linewidth=1.5)  # fmt: skip
+    support = case.support.data
+    under = (
+        f"{support.name}, rollers of {1e3 * support.roller_radius:g} mm" if isinstance(support, Rig) else support.name
+    )
+    row(under, marker="s", markersize=7, markerfacecolor=_STEEL, markeredgecolor=symbols.INK)
+    acting = [name.replace("_", " ") for name in ACTUATORS if getattr(case, name)]
+    acting += ["axle torque"] if case.axle_torque else []
+    if acting:
+        row(f"acting: {', '.join(acting)}", marker=".", markersize=0)
+    row(
+        "arrows: senses of forward running, + for torques on wheelsets",
+        marker=r"$\circlearrowright$",
+        markersize=8,
+        color=symbols.INK,
+    )
+    figure.legend(handles=handles, loc="lower right", bbox_to_anchor=(0.995, 0.01), fontsize=6.8, frameon=False,
+                  title=f"{case.name}: {case.vehicle.data.name}, {case.vehicle.cut}", title_fontsize=8, alignment="left",
+                  ncols=1 if beside else 3)  # fmt: skip
+
+
+def _laws(element: Element) -> str:
+    """`spring x, y, z; damper z` of an element."""
+    laws = element.laws.items()
+    springs = [way for way, law in laws if law.stiffness is not None or law.table is not None]
+    dampers = [way for way, law in laws if any((law.damping, law.damping_table, law.damper))]
+    parts = [f"{what} {', '.join(ways)}" for what, ways in (("spring", springs), ("damper", dampers)) if ways]
+    return "; ".join(parts)

@@ -1,0 +1,77 @@
+"""The drawing of a vehicle: to scale, everything in it named."""
+
+from __future__ import annotations
+
+import pytest
+from matplotlib.patches import Circle
+
+from rollerrig.config import load_case
+from rollerrig.plot import vehicle
+from rollerrig.plot.vehicle import family
+
+
+@pytest.fixture(scope="module")
+def bogie():
+    return vehicle("adhesion_brake")
+
+
+def names(figure) -> str:
+    return "\n".join(text.get_text() for text in figure.legends[0].get_texts())
+
+
+def test_the_views_have_one_scale_and_the_axes_of_the_conventions(bogie) -> None:
+    side, end, plan = bogie.axes
+    assert [axes.get_title(loc="left").split(":")[0] for axes in bogie.axes] == [
+        "from the right",
+        "from behind",
+        "from above",
+    ]
+    for axes in bogie.axes:
+        box = axes.get_position()
+        across = abs(axes.get_xlim()[1] - axes.get_xlim()[0]) / (box.width * bogie.get_figwidth())
+        up = (axes.get_ylim()[1] - axes.get_ylim()[0]) / (box.height * bogie.get_figheight())
+        assert across == pytest.approx(up, rel=1e-6)
+        assert across == pytest.approx(
+            (side.get_ylim()[1] - side.get_ylim()[0]) / (side.get_position().height * bogie.get_figheight())
+        )
+    assert side.get_xlim()[0] < side.get_xlim()[1]
+    assert end.get_xlim()[0] > end.get_xlim()[1]  # left is left
+    assert plan.get_ylim()[0] < plan.get_ylim()[1]
+
+
+def test_wheels_stand_on_the_rollers(bogie) -> None:
+    circles = [patch for patch in bogie.axes[0].patches if isinstance(patch, Circle)]
+    rollers, wheels = circles[:2], circles[2:]
+    assert [roller.radius for roller in rollers] == [0.725, 0.725]
+    assert [wheel.radius for wheel in wheels] == [0.46, 0.46]
+    assert sorted(wheel.center[0] for wheel in wheels) == pytest.approx([-1.28, 1.28])
+    assert {round(wheel.center[1] - wheel.radius, 9) for wheel in wheels} == {0.0}
+    assert {roller.center[1] + roller.radius for roller in rollers} == {0.0}
+
+
+def test_everything_is_named(bogie) -> None:
+    case = load_case("adhesion_brake")
+    text = names(bogie)
+    part = case.vehicle.part
+    for name in (*part.bodies, *part.fixed, *(family(e.name) for e in case.vehicle.data.elements_in(part))):
+        assert name in text
+    for words in ("car_body, held", "primary ×4: spring x, y, z; damper x, y, z", "rollers of 725 mm",
+                  "acting: adhesion, brake, slide protection, rig control"):  # fmt: skip
+        assert words in text
+    assert "locked: x" in names(vehicle("vehicle_curve"))
+
+
+@pytest.mark.parametrize("name", ["wheelset_rollers", "locomotive_traction", "scaled_brake", "contact_benchmark_track"])
+def test_every_kind_of_case_is_drawn(name: str) -> None:
+    figure = vehicle(name)
+    assert all(axes.patches for axes in figure.axes)
+    assert figure.get_figheight() < 16
+
+
+def test_families_are_elements_of_one_name() -> None:
+    assert [family(name) for name in ("primary_1_left", "bumpstop_front", "rod", "left")] == [
+        "primary",
+        "bumpstop",
+        "rod",
+        "left",
+    ]
