@@ -1,18 +1,12 @@
-"""What the README and the first pages of the documentation show is run."""
+"""What the README and the first pages of the documentation name is there; their code is run by docs/test_blocks.py."""
 
 from __future__ import annotations
 
 import re
 from pathlib import Path
 
-import pytest
-
 ROOT = Path(__file__).resolve().parents[2]
 PAGES = [ROOT / "README.md", ROOT / "docs" / "getting_started.md"]
-
-
-def blocks(page: Path, language: str) -> list[str]:
-    return re.findall(rf"^```{language}\n(.*?)^```", page.read_text(), re.MULTILINE | re.DOTALL)
 
 
 def test_every_case_shown_ships() -> None:
@@ -23,12 +17,6 @@ def test_every_case_shown_ships() -> None:
     assert names
     for name in names:
         rollerrig.load_case(name)
-
-
-@pytest.mark.parametrize("code", blocks(ROOT / "README.md", "python"))
-def test_the_python_example_runs(code: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tmp_path)  # it writes a figure
-    exec(compile(code, "README.md", "exec"), {})
 
 
 def test_every_local_link_leads_somewhere() -> None:

@@ -84,7 +84,7 @@ class Case(CaseTables):
 
     def diff(self, other: "Case") -> Differences:
         """What is different in another case: dotted key -> (value here, value there), in SI; it prints a line per key."""
-        return differences(tables_of(self), tables_of(other))
+        return differences(tables_of(self, as_written=False), tables_of(other, as_written=False))
 
     def to_toml(self) -> str:
         """The whole case, nothing referred to by name, as TOML text that `load_case` reads again."""

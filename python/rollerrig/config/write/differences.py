@@ -36,12 +36,14 @@ class Differences(dict[str, tuple[Any, Any]]):
 
 
 def _shown(value: object) -> str:
-    return "absent" if value is None else show_value(value)
+    if value is None:
+        return "absent"
+    return f"{value:.6g}" if isinstance(value, float) else show_value(value)
 
 
-def tables_of(case: CaseTables) -> Raw:
-    """All tables of a case as a file would have them, defaults too."""
-    raw: Raw = plain(case.model_dump(exclude_none=True, context=AS_WRITTEN))
+def tables_of(case: CaseTables, *, as_written: bool = True) -> Raw:
+    """All tables of a case as a file would have them, defaults too; or all numbers plain, in SI."""
+    raw: Raw = plain(case.model_dump(exclude_none=True, context=AS_WRITTEN if as_written else None))
     return raw
 
 
