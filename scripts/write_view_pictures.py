@@ -9,13 +9,16 @@ from __future__ import annotations
 
 import sys
 import tempfile
+import threading
 from pathlib import Path
+from typing import Any
 
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT / "tests"))
 
 import rollerrig as rr  # noqa: E402
 from browser import Opened, chromium  # noqa: E402
+from rollerrig.viewer.play import Theatre, server  # noqa: E402
 
 PICTURES = {
     "view_rig_and_track": (("bogie_rollers_constant", "bogie_track"), "260 km/h", 1.52, "free", "light"),
@@ -38,6 +41,29 @@ def main() -> None:
             page.page.wait_for_timeout(300)
             page.page.screenshot(path=ROOT / "docs" / "images" / f"{name}.png")
             page.close()
+        if len(sys.argv) == 1 or "view_live" in sys.argv[1:]:
+            live(browser)
+
+
+def live(browser: Any) -> None:
+    """A bogie that hunts on small rollers, moved by sliders."""
+    theatre = Theatre(rr.load_case("bogie_rollers_constant"))
+    listening = server(theatre)
+    for work in (listening.serve_forever, theatre.play):
+        threading.Thread(target=work, daemon=True).start()
+    page = Opened(browser, f"http://127.0.0.1:{listening.server_address[1]}/", 1280, 720)
+    for name, value in (("radius", 0.45), ("speed", 280.0)):
+        page.page.locator(f"#live-{name}").evaluate(
+            "(e, v) => { e.value = v; e.dispatchEvent(new Event('input')); }", value
+        )
+        page.page.wait_for_timeout(500)
+    page.page.click("#push")
+    page.page.wait_for_timeout(6000)
+    page.page.evaluate("(rollerrig.keepUp = () => {}, rollerrig.stage.setSharpness(1))")
+    page.page.wait_for_timeout(1500)
+    page.page.screenshot(path=ROOT / "docs" / "images" / "view_live.png")
+    theatre.ended = True
+    listening.shutdown()
 
 
 if __name__ == "__main__":

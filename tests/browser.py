@@ -58,7 +58,7 @@ class Opened:
         complaints: errors and warnings of its program; of the graphics driver only errors.
     """
 
-    def __init__(self, browser: Any, file: Path, width: int = 960, height: int = 600, **options: Any) -> None:
+    def __init__(self, browser: Any, address: Path | str, width: int = 960, height: int = 600, **options: Any) -> None:
         context = browser.new_context(
             viewport={"width": width, "height": height}, **({"reduced_motion": "reduce"} | options)
         )
@@ -68,7 +68,7 @@ class Opened:
         self.page.on("request", lambda request: self.requests.append(request.url))
         self.page.on("console", lambda message: self._heard(message.type, message.text))
         self.page.on("pageerror", lambda error: self.complaints.append(str(error)))
-        self.page.goto(file.as_uri())
+        self.page.goto(address.as_uri() if isinstance(address, Path) else address)
         self.page.wait_for_selector('html[data-drawn="1"]', state="attached")
 
     def _heard(self, kind: str, text: str) -> None:

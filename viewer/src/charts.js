@@ -30,7 +30,7 @@ export class Chart {
   build(theme = this.theme) {
     this.theme = theme;
     this.plot?.destroy();
-    const group = this.groups[Number(this.choice.value)], tables = [], series = [{}];
+    const live = this.worlds[0].head.live, group = this.groups[Number(this.choice.value)], tables = [], series = [{}];
     group.curves.forEach((list, run) => {
       const n = this.worlds[run].numbers;
       tables.push([n.times, ...list.map(([column, , factor]) => Array.from(n.columns.get(column), (v) => (v === v ? factor * v : null)))]);
@@ -39,7 +39,7 @@ export class Chart {
     const axis = { stroke: theme.text, grid: { stroke: theme.grid, width: 1 }, ticks: { stroke: theme.grid }, font: "11px system-ui, sans-serif" };
     const options = {
       width: this.area.clientWidth || 300, height: this.area.clientHeight || 150, series,
-      scales: { x: { time: false, range: [0, Math.max(...this.worlds.map((w) => w.numbers.end))] } },
+      scales: { x: { time: false, range: live ? (_, low, high) => [low, Math.max(high, low + 1)] : [0, Math.max(...this.worlds.map((w) => w.numbers.end))] } },
       axes: [{ ...axis, size: 26 }, { ...axis, size: 46 }],
       legend: { show: false }, cursor: { drag: { x: true, y: false, setScale: false }, points: { show: false } },
       hooks: { setSelect: [(u) => { if (u.select.width > 3) this.events.range(u.posToVal(u.select.left, "x"), u.posToVal(u.select.left + u.select.width, "x")); u.setSelect({ width: 0, height: 0 }, false); }] },
@@ -65,6 +65,13 @@ export class Chart {
   }
 
   resize() { if (this.plot && this.area.clientWidth) { this.plot.setSize({ width: this.area.clientWidth, height: this.area.clientHeight }); this.mark(this.time || 0); } }
+
+  /** The curves of a simulation that runs. */
+  renew() {
+    const n = this.worlds[0].numbers, group = this.groups[Number(this.choice.value)];
+    this.now.style.display = "none";
+    if (n.times.length > 1) this.plot.setData([n.times, ...group.curves[0].map(([column, , factor]) => n.columns.get(column).map((v) => (v === v ? factor * v : null)))]);
+  }
 
   mark(time) {
     this.time = time;

@@ -72,7 +72,7 @@ class Patch {
 export class Contacts {
   constructor(head, bodies, unit, group, numbers) {
     this.unit = unit;
-    this.weight = Math.max(1e-9, ...head.wheels.map((_, w) => Math.abs(numbers.columns.get(`w${w}.vertical_force`)?.[0] || 0))) / 5.5e4 / unit;
+    this.weight = Math.max(1e-9, head.load || 0, ...head.wheels.map((_, w) => Math.abs(numbers.columns.get(`w${w}.vertical_force`)?.[0] || 0))) / 5.5e4 / unit;
     this.wheels = head.wheels.map((wheel, w) => ({
       ...own(wheel, w, bodies[wheel.body], head.patches, group), vector: new Vector3(), place: new Vector3(),
     }));
@@ -112,9 +112,10 @@ function own(table, number, body, patches, group) {
 function slipScale(head, numbers) {
   const all = [];
   for (let w = 0; w < head.wheels.length; w++) for (let p = 0; p < head.patches; p++) {
+    if (head.live) continue;
     const x = numbers.columns.get(`w${w}.p${p}.sliding_x`), y = numbers.columns.get(`w${w}.p${p}.sliding_y`);
     for (let k = 0; k < x.length; k++) if (x[k] === x[k]) all.push(Math.hypot(x[k], y[k]));
   }
   all.sort((a, b) => a - b);
-  return Math.max(1e-3, all[Math.floor(0.99 * (all.length - 1))] || 0);
+  return Math.max(head.live ? 0.2 : 1e-3, all[Math.floor(0.99 * (all.length - 1))] || 0);
 }

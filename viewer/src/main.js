@@ -5,6 +5,7 @@ import { Clock } from "./clock.js";
 import { THEMES } from "./colours.js";
 import { button, element, slider } from "./dom.js";
 import { honesty, legend } from "./legend.js";
+import { Desk, LiveNumbers } from "./live.js";
 import { modeChoice, modeNumbers, modePlots } from "./modes.js";
 import { Numbers } from "./numbers.js";
 import { drawSection } from "./section.js";
@@ -15,7 +16,7 @@ const MODES = [["free", "whole", "1"], ["wheelset", "wheelset", "2"], ["track", 
 
 class Page {
   constructor(root, content, worlds) {
-    this.content = content; this.worlds = worlds; this.modes = content.scenes[0].modes;
+    this.content = content; this.worlds = worlds; this.modes = content.scenes[0].modes; this.live = content.scenes[0].live;
     this.options = { displacement: 1, patchFactor: 6, arrowFactor: 1, creepFactor: 3, patches: true, arrows: true, arrowUnit: 1 };
     this.wheel = 0;
     this.build(root);
@@ -35,7 +36,8 @@ class Page {
     this.frames = 0;
     const loop = (now) => { this.tick(now); requestAnimationFrame(loop); };
     requestAnimationFrame(loop);
-    if (!matchMedia("(prefers-reduced-motion: reduce)").matches) this.clock.toggle();
+    if (this.live) this.runLive();
+    else if (!matchMedia("(prefers-reduced-motion: reduce)").matches) this.clock.toggle();
   }
 
   has(name) { return this.worlds.some((w) => w.numbers.has(name)); }
@@ -72,8 +74,27 @@ class Page {
       slider("arrows ×", 0.2, 4, 0.1, 1, (v) => v.toFixed(1), set("arrowFactor"), "arrow-size"),
       slider("creep force ×", 1, 20, 1, 3, (v) => v.toFixed(0), set("creepFactor"), "creep-size"),
       box("patches", "patches"), box("arrows", "arrows"), car,
-      element("p", { class: "exact" }, this.content.scenes[0].modes ? "Shapes are those of the linear modes." : honesty(this.worlds)),
+      element("p", { class: "exact" }, this.live ? this.live.note : this.modes ? "Shapes are those of the linear modes." : honesty(this.worlds)),
       element("p", { class: "exact" }, "Keys: space play, ← → a frame (shift: ten), , . slower and faster, [ ] repeated range, 1 to 4 cameras, W next wheel, E displacements larger, S what is drawn, T dark or light. A click on a curve goes there; a drag repeats that range."));
+  }
+
+  /** A simulation that runs now: its desk in place of the clock. */
+  runLive() {
+    const world = this.worlds[0];
+    this.desk = new Desk(world.head, world.numbers, { scene: () => this.anotherScene() });
+    this.bar.replaceChildren(this.desk.node);
+    this.resize();
+  }
+
+  /** The rollers have another radius: the vehicle is drawn anew, the camera stays. */
+  async anotherScene() {
+    const head = (await (await fetch("scene")).json()), old = this.worlds[0];
+    head.plots = old.head.plots;
+    const world = new World(head, old.numbers);
+    world.contacts.slipLargest = old.contacts.slipLargest;
+    this.stage.exchange(0, world);
+    this.stage.theme(THEMES[this.theme]);
+    this.refresh();
   }
 
   /** Another mode, or another speed. */
@@ -120,13 +141,13 @@ class Page {
     this.clock.advance(Math.min(0.25, passed / 1e3));
     this.last = now;
     this.keepUp(passed);
-    if (this.clock.dirty) this.show();
+    if (this.clock.dirty || this.live) this.show();
     if (this.stage.dirty) { this.stage.render(); this.frames += 1; document.documentElement.dataset.drawn = "1"; }
   }
 
   /** A slow machine draws fewer pixels while the picture moves, all of them when it stands. */
   keepUp(passed) {
-    if (!this.clock.playing) { this.slow = 0; if (this.stage.sharpness < 1) this.stage.setSharpness(1); return; }
+    if (!this.clock.playing && !this.live) { this.slow = 0; if (this.stage.sharpness < 1) this.stage.setSharpness(1); return; }
     this.slow = 0.8 * (this.slow || 0) + 0.2 * Math.min(passed, 200);
     if (this.slow > 36 && this.stage.sharpness > 0.45) { this.stage.setSharpness(this.stage.sharpness * 0.75); this.slow = 20; }
   }
@@ -137,7 +158,8 @@ class Page {
     const t = this.clock.time;
     for (const world of this.worlds) world.update(Math.min(t, world.numbers.end), this.options);
     this.stage.follow();
-    this.charts.forEach((chart) => chart.mark(t));
+    if (!this.live) this.charts.forEach((chart) => chart.mark(t));
+    else if (performance.now() - (this.charted || 0) > 200) { this.charted = performance.now(); this.charts.forEach((chart) => chart.renew()); }
     if (this.stage.mode === "contact") this.sections.forEach((canvas, k) => drawSection(canvas, this.worlds[k], Math.min(this.wheel, this.worlds[k].head.wheels.length - 1), THEMES[this.theme], this.worlds[k].head.wheels[this.wheel].name.replaceAll("_", " ")));
     const said = this.modes ? ["a mode has no size of its own: displacements are enlarged, growth and decay left out"] : [];
     if (this.options.displacement > 1) said.push(`displacements × ${this.options.displacement}: bodies seem to part and to overlap where they do not`);
@@ -149,6 +171,7 @@ class Page {
 
   key(event) {
     if (event.ctrlKey || event.metaKey || event.altKey || (event.target.tagName === "SELECT" && event.key.startsWith("Arrow"))) return;
+    if (this.live && " ,.[]lLArrowLeftArrowRightHomeEnd".includes(event.key)) return;
     const step = (event.shiftKey ? 10 : 1) * this.clock.step, c = this.clock;
     const actions = {
       " ": () => c.toggle(), ArrowLeft: () => c.set(c.time - step), ArrowRight: () => c.set(c.time + step), Home: () => c.set(c.first), End: () => c.set(c.last),
@@ -177,6 +200,7 @@ const factor = (v) => { const f = 50 ** (v / 100); return f < 10 ? Math.round(f)
 async function start() {
   const content = JSON.parse(document.getElementById("scene").textContent), worlds = [];
   for (const [k, head] of content.scenes.entries()) {
+    if (head.live) { worlds.push(new World(head, new LiveNumbers(head))); continue; }
     const numbers = head.modes ? modeNumbers(head, head.mode, head.speed) : await Numbers.of(`numbers${k}`, head.columns);
     if (head.modes) head.plots = modePlots(head, numbers).map(({ title, unit, curves }) => ({ title, unit, curves: curves[0] }));
     worlds.push(new World(head, numbers));

@@ -63,6 +63,13 @@ export class Stage {
     this.dirty = true;
   }
 
+  /** Another world in place of one; the page has the same list. */
+  exchange(k, world) {
+    this.scenes[k].remove(this.worlds[k].root);
+    this.worlds[k] = world;
+    this.scenes[k].add(world.root);
+  }
+
   /** Where a mode looks: at the middle of the vehicle, a wheelset, down the track, at a wheel's contact. */
   target(mode, wheel, out) {
     const world = this.worlds[0], { wheels } = world.head;

@@ -28,6 +28,7 @@ COMMANDS = (
     "export_fmu",
     "export",
     "view",
+    "play",
     "contact",
     "creep",
     "conicity",

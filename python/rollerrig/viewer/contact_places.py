@@ -39,7 +39,7 @@ def contact_places(model: AssembledModel, run: xr.Dataset, index: NDArray[np.int
     found = np.full((len(index), len(model.wheels), patches, len(PLACE)), np.nan)
     s = run["patch_wheel_abscissa"].to_numpy()[index]
     poses = {name: relative_pose(model, run, name, index) for name in model.wheelsets}
-    static = {name: _static(model, name) for name in model.wheelsets}
+    static = {name: static_contact(model, name) for name in model.wheelsets}
     for number, wheel in enumerate(model.wheels):
         contact, right = static[wheel.wheelset], wheel.side == "right"
         for frame, pose in enumerate(poses[wheel.wheelset][right]):
@@ -84,6 +84,7 @@ def _motion(run: xr.Dataset, body: str, index: NDArray[np.intp]) -> Numbers:
     )
 
 
-def _static(model: AssembledModel, wheelset: str) -> _core.StaticWheelsetContact:
+def static_contact(model: AssembledModel, wheelset: str) -> _core.StaticWheelsetContact:
+    """The contact geometry of a wheelset on what it stands on."""
     of_side = {wheel.side: wheel.contact for wheel in model.wheels if wheel.wheelset == wheelset}
     return _core.StaticWheelsetContact(model.core, of_side["left"], of_side["right"])

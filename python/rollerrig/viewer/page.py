@@ -10,6 +10,7 @@ import json
 from collections.abc import Sequence
 from functools import cache
 from importlib.resources import files
+from typing import Any
 
 from rollerrig import __version__
 from rollerrig.viewer.scene import Scene
@@ -27,6 +28,15 @@ def bundle(name: str) -> str:
     return files("rollerrig.viewer").joinpath("page", name).read_text(encoding="utf-8")
 
 
+def live_page(head: dict[str, Any]) -> str:
+    """The page of a simulation that runs now and is asked for frames; it may ask the server that it came from alone.
+
+    Args:
+        head: of its scene.
+    """
+    return _html(str(head["title"]), [head], "", _ALLOWED + "; connect-src 'self'")
+
+
 def page(title: str, scenes: Sequence[Scene]) -> str:
     """The whole page.
 
@@ -34,15 +44,19 @@ def page(title: str, scenes: Sequence[Scene]) -> str:
         title: of the page.
         scenes: one, or two that are shown side by side in step.
     """
-    content = {"version": __version__, "title": title, "scenes": [scene.head for scene in scenes]}
-    data = json.dumps(content, ensure_ascii=False, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
     numbers = "\n".join(
         f'<script type="text/plain" id="numbers{k}">{scene.columns.text()}</script>' for k, scene in enumerate(scenes)
     )
+    return _html(title, [scene.head for scene in scenes], numbers, _ALLOWED)
+
+
+def _html(title: str, heads: Sequence[dict[str, Any]], numbers: str, allowed: str) -> str:
+    content = {"version": __version__, "title": title, "scenes": heads}
+    data = json.dumps(content, ensure_ascii=False, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
     return f"""{MARK}
 <html lang="en"><head><meta charset="utf-8">
 <meta name="viewport" content="width=device-width, initial-scale=1">
-<meta http-equiv="Content-Security-Policy" content="{_ALLOWED}">
+<meta http-equiv="Content-Security-Policy" content="{allowed}">
 <link rel="icon" href="data:,">
 <title>{html.escape(title)}</title>
 <style>{bundle("viewer.css")}</style></head>

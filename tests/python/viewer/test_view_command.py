@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import socket
 from pathlib import Path
 
 import pytest
@@ -55,3 +56,15 @@ def test_bad_input_is_one_line_and_leaves_nothing(file: Path, on_rig: xr.Dataset
         assert said in text
     assert sorted(path.name for path in tmp_path.iterdir()) == ["cut.nc", "mine.html", "modes.nc", "other.nc"]
     assert mine.read_text() == "<!doctype html>mine"
+
+
+def test_play_says_in_a_line_what_is_in_its_way(tmp_path: Path) -> None:
+    with socket.socket() as taken:
+        taken.bind(("127.0.0.1", 0))
+        taken.listen()
+        port = taken.getsockname()[1]
+        done = CliRunner().invoke(build_app(), ["play", "wheelset_rollers", "--port", str(port), "--no-browser"])
+    assert (done.exit_code, done.output.count("\n")) == (2, 1), done.output
+    assert "choose another one, or 0 for any free one" in done.output
+    done = CliRunner().invoke(build_app(), ["play", "no_such_case"])
+    assert done.exit_code == 2

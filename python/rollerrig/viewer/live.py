@@ -1,0 +1,299 @@
+"""A simulation that goes on while somebody moves its sliders: a plant, and what a page draws of it.
+
+    case -> [LiveRun: plant, sliders] -> frames: time, values of the page's columns
+
+Friction, torque, brake and the tunable numbers of slide protection act on the run as it goes. Speed, radius of the rollers and
+stiffness make another model; it starts at once from its own equilibrium, the vehicle displaced sideways and yawed as it was.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from rollerrig import _core
+from rollerrig.assembly import AssembledModel, assemble
+from rollerrig.cases import leading_wheelset, wheelsets
+from rollerrig.config import Case, ConfigError, Rig
+from rollerrig.plant import assembled_model
+from rollerrig.starting_state import StartError
+from rollerrig.viewer import parts
+from rollerrig.viewer.live_contacts import PATCH, LiveContacts
+from rollerrig.viewer.plots import plots
+
+FRAME = 1.0 / 30.0
+"""Between two frames [s]."""
+
+_NAMES = {"longitudinal": "x", "lateral": "y", "vertical": "z", "roll": "roll", "pitch": "pitch", "yaw": "yaw"}
+_WHEEL = {"longitudinal_force": "longitudinal_force", "lateral_force": "Y", "vertical_force": "Q"} | {
+    "creep": "longitudinal_creep_force",
+    **{name: name for name in ("longitudinal_sliding", "lateral_sliding", "rail_lateral", "rail_vertical")},
+}
+_AXLE = ("axle_speed", "roller_speed", "cylinder_pressure", "roller_torque", "traction_torque")
+_PUSH, _MOST_OFFSET, _MOST_YAW = 3e-3, 0.02, 0.05
+_PAUSE = 1.5
+"""After the end of a run, before it begins again [s]."""
+
+
+@dataclass(frozen=True)
+class Slider:
+    """What a visitor may move.
+
+    Attributes:
+        name: of it.
+        label: beside it.
+        unit: of its numbers.
+        least, most, value: its range and where it begins.
+    """
+
+    name: str
+    label: str
+    unit: str
+    least: float
+    most: float
+    value: float
+
+
+def sliders(case: Case) -> list[Slider]:
+    """Those that a case has."""
+    support, speed = case.support.data, 3.6 * case.motion.speed
+    found = [Slider("speed", "speed", "km/h", 10.0, max(360.0, 1.5 * speed), speed)]
+    if isinstance(support, Rig):
+        radius = support.roller_radius
+        found.append(Slider("radius", "roller radius", "m", 0.4 * radius, 3.0 * radius, radius))
+    found.append(Slider("friction", "friction ×", "", 0.05, 2.0, 1.0))
+    found.append(Slider("stiffness", "stiffness along ×", "", 0.05, 3.0, 1.0))
+    if case.brake is not None:
+        found.append(Slider("brake", "more brake", "bar", 0.0, 4.0, 0.0))
+    if not case.sampled:
+        found.append(Slider("torque", "axle torque", "kN m", -8.0, 8.0, 0.0))
+    if case.slide_protection is not None and getattr(case.slide_protection, "vent_slip", None) is not None:
+        found.append(Slider("slip", "slip that vents", "", 0.02, 0.4, float(case.slide_protection.vent_slip)))
+    return found
+
+
+class LiveRun:
+    """The simulation.
+
+    Args:
+        case: what is run, from its beginning.
+
+    Raises:
+        ConfigError: a controller of the case is written in Python, or nothing holds the vehicle on its rollers.
+        StartError: no equilibrium was found.
+
+    Attributes:
+        scene: what the page is given; `version` counts how often it became another one.
+        told: what a visitor should know now.
+    """
+
+    def __init__(self, case: Case) -> None:
+        self.case = _endless(case)
+        self.sliders = {one.name: one for one in sliders(case)}
+        self.values = {name: one.value for name, one in self.sliders.items()}
+        self.version, self.told, self.time, self._ended = 0, "", 0.0, 0.0
+        self._begin({}, case.disturbance != ())
+
+    # --------------------------------------------------------------------------------------------- what visitors do
+
+    def set(self, name: str, value: float) -> None:
+        """Move a slider.
+
+        Raises:
+            KeyError: there is none of that name.
+            ValueError: the value is outside its range.
+            ConfigError: the case cannot be run with it, e.g. too fast for its curves; all goes on as it was.
+            StartError: no equilibrium was found; likewise.
+        """
+        one = self.sliders[name]
+        if not (math.isfinite(value) and one.least - 1e-9 <= value <= one.most + 1e-9):
+            raise ValueError(f"{one.label}: {value:g} is not between {one.least:g} and {one.most:g} {one.unit}".strip())
+        before, self.values[name] = dict(self.values), value
+        if name not in ("speed", "radius", "stiffness"):
+            self._apply()
+            return
+        offsets = self._offsets()
+        try:
+            self._begin(offsets)
+        except (ConfigError, StartError, ValueError):
+            self.values = before
+            self._begin(offsets)
+            raise
+
+    def push(self) -> None:
+        """The leading wheelset 3 mm to the left."""
+        self._begin({leading_wheelset(self.case).name: {"lateral": _PUSH}})
+
+    def again(self) -> None:
+        """All sliders and the vehicle as at the start."""
+        self.values = {name: one.value for name, one in self.sliders.items()}
+        self._begin({}, disturbed=True)
+
+    # ------------------------------------------------------------------------------------------------ its own going on
+
+    def advance(self, seconds: float) -> None:
+        """On by so much [s]; a run that has ended begins again after a pause."""
+        self.time += seconds
+        if self._ended:
+            if self.time - self._ended > _PAUSE:
+                self._ended, self.told = 0.0, ""
+                self._begin({}, disturbed=True)
+            return
+        status = self.plant.advance(self.time - self._start)
+        if status != 0:
+            self._ended, wheel = self.time, self.plant.failed_wheel
+            self.told = f"this run has ended{f' at {wheel}' if wheel else ''}; it begins again"
+
+    def frame(self) -> dict[str, Any]:
+        """Time, values in the order of the scene's columns, and what is to be told; None where there is no number."""
+        own = self.plant.values(self._indices).tolist()
+        own[self._forces] = [v - r for v, r in zip(own[self._forces], self._rest, strict=True)]
+        found = [*own, *self._contacts.values(dict(zip(self._columns, own, strict=True)))]
+        return {"time": round(self.time, 4), "values": [_short(v) for v in found], "told": self.told}
+
+    @property
+    def scene(self) -> dict[str, Any]:
+        """As the page takes it."""
+        return self._head
+
+    # --------------------------------------------------------------------------------------------------- another model
+
+    def _begin(self, offsets: Mapping[str, Mapping[str, float]], disturbed: bool = False) -> None:
+        """A run of the model that the sliders ask for."""
+        changes: dict[str, Any] = {"motion.speed": f"{self.values['speed']} km/h"}
+        if "radius" in self.values:
+            changes["support.roller_radius"] = self.values["radius"]
+        if not disturbed:
+            changes["disturbance"] = [{"body": body, **given} for body, given in offsets.items()]
+        case = self.case.with_changes(changes)
+        plant = _core.Plant(assembled_model(case))
+        if self.values["stiffness"] != 1.0:
+            for index, variable in enumerate(plant.variables):
+                if variable.name.startswith("primary") and variable.name.endswith(".x_stiffness"):
+                    plant.set_parameter(index, variable.start * self.values["stiffness"])
+        plant.start()
+        self.plant, self._start = plant, self.time
+        variables = plant.variables
+        self._variables = {variable.name: index for index, variable in enumerate(variables)}
+        self._inputs = {
+            variable.name: index for index, variable in enumerate(variables) if variable.causality == "input"
+        }
+        model = assemble(case)
+        self._lay_out(model)
+        self._apply()
+
+    def _apply(self) -> None:
+        """What acts on a run as it goes."""
+        given = {"friction_change": self.values["friction"] - 1.0}
+        if "brake" in self.values:
+            given["brake_demand"] = 1e5 * self.values["brake"]
+        if "torque" in self.values:
+            given["axle_torque"] = 1e3 * self.values["torque"]
+        for name, index in self._inputs.items():
+            key = name.rpartition(".")[2]
+            if key in given and not name.startswith("train."):
+                self.plant.set_input(index, given[key])
+        if "slip" in self.values:
+            self.plant.set_parameter(self._variables["slide_protection.vent_slip"], self.values["slip"])
+
+    def _offsets(self) -> dict[str, dict[str, float]]:
+        """Where the vehicle is now, sideways and in yaw."""
+        found = {}
+        for body in self._model.lateral_bodies:
+            y, yaw = (self.plant.get(self._variables[f"{body}.{name}"]) for name in ("y", "yaw"))
+            if math.isfinite(y + yaw) and (y or yaw):
+                clipped = max(-_MOST_OFFSET, min(_MOST_OFFSET, y)), max(-_MOST_YAW, min(_MOST_YAW, yaw))
+                free = self.case.vehicle.data.body_named(body).locked
+                kept = {"lateral": clipped[0], "yaw": clipped[1]}
+                found[body] = {k: v for k, v in kept.items() if {"lateral": "y", "yaw": "yaw"}[k] not in free}
+        return {body: given for body, given in found.items() if given}
+
+    def _lay_out(self, model: AssembledModel) -> None:
+        """The page's columns, where their numbers come from, and the scene."""
+        self._model = model
+        self._columns: list[str] = []
+        self._indices: list[int] = []
+
+        def add(column: str, variable: str) -> None:
+            if variable in self._variables:
+                self._columns.append(column)
+                self._indices.append(self._variables[variable])
+
+        for k, body in enumerate(model.bodies):
+            for name, short in _NAMES.items() if body not in model.fixed else ():
+                add(f"b{k}.{name}", f"{body}.{short}")
+        for k, wheel in enumerate(model.wheels):
+            for name, short in _WHEEL.items():
+                add(f"w{k}.{name}", f"{wheel.wheelset}.{wheel.side}.{short}")
+        for k, wheelset in enumerate(model.wheelsets):
+            for name in _AXLE:
+                add(f"a{k}.{name}", f"{wheelset}.{name}")
+        add("speed", "run.speed")
+        add("distance", "run.distance")
+        if "train.speed" in self._variables:
+            add("train_speed", "train.speed")
+        elements = [{**one, "direction": _direction(one), "rest": 0.0, "largest": 5e3} for one in parts.elements(model)]
+        first = len(self._columns)
+        for one in elements:
+            kind = "force" if one["direction"] in "xyz" else "moment"
+            add(f"e{one['number']}", f"{one['name']}.{kind}_{one['direction']}")
+        self._forces = slice(first, len(self._columns))
+        loads = self.plant.values(self._indices).tolist()[self._forces]
+        self._rest = [v if one["carries"] else 0.0 for v, one in zip(loads, elements, strict=True)]
+        self._contacts = LiveContacts(model)
+        self._head = self._scene(model, elements)
+        self.version += 1
+
+    def _scene(self, model: AssembledModel, elements: list[dict[str, Any]]) -> dict[str, Any]:
+        columns = [*self._columns, *(f"w{k}.p0.{name}" for k in range(len(model.wheels)) for name in PATCH)]
+        head: dict[str, Any] = {
+            "label": self.case.name,
+            "case": self.case.name,
+            "title": self.case.description,
+            "status": "",
+            "support": self.case.support.data.kind,
+            "gravity": self.case.gravity,
+            "bodies": parts.bodies(model),
+            "wheels": parts.wheels(model),
+            "elements": elements,
+            "shapes": parts.shapes(model),
+            "line": parts.track(model, 0.0, 4000.0),
+            "patches": 1,
+            "brakes": self.case.brake is not None,
+            "motors": self.case.traction is not None,
+            "axles": list(model.wheelsets),
+            "columns": {name: [] for name in columns},
+            "load": 0.5 * max(model.axle_loads.values()),
+        }
+        head["plots"] = plots(head)
+        head["columns"] = {}
+        shown = [{**vars(one), "first": one.value, "value": self.values[one.name]} for one in self.sliders.values()]
+        head["live"] = {"columns": columns, "sliders": shown, "note": NOTE}
+        return head
+
+
+NOTE = (
+    "Speed, roller radius and stiffness make another model, which starts at once from its own equilibrium, displaced as the "
+    "vehicle was; all else acts on the run as it goes. Of several patches of a wheel the most loaded one is drawn."
+)
+
+
+def _direction(element: Mapping[str, Any]) -> str:
+    directions: list[str] = element["directions"]
+    return "z" if element["carries"] or "z" in directions else directions[-1]
+
+
+def _endless(case: Case) -> Case:
+    """The case without end, and with a torque on each axle that can be set."""
+    changes: dict[str, Any] = {"time.duration": "36000 s", "time.output_step": "1 s"}
+    if case.motion.speed_table is not None:
+        changes["motion.speed_table"] = None
+    if not case.sampled:
+        changes["axle_torque"] = [{"wheelset": body.name, "constant": 0.0} for body in wheelsets(case)]
+    return case.with_changes(changes)
+
+
+def _short(value: float) -> float | None:
+    return float(f"{value:.6g}") if math.isfinite(value) else None

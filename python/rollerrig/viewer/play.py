@@ -1,0 +1,163 @@
+"""A live simulation behind a small server of this machine: the page, its frames, and what visitors move.
+
+    LiveRun -> [Theatre: clock] -> [server: page, frames as server-sent events, POST] -> browsers
+
+The server listens on the loopback alone, answers only requests that name it (so that no page of the web can reach it through a
+name of its own), and takes commands only from its own page. All browsers see one and the same simulation.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import threading
+import time
+from collections.abc import Callable
+from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from typing import Any
+
+from rollerrig.config import Case, ConfigError
+from rollerrig.starting_state import StartError
+from rollerrig.viewer.live import FRAME, LiveRun
+from rollerrig.viewer.page import live_page
+
+_LARGEST_BODY = 1000
+_HOSTS = ("127.0.0.1", "localhost")
+
+
+class Theatre:
+    """A simulation on its clock, and those who look on.
+
+    Args:
+        case: what is run.
+        clock: seconds that only grow.
+    """
+
+    def __init__(self, case: Case, clock: Callable[[], float] = time.monotonic) -> None:
+        self.run, self._clock = LiveRun(case), clock
+        self._news = threading.Condition()
+        self._frame, self._number, self.ended = json.dumps(self.run.frame()), 0, False
+
+    def play(self) -> None:
+        """Until `ended`: a frame after the other, as time goes."""
+        due = self._clock()
+        while not self.ended:
+            due = max(due + FRAME, self._clock() - 10 * FRAME)  # what a machine cannot keep up with is left out
+            time.sleep(max(0.0, due - self._clock()))
+            with self._news:
+                self.run.advance(FRAME)
+                self._frame, self._number = json.dumps(self.run.frame()), self._number + 1
+                self._news.notify_all()
+
+    def frame_after(self, number: int) -> tuple[int, int, str]:
+        """The next frame after that number: its number, the version of the scene, its text. Waits for it at most a second."""
+        with self._news:
+            self._news.wait_for(lambda: self._number > number or self.ended, 1.0)
+            return self._number, self.run.version, self._frame
+
+    def command(self, name: str, given: dict[str, Any]) -> str:
+        """What a visitor does; the answer is what is wrong with it, or ""."""
+        with self._news:
+            try:
+                if name == "set":
+                    self.run.set(str(given["name"]), float(given["value"]))
+                elif name == "push":
+                    self.run.push()
+                else:
+                    self.run.again()
+            except (ConfigError, StartError, ValueError, KeyError, TypeError) as error:
+                return str(error).splitlines()[0] or "not understood"
+        return ""
+
+    def scene(self) -> dict[str, Any]:
+        """What the page draws."""
+        with self._news:
+            return self.run.scene
+
+
+def server(theatre: Theatre, port: int = 0) -> ThreadingHTTPServer:
+    """The server on the loopback.
+
+    Args:
+        theatre: whose simulation it shows.
+        port: where it listens; 0: any free one.
+
+    Raises:
+        OSError: the port is taken.
+    """
+    listening = ThreadingHTTPServer(("127.0.0.1", port), _handler(theatre))
+    listening.daemon_threads = True
+    return listening
+
+
+def _handler(theatre: Theatre) -> type[BaseHTTPRequestHandler]:
+    class Handler(BaseHTTPRequestHandler):
+        protocol_version = "HTTP/1.1"
+
+        def do_GET(self) -> None:
+            if not self._is_for_us():
+                return
+            if self.path == "/":
+                self._answer(200, "text/html; charset=utf-8", live_page(theatre.scene()))
+            elif self.path == "/scene":
+                self._answer(200, "application/json", json.dumps(theatre.scene()))
+            elif self.path == "/frames":
+                self._frames()
+            else:
+                self._answer(404, "text/plain", "no such page")
+
+        def do_POST(self) -> None:
+            size = self.headers.get("Content-Length", "")
+            if not self._is_for_us():
+                return
+            origin = self.headers.get("Origin", f"http://{self.headers['Host']}")
+            if origin != f"http://{self.headers['Host']}" or self.path not in ("/set", "/push", "/again"):
+                self._answer(403, "text/plain", "only the page of this server may do that")
+                return
+            try:
+                body = self.rfile.read(int(size)) if size.isdigit() and int(size) <= _LARGEST_BODY else b"not one"
+                given = json.loads(body)
+            except ValueError:
+                given = None
+            wrong = theatre.command(self.path[1:], given) if isinstance(given, dict) else "not understood"
+            self._answer(400 if wrong else 200, "text/plain; charset=utf-8", wrong)
+
+        def _is_for_us(self) -> bool:
+            """A request that names another host came through a name that leads here: of a page that wants to reach in."""
+            name, _, port = (self.headers.get("Host") or "").partition(":")
+            if name in _HOSTS and port == str(self.connection.getsockname()[1]):
+                return True
+            self.close_connection = True
+            self._answer(403, "text/plain", "not the name of this server")
+            return False
+
+        def _frames(self) -> None:
+            self.send_response(200)
+            self.send_header("Content-Type", "text/event-stream")
+            self.send_header("Cache-Control", "no-store")
+            self.end_headers()
+            self.close_connection = True
+            number, scene = 0, theatre.run.version
+            with contextlib.suppress(OSError):  # the browser has gone
+                while not theatre.ended:
+                    number, version, text = theatre.frame_after(number)
+                    if version != scene:
+                        scene = version
+                        self.wfile.write(b"event: scene\ndata: {}\n\n")
+                    self.wfile.write(f"data: {text}\n\n".encode())
+                    self.wfile.flush()
+
+        def _answer(self, code: int, kind: str, text: str) -> None:
+            content = text.encode()
+            self.send_response(code)
+            self.send_header("Content-Type", kind)
+            self.send_header("Content-Length", str(len(content)))
+            self.send_header("Cache-Control", "no-store")
+            self.end_headers()
+            with contextlib.suppress(OSError):
+                self.wfile.write(content)
+
+        def log_message(self, format: str, *args: Any) -> None:  # noqa: A002
+            """Nothing: a terminal is not for requests."""
+
+    return Handler

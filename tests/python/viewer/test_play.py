@@ -1,0 +1,169 @@
+"""`rollerrig play`: a simulation whose sliders move it, behind a server that only this machine's own page reaches."""
+
+from __future__ import annotations
+
+import http.client
+import json
+import threading
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+import pytest
+
+import rollerrig as rr
+from browser import Opened
+from rollerrig.config import ConfigError
+from rollerrig.viewer.live import FRAME, LiveRun
+from rollerrig.viewer.play import Theatre, server
+
+
+def column(run: LiveRun, name: str) -> float:
+    value = run.frame()["values"][run.scene["live"]["columns"].index(name)]
+    assert value is not None
+    return float(value)
+
+
+def largest(run: LiveRun, name: str, seconds: float) -> float:
+    found = 0.0
+    for _ in range(round(seconds / FRAME)):
+        run.advance(FRAME)
+        found = max(found, abs(column(run, name)))
+    return found
+
+
+@pytest.fixture
+def run() -> LiveRun:
+    return LiveRun(rr.load_case("bogie_rollers_constant"))
+
+
+def test_it_is_the_run_of_the_case(run: LiveRun) -> None:
+    case = rr.load_case("bogie_rollers_constant").with_changes({"time.duration": "0.5 s"})
+    expected = rr.simulate(case)["lateral"].sel(body="wheelset_1")
+    number = [body["name"] for body in run.scene["bodies"]].index("wheelset_1")
+    for _ in range(12):
+        run.advance(FRAME)
+        lateral = float(expected.interp(time=run.time))
+        assert column(run, f"b{number}.lateral") == pytest.approx(lateral, abs=2e-5)  # linear between samples of 2 ms
+
+
+def test_a_faster_train_hunts_and_a_slower_one_calms_down(run: LiveRun) -> None:
+    run.set("speed", 300.0)
+    run.push()
+    assert largest(run, "b2.lateral", 2.0) > 4e-3
+    before = column(run, "b2.lateral")
+    run.set("speed", 100.0)
+    assert column(run, "b2.lateral") == pytest.approx(before, abs=1e-4)  # goes on from where it was
+    largest(run, "b2.lateral", 3.0)
+    assert largest(run, "b2.lateral", 0.5) < 0.3e-3
+
+
+def test_friction_acts_at_once_and_a_torque_turns_into_creep_force(run: LiveRun) -> None:
+    run.set("torque", 6.0)
+    largest(run, "b2.lateral", 1.0)
+    forces = [column(run, f"w{k}.longitudinal_force") for k in range(4)]
+    assert sum(forces) == pytest.approx(2 * 6e3 / 0.46, rel=0.03)
+    run.set("friction", 0.1)
+    largest(run, "b2.lateral", 0.1)
+    load = sum(column(run, f"w{k}.vertical_force") for k in range(4))
+    assert sum(column(run, f"w{k}.longitudinal_force") for k in range(4)) < 0.1 * 0.3 * load * 1.02
+
+
+def test_another_radius_is_another_scene(run: LiveRun) -> None:
+    version = run.version
+    run.set("radius", 0.5)
+    assert run.version > version
+    assert run.scene["shapes"]["roller_radius"] == 0.5
+    assert next(body for body in run.scene["bodies"] if body["kind"] == "roller")["at"][2] == -0.5
+
+
+def test_patches_lie_where_the_wheels_stand(run: LiveRun) -> None:
+    run.advance(FRAME)
+    for wheel, side in ((0, 1.0), (1, -1.0)):
+        assert column(run, f"w{wheel}.p0.y") == pytest.approx(side * 0.75, abs=0.02)
+        assert column(run, f"w{wheel}.p0.normal") == pytest.approx(column(run, f"w{wheel}.vertical_force"), rel=0.05)
+
+
+def test_what_cannot_be_is_refused_and_all_goes_on(run: LiveRun) -> None:
+    with pytest.raises(ValueError, match=r"speed: 9000 is not between 10 and 360 km/h"):
+        run.set("speed", 9000.0)
+    with pytest.raises(KeyError):
+        run.set("colour", 1.0)
+    curve = LiveRun(rr.load_case("vehicle_curve"))
+    with pytest.raises(ConfigError):
+        curve.set("speed", 340.0)
+    assert curve.values["speed"] == pytest.approx(100.0)
+    curve.advance(FRAME)
+    assert np.isfinite(column(curve, "b0.lateral"))
+
+
+def test_a_run_that_ends_begins_again() -> None:
+    run = LiveRun(
+        rr.load_case("adhesion_brake").with_changes({"motion.speed": "12 km/h", "motion.stop_speed": "8 km/h"})
+    )
+    told = set()
+    for _ in range(round(14 / FRAME)):
+        run.advance(FRAME)
+        told.add(run.told)
+    assert told == {"", "this run has ended; it begins again"}
+
+
+@pytest.fixture(scope="module")
+def address() -> Iterator[tuple[str, int]]:
+    theatre = Theatre(rr.load_case("wheelset_rollers"))
+    listening = server(theatre)
+    threads = [threading.Thread(target=work, daemon=True) for work in (listening.serve_forever, theatre.play)]
+    for thread in threads:
+        thread.start()
+    yield "127.0.0.1", listening.server_address[1]
+    theatre.ended = True
+    listening.shutdown()
+    listening.server_close()
+    for thread in threads:
+        thread.join(5.0)
+
+
+def ask(address: tuple[str, int], method: str, path: str, body: Any = None, **headers: str) -> tuple[int, str]:
+    connection = http.client.HTTPConnection(*address, timeout=5)
+    connection.request(method, path, body if body is None or isinstance(body, str) else json.dumps(body), headers)
+    answer = connection.getresponse()
+    return answer.status, answer.read().decode()
+
+
+def test_the_server_answers_its_own_page_alone(address: tuple[str, int]) -> None:
+    assert ask(address, "GET", "/")[0] == 200
+    assert ask(address, "GET", "/elsewhere")[0] == 404
+    assert ask(address, "GET", "/", Host="example.org")[0] == 403
+    assert ask(address, "POST", "/again", {}, Origin="http://example.org")[0] == 403
+    assert ask(address, "POST", "/shutdown", {})[0] == 403
+    assert ask(address, "POST", "/set", {"name": "speed", "value": 60})[0] == 200
+    for wrong in (
+        {"name": "speed", "value": 1e9},
+        {"name": "none", "value": 1},
+        {"value": 1},
+        {},
+        "[1]",
+        "no",
+        "x" * 2000,
+    ):
+        code, text = ask(address, "POST", "/set", wrong)
+        assert (code, text.count("\n"), bool(text)) == (400, 0, True)
+
+
+def test_a_browser_moves_it(browser: Any, address: tuple[str, int]) -> None:
+    page = Opened(browser, f"http://127.0.0.1:{address[1]}/")
+    try:
+        page.page.wait_for_timeout(300)
+        before = page.page.evaluate("rollerrig.worlds[0].numbers.end")
+        page.page.click("#push")
+        page.page.locator("#live-speed").evaluate("e => { e.value = 150; e.dispatchEvent(new Event('input')); }")
+        page.page.locator("#live-radius").evaluate("e => { e.value = 0.4; e.dispatchEvent(new Event('input')); }")
+        page.page.wait_for_timeout(900)
+        assert page.page.evaluate("rollerrig.worlds[0].numbers.end") > before
+        state = page.page.evaluate("rollerrig.worlds[0].head.shapes.roller_radius")
+        assert state == pytest.approx(0.4, abs=0.01)
+        assert page.complaints == []
+        hosts = {url.split("/")[2] for url in page.requests}
+        assert hosts == {f"127.0.0.1:{address[1]}"}
+    finally:
+        page.close()
