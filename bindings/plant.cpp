@@ -10,6 +10,7 @@
 #include "arguments.hpp"
 #include "fields.hpp"
 #include "integrator_options.hpp"
+#include "rollerrig/plant/controller_plant.hpp"
 #include "rollerrig/plant/model_file.hpp"
 
 using namespace nb::literals;
@@ -96,6 +97,30 @@ void bind_assembled(nb::module_& m) {
   m.attr("model_layout") = model_layout();
 }
 
+void bind_part(nb::module_& m) {
+  bind_struct<ControllerPart>(m, "ControllerPart", "One controller of a case alone, with what it starts from.");
+  m.def(
+      "write_part",
+      [](ControllerPart const& part) {
+        auto const bytes = write_part(part);
+        return nb::bytes(bytes.data(), bytes.size());
+      },
+      "part"_a, "The bytes of a controller for an FMU of it alone.");
+  m.def(
+      "part_token",
+      [](nb::bytes const& content) {
+        return part_token({static_cast<std::byte const*>(content.data()), content.size()});
+      },
+      "content"_a, "The checksum of such bytes as text.");
+  m.def(
+      "part_variables",
+      [](ControllerPart const& part) {
+        ControllerPlant const plant(part);
+        return std::vector<Variable>(plant.variables().begin(), plant.variables().end());
+      },
+      "part"_a, "Inputs, outputs and parameters of the controller alone.");
+}
+
 /// Why a variable was not set.
 [[noreturn]] void refuse(Plant const& self, char const* what, int index, double value, Causality causality) {
   auto const all = self.variables();
@@ -128,6 +153,7 @@ void set_parameter(Plant& self, int index, double value) {
 void bind_plant(nb::module_& m) {
   bind_variable(m);
   bind_assembled(m);
+  bind_part(m);
   nb::class_<Plant>(m, "Plant", "An assembled model as other tools take it; SI.")
       .def(nb::init<AssembledModel>(), "assembled"_a)
       .def_prop_ro("variables",

@@ -2,7 +2,7 @@
 #include "rollerrig/fmu/fmi2.hpp"
 
 using rollerrig::fmu::Answer;
-using Fmu = rollerrig::fmu::Fmi2<rollerrig::fmu::RigShell>;
+using Fmu = rollerrig::fmu::Fmi2<rollerrig::fmu::AnyShell>;
 
 extern "C" {
 

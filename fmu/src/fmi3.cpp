@@ -3,7 +3,7 @@
 
 using rollerrig::fmu::Answer;
 using rollerrig::fmu::Listener3;
-using Fmu = rollerrig::fmu::Fmi3<rollerrig::fmu::RigShell>;
+using Fmu = rollerrig::fmu::Fmi3<rollerrig::fmu::AnyShell>;
 
 extern "C" {
 

@@ -91,18 +91,20 @@ std::filesystem::path path_of_uri(std::string_view uri) {
   return utf8_path(drive ? text.substr(1) : text);
 }
 
-std::unique_ptr<RigPlant> RigShell::open(std::filesystem::path const& resources, std::string_view token) {
+std::unique_ptr<AnyPlant> AnyShell::open(std::filesystem::path const& resources, std::string_view token) {
   if (std::string const lacks = missing_instructions(); !lacks.empty())
     throw std::runtime_error("this library was built for a processor with " + lacks +
                              "; export the FMU with a package that was built with ROLLERRIG_NATIVE=OFF");
-  std::ifstream file(resources / "rig.model", std::ios::binary);
-  if (!file) throw std::runtime_error("cannot open rig.model among the resources");
+  bool const alone = std::filesystem::exists(resources / "controller.part");
+  char const* const name = alone ? "controller.part" : "rig.model";
+  std::ifstream file(resources / name, std::ios::binary);
+  if (!file) throw std::runtime_error(std::string("cannot open ") + name + " among the resources");
   std::vector<char> const text{std::istreambuf_iterator<char>(file), {}};
   auto const bytes = std::as_bytes(std::span(text));
-  AssembledModel assembled = read_model(bytes);
-  if (token != model_token(bytes))
+  auto plant = alone ? std::make_unique<AnyPlant>(read_part(bytes)) : std::make_unique<AnyPlant>(read_model(bytes));
+  if (token != (alone ? part_token(bytes) : model_token(bytes)))
     throw std::runtime_error("the token of modelDescription.xml is not that of the model among the resources");
-  return std::make_unique<RigPlant>(std::move(assembled));
+  return plant;
 }
 
 }  // namespace rollerrig::fmu

@@ -43,6 +43,7 @@ if TYPE_CHECKING:
     from rollerrig.config import load_case as load_case
     from rollerrig.contact_analysis.profile_curve import profile as profile
     from rollerrig.fmu.export import export_fmu as export_fmu
+    from rollerrig.fmu.part import export_part as export_part
     from rollerrig.plant import assemble_file as assemble_file
     from rollerrig.plant import read_model as read_model
     from rollerrig.realtime.server import serve as serve
@@ -82,6 +83,7 @@ _HOME = {
     "envelope": "study.envelope",
     "explain": "config",
     "export_fmu": "fmu.export",
+    "export_part": "fmu.part",
     "json_schema": "config",
     "lateral": "commands",
     "export": "results",

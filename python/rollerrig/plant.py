@@ -103,7 +103,7 @@ def assembled_model(case: Case, *, external: Collection[str] = (), may_drift: bo
         may_drift: also where nothing holds the vehicle along the track on its rollers.
 
     Raises:
-        ConfigError: the case has no such controller, or one that is written in Python and not external; nothing holds the
+        ConfigError: the case has no such controller, or one of the user's that is not external; nothing holds the
             vehicle on its rollers; the fixed step is unstable.
         StartError: no equilibrium was found to start from.
     """
@@ -134,7 +134,8 @@ def _external_controllers(case: Case, external: Collection[str]) -> dict[str, Us
             raise ConfigError([ConfigProblem(case.name, "external", repr(role), allowed)])
     for role in there:
         table = getattr(case, role)
-        if table.user is not None and role not in external:
+        if not table.is_ours and role not in external:
             allowed = f"allowed: our own controller, or the commands as inputs: external = {role}"
-            raise ConfigError([ConfigProblem(case.name, f"{role}.user", repr(table.user), allowed)])
+            key, value = ("user", table.user) if table.user is not None else ("fmu", table.fmu.file)
+            raise ConfigError([ConfigProblem(case.name, f"{role}.{key}", repr(value), allowed)])
     return {role: cast("UserController", _External(getattr(case, role).sample_time)) for role in external}

@@ -29,7 +29,9 @@ from rollerrig.mechatronics import (
     ControllerError,
     UserController,
     ask,
+    close_controllers,
     mechatronic_setup,
+    provenance_of,
     users_controllers,
 )
 from rollerrig.memory import available_memory
@@ -129,10 +131,19 @@ def simulate(
         code = _core.status_codes["interrupted"]
     except ControllerError as error:
         code, failure = _core.status_codes["controller_failed"], str(error)
-    return _results(model, recording, simulation, outcome(simulation, model, code, failure))
+    finally:
+        close_controllers(users)
+    ended = outcome(simulation, model, code, failure)
+    return _results(model, recording, simulation, ended, provenance_of(users))
 
 
-def _results(model: AssembledModel, recording: Recording, simulation: _core.Simulation, ended: Outcome) -> xr.Dataset:
+def _results(
+    model: AssembledModel,
+    recording: Recording,
+    simulation: _core.Simulation,
+    ended: Outcome,
+    provenance: Mapping[str, str],
+) -> xr.Dataset:
     """The Dataset of a run with all that is told about it."""
     filled, read = recording.filled, simulation.reading_count
     draft = run_draft(model, recording.times[:filled], recording.rows[:filled], ended)
@@ -145,6 +156,7 @@ def _results(model: AssembledModel, recording: Recording, simulation: _core.Simu
     times, support = draft.values("time"), model.case.support.data
     duration = float(np.ptp(times)) if len(times) else 0.0
     lost = contact_loss_warning(losses, duration, on_rollers=isinstance(support, Rig))
+    draft.attributes.update(provenance)
     draft.attributes["warnings"] = "\n".join(filter(None, (_energy_warning(draft), lost, drive_warning(draft))))
     return draft.dataset()
 

@@ -86,6 +86,13 @@ constexpr Field measurement_table[] = {
     {"virtual_speed", "rad/s", "speed of each axle of the virtual train"},
     {"feed_forward", "N m", "our feed-forward torque of each roller drive"},
     {"axle_load", "N", "measured vertical force under each axle"},
+    {"drive_torque", "N m", "of each roller drive now, as measured"},
+    {"motor_torque", "N m", "of the traction motor of each axle, as its drive reports it"},
+    {"brake_torque", "N m", "of each axle's friction brake, from cylinder pressure and nominal pad friction"},
+    {"sand_flow", "kg/s", "of sand in front of each axle, on each rail"},
+    {"track_brake_force", "N", "of all track brakes against running, the same number for each axle"},
+    {"force_of_others", "N",
+     "of the simulated axles on the train, mean since the last sample, forward; the same number for each axle"},
 };
 
 /// Of all patches of an axle, and of the rolling constraint where it stands for creep [N].
@@ -146,7 +153,13 @@ void MechatronicSystem::measure(std::size_t controller, double* row) const {
                            own.estimate.torque,
                            virtual_speed,
                            own.feed_forward,
-                           m.axle_load[i]};
+                           m.axle_load[i],
+                           m.drive_torque[i],
+                           m.motor_torque[i],
+                           m.brake_torque[i],
+                           m.sand_flow[i],
+                           m.track_brake_force,
+                           m.force_of_others};
     static_assert(std::size(seen) == std::size(measurement_table));
     std::ranges::copy(seen, row);
   }

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "rollerrig/mechatronics/axles.hpp"
+#include "rollerrig/simulate/check_controller.hpp"
 #include "rollerrig/system/model.hpp"
 
 namespace rollerrig {
@@ -53,18 +54,18 @@ void check_motor(Motor const& motor, double step, char const* name) {
        std::string(name) + ": bandwidth is too high for the step");
 }
 
-void check_controller(RigController const& control, std::size_t axles) {
+void check_law(RigController const& control, std::size_t axles) {
   for (auto const* of_axles : {&control.train.static_load, &control.train.load_transfer, &control.train.position})
     need(of_axles->size() >= axles,
          "rig_control: train: static_load, load_transfer and position need one number per axle");
 }
-void check_controller(WheelSlideProtection const& control, std::size_t /*axles*/) {
+void check_law(WheelSlideProtection const& control, std::size_t /*axles*/) {
   auto const* law = std::get_if<ThresholdTable>(&control.law);
   need(law == nullptr ||
            law->entries.size() == (law->slip_thresholds.size() + 1) * (law->acceleration_thresholds.size() + 1),
        "slide_protection: entries: needed is one for each band of slip and acceleration");
 }
-void check_controller(WheelSlipControl const& /*control*/, std::size_t /*axles*/) {}
+void check_law(WheelSlipControl const& /*control*/, std::size_t /*axles*/) {}
 
 /// Axles that are only simulated stand behind those of the model in the lists, wherever they are in the train.
 void check_simulated(MechatronicSetup const& setup) {
@@ -94,6 +95,11 @@ void check_simulated(MechatronicSetup const& setup) {
 
 }  // namespace
 
+void check_controller(SampledController const& sampled, std::size_t axles) {
+  check_fields(sampled.sampling, "Sampling");
+  std::visit([&](auto const& law) { check_law(law, axles); }, sampled.controller);
+}
+
 void check_setup(MechatronicSetup const& setup, Model const& model) {
   check_fields(setup, "MechatronicSetup");
   std::size_t const axles = setup.axles.size();
@@ -108,10 +114,7 @@ void check_setup(MechatronicSetup const& setup, Model const& model) {
     check_value(sanding->delay / setup.step, delay_steps, "Sanding", "delay / step");
   check_motor(setup.actuators.motor, setup.step, "motor");
   check_motor(setup.actuators.roller_drive, setup.step, "roller_drive");
-  for (auto const& [sampling, any] : setup.controllers) {
-    check_fields(sampling, "Sampling");
-    std::visit([&](auto const& law) { check_controller(law, setup.under_test()); }, any);
-  }
+  for (SampledController const& sampled : setup.controllers) check_controller(sampled, setup.under_test());
 }
 
 }  // namespace rollerrig

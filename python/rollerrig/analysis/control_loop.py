@@ -143,7 +143,7 @@ def loop_of(case: Case, creep: float, *, sliding: bool) -> Loop | None:
         torque, motors with rotors.
     """
     control = case.rig_control
-    if control is None or control.user is not None or control.estimator.kind not in ESTIMATORS:
+    if control is None or not control.is_ours or control.estimator.kind not in ESTIMATORS:
         return None
     if control.estimator.torque != "measured" or case.sensors.roller_torque is not None:
         return None

@@ -54,7 +54,7 @@ def predicted_dead_time(case: Case) -> DeadTime | None:
     """
     control = case.rig_control
     assert control is not None
-    if control.user is not None:
+    if not control.is_ours:
         return None
     model = assemble_with_actuators(case)
     axle, late = assumed_parameters(model), lags(model)

@@ -141,7 +141,7 @@ def rig_limits(case: Case) -> RigLimits:
     rig, control, model = case.support.data, case.rig_control, assemble(case)
     assert isinstance(rig, Rig)
     assert control is not None
-    largest = np.inf if control.user is not None else control.feedback.largest
+    largest = control.feedback.largest if control.is_ours else np.inf
     if control.motor.envelope is not None:
         speeds, torques = np.array(control.motor.envelope).T
         largest = min(largest, float(np.interp(case.motion.speed / rig.roller_radius, speeds, torques)))

@@ -178,7 +178,7 @@ def _drive_limits(run: xr.Dataset, case: Case, torque: float, sliding: Mask) -> 
     control = case.rig_control
     assert control is not None
     command = run["roller_command"].to_numpy()
-    largest = np.inf if control.user is not None else control.feedback.largest
+    largest = control.feedback.largest if control.is_ours else np.inf
     available = np.full(command.shape, largest)
     weaker = np.zeros(command.shape, dtype=bool)
     if control.motor.envelope is not None:

@@ -100,7 +100,8 @@ def code_lines(case: Case) -> list[str]:
     from rollerrig.config import code_of
 
     return [
-        f"{code.key}: brings code: {'' if code.is_file else 'module '}{code.source}, class {code.name}"
+        f"{code.key}: brings code: {'' if code.is_file else 'module '}{code.source}"
+        + ("" if code.is_fmu else f", class {code.name}")
         for code in code_of(case)
     ]
 

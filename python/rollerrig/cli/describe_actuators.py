@@ -9,7 +9,7 @@ from rollerrig.actuators import assemble_with_actuators
 from rollerrig.assembly import AssembledModel
 from rollerrig.config import Case, Rig, code_of
 from rollerrig.config.schema.rig_control import BandwidthEstimator
-from rollerrig.mechatronics import COMMANDS, look_at_controller, users_controllers
+from rollerrig.mechatronics import COMMANDS, fmu_controller, look_at_controller, users_controllers
 from rollerrig.mechatronics.lags import lags
 from rollerrig.mechatronics.setup import estimator_response, feedback_gains, full_brake_torque, rig_controller
 
@@ -44,6 +44,9 @@ def actuator_lines(case: Case, *, run_code: bool = False) -> list[str]:
     for name in COMMANDS:
         table = getattr(case, name)
         if table is not None:
+            if table.fmu is not None:
+                lines.append(_fmu(case, name))
+                continue
             if table.user is not None and name not in users:
                 own = f"class {table.user.rpartition(':')[2]} of your own, acting {1e3 * table.delay:g} ms later"
                 lines.append(f"{name}: {own}; it has not been run, --allow-code does")
@@ -56,6 +59,18 @@ def actuator_lines(case: Case, *, run_code: bool = False) -> list[str]:
                 text += _rig_control(model)
             lines.append(text)
     return lines
+
+
+def _fmu(case: Case, role: str) -> str:
+    """An FMU, of which only the description has been read."""
+    table, controller = getattr(case, role), fmu_controller(case, role)
+    file = controller.file
+    taken = ", ".join(link.signal for link in file.inputs)
+    text = (
+        f"{role}: every {1e3 * table.sample_time:g} ms, acting {1e3 * table.delay:g} ms later, FMU {controller.name} (FMI "
+        f"{file.description.fmiVersion}): {taken} -> {file.command.signal}"
+    )
+    return text + (f"; nothing drives {', '.join(file.unused)}" if file.unused else "")
 
 
 def _brake(case: Case, load: float) -> list[str]:

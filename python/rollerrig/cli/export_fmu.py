@@ -19,18 +19,30 @@ def command(
     external: Annotated[
         str, typer.Option(help="Tables of the controllers whose commands become inputs, with commas.")
     ] = "",
+    part: Annotated[
+        str,
+        typer.Option(help="One controller of the case alone: slide_protection, wheel_slip_control or rig_control."),
+    ] = "",
     force: Force = False,
     change: Changes = None,
     allow_code: AllowCode = False,
 ) -> None:
     """A case as an FMU (Functional Mock-up Unit) for Simulink, Dymola, FMPy and others; no compiler is needed."""
     from rollerrig.fmu.export import ExportError, export_fmu
+    from rollerrig.fmu.part import export_part
     from rollerrig.fmu.shells import shells
 
     roles = [role.strip() for role in external.split(",") if role.strip()]
     whole = read_case(case, allow_code=allow_code, changes=change)
+    if part and roles:
+        raise typer.BadParameter(
+            "a controller alone has no others: leave out one of --part and --external", param_hint="--part"
+        )
     try:
-        typer.echo(export_fmu(whole, out, fmi=fmi, kind=kind, external=roles, force=force))
+        if part:
+            typer.echo(export_part(whole, part, out, fmi=fmi, force=force))
+        else:
+            typer.echo(export_fmu(whole, out, fmi=fmi, kind=kind, external=roles, force=force))
     except ExportError as error:
         stop(error)
     for shell in shells():

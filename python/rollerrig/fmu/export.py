@@ -60,11 +60,9 @@ def export_fmu(
         OutputError: the file cannot be written, or is somebody else's.
     """
     case = as_case(case)
-    _check_format(case.name, fmi, kind)
+    check_format(case.name, fmi, kind)
     target = output_file(path, force=force)
-    carried = shells()
-    if not carried:
-        raise ExportError("fmu: this package has no library for FMUs; they are built on Linux, with the package")
+    carried = carried_shells()
     assembled = assembled_model(case, external=external)
     plant = _core.Plant(assembled)
     model = _core.write_model(assembled)
@@ -84,10 +82,21 @@ def export_fmu(
         "resources/rig.model": model,
     }
     files |= {shell.place(fmi, unit.identifier): shell.file.read_bytes() for shell in carried}
-    return write_bytes(target, _packed(files), force=force)
+    return write_bytes(target, packed(files), force=force)
 
 
-def _packed(files: dict[str, bytes]) -> bytes:
+def carried_shells() -> list[Shell]:
+    """The libraries of the package.
+
+    Raises:
+        ExportError: there is none.
+    """
+    if not (carried := shells()):
+        raise ExportError("fmu: this package has no library for FMUs; they are built on Linux, with the package")
+    return carried
+
+
+def packed(files: dict[str, bytes]) -> bytes:
     """A zip file of them; the first stands there as it is: by it the program knows its own files."""
     stream = io.BytesIO()
     with zipfile.ZipFile(stream, "w") as archive:
@@ -99,12 +108,16 @@ def _packed(files: dict[str, bytes]) -> bytes:
     return stream.getvalue()
 
 
-def _page(unit: Unit, carried: list[Shell]) -> bytes:
-    """What a user of the FMU should know, as the page that tools show."""
-    machines = "".join(
+def machines(carried: list[Shell]) -> str:
+    """Where an FMU runs, as items of a list in HTML."""
+    return "".join(
         f"<li>{shell.platform}" + (f", processor with {shell.needs}" if shell.needs else "") + "</li>\n"
         for shell in carried
     )
+
+
+def _page(unit: Unit, carried: list[Shell]) -> bytes:
+    """What a user of the FMU should know, as the page that tools show."""
     sampled = (
         "Sensors and controllers are sampled; outputs are those of the last sampling step within a communication step."
         if unit.sampled
@@ -117,12 +130,12 @@ def _page(unit: Unit, carried: list[Shell]) -> bytes:
 the train has stopped, a step is discarded, and the log names time and wheel.</p>
 <p>Runs on</p>
 <ul>
-{machines}</ul>
+{machines(carried)}</ul>
 </body></html>
 """.encode()
 
 
-def _check_format(case: str, fmi: str, kind: str) -> None:
+def check_format(case: str, fmi: str, kind: str) -> None:
     """Refuse what is not offered.
 
     Raises:

@@ -9,7 +9,10 @@ from rollerrig.mechatronics.controllers import (
     ControllerError,
     UserController,
     ask,
+    close_controllers,
+    fmu_controller,
     look_at_controller,
+    provenance_of,
     users_controllers,
 )
 from rollerrig.mechatronics.setup import mechatronic_setup
@@ -20,7 +23,10 @@ __all__ = [
     "ControllerError",
     "UserController",
     "ask",
+    "close_controllers",
+    "fmu_controller",
     "look_at_controller",
     "mechatronic_setup",
+    "provenance_of",
     "users_controllers",
 ]

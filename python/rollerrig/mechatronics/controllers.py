@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 from rollerrig import _core
 from rollerrig.config import Case, Code, ConfigError, ConfigProblem
 from rollerrig.input_files import LARGEST_TEXT, InputError, read_input
+from rollerrig.mechatronics.fmu_controller import FmuController, FmuError
 
 Measurements = dict[str, Any]
 
@@ -64,6 +65,8 @@ def users_controllers(case: Case, given: Mapping[str, Any]) -> dict[str, UserCon
         table = getattr(case, role)
         if role not in found and table is not None and table.user is not None:
             found[role] = load_controller(table.user, f"{role}.user", case.name)
+        if role not in found and table is not None and table.fmu is not None:
+            found[role] = fmu_controller(case, role)
     for role, controller in found.items():
         steps = controller.sample_time / case.time.sampling_step
         if round(steps) < 1 or abs(steps - round(steps)) > 1e-6 * steps:
@@ -76,17 +79,48 @@ def users_controllers(case: Case, given: Mapping[str, Any]) -> dict[str, UserCon
     return found
 
 
+def fmu_controller(case: Case, role: str) -> FmuController:
+    """The FMU that a case names in a table, connected; none of its code has been run.
+
+    Raises:
+        ConfigError: it cannot be used.
+    """
+    table = getattr(case, role)
+    wheelsets = [body.name for body in case.vehicle.data.bodies_in(case.vehicle.part) if body.kind == "wheelset"]
+    train = case.train.axles
+    others = [f"axle_{k}" for k in train.simulated] if train and role != "rig_control" else []
+    command = COMMANDS[role].name
+    return FmuController(table.fmu, f"{role}.fmu", case.name, [*wheelsets, *others], command, table.sample_time)
+
+
+def close_controllers(users: Mapping[str, UserController]) -> None:
+    """End what runs outside of Python; each may begin another run."""
+    for controller in users.values():
+        if isinstance(controller, FmuController):
+            controller.close()
+
+
+def provenance_of(users: Mapping[str, UserController]) -> dict[str, str]:
+    """Attributes of results that say which FMUs took part, `slide_protection_fmu` and so on."""
+    return {
+        f"{role}_fmu": controller.provenance
+        for role, controller in users.items()
+        if isinstance(controller, FmuController)
+    }
+
+
 def look_at_controller(code: Code, file: str) -> None:
     """See that a file of code is there, is Python and has the class, without running any of it.
 
     Args:
-        code: what the case names; of a module nothing can be seen without running it.
+        code: what the case names; of a module nothing can be seen without running it. An FMU is looked at by
+            `fmu_controller`.
         file: the case, for messages.
 
     Raises:
         ConfigError: it cannot be used.
     """
-    if not code.is_file:
+    if not code.is_file or code.is_fmu:
         return
     place = f"{code.source}:{code.name}"
     try:
@@ -168,7 +202,7 @@ def ask(controller: UserController, role: str, measurements: Measurements) -> ND
     axles = len(measurements["axle_speed"])
     field = COMMANDS[role]
     command = field.name
-    name = f"{role}, controller {type(controller).__name__}"
+    name = f"{role}, controller {getattr(controller, 'name', type(controller).__name__)}"
     given = json.dumps({k: np.round(v, 6).tolist() for k, v in measurements.items()})
 
     def failed(what: str) -> ControllerError:
@@ -177,6 +211,8 @@ def ask(controller: UserController, role: str, measurements: Measurements) -> ND
     copies = {k: np.array(v) if k != "time" else v for k, v in measurements.items()}
     try:
         answer = controller.step(copies)
+    except FmuError as error:
+        raise failed(str(error)) from error
     except Exception as error:
         raise failed(f"raised {type(error).__name__}: {error}") from error
     if not isinstance(answer, Mapping) or set(answer) != {command}:

@@ -30,7 +30,7 @@ from rollerrig.mechatronics.train_axles import brake_delay, reservoirs, simulate
 from rollerrig.mechatronics.virtual_train import load_transfer, rail_patch
 from rollerrig.model_parts import ABSENT
 
-_TIMING = ("sample_time", "delay", "user")
+_TIMING = ("sample_time", "delay", "user", "fmu")
 """Fields of a controller's table that say when it is asked, not what it does."""
 
 

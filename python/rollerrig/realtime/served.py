@@ -101,9 +101,10 @@ def serve_case(
     for role in roles:
         if role not in there:
             raise refused(case.name, "external", role, one_of(there), nearest(role, there))
-        if (user := getattr(case, role).user) is not None:
+        if not (table := getattr(case, role)).is_ours:
             allowed = "two controllers for one command: remove it, or leave its table out of --external"
-            raise refused(case.name, f"{role}.user", repr(user), allowed)
+            key, value = ("user", table.user) if table.user is not None else ("fmu", table.fmu.file)
+            raise refused(case.name, f"{role}.{key}", repr(value), allowed)
     period = _period(case.name, rate, case.time.sampling_step if case.sampled else 0.0)
     changes: dict[str, object] = {f"{role}.sample_time": period for role in roles}
     if case.sampled and case.time.method is None and not lock_step:

@@ -270,9 +270,10 @@ def study_case(case: Case, duration: float | None) -> Case:
 
     if not isinstance(case.support.data, Rig) or case.rig_control is None:
         raise missing("rig_control", "missing", "a case on rollers with [rig_control], the controller to be compared")
-    if case.rig_control.user is not None:
-        needed = "the built-in controller in the case; give your own with --controller, beside it"
-        raise missing("rig_control.user", repr(case.rig_control.user), needed)
+    if not case.rig_control.is_ours:
+        needed = "the built-in controller in the case; give your own class with --controller, beside it"
+        key = "user" if case.rig_control.user is not None else "fmu"
+        raise missing(f"rig_control.{key}", repr(getattr(case.rig_control, key)), needed)
     if case.brake is None and case.traction is None:
         raise missing("brake", "missing", "[brake] or [traction], the test that the controllers are compared in")
     length = case.time.duration if duration is None else min(duration, case.time.duration)

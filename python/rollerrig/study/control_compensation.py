@@ -68,7 +68,7 @@ COMPENSATION = (
 
 def compensation_cases(case: Case) -> dict[str, Case]:
     """Label -> the case; none where no slide protection could show a lag."""
-    if case.brake is None or case.slide_protection is None or case.slide_protection.user is not None:
+    if case.brake is None or case.slide_protection is None or not case.slide_protection.is_ours:
         return {}
     assert case.rig_control is not None
     track, own = track_case(case), case.slide_protection.delay

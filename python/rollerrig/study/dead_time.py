@@ -23,7 +23,7 @@ def protection_of(case: Case) -> str | None:
     """Table of what protects the axles of this test, whose `delay` is the dead time; None: nothing of ours does."""
     name = "slide_protection" if case.brake is not None else "wheel_slip_control"
     table = getattr(case, name)
-    return name if table is not None and table.user is None else None
+    return name if table is not None and table.is_ours else None
 
 
 def later_protection(case: Case, dead_time: float) -> Case:

@@ -1,33 +1,19 @@
 // fmu/shell.hpp - from the resources of an FMU to the plant that runs in it.
 //
-//   <resources>/rig.model, token of the description, processor -> [shell] -> Plant
+//   <resources>/rig.model or controller.part, token of the description, processor -> [shell] -> AnyPlant
 #pragma once
 #include <filesystem>
 #include <memory>
 #include <string>
 #include <string_view>
-#include <utility>
 
-#include "rollerrig/plant/plant.hpp"
+#include "rollerrig/fmu/any_plant.hpp"
 
 namespace rollerrig::fmu {
 
-/// A plant that knows the model as it came, whatever parameters it has been given since.
-class RigPlant : public Plant {
- public:
-  explicit RigPlant(AssembledModel assembled) : Plant{assembled}, original_{std::move(assembled)} {}
-  AssembledModel const& original() const { return original_; }
-
- private:
-  AssembledModel original_;
-};
-
-/// A plant of the same model, as it was before its first run.
-inline std::unique_ptr<RigPlant> anew(RigPlant const& plant) { return std::make_unique<RigPlant>(plant.original()); }
-
 /// Opens a plant from an FMU's resources: what the functions of FMI 2.0 and 3.0 are made over.
-struct RigShell {
-  using Plant = RigPlant;
+struct AnyShell {
+  using Plant = AnyPlant;
 
   /// Throws std::exception with a sentence: no such file, not the model of that description, a processor that lacks
   /// instructions.

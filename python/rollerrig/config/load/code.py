@@ -1,4 +1,4 @@
-"""Code that a case brings: controllers of the user's own, named by the case and run with it.
+"""Code that a case brings: controllers of the user's own and FMUs, named by the case and run with it.
 
 raw tables + the folder of their file -> [place_code] -> absolute paths, and a problem per piece of code from elsewhere
 
@@ -11,6 +11,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from pydantic import BaseModel
+
 from rollerrig.config.errors import ConfigProblem
 from rollerrig.config.schema.case import CaseTables
 
@@ -21,8 +23,8 @@ class Code:
 
     Attributes:
         key: where it names it.
-        source: path of a Python file, or name of a module.
-        name: of the class in it.
+        source: path of a Python file or of an FMU, or name of a module.
+        name: of the class in it; empty: an FMU.
     """
 
     key: str
@@ -32,13 +34,19 @@ class Code:
     @property
     def is_file(self) -> bool:
         """Whether the source is a file rather than a module."""
-        return self.source.endswith(".py")
+        return self.is_fmu or self.source.endswith(".py")
+
+    @property
+    def is_fmu(self) -> bool:
+        """Whether it is a Functional Mock-up Unit, not Python."""
+        return self.key.endswith(".fmu")
 
 
 def code_of(case: CaseTables) -> tuple[Code, ...]:
     """All code that runs with a case, in the order of its tables."""
     tables = {key: getattr(case, key) for key in type(case).model_fields}
-    return tuple(_code(key, user) for key, table in tables.items() if isinstance(user := _user(table), str))
+    found = [_code(key, user) for key, table in tables.items() if isinstance(user := _user(table), str)]
+    return (*found, *(Code(f"{key}.fmu", table.fmu.file, "") for key, table in tables.items() if _has_fmu(table)))
 
 
 def place_code(
@@ -56,7 +64,7 @@ def place_code(
     Returns:
         A problem for each piece of code that may not run.
     """
-    problems = []
+    problems = _place_fmus(raw, file, folder, own_folder, allow=allow)
     for key, table in raw.items():
         if isinstance(user := _user(table), str) and "\0" not in user:
             code = _code(key, user)
@@ -65,14 +73,37 @@ def place_code(
                 code = _code(key, table["user"])
             if ":" in user and not allow and not (code.is_file and _is_below(own_folder, code.source)):
                 what = "a file" if code.is_file else "a module of Python,"
-                where = (
-                    "the case's own folder" if own_folder is None else f"the case's own folder, {own_folder.absolute()}"
-                )
-                allowed = (
-                    f"code from elsewhere: {what} outside {where}; runs only with --allow-code, or allow_code=True"
-                )
-                problems.append(ConfigProblem(file, code.key, repr(table["user"]), allowed))
+                problems.append(_elsewhere(file, code.key, repr(table["user"]), what, own_folder))
     return problems
+
+
+def _place_fmus(
+    raw: dict[str, Any], file: str, folder: Path, own_folder: Path | None, *, allow: bool
+) -> list[ConfigProblem]:
+    """The same for FMUs: a table `fmu`, or the file alone."""
+    problems = []
+    for key, table in raw.items():
+        fmu = table.get("fmu") if isinstance(table, Mapping) else getattr(table, "fmu", None)
+        if isinstance(fmu, BaseModel) or not isinstance(table, dict):  # of a checked case: placed before
+            path = getattr(fmu, "file", None)
+        else:
+            path = fmu.get("file") if isinstance(fmu, Mapping) else fmu
+            if isinstance(path, str) and path and "\0" not in path:
+                path = str((folder / path).absolute())
+                table["fmu"] = {**fmu, "file": path} if isinstance(fmu, Mapping) else path
+        if isinstance(path, str) and path and not allow and not _is_below(own_folder, path):
+            problems.append(_elsewhere(file, f"{key}.fmu", repr(path), "a file", own_folder))
+    return problems
+
+
+def _elsewhere(file: str, key: str, value: str, what: str, own_folder: Path | None) -> ConfigProblem:
+    where = "the case's own folder" if own_folder is None else f"the case's own folder, {own_folder.absolute()}"
+    allowed = f"code from elsewhere: {what} outside {where}; runs only with --allow-code, or allow_code=True"
+    return ConfigProblem(file, key, value, allowed)
+
+
+def _has_fmu(table: object) -> bool:
+    return getattr(table, "fmu", None) is not None
 
 
 def _user(table: object) -> object:

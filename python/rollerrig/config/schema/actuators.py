@@ -5,7 +5,8 @@ from typing import Annotated, Literal
 from pydantic import AfterValidator, Field, StrictBool, model_validator
 from pydantic_core import PydanticCustomError
 
-from rollerrig.config.schema.base import Table, in_order
+from rollerrig.config.schema.base import Table, in_order, refused
+from rollerrig.config.schema.controller_fmu import AnyControllerFmu
 from rollerrig.config.schema.electrodynamic_brake import AnyElectrodynamicBrake
 from rollerrig.config.schema.pneumatics import AnyAir, Pressure, Rate, UnlimitedAir, Volume
 from rollerrig.config.schema.units import Quantity, Time, Torque
@@ -140,6 +141,21 @@ class Controller(Table):
         description="your own class in its place: 'module:Class' or 'file.py:Class', the file relative to the one that names "
         "it; its sample_time counts, this delay too",
     )
+    fmu: AnyControllerFmu | None = Field(
+        default=None,
+        description="an FMU in its place: its file, or a table; it is asked every sample_time, and this delay counts, too",
+    )
+
+    @property
+    def is_ours(self) -> bool:
+        """Whether our own controller runs, none of the user's."""
+        return self.user is None and self.fmu is None
+
+    @model_validator(mode="after")
+    def _one_of_two(self) -> "Controller":
+        if self.user is not None and self.fmu is not None:
+            raise refused("fmu", "allowed: one of user and fmu")
+        return self
 
 
 class WheelSlipControl(Controller):

@@ -423,7 +423,16 @@ class Examples:
 
             return call
 
+        part = {
+            "name": "small", "step": 1e-3, "controller": assembled.setup.controllers[0],
+            "axles": ["axle_1"], "train_speed": 20.0, "axle_speed": [43.0], "roller_speed": [27.0],
+        }  # fmt: skip
+        alone = _core.ControllerPart(**part)
         return {
+            "ControllerPart": Call(_core.ControllerPart, part),
+            "write_part": Call(_core.write_part, {"part": alone}),
+            "part_token": Call(_core.part_token, {"content": _core.write_part(alone)}),
+            "part_variables": Call(_core.part_variables, {"part": alone}),
             "PartNames": Call(_core.PartNames, fields(given["names"])),
             "AssembledModel": Call(_core.AssembledModel, given),
             "write_model": Call(_core.write_model, {"assembled": assembled}),

@@ -1,0 +1,76 @@
+// plant/controller_plant.hpp - one controller alone as a tool drives it: what it measures are inputs, its commands outputs.
+//
+//   measurements of the axles -> [ControllerPlant], at its sample times -> commands
+//
+// A sample is taken at the beginning of a step that begins at a sample time, with the inputs as they are then; its command stands
+// among the outputs from then on. What lies between a sample and the command's acting belongs to the case that uses it.
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "rollerrig/plant/controller_part.hpp"
+#include "rollerrig/plant/variable.hpp"
+#include "rollerrig/status.hpp"
+
+namespace rollerrig {
+
+class ControllerPlant {
+ public:
+  /// Throws std::invalid_argument for a part that is not whole.
+  explicit ControllerPlant(ControllerPart part);
+
+  /// Inputs, then outputs, then parameters.
+  std::span<Variable const> variables() const { return variables_; }
+
+  /// Before the first sample; a parameter that is set afterwards acts from the next start on.
+  Status start(double final_time);
+  /// To a time [s], with a sample at every sample time from the last one on and before it.
+  Status advance(double time);
+  /// False: refused, nothing changed.
+  bool set_input(int index, double value) { return set(index, value, Causality::input); }
+  bool set_parameter(int index, double value) { return set(index, value, Causality::parameter); }
+  double get(int index) const { return value_[static_cast<std::size_t>(index)]; }
+
+  double time() const { return time_; }
+  double period() const { return part_.step * part_.controller.sampling.every; }  ///< of its samples [s]
+  std::string_view failed_wheel() const { return {}; }                            ///< it has none
+
+  /// Everything that changes in a run, for a plant of the same part.
+  std::vector<std::byte> save();
+  bool restore(std::span<std::byte const> bytes);
+
+  ControllerPart const& part() const { return part_; }
+
+ private:
+  /// Where the number of an input belongs among the measurements.
+  struct Input {
+    PerAxle<double> Measurements::* per_axle{nullptr};
+    double Measurements::* of_train{nullptr};  ///< where it is of no axle
+    std::size_t axle{0};
+    double base{0.0};  ///< what it is the change of
+  };
+  void add_axle_inputs();
+  void add_train_inputs();
+  void add_outputs();
+  void add_parameters();
+  bool set(int index, double value, Causality causality);
+  void sample();
+  Measurements measured() const;
+  Measurements at_start() const;
+  bool of_rollers() const;
+
+  ControllerPart part_;
+  std::vector<Variable> variables_;
+  std::vector<Input> inputs_;               ///< of the first variables
+  std::size_t commands_{0}, parameters_{0};  ///< where they begin
+  std::vector<double> value_;  ///< of every variable
+  StateOf<AnyController> state_{};
+  std::int64_t samples_{0};  ///< taken
+  double time_{0.0};
+};
+
+}  // namespace rollerrig

@@ -1,0 +1,222 @@
+#include "rollerrig/plant/controller_plant.hpp"
+
+#include <cmath>
+#include <limits>
+#include <string>
+#include <utility>
+
+#include "rollerrig/plant/state_archive.hpp"
+
+namespace rollerrig {
+namespace {
+
+constexpr double no_limit = std::numeric_limits<double>::infinity();
+constexpr double largest_change = 9.0;  ///< of friction
+constexpr double round_off = 1e-6;      ///< of a sample time, in periods: tools add up their steps
+
+struct AxleInput {
+  char const *name, *unit, *meaning;
+  PerAxle<double> Measurements::* place;
+};
+struct TrainInput {
+  char const *name, *unit, *meaning;
+  double Measurements::* place;
+  double base, least, most;
+};
+
+constexpr AxleInput of_vehicle[] = {
+    {"axle_speed", "rad/s", "measured speed of each axle", &Measurements::vehicle_axle_speed},
+};
+constexpr AxleInput of_rig[] = {
+    {"axle_speed", "rad/s", "measured speed of each axle", &Measurements::axle_speed},
+    {"roller_speed", "rad/s", "measured speed of each roller axle, positive as under a wheel that rolls forward",
+     &Measurements::roller_speed},
+    {"roller_torque", "N m",
+     "of each roller drive since the last sample, as measured; positive drives the wheel forward",
+     &Measurements::roller_torque},
+    {"drive_torque", "N m", "of each roller drive now, as measured", &Measurements::drive_torque},
+    {"motor_torque", "N m", "of the traction motor of each axle, as its drive reports it", &Measurements::motor_torque},
+    {"brake_torque", "N m", "of each axle's friction brake, from cylinder pressure and nominal pad friction",
+     &Measurements::brake_torque},
+    {"axle_load", "N", "measured vertical force under each axle", &Measurements::axle_load},
+    {"sand_flow", "kg/s", "of sand in front of each axle, on each rail", &Measurements::sand_flow},
+};
+constexpr TrainInput of_train[] = {
+    {"train.track_brake_force", "N", "of all track brakes against running", &Measurements::track_brake_force, 0.0, -no_limit,
+     no_limit},
+    {"train.force_of_others", "N", "of axles that are not on the rig, mean since the last sample, forward",
+     &Measurements::force_of_others, 0.0, -no_limit, no_limit},
+    {"train.friction_change", "1", "relative change of the friction of the virtual rail", &Measurements::rail_friction,
+     1.0, -1.0, largest_change},
+};
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+}  // namespace
+
+ControllerPlant::ControllerPlant(ControllerPart part) : part_{std::move(part)} {
+  check_part(part_);
+  add_axle_inputs();
+  if (of_rollers()) add_train_inputs();
+  commands_ = variables_.size();
+  add_outputs();
+  parameters_ = variables_.size();
+  add_parameters();
+  for (Variable const& variable : variables_) value_.push_back(variable.start);
+}
+
+bool ControllerPlant::of_rollers() const { return std::holds_alternative<RigController>(part_.controller.controller); }
+
+void ControllerPlant::add_axle_inputs() {
+  std::span<AxleInput const> const table = of_rollers() ? std::span<AxleInput const>(of_rig) : of_vehicle;
+  auto const* rig = std::get_if<RigController>(&part_.controller.controller);
+  for (std::size_t i = 0; i < part_.axles.size(); ++i)
+    for (AxleInput const& input : table) {
+      std::string const name = input.name;
+      double const start = name == "axle_speed"     ? part_.axle_speed[i]
+                           : name == "roller_speed" ? part_.roller_speed[i]
+                           : name == "axle_load"    ? rig->train.static_load[i]
+                                                    : 0.0;
+      variables_.push_back({part_.axles[i] + "." + name, input.unit, input.meaning, Causality::input,
+                            Variability::discrete, start, -no_limit, no_limit});
+      inputs_.push_back({.per_axle = input.place, .axle = i});
+    }
+}
+
+void ControllerPlant::add_train_inputs() {
+  for (TrainInput const& input : of_train) {
+    variables_.push_back({input.name, input.unit, input.meaning, Causality::input, Variability::discrete, 0.0,
+                          input.least, input.most});
+    inputs_.push_back({.of_train = input.place, .base = input.base});
+  }
+}
+
+void ControllerPlant::add_outputs() {
+  auto const command = std::visit([](auto const& law) { return law.command; }, part_.controller.controller);
+  CommandField const& field = command_fields[at(static_cast<int>(command))];
+  auto const limit = [](double value) { return std::fabs(value) < unlimited ? value : std::copysign(no_limit, value); };
+  for (std::string const& axle : part_.axles)
+    variables_.push_back({axle + "." + std::string(field.name) + "_command",
+                          command == Command::roller_torque ? "N m" : "1",
+                          command == Command::dump_valve ? "of the dump valve: 0 fill, 1 hold, 2 vent"
+                          : command == Command::torque_factor
+                              ? "on the torque of the traction motor"
+                              : "of the roller's drive, positive drives the wheel forward",
+                          Causality::output, Variability::discrete, field.initial, limit(field.lowest),
+                          limit(field.highest), field.whole});
+  auto const add = [&](std::string name, char const* unit, char const* meaning, double start) {
+    variables_.push_back(
+        {std::move(name), unit, meaning, Causality::output, Variability::discrete, start, -no_limit, no_limit});
+  };
+  if (of_rollers()) {
+    for (std::size_t i = 0; i < part_.axles.size(); ++i)
+      add(part_.axles[i] + ".virtual_speed", "rad/s", "speed of each axle of the virtual train", part_.axle_speed[i]);
+    add("train.speed", "m/s", "of the virtual train", part_.train_speed);
+  } else {
+    add("train.reference_speed", "m/s", "train speed as the controller estimates it", part_.train_speed);
+  }
+}
+
+void ControllerPlant::add_parameters() {
+  auto const add = [&](std::string name, char const* unit, char const* meaning, double start) {
+    variables_.push_back({std::move(name), unit, meaning, Causality::parameter, Variability::fixed, start, -no_limit, no_limit});
+  };
+  add("train.start_speed", "m/s", "of the train at the start", part_.train_speed);
+  if (!of_rollers()) return;
+  for (std::size_t i = 0; i < part_.axles.size(); ++i) {
+    add(part_.axles[i] + ".start_axle_speed", "rad/s", "of the axle at the start", part_.axle_speed[i]);
+    add(part_.axles[i] + ".start_roller_speed", "rad/s", "of the roller at the start", part_.roller_speed[i]);
+  }
+}
+
+bool ControllerPlant::set(int index, double value, Causality causality) {
+  if (index < 0 || at(index) >= variables_.size()) return false;
+  Variable const& variable = variables_[at(index)];
+  if (variable.causality != causality || !variable.allows(value)) return false;
+  value_[at(index)] = value;
+  return true;
+}
+
+Measurements ControllerPlant::measured() const {
+  Measurements now;
+  now.axles = now.under_test = static_cast<int>(part_.axles.size());
+  for (std::size_t i = 0; i < inputs_.size(); ++i) {
+    Input const& input = inputs_[i];
+    double& place = input.of_train != nullptr ? now.*input.of_train : (now.*input.per_axle)[input.axle];
+    place = input.base + value_[i];
+  }
+  now.time = part_.step * static_cast<double>(samples_ * part_.controller.sampling.every);
+  return now;
+}
+
+/// As the rig is before its sensors have been read.
+Measurements ControllerPlant::at_start() const {
+  Measurements now;
+  now.axles = now.under_test = static_cast<int>(part_.axles.size());
+  for (std::size_t i = 0; of_rollers() && i < part_.axles.size(); ++i) {
+    now.axle_speed[i] = value_[parameters_ + 1 + 2 * i];
+    now.roller_speed[i] = value_[parameters_ + 2 + 2 * i];
+  }
+  return now;
+}
+
+Status ControllerPlant::start(double /*final_time*/) {
+  time_ = 0.0;
+  samples_ = 0;
+  for (std::size_t i = 0; i < parameters_; ++i) value_[i] = variables_[i].start;
+  Measurements const now = at_start();
+  std::visit([&](auto const& law) { state_ = law.start(now, value_[parameters_], period()); },
+             part_.controller.controller);
+  return Status::ok;
+}
+
+Status ControllerPlant::advance(double time) {
+  double const until = time - round_off * period();
+  while (part_.step * static_cast<double>(samples_ * part_.controller.sampling.every) < until) sample();
+  time_ = time;
+  return Status::ok;
+}
+
+void ControllerPlant::sample() {
+  Measurements const now = measured();
+  PerAxle<double> command{};
+  auto const step = [&](auto const& law, auto& state) { law.step(state, now, period(), command); };
+  visit_with_state(step, part_.controller.controller, state_);
+  ++samples_;
+  std::size_t const axles = part_.axles.size();
+  for (std::size_t i = 0; i < axles; ++i) value_[commands_ + i] = command[i];
+  auto const rest = commands_ + axles;
+  if (auto const* rig = std::get_if<RigController::State>(&state_)) {
+    for (std::size_t i = 0; i < axles; ++i) value_[rest + i] = rig->train.axle_speed(static_cast<int>(i));
+    value_[rest + axles] = rig->train.speed();
+    return;
+  }
+  std::visit(
+      [&](auto const& own) {
+        if constexpr (requires { own.reference_speed(); }) value_[rest] = own.reference_speed();
+      },
+      state_);
+}
+
+std::vector<std::byte> ControllerPlant::save() {
+  StateWriter archive;
+  archive(state_, value_, samples_, time_);
+  auto const seed = crc64(write_part(part_));
+  ByteWriter out;
+  out.number(crc64(archive.out.bytes(), seed));
+  out.numbers(archive.out.bytes().data(), archive.out.bytes().size());
+  return out.take();
+}
+
+bool ControllerPlant::restore(std::span<std::byte const> bytes) {
+  constexpr std::size_t head = sizeof(std::uint64_t);
+  if (bytes.size() < head) return false;
+  ByteReader in(bytes);
+  if (in.number<std::uint64_t>() != crc64(bytes.subspan(head), crc64(write_part(part_)))) return false;
+  start(no_limit);
+  StateReader archive(bytes.subspan(head));
+  archive(state_, value_, samples_, time_);
+  return true;
+}
+
+}  // namespace rollerrig

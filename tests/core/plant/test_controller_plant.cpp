@@ -1,0 +1,115 @@
+#include "rollerrig/plant/controller_plant.hpp"
+
+#include <doctest/doctest.h>
+
+#include <stdexcept>
+
+#include "plant/models.hpp"
+
+using namespace rollerrig;
+using namespace rollerrig::test;
+
+namespace {
+
+ControllerPart slide_protection() {
+  return {.name = "small",
+          .step = 1e-3,
+          .controller = braked().setup->controllers[0],
+          .axles = {"axle_1", "axle_2"},
+          .train_speed = 20.0,
+          .axle_speed = {43.0, 43.0},
+          .roller_speed = {27.0, 27.0}};
+}
+
+/// Of an axle that slides from 0.2 s on.
+double speed(double time) { return 43.0 - (time > 0.2 ? 40.0 * (time - 0.2) : 0.0); }
+
+int index_of(ControllerPlant const& plant, std::string const& name) {
+  auto const all = plant.variables();
+  for (std::size_t i = 0; i < all.size(); ++i)
+    if (all[i].name == name) return static_cast<int>(i);
+  return -1;
+}
+
+}  // namespace
+
+TEST_CASE("a controller alone commands what its law does, sample by sample") {
+  ControllerPart const part = slide_protection();
+  ControllerPlant plant(part);
+  REQUIRE(plant.start(1.0) == Status::ok);
+  auto const& law = std::get<WheelSlideProtection>(part.controller.controller);
+  auto state = law.start({}, part.train_speed, 5e-3);
+  PerAxle<double> valve{};
+  bool vented = false;
+  for (int k = 0; k < 100; ++k) {
+    double const time = 5e-3 * k;
+    Measurements now;
+    now.time = time, now.axles = now.under_test = 2;
+    now.vehicle_axle_speed = {speed(time), 43.0};
+    law.step(state, now, 5e-3, valve);
+    CHECK(plant.set_input(index_of(plant, "axle_1.axle_speed"), speed(time)));
+    CHECK(plant.advance(time + 2e-3) == Status::ok);  // the sample, then nothing until the next one
+    CHECK(plant.advance(time + 5e-3) == Status::ok);
+    CHECK(plant.get(index_of(plant, "axle_1.valve_command")) == valve[0]);
+    CHECK(plant.get(index_of(plant, "axle_2.valve_command")) == valve[1]);
+    CHECK(plant.get(index_of(plant, "train.reference_speed")) == state.reference_speed());
+    vented = vented || valve[0] == 2.0;
+  }
+  CHECK(vented);
+}
+
+TEST_CASE("a controller alone: saved in a slide, it goes on with the same commands; another part refuses the state") {
+  ControllerPlant plant(slide_protection());
+  plant.start(1.0);
+  int const input = index_of(plant, "axle_1.axle_speed"), valve = index_of(plant, "axle_1.valve_command");
+  auto const run = [&](ControllerPlant& p, int from, int to) {
+    std::vector<double> found;
+    for (int k = from; k < to; ++k) {
+      p.set_input(input, speed(5e-3 * k));
+      p.advance(5e-3 * (k + 1));
+      found.push_back(p.get(valve));
+    }
+    return found;
+  };
+  run(plant, 0, 50);
+  auto const bytes = plant.save();
+  auto const first = run(plant, 50, 90);
+  ControllerPlant second(slide_protection());
+  REQUIRE(second.restore(bytes));
+  CHECK(second.time() == doctest::Approx(0.25));
+  CHECK(run(second, 50, 90) == first);
+  ControllerPart other = slide_protection();
+  other.train_speed = 21.0;
+  ControllerPlant third(other);
+  CHECK(!third.restore(bytes));
+  CHECK(!third.restore({}));
+}
+
+TEST_CASE("a controller alone: the same bytes for the same part; what is cut, changed or foreign is refused") {
+  auto const bytes = write_part(slide_protection());
+  CHECK(bytes == write_part(read_part(bytes)));
+  CHECK(part_token(bytes).size() == 16);
+  std::span<std::byte const> const all(bytes);
+  for (std::size_t const size : {std::size_t{0}, std::size_t{20}, bytes.size() - 1})
+    CHECK_THROWS_AS(read_part(all.first(size)), std::invalid_argument);
+  for (std::size_t place = 0; place < bytes.size(); place += 7) {
+    auto changed = bytes;
+    changed[place] ^= std::byte{1};
+    CHECK_THROWS_AS(read_part(changed), std::invalid_argument);
+  }
+}
+
+TEST_CASE("a controller alone: numbers of axles that do not fit are refused, and inputs that are none") {
+  ControllerPart part = slide_protection();
+  part.axle_speed.pop_back();
+  CHECK_THROWS_AS(ControllerPlant{part}, std::invalid_argument);
+  part = slide_protection();
+  part.axles.clear();
+  CHECK_THROWS_AS(write_part(part), std::invalid_argument);
+  ControllerPlant plant(slide_protection());
+  plant.start(1.0);
+  CHECK(!plant.set_input(index_of(plant, "axle_1.valve_command"), 1.0));
+  CHECK(!plant.set_input(-1, 1.0));
+  CHECK(!plant.set_input(1000, 1.0));
+  CHECK(!plant.set_input(index_of(plant, "axle_1.axle_speed"), std::nan("")));
+}
