@@ -29,6 +29,8 @@ ANSWERS = {
                              r"outside: 97\d\.\d\d m, built in: 97\d\.\d\d m, [+-]0\.00\d %"], []),
     "11_fmu": ([r"validation: nothing to say", r"after 8 s: 10[67]\.\d km/h",
                 r"slip 1\d %, vented in 3\d\d of 1600"], ["bench.fmu"]),
+    "12_fmu_controller": ([r"wsp\.fmu: adhesion_brake\.slide_protection, FMI 2\.0", r"vented in [1-9]\d*",
+                           r"the same numbers: True"], ["wsp.fmu"]),
     "07_python_control": ([r"at its limit at 1\.1\d?e\+05", r"after 5\d ms", r"at most 1\.\d\d % of the step"], []),
     "08_to_matlab": ([r"vertical_force: time wheel, N", r"the same numbers: True"], ["run.mat", "run.csv", "run.parquet"]),
     "09_gymnasium": ([r"always filled: .* slip 100 %", r"vent above 20 %: .* slip 2\d %"], []),

@@ -18,7 +18,7 @@ from rollerrig.fmu.export import DESCRIPTIONS, carried_shells, check_format, mac
 from rollerrig.mechatronics import COMMANDS
 from rollerrig.plant import assembled_model
 from rollerrig.results.files import output_file, write_bytes
-from rollerrig.results.marks import FMU
+from rollerrig.results.marks import PAGE
 
 
 def export_part(case: Case | str, part: str, path: str | Path, *, fmi: str = "2", force: bool = False) -> Path:
@@ -121,7 +121,7 @@ def _refused(case: Case, part: str, allowed: str, choices: list[str] | None = No
 def _page(unit: Unit, runs_on: str) -> bytes:
     """What a user of the FMU should know, as the page that tools show."""
     return f"""<!DOCTYPE html>
-<html lang="en"><head><meta charset="utf-8">{FMU.decode()}<title>{escape(unit.name)}</title></head><body>
+<html lang="en"><head><meta charset="utf-8">{PAGE.decode()}<title>{escape(unit.name)}</title></head><body>
 <h1>{escape(unit.name)}</h1>
 <p>A controller alone, written by {unit.tool}. It takes a sample every {unit.step:g} s: at the beginning of a
 step, with the inputs as they are then; its commands are outputs from the end of that step on. What lies between a sample and the
