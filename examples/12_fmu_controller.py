@@ -13,7 +13,7 @@ with_fmu = rr.simulate(
     case.with_changes({"slide_protection.fmu": {"file": str(Path(path).absolute()), "names": names}})
 )
 
-print(f"it took part: {with_fmu.attrs['slide_protection_fmu'][:44]}...")
+print("it took part:", with_fmu.attrs["slide_protection_fmu"].partition(", SHA")[0])
 for name, run in (("built in", built_in), ("as an FMU", with_fmu)):
     vented = int((run["valve"] == 2.0).any("axle").sum())
     print(

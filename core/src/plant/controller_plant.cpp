@@ -42,8 +42,8 @@ constexpr AxleInput of_rig[] = {
     {"sand_flow", "kg/s", "of sand in front of each axle, on each rail", &Measurements::sand_flow},
 };
 constexpr TrainInput of_train[] = {
-    {"train.track_brake_force", "N", "of all track brakes against running", &Measurements::track_brake_force, 0.0, -no_limit,
-     no_limit},
+    {"train.track_brake_force", "N", "of all track brakes against running", &Measurements::track_brake_force, 0.0,
+     -no_limit, no_limit},
     {"train.force_of_others", "N", "of axles that are not on the rig, mean since the last sample, forward",
      &Measurements::force_of_others, 0.0, -no_limit, no_limit},
     {"train.friction_change", "1", "relative change of the friction of the virtual rail", &Measurements::rail_friction,
@@ -85,8 +85,8 @@ void ControllerPlant::add_axle_inputs() {
 
 void ControllerPlant::add_train_inputs() {
   for (TrainInput const& input : of_train) {
-    variables_.push_back({input.name, input.unit, input.meaning, Causality::input, Variability::discrete, 0.0,
-                          input.least, input.most});
+    variables_.push_back(
+        {input.name, input.unit, input.meaning, Causality::input, Variability::discrete, 0.0, input.least, input.most});
     inputs_.push_back({.of_train = input.place, .base = input.base});
   }
 }
@@ -96,14 +96,13 @@ void ControllerPlant::add_outputs() {
   CommandField const& field = command_fields[at(static_cast<int>(command))];
   auto const limit = [](double value) { return std::fabs(value) < unlimited ? value : std::copysign(no_limit, value); };
   for (std::string const& axle : part_.axles)
-    variables_.push_back({axle + "." + std::string(field.name) + "_command",
-                          command == Command::roller_torque ? "N m" : "1",
-                          command == Command::dump_valve ? "of the dump valve: 0 fill, 1 hold, 2 vent"
-                          : command == Command::torque_factor
-                              ? "on the torque of the traction motor"
-                              : "of the roller's drive, positive drives the wheel forward",
-                          Causality::output, Variability::discrete, field.initial, limit(field.lowest),
-                          limit(field.highest), field.whole});
+    variables_.push_back(
+        {axle + "." + std::string(field.name) + "_command", command == Command::roller_torque ? "N m" : "1",
+         command == Command::dump_valve      ? "of the dump valve: 0 fill, 1 hold, 2 vent"
+         : command == Command::torque_factor ? "on the torque of the traction motor"
+                                             : "of the roller's drive, positive drives the wheel forward",
+         Causality::output, Variability::discrete, field.initial, limit(field.lowest), limit(field.highest),
+         field.whole});
   auto const add = [&](std::string name, char const* unit, char const* meaning, double start) {
     variables_.push_back(
         {std::move(name), unit, meaning, Causality::output, Variability::discrete, start, -no_limit, no_limit});
@@ -119,7 +118,8 @@ void ControllerPlant::add_outputs() {
 
 void ControllerPlant::add_parameters() {
   auto const add = [&](std::string name, char const* unit, char const* meaning, double start) {
-    variables_.push_back({std::move(name), unit, meaning, Causality::parameter, Variability::fixed, start, -no_limit, no_limit});
+    variables_.push_back(
+        {std::move(name), unit, meaning, Causality::parameter, Variability::fixed, start, -no_limit, no_limit});
   };
   add("train.start_speed", "m/s", "of the train at the start", part_.train_speed);
   if (!of_rollers()) return;

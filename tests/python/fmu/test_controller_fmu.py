@@ -148,7 +148,10 @@ def test_names_are_mapped(protection: Path, tmp_path: Path) -> None:
     file = rewritten(protection, tmp_path / "other.fmu", named_otherwise)
     table = {"file": str(file), "names": NAMES, "parameters": {"train.start_speed": 120 / 3.6}}
     case = braked(5.0)
-    assert different(simulate(case), simulate(case.with_changes({"slide_protection.fmu": table}))) <= OWN_ESTIMATE
+    outside = simulate(mapped := case.with_changes({"slide_protection.fmu": table}))
+    assert different(simulate(case), outside) <= OWN_ESTIMATE
+    again = case_from_toml(outside.attrs["config_toml"], case.name, allow_code=True)
+    assert again.slide_protection == mapped.slide_protection
 
 
 @pytest.mark.parametrize(
@@ -172,6 +175,11 @@ def test_names_are_mapped(protection: Path, tmp_path: Path) -> None:
         ({"names": NAMES, "parameters": {"train.start_speed": "fast"}}, r"train\.start_speed: 'fast'; allowed: .*Real"),
         ({"file": "nowhere.fmu"}, r"nowhere\.fmu'; No such file"),
         ({"names": {"axle_speed": 5}}, r"slide_protection\.fmu\.names"),
+        ({"names": NAMES, "parameters": {"train.start_speed": 10**400}}, r"fmu\.parameters.*allowed: a number, true"),
+        (
+            {"names": NAMES, "parameters": {"train.start_speed": float("nan")}},
+            r"fmu\.parameters.*allowed: a number, true",
+        ),
     ],
 )
 def test_what_does_not_fit_is_refused_before_the_run(

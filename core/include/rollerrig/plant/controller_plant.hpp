@@ -65,9 +65,9 @@ class ControllerPlant {
 
   ControllerPart part_;
   std::vector<Variable> variables_;
-  std::vector<Input> inputs_;               ///< of the first variables
+  std::vector<Input> inputs_;                ///< of the first variables
   std::size_t commands_{0}, parameters_{0};  ///< where they begin
-  std::vector<double> value_;  ///< of every variable
+  std::vector<double> value_;                ///< of every variable
   StateOf<AnyController> state_{};
   std::int64_t samples_{0};  ///< taken
   double time_{0.0};

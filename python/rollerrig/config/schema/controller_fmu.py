@@ -3,9 +3,27 @@
 from collections.abc import Mapping
 from typing import Annotated, Any
 
-from pydantic import BeforeValidator, Field, StrictBool, StrictFloat, StrictInt, StrictStr
+from pydantic import BeforeValidator, Field, PlainValidator, WithJsonSchema
+from pydantic_core import PydanticCustomError
 
 from rollerrig.config.schema.base import Table
+
+_LARGEST = 1e18
+"""Of a parameter: any unit has room below it."""
+
+
+def _parameter(value: Any) -> Any:
+    """A number, true or false, or a text; its type and limits are those of the FMU, and checked with it."""
+    fits = isinstance(value, bool | str) or (isinstance(value, int | float) and -_LARGEST <= value <= _LARGEST)
+    if not fits:
+        allowed = "allowed: a number, true, false or a text"
+        raise PydanticCustomError("parameter", "{allowed}", {"allowed": allowed})
+    return value
+
+
+Parameter = Annotated[
+    Any, PlainValidator(_parameter), WithJsonSchema({"type": ["number", "boolean", "string"]}, mode="validation")
+]
 
 
 class ControllerFmu(Table):
@@ -18,9 +36,7 @@ class ControllerFmu(Table):
         "and `{number}` for 1, 2, ..., or a list with a name for each axle; absent: `{axle}.axle_speed`, and so on, as "
         "`rollerrig export-fmu --part` writes them",
     )
-    parameters: dict[str, StrictBool | StrictInt | StrictFloat | StrictStr] = Field(
-        default={}, description="parameter of the FMU -> value, in the FMU's unit"
-    )
+    parameters: dict[str, Parameter] = Field(default={}, description="parameter of the FMU -> value, in the FMU's unit")
 
 
 def _from_file(value: Any) -> Any:
