@@ -35,7 +35,10 @@ def main() -> None:
             if len(sys.argv) > 1 and name not in sys.argv[1:]:
                 continue
             chosen = [rr.load_case(case) for case in cases]
-            runs = [rr.simulate(case.with_changes({"motion.speed": speed}) if speed else case) for case in chosen]
+            runs = [
+                rr.simulate(case.with_changes({"motion.speed": speed, "time.duration": "3 s"}) if speed else case)
+                for case in chosen
+            ]
             page = Opened(browser, rr.view(*runs, path=Path(folder) / f"{name}.html"), 1280, 720, color_scheme=theme)
             page.ask(f"(r.wheel = {1 if camera == 'contact' else 0}, r.clock.set({time}), r.look('{camera}'))")
             page.page.wait_for_timeout(300)

@@ -7,7 +7,7 @@ import shutil
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
 
 import pytest
 
@@ -28,25 +28,26 @@ FLAGS = [
 
 @contextmanager
 def chromium() -> Iterator[Any]:
-    """A browser."""
-    program = next(
-        (path for name in ("chromium", "chromium-browser", "google-chrome") if (path := shutil.which(name))), None
-    )
+    """A browser: the system's, or playwright's own."""
+    names = ("chromium", "chromium-browser", "google-chrome")
+    program = next((path for name in names if (path := shutil.which(name))), None)
     try:
         from playwright.sync_api import sync_playwright
     except ImportError:
-        program, sync_playwright = None, None
-    if program is None or sync_playwright is None:
-        message = (
-            "no chromium, or no playwright, to look at pages with: apt-get install chromium, pip install playwright"
-        )
-        if os.environ.get("CI"):
-            pytest.fail(message)
-        pytest.skip(message)
+        _without_browser()
     with sync_playwright() as started:
+        if program is None and not Path(started.chromium.executable_path).exists():
+            _without_browser()
         browser = started.chromium.launch(executable_path=program, args=FLAGS)
         yield browser
         browser.close()
+
+
+def _without_browser() -> NoReturn:
+    message = "no chromium, or no playwright, to look at pages with: apt-get install chromium, pip install playwright"
+    if os.environ.get("CI"):
+        pytest.fail(message)
+    pytest.skip(message)
 
 
 class Opened:

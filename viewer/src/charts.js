@@ -39,8 +39,8 @@ export class Chart {
     const axis = { stroke: theme.text, grid: { stroke: theme.grid, width: 1 }, ticks: { stroke: theme.grid }, font: "11px system-ui, sans-serif" };
     const options = {
       width: this.area.clientWidth || 300, height: this.area.clientHeight || 150, series,
-      scales: { x: { time: false, range: live ? (_, low, high) => [low, Math.max(high, low + 1)] : [0, Math.max(...this.worlds.map((w) => w.numbers.end))] } },
-      axes: [{ ...axis, size: 26 }, { ...axis, size: 46 }],
+      scales: { y: { range: span }, x: { time: false, range: live ? (_, low, high) => [low, Math.max(high, low + 1)] : [0, Math.max(...this.worlds.map((w) => w.numbers.end))] } },
+      axes: [{ ...axis, size: 26 }, { ...axis, size: (_, labels) => 18 + 6.5 * Math.max(3, ...(labels || []).map((text) => text.length)) }],
       legend: { show: false }, cursor: { drag: { x: true, y: false, setScale: false }, points: { show: false } },
       hooks: { setSelect: [(u) => { if (u.select.width > 3) this.events.range(u.posToVal(u.select.left, "x"), u.posToVal(u.select.left + u.select.width, "x")); u.setSelect({ width: 0, height: 0 }, false); }] },
     };
@@ -77,6 +77,13 @@ export class Chart {
     this.time = time;
     if (this.plot) this.now.style.transform = `translateX(${this.plot.valToPos(time, "x")}px)`;
   }
+}
+
+/** What the values need, and no less than a thousandth of them: round-off is not drawn. */
+function span(_, low, high) {
+  if (low === null || high === null) return [0, 1];
+  const least = Math.max(2e-3, 2e-3 * Math.max(Math.abs(low), Math.abs(high))), missing = Math.max(0, least - (high - low)) / 2, edge = 0.06 * (high - low) + missing;
+  return [low - edge, high + edge];
 }
 
 /** Groups of all runs by title; of each run its curves. */

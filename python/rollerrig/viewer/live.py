@@ -287,7 +287,8 @@ def _direction(element: Mapping[str, Any]) -> str:
 
 def _endless(case: Case) -> Case:
     """The case without end, and with a torque on each axle that can be set."""
-    changes: dict[str, Any] = {"time.duration": "36000 s", "time.output_step": "1 s"}
+    output = 1000 * case.time.sampling_step if case.sampled else 1.0  # what is kept, which is nothing here
+    changes: dict[str, Any] = {"time.duration": "36000 s", "time.output_step": f"{output} s"}
     if case.motion.speed_table is not None:
         changes["motion.speed_table"] = None
     if not case.sampled:

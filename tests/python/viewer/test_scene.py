@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import base64
 import gzip
+import json
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -13,6 +15,7 @@ import rollerrig as rr
 from rollerrig.results import ResultsError
 from rollerrig.viewer import view_text
 from rollerrig.viewer.columns import MOST_FRAMES, WHOLE, Columns, interpolated, thinned
+from rollerrig.viewer.live import LiveRun
 from rollerrig.viewer.mode_scene import mode_scene
 from rollerrig.viewer.parts import outline
 from rollerrig.viewer.scene import ALLOWED, model_of, run_scene
@@ -81,6 +84,20 @@ def test_the_stated_errors_are_within_what_is_allowed(name: str, request: pytest
     assert head["frames"] < head["samples"]
     for quantity, allowed in ALLOWED.items():
         assert head["errors"][quantity] <= allowed
+
+
+CASES = sorted(path.stem for path in (Path(rr.__file__).parent / "catalog" / "cases").glob("*.toml"))
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_every_case_of_the_catalogue_can_be_seen_and_played(name: str) -> None:
+    case = rr.load_case(name)
+    text = view_text([rr.simulate(case.with_changes({"time.duration": "0.2 s"}))])
+    assert "NaN" not in text[text.index("application/json") :].partition("</script>")[0]
+    run = LiveRun(case)
+    run.advance(0.1)
+    frame = json.loads(json.dumps(run.frame(), allow_nan=False))
+    assert len(frame["values"]) == len(run.scene["live"]["columns"])
 
 
 def test_a_rig_has_no_line_and_a_curve_has(on_rig: xr.Dataset, in_curve: xr.Dataset) -> None:
