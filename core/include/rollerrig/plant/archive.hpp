@@ -257,7 +257,10 @@ struct Layout {
     else if constexpr (std::is_same_v<V, std::string>)
       return "text";
     else if constexpr (PlainNumber<V>)
-      return (std::is_floating_point_v<V> ? "f" : std::is_unsigned_v<V> ? "u" : "i") + std::to_string(8 * sizeof(V));
+      return std::string(std::is_floating_point_v<V> ? "f"
+                         : std::is_unsigned_v<V>     ? "u"
+                                                     : "i")
+          .append(std::to_string(8 * sizeof(V)));
     else
       return "";
   }
@@ -268,7 +271,8 @@ struct Layout {
       auto const line = [&]<class Field>(Field const& field) {
         using Value = std::remove_cvref_t<decltype(std::declval<V&>().*field.member)>;
         std::string const kind = Layout<Value>::word();
-        return indent + field.name + (kind.empty() ? "" : " " + kind) + "\n" + Layout<Value>::below(indent + "  ");
+        return indent + field.name + std::string(kind.empty() ? "" : " ") + kind + "\n" +
+               Layout<Value>::below(indent + "  ");
       };
       return std::apply([&](auto const&... field) { return (std::string() + ... + line(field)); }, fields<V>());
     }
@@ -276,7 +280,7 @@ struct Layout {
 };
 template <class V>
 struct Layout<std::vector<V>> {
-  static std::string word() { return "[" + Layout<V>::word() + "]"; }
+  static std::string word() { return std::string("[").append(Layout<V>::word()) + "]"; }
   static std::string below(std::string const& indent) { return Layout<V>::below(indent); }
 };
 template <class V, std::size_t n>
