@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from rollerrig.analysis.critical_speed import critical_speed as critical_speed
     from rollerrig.analysis.linear_bench import linearize as linearize
     from rollerrig.analysis.mode_table import stability as stability
+    from rollerrig.analysis.runs_together import compare_runs as compare_runs
     from rollerrig.analysis.wheel_rail_forces import wheel_forces as wheel_forces
     from rollerrig.assembly import assemble as assemble
     from rollerrig.catalog import catalog_entries as catalog_entries
@@ -75,6 +76,7 @@ _HOME = {
     "catalog_text": "catalog",
     "cite": "results",
     "compare": "commands",
+    "compare_runs": "analysis.runs_together",
     "conicity": "commands",
     "contact": "commands",
     "control": "commands",

@@ -27,6 +27,7 @@ COMMANDS = (
     "serve",
     "export_fmu",
     "export",
+    "compare_runs",
     "view",
     "play",
     "contact",

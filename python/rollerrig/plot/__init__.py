@@ -1,5 +1,7 @@
 """Figures: one function per figure, results in, matplotlib Figure out; no physics is computed here.
 
+With `axes=` they draw into axes of your own and return these: one, or several for a figure of several panels, from its top.
+
 Datasets of run and analysis -> [plot] -> Figure -> report, files
 """
 
@@ -10,6 +12,7 @@ from rollerrig.plot.limit_cycle import limit_cycle_diagram
 from rollerrig.plot.modes import damping_map, damping_over_speed, frequency_over_speed, root_locus
 from rollerrig.plot.profile import profile_figure
 from rollerrig.plot.run import energy_over_time, motion_over_time, sliding_over_time
+from rollerrig.plot.runs_together import runs_together
 from rollerrig.plot.shapes import mode_shape, mode_shapes, shape_speed
 from rollerrig.plot.style import figure_bytes
 from rollerrig.plot.traction import traction_forces, traction_sliding
@@ -39,6 +42,7 @@ __all__ = [
     "quotient",
     "ramp_over_speed",
     "root_locus",
+    "runs_together",
     "shape_speed",
     "sliding_over_time",
     "track_shifting",

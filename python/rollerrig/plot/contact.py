@@ -6,13 +6,24 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from rollerrig.plot.style import COLOURS, MARKERS, STYLES, house_style, legend_above, new_figure
+from rollerrig.plot.into import into_axes
+from rollerrig.plot.style import (
+    COLOURS,
+    MARKERS,
+    STYLES,
+    headline,
+    house_style,
+    legend_above,
+    legend_below,
+    new_figure,
+    new_grid,
+)
 
 
+@into_axes
 def contact_figure(table: xr.Dataset) -> Figure:
     """Position on the wheel, normal force, size of the patches and pose of the wheelset.
 
@@ -55,6 +66,7 @@ COMPARED = {
 }
 
 
+@into_axes
 def comparison_figure(comparison: xr.Dataset, side: str = "left") -> Figure:
     """Normal contacts side by side over the lateral position, one wheel.
 
@@ -88,6 +100,7 @@ def comparison_figure(comparison: xr.Dataset, side: str = "left") -> Figure:
         return figure
 
 
+@into_axes
 def creep_comparison_figure(comparison: xr.Dataset, side: str = "left") -> Figure:
     """Creep laws side by side over the lateral position, one wheel: a column per normal contact; points: exact solver.
 
@@ -96,10 +109,8 @@ def creep_comparison_figure(comparison: xr.Dataset, side: str = "left") -> Figur
         side: wheel to show.
     """
     with house_style():
-        figure = Figure(figsize=(8.4, 6.2), layout="constrained")
-        FigureCanvasAgg(figure)
         normals = [str(name) for name in comparison["normal"].to_numpy()]
-        grid = figure.subplots(2, len(normals), sharex=True, sharey="row", squeeze=False)
+        figure, grid = new_grid(2, len(normals), 8.4, 6.2, sharex=True, sharey="row")
         lateral = 1e3 * comparison["lateral"].to_numpy()
         for column, normal in enumerate(normals):
             shown = comparison.sel(normal=normal, side=side)
@@ -118,10 +129,9 @@ def creep_comparison_figure(comparison: xr.Dataset, side: str = "left") -> Figur
         yaw = 1e3 * comparison["yaw"].to_numpy()
         turned = f"yaw {yaw[0]:g} mrad" if np.all(yaw == yaw[0]) else f"yaw {yaw.min():g} to {yaw.max():g} mrad"
         load = 1e-3 * comparison.attrs["load_n"]
-        figure.suptitle(
+        headline(
+            figure,
             f"{comparison.attrs['case']}: {load:.4g} kN, {turned}, friction {comparison.attrs['friction']:g}, {side} wheel",
-            fontsize=10,
         )
-        handles, labels = grid[0][0].get_legend_handles_labels()
-        figure.legend(handles, labels, loc="outside lower center", ncols=4)
+        legend_below(figure, grid[0][0])
         return figure

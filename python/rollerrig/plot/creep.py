@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import xarray as xr
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from rollerrig.plot.style import COLOURS, STYLES, house_style
+from rollerrig.plot.into import into_axes
+from rollerrig.plot.style import COLOURS, STYLES, headline, house_style, legend_below, new_grid
 
 COLUMNS = (
     ("force_x", "longitudinal $T_x$ / μN"),
@@ -16,6 +16,7 @@ COLUMNS = (
 )
 
 
+@into_axes
 def creep_figure(comparison: xr.Dataset) -> Figure:
     """A row per direction of creepage, a column per component; the exact theory as points, each law as a line.
 
@@ -26,9 +27,8 @@ def creep_figure(comparison: xr.Dataset) -> Figure:
     directions = [str(name) for name in comparison["direction"].to_numpy()]
     demand = comparison["demand"].to_numpy()
     with house_style():
-        figure = Figure(figsize=(7.4, 1.55 * len(directions) + 1.0), layout="constrained")
-        FigureCanvasAgg(figure)
-        grid = figure.subplots(len(directions), len(COLUMNS), sharex=True, sharey="col", squeeze=False)
+        size = (7.4, 1.55 * len(directions) + 1.0)
+        figure, grid = new_grid(len(directions), len(COLUMNS), *size, sharex=True, sharey="col")
         for column, (name, label) in enumerate(COLUMNS):
             grid[0][column].set_title(label, fontsize=10)
             grid[-1][column].set_xlabel("demand [-]")
@@ -46,13 +46,12 @@ def creep_figure(comparison: xr.Dataset) -> Figure:
                     axes.set_ylabel(direction.replace(" and ", "\nand ").replace(" with ", "\nwith ")
                                     .replace(" against ", "\nagainst "))  # fmt: skip
         _frame_columns(grid, comparison, names[0])
-        handles, labels = grid[0][0].get_legend_handles_labels()
-        figure.legend(handles, labels, loc="outside lower center", ncols=min(4, len(labels)))
+        legend_below(figure, grid[0][0])
         attributes = comparison.attrs
-        figure.suptitle(
+        headline(
+            figure,
             f"Creep forces on an ellipse a/b = {attributes['a_over_b']:g}, ν = {attributes['poisson_ratio']:g}; "
             "demand 1: the linear theory asks for about μN",
-            fontsize=10,
         )
     return figure
 

@@ -10,9 +10,11 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
+from rollerrig.plot.into import into_axes
 from rollerrig.plot.style import colour, critical_lines, line, panels
 
 
+@into_axes
 def ramp_over_speed(
     ramps: Mapping[str, xr.Dataset], body: str, critical: Mapping[str, Mapping[str, float | tuple[float, float]]]
 ) -> Figure:
@@ -42,6 +44,7 @@ def ramp_over_speed(
         return figure
 
 
+@into_axes
 def hunting_over_time(runs: Sequence[tuple[float, xr.Dataset]], body: str, title: str = "") -> Figure:
     """Lateral displacement over time at constant speeds, one panel per speed.
 
@@ -61,6 +64,7 @@ def hunting_over_time(runs: Sequence[tuple[float, xr.Dataset]], body: str, title
         return figure
 
 
+@into_axes
 def amplitude_over_speed(
     tables: Mapping[str, xr.Dataset], critical: Mapping[str, float] | None = None, title: str = ""
 ) -> Figure:

@@ -11,6 +11,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from rollerrig.plot.into import into_axes
 from rollerrig.plot.style import COLOURS, GREY, critical_line, panels
 
 LOOKS: dict[str, dict[str, Any]] = {
@@ -19,6 +20,7 @@ LOOKS: dict[str, dict[str, Any]] = {
 }
 
 
+@into_axes
 def limit_cycle_diagram(cycles: xr.Dataset, modes: xr.Dataset | None = None) -> Figure:
     """Amplitude, frequency and guiding force over speed, on the upward sweep and on the downward sweep.
 

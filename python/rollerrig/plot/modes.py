@@ -12,6 +12,7 @@ from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
+from rollerrig.plot.into import into_axes
 from rollerrig.plot.style import (
     COLOURS,
     GREY,
@@ -70,6 +71,7 @@ def _where_it_oscillates(modes: xr.Dataset, variable: str, name: str) -> xr.Data
     return mode[variable].where(mode["frequency"] > 0.0)
 
 
+@into_axes
 def root_locus(modes: xr.Dataset) -> Figure:
     """Eigenvalues in the complex plane, one line per mode, from the lowest speed (open) to the highest (filled).
 
@@ -103,6 +105,7 @@ def root_locus(modes: xr.Dataset) -> Figure:
         return figure
 
 
+@into_axes
 def damping_over_speed(modes: xr.Dataset) -> Figure:
     """Damping ratio of each mode over speed.
 
@@ -120,6 +123,7 @@ def damping_over_speed(modes: xr.Dataset) -> Figure:
         return figure
 
 
+@into_axes
 def damping_map(modes: xr.Dataset) -> Figure:
     """Damping of all oscillatory modes over speed as colours, one row per mode, by frequency.
 
@@ -158,6 +162,7 @@ def damping_map(modes: xr.Dataset) -> Figure:
         return figure
 
 
+@into_axes
 def frequency_over_speed(modes: xr.Dataset, cycles: xr.Dataset | None = None) -> Figure:
     """Frequency of each mode over speed, and of limit cycles where they are given.
 

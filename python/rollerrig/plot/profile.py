@@ -5,9 +5,11 @@ from __future__ import annotations
 import xarray as xr
 from matplotlib.figure import Figure
 
+from rollerrig.plot.into import into_axes
 from rollerrig.plot.style import GREY, colour, house_style, new_figure
 
 
+@into_axes
 def profile_figure(curve: xr.Dataset) -> Figure:
     """A profile as mounted, the measured points beside the smooth curve, its slope and its curvature.
 

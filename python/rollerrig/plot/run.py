@@ -6,6 +6,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
+from rollerrig.plot.into import into_axes
 from rollerrig.plot.style import STYLES, calm, line, panels, wheel_lines
 from rollerrig.results import RunInfo
 
@@ -13,6 +14,7 @@ STEADY = 1e-3
 """A speed that changes by no more than this part is not worth a panel."""
 
 
+@into_axes
 def motion_over_time(run: xr.Dataset) -> Figure:
     """Lateral displacement and yaw of the vehicle's bodies, and the running speed where it changes."""
     speed = run["speed"].to_numpy()
@@ -30,6 +32,7 @@ def motion_over_time(run: xr.Dataset) -> Figure:
         return figure
 
 
+@into_axes
 def sliding_over_time(run: xr.Dataset) -> Figure:
     """Longitudinal creep force and sliding of the wheels, and where they touch on their profiles."""
     signals = {
@@ -44,6 +47,7 @@ def sliding_over_time(run: xr.Dataset) -> Figure:
         return figure
 
 
+@into_axes
 def energy_over_time(run: xr.Dataset) -> Figure:
     """Work put in, heat, change of what is stored, and the residual of their balance."""
     accounts = {

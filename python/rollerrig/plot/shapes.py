@@ -11,6 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from rollerrig.plot.into import into_axes
 from rollerrig.plot.style import COLOURS, GREY, house_style, new_grid
 
 Points = NDArray[np.float64]
@@ -25,6 +26,7 @@ REACH = {"plan": 0.5, "side": 0.5, "end": 0.35}
 HALF_GAUGE, WHEEL_RADIUS = 0.75, 0.46
 
 
+@into_axes
 def mode_shape(modes: xr.Dataset, name: str = "", speed_kmh: float = math.nan) -> Figure:
     """One mode from above and from behind, now and a quarter of a period later.
 
@@ -49,6 +51,7 @@ def mode_shape(modes: xr.Dataset, name: str = "", speed_kmh: float = math.nan) -
         return figure
 
 
+@into_axes
 def mode_shapes(modes: xr.Dataset, names: Sequence[str], speed_kmh: float, columns: int = 3) -> Figure:
     """Several modes, each in the view that shows most of it.
 

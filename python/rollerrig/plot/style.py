@@ -14,6 +14,7 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
+from rollerrig.plot.into import given, given_grid
 from rollerrig.results.marks import PROGRAM
 
 COLOURS = ("#0b5394", "#c0392b", "#2e7d32", "#8e5ea2", "#b9770e", "#455a64", "#00838f", "#6d4c41")
@@ -62,8 +63,15 @@ def new_figure(rows: int = 1, width: float = 7.2, height: float = 3.4, **options
 
 def new_grid(rows: int, columns: int, width: float = 7.2, height: float = 3.4, **options: Any) -> tuple[Figure, Any]:
     """A figure with a grid of axes, shape (row, column) [inches]; needs no display."""
-    figure = Figure(figsize=(width, height), layout="constrained")
-    FigureCanvasAgg(figure)
+
+    def own() -> Figure:
+        figure = Figure(figsize=(width, height), layout="constrained")
+        FigureCanvasAgg(figure)
+        return figure
+
+    if (grid := given_grid(rows, columns, own)) is not None:
+        return grid
+    figure = own()
     return figure, figure.subplots(rows, columns, squeeze=False, **options)
 
 
@@ -85,7 +93,7 @@ def panels(
         yield figure, axes
         for one, label in zip(axes, labels, strict=True):
             one.set_ylabel(label or one.get_ylabel())
-        axes[-1].set_xlabel(xlabel)
+        axes[min(len(given()) or len(axes), len(axes)) - 1].set_xlabel(xlabel)
         if legend:
             legend_above(figure, axes[0])
 
@@ -117,10 +125,30 @@ def calm(axes: Axes, least: float) -> None:
 def legend_above(figure: Figure, axes: Axes) -> None:
     """One legend above all panels, in as many columns as fit."""
     handles, labels = axes.get_legend_handles_labels()
+    if given():
+        given()[0].legend(handles, labels)
+        return
     widest = max((len(label) for label in labels), default=1)
     room = int(figure.get_figwidth() * 13.5)  # letters of this size beside each other, a line's sample takes 8
     columns = max(1, min(4, len(labels), room // (widest + 8)))
     figure.legend(handles, labels, loc="outside upper center", ncols=columns)
+
+
+def legend_below(figure: Figure, axes: Axes) -> None:
+    """One legend of the labels of some axes below all panels."""
+    handles, labels = axes.get_legend_handles_labels()
+    if given():
+        given()[-1].legend(handles, labels)
+    else:
+        figure.legend(handles, labels, loc="outside lower center", ncols=min(4, len(labels)))
+
+
+def headline(figure: Figure, text: str) -> None:
+    """A title above all panels."""
+    if given():
+        given()[0].set_title(text)
+    else:
+        figure.suptitle(text, fontsize=10)
 
 
 def legend_beside(axes: Axes, **options: Any) -> None:

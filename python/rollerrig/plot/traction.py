@@ -8,9 +8,11 @@ from typing import Any
 import xarray as xr
 from matplotlib.figure import Figure
 
+from rollerrig.plot.into import into_axes
 from rollerrig.plot.style import COLOURS, look, panels
 
 
+@into_axes
 def traction_sliding(study: xr.Dataset, wheels: Mapping[str, str]) -> Figure:
     """Absolute sliding of wheels over time, with what the theory gives.
 
@@ -37,6 +39,7 @@ def traction_sliding(study: xr.Dataset, wheels: Mapping[str, str]) -> Figure:
         return figure
 
 
+@into_axes
 def traction_forces(study: xr.Dataset, wheels: Mapping[str, str]) -> Figure:
     """Longitudinal creep force and vertical contact force of wheels over time, with their closed forms.
 

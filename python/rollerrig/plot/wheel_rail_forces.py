@@ -13,6 +13,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from rollerrig.plot.into import into_axes
 from rollerrig.plot.style import COLOURS, GREY, STYLES, calm, legend_above, line, panels, wheel_lines
 
 LIMIT_IN_SIGHT = 2.5
@@ -22,6 +23,7 @@ LEAST_RANGE = {"force": 2.0, "quotient": 0.05, "wear": 1.0, "acceleration": 0.02
 """Least range of an ordinate [kN, -, N, m/s^2]: less is not worth a closer look, and would be drawn as if it were."""
 
 
+@into_axes
 def wheel_forces(forces: xr.Dataset, along: xr.DataArray | None = None) -> Figure:
     """Wheel load Q and guiding force Y of every wheel.
 
@@ -38,6 +40,7 @@ def wheel_forces(forces: xr.Dataset, along: xr.DataArray | None = None) -> Figur
         return figure
 
 
+@into_axes
 def quotient(forces: xr.Dataset, along: xr.DataArray | None = None, limits: dict[str, float] | None = None) -> Figure:
     """Y/Q of every wheel against its limits.
 
@@ -55,6 +58,7 @@ def quotient(forces: xr.Dataset, along: xr.DataArray | None = None, limits: dict
         return figure
 
 
+@into_axes
 def track_shifting(forces: xr.Dataset, along: xr.DataArray | None = None) -> Figure:
     """Sum of guiding forces of every wheelset against Prud'homme's limit; arguments as in `wheel_forces`."""
     with _along(["sum of guiding forces ΣY,\nto the left [kN]"], forces, along, 3.4) as (figure, (axes,), along):
@@ -70,6 +74,7 @@ def track_shifting(forces: xr.Dataset, along: xr.DataArray | None = None) -> Fig
         return figure
 
 
+@into_axes
 def wear(forces: xr.Dataset, along: xr.DataArray | None = None) -> Figure:
     """Wear number of every wheel; arguments as in `wheel_forces`."""
     with _along(["wear number Tγ [N]"], forces, along, 3.2) as (figure, (axes,), along):
@@ -79,6 +84,7 @@ def wear(forces: xr.Dataset, along: xr.DataArray | None = None) -> Figure:
         return figure
 
 
+@into_axes
 def accelerations_along(points: xr.Dataset, along: xr.DataArray | None = None) -> Figure:
     """Lateral and vertical acceleration at the points of one or more bodies.
 
@@ -98,6 +104,7 @@ def accelerations_along(points: xr.Dataset, along: xr.DataArray | None = None) -
         return figure
 
 
+@into_axes
 def line_and_response(run: xr.Dataset, along: xr.DataArray | None = None) -> Figure:
     """Curvature and cant of the line, the irregularity under the foremost wheelset, and how the wheelsets follow.
 

@@ -1,0 +1,66 @@
+"""Own runs over each other."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+import rollerrig as rr
+from rollerrig.cli.app import build_app
+
+
+@pytest.fixture(scope="module")
+def runs():
+    case = rr.load_case("wheelset_rollers").with_changes({"time.duration": "0.3 s", "time.output_step": "5 ms"})
+    finer = {"time.output_step": "3 ms", "time.duration": "0.21 s", "contact.friction": 0.1}
+    return {"dry": rr.simulate(case), "wet": rr.simulate(case.with_changes(finer))}
+
+
+def test_signals_are_compared_at_the_times_of_the_first_run(runs) -> None:
+    found = rr.compare_runs(runs)
+    assert [name for name in found.data_vars if "time" in found[name].dims] == [
+        "lateral:wheelset_1", "vertical_force:wheelset_1_left", "lateral_force:wheelset_1_left"
+    ]  # fmt: skip
+    assert float(found["time"][-1]) == pytest.approx(0.21, abs=5e-3)
+    lateral = found["lateral:wheelset_1"]
+    dry = runs["dry"]["lateral"].sel(body="wheelset_1").to_numpy()[: found.sizes["time"]]
+    assert np.array_equal(lateral.sel(run="dry"), dry)
+    largest = found["lateral:wheelset_1 largest difference"]
+    assert float(largest.sel(run="wet")) == float(abs(lateral.sel(run="wet") - dry).max()) > 0
+    assert float(largest.sel(run="dry")) == 0.0
+    assert lateral.attrs["units"] == "m"
+
+
+@pytest.mark.parametrize(
+    ("signal", "line"),
+    [
+        ("laterl:wheelset_1", "dry: no signal 'laterl'; did you mean 'lateral'?"),
+        ("lateral", "dry: 'lateral'; write lateral:NAME with one of front_frame, wheelset_1"),
+        ("lateral:wheelset_2", "dry: 'lateral:wheelset_2'; write lateral:NAME"),
+        ("speed:wheelset_1", "dry: 'speed:wheelset_1'; write speed alone"),
+        ("patch_normal:1", "has one value for each wheel and patch"),
+    ],
+)
+def test_a_signal_that_is_not_there_is_said(runs, signal: str, line: str) -> None:
+    with pytest.raises(ValueError, match=r"") as error:
+        rr.compare_runs(runs, [signal])
+    assert line in str(error.value)
+
+
+def test_the_command_draws_runs_and_prints_their_differences(runs, tmp_path: Path) -> None:
+    files = [str(rr.save_run(run, tmp_path / f"{name}.nc")) for name, run in runs.items()]
+    out = tmp_path / "both.svg"
+    done = CliRunner().invoke(
+        build_app(), ["compare-runs", *files, "--signal", "lateral:wheelset_1", "--out", str(out)]
+    )
+    assert done.exit_code == 0
+    assert out.read_text().startswith("<?xml")
+    assert "lateral:wheelset_1" in done.output
+    assert " mm" in done.output
+    alone = CliRunner().invoke(build_app(), ["compare-runs", files[0], "--out", str(tmp_path / "no.svg")])
+    assert (alone.exit_code, (tmp_path / "no.svg").exists()) == (2, False)
+    missing = CliRunner().invoke(build_app(), ["compare-runs", files[0], "none.nc", "--out", str(tmp_path / "no.svg")])
+    assert (missing.exit_code, "none.nc: no such file" in missing.output) == (2, True)
