@@ -156,3 +156,40 @@ def test_modes_move_by_the_same_page(browser: Any, tmp_path: Path) -> None:
         assert page.complaints == []
     finally:
         page.close()
+
+
+ON_THE_WHEEL = """
+r.worlds.map((world) => {
+  const { shapes } = world.head;
+  r.worlds.forEach((w) => w.root.updateMatrixWorld(true));
+  return world.contacts.wheels.map((wheel) => {
+    const at = wheel.body.node.worldToLocal(wheel.patches.at(-1).node.visible
+      ? wheel.patches.at(-1).node.getWorldPosition(wheel.place.clone())
+      : wheel.patches[0].node.getWorldPosition(wheel.place.clone()));
+    const s = wheel.table.side * at.y - shapes.tape_circle, list = shapes.wheel;
+    const k = list.findIndex(([next]) => next > s), [[s0, u0], [s1, u1]] = [list[k - 1], list[k]];
+    return Math.hypot(at.x, at.z) - (shapes.wheel_radius + u0 + ((s - s0) / (s1 - s0)) * (u1 - u0));
+  });
+})
+"""
+"""Of each wheel how far a drawn patch lies off the drawn profile [m]."""
+
+
+def test_patches_are_drawn_on_the_wheels(opened: Opened) -> None:
+    for time in (0.05, 0.2):
+        opened.ask(f"(r.clock.set({time}), r.tick(performance.now()))")
+        off = np.array([list(wheels) for wheels in opened.ask(ON_THE_WHEEL)])
+        assert off.shape == (2, 4)
+        assert np.abs(off).max() < 0.4e-3  # the approach of the surfaces is 0.1 to 0.2 mm
+
+
+def test_patches_are_drawn_on_the_wheels_in_a_canted_curve(browser: Any, tmp_path: Path, in_curve: xr.Dataset) -> None:
+    page = Opened(browser, rr.view(in_curve, path=tmp_path / "curve.html"))
+    try:
+        page.ask("(r.clock.set(3.9), r.tick(performance.now()))")
+        assert page.ask("r.worlds[0].line.value('cant', r.worlds[0].numbers.at('distance'))") > 0.02
+        assert np.abs(page.ask(ON_THE_WHEEL)[0]).max() < 1e-3  # steep flanks: off across them is less
+        ground = page.ask("r.worlds[0].bodies[3].line.position.toArray()")
+        assert abs(ground[1]) > 1e-3  # a wheelset far from the middle stands beside the tangent there
+    finally:
+        page.close()
