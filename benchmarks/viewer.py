@@ -17,10 +17,10 @@ from browser import Opened, chromium
 
 
 def main() -> None:
-    """Print both for a brake test, which lasts 53 s, and for a vehicle in a curve."""
+    """Print both for a brake test, which lasts 53 s, and for 60 s of a vehicle on irregular track."""
     with chromium() as browser, tempfile.TemporaryDirectory() as folder:
-        for name in ("adhesion_brake", "vehicle_curve"):
-            file = rr.view(rr.simulate(rr.load_case(name)), path=Path(folder) / f"{name}.html")
+        for name, changes in (("adhesion_brake", {}), ("vehicle_track_irregular", {"time.duration": "60 s"})):
+            file = rr.view(rr.simulate(rr.load_case(name).with_changes(changes)), path=Path(folder) / f"{name}.html")
             start = time.perf_counter()
             page = Opened(browser, file, 1280, 720, reduced_motion="no-preference")
             first = time.perf_counter() - start

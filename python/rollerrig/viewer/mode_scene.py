@@ -41,7 +41,7 @@ def mode_scene(modes: xr.Dataset, *, label: str = "") -> Scene:
     """
     try:
         model = assemble(case_from_toml(str(modes.attrs["config_toml"]), "the case of the modes", allow_code=True))
-    except (ConfigError, KeyError, ValueError) as error:
+    except (ConfigError, KeyError, ValueError, OSError) as error:
         raise ResultsError(f"the case of these modes cannot be read: {str(error).splitlines()[0]}") from None
     elements = [
         {**one, "direction": "z" if "z" in one["directions"] else one["directions"][0], "rest": 0.0, "largest": 0.0}

@@ -102,7 +102,7 @@ def run_scene(run: xr.Dataset, *, label: str = "", most: int = MOST_FRAMES) -> S
         "wheels": parts.wheels(model),
         "elements": bars,
         "shapes": parts.shapes(model),
-        "line": parts.track(model, float(distance.min()), float(distance.max())),
+        "line": parts.track(model, float(np.nanmin(distance)), float(np.nanmax(distance))),
         "patches": patches,
         "brakes": model.case.brake is not None,
         "motors": model.case.traction is not None
@@ -132,7 +132,7 @@ def model_of(run: xr.Dataset) -> AssembledModel:
     try:
         RunInfo.of(run)
         return assemble(case_from_toml(str(run.attrs["config_toml"]), "the case of the run", allow_code=True))
-    except (ConfigError, ValueError) as error:
+    except (ConfigError, ValueError, OSError) as error:
         raise ResultsError(f"the case of these results cannot be read: {str(error).splitlines()[0]}") from None
 
 
@@ -156,7 +156,7 @@ def _add_motion(columns: Columns, run: xr.Dataset, model: AssembledModel, index:
     for number, body in enumerate(model.bodies):
         for name in MOTION:
             values = run[name].sel(body=body).to_numpy()[index]
-            if np.abs(values).max(initial=0.0) > _MOVES:
+            if np.nanmax(np.abs(values), initial=0.0) > _MOVES:
                 columns.add(f"b{number}.{name}", values, exact=name == "pitch" and body in spinning)
 
 
@@ -186,10 +186,10 @@ def _add_elements(
     table = parts.elements(model)
     for element in table:
         found = {way: run[_element_variable(way)].to_numpy()[:, element["number"]] for way in element["directions"]}
-        way = "z" if element["carries"] else max(found, key=lambda name: float(np.std(found[name])))
+        way = "z" if element["carries"] else max(found, key=lambda name: float(np.nan_to_num(np.nanstd(found[name]))))
         rest = float(found[way][0]) if element["carries"] else 0.0
         element["direction"], element["rest"] = way, rest
-        element["largest"] = float(np.abs(found[way] - rest).max())
+        element["largest"] = float(np.nanmax(np.abs(found[way] - rest), initial=0.0))
         columns.add(f"e{element['number']}", found[way][index] - rest)
     return table
 

@@ -100,6 +100,14 @@ def test_every_case_of_the_catalogue_can_be_seen_and_played(name: str) -> None:
     assert len(frame["values"]) == len(run.scene["live"]["columns"])
 
 
+def test_a_run_whose_last_sample_is_not_finite_can_be_seen(on_track: xr.Dataset) -> None:
+    broken = on_track.copy(deep=True)
+    for name in broken.data_vars:
+        if broken[name].dims[:1] == ("time",) and name != "patch_count":
+            broken[name][-1] = np.nan
+    assert "NaN" not in view_text([broken]).partition('id="scene">')[2].partition("</script>")[0]
+
+
 def test_a_rig_has_no_line_and_a_curve_has(on_rig: xr.Dataset, in_curve: xr.Dataset) -> None:
     assert run_scene(on_rig).head["line"] is None
     line = run_scene(in_curve).head["line"]
