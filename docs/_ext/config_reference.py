@@ -16,18 +16,19 @@ Schema = dict[str, Any]
 
 def write_reference(app: Sphinx) -> None:
     """Write the tables that reference/configuration.md includes."""
-    from rollerrig.config import Case, Programme
+    from rollerrig.config import Case, Plan, Programme
 
     target = Path(app.srcdir) / "reference" / "generated" / "configuration.md"
-    text = "\n".join(reference(Case.model_json_schema(), Programme.model_json_schema()))
+    text = "\n".join(reference(Case.model_json_schema(), Programme.model_json_schema(), Plan.model_json_schema()))
     target.parent.mkdir(exist_ok=True)
     if not target.is_file() or target.read_text() != text:  # an unchanged file keeps its date: no rebuild
         target.write_text(text)
 
 
-def reference(case: Schema, programme: Schema) -> list[str]:
+def reference(case: Schema, programme: Schema, plan: Schema) -> list[str]:
     """The whole reference as lines of MyST Markdown: one section per kind of file, one table per TOML table."""
     tables: dict[str, Schema] = {"Case": case, **case["$defs"], "Programme": programme, **programme["$defs"]}
+    tables |= {"Plan": plan, **plan["$defs"]}
     profiles = list(references(tables["Wheel"]["properties"]["profile"]))
     sections = {
         "Case file": ["Case"],
@@ -36,6 +37,7 @@ def reference(case: Schema, programme: Schema) -> list[str]:
         "Profiles": profiles,
         "Materials": ["Material"],
         "Programme file": ["Programme"],
+        "Plan file": ["Plan"],
     }
     roots = {name for names in sections.values() for name in names}
     written: set[str] = set()

@@ -4,7 +4,7 @@
                       -> stability, critical_speed, limit_cycle -> xarray.Dataset
                       -> linearize -> control.StateSpace
     run -> wheel_forces -> Y, Q, Y/Q, wear number
-                      -> envelope -> xarray.Dataset
+                      -> envelope, sweep -> xarray.Dataset
     response, adhesion, wsp, control, lateral, compare, scale -> Outcome -> write(folder)
 
 Every command of the command line is a function here, under the same name; `plot` draws what they return. Names are loaded when
@@ -36,6 +36,7 @@ if TYPE_CHECKING:
     from rollerrig.commands import paper as paper
     from rollerrig.commands import response as response
     from rollerrig.commands import scale as scale
+    from rollerrig.commands import sweep as sweep
     from rollerrig.commands import wsp as wsp
     from rollerrig.config import Case as Case
     from rollerrig.config import ConfigError as ConfigError
@@ -102,8 +103,9 @@ _HOME = {
     "serve": "realtime.server",
     "simulate": "simulation",
     "stability": "analysis.mode_table",
-    "starting_case": "catalog.starting_case",
     "view": "viewer",
+    "starting_case": "catalog.starting_case",
+    "sweep": "commands",
     "wheel_forces": "analysis.wheel_rail_forces",
     "wsp": "commands",
 }

@@ -199,8 +199,8 @@ class Assembly:
         for element in self.vehicle.elements_in(self.cut):
             self._add_element(element, preloads.get(element.name, 0.0))
         if isinstance(self.support, Rig):
-            for body in wheelsets:
-                self._add_rollers(body, self.support, axle_loads[body.name])
+            for place, body in enumerate(wheelsets):
+                self._add_rollers(body, self.support, axle_loads[body.name], place)
             if self.support.restraint is not None:
                 self._restrain(self.support.restraint)
         elif self.support.foundation is not None:
@@ -273,7 +273,8 @@ class Assembly:
             )
         )
 
-    def _add_rollers(self, wheelset: Body, rig: Rig, axle_load: float) -> None:
+    def _add_rollers(self, wheelset: Body, rig: Rig, axle_load: float, place: int) -> None:
+        """The rollers under a wheelset, which is the `place`-th from the front."""
         x = wheelset.position[0] - self.cut.origin_x
         mounting = rig.mounting
         free = {"pitch", *(mounting.laws if mounting else ())}
@@ -295,7 +296,8 @@ class Assembly:
             for wheel_side in ("left", "right") if side == "" else (side[1:],):
                 self.roller_of[(wheelset.name, wheel_side)] = index
             if mounting is not None:
-                self._mount(name, index, mounting, share * (axle_load + rig.roller_mass * self.case.gravity))
+                askew = dict(enumerate(mounting.misalignment)).get(place, 0.0)
+                self._mount(name, index, mounting, share * (axle_load + rig.roller_mass * self.case.gravity), askew)
 
     def _add_rails(self, wheelset: Body, foundation: Foundation, axle_load: float) -> None:
         x, mass = wheelset.position[0] - self.cut.origin_x, foundation.rail_mass
@@ -309,9 +311,11 @@ class Assembly:
             self.roller_of[(wheelset.name, side)] = index
             self._mount(name, index, foundation, 0.5 * axle_load + mass * self.case.gravity)
 
-    def _mount(self, name: str, body: int, mounting: Mounting | Foundation, load: float) -> None:
-        """Springs and dampers between the ground and a roller, or a piece of rail."""
+    def _mount(self, name: str, body: int, mounting: Mounting | Foundation, load: float, askew: float = 0.0) -> None:
+        """Springs and dampers between the ground and a roller, or a piece of rail, whose rest is turned about z [rad]."""
         loads = {"z": load} if "z" in mounting.laws else {}
+        if askew and (yaw := mounting.laws.get("yaw")):
+            loads["yaw"] = yaw.stiffness * askew
         self._add_support(f"mounting_{name}", body, mounting.laws, loads, (0.0, 0.0, 0.0))
 
     def _add_support(

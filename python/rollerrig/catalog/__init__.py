@@ -1,6 +1,6 @@
-"""Vehicles, rigs, tracks, materials, profiles, cases and test programmes that ship.
+"""Vehicles, rigs, tracks, materials, profiles, cases, test programmes and plans of sweeps that ship.
 
-Each is a TOML file that says where its data come from.
+Each is a TOML file; all but cases and plans say where their data come from.
 
 Every entry can be copied to a file and edited: what it refers to by name is found in the catalogue from there too.
 """

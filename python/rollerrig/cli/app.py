@@ -24,6 +24,7 @@ COMMANDS = (
     "lateral",
     "scale",
     "envelope",
+    "sweep",
     "serve",
     "export_fmu",
     "export",

@@ -20,9 +20,14 @@ def command(
 ) -> None:
     """Validate a file; of a case, print the assembled model, its static wheel loads and masses."""
     from rollerrig.cli.describe import describe_case, describe_part
-    from rollerrig.config import Case, load_any
+    from rollerrig.config import Case, Plan, load_any, load_plan
 
     kind, part = load_any(file, allow_code=allow_code)
-    lines = describe_case(part, run_code=allow_code) if isinstance(part, Case) else describe_part(part)
+    if isinstance(part, Plan):
+        from rollerrig.study.sweep import SweepStudy
+
+        lines = SweepStudy(load_plan(file, allow_code=allow_code), many=True).described()
+    else:
+        lines = describe_case(part, run_code=allow_code) if isinstance(part, Case) else describe_part(part)
     typer.echo(f"{file}: a valid {kind}\n")
     typer.echo("\n".join([*(code_lines(part) if isinstance(part, Case) else []), *lines]))

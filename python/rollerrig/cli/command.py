@@ -12,6 +12,8 @@ from rollerrig.cli.progress import progress_bar
 from rollerrig.cli.termination import INTERRUPTED, OK, exit_code, say, stop
 
 if TYPE_CHECKING:
+    from concurrent.futures import Executor
+
     from rollerrig.config import Case
 
 CaseName = Annotated[str, typer.Argument(metavar="CASE", help="Case: a name of the catalogue or a TOML file.")]
@@ -107,7 +109,13 @@ def code_lines(case: Case) -> list[str]:
 
 
 def carry_out(
-    study: Any, out: Path, processes: int = 1, *, force: bool = False, refused: tuple[type[Exception], ...] = ()
+    study: Any,
+    out: Path,
+    processes: int = 1,
+    *,
+    force: bool = False,
+    refused: tuple[type[Exception], ...] = (),
+    executor: Executor | None = None,
 ) -> NoReturn:
     """Run a study, write what it found and print its summary; the exit code says how its runs ended.
 
@@ -117,12 +125,13 @@ def carry_out(
         processes: jobs at a time.
         force: whether files that the command did not write may be replaced in the folder.
         refused: errors of the study that are the user's.
+        executor: that does the jobs in place of processes of this machine.
     """
     from rollerrig.wording import number
 
     try:
         with progress_bar(study.command) as progress:
-            outcome = study.run(folder=out, force=force, processes=processes, progress=progress)
+            outcome = study.run(folder=out, force=force, processes=processes, progress=progress, executor=executor)
     except refused as error:
         stop(error)
     if outcome is None:

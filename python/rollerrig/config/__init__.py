@@ -6,10 +6,10 @@ Every mistake of a file is reported at once, one line each (`ConfigError`). Each
 """
 
 from rollerrig.config.errors import ConfigError, ConfigProblem
+from rollerrig.config.load.any import load_any
 from rollerrig.config.load.case import (
     Case,
     case_from_toml,
-    load_any,
     load_case,
     load_material,
     load_profile,
@@ -18,6 +18,7 @@ from rollerrig.config.load.case import (
     load_vehicle,
 )
 from rollerrig.config.load.code import Code, code_of
+from rollerrig.config.load.plan import WholePlan, load_plan, plan_of_case
 from rollerrig.config.schema.actuators import (
     Brake,
     Controller,
@@ -40,6 +41,7 @@ from rollerrig.config.schema.case import (
 from rollerrig.config.schema.irregularity import MeasuredIrregularity, SpectrumIrregularity
 from rollerrig.config.schema.material import Material
 from rollerrig.config.schema.mounting import AngularSupport, Foundation, LinearSupport, Mounting, Restraint
+from rollerrig.config.schema.plan import Plan
 from rollerrig.config.schema.profile import S1002, Arc, Cone, Cylinder, ProfileFile, ProfileSpec, Uic60
 from rollerrig.config.schema.programme import CRITERIA, Limit, Programme
 from rollerrig.config.schema.rig_control import RigControl
@@ -102,6 +104,7 @@ __all__ = [
     "Motor",
     "Mounting",
     "Piece",
+    "Plan",
     "ProfileFile",
     "ProfileSpec",
     "Programme",
@@ -126,6 +129,7 @@ __all__ = [
     "VehicleChoice",
     "Wheel",
     "WheelSlipControl",
+    "WholePlan",
     "case_from_toml",
     "code_of",
     "explain",
@@ -133,9 +137,11 @@ __all__ = [
     "load_any",
     "load_case",
     "load_material",
+    "load_plan",
     "load_profile",
     "load_programme",
     "load_support",
     "load_vehicle",
+    "plan_of_case",
     "reference_markdown",
 ]

@@ -17,6 +17,7 @@ _HOME = {
     "ControlStudy": "control",
     "LateralStudy": "lateral",
     "EnvelopeStudy": "envelope",
+    "SweepStudy": "sweep",
     "ScaleStudy": "scale",
     "CreepStudy": "creep",
     "ConicityStudy": "conicity",

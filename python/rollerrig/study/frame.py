@@ -17,6 +17,7 @@ import time
 import tomllib
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping, Sequence
+from concurrent.futures import Executor
 from contextlib import nullcontext
 from dataclasses import dataclass, fields
 from functools import cached_property
@@ -131,6 +132,10 @@ class Study(ABC, Generic[R]):
                 found[what if found.get(what, source) == source else f"{what}, {label}"] = source
         return {what: source for what, source in found.items() if source}
 
+    def told(self, done: Done, seconds: float) -> str:
+        """What the progress says beside the name of the last job: of the finished jobs, after so long [s]; '' as a rule."""
+        return ""
+
     def statuses(self, results: R) -> Sequence[str]:
         """How the runs ended that the exit code speaks of."""
         return ()
@@ -148,6 +153,7 @@ class Study(ABC, Generic[R]):
         processes: int = 1,
         progress: Progress | None = None,
         force: bool = False,
+        executor: Executor | None = None,
     ) -> Outcome[R] | None:
         """Do the jobs and collect their results.
 
@@ -156,6 +162,7 @@ class Study(ABC, Generic[R]):
             processes: jobs at a time.
             progress: called with the fraction done and a short text.
             force: whether results of other commands and files of the user may be replaced there.
+            executor: that does the jobs in place of processes of this machine.
 
         Returns:
             What was found; None where Ctrl-C left too little to report.
@@ -175,7 +182,9 @@ class Study(ABC, Generic[R]):
                 check_jobs(checked, self.command)
         taken_over = 0 if journal is None else len(journal.done)
         with journal or nullcontext():
-            done, interrupted = run_rounds(self.rounds, journal, self.round_ends, processes, progress)
+            done, interrupted = run_rounds(
+                self.rounds, journal, self.round_ends, processes, progress, told=self.told, executor=executor
+            )
         if journal is not None and self.keeps_jobs:
             journal.settle(done)
         results = self.collect(done)

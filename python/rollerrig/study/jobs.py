@@ -8,7 +8,9 @@ Later rounds may depend on the results of earlier ones: a study yields a round a
 from __future__ import annotations
 
 import inspect
+import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import Executor
 from dataclasses import dataclass
 from typing import Any
 
@@ -89,6 +91,9 @@ def run_rounds(
     round_ends: Sequence[float],
     processes: int,
     progress: Progress | None,
+    *,
+    told: Callable[[Done, float], str] | None = None,
+    executor: Executor | None = None,
 ) -> tuple[Done, bool]:
     """Do all rounds of jobs; jobs that the journal has are not done again.
 
@@ -98,18 +103,25 @@ def run_rounds(
         round_ends: fraction of the whole at the end of each of the first rounds; each further one takes half of the rest.
         processes: jobs at a time.
         progress: called with the fraction done and a short text.
+        told: what the progress says of the results so far, after so long [s]; '': the name of the last job.
+        executor: that does the jobs in place of processes of this machine.
 
     Returns:
         Results by name, in the order of the jobs, and whether Ctrl-C ended it early.
     """
-    report: Progress = progress or (lambda _fraction, _text: None)
+    begun = time.monotonic()
     done: Done = {} if journal is None else dict(journal.done)
     begin = 0.0
+
+    def report(fraction: float, text: str) -> None:
+        if progress is not None:
+            progress(fraction, (told(done, time.monotonic() - begun) if told else "") or text)
+
     try:
         for count, jobs in enumerate(rounds(done)):
             end = round_ends[count] if count < len(round_ends) else begin + 0.5 * (1.0 - begin)
             wanted = {name: work for name, work in jobs.items() if name not in done}
-            stopped = _run_round(wanted, done, journal, processes, _part(report, begin, end))
+            stopped = _run_round(wanted, done, journal, processes, _part(report, begin, end), executor)
             done.update({name: done.pop(name) for name in jobs if name in done})  # as named, not as they ended
             if stopped:
                 return done, True
@@ -120,7 +132,9 @@ def run_rounds(
     return done, False
 
 
-def _run_round(jobs: Round, done: Done, journal: Journal | None, processes: int, report: Progress) -> bool:
+def _run_round(
+    jobs: Round, done: Done, journal: Journal | None, processes: int, report: Progress, executor: Executor | None
+) -> bool:
     """One round; True where Ctrl-C ended it."""
     if not jobs:
         return False
@@ -136,7 +150,9 @@ def _run_round(jobs: Round, done: Done, journal: Journal | None, processes: int,
         if is_partial(result):
             raise KeyboardInterrupt
 
-    finished = run_jobs(call, list(jobs.values()), processes=processes, progress=report, names=names, keep=keep)
+    finished = run_jobs(
+        call, list(jobs.values()), processes=processes, progress=report, names=names, keep=keep, executor=executor
+    )
     return finished.interrupted or any(is_partial(done.get(name)) for name in names)
 
 

@@ -154,13 +154,15 @@ def load_case(source: str | Path, *, allow_code: bool = False) -> Case:
     if named and "case" not in named:
         raise ConfigError([_not_a_case(source, named[0])])
     document = read_document("case", source)
-    if (kind := _kind_of(document.raw)) != "case":
+    if (kind := kind_of(document.raw)) != "case":
         raise ConfigError([_not_a_case(source, kind)])
     return build_case(document, own_folder=document.folder, allow_code=allow_code)
 
 
 def _not_a_case(source: str | Path, kind: CatalogKind) -> ConfigProblem:
     needed = f"needed: a case that uses it, e.g. a copy of `rollerrig catalog show bogie_track` with this {kind} in it"
+    if kind == "plan":
+        needed = f"needed: a case; the plan is run by `rollerrig sweep {source}`"
     if kind == "programme":
         needed = f"needed: a case; the programme is run by `rollerrig wsp CASE --programme {source}`"
     return ConfigProblem(str(source), "", f"a {kind}, not a case", needed)
@@ -215,38 +217,10 @@ def load_profile(source: str | Path, kind: Literal["wheel", "rail"] | None = Non
     return _whole(root.root, mistakes)
 
 
-def load_any(
-    source: str | Path, *, allow_code: bool = False
-) -> tuple[CatalogKind, Case | Vehicle | Rig | Track | Material | ProfileSpec | Programme]:
-    """Read a catalogue entry or file of any kind and say which it is by its keys.
-
-    Args:
-        source: name in the catalogue, or path of a TOML file.
-        allow_code: whether controllers that a case names may lie outside its own folder; none is run here.
-
-    Raises:
-        ConfigError: all mistakes found.
-    """
-    kinds: tuple[CatalogKind, ...] = get_args(CatalogKind)
-    named = next((kind for kind in kinds if str(source) in catalog_names(kind)), None)
-    document = read_document(named or "case", source)
-    kind = named or _kind_of(document.raw)
-    match kind:
-        case "vehicle":
-            return kind, _whole(*resolve_vehicle(document))
-        case "support":
-            return kind, _whole_support(document)
-        case "material":
-            return kind, _whole(*resolve_material(document))
-        case "profile":
-            return kind, load_profile(source)
-        case "programme":
-            return kind, _whole(*resolve_programme(document))
-    return kind, build_case(document, own_folder=document.folder, allow_code=allow_code)
-
-
-def _kind_of(raw: Mapping[str, Any]) -> CatalogKind:
+def kind_of(raw: Mapping[str, Any]) -> CatalogKind:
     """What a document is meant to be; a case if nothing tells."""
+    if "vary" in raw:
+        return "plan"
     if raw.keys() & {BASE, "vehicle", "motion", "time"}:
         return "case"
     if raw.keys() & {"stop", "limit"}:

@@ -48,7 +48,7 @@ def apply_changes(raw: dict[str, Any], changes: Mapping[str, object], file: str,
     problems = []
     for key, value in changes.items():
         path = parts_of(key)
-        matching = _matching(raw, path, key, file) if "*" in key else [path]
+        matching = matching_paths(raw, path, key, file) if "*" in key else [path]
         if isinstance(matching, ConfigProblem):
             problems.append(matching.within(at))
             continue
@@ -64,7 +64,7 @@ def parts_of(key: str) -> list[str]:
     return re.sub(r"\[(\d+)\]", r".\1", key).split(".")
 
 
-def _matching(holder: Any, path: list[str], key: str, file: str) -> list[list[str]] | ConfigProblem:
+def matching_paths(holder: Any, path: list[str], key: str, file: str) -> list[list[str]] | ConfigProblem:
     """All paths that exist and match one with `*` in it; a problem where none does."""
     if "*" not in ".".join(path):
         return [path]
@@ -85,7 +85,7 @@ def _matching(holder: Any, path: list[str], key: str, file: str) -> list[list[st
         ]
     paths: list[list[str]] = []
     for name in matching:
-        found = _matching(items[name], rest, key, file)
+        found = matching_paths(items[name], rest, key, file)
         if isinstance(found, ConfigProblem):
             return found
         paths += [[name, *tail] for tail in found]

@@ -57,7 +57,7 @@ def changes_in(document: Document, base: CaseTables) -> tuple[dict[str, object],
     tables = {key: value for key, value in document.raw.items() if key not in (BASE, WITHOUT)}
     changes: dict[str, object] = {}
     whole = plain(base)
-    for key, value in _leaves(tables):
+    for key, value in leaves(tables):
         short = key.replace("vehicle.changes.", "vehicle.", 1).replace("support.changes.", "support.", 1)
         if value != {} or not exists(whole, short):  # an empty table asks for its defaults where there is none
             changes[short] = relative_to(document.folder, short, value)
@@ -72,11 +72,11 @@ def changes_in(document: Document, base: CaseTables) -> tuple[dict[str, object],
     return changes, problems
 
 
-def _leaves(table: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, Any]]:
+def leaves(table: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, Any]]:
     """Values with their dotted keys; an empty table is one, a list is one."""
     for key, value in table.items():
         if isinstance(value, Mapping) and value:
-            yield from _leaves(value, f"{above}{key}.")
+            yield from leaves(value, f"{above}{key}.")
         else:
             yield f"{above}{key}", value
 

@@ -4,7 +4,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Literal
 
-CatalogKind = Literal["vehicle", "support", "profile", "material", "case", "programme"]
+CatalogKind = Literal["vehicle", "support", "profile", "material", "case", "programme", "plan"]
 
 CATALOG_FOLDER = Path(__file__).parents[2] / "catalog"
 

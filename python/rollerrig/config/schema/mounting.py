@@ -4,6 +4,7 @@ from pydantic import Field, model_validator
 
 from rollerrig.config.schema.base import Table, refused
 from rollerrig.config.schema.units import (
+    Angle,
     AngularDamping,
     Damping,
     Mass,
@@ -34,6 +35,18 @@ class Mounting(Table):
     lateral: LinearSupport | None = Field(default=None, description="elastic support along y")
     vertical: LinearSupport | None = Field(default=None, description="elastic support along z")
     yaw: AngularSupport | None = Field(default=None, description="elastic support about z")
+    misalignment: tuple[Angle, ...] = Field(
+        default=(),
+        max_length=64,
+        description="angle about z at which the roller axles of the first, second, ... wheelset are mounted, positive to the "
+        "left; those not named stand square; needs `yaw`",
+    )
+
+    @model_validator(mode="after")
+    def _can_turn(self) -> "Mounting":
+        if any(self.misalignment) and self.yaw is None:
+            raise refused("yaw", "needed: the support about z of a roller axle that is mounted askew")
+        return self
 
     @property
     def laws(self) -> dict[str, LinearSupport | AngularSupport]:

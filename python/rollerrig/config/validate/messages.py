@@ -18,7 +18,7 @@ from rollerrig.config.validate.former_names import divided, meant
 
 M = TypeVar("M", bound=BaseModel)
 
-_NAMING_KEYS = ("name", "wheelset", "body")
+NAMING_KEYS = ("name", "wheelset", "body")
 _KINDS = {
     "string_type": "allowed: a text",
     "bool_type": "allowed: true or false",
@@ -54,7 +54,7 @@ def item_label(items: Sequence[object], index: int) -> str:
 
     def name(item: object) -> object:
         if isinstance(item, Mapping):
-            return next((item[key] for key in _NAMING_KEYS if isinstance(item.get(key), str)), None)
+            return next((item[key] for key in NAMING_KEYS if isinstance(item.get(key), str)), None)
         return None
 
     own = name(items[index]) if index < len(items) else None

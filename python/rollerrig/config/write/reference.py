@@ -10,6 +10,7 @@ from pydantic.fields import FieldInfo
 from rollerrig.config.schema.base import INSTEAD_OF, quantity_of
 from rollerrig.config.schema.case import CaseTables
 from rollerrig.config.schema.material import Material
+from rollerrig.config.schema.plan import Plan
 from rollerrig.config.schema.profile import S1002, Arc, Cone, Cylinder, ProfileFile, Uic60
 from rollerrig.config.schema.programme import Programme
 from rollerrig.config.schema.support import Rig
@@ -24,6 +25,7 @@ _CHAPTERS: tuple[tuple[str, tuple[type[BaseModel], ...]], ...] = (
     ("Material file", (Material,)),
     ("Profile", (S1002, Cone, Uic60, Cylinder, Arc, ProfileFile)),
     ("Programme file", (Programme,)),
+    ("Plan file", (Plan,)),
 )
 
 _INTRODUCTION = """\

@@ -1,0 +1,60 @@
+"""Read a file of any kind, known by its keys.
+
+name or path -> [load_any] -> what kind it is, and what it describes
+"""
+
+from pathlib import Path
+from typing import get_args
+
+from rollerrig.config.load.case import (
+    Case,
+    build_case,
+    kind_of,
+    load_material,
+    load_profile,
+    load_programme,
+    load_support,
+    load_vehicle,
+)
+from rollerrig.config.load.plan import resolve_plan
+from rollerrig.config.read.document import read_document
+from rollerrig.config.read.library import CatalogKind, catalog_names
+from rollerrig.config.schema.material import Material
+from rollerrig.config.schema.plan import Plan
+from rollerrig.config.schema.profile import ProfileSpec
+from rollerrig.config.schema.programme import Programme
+from rollerrig.config.schema.support import Rig
+from rollerrig.config.schema.track import Track
+from rollerrig.config.schema.vehicle import Vehicle
+
+
+def load_any(
+    source: str | Path, *, allow_code: bool = False
+) -> tuple[CatalogKind, Case | Vehicle | Rig | Track | Material | ProfileSpec | Programme | Plan]:
+    """Read a catalogue entry or file of any kind and say which it is by its keys.
+
+    Args:
+        source: name in the catalogue, or path of a TOML file.
+        allow_code: whether controllers that a case names may lie outside its own folder; none is run here.
+
+    Raises:
+        ConfigError: all mistakes found.
+    """
+    kinds: tuple[CatalogKind, ...] = get_args(CatalogKind)
+    named = next((kind for kind in kinds if str(source) in catalog_names(kind)), None)
+    document = read_document(named or "case", source)
+    kind = named or kind_of(document.raw)
+    match kind:
+        case "vehicle":
+            return kind, load_vehicle(source)
+        case "support":
+            return kind, load_support(source)
+        case "material":
+            return kind, load_material(source)
+        case "profile":
+            return kind, load_profile(source)
+        case "programme":
+            return kind, load_programme(source)
+        case "plan":
+            return kind, resolve_plan(document, allow_code=allow_code).plan
+    return kind, build_case(document, own_folder=document.folder, allow_code=allow_code)

@@ -1,0 +1,149 @@
+"""Read a plan of a sweep with the case it varies, and find what each varied key is.
+
+TOML -> plan -> its case, with the changes of the plan -> [varied_keys] -> the quantity at each varied key
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from pydantic import BaseModel
+
+from rollerrig.config.errors import ConfigError, ConfigProblem, nearest, one_of, show_value
+from rollerrig.config.load.case import Case, build_case
+from rollerrig.config.load.change import matching_paths, parts_of
+from rollerrig.config.load.changed import leaves, whole_key
+from rollerrig.config.load.resolve import Problems, refer, relative_to
+from rollerrig.config.read.document import Document, read_document
+from rollerrig.config.schema.base import quantity_of
+from rollerrig.config.schema.plan import Plan
+from rollerrig.config.schema.units import Quantity
+from rollerrig.config.validate.messages import NAMING_KEYS, validate
+from rollerrig.config.write.toml import plain
+
+
+@dataclass(frozen=True)
+class WholePlan:
+    """A plan with what it refers to.
+
+    Attributes:
+        plan: as it was written.
+        case: with the changes of the plan.
+        file: that messages name.
+        quantities: of the varied keys, in their order; None where words or lists stand.
+    """
+
+    plan: Plan
+    case: Case
+    file: str
+    quantities: tuple[Quantity | None, ...]
+
+
+def load_plan(
+    source: str | Path, *, allow_code: bool = False, changes: Mapping[str, object] | None = None
+) -> WholePlan:
+    """Read a plan, the case it names, and what its keys are.
+
+    Args:
+        source: name in the catalogue, or path of a TOML file.
+        allow_code: whether controllers of its case may lie outside the case's folder.
+        changes: of the case, beyond those of the plan.
+
+    Raises:
+        ConfigError: all mistakes found.
+    """
+    return resolve_plan(read_document("plan", source), allow_code=allow_code, changes=changes)
+
+
+def resolve_plan(
+    document: Document, *, allow_code: bool = False, changes: Mapping[str, object] | None = None
+) -> WholePlan:
+    """A plan from its raw tables; arguments and errors as of `load_plan`."""
+    plan, problems = validate(Plan, document.raw, document.file)
+    if plan is None:
+        raise ConfigError(problems)
+    if not plan.measure:
+        allowed = "needed: what is computed of each case, such as [[measure]] with kind = 'critical_speed'"
+        raise ConfigError([ConfigProblem(document.file, "measure", "missing", allowed)])
+    found, problems = refer("case", plan.case, document, "case")
+    if found is None:
+        raise ConfigError(problems)
+    case = build_case(found, own_folder=found.folder, allow_code=allow_code)
+    own = {key: relative_to(document.folder, key, value) for key, value in leaves(plan.changes)}
+    case = _changed(case, own, document.file)
+    return plan_of_case(plan, case.with_changes(changes) if changes else case, document.file)
+
+
+def plan_of_case(plan: Plan, case: Case, file: str) -> WholePlan:
+    """A plan for a case that has its changes already.
+
+    Raises:
+        ConfigError: a key that is varied does not exist, or two have one name.
+    """
+    quantities, problems = varied_keys(plan, case, file)
+    if problems:
+        raise ConfigError(problems)
+    return WholePlan(plan, case, file, quantities)
+
+
+def _changed(case: Case, changes: Mapping[str, object], file: str) -> Case:
+    try:
+        return case.with_changes(changes) if changes else case
+    except ConfigError as error:
+        raise ConfigError([replace(p, file=file, key=f"changes.{p.key}") for p in error.problems]) from None
+
+
+def varied_keys(plan: Plan, case: Case, file: str) -> tuple[tuple[Quantity | None, ...], Problems]:
+    """The quantity at each varied key, and the keys that lead nowhere or have a name twice."""
+    raw = plain(case.model_dump(exclude_none=True))
+    quantities: list[Quantity | None] = []
+    problems: Problems = []
+    names = [variation.label for variation in plan.vary]
+    for number, variation in enumerate(plan.vary):
+        at = f"vary[{number}]"
+        if variation.label in names[:number]:
+            allowed = "allowed: each name once; give this one a `name` of its own"
+            problems.append(ConfigProblem(file, f"{at}.name", show_value(variation.label), allowed))
+        found = _quantity_at(case, raw, variation.key, file)
+        if isinstance(found, ConfigProblem):
+            problems.append(replace(found, key=f"{at}.key", value=show_value(variation.key)))
+            found = None
+        quantities.append(found)
+    return tuple(quantities), problems
+
+
+def _quantity_at(case: Case, raw: dict[str, Any], key: str, file: str) -> Quantity | ConfigProblem | None:
+    """What stands at a dotted key of a case."""
+    path = parts_of(whole_key(key))
+    if "*" in key:
+        matching = matching_paths(raw, path, key, file)
+        if isinstance(matching, ConfigProblem):
+            return matching
+        path = matching[0]
+    holder: Any = case
+    quantity: Quantity | None = None
+    for number, part in enumerate(path):
+        choices = _inside(holder)
+        if holder is None:
+            allowed = f"the case has no `{'.'.join(path[:number])}`; put it into [changes]"
+            return ConfigProblem(file, key, "", allowed)
+        if part not in choices:
+            return ConfigProblem(file, key, "", one_of(choices), nearest(part, tuple(choices)))
+        if isinstance(holder, BaseModel):
+            field = type(holder).model_fields[part]
+            quantity = quantity_of(field.annotation, field.metadata)
+        holder = choices[part]
+    return None if isinstance(holder, BaseModel | dict) else quantity
+
+
+def _inside(holder: Any) -> dict[str, Any]:
+    """What may follow in a dotted key: name -> value; items of a list by their names and numbers."""
+    if isinstance(holder, BaseModel):
+        return {name: getattr(holder, name) for name in type(holder).model_fields}
+    if isinstance(holder, Mapping):
+        return dict(holder)
+    if not isinstance(holder, list | tuple):
+        return {}
+    named = {str(name): item for item in holder for k in NAMING_KEYS if isinstance(name := getattr(item, k, None), str)}
+    return {**named, **{str(number): item for number, item in enumerate(holder)}}

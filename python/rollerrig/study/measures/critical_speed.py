@@ -1,0 +1,25 @@
+"""Linear critical speed of a case."""
+
+from __future__ import annotations
+
+from rollerrig.analysis.critical_speed import critical_speed
+from rollerrig.config import Case
+from rollerrig.config.schema.plan import CriticalSpeedMeasure
+from rollerrig.study.jobs import Progress
+
+QUANTITIES = {
+    "linear_critical_speed": (
+        "km/h",
+        "lowest speed at which an oscillatory mode begins to grow; NaN: none up to 600 km/h",
+    ),
+}
+
+
+def measure(case: Case, options: CriticalSpeedMeasure, progress: Progress | None = None) -> dict[str, float]:
+    """The linear critical speed, looked for between two speeds and above them.
+
+    Raises:
+        StartError: no rolling equilibrium at one of the speeds.
+    """
+    speeds = [3.6 * options.slowest, 3.6 * options.fastest]
+    return {name: float(critical_speed(case, speeds_kmh=speeds, progress=progress)[name]) for name in QUANTITIES}

@@ -1,0 +1,327 @@
+"""A sweep: many cases that differ in a few keys, and some numbers of each.
+
+WholePlan -> a job per case -> [SweepStudy] -> Dataset over what is varied; quantiles, tornado, Sobol indices, report
+"""
+
+from __future__ import annotations
+
+import math
+import pickle
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass, field
+from functools import cached_property, lru_cache
+from typing import Any
+
+import xarray as xr
+
+from rollerrig.config import Case, ConfigError, ConfigProblem, Plan, WholePlan, plan_of_case
+from rollerrig.config.errors import nearest, one_of, show_value
+from rollerrig.config.validate.messages import validate
+from rollerrig.study.frame import Study
+from rollerrig.study.jobs import Done, Progress, Round, call, job
+from rollerrig.study.measures import KINDS, module_of, quantities_of
+from rollerrig.study.quantities import Numbers, Quantities, Quantity
+from rollerrig.study.report import Block, Section, Table, Text
+from rollerrig.study.sweep_dataset import FAILED, Record, sweep_dataset, sweep_rows
+from rollerrig.study.sweep_points import Points
+from rollerrig.study.sweep_report import sections_of
+from rollerrig.study.sweep_statistics import Statistics, statistics
+
+MOST_UNASKED = 100_000
+"""More cases than that are probably a slip of the pen."""
+
+Compute = Callable[[Case], Mapping[str, float]]
+"""A measure of the user's own: a case -> numbers by name."""
+
+QUANTITIES = Quantities(
+    Quantity("plan", "its name"),
+    Quantity("case", "name of the case that is varied"),
+    Quantity("design", "how the cases were chosen"),
+    Quantity("cases", "of the plan"),
+    Quantity("finished", "cases with numbers"),
+    Quantity("failed", "cases without"),
+    Quantity("failures.*", "reason -> number of cases"),
+    Quantity("numbers.*.unit", "of a measured number"),
+    Quantity("numbers.*.least", "of all finished cases; null: no case has this number"),
+    Quantity("numbers.*.median", "of all finished cases"),
+    Quantity("numbers.*.largest", "of all finished cases"),
+    Quantity("numbers.*.quantiles.*", "5, 25, 50, 75 and 95 % of samples lie below"),
+    Quantity(
+        "numbers.*.tornado.*.low",
+        "mean where the varied key has its lowest values: the lowest one, or fifth of samples",
+    ),
+    Quantity("numbers.*.tornado.*.high", "mean where it has its highest ones"),
+    Quantity(
+        "numbers.*.sobol.*.first", "first-order Sobol index: part of the variance that goes with this key alone", "1"
+    ),
+    Quantity("numbers.*.sobol.*.first_confidence", "half of its interval of 95 %, by bootstrap", "1"),
+    Quantity("numbers.*.sobol.*.total", "total index: part of the variance in which the key takes part", "1"),
+    Quantity("numbers.*.sobol.*.total_confidence", "half of its interval of 95 %, by bootstrap", "1"),
+)
+
+
+@dataclass(frozen=True)
+class Sweep:
+    """What a sweep found: its Dataset, and statistics of each number."""
+
+    data: xr.Dataset
+    statistics: Mapping[str, Statistics]
+
+
+@dataclass(frozen=True)
+class SweepStudy(Study[Sweep]):
+    """All cases of a plan.
+
+    Attributes:
+        whole: the plan and its case.
+        many: whether more than MOST_UNASKED cases are meant.
+        compute: measure of the user's own, beside or in place of those of the plan.
+    """
+
+    whole: WholePlan
+    many: bool = False
+    compute: Compute | None = None
+    _told: dict[str, float] = field(default_factory=dict, compare=False, repr=False)
+
+    command = "sweep"
+    quantities = QUANTITIES
+    writes = ("sweep.nc", "sweep.csv", "plan.toml")
+    keeps_jobs = True
+    irrelevant = ("description", "plan.name", "plan.description")
+
+    def __post_init__(self) -> None:
+        """Refuse what cannot be done.
+
+        Raises:
+            ConfigError: a value that does not fit its key, a number that no measure has, or too many cases.
+        """
+        count, file = len(self.points), self.whole.file
+        if count > MOST_UNASKED and not self.many:
+            allowed = f"allowed: up to {MOST_UNASKED} cases; more with --yes (many=True)"
+            raise ConfigError([ConfigProblem(file, "design", f"{count} cases", allowed)])
+        if problems := self._check_kept():
+            raise ConfigError(problems)
+
+    def _check_kept(self) -> list[ConfigProblem]:
+        problems, seen = [], [axis.name for axis in self.points.axes]
+        for number, measure in enumerate(self.whole.plan.measure):
+            known = quantities_of(measure.kind)
+            for place, name in enumerate(measure.keep or known):
+                at = f"measure[{number}].keep" + (f"[{place}]" if measure.keep else "")
+                if name not in known:
+                    allowed, near = one_of(known), nearest(name, tuple(known))
+                    problems.append(ConfigProblem(self.whole.file, at, show_value(name), allowed, near))
+                elif name in seen:
+                    allowed = "allowed: each name once; keep others, or give the varied key another `name`"
+                    problems.append(ConfigProblem(self.whole.file, at, show_value(name), allowed))
+                seen.append(name)
+        return problems
+
+    @cached_property
+    def points(self) -> Points:
+        """All cases of the plan."""
+        return Points(self.whole)
+
+    @property
+    def title(self) -> str:
+        return f"Sweep {self.whole.plan.name}: {self.whole.plan.description or self.whole.case.name}"
+
+    def described(self) -> list[str]:
+        """What `rollerrig check` prints of the plan."""
+        plan = self.whole.plan
+        varied = ", ".join(f"{axis.name} ({axis.key})" for axis in self.points.axes)
+        return [
+            f"{plan.name}: {len(self.points)} cases of {self.whole.case.name}, design {plan.design.kind}",
+            f"varied: {varied}",
+            f"computed: {', '.join(measure.kind for measure in plan.measure)}",
+        ]
+
+    def cases(self) -> Mapping[str, Case]:
+        return {self.whole.case.name: self.whole.case}
+
+    def plan(self) -> dict[str, Any]:
+        own = self.whole.plan.model_dump(mode="json", exclude_none=True)
+        name = {} if self.compute is None else {"compute": f"{self.compute.__module__}:{self.compute.__qualname__}"}
+        return {"plan": own, **name, "case": _tables(self.whole.case)}
+
+    # ------------------------------------------------------------------------------------------------------ jobs
+
+    def rounds(self, done: Done) -> Iterator[Round]:
+        packed = pickle.dumps((self.whole.case, self.whole.plan.measure, self.compute))
+        yield {_name(i): job(run_case, packed, changes) for i, changes in enumerate(self.points.changes())}
+
+    def told(self, done: Done, seconds: float) -> str:
+        count = len(done)
+        taken_over = self._told.setdefault("taken over", count)
+        failed = self._failed(done)
+        rate = f", {(count - taken_over) / seconds:.3g} per s" if seconds > 1.0 else ""
+        return f"{count} of {len(self.points)} cases{rate}{f', {failed} failed' if failed else ''}"
+
+    def _failed(self, done: Done) -> int:
+        """Failed cases so far; only those that came since the last time are looked at."""
+        seen = int(self._told.get("seen", 0))
+        new = list(done.values())[seen:] if len(done) > seen else []
+        self._told["failed"] = self._told.get("failed", 0) + sum(1 for record in new if record[FAILED])
+        self._told["seen"] = seen + len(new)
+        return int(self._told["failed"])
+
+    def collect(self, done: Done) -> Sweep | None:
+        records: list[Record | None] = [done.get(_name(i)) for i in range(len(self.points))]
+        if not any(records):
+            return None
+        data = sweep_dataset(self.whole, self.points, records, self._units(records))
+        return Sweep(data, statistics(data, self.points))
+
+    def _units(self, records: list[Record | None]) -> dict[str, tuple[str, str]]:
+        """Name of each kept number -> unit and meaning."""
+        found: dict[str, tuple[str, str]] = {}
+        for measure in self.whole.plan.measure:
+            known = quantities_of(measure.kind)
+            found |= {name: known[name] for name in measure.keep or known}
+        for record in records:
+            for name in (record or {}).get("numbers", {}):
+                found.setdefault(name, ("", name.replace("_", " ")))
+        return found
+
+    # --------------------------------------------------------------------------------------------------- numbers
+
+    def numbers(self, results: Sweep) -> dict[str, Any]:
+        data = results.data
+        return {
+            "plan": self.whole.plan.name,
+            "case": self.whole.case.name,
+            "design": self.whole.plan.design.kind,
+            "cases": data.attrs["cases"],
+            "finished": data.attrs["finished"],
+            "failed": data.attrs["failed"],
+            "failures": _reasons(data),
+            "numbers": {
+                name: {"unit": data[name].attrs["units"], **one.as_dict()} for name, one in results.statistics.items()
+            },
+        }
+
+    def summary(self, results: Sweep, numbers: Numbers) -> list[str]:
+        told = f"{numbers['finished']} of {numbers['cases']} cases finished, {numbers['failed']} failed."
+        lines = [told]
+        for name, one in numbers["numbers"].items():
+            if one["least"] is not None:
+                unit = "" if one["unit"] in ("1", "") else f" {one['unit']}"
+                lines.append(
+                    f"{name.replace('_', ' ')}: {one['least']:.4g} to {one['largest']:.4g}{unit}, median {one['median']:.4g}."
+                )
+                widest = max(one["tornado"], key=lambda key: _span(one["tornado"][key]), default=None)
+                if widest is not None and math.isfinite(span := _span(one["tornado"][widest])) and span > 0.0:
+                    lines[-1] += f" It follows {widest.replace('_', ' ')} most."
+        return lines
+
+    def files(self, results: Sweep, numbers: Numbers) -> Mapping[str, Any]:
+        return {"sweep.nc": results.data, "sweep.csv": sweep_rows(results.data, self.points)}
+
+    def sections(self, results: Sweep, numbers: Numbers) -> list[Section]:
+        sections = sections_of(results.data, results.statistics, self.points)
+        if numbers["failures"]:
+            rows = [[reason, count] for reason, count in numbers["failures"].items()]
+            blocks: list[Block] = [
+                Text("Each failed case stands in sweep.csv with its reason."),
+                Table(("reason", "cases"), rows),
+            ]
+            sections.append(Section("Failed cases", blocks))
+        return sections
+
+
+def sweep_study(case: Case, vary: Mapping[str, Any], measure: Any, design: Any, *, many: bool = False) -> SweepStudy:
+    """The study of `rollerrig.sweep`, whose arguments these are.
+
+    Raises:
+        ConfigError: all mistakes found.
+    """
+    compute = measure if callable(measure) else None
+    several = [] if compute else [measure] if isinstance(measure, str | Mapping) else list(measure)
+    raw = {
+        "name": "sweep",
+        "case": case.name,
+        "design": design,
+        "vary": [
+            {"key": key, **(one if isinstance(one, Mapping) else {"values": _listed(one)})} for key, one in vary.items()
+        ],
+        "measure": several,
+    }
+    plan, problems = validate(Plan, raw, "sweep")
+    if plan is None:
+        raise ConfigError(problems)
+    if compute is None and not plan.measure:
+        raise ConfigError([ConfigProblem("sweep", "measure", "missing", one_of(KINDS))])
+    return SweepStudy(plan_of_case(plan, case, "sweep"), many, compute)
+
+
+def _listed(values: Any) -> list[Any]:
+    """Values as TOML has them, also those of NumPy."""
+    return (
+        list(values.tolist())
+        if hasattr(values, "tolist")
+        else list(values)
+        if isinstance(values, Iterable) and not isinstance(values, str)
+        else [values]
+    )
+
+
+def _span(ends: Mapping[str, float | None]) -> float:
+    low, high = ends["low"], ends["high"]
+    return -math.inf if low is None or high is None else abs(high - low)
+
+
+def _tables(case: Case) -> dict[str, Any]:
+    import tomllib
+
+    return tomllib.loads(case.to_toml())
+
+
+def _name(number: int) -> str:
+    return f"case {number}"
+
+
+def _reasons(data: xr.Dataset) -> dict[str, int]:
+    found: dict[str, int] = {}
+    for reason in data[FAILED].to_numpy().ravel().tolist():
+        if reason:
+            found[reason] = found.get(reason, 0) + 1
+    return dict(sorted(found.items(), key=lambda pair: -pair[1]))
+
+
+# -------------------------------------------------------------------------------------------------------------- jobs
+
+
+@lru_cache(maxsize=4)
+def _unpacked(packed: bytes) -> tuple[Case, tuple[Any, ...], Compute | None]:
+    """The case of a sweep, read once per worker; its profiles and whatever else the library keeps stay with it."""
+    found: tuple[Case, tuple[Any, ...], Compute | None] = pickle.loads(packed)
+    return found
+
+
+def run_case(packed: bytes, changes: Mapping[str, Any], progress: Progress | None = None) -> Record:
+    """The numbers of one case; whatever goes wrong with it is its reason, not the end of the sweep.
+
+    Raises:
+        KeyboardInterrupt: Ctrl-C.
+    """
+    case, measures, compute = _unpacked(packed)
+    numbers: dict[str, float] = {}
+    try:
+        changed = case.with_changes(changes)
+        for measure in measures:
+            found = call(job(module_of(measure.kind).measure, changed, measure), progress or _silent)
+            numbers |= {name: float(found[name]) for name in measure.keep or found}
+        if compute is not None:
+            numbers |= {str(name): float(value) for name, value in compute(changed).items()}
+    except Exception as error:  # named with its reason
+        reason = (str(error).splitlines() or [""])[0]
+        return {
+            "changes": dict(changes),
+            "numbers": {},
+            FAILED: f"{type(error).__name__}: {reason}".removeprefix("ConfigError: "),
+        }
+    return {"changes": dict(changes), "numbers": numbers, FAILED: ""}
+
+
+def _silent(_fraction: float, _text: str) -> None:
+    pass

@@ -1,0 +1,333 @@
+"""Sweeps: which cases, what is kept of them, what goes on after an end, and what is said about a plan that is wrong."""
+
+from __future__ import annotations
+
+import json
+import math
+import time
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+from scipy import stats
+from typer.testing import CliRunner
+
+import rollerrig as rr
+from rollerrig.cli.app import build_app
+from rollerrig.config import Case, ConfigError, WholePlan, load_case, load_plan
+from rollerrig.results import load_run
+from rollerrig.study import measures
+from rollerrig.study.journal import NAME
+from rollerrig.study.sweep import SweepStudy, sweep_study
+from rollerrig.study.sweep_points import Points
+from rollerrig.study.sweep_statistics import sobol_indices
+
+PLAN = """
+name = "small"
+case = "wheelset_rollers"
+[design]
+kind = "grid"
+[[vary]]
+key = "support.roller_radius"
+values = ["500 mm", 1.0]
+[[vary]]
+key = "vehicle.element.primary_*.x.stiffness"
+name = "primary"
+least = "10 MN/m"
+most = "30 MN/m"
+count = 3
+[[measure]]
+kind = "critical_speed"
+"""
+
+
+def plan_of(tmp_path: Path, text: str = PLAN) -> WholePlan:
+    (tmp_path / "plan.toml").write_text(text)
+    return load_plan(tmp_path / "plan.toml")
+
+
+def speed_and_friction(case: Case) -> dict[str, float]:
+    """A measure that costs nothing."""
+    if case.motion.speed > 30.0:
+        raise ValueError("too fast")
+    return {"product": case.motion.speed * case.contact.friction.mu_0}  # type: ignore[union-attr]
+
+
+VARY: dict[str, Any] = {"motion.speed": ["36 km/h", "72 km/h", "144 km/h"], "contact.friction.mu_0": [0.1, 0.2]}
+
+
+# ------------------------------------------------------------------------------------------------------------ cases
+
+
+def test_a_grid_has_all_combinations_in_si(tmp_path: Path) -> None:
+    points = Points(plan_of(tmp_path))
+    assert len(points) == 6
+    assert points.columns == [[0.5] * 3 + [1.0] * 3, [1e7, 2e7, 3e7] * 2]
+    assert list(points.changes())[4] == {"support.roller_radius": 1.0, "vehicle.element.primary_*.x.stiffness": 2e7}
+    assert [axis.unit for axis in points.axes] == ["m", "N/m"]
+
+
+@pytest.mark.parametrize("kind", ["random", "latin_hypercube", "sobol", "saltelli"])
+def test_samples_are_those_of_the_seed_and_lie_in_their_distributions(kind: str) -> None:
+    case = load_case("wheelset_rollers")
+    vary = {
+        "support.roller_radius": {"distribution": {"kind": "normal", "mean": "725 mm", "deviation": "5 mm"}},
+        "motion.speed": {"least": "30 km/h", "most": "300 km/h", "scale": "logarithmic"},
+        "contact.friction.mu_0": {"distribution": {"kind": "triangular", "mode": 0.3}, "least": 0.1, "most": 0.4},
+    }
+
+    def columns(seed: int) -> list[np.ndarray]:
+        study = sweep_study(case, vary, "stability", {"kind": kind, "samples": 512, "seed": seed})
+        return [np.array(column) for column in study.points.columns]
+
+    first, again, other = columns(1), columns(1), columns(2)
+    assert all(np.array_equal(a, b) for a, b in zip(first, again, strict=True))
+    assert not np.array_equal(first[0], other[0])
+    assert len(first[0]) == (512 * 5 if kind == "saltelli" else 512)
+    speed = stats.loguniform(30 / 3.6, 300 / 3.6)
+    laws = (stats.norm(0.725, 0.005), speed, stats.triang(2 / 3, 0.1, 0.3))
+    for column, law in zip(first, laws, strict=True):
+        assert stats.kstest(column[:: 5 if kind == "saltelli" else 1], law.cdf).statistic < 1.6 / math.sqrt(512)  # 1 %
+
+
+def test_a_list_goes_through_its_values_together() -> None:
+    study = sweep_study(
+        load_case("wheelset_rollers"), {**VARY, "contact.friction.mu_0": [0.1, 0.2, 0.3]}, "run", "list"
+    )
+    assert study.points.columns == [[10.0, 20.0, 40.0], [0.1, 0.2, 0.3]]
+
+
+# ------------------------------------------------------------------------------------------------------ what is found
+
+
+def test_results_lie_over_the_varied_keys_and_failed_cases_say_why() -> None:
+    found = rr.sweep("wheelset_rollers", VARY, measure=speed_and_friction)
+    assert found["product"].sel(speed=20.0, mu_0=0.2) == pytest.approx(4.0)
+    assert found["speed"].attrs["units"] == "m/s"
+    assert found["product"].isnull().sum() == 2
+    assert set(found["failed"].sel(speed=40.0).to_numpy()) == {"ValueError: too fast"}
+    assert (found.attrs["finished"], found.attrs["failed"]) == (4, 2)
+
+
+def test_a_cell_is_what_the_command_of_that_name_finds() -> None:
+    radii = {"support.roller_radius": ["0.6 m"]}
+    found = rr.sweep("bogie_rollers_constant", radii, measure={"kind": "critical_speed", "slowest": "100 km/h"})
+    case = load_case("bogie_rollers_constant").with_changes({"support.roller_radius": "0.6 m"})
+    alone = rr.stability(case, np.arange(100.0, 401.0, 50.0).tolist()).attrs["linear_critical_speed_kmh"]
+    assert float(found["linear_critical_speed"][0]) == pytest.approx(alone, rel=1e-4)  # both search to a tolerance
+
+
+@pytest.mark.parametrize("kind", measures.KINDS)
+def test_every_measure_gives_all_its_numbers(kind: str) -> None:
+    name, changes = "bogie_rollers_constant", {"time.duration": "0.5 s"}
+    if kind == "adhesion":
+        name, changes = "adhesion_brake", {"time.duration": "2 s"}
+    case = load_case(name).with_changes(changes)
+    found = rr.sweep(case, {"contact.friction.mu_0": [0.25]}, measure=kind)
+    assert found["failed"].item() == ""
+    quantities = measures.quantities_of(kind)
+    assert set(quantities) | {"failed"} == set(found.data_vars)
+    assert not [name for name in quantities if not np.isfinite(found[name].item())]
+    assert {name: found[name].attrs["units"] for name in quantities} == {n: unit for n, (unit, _) in quantities.items()}
+
+
+def test_sobol_indices_are_those_of_ishigamis_function() -> None:
+    """sin x1 + 7 sin² x2 + 0.1 x3⁴ sin x1 over (-π, π)³, whose indices are known in closed form (Ishigami, Homma 1990)."""
+    keys = ("motion.speed", "contact.friction.mu_0", "support.roller_radius")
+    vary = {key: {"least": 0.2, "most": 0.5} for key in keys}
+    study = sweep_study(load_case("wheelset_rollers"), vary, "run", {"kind": "saltelli", "samples": 4096})
+    x1, x2, x3 = (math.pi * (2.0 * (np.array(column) - 0.2) / 0.3 - 1.0) for column in study.points.columns)
+    found = sobol_indices(np.sin(x1) + 7.0 * np.sin(x2) ** 2 + 0.1 * x3**4 * np.sin(x1), ["x1", "x2", "x3"])
+    parts = 0.5 * (1 + 0.1 * math.pi**4 / 5) ** 2, 49 / 8, 0.0
+    mixed = 0.01 * math.pi**8 * (1 / 18 - 1 / 50)
+    whole = sum(parts) + mixed
+    for name, first, total in zip(found, parts, (parts[0] + mixed, parts[1], mixed), strict=True):
+        one = found[name]
+        assert one["first"] == pytest.approx(first / whole, abs=max(0.02, 1.5 * one["first_confidence"]))
+        assert one["total"] == pytest.approx(total / whole, abs=max(0.02, 1.5 * one["total_confidence"]))
+        assert one["total_confidence"] < 0.06
+
+
+def test_a_sample_with_a_failed_case_is_left_out_of_sobol_indices() -> None:
+    rng = np.random.default_rng(3)
+    a, b = rng.random((256, 2)), rng.random((256, 2))
+    rows = np.stack([a, np.column_stack([b[:, 0], a[:, 1]]), np.column_stack([a[:, 0], b[:, 1]]), b], axis=1).reshape(
+        -1, 2
+    )
+    values = rows[:, 0].copy()  # only the first one matters
+    values[8 * 4 + 1] = math.nan
+    found = sobol_indices(values, ["x", "y"])
+    assert found["x"]["total"] == pytest.approx(1.0, abs=0.1)
+    assert found["y"]["total"] == 0.0
+
+
+# ----------------------------------------------------------------------------------------------------- going on
+
+
+class Counted:
+    """A measure that ends the sweep at a case."""
+
+    calls = 0
+    stop_at = -1
+
+
+def counted(case: Case) -> dict[str, float]:
+    Counted.calls += 1
+    if Counted.calls == Counted.stop_at:
+        raise KeyboardInterrupt
+    return speed_and_friction(case)
+
+
+def run(folder: Path, vary: dict[str, Any] = VARY) -> xr.Dataset | None:
+    study = sweep_study(load_case("wheelset_rollers"), vary, counted, "grid")
+    outcome = study.run(folder=folder)
+    assert outcome is not None
+    outcome.write(folder)
+    return None if outcome.interrupted else outcome.results.data
+
+
+def test_an_interrupted_sweep_goes_on_and_ends_in_the_same_bytes(tmp_path: Path) -> None:
+    Counted.calls, Counted.stop_at = 0, 4
+    assert run(tmp_path / "a") is None
+    with (tmp_path / "a" / NAME).open("ab") as file:  # as if killed while it wrote, on a disk that is full
+        file.write(b'{"job": "case 3", "result": {"chan')
+    Counted.calls, Counted.stop_at = 0, -1
+    assert run(tmp_path / "a") is not None
+    assert Counted.calls == 3
+    run(tmp_path / "b")
+    assert (tmp_path / "a" / NAME).read_bytes() == (tmp_path / "b" / NAME).read_bytes()
+    for name in ("sweep.nc", "sweep.csv", "summary.json", "report.html"):
+        assert (tmp_path / "a" / name).read_bytes() == (tmp_path / "b" / name).read_bytes()
+    assert len((tmp_path / "a" / NAME).read_bytes().splitlines()) == 1 + 6
+
+
+def test_another_plan_is_refused_with_what_changed(tmp_path: Path) -> None:
+    Counted.stop_at = -1
+    run(tmp_path)
+    with pytest.raises(ConfigError, match=r"plan\.vary\[1\]\.values\[1\]: 0\.2 there, 0\.3 now"):
+        run(tmp_path, {**VARY, "contact.friction.mu_0": [0.1, 0.3]})
+
+
+def slow_first(case: Case) -> dict[str, float]:
+    """The sooner handed out, the later done."""
+    time.sleep(max(0.0, 0.06 - 2e-3 * case.motion.speed))
+    return speed_and_friction(case)
+
+
+def test_the_order_in_which_cases_end_changes_no_byte(tmp_path: Path) -> None:
+    study = sweep_study(load_case("wheelset_rollers"), VARY, slow_first, "grid")
+    with ThreadPoolExecutor(6) as executor:
+        for folder, other in (("alone", None), ("together", executor)):
+            outcome = study.run(folder=tmp_path / folder, executor=other)
+            assert outcome is not None
+            outcome.write(tmp_path / folder)
+    assert_same_bytes(tmp_path / "alone", tmp_path / "together")
+
+
+@pytest.mark.long
+def test_many_workers_write_the_same_bytes_as_one(tmp_path: Path) -> None:
+    plan_of(tmp_path, PLAN)
+    for workers in ("1", "2"):
+        arguments = ["sweep", str(tmp_path / "plan.toml"), "--out", str(tmp_path / workers), "--workers", workers]
+        assert CliRunner().invoke(build_app(), arguments).exit_code == 0
+    assert_same_bytes(tmp_path / "1", tmp_path / "2")
+
+
+def assert_same_bytes(one: Path, other: Path) -> None:
+    files = sorted(path.relative_to(one) for path in one.rglob("*") if path.is_file())
+    assert {"sweep.nc", "report.html", NAME} <= {str(file) for file in files}
+    for file in files:
+        assert file.name == "timing.json" or (one / file).read_bytes() == (other / file).read_bytes(), file
+
+
+def test_the_command_writes_all_files_and_explains_its_numbers(tmp_path: Path) -> None:
+    plan_of(tmp_path, PLAN.replace("critical_speed", "stability"))
+    out = tmp_path / "out"
+    arguments = ["sweep", str(tmp_path / "plan.toml"), "--out", str(out), "--workers", "1", "--samples", "2"]
+    assert CliRunner().invoke(build_app(), arguments).exit_code == 0
+    numbers = json.loads((out / "summary.json").read_text())
+    assert not SweepStudy.quantities.unexplained({k: v for k, v in numbers.items() if k != "keys"})
+    assert numbers["finished"] == 4
+    data = load_run(out / "sweep.nc")
+    assert data["growth_rate"].dims == ("roller_radius", "primary")
+    assert {path.name for path in (out / "figures").iterdir()} >= {"map_growth_rate.png", "tornado_growth_rate.png"}
+
+
+# ------------------------------------------------------------------------------------------------------ bad plans
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("support.roller_radius", "support.roler_radius", r"vary\[0\].key: .*did you mean 'roller_radius'"),
+        ("primary_*", "primry_*", r"vary\[1\].key: .*did you mean"),
+        ('["500 mm", 1.0]', "[]", r"vary\[0\].values: \[\]; allowed: at least 1 entries"),
+        ('"500 mm"', '"500 kg"', r"vary\[0\].values\[0\]: '500 kg'; allowed: a number in m"),
+        ('"500 mm"', "-1.0", r"vary\[0\].values\[0\]: -1.0; allowed: .* from 0.001"),
+        ('most = "30 MN/m"', 'most = "3 MN/m"', r"vary\[1\].most: 3 MN/m; allowed: more than `least`"),
+        ("count = 3", "", r"vary\[1\].count: missing; needed in a grid"),
+        ("count = 3", "cont = 3", r"vary.primary.cont: unknown key .*did you mean 'count'"),
+        ("count = 3", "count = 100000", r"design: 200000 cases; allowed: up to 100000 cases; more with --yes"),
+        ('kind = "critical_speed"', 'kind = "critical_sped"', r"measure\[0\].kind: .*did you mean 'critical_speed'"),
+        ('kind = "critical_speed"', 'kind = "run"\nkeep = ["lateral_rm"]', r"keep\[0\]: .*did you mean 'lateral_rms'"),
+        ('kind = "grid"', 'kind = "sobol"\nsamples = 100', r"design.samples: 100; allowed .*such as 64 or 128"),
+        ('kind = "grid"', 'kind = "random"', r"design.samples: missing; needed by the design random"),
+        ("wheelset_rollers", "wheelset_roller", r"case: 'wheelset_roller'; .*did you mean 'wheelset_rollers'"),
+        ('name = "primary"', 'name = "roller_radius"', r"vary\[1\].name: 'roller_radius'; allowed: each name once"),
+        ('[[measure]]\nkind = "critical_speed"', "", r"measure: missing"),
+    ],
+)  # fmt: skip
+def test_a_wrong_plan_is_one_line_with_a_way_out(tmp_path: Path, old: str, new: str, message: str) -> None:
+    assert old in PLAN
+    with pytest.raises(ConfigError, match=message):
+        SweepStudy(plan_of(tmp_path, PLAN.replace(old, new)))
+
+
+@pytest.mark.parametrize(
+    ("distribution", "message"),
+    [
+        ({"kind": "normal", "mean": "1 t", "deviation": "0.6 t"}, r"4.8 % of it lies below 1e-05 kg"),
+        ({"kind": "normal", "mean": "1 t", "deviation": "0 t"}, r"distribution.deviation: 0 t; allowed: positive"),
+        ({"kind": "normal", "mean": "1 m", "deviation": "1 t"}, r"distribution.mean: '1 m'; allowed: a number in kg"),
+        ({"kind": "lognormal", "median": "-1 t", "deviation": 0.1}, r"distribution.median: -1 t; allowed: positive"),
+    ],
+)
+def test_a_distribution_that_cannot_be_is_refused(distribution: dict[str, Any], message: str) -> None:
+    vary = {"vehicle.body.wheelset_1.mass": {"distribution": distribution}}
+    with pytest.raises(ConfigError, match=message):
+        sweep_study(load_case("wheelset_rollers"), vary, "run", {"kind": "random", "samples": 4})
+
+
+def test_a_distribution_without_mass_between_its_ends_is_refused() -> None:
+    law = {"kind": "normal", "mean": "1 t", "deviation": "10 kg"}
+    vary = {"vehicle.body.wheelset_1.mass": {"distribution": law, "least": "2 t", "most": "3 t"}}
+    with pytest.raises(ConfigError, match="no probability mass lies between its ends"):
+        sweep_study(load_case("wheelset_rollers"), vary, "run", {"kind": "random", "samples": 4})
+
+
+def test_bad_input_leaves_nothing_behind(tmp_path: Path) -> None:
+    (tmp_path / "plan.toml").write_text(PLAN.replace("count = 3", "count = 0"))
+    out = tmp_path / "out"
+    done = CliRunner().invoke(build_app(), ["sweep", str(tmp_path / "plan.toml"), "--out", str(out)])
+    assert done.exit_code == 2
+    assert not out.exists()
+
+
+@pytest.mark.parametrize("name", ["critical_speed_map", "stopping_distance_fidelity", "flange_force_misalignment"])
+def test_a_plan_that_ships_is_whole_and_its_first_case_has_numbers(name: str) -> None:
+    from rollerrig.study.jobs import call
+
+    study = SweepStudy(load_plan(name))
+    if name == "stopping_distance_fidelity":
+        assert len(study.points) == 200
+        measure = study.whole.plan.measure[0].model_copy(update={"longest": 3.0})
+        plan = study.whole.plan.model_copy(update={"measure": (measure,)})
+        study = SweepStudy(replace(study.whole, plan=plan))
+    first = next(iter(next(study.rounds({})).values()))
+    record = call(first, lambda _fraction, _text: None)
+    assert record["failed"] == ""
+    assert all(math.isfinite(value) for value in record["numbers"].values())
