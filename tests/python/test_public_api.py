@@ -48,6 +48,7 @@ def test_names_are_the_same_whatever_is_imported_first(seed: int) -> None:
 
 
 COSTLY = ("numpy", "pydantic", "pint", "pandas", "xarray", "matplotlib", "h5py", "jinja2")
+DASK = ("jinja2",)  # pint loads dask where it is installed, and dask its templates
 COSTLY += ("scipy.interpolate", "scipy.optimize", "scipy.integrate", "scipy.signal", "scipy.linalg")
 
 
@@ -60,7 +61,7 @@ COSTLY += ("scipy.interpolate", "scipy.optimize", "scipy.integrate", "scipy.sign
             "from rollerrig.cli import main; sys.argv = ['rollerrig', 'adhesion', '--help']; main()",
             {"pydantic"},
         ),  # typer's own
-        ("import rollerrig; rollerrig.load_case('bogie_track')", {"numpy", "pydantic", "pint"}),
+        ("import rollerrig; rollerrig.load_case('bogie_track')", {"numpy", "pydantic", "pint", *DASK}),
         ("import rollerrig; rollerrig.simulate", {"numpy", "pydantic", "pandas", "xarray"}),
     ],
     ids=["import", "help", "help of a command", "load_case", "simulate"],

@@ -167,7 +167,11 @@ def whole_cases() -> dict[str, Raw]:
         },
     }
     brake["adhesion"]["piece"] = [{"distance": 10.0, "rail": "low"}]
-    brake["support"]["data"]["mounting"] = {"lateral": {"stiffness": 1e8}, "yaw": {"stiffness": 1e8}}
+    brake["support"]["data"]["mounting"] = {
+        "lateral": {"stiffness": 1e8},
+        "yaw": {"stiffness": 1e8},
+        "misalignment": [1e-3],
+    }
     brake["support"]["data"]["restraint"] = {"height": 1.0, "stiffness": 1e7}
     brake["rig_control"]["drive_command"] = {"kind": "lead", "ahead": 1e-3}
     kalman = plain(load_case("adhesion_brake"))

@@ -5,7 +5,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BeforeValidator, Discriminator, Field, model_validator
 from pydantic_core import PydanticCustomError
 
-from rollerrig.config.schema.base import Table, by_kind, refused
+from rollerrig.config.schema.base import OrShort, Table, by_kind, refused
 from rollerrig.config.schema.units import Angle, Position, Quantity, Time
 from rollerrig.config.schema.vehicle import Name
 
@@ -116,6 +116,14 @@ class Design(Table):
         return self
 
 
+def _design(value: Any) -> Any:
+    """The name of a design alone."""
+    return {"kind": value} if isinstance(value, str) else value
+
+
+AnyDesign = Annotated[Design, BeforeValidator(_design), OrShort({"enum": ["grid", "list"]})]
+
+
 class Measure(Table):
     """What every measure has."""
 
@@ -195,8 +203,8 @@ class Plan(Table):
     description: str = Field(default="", description="one line about it")
     case: str = Field(min_length=1, description="the case: a name of the catalogue, or a file")
     changes: dict[str, Any] = Field(
-        default_factory=dict, description="dotted key of the case -> value that all cases of the sweep have"
+        default={}, description="dotted key of the case -> value that all cases of the sweep have"
     )
-    design: Annotated[Design, by_kind("grid")] = Field(default=Design(), description="how the cases are chosen")
+    design: AnyDesign = Field(default=Design(), description="how the cases are chosen")
     vary: tuple[Variation, ...] = Field(min_length=1, max_length=100, description="what is varied")
     measure: tuple[AnyMeasure, ...] = Field(max_length=20, description="what is computed of each case")

@@ -17,13 +17,18 @@ from rollerrig.config.errors import nearest
 from rollerrig.config.read.library import CatalogKind, catalog_file, catalog_names
 from rollerrig.config.schema.base import quantity_of
 from rollerrig.config.schema.case import CaseTables, SupportChoice, VehicleChoice
+from rollerrig.config.schema.plan import Plan
 from rollerrig.config.schema.programme import Programme
 from rollerrig.config.schema.units import Quantity
 from rollerrig.config.validate.former_names import divided, meant
 from rollerrig.config.validate.messages import tables_in, tag_of
 from rollerrig.config.write.reference import default_text, type_text, unit_text
 
-_ROOTS: tuple[tuple[str, type[BaseModel]], ...] = (("case", CaseTables), ("programme", Programme))
+_ROOTS: tuple[tuple[str, type[BaseModel]], ...] = (
+    ("case", CaseTables),
+    ("programme", Programme),
+    ("plan", Plan),
+)
 _MOST_CASES = 4
 
 
@@ -60,7 +65,7 @@ class KeyPlace:
 
 @cache
 def key_places() -> tuple[KeyPlace, ...]:
-    """Every key of a case and of a programme; those of `vehicle.data` and `support.data` as `vehicle` and `support`."""
+    """Every key of a case, a programme and a plan; those of `vehicle.data` and `support.data` as `vehicle` and `support`."""
     return tuple(place for file, root in _ROOTS for place in _places(root, "", file, frozenset()))
 
 

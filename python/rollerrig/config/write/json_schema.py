@@ -14,6 +14,7 @@ from rollerrig.config.read.library import CatalogKind
 from rollerrig.config.schema.base import INSTEAD_OF, USUAL_KIND
 from rollerrig.config.schema.case import CaseTables
 from rollerrig.config.schema.material import Material
+from rollerrig.config.schema.plan import Plan
 from rollerrig.config.schema.profile import ProfileRoot
 from rollerrig.config.schema.programme import Programme
 from rollerrig.config.schema.support import SupportRoot
@@ -29,6 +30,7 @@ _ROOTS: dict[CatalogKind, type[BaseModel]] = {
     "material": Material,
     "profile": ProfileRoot,
     "programme": Programme,
+    "plan": Plan,
 }
 
 _NOT_CHANGED = {"use", "data", "changes", "cut"}
