@@ -81,7 +81,7 @@ def export_fmu(
         "modelDescription.xml": DESCRIPTIONS[fmi](unit),
         "resources/rig.model": model,
     }
-    files |= {shell.place(fmi, unit.identifier): shell.file.read_bytes() for shell in carried}
+    files |= libraries(carried, fmi, unit.identifier)
     return write_bytes(target, packed(files), force=force)
 
 
@@ -94,6 +94,11 @@ def carried_shells() -> list[Shell]:
     if not (carried := shells()):
         raise ExportError("fmu: this package has no library for FMUs; they are built on Linux, with the package")
     return carried
+
+
+def libraries(carried: list[Shell], fmi: str, identifier: str) -> dict[str, bytes]:
+    """Their places in an FMU and their bytes."""
+    return {shell.place(fmi, identifier): shell.file.read_bytes() for shell in carried}
 
 
 def packed(files: dict[str, bytes]) -> bytes:

@@ -14,7 +14,7 @@ from rollerrig.cases import as_case
 from rollerrig.config import Case, ConfigError, ConfigProblem
 from rollerrig.config.errors import nearest
 from rollerrig.fmu.description import Unit
-from rollerrig.fmu.export import DESCRIPTIONS, carried_shells, check_format, machines, packed
+from rollerrig.fmu.export import DESCRIPTIONS, carried_shells, check_format, libraries, machines, packed
 from rollerrig.mechatronics import COMMANDS
 from rollerrig.plant import assembled_model
 from rollerrig.results.files import output_file, write_bytes
@@ -69,7 +69,7 @@ def export_part(case: Case | str, part: str, path: str | Path, *, fmi: str = "2"
         "modelDescription.xml": DESCRIPTIONS[fmi](unit),
         "resources/controller.part": content,
     }
-    files |= {shell.place(fmi, unit.identifier): shell.file.read_bytes() for shell in carried}
+    files |= libraries(carried, fmi, unit.identifier)
     return write_bytes(target, packed(files), force=force)
 
 

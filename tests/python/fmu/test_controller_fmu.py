@@ -48,8 +48,8 @@ def protection(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.mark.parametrize(
     ("name", "part", "fmi", "changes"),
     [
-        ("adhesion_brake", "slide_protection", "2", {"time.duration": 6.0}),
-        ("adhesion_brake", "slide_protection", "3", {"time.duration": 6.0, "slide_protection.kind": "threshold_table"}),
+        ("adhesion_brake", "slide_protection", "2", {"time.duration": 4.0}),
+        ("adhesion_brake", "slide_protection", "3", {"time.duration": 4.0, "slide_protection.kind": "threshold_table"}),
         ("adhesion_train", "slide_protection", "2", {"time.duration": 1.0}),
         ("locomotive_traction", "wheel_slip_control", "2", {"time.duration": 3.0}),
         ("adhesion_brake", "rig_control", "2", {"time.duration": 3.0}),
@@ -147,7 +147,7 @@ NAMES = {"axle_speed": "omega[{number}]", "valve": ("u_1", "u_2")}
 def test_names_are_mapped(protection: Path, tmp_path: Path) -> None:
     file = rewritten(protection, tmp_path / "other.fmu", named_otherwise)
     table = {"file": str(file), "names": NAMES, "parameters": {"train.start_speed": 120 / 3.6}}
-    case = braked(5.0)
+    case = braked(3.5)
     outside = simulate(mapped := case.with_changes({"slide_protection.fmu": table}))
     assert different(simulate(case), outside) <= OWN_ESTIMATE
     again = case_from_toml(outside.attrs["config_toml"], case.name, allow_code=True)
