@@ -12,7 +12,7 @@ import contextlib
 import json
 import threading
 import time
-from collections.abc import Callable
+from collections import deque
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from typing import Any
 
@@ -20,6 +20,9 @@ from rollerrig.config import Case, ConfigError
 from rollerrig.starting_state import StartError
 from rollerrig.viewer.live import FRAME, LiveRun
 from rollerrig.viewer.page import live_page
+
+_KEPT = 60
+"""Frames for a browser that comes back late."""
 
 _LARGEST_BODY = 1000
 _HOSTS = ("127.0.0.1", "localhost")
@@ -30,30 +33,35 @@ class Theatre:
 
     Args:
         case: what is run.
-        clock: seconds that only grow.
     """
 
-    def __init__(self, case: Case, clock: Callable[[], float] = time.monotonic) -> None:
-        self.run, self._clock = LiveRun(case), clock
+    def __init__(self, case: Case) -> None:
+        self.run = LiveRun(case)
         self._news = threading.Condition()
-        self._frame, self._number, self.ended = json.dumps(self.run.frame()), 0, False
+        self._frames = deque([json.dumps(self.run.frame())], _KEPT)
+        self._number, self.ended = 0, False
 
     def play(self) -> None:
         """Until `ended`: a frame after the other, as time goes."""
-        due = self._clock()
+        due = time.monotonic()
         while not self.ended:
-            due = max(due + FRAME, self._clock() - 10 * FRAME)  # what a machine cannot keep up with is left out
-            time.sleep(max(0.0, due - self._clock()))
+            due = max(due + FRAME, time.monotonic() - 10 * FRAME)  # what a machine cannot keep up with is left out
+            time.sleep(max(0.0, due - time.monotonic()))
             with self._news:
                 self.run.advance(FRAME)
-                self._frame, self._number = json.dumps(self.run.frame()), self._number + 1
+                self._frames.append(json.dumps(self.run.frame()))
+                self._number += 1
                 self._news.notify_all()
 
-    def frame_after(self, number: int) -> tuple[int, int, str]:
-        """The next frame after that number: its number, the version of the scene, its text. Waits for it at most a second."""
+    def frames_after(self, number: int) -> tuple[int, int, list[str]]:
+        """The frames after that number as far as they are kept: number of the last, version of the scene, their texts.
+
+        Waits for one at most a second.
+        """
         with self._news:
             self._news.wait_for(lambda: self._number > number or self.ended, 1.0)
-            return self._number, self.run.version, self._frame
+            count = min(self._number - number, len(self._frames))
+            return self._number, self.run.version, list(self._frames)[len(self._frames) - count :]
 
     def command(self, name: str, given: dict[str, Any]) -> str:
         """What a visitor does; the answer is what is wrong with it, or ""."""
@@ -137,14 +145,14 @@ def _handler(theatre: Theatre) -> type[BaseHTTPRequestHandler]:
             self.send_header("Cache-Control", "no-store")
             self.end_headers()
             self.close_connection = True
-            number, scene = 0, theatre.run.version
+            number, scene, _ = theatre.frames_after(-1)
             with contextlib.suppress(OSError):  # the browser has gone
                 while not theatre.ended:
-                    number, version, text = theatre.frame_after(number)
+                    number, version, texts = theatre.frames_after(number)
                     if version != scene:
                         scene = version
                         self.wfile.write(b"event: scene\ndata: {}\n\n")
-                    self.wfile.write(f"data: {text}\n\n".encode())
+                    self.wfile.write("".join(f"data: {text}\n\n" for text in texts).encode())
                     self.wfile.flush()
 
         def _answer(self, code: int, kind: str, text: str) -> None:

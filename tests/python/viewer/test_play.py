@@ -150,6 +150,19 @@ def test_the_server_answers_its_own_page_alone(address: tuple[str, int]) -> None
         assert (code, text.count("\n"), bool(text)) == (400, 0, True)
 
 
+def test_no_frame_is_lost_to_one_who_looks_on() -> None:
+    theatre = Theatre(rr.load_case("wheelset_rollers"))
+    thread = threading.Thread(target=theatre.play, daemon=True)
+    thread.start()
+    number, times = 0, []
+    while number < 20:
+        number, _, texts = theatre.frames_after(number)
+        times += [json.loads(text)["time"] for text in texts]
+    theatre.ended = True
+    thread.join(5.0)
+    np.testing.assert_allclose(np.diff(times), FRAME, atol=2e-4)
+
+
 def test_a_browser_moves_it(browser: Any, address: tuple[str, int]) -> None:
     page = Opened(browser, f"http://127.0.0.1:{address[1]}/")
     try:
