@@ -318,7 +318,7 @@ class Outcome(Generic[R]):
         sources, cases = study.sources(self.results), study.cases()
         blocks: list[Block] = [Table(("of", "source"), list(sources.items()))] if sources else []
         blocks += [Preformatted(f"The whole configuration: {label}", case.to_toml()) for label, case in cases.items()]
-        return [*sections, Section("Case and sources", blocks)] if blocks else sections
+        return [*sections, Section("Case and sources", blocks, folded=True)] if blocks else sections
 
 
 def _json(numbers: Mapping[str, Any]) -> bytes:

@@ -21,6 +21,7 @@ from rollerrig.study import paper_text as text
 from rollerrig.study.checks import check_table, counts_text
 from rollerrig.study.frame import Study
 from rollerrig.study.jobs import Done, Round, job, whole_modes, whole_run
+from rollerrig.study.paper_compared import compared
 from rollerrig.study.paper_contacts import exact_cases, exact_jobs
 from rollerrig.study.paper_figures import CAPTIONS, figures
 from rollerrig.study.paper_fit import fit_blocks
@@ -62,7 +63,7 @@ class PaperStudy(Study[Results]):
 
     @property
     def title(self) -> str:
-        return "A bogie on a roller rig: critical speed and traction"
+        return "Malvezzi, Meli and Pugi (2010): critical speed and traction of a bogie on a roller rig"
 
     @property
     def mark(self) -> Mark | None:
@@ -178,11 +179,12 @@ class PaperStudy(Study[Results]):
         ]
         rig = [*texts(text.rig_paragraphs(results)), *changes, *pictures("radius_steel", "radius_paper"), *splits]
         return [
+            compared(results, numbers, self.chosen),
             Section("Figure 7: stability", stability),
             Section("What the rig changes", [*rig, *pictures("roller_effects")]),
             Section("Which material fits the paper", fit_blocks(results, numbers, self.chosen)),
             Section("Figure 8: traction", [Text(text.TRACTION), *pictures("figure_8a", "figure_8b")]),
             Section("Checks", [Text(passed), check_table(results.checks)] if results.checks else [Text("No checks.")]),
-            Section("Solver and contact", [tables.solver_table(results), tables.counter_table(results)]),
-            Section("Parameters", tables.parameters(self.chosen)),
+            Section("Solver and contact", [tables.solver_table(results), tables.counter_table(results)], folded=True),
+            Section("Parameters", tables.parameters(self.chosen), folded=True),
         ]

@@ -20,10 +20,11 @@ from rollerrig.study.report import Block, Table, Text
 NEAR = 0.1
 """A critical speed within this share of the paper's fits it [1]."""
 
-_NAMELESS = (
+NAMELESS = (
     "The paper names its vehicle, but neither profiles nor friction nor the radius of its rollers; no parameter was tuned here "
     "to close the gap."
 )
+"""Why the paper's critical speed cannot be had."""
 
 
 def critical_speeds(results: Results) -> dict[tuple[str, str], Interval]:
@@ -59,7 +60,7 @@ def _nearest(found: dict[tuple[str, str], Interval]) -> str:
     nearest = min(distances, key=lambda key: distances[key].high)
     if any(other.low < distances[nearest].high for key, other in distances.items() if key != nearest):
         return (
-            f"Which critical speed is nearest to that is {NOT_DECIDED} at the width of the intervals below. {_NAMELESS}"
+            f"Which critical speed is nearest to that is {NOT_DECIDED} at the width of the intervals below. {NAMELESS}"
         )
     (material, kind), speed = nearest, found[nearest]
     text = f"The nearest critical speed is that of {NAMES[material]} ({kind}), {speed.text('km/h', 1)}"
@@ -69,9 +70,9 @@ def _nearest(found: dict[tuple[str, str], Interval]) -> str:
     if verdict:
         return f"{text}That is within a tenth of the paper's value."
     if verdict is None:
-        return f"{text}Whether that is within a tenth of the paper's value is {NOT_DECIDED}. {_NAMELESS}"
+        return f"{text}Whether that is within a tenth of the paper's value is {NOT_DECIDED}. {NAMELESS}"
     off = Interval(100 * (speed.low / PAPER_CRITICAL_KMH - 1), 100 * (speed.high / PAPER_CRITICAL_KMH - 1))
-    return f"{text}That is {_apart(off)} the paper's value: neither reproduces it. {_NAMELESS}"
+    return f"{text}That is {_apart(off)} the paper's value: neither reproduces it. {NAMELESS}"
 
 
 def _apart(off: Interval) -> str:

@@ -72,10 +72,17 @@ Block = Text | Picture | Table | Preformatted
 
 @dataclass
 class Section:
-    """A part of the report with a heading."""
+    """A part of the report with a heading.
+
+    Attributes:
+        title: the heading.
+        blocks: in their order.
+        folded: whether it is a detail that the reader opens.
+    """
 
     title: str
     blocks: list[Block] = field(default_factory=list)
+    folded: bool = False
 
     @property
     def anchor(self) -> str:
@@ -101,6 +108,9 @@ class Mark:
         return self.name.upper()
 
 
+ANSWER_LINES = 5
+"""So many findings stand at the top of a report; the others are opened by the reader."""
+
 VIEW = "view.html"
 """The page beside a report that shows runs in motion."""
 
@@ -124,6 +134,16 @@ class Page:
     footer: str = ""
     mark: Mark | None = None
     view: str = ""
+
+    @property
+    def answer(self) -> list[str]:
+        """The findings that stand first."""
+        return self.summary.splitlines()[:ANSWER_LINES]
+
+    @property
+    def further(self) -> list[str]:
+        """The other findings, folded away."""
+        return self.summary.splitlines()[ANSWER_LINES:]
 
 
 def render(page: Page) -> str:

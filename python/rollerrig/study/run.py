@@ -200,7 +200,7 @@ class RunStudy(Study[Results]):
             Table(("count", "value"), solver, "integration"),
             Table(("count", "value", "meaning"), contact, "contacts, counted over accepted steps and wheels"),
         ]
-        return [*sections, Section("How it was computed", list(tables))]
+        return [*sections, Section("How it was computed", list(tables), folded=True)]
 
 
 def distance_or_time(run: xr.Dataset) -> xr.DataArray:

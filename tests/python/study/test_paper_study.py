@@ -173,3 +173,15 @@ def test_no_results_at_all_make_a_report_too(tmp_path) -> None:
     assert nothing is not None
     Outcome(study, nothing, interrupted=True).write(tmp_path)
     assert (tmp_path / "report.html").is_file()
+
+
+def test_the_report_names_the_paper_and_compares_with_it_first(outcome, folder) -> None:
+    text = (folder / "report.html").read_text()
+    first = text.partition("<section")[2].partition("</section>")[0]
+    assert "Malvezzi, Meli and Pugi (2010)" in text.partition("</h1>")[0]
+    header = "<th>paper</th><th>here</th><th>why they differ</th>"
+    for words in ("The paper and this computation", header, "100 km/h", "figure 7a",
+                  "figure 8a", "no parameter was tuned"):  # fmt: skip
+        assert words in first
+    steel = outcome.results.linear_kmh("steel")
+    assert f"linear {steel:.1f} km/h" in first

@@ -66,3 +66,17 @@ def test_printed_pages_are_numbered_and_marked() -> None:
     assert ".mark { position: fixed;" in marked.partition("@media print")[2]
     assert '<p class="mark"><strong>QUICK</strong>: few runs.</p>' in marked
     assert '<p class="mark">' not in render(page())
+
+
+def test_the_answer_stands_in_the_first_five_lines_and_details_are_folded() -> None:
+    lines = [f"finding {k}" for k in range(7)]
+    sections = [Section("First", [Text("seen")]), Section("Solver", [Text("a detail")], folded=True)]
+    text = render(Page("A title", "\n".join(lines), sections))
+    top, _, rest = text.partition("<details>")
+    assert [line in top for line in lines] == [True] * 5 + [False] * 2
+    assert "2 further findings" in rest.partition("</details>")[0]
+    assert text.index("seen") < text.index("<details><summary><h2>Solver</h2></summary>") < text.index("a detail")
+    reader = Reader()
+    reader.feed(text)
+    assert reader.open == []
+    assert "further finding" not in render(Page("A title", "one\ntwo", sections))
