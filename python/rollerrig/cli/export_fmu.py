@@ -35,9 +35,10 @@ def command(
     roles = [role.strip() for role in external.split(",") if role.strip()]
     whole = read_case(case, allow_code=allow_code, changes=change)
     if part and roles:
-        raise typer.BadParameter(
-            "a controller alone has no others: leave out one of --part and --external", param_hint="--part"
-        )
+        text = "a controller alone has no others: leave out one of --part and --external"
+        raise typer.BadParameter(text, param_hint="--part")
+    if part and kind != "cs":
+        raise typer.BadParameter("a controller alone is sampled: allowed with --part: cs", param_hint="--kind")
     try:
         if part:
             typer.echo(export_part(whole, part, out, fmi=fmi, force=force))

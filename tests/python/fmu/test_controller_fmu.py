@@ -109,6 +109,7 @@ def test_the_same_part_gives_the_same_bytes(protection: Path, tmp_path: Path) ->
         (("adhesion_train", "--part", "rig_control"), r"part: 'rig_control'; the simulated axles"),
         (("adhesion_brake", "--part", "rig_control", "--set", "rig_control.estimator=exact"), "which no rig measures"),
         (("adhesion_brake", "--part", "rig_control", "--external", "slide_protection"), "--external"),
+        (("adhesion_brake", "--part", "slide_protection", "--kind", "me"), "--kind: .*allowed with --part: cs"),
     ],
 )
 def test_a_part_that_is_not_there_is_refused(arguments: tuple[str, ...], message: str, tmp_path: Path) -> None:
