@@ -106,6 +106,11 @@ def assemble(case: Case) -> AssembledModel:
 
     Returns:
         The model; constant, it may be shared by any number of simulations.
+
+    Example:
+        >>> import rollerrig as rr
+        >>> rr.assemble(rr.load_case("wheelset_rollers")).bodies[1]
+        'wheelset_1'
     """
     return Assembly(case).finish()
 

@@ -110,6 +110,11 @@ def creep(
 
     Raises:
         ValueError: a number outside its range, or no law.
+
+    Example:
+        >>> import rollerrig as rr
+        >>> rr.creep(laws=["fastsim"], demands=(0.5, 2.0)).sizes["demand"]
+        2
     """
     from rollerrig.study.creep import CreepStudy
 

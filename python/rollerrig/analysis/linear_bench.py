@@ -316,6 +316,12 @@ def linearize(
     Raises:
         ConfigError: an unknown name, a speed that the case does not allow, no samples.
         StartError: no rolling equilibrium was found.
+
+    Example:
+        >>> import rollerrig as rr
+        >>> names = {"inputs": ["wheelset_1.roller_torque_command"], "outputs": ["wheelset_1.axle_speed"]}
+        >>> rr.linearize("adhesion_brake", speed=20.0, **names).ninputs
+        1
     """
     system = LinearBench(as_case(case), speed).system(inputs, outputs, discrete=discrete)
     return system.to_control() if find_spec("control") is not None else system.to_dataset()

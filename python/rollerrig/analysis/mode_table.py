@@ -45,6 +45,12 @@ def stability(
         ValueError: speeds not rising or not positive.
         StartError: no rolling equilibrium at one of the speeds.
         KeyboardInterrupt: Ctrl-C came before the first speed was done.
+
+    Example:
+        >>> import rollerrig as rr
+        >>> modes = rr.stability("wheelset_rollers", [100.0, 200.0])
+        >>> modes["damping"].sizes["speed"]
+        2
     """
     case = as_case(case)
     modes = modes_over_speed(case, [v / 3.6 for v in speeds_kmh], progress)

@@ -14,7 +14,12 @@ KINDS: tuple[CatalogKind, ...] = get_args(CatalogKind)
 
 
 def catalog_entries() -> list[tuple[CatalogKind, str, str]]:
-    """All entries as (kind, name, one-line description)."""
+    """All entries as (kind, name, one-line description).
+
+    Example:
+        >>> sorted({kind for kind, _, _ in catalog_entries()})
+        ['case', 'material', 'plan', 'profile', 'programme', 'support', 'vehicle']
+    """
     return [
         (kind, name, str(tomllib.loads(catalog_file(kind, name).read_text("utf-8"))["description"]))
         for kind in KINDS
@@ -27,6 +32,10 @@ def catalog_text(name: str) -> str:
 
     Raises:
         KeyError: no such entry.
+
+    Example:
+        >>> catalog_text("cone_1_20").splitlines()[-1]
+        'conicity = "1:20"'
     """
     for kind in KINDS:
         if name in catalog_names(kind):

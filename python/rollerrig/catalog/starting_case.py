@@ -37,6 +37,10 @@ def starting_case(name: str, source: str | Path = START) -> str:
 
     Raises:
         ConfigError: there is no such case, or the name cannot be one.
+
+    Example:
+        >>> starting_case("mine").splitlines()[5:7]
+        ['# name of the case', 'name = "mine"']
     """
     case = load_case(source)
     try:

@@ -42,8 +42,8 @@ def profile(
         ProfileError: likewise.
 
     Example:
-        >>> float(profile("s1002")["height"].sel(abscissa=0.0, method="nearest").round(6))
-        0.0
+        >>> float(profile("cone_1_20")["slope"].mean().round(6))
+        -0.05
     """
     spec = load_profile(source)
     arguments = spec.arguments()

@@ -186,6 +186,15 @@ def save_run(run: xr.Dataset, path: str | Path, *, force: bool = False) -> Path:
 
     Raises:
         OutputError: it could not be written, or would have replaced such a file.
+
+    Example:
+        >>> import tempfile
+        >>> import rollerrig as rr
+        >>> run = rr.simulate(rr.load_case("wheelset_rollers").with_changes({"time.duration": "0.02 s"}))
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     again = rr.load_run(rr.save_run(run, Path(folder) / "run.nc"))
+        >>> again.equals(run)
+        True
     """
     return write_bytes(path, netcdf_bytes(run), force=force)
 
@@ -226,6 +235,11 @@ def load_run(path: str | Path) -> xr.Dataset:
         FileNotFoundError: no such file.
         ResultsError: it was written by another version of rollerrig or by another program, is damaged, or does not fit in
             memory.
+
+    Example:
+        >>> load_run("none.nc")
+        Traceback (most recent call last):
+        FileNotFoundError: none.nc: no such file
     """
     try:
         _check_results(check_input(path, None))

@@ -99,6 +99,12 @@ class RunInfo:
         friction: coefficient of friction of the contacts [-].
         flange_angle: steepest slope of the wheel profile towards the flange [rad].
         segments: of the line, in the order of the run; empty on a straight track without segments and on a rig.
+
+    Example:
+        >>> import rollerrig as rr
+        >>> case = rr.load_case("wheelset_rollers").with_changes({"time.duration": "0.02 s"})
+        >>> rr.RunInfo.of(rr.simulate(case)).wheel_radius
+        0.46
     """
 
     case: str

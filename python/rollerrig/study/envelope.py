@@ -315,7 +315,7 @@ def envelope(
         >>> from rollerrig import envelope, load_case
         >>> case = load_case("adhesion_brake")
         >>> map = envelope(case, torques=[-4e3, -2e3], adhesions=[0.05, 0.3], loads=[1.0], duration=1.0, refine=0)
-        >>> [str(region) for region in map["region"].sel(load=1.0, torque=-4e3)]
+        >>> map["region"].sel(load=1.0, torque=-4e3).to_numpy().tolist()
         ['slide', 'grip']
     """
     ranges = {"torques": torques, "adhesions": adhesions, "loads": loads}

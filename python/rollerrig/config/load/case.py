@@ -47,7 +47,17 @@ Problems = list[ConfigProblem]
 
 
 class Case(CaseTables):
-    """Everything one simulation needs; read by `load_case`, in SI, never changed: `with_changes` makes another."""
+    """Everything one simulation needs; read by `load_case`, in SI, never changed: `with_changes` makes another.
+
+    Example:
+        >>> case = load_case("bogie_track").with_changes({"motion.speed": "100 km/h"})
+        >>> print(case.to_short_toml())
+        base = "bogie_track"
+        <BLANKLINE>
+        [motion]
+        speed = 27.77777777777778
+        <BLANKLINE>
+    """
 
     def __repr__(self) -> str:
         return in_words(self)
@@ -148,6 +158,10 @@ def load_case(source: str | Path, *, allow_code: bool = False) -> Case:
 
     Raises:
         ConfigError: all mistakes found.
+
+    Example:
+        >>> load_case("bogie_track").support.data.kind
+        'track'
     """
     kinds: tuple[CatalogKind, ...] = get_args(CatalogKind)
     named = [kind for kind in kinds if str(source) in catalog_names(kind)]

@@ -101,6 +101,10 @@ def explain(key: str) -> str:
 
     Raises:
         KeyError: there is no such key; the text has the nearest one.
+
+    Example:
+        >>> explain("time.duration").splitlines()[2].split()
+        ['unit', 's']
     """
     parts = (
         re.sub(r"\[(\d+)\]", r".\1", key.strip())

@@ -37,7 +37,12 @@ _NOT_CHANGED = {"use", "data", "changes", "cut"}
 
 
 def json_schema(kind: CatalogKind = "case") -> Schema:
-    """JSON Schema of one kind of file; `x-unit` is the SI unit of a number, `x-range` what it may be."""
+    """JSON Schema of one kind of file; `x-unit` is the SI unit of a number, `x-range` what it may be.
+
+    Example:
+        >>> json_schema("material")["properties"]["young_modulus"]["x-unit"]
+        'Pa'
+    """
     schema = _ROOTS[kind].model_json_schema()
     schema = _without_titles(schema)
     tables = schema.get("$defs", {})
