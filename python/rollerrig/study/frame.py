@@ -16,11 +16,13 @@ import math
 import time
 import tomllib
 from abc import ABC, abstractmethod
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import Executor
 from contextlib import nullcontext
 from dataclasses import dataclass, fields
 from functools import cached_property
+from html import escape
 from pathlib import Path, PurePosixPath
 from typing import Any, ClassVar, Generic, Literal, TypeVar
 
@@ -221,6 +223,20 @@ class Outcome(Generic[R]):
     taken_over: int = 0
     journal: Journal | None = None
     seconds: float = math.nan
+
+    def __repr__(self) -> str:
+        return "\n".join((self._headline, *self.summary.splitlines()))
+
+    def _repr_html_(self) -> str:
+        lines = "".join(f"<li>{escape(line)}</li>" for line in self.summary.splitlines())
+        return f"<p><b>{escape(self._headline)}</b></p><ul>{lines}</ul>"
+
+    @property
+    def _headline(self) -> str:
+        """What was asked for, how its runs ended and how long it took."""
+        ended = ", ".join(f"{count} {status}" for status, count in Counter(self.statuses).items())
+        took = "" if math.isnan(self.seconds) else f"; took {self.seconds:.3g} s"
+        return f"{self.study.title}" + (f" (runs: {ended}{took})" if ended else "")
 
     @cached_property
     def numbers(self) -> dict[str, Any]:

@@ -313,3 +313,10 @@ def test_a_dataset_that_is_missing_is_computed_again(tmp_path: Path) -> None:
     for path in (tmp_path / "jobs").iterdir():
         path.unlink()
     assert Journal(tmp_path, "test", {}).done == {}
+
+
+def test_an_outcome_prints_what_was_found() -> None:
+    outcome = Squares().run()
+    assert outcome is not None
+    assert repr(outcome) == "\n".join(("Squares", *outcome.summary.splitlines()))
+    assert "<li>" in outcome._repr_html_()
