@@ -12,6 +12,7 @@ namespace {
 
 constexpr double no_limit = std::numeric_limits<double>::infinity();
 constexpr double largest_change = 9.0;  ///< of friction
+constexpr double most_samples = 1e7;    ///< in one step of a tool: hours
 constexpr double round_off = 1e-6;      ///< of a sample time, in periods: tools add up their steps
 
 struct AxleInput {
@@ -171,6 +172,7 @@ Status ControllerPlant::start(double /*final_time*/) {
 }
 
 Status ControllerPlant::advance(double time) {
+  if (time - time_ > most_samples * period()) return Status::too_many_steps;
   double const until = time - round_off * period();
   while (part_.step * static_cast<double>(samples_ * part_.controller.sampling.every) < until) sample();
   time_ = time;

@@ -28,7 +28,7 @@ class ControllerPlant {
 
   /// Before the first sample; a parameter that is set afterwards acts from the next start on.
   Status start(double final_time);
-  /// To a time [s], with a sample at every sample time from the last one on and before it.
+  /// To a time [s], with a sample at every sample time from the last one on and before it; not further than 10^7 of them.
   Status advance(double time);
   /// False: refused, nothing changed.
   bool set_input(int index, double value) { return set(index, value, Causality::input); }
