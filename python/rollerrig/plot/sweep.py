@@ -10,6 +10,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 
 from rollerrig.plot.style import COLOURS, MARKERS, house_style, new_figure, new_grid
 
@@ -17,6 +18,7 @@ MOST_PANELS = 6
 """Panels of a map: values of the third thing that is varied."""
 
 MOST_LINES = 6
+DECADE = 10.0
 
 
 def _label(values: xr.DataArray) -> str:
@@ -62,7 +64,7 @@ def grid_map(data: xr.Dataset, name: str) -> Figure:
             part = values.isel({third[0]: k}) if third else values
             picture = _map(axes, part.transpose(up, across), low, high)
             if third:
-                axes.set_title(f"{str(third[0]).replace('_', ' ')} = {_shown(part[third[0]])}")
+                axes.set_title(f"{str(third[0]).replace('_', ' ')} \n= {_shown(part[third[0]])}")
         if picture is not None:
             figure.colorbar(picture, ax=list(grid.ravel()), label=_label(values))
         return figure
@@ -106,7 +108,9 @@ def _map(axes: Axes, values: xr.DataArray, low: float, high: float) -> Any:
     (up, across) = (str(dim) for dim in values.dims)
     (x, x_words), (y, y_words) = _places(values, across), _places(values, up)
     axes.grid(visible=False)
-    picture = axes.pcolormesh(x, y, values.to_numpy(), shading="nearest", vmin=low, vmax=high, cmap="viridis")
+    corners = _edges(x), _edges(y)
+    picture = axes.pcolormesh(*corners, values.to_numpy(), shading="flat", vmin=low, vmax=high, cmap="viridis")
+    _logarithmic(axes, x if not x_words else [], y if not y_words else [])
     if x_words:
         axes.set_xticks(x, x_words)
     if y_words:
@@ -114,6 +118,34 @@ def _map(axes: Axes, values: xr.DataArray, low: float, high: float) -> Any:
     axes.set_xlabel(_label(values[across]))
     axes.set_ylabel(_label(values[up]))
     return picture
+
+
+def _logarithmic(axes: Axes, x: Any, y: Any = ()) -> None:
+    """Logarithmic axes for values over a decade or more, with plain numbers at them."""
+    for places, scale, axis in ((x, axes.set_xscale, axes.xaxis), (y, axes.set_yscale, axes.yaxis)):
+        if _is_wide(places):
+            scale("log")
+            axis.set_major_locator(
+                LogLocator(subs=(1.0, 2.0, 5.0) if np.max(places) < 200.0 * np.min(places) else (1.0,))
+            )
+            axis.set_major_formatter(FuncFormatter(lambda value, _place: f"{value:g}"))
+            axis.set_minor_locator(NullLocator())
+
+
+def _is_wide(places: Any) -> bool:
+    """Whether values are shown by their logarithms: positive ones over a decade or more."""
+    return bool(len(places) and np.min(places) > 0.0 and np.max(places) >= DECADE * np.min(places))
+
+
+def _edges(places: Any) -> Any:
+    """Borders of the cells around values, one more than them: in the middle, or that of the logarithms."""
+    if len(places) == 1:
+        return np.array([places[0] - 0.5, places[0] + 0.5])
+    turned = np.log(places) if _is_wide(places) else np.asarray(places, dtype=np.float64)
+    middles = 0.5 * (turned[:-1] + turned[1:])
+    ends = 2.0 * turned[0] - middles[0], 2.0 * turned[-1] - middles[-1]
+    edges = np.concatenate([[ends[0]], middles, [ends[1]]])
+    return np.exp(edges) if _is_wide(places) else edges
 
 
 def scatter(data: xr.Dataset, name: str) -> Figure:
@@ -134,6 +166,7 @@ def scatter(data: xr.Dataset, name: str) -> Figure:
             if not numbers:
                 words = np.unique(column.astype(str))
                 axes.set_xticks(range(len(words)), list(words))
+            _logarithmic(axes, column if numbers else [])
             axes.set_xlabel(_label(values[key]))
         for axes in grid[:, 0]:
             axes.set_ylabel(_label(values), wrap=True)

@@ -331,3 +331,18 @@ def test_a_plan_that_ships_is_whole_and_its_first_case_has_numbers(name: str) ->
     record = call(first, lambda _fraction, _text: None)
     assert record["failed"] == ""
     assert all(math.isfinite(value) for value in record["numbers"].values())
+
+
+def test_rollers_that_are_mounted_askew_turn_by_that_angle_and_push_the_wheelset_aside() -> None:
+    stiff = {"yaw": {"stiffness": "4 GN m/rad", "damping": "500 kN m s/rad"}, "misalignment": ["2 mrad"]}
+    changes = {"support.mounting": stiff, "disturbance": [], "motion.speed": "60 km/h", "time.duration": "0.1 s"}
+    case = load_case("bogie_rollers_constant").with_changes(changes)
+    left, right = (rr.simulate(case.with_changes({"support.mounting.misalignment": [a]})) for a in (2e-3, -2e-3))
+    yaw = left["yaw"].isel(time=-1)
+    assert float(yaw.sel(body="roller_1")) == pytest.approx(2e-3, rel=0.005)  # the springs give way by 0.3 %
+    assert abs(float(yaw.sel(body="roller_2"))) < 2e-5
+    lateral = [float(run["lateral"].sel(body="wheelset_1").isel(time=-1)) for run in (left, right)]
+    assert lateral[0] == pytest.approx(-lateral[1], rel=1e-3)  # a mirror image
+    assert lateral[0] < -1e-3
+    with pytest.raises(ConfigError, match=r"mounting\.yaw: missing; needed"):
+        case.with_changes({"support.mounting.yaw": None})
