@@ -30,7 +30,7 @@ def command(
     """A case as an FMU (Functional Mock-up Unit) for Simulink, Dymola, FMPy and others; no compiler is needed."""
     from rollerrig.fmu.export import ExportError, export_fmu
     from rollerrig.fmu.part import export_part
-    from rollerrig.fmu.shells import shells
+    from rollerrig.fmu.shells import WINDOWS, shells
 
     roles = [role.strip() for role in external.split(",") if role.strip()]
     whole = read_case(case, allow_code=allow_code, changes=change)
@@ -46,5 +46,8 @@ def command(
             typer.echo(export_fmu(whole, out, fmi=fmi, kind=kind, external=roles, force=force))
     except ExportError as error:
         stop(error)
-    for shell in shells():
+    carried = shells()
+    for shell in carried:
         typer.echo(f"   runs on {shell.platform}" + (f", processor with {shell.needs}" if shell.needs else ""))
+    if WINDOWS not in {shell.platform for shell in carried}:
+        typer.echo("   not on Windows: this package was built without scripts/build_windows_shell")

@@ -12,7 +12,8 @@ from pathlib import Path
 
 from rollerrig import _core
 
-FOLDERS = {"2": {"x86_64-linux": "linux64", "x86_64-windows": "win64"}, "3": {}}
+WINDOWS = "x86_64-windows"
+FOLDERS = {"2": {"x86_64-linux": "linux64", WINDOWS: "win64"}, "3": {}}
 """Platform -> folder in binaries/, where the standard calls it otherwise: FMI 2.0.4, section 2.3."""
 
 

@@ -214,8 +214,7 @@ fmi2Status any_call(fmi2Component c, std::mt19937& random) {
     default: {
       fmi2Real at = 0.0;
       fmi2GetRealStatus(c, fmi2LastSuccessfulTime, &at);
-      // Not 1e300: without a stop time that is a run without an end.
-      return fmi2DoStep(c, random() % 4 == 0 ? number : at, pick(0.001, 0.01, 0.0, -1.0, std::nan(""), HUGE_VAL),
+      return fmi2DoStep(c, random() % 4 == 0 ? number : at, pick(0.001, 0.01, 0.0, -1.0, 1e300, std::nan(""), HUGE_VAL),
                         fmi2True);
     }
   }

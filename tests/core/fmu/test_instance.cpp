@@ -134,6 +134,19 @@ TEST_CASE("steps that do not join, run backwards or pass the stop time are refus
   CHECK(r.fmu.step("step", time, 0.1) == Answer::error);
 }
 
+TEST_CASE("a step longer than a day, or lost in the round-off of the time, is refused") {
+  Running r;
+  r.begin();
+  for (double const length : {1e300, 86401.0, HUGE_VAL}) CHECK(r.fmu.step("step", 0.0, length) == Answer::error);
+  CHECK(r.fmu.step("step", 0.0, 86400.0) == Answer::ok);
+  Running late;
+  late.begin(1e18);
+  CHECK(late.fmu.step("fmi2DoStep", 1e18, 0.01) == Answer::error);
+  REQUIRE(late.told.lines.size() == 1);
+  CHECK(late.told.lines[0] == "fmi2DoStep: at 1e+18 s a step of 0.01 s is lost in round-off");
+  CHECK(late.fmu.time() == 1e18);
+}
+
 TEST_CASE("setups that cannot be, and a start that fails, are errors") {
   Running r;
   CHECK(r.fmu.setup("setup", std::nan(""), false, 0.0) == Answer::error);

@@ -56,6 +56,8 @@ struct StepEnd {
   double time{};         ///< up to which results are valid [s]
 };
 
+constexpr double longest_step = 86400.0;  ///< between communication points [s]: a day
+
 template <PlantLike P>
 class Instance {
  public:
@@ -175,7 +177,10 @@ class Instance {
       return log(Answer::error, "%s: currentCommunicationPoint is %.17g, the FMU stands at %.17g s", call, at, time_);
     if (!(std::isfinite(length) && length > 0.0))
       return log(Answer::error, "%s: communicationStepSize must be positive, got %g", call, length);
+    if (length > longest_step)  // nothing could interrupt it
+      return log(Answer::error, "%s: communicationStepSize is %g s; allowed: up to %g", call, length, longest_step);
     double const target = at + length;
+    if (!(target > at)) return log(Answer::error, "%s: at %g s a step of %g s is lost in round-off", call, at, length);
     if (!(target <= stop_ + round_off))
       return log(Answer::error, "%s: the step ends at %g s, after stopTime %g s", call, target, stop_);
     Status const status = plant_->advance(target - offset_);
