@@ -41,6 +41,16 @@ GRACE_SECONDS = 3.0
 """After Ctrl-C a job has so long to hand back what it has; one that never looks up is ended."""
 
 
+class WorkerError(RuntimeError):
+    """A process of this machine's own ended in the middle of its job."""
+
+    def __init__(self) -> None:
+        super().__init__(
+            "a worker process ended in the middle of its job: killed, or out of memory; "
+            "the same command goes on with what is finished, best on fewer processes"
+        )
+
+
 @dataclass(frozen=True)
 class Finished(Generic[R]):
     """Results of a set of jobs.
@@ -75,6 +85,9 @@ def run_jobs(
         names: one per job, for the progress.
         keep: called in this process with number and result of each job as soon as it is done.
         executor: that does the jobs in place of processes of this machine; it stays open.
+
+    Raises:
+        WorkerError: a process of this machine died; what was finished has been kept.
     """
     store: Callable[[int, R], None] = keep or (lambda _number, _result: None)
     labels = list(names) if names is not None else [""] * len(arguments)
@@ -215,6 +228,9 @@ class _Crew(Generic[R]):
         """Within it jobs are handed out; after an error, Ctrl-C or the wish to end at once no process is waited for or left."""
         try:
             yield
+        except BrokenProcessPool as error:
+            self.halt()
+            raise WorkerError from error
         except BaseException:
             self.halt()
             raise

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
+import typer
 
 from rollerrig.analysis.parallel import Progress, run_jobs
+from rollerrig.cli.termination import BAD_INPUT, readable_errors
 
 
 def square(number: int, progress: Progress) -> int:
@@ -34,6 +37,19 @@ def test_ctrl_c_keeps_what_is_done() -> None:
     done = run_jobs(interrupted_at_three, [1, 2, 3, 4])
     assert done.interrupted
     assert done.results == [1, 2, None, None]
+
+
+def dies_at_one(number: int, progress: Progress) -> int:
+    if number == 1:
+        os._exit(1)
+    return square(number, progress)
+
+
+def test_a_worker_that_dies_is_said_in_a_line(capfd: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(typer.Exit) as end:
+        readable_errors(run_jobs)(dies_at_one, range(3), processes=2)
+    assert end.value.exit_code == BAD_INPUT
+    assert capfd.readouterr().err.startswith("rollerrig: a worker process ended in the middle of its job: ")
 
 
 def test_several_processes_give_the_same() -> None:
