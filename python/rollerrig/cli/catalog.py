@@ -14,7 +14,7 @@ app = typer.Typer(rich_markup_mode=None, invoke_without_command=True, add_comple
 
 @app.callback()
 def catalog(context: typer.Context) -> None:
-    """What ships: vehicles, supports, cases, test programmes, plans of sweeps."""
+    """What ships: vehicles, supports, cases, plans."""
     if context.invoked_subcommand is not None:
         return
     from rollerrig.catalog import catalog_entries

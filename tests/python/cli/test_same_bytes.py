@@ -35,8 +35,8 @@ name = "short"
 stop = [{ name = "drag", kind = "drag", speed = "40 km/h", rail = "low", gradient = -0.04, duration = "2 s" }]
 limit = [{ criterion = "air", at_most = 1.0, origin = "test" }]
 """
-MANY_RUNS = {"creep", "control", "envelope", "lateral", "scale", "compare", "wsp"}
-"""Ten seconds and more of runs and files each; they take the same way to their files as the two that are left."""
+MANY_RUNS = {"adhesion", "creep", "control", "envelope", "lateral", "scale", "compare", "wsp"}
+"""Ten seconds and more of runs and files each; they take the same way to their files as the one that is left."""
 
 
 def files(folder: Path) -> dict[str, bytes]:

@@ -11,6 +11,7 @@ DIRECTIONS = [(1, 0, 0), (0, 1, 0), (0, 0, 1), (1, 1, 0), (1, 0, 1), (0, 1, 1), 
 SIZES = [0.01, 0.02, 0.05, 0.1, 0.2, 0.3, 0.5, 0.7, 1.0, 2.0, 5.0]
 
 
+@pytest.mark.long
 def test_a_solver_that_is_used_again_converges() -> None:
     """A long patch, from stick to full sliding and back: 4 of the 88 did not when only the last solution was started from."""
     creepage = np.array([np.array(way) * size for way in DIRECTIONS for size in SIZES], float)

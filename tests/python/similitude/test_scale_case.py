@@ -24,13 +24,13 @@ NO_DIMENSION = ("window", "seed")
 """Whole numbers that count."""
 
 
-PROGRAMME = "rollerrig.config.schema.programme"
-"""Its tables are no part of a case: nobody scales a test programme."""
+OF_NO_CASE = ("rollerrig.config.schema.programme", "rollerrig.config.schema.plan")
+"""Their tables are no part of a case: nobody scales a test programme or the plan of a sweep."""
 
 
 def tables(root: type[BaseModel] = Table) -> Iterator[type[BaseModel]]:
     for table in root.__subclasses__():
-        if table.__module__.startswith("rollerrig.") and table.__module__ != PROGRAMME:
+        if table.__module__.startswith("rollerrig.") and table.__module__ not in OF_NO_CASE:
             yield table
             yield from tables(table)
 

@@ -143,6 +143,7 @@ def test_every_number_is_registered_and_every_registered_quantity_reported(folde
     assert set(QUANTITIES.unreported(summary)) == whole
 
 
+@pytest.mark.long
 def test_the_same_study_gives_the_same_bytes(folder, tmp_path) -> None:
     again = PaperStudy(QUICK).run(processes=2)
     assert again is not None
