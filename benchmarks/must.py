@@ -1,9 +1,9 @@
-"""What was asked for, and what is there: one table, with the error against a tight reference beside every run.
+"""What is required of the core, and what is measured: one table, with the error against a tight reference beside every run.
 
     python benchmarks/must.py [--quick] [--write]
 
 --write puts the table into docs/performance.md. Contact `strips` with `table`. Processor time of one core, best of several; on a
-busy machine all times are up to twice as long. Asked for, after the slash the goal. The model in Numba and SciPy stands in
+busy machine all times are up to twice as long. Required, after the slash desired. The model in Numba and SciPy stands in
 `benchmarks/run.py`.
 """
 
@@ -20,9 +20,9 @@ from right_hand_side import measure as right_hand_side
 from rollerrig import load_case, simulate
 
 ASKED = {
-    "bogie_rollers_constant": "30 / 100 x",
-    "vehicle_track_irregular": "20 / 50 x",
-    "adhesion_brake": "40 / 100 x",
+    "bogie_rollers_constant": "30 / 100 ×",
+    "vehicle_track_irregular": "20 / 50 ×",
+    "adhesion_brake": "40 / 100 ×",
 }
 WORDS = {
     "bogie_rollers_constant": "hunting bogie, 216 km/h",
@@ -57,31 +57,31 @@ def main() -> None:
     parser.add_argument("--write", action="store_true", help="into docs/performance.md")
     given = parser.parse_args()
     rows: list[str] = []
-    line(rows, "what", "must / goal", "now", "beside it")
+    line(rows, "what", "required / desired", "measured", "remarks")
     line(rows, "---", "---", "---", "---")
     alone, _, of_eight = microseconds_per_wheel("bogie_rollers_constant", "strips")
     line(
         rows,
         "strips with search, per wheel",
-        "1.5 / 1.0 us",
-        f"{of_eight:.2f} us",
-        f"of eight side by side; alone {alone:.2f} us",
+        "1.5 / 1.0 µs",
+        f"{of_eight:.2f} µs",
+        f"of eight side by side; alone {alone:.2f} µs",
     )
-    for case, wheels, asked in (("bogie on rollers", 4, "9 / 5 us"), ("vehicle on irregular rails", 8, "")):
+    for case, wheels, asked in (("bogie on rollers", 4, "9 / 5 µs"), ("vehicle on irregular rails", 8, "")):
         full, paper = (right_hand_side(case, laws) for laws in ("strips, table", "hertz, kalker_saturated"))
         line(
             rows,
             f"right-hand side, {case}",
             asked,
-            f"{full:.1f} us",
-            f"{wheels} wheels; the paper's contact: {paper:.1f} us",
+            f"{full:.1f} µs",
+            f"{wheels} wheels; the paper's contact: {paper:.1f} µs",
         )
     for name, changes in RUNS:
         one = long_run(name, changes, given.quick)
         found = ", ".join(f"{kind} {100 * value:.2g} %" for kind, value in one.errors.items())
         where = f"{1e3 * one.step:g} ms, {one.run.evaluations:.2f} right-hand sides/ms"
         beside = f"{where}; {found} in the first {one.until:.3g} s; energy {one.run.energy:.1e}"
-        line(rows, WORDS[name], ASKED[name], f"{one.run.real_time:.3g} x real time", beside)
+        line(rows, WORDS[name], ASKED[name], f"{one.run.real_time:.3g} × real time", beside)
     line(rows, "memory over equal runs", "flat", f"{growth_of_memory():+.1f} MB in 10 runs", "")
     if given.write:
         text = PAGE.read_text()

@@ -143,7 +143,7 @@ def test_results_that_do_not_fit_are_refused_by_their_size_unpacked(
 
 def test_what_is_no_file_of_results_is_named(tmp_path: Path) -> None:
     (tmp_path / "text.nc").write_text("no results")
-    with pytest.raises(ResultsError, match=r"text.nc: no file of results, or a damaged one"):
+    with pytest.raises(ResultsError, match=r"text.nc: no NetCDF file of results such as run.nc, or a damaged one"):
         rr.load_run(tmp_path / "text.nc")
     with h5py.File(tmp_path / "other.nc", "w") as file:
         file["x"] = [1.0]

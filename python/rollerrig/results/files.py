@@ -247,7 +247,9 @@ def load_run(path: str | Path) -> xr.Dataset:
     except FileNotFoundError:
         raise FileNotFoundError(f"{path}: no such file") from None
     except OSError as error:  # those of the HDF5 library have no strerror
-        raise ResultsError(f"{path}: {error.strerror or 'no file of results, or a damaged one'}") from None
+        raise ResultsError(
+            f"{path}: {error.strerror or 'no NetCDF file of results such as run.nc, or a damaged one'}"
+        ) from None
     for name in ("format", "program"):
         run.attrs.pop(name, None)
     return run

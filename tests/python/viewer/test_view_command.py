@@ -44,7 +44,7 @@ def test_bad_input_is_one_line_and_leaves_nothing(file: Path, on_rig: xr.Dataset
     mine = tmp_path / "mine.html"
     mine.write_text("<!doctype html>mine")
     for source, out, said in (
-        (cut, "new.html", "no file of results, or a damaged one"),
+        (cut, "new.html", "no NetCDF file of results such as run.nc, or a damaged one"),
         (other, "new.html", "results of another version"),
         (modes, "new.html", "no motion of bodies (lateral); view takes the run.nc of a run"),
         (tmp_path / "none.nc", "new.html", "no such file"),
