@@ -29,7 +29,7 @@ _NAME = "name"
 
 
 def starting_case(name: str, source: str | Path = START) -> str:
-    """Text of a case that runs as it stands, each key explained above it, other keys of its tables as comments.
+    """Text of a case that runs as it stands, each key explained above it, the plain defaults of its tables as comments.
 
     Args:
         name: of the new case.
@@ -96,24 +96,29 @@ def _meaning(key: str) -> list[str]:
     place = _place(key)
     if place is None or not place.field.description or key.endswith((".kind", ".body", ".wheelset")):
         return []
+    return [f"# {line}" for line in textwrap.wrap(_said(place), _WIDTH)]
+
+
+def _said(place: KeyPlace) -> str:
+    """Its description, with the unit."""
     quantity = quantity_of(place.field.annotation, place.field.metadata)
     unit = unit_text(place.field, quantity.unit if quantity and quantity.unit != "1" else "")
-    return [
-        f"# {line}"
-        for line in textwrap.wrap(f"{place.field.description} {f'[{unit}]' if unit else ''}".strip(), _WIDTH)
-    ]
+    return f"{place.field.description or ''} {f'[{unit}]' if unit else ''}".strip()
 
 
 def _offered(table: Raw, above: str) -> list[str]:
-    """Keys that a table could have beside those it has, with their defaults, one line each."""
+    """Plain keys that a table could have beside those it has: default and meaning, one line each."""
     places = [
         place for place in key_places() if place.file == "case" and place.key.rpartition(".")[0] == above.rstrip(".")
     ]
-    if not above or len({place.table for place in places}) != 1:  # of the kinds of a law each has its own
+    if not above or not places:
         return []
+    if len({place.table for place in places}) > 1:  # each has its own
+        return [f"# It has several kinds: `rollerrig explain {above.rstrip('.')}` lists their keys."]
     lines = []
     for place in places:
         key, default = place.key.rpartition(".")[2], place.field.default
         if key not in table and isinstance(default, str | float | int | tuple) and default not in ("", ()):
-            lines.append(f"# {key} = {literal(plain(default))}".replace(",\n", ", ").replace("\n", ""))
+            value = literal(plain(default)).replace(",\n", ", ").replace("\n", "")
+            lines.append(f"# {key} = {value}  # {_said(place)}".rstrip(" #"))
     return ["# what it has by default:", *lines] if lines else []

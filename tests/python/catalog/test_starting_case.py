@@ -38,6 +38,14 @@ def test_every_key_of_a_new_case_is_explained_above_it() -> None:
     assert [lines[i] for i in keys if not lines[i - 1].startswith("# ")] == []
 
 
+def test_each_default_says_what_it_is() -> None:
+    lines = starting_case("mine", "adhesion_brake").splitlines()
+    offered = [line for line in lines if re.match(r"# [a-z_A-Z]+ = ", line)]
+    assert len(offered) > 20
+    assert [line for line in offered if not re.search(r"  # \w+", line)] == []
+    assert "# It has several kinds: `rollerrig explain slide_protection` lists their keys." in lines
+
+
 def test_a_name_that_cannot_be_one_is_refused() -> None:
     with pytest.raises(ConfigError, match=r"new: name: 'two words'; allowed: a name of at most 60 letters"):
         starting_case("two words")

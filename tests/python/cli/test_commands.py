@@ -400,7 +400,8 @@ def test_a_new_case_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Non
     assert Done("new", "mine", "--from", "wheelset_rollers").code == 0
     assert Done("run", "mine.toml", "--out", "out", "--set", "time.duration=0.02").code == 0
     again = Done("new", "mine")
-    assert (again.code, "mine.toml" in again.err) == (2, True)
+    assert (again.code, again.err.startswith("rollerrig: mine.toml: there is a case of that name")) == (2, True)
+    assert Done("new", "other", "--out", "other.toml").err.startswith("rollerrig: other.toml: --out is the folder")
     assert Done("new", "two words").err.startswith("rollerrig: new: name: 'two words'; allowed")
     assert Done("new", "other", "--from", "wheelst_rollers").code == 2
     assert sorted(path.name for path in tmp_path.iterdir()) == ["mine.toml", "out"]
