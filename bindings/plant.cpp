@@ -112,17 +112,15 @@ void bind_part(nb::module_& m) {
         return part_token({static_cast<std::byte const*>(content.data()), content.size()});
       },
       "content"_a, "The checksum of such bytes as text.");
-  m.def(
-      "part_variables",
-      [](ControllerPart const& part) {
-        ControllerPlant const plant(part);
-        return std::vector<Variable>(plant.variables().begin(), plant.variables().end());
-      },
-      "part"_a, "Inputs, outputs and parameters of the controller alone.");
+}
+
+std::vector<Variable> variables_of(auto const& plant) {
+  auto const all = plant.variables();
+  return {all.begin(), all.end()};
 }
 
 /// Why a variable was not set.
-[[noreturn]] void refuse(Plant const& self, char const* what, int index, double value, Causality causality) {
+[[noreturn]] void refuse(auto const& self, char const* what, int index, double value, Causality causality) {
   auto const all = self.variables();
   bool const known = index >= 0 && index < static_cast<int>(all.size());
   if (!known || all[static_cast<std::size_t>(index)].causality != causality)
@@ -140,12 +138,36 @@ void bind_part(nb::module_& m) {
   refuse_value(value, range, what, ("value of " + variable.name).c_str());
 }
 
-void set_input(Plant& self, int index, double value) {
+template <class P>
+void set_input(P& self, int index, double value) {
   if (!self.set_input(index, value)) refuse(self, "set_input", index, value, Causality::input);
 }
 
 void set_parameter(Plant& self, int index, double value) {
   if (!self.set_parameter(index, value)) refuse(self, "set_parameter", index, value, Causality::parameter);
+}
+
+template <class P>
+int advance(P& self, double t) {
+  if (std::isnan(t)) throw nb::value_error("advance: t must be a time, got nan");
+  return static_cast<int>(self.advance(t));
+}
+
+void bind_controller_plant(nb::module_& m) {
+  nb::class_<ControllerPlant>(m, "ControllerPlant", "One controller alone as other tools drive it; SI.")
+      .def(nb::init<ControllerPart>(), "part"_a)
+      .def_prop_ro("variables", [](ControllerPlant const& self) { return variables_of(self); })
+      .def("start", [](ControllerPlant& self) { return static_cast<int>(self.start(0.0)); })
+      .def("advance", &advance<ControllerPlant>, "t"_a, "With a sample at every sample time before t.")
+      .def("set_input", &set_input<ControllerPlant>, "index"_a, "value"_a, "Holds from the next sample on.")
+      .def(
+          "get",
+          [](ControllerPlant const& self, int index) {
+            bool const known = index >= 0 && index < static_cast<int>(self.variables().size());
+            return known ? self.get(index) : std::numeric_limits<double>::quiet_NaN();
+          },
+          "index"_a)
+      .def_prop_ro("period", &ControllerPlant::period);
 }
 
 }  // namespace
@@ -154,26 +176,17 @@ void bind_plant(nb::module_& m) {
   bind_variable(m);
   bind_assembled(m);
   bind_part(m);
+  bind_controller_plant(m);
   nb::class_<Plant>(m, "Plant", "An assembled model as other tools take it; SI.")
       .def(nb::init<AssembledModel>(), "assembled"_a)
-      .def_prop_ro("variables",
-                   [](Plant const& self) {
-                     auto const all = self.variables();
-                     return std::vector<Variable>(all.begin(), all.end());
-                   })
+      .def_prop_ro("variables", [](Plant const& self) { return variables_of(self); })
       .def(
           "find", [](Plant const& self, std::string const& name) { return self.find(name); }, "name"_a)
       .def(
           "start", [](Plant& self, double final_time) { return static_cast<int>(self.start(final_time)); },
           "final_time"_a = std::numeric_limits<double>::infinity())
-      .def(
-          "advance",
-          [](Plant& self, double t) {
-            if (std::isnan(t)) throw nb::value_error("advance: t must be a time, got nan");
-            return static_cast<int>(self.advance(t));
-          },
-          "t"_a, "To the last sampling step at or before t; without sampled blocks to t.")
-      .def("set_input", &set_input, "index"_a, "value"_a, "Holds from the present time on.")
+      .def("advance", &advance<Plant>, "t"_a, "To the last sampling step at or before t; without sampled blocks to t.")
+      .def("set_input", &set_input<Plant>, "index"_a, "value"_a, "Holds from the present time on.")
       .def("set_parameter", &set_parameter, "index"_a, "value"_a,
            "A fixed one before start(), which then looks for the equilibrium; a tunable one at any time.")
       .def("get", &Plant::get, "index"_a)

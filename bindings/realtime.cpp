@@ -134,32 +134,6 @@ class RigServer {
   std::atomic<bool> taken_{false};
 };
 
-/// Our slide protection without a rig, for a controller in a process of its own.
-class SlideProtectionUnit {
- public:
-  SlideProtectionUnit(WheelSlideProtection const& law, int axles, double train_speed, double period)
-      : law_{law}, axles_{static_cast<std::size_t>(axles)}, period_{period} {
-    measured_.axles = axles;
-    state_ = law_.start(measured_, train_speed, period);
-  }
-
-  std::vector<double> step(double time, std::vector<double> const& axle_speed) {
-    if (axle_speed.size() != axles_) throw nb::value_error("step: axle_speed must hold one number per axle");
-    measured_.time = time;
-    std::copy(axle_speed.begin(), axle_speed.end(), measured_.vehicle_axle_speed.begin());
-    PerAxle<double> valve{};
-    law_.step(state_, measured_, period_, valve);
-    return {valve.begin(), valve.begin() + static_cast<std::ptrdiff_t>(axles_)};
-  }
-
- private:
-  WheelSlideProtection law_;
-  std::size_t axles_;
-  double period_;
-  Measurements measured_{};
-  WheelSlideProtection::State state_{};
-};
-
 /// Processor time of each period of a rig from its start, commands at their start values [ns].
 nb::tuple measure_rig(AssembledModel const& assembled, std::vector<int> const& inputs, std::vector<int> const& outputs,
                       double period, int periods, int repeats) {
@@ -219,19 +193,6 @@ void bind_realtime(nb::module_& m) {
       .def("sensors", &RigServer::sensors, "Of the start and of the end of each period, if it was recorded.")
       .def_prop_ro("port", &RigServer::port)
       .def_prop_ro("failed_wheel", &RigServer::failed_wheel);
-  nb::class_<SlideProtectionUnit> unit(m, "SlideProtectionUnit", "Our slide protection without a rig.");
-  unit.def(
-      "__init__",
-      [](SlideProtectionUnit* self, WheelSlideProtection const& controller, int axles, double train_speed,
-         double step) {
-        check_value(axles, Range{1.0, most_axles, "from 1 to 8"}, "SlideProtectionUnit", "axles");
-        check_value(train_speed, finite_number, "SlideProtectionUnit", "train_speed");
-        check_value(step, Range{1e-6, 10.0, "from 1e-6 to 10 s"}, "SlideProtectionUnit", "period");
-        new (self) SlideProtectionUnit(controller, axles, train_speed, step);
-      },
-      "controller"_a, "axles"_a, "train_speed"_a, "period"_a);
-  def_method(unit, "step", "One sample: commands of the valves from the axles' speeds [rad/s].",
-             &SlideProtectionUnit::step, Argument{"time"}, Argument{"axle_speed"});
   def_function(m, "measure_rig", "Least processor time of each period [ns]: count, median, 99 %, 99.99 %, longest.",
                &measure_rig, assembled, inputs, outputs, period,
                Argument{"periods", Range{1.0, 2e6, "a count from 1 to 2e6"}},

@@ -3,7 +3,8 @@
 core:    scalar -> math -> integrate -> track -> multibody -> geometry -> contact -> mechatronics -> system -> simulate -> plant
 Python:  wording -> splines, input_files, memory, workers, blas_threads -> eigenvalues -> profiles, track, irregularity
          -> config -> core_struct -> catalog -> cases -> contact_laws, force_laws, static_loads, model_parts -> assembly
-         -> actuators -> results -> restraint -> starting_state -> mechatronics -> simulation -> plant -> realtime, fmu, gym
+         -> actuators -> results -> restraint -> starting_state -> mechatronics -> simulation -> plant -> controller_part
+         -> realtime, fmu, gym
          -> similitude -> contact_analysis -> analysis -> viewer -> plot -> study -> commands -> cli
 """
 
@@ -38,6 +39,7 @@ CORE_LAYERS = [
     {"system"},
     {"simulate"},
     {"plant"},
+    {"controller_part"},
 ]
 """From left to right: folders, or single headers with their ending. What stands together does not see each other."""
 
@@ -135,6 +137,7 @@ PYTHON_LAYERS = [
     {"mechatronics"},
     {"simulation"},
     {"plant"},
+    {"controller_part"},
     {"realtime", "fmu", "gym"},
     {"similitude"},
     {"contact_analysis"},

@@ -37,4 +37,11 @@ std::uint64_t crc64(std::span<std::byte const> bytes, std::uint64_t before) {
   return ~crc;
 }
 
+std::string hexadecimal(std::span<std::byte const> bytes) {
+  std::string text;
+  for (std::byte const byte : bytes)
+    for (int const shift : {4, 0}) text += "0123456789abcdef"[(std::to_integer<int>(byte) >> shift) & 15];
+  return text;
+}
+
 }  // namespace rollerrig

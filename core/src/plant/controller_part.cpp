@@ -66,11 +66,8 @@ ControllerPart read_part(std::span<std::byte const> bytes) {
   if (number_at(bytes, layout_at) != layout())
     refuse("of another version: its layout is not that of this rollerrig; export it again");
   ControllerPart part;
-  ByteReader in(bytes.subspan(header_size));
-  archive::Shared shared;
   try {
-    archive::get(in, shared, part);
-    if (in.left() > 0) throw FormatError("there are bytes behind its end");
+    archive::get_all(bytes.subspan(header_size), part);
   } catch (FormatError const& error) {
     refuse(error.what());
   }
@@ -80,10 +77,7 @@ ControllerPart read_part(std::span<std::byte const> bytes) {
 
 std::string part_token(std::span<std::byte const> bytes) {
   if (bytes.size() < header_size) refuse("cut: it ends after " + std::to_string(bytes.size()) + " bytes");
-  std::string text;
-  for (std::byte const byte : bytes.subspan(checksum_at, sizeof(std::uint64_t)))
-    for (int const shift : {4, 0}) text += "0123456789abcdef"[(std::to_integer<int>(byte) >> shift) & 15];
-  return text;
+  return hexadecimal(bytes.subspan(checksum_at, sizeof(std::uint64_t)));
 }
 
 }  // namespace rollerrig

@@ -91,11 +91,9 @@ std::vector<std::byte> write_model(AssembledModel const& a) {
 
 AssembledModel read_model(std::span<std::byte const> bytes) {
   Content content;
-  ByteReader in(checked(bytes));
-  archive::Shared shared;
+  auto const stored = checked(bytes);
   try {
-    archive::get(in, shared, content);
-    if (in.left() > 0) throw FormatError("there are bytes behind its end");
+    archive::get_all(stored, content);
   } catch (FormatError const& error) {
     refuse(error.what());
   }
@@ -108,10 +106,7 @@ AssembledModel read_model(std::span<std::byte const> bytes) {
 
 std::string model_token(std::span<std::byte const> bytes) {
   if (bytes.size() < header_size) refuse("cut: it ends after " + std::to_string(bytes.size()) + " bytes");
-  std::string text;
-  for (std::byte const byte : bytes.subspan(checksum_at, sizeof(std::uint64_t)))
-    for (int const shift : {4, 0}) text += "0123456789abcdef"[(std::to_integer<int>(byte) >> shift) & 15];
-  return text;
+  return hexadecimal(bytes.subspan(checksum_at, sizeof(std::uint64_t)));
 }
 
 }  // namespace rollerrig

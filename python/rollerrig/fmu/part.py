@@ -11,12 +11,10 @@ from pathlib import Path
 
 from rollerrig import __version__, _core
 from rollerrig.cases import as_case
-from rollerrig.config import Case, ConfigError, ConfigProblem
-from rollerrig.config.errors import nearest
+from rollerrig.config import Case
+from rollerrig.controller_part import controller_part, part_refused
 from rollerrig.fmu.description import Unit
 from rollerrig.fmu.export import DESCRIPTIONS, carried_shells, check_format, libraries, machines, packed
-from rollerrig.mechatronics import COMMANDS
-from rollerrig.plant import assembled_model
 from rollerrig.results.files import output_file, write_bytes
 from rollerrig.results.marks import PAGE
 
@@ -53,7 +51,7 @@ def export_part(case: Case | str, part: str, path: str | Path, *, fmi: str = "2"
     try:
         content = _core.write_part(alone)
     except ValueError as error:
-        raise _refused(case, part, str(error)) from None
+        raise part_refused(case, part, str(error)) from None
     unit = Unit(
         name=f"{case.name}.{part}",
         identifier=re.sub(r"\W", "_", f"{case.name}_{part}", flags=re.ASCII),
@@ -62,7 +60,7 @@ def export_part(case: Case | str, part: str, path: str | Path, *, fmi: str = "2"
         final_time=float(case.time.duration),
         step=float(getattr(case, part).sample_time),
         sampled=True,
-        variables=_core.part_variables(alone),
+        variables=_core.ControllerPlant(alone).variables,
     )
     files = {
         "documentation/index.html": _page(unit, machines(carried)),
@@ -71,51 +69,6 @@ def export_part(case: Case | str, part: str, path: str | Path, *, fmi: str = "2"
     }
     files |= libraries(carried, fmi, unit.identifier)
     return write_bytes(target, packed(files), force=force)
-
-
-def controller_part(case: Case, part: str) -> _core.ControllerPart:
-    """A controller of the case with what it starts from.
-
-    Raises:
-        ConfigError: the case has no such controller, or not ours.
-        StartError: no equilibrium was found to start from.
-    """
-    there = [role for role in COMMANDS if getattr(case, role) is not None]
-    if part not in there:
-        raise _refused(case, part, f"allowed: a controller of the case: {', '.join(there) or 'it has none'}", there)
-    if not getattr(case, part).is_ours:
-        raise _refused(case, part, "the case has a controller of your own there; allowed: one of ours")
-    axles = case.train.axles
-    shared = case.sanding is not None or (case.adhesion is not None and case.adhesion.recovery_constant > 0.0)
-    if part == "rig_control" and axles is not None and axles.simulated and shared:
-        raise _refused(
-            case, part, "the simulated axles of [train.axles] run on its virtual rail, and clean it or take its sand"
-        )
-    assembled = assembled_model(case, external=[role for role in there if not getattr(case, role).is_ours])
-    assert assembled.setup is not None
-    sampled = next(one for one in assembled.setup.controllers if isinstance(one.controller, _core.controllers[part]))
-    plant = _core.Plant(assembled)
-    plant.start()
-    names = list(assembled.names.axles)
-    if isinstance(sampled.controller, _core.RigControl):  # of those on the rig alone
-        names = names[: len(sampled.controller.train.static_load)]
-
-    def at_start(quantity: str) -> list[float]:
-        return [float(plant.get(plant.find(f"{axle}.{quantity}"))) for axle in names]
-
-    return _core.ControllerPart(
-        name=case.name,
-        step=assembled.setup.step,
-        controller=sampled,
-        axles=names,
-        train_speed=assembled.setup.speed,
-        axle_speed=at_start("axle_speed"),
-        roller_speed=at_start("roller_speed"),
-    )
-
-
-def _refused(case: Case, part: str, allowed: str, choices: list[str] | None = None) -> ConfigError:
-    return ConfigError([ConfigProblem(case.name, "part", repr(part), allowed, nearest(part, choices or []))])
 
 
 def _page(unit: Unit, runs_on: str) -> bytes:

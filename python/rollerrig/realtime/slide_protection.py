@@ -8,8 +8,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from rollerrig import _core
-from rollerrig.config import Case, ConfigError, ConfigProblem
-from rollerrig.mechatronics.setup import slide_protection
+from rollerrig.config import Case
+from rollerrig.controller_part import controller_part
 
 
 class SlideProtection:
@@ -19,25 +19,22 @@ class SlideProtection:
         sample_time: of the case's table [s].
     """
 
-    def __init__(self, case: Case, axles: int = 2) -> None:
+    def __init__(self, case: Case) -> None:
         """Begin at the speed of the case's start.
 
-        Args:
-            case: has a table [slide_protection].
-            axles: that are protected.
-
         Raises:
-            ConfigError: the case has no slide protection.
+            ConfigError: the case has no slide protection, or not ours.
+            StartError: no equilibrium was found to start from.
         """
-        table = case.slide_protection
-        if table is None:
-            raise ConfigError([ConfigProblem(case.name, "slide_protection", "missing", "needed: this table")])
-        self.sample_time = float(table.sample_time)
-        law = _core.controllers["slide_protection"](law=slide_protection(table, case.vehicle.data.wheel.radius))
-        self._unit = _core.SlideProtectionUnit(law, axles, case.motion.speed, self.sample_time)
+        self._plant = _core.ControllerPlant(controller_part(case, "slide_protection"))
+        self._plant.start()
+        self.sample_time: float = self._plant.period
+        names = [variable.name for variable in self._plant.variables]
+        self._speeds = [i for i, name in enumerate(names) if name.endswith(".axle_speed")]
+        self._valves = [i for i, name in enumerate(names) if name.endswith(".valve_command")]
 
     def step(self, time: float, axle_speed: Sequence[float]) -> list[float]:
-        """One sample, to be taken every `sample_time`.
+        """One sample, to be taken every `sample_time`; those that were left out before are taken with it.
 
         Args:
             time: of the sample [s].
@@ -46,5 +43,7 @@ class SlideProtection:
         Returns:
             0 fill, 1 hold or 2 vent for each axle.
         """
-        found: list[float] = self._unit.step(time, list(axle_speed))
-        return found
+        for index, speed in zip(self._speeds, axle_speed, strict=True):
+            self._plant.set_input(index, speed)
+        self._plant.advance((round(time / self.sample_time) + 1) * self.sample_time)
+        return [self._plant.get(index) for index in self._valves]

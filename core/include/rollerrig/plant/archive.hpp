@@ -245,6 +245,15 @@ void get(ByteReader& in, Shared& shared, V& value) {
   }
 }
 
+/// One value that takes all of the bytes; throws FormatError where it does not.
+template <class V>
+void get_all(std::span<std::byte const> bytes, V& value) {
+  ByteReader in(bytes);
+  Shared shared;
+  get(in, shared, value);
+  if (in.left() > 0) throw FormatError("there are bytes behind its end");
+}
+
 // ---------------------------------------------------------------------------------------------------- as a text
 
 /// A line for each field, what it is made of below it. Lists: [ ]; what may be missing: ?; a table that may be shared: @; laws:

@@ -95,4 +95,7 @@ class ByteReader {
 /// CRC-64/XZ: ECMA-182, reflected; of bytes behind others whose checksum is `before`.
 std::uint64_t crc64(std::span<std::byte const> bytes, std::uint64_t before = 0);
 
+/// Two digits per byte.
+std::string hexadecimal(std::span<std::byte const> bytes);
+
 }  // namespace rollerrig

@@ -390,14 +390,8 @@ class Examples:
 
             return Call(call, {})
 
-        law = next(c.controller for c in self.recipes["brake"].setup.controllers if hasattr(c.controller, "law"))
-        unit = {"controller": law, "axles": 2, "train_speed": 30.0, "period": 5e-3}
-        speeds = {"time": 0.0, "axle_speed": [60.0, 61.0]}
-
         methods = ("run", "stop", "statistics", "histogram", "commands", "sensors")
         calls = {f"RigServer.{method}": after_a_run(method) for method in methods} | {
-            "SlideProtectionUnit": Call(_core.SlideProtectionUnit, unit),
-            "SlideProtectionUnit.step": Call(lambda **given: _core.SlideProtectionUnit(**unit).step(**given), speeds),
             "ServerSettings": Call(_core.ServerSettings, settings),
             "RigServer": Call(run, served),
             "measure_rig": Call(_core.measure_rig, rig | {"period": 2e-3, "periods": 5, "repeats": 2}),
@@ -432,7 +426,13 @@ class Examples:
             "ControllerPart": Call(_core.ControllerPart, part),
             "write_part": Call(_core.write_part, {"part": alone}),
             "part_token": Call(_core.part_token, {"content": _core.write_part(alone)}),
-            "part_variables": Call(_core.part_variables, {"part": alone}),
+            "ControllerPlant": Call(_core.ControllerPlant, {"part": alone}),
+            "ControllerPlant.start": Call(lambda: _core.ControllerPlant(alone).start(), {}),
+            "ControllerPlant.advance": Call(lambda **given: _core.ControllerPlant(alone).advance(**given), {"t": 0.01}),
+            "ControllerPlant.set_input": Call(
+                lambda **given: _core.ControllerPlant(alone).set_input(**given), {"index": 0, "value": 43.0}
+            ),
+            "ControllerPlant.get": Call(lambda **given: _core.ControllerPlant(alone).get(**given), {"index": 0}),
             "PartNames": Call(_core.PartNames, fields(given["names"])),
             "AssembledModel": Call(_core.AssembledModel, given),
             "write_model": Call(_core.write_model, {"assembled": assembled}),
