@@ -77,7 +77,7 @@ def amplitude_over_speed(
         critical: name -> speed [km/h], marked by a vertical line.
         title: of the figure.
     """
-    with panels(["lateral amplitude at the end [mm]"], "speed [km/h]", 3.4, legend=False) as (figure, (axes,)):
+    with panels(["lateral amplitude at the end [mm]"], "speed [km/h]", 4.8) as (figure, (axes,)):
         for number, (label, table) in enumerate(tables.items()):
             speed, amplitude = table["speed"].to_numpy(), 1e3 * table["amplitude"].to_numpy()
             persists, decays = (table[name].to_numpy() == 1 for name in ("persists", "decays"))
@@ -93,5 +93,4 @@ def amplitude_over_speed(
         critical_lines(axes, critical or {})
         axes.set_ylim(bottom=-0.15)
         axes.set_title(title, loc="left")
-        axes.legend(loc="upper left")
         return figure

@@ -188,6 +188,6 @@ def paper_speed_sentence(material: str, linear: Mapping[str, float], by: Mapping
         return f"{small} for small motions and {large} from the offset"
 
     return (
-        f"The {PAPER_CRITICAL_KMH:g} km/h above which the paper's bogie hunts are, with {material}: {one(OWN)} with the "
-        f"paper's own contact; {one(EXACT)} with the exact one."
+        f"The paper's bogie hunts above {PAPER_CRITICAL_KMH:g} km/h; here with {material} the critical speed is {one(OWN)} with "
+        f"the paper's own contact, {one(EXACT)} with the exact one."
     )

@@ -44,7 +44,7 @@ def test_every_figure_is_drawn_and_shown(folder) -> None:
 
 
 def test_both_contacts_stand_side_by_side(outcome, folder) -> None:
-    """Every critical speed with the paper's own contact and with the exact one, and what the paper's 100 km/h are with each."""
+    """Every critical speed with the paper's own contact and with the exact one, and the paper's 100 km/h beside each."""
     own, exact = outcome.numbers["materials"], outcome.numbers["exact_contact"]["materials"]
     assert own.keys() == exact.keys()
     for material in own:
@@ -57,7 +57,9 @@ def test_both_contacts_stand_side_by_side(outcome, folder) -> None:
     )
     words = re.sub(r'src="data:[^"]*"', "", (folder / "report.html").read_text())
     for text, count in ((outcome.summary, 2), (words, 4)):  # the report has it in its summary and in the section
-        assert len(re.findall(r"The 100 km/h above which .*? own contact; .*? with the exact one", text)) == count
+        assert (
+            len(re.findall(r"hunts above 100 km/h; here with .*? own contact, .*? with the exact one", text)) == count
+        )
     assert outcome.numbers["traction"].keys() == outcome.numbers["exact_contact"]["traction"].keys()
 
 
