@@ -42,7 +42,7 @@ TRACKS: dict[str, dict[str, object]] = {
 def measure(changes: dict[str, object]) -> tuple[float, float]:
     """Seconds of one right-hand side and of one Jacobian, in the transition 2 s after the start."""
     case = load_case("bogie_track").with_changes(
-        {"vehicle.cut": "vehicle", "motion.speed": 30.0, "time.duration": 2.0, "disturbance": [], **changes}
+        {"vehicle.cut": "vehicle", "motion.speed": "30 m/s", "time.duration": 2.0, "disturbance": [], **changes}
     )
     model = assemble(case)
     simulation = _core.Simulation(model.core)

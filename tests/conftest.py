@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import signal
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -36,6 +37,18 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
         long = [item for item in items if item.get_closest_marker("long")]
         config.hook.pytest_deselected(items=long)
         items[:] = [item for item in items if item not in long]
+
+
+ROOT = Path(__file__).parents[1]
+
+
+@pytest.fixture(autouse=True)
+def no_stray_file() -> Iterator[None]:
+    """What a test writes goes into a folder of its own; the checkout, from which the suite is started, stays as it is."""
+    before = set(ROOT.iterdir())
+    yield
+    stray = {path.name for path in set(ROOT.iterdir()) - before if not path.name.startswith(".")}
+    assert stray - {"build"} == set(), "left in the checkout; write below tmp_path"
 
 
 @pytest.fixture(scope="session")

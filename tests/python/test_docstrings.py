@@ -5,6 +5,7 @@ from __future__ import annotations
 import doctest
 import inspect
 import sys
+from pathlib import Path
 
 import pytest
 
@@ -23,7 +24,8 @@ NAMES = [name for name in rr.__all__ if name not in ("__version__", "plot")]
 
 
 @pytest.mark.parametrize("name", [name for name in NAMES if ">>>" in (inspect.getdoc(getattr(rr, name)) or "")])
-def test_the_example_of_a_public_name_runs(name: str) -> None:
+def test_the_example_of_a_public_name_runs(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)  # one writes a page
     value = getattr(rr, name)
     module = sys.modules[value.__module__]
     (example,) = doctest.DocTestFinder(recurse=False).find(value, name, module=False, globs=dict(vars(module)))

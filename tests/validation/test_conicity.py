@@ -163,7 +163,7 @@ def test_rollers_change_the_wavelength_as_the_equations_of_motion_say(roller_rad
             "support.profile": arcs(0.3),
             "support.gauge_depth": depth,
             "support.gauge": 2 * (0.757 - np.sqrt(0.3**2 - (0.3 - depth) ** 2)),
-            "motion.speed": speed,
+            "motion.speed_mps": speed,
         }
         case = case.with_changes(changes | ({"support.roller_radius": radius} if radius else {}))
         kinematic = float(conicity_table(shift_table(case, 1 * mm), [0.5 * mm])["wavelength"][0])

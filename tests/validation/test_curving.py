@@ -22,7 +22,7 @@ RADIUS, CANT, BASE = 600.0, 0.110, 1.5
 def in_the_curve(speed: float, direction: str = "left") -> Case:
     """The catalogue's curve without an end: steady curving from the start."""
     curve = {"kind": "curve", "length": 200.0, "radius": RADIUS, "cant": CANT, "direction": direction}
-    return rr.load_case("vehicle_curve").with_changes({"support.segment": [curve], "motion.speed": speed})
+    return rr.load_case("vehicle_curve").with_changes({"support.segment": [curve], "motion.speed_mps": speed})
 
 
 def steady(speed: float, direction: str = "left") -> xr.Dataset:

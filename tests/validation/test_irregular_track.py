@@ -30,7 +30,7 @@ def case() -> Case:
     """
     return rr.load_case("vehicle_track_irregular").with_changes(
         {
-            "motion.speed": SPEED,
+            "motion.speed_mps": SPEED,
             "support.irregularity": {
                 "kind": "ore_b176", "level": "low", "seed": 4, "scale": 1e-3, "period": PERIOD, "fade_in": 100.0,
                 "shortest_wavelength": SHORTEST,

@@ -35,7 +35,7 @@ def wavelength(case: Case) -> tuple[float, float, float]:
 
 
 def lone_wheelset(conicity: float) -> Case:
-    changes = {"vehicle.wheel.profile": cone(conicity), "motion.speed": SPEED, "disturbance": []}
+    changes = {"vehicle.wheel.profile": cone(conicity), "motion.speed_mps": SPEED, "disturbance": []}
     return load_case("contact_benchmark_track").with_changes(changes)
 
 
@@ -56,7 +56,7 @@ def rigid_bogie(conicity: float, poisson_ratio: float) -> Case:
     """Primary springs a thousand times as stiff, secondary springs ten thousand times softer sideways and along."""
     changes: dict[str, object] = {
         "vehicle.wheel.profile": cone(conicity),
-        "motion.speed": SPEED,
+        "motion.speed_mps": SPEED,
         "disturbance": [],
         "contact.material": {"name": "test", "shear_modulus": 82e9, "poisson_ratio": poisson_ratio},
     }

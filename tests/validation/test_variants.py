@@ -29,11 +29,11 @@ VARIANTS: dict[str, dict[str, object]] = {
             {"wheelset": "wheelset_2", "reacts_on": "none", "table": [[0.0, 0.0], [0.3, 2000.0]]},
         ],
     },
-    "speed table": {"motion.speed_table": [[0.0, 20.0], [1.0, 25.0]], "motion.speed": 20.0},
+    "speed table": {"motion.speed_table": [[0.0, "20 m/s"], [1.0, "25 m/s"]], "motion.speed": "20 m/s"},
     "track, speed table": {
         "support.use": "uic60_track",
-        "motion.speed_table": [[0.0, 20.0], [1.0, 25.0]],
-        "motion.speed": 20.0,
+        "motion.speed_table": [[0.0, "20 m/s"], [1.0, "25 m/s"]],
+        "motion.speed": "20 m/s",
     },
     "the paper's contact": {"contact.normal": "hertz", "contact.creep": "kalker_saturated"},
     "spin moment saturated": {"contact.creep": {"kind": "kalker_saturated", "saturate_spin_moment": True}},
@@ -47,7 +47,7 @@ TIME = 0.1  # [s], within all tables
 
 def variant(name: str) -> tuple[AssembledModel, _core.Simulation, np.ndarray]:
     """Model, simulation and a state a little off its equilibrium at TIME."""
-    changes = {"motion.speed": SPEED, "disturbance": [], **VARIANTS[name]}
+    changes = {"motion.speed": f"{SPEED} m/s", "disturbance": [], **VARIANTS[name]}
     model = assemble(load_case("bogie_rollers_constant").with_changes(changes))
     simulation = _core.Simulation(model.core)
     result = simulation.equilibrium(SPEED, 0.0, [])
@@ -118,7 +118,9 @@ def test_elastic_rollers_become_rigid_ones_as_their_bearings_stiffen() -> None:
     """Eigenvalues of the bogie's own modes; the difference falls with 1 / stiffness."""
 
     def slow_modes(changes: dict[str, object]) -> np.ndarray:
-        case = load_case("bogie_rollers_constant").with_changes({"motion.speed": SPEED, "disturbance": [], **changes})
+        case = load_case("bogie_rollers_constant").with_changes(
+            {"motion.speed": f"{SPEED} m/s", "disturbance": [], **changes}
+        )
         simulation = _core.Simulation(assemble(case).core)
         values = np.linalg.eigvals(simulation.jacobian(0.0, equilibrium(simulation, SPEED))[0])
         modes = values[(values.imag > 1.0) & (np.abs(values) < 60 * 2 * np.pi)]

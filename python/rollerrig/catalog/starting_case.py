@@ -54,7 +54,7 @@ def starting_case(name: str, source: str | Path = START) -> str:
         raw = {
             "base": str(Path(source).absolute()),
             "description": case.description,
-            "motion": {"speed": case.motion.speed},
+            "motion": {"speed": f"{case.motion.speed!r} m/s"},
         }
     raw = {"name": name, **{key: value for key, value in raw.items() if key != _NAME}}
     heading = [

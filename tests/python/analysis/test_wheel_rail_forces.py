@@ -73,7 +73,7 @@ def test_a_free_vehicle_in_equilibrium_carries_its_weight_exactly() -> None:
 def test_in_a_curve_the_track_bears_what_cant_does_not_balance() -> None:
     speed, radius, cant, base = 30.0, 600.0, 0.1, 1.5
     curve = {"kind": "curve", "length": "500 m", "radius": radius, "cant": cant}
-    changes = {"vehicle.cut": "vehicle", "motion.speed": speed, "time.duration": "0.2 s", "disturbance": []}
+    changes = {"vehicle.cut": "vehicle", "motion.speed_mps": speed, "time.duration": "0.2 s", "disturbance": []}
     track = {"support.segment": [curve], "support.cant_base": base}
     chosen = rr.load_case("bogie_track").with_changes({**changes, **track})
     run = rr.simulate(chosen)

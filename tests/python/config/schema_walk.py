@@ -209,7 +209,7 @@ def whole_cases() -> dict[str, Raw]:
     ramp["disturbance"] = [{"body": "front_frame", "lateral": 1e-3}]
     torque = plain(load_case("bogie_rollers_traction"))
     torque["axle_torque"][0] = {"wheelset": "wheelset_1", "constant": 1e3}
-    torque["motion"] = {"speed": 20.0, "drive": "torque", "torque_table": [[0.0, 0.0], [1.0, 100.0]]}
+    torque["motion"] = {"speed": "20 m/s", "drive": "torque", "torque_table": [[0.0, 0.0], [1.0, 100.0]]}
     arcs = plain(load_case("contact_benchmark_track"))
     arcs["vehicle"]["data"]["wheel"]["profile"] = {"kind": "arc", "radius": 2.0, "half_width": 20e-3}
     arcs["support"]["data"] |= {"profile": {"kind": "arc", "radius": 0.3, "half_width": 20e-3}, "gauge_depth": 0.2e-3}

@@ -168,7 +168,7 @@ def test_a_curve_that_is_not_reached_is_no_obstacle(line: Path) -> None:
 def test_the_speed_in_a_curve_is_that_of_the_table(line: Path) -> None:
     """From 20 m/s at 2 m/s^2: v^2 = 400 + 4 s; the curve lies from 130 to 280 m."""
     line.write_text(CURVE)
-    table = "motion = { speed_table = [[0, 20], [10, 40]] }"
+    table = 'motion = { speed_table = [[0, "20 m/s"], [10, "40 m/s"]] }'
     case = load_case_text(CASE.replace("CUT", "vehicle").replace("motion = { speed_kmh = 100 }", table))
     assert distance_run(case.motion, 10.0) == pytest.approx(300.0)
     low, high = speeds_on(case, case.support.data.line.segments[2]) or (0.0, 0.0)

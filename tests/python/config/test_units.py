@@ -10,6 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from rollerrig.config.schema import units
 from rollerrig.config.schema.units import KEY_SUFFIXES, Quantity
 
 
@@ -105,3 +106,24 @@ def test_every_key_suffix_is_a_unit() -> None:
              "GPa": "Pa"}  # fmt: skip
     for unit in KEY_SUFFIXES.values():
         assert Quantity(units.get(unit, unit), 0.0, 1e12).parse(f"1 {unit}") > 0
+
+
+@pytest.mark.parametrize(("unit", "si_unit"), units._KNOWN)
+def test_a_unit_read_without_pint_is_that_of_pint(unit: str, si_unit: str) -> None:
+    assert units._KNOWN[unit, si_unit] == units._factor_by_pint(unit, si_unit)
+
+
+@pytest.mark.parametrize(
+    ("quantity", "value", "text"),
+    [
+        (Quantity("m/s", 0.0, 200.0, bare=10.0), 100 / 3.6, "100 km/h"),
+        (Quantity("m/s", 0.0, 200.0, bare=10.0), 60.0, "60 m/s"),
+        (Quantity("m/s", 0.0, 200.0, bare=10.0), 41.2345678901234, "41.2345678901234 m/s"),
+        (Quantity("m", 0.0, 1e6, bare=10.0), 500.0, "500 m"),
+    ],
+)
+def test_a_number_that_needs_its_unit_is_written_in_the_shortest_text(
+    quantity: Quantity, value: float, text: str
+) -> None:
+    assert quantity.as_written(value) == text
+    assert quantity.parse(text) == value

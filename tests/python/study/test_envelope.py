@@ -385,7 +385,7 @@ def test_runs_of_another_case_are_refused_by_the_key(case: Case, tmp_path: Path)
     with pytest.raises(ConfigError, match=r"duration: 0\.8 there, 1\.0 now"):
         envelope(case, **{**SMALL, "duration": 1.0}, folder=tmp_path)
     with pytest.raises(ConfigError, match=r"motion\.speed"):
-        envelope(case.with_changes({"motion.speed": 20.0}), **SMALL, folder=tmp_path)
+        envelope(case.with_changes({"motion.speed": "20 m/s"}), **SMALL, folder=tmp_path)
     assert (tmp_path / NAME).read_bytes() == before
 
 

@@ -19,7 +19,7 @@ def curving(direction: str, segments: list[dict[str, object]] | None = None, dur
     return load_case("bogie_track").with_changes(
         {
             "vehicle.cut": "vehicle",
-            "motion.speed": SPEED,
+            "motion.speed_mps": SPEED,
             "disturbance": [],
             "support.segment": segments or [curve],
             "time.method": "rodas4",

@@ -55,7 +55,7 @@ class Case(CaseTables):
         base = "bogie_track"
         <BLANKLINE>
         [motion]
-        speed = 27.77777777777778
+        speed = "100 km/h"
         <BLANKLINE>
     """
 

@@ -151,10 +151,10 @@ class CriticalSpeedMeasure(Measure):
     """Linear critical speed."""
 
     kind: Literal["critical_speed"] = Field(description="linear critical speed")
-    slowest: Annotated[float, Quantity("m/s", 0.1, 200.0, bare=70.0)] = Field(
+    slowest: Annotated[float, Quantity("m/s", 0.1, 200.0, bare=10.0)] = Field(
         default=60 / 3.6, description="lowest speed at which it is looked for"
     )
-    fastest: Annotated[float, Quantity("m/s", 0.1, 200.0, bare=70.0)] = Field(
+    fastest: Annotated[float, Quantity("m/s", 0.1, 200.0, bare=10.0)] = Field(
         default=400 / 3.6, description="highest speed at which it is looked for"
     )
 

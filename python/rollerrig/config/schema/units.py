@@ -2,8 +2,8 @@
 
     0.46 | "0.46 m" | "460 mm"  ->  [Quantity]  ->  0.46
 
-pint knows the units; it is imported only when the first text with a unit is met (0.3 s). Rounding: the decimal
-number is converted exactly and rounded once, so that "460 mm" and 0.46 are the same float.
+pint knows the units; it is imported (0.4 s) only when a text has a unit that is not among the most usual ones. Rounding: the
+decimal number is converted exactly and rounded once, so that "460 mm" and 0.46 are the same float.
 """
 
 import math
@@ -75,6 +75,25 @@ _USUAL: dict[str, tuple[tuple[str, float], ...]] = {
     "Pa": (("GPa", 1e9), ("MPa", 1e6), ("bar", 1e5)),
 }
 
+# what pint says of the units of most files, which are read without it
+_USUAL_UNITS: dict[str, dict[str, Fraction | int]] = {
+    "m": {"mm": Fraction(1, 1000), "km": 1000},
+    "m/s": {"km/h": Fraction(5, 18)},
+    "kg": {"t": 1000},
+    "s": {"ms": Fraction(1, 1000), "min": 60},
+    "rad": {"mrad": Fraction(1, 1000)},
+    "N": {"kN": 1000},
+    "N m": {"kN m": 1000},
+    "N/m": {"kN/m": 1000, "MN/m": 10**6},
+    "N s/m": {"kN s/m": 1000},
+    "N m/rad": {"kN m/rad": 1000, "MN m/rad": 10**6},
+    "N m s/rad": {"kN m s/rad": 1000},
+    "Pa": {"bar": 10**5, "MPa": 10**6, "GPa": 10**9},
+    "Hz": {"kHz": 1000},
+    "W": {"kW": 1000, "MW": 10**6},
+}
+_KNOWN = {(unit, si): Fraction(factor) for si, units in _USUAL_UNITS.items() for unit, factor in units.items()}
+
 _NUMBER_AND_UNIT = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(\S.*?)\s*")
 _UNIT_TEXT = re.compile(r"[A-Za-zµμ°%·⋅*/^()²³ \d-]{1,40}")
 _POWER_TOWER = re.compile(r"\d\s*(\^|\*\*|\d)")  # "m^9^9^9" would keep the machine busy for years
@@ -97,6 +116,10 @@ def unit_factor(unit: str, si_unit: str) -> Fraction | None:
     """Number of ``si_unit`` in one ``unit``; None if ``unit`` is unknown or measures something else."""
     if unit == si_unit:  # as cases write themselves: pint is not needed
         return Fraction(1)
+    return _KNOWN.get((unit, si_unit)) or _factor_by_pint(unit, si_unit)
+
+
+def _factor_by_pint(unit: str, si_unit: str) -> Fraction | None:
     if not _UNIT_TEXT.fullmatch(unit) or _POWER_TOWER.search(unit):
         return None
     registry = _registry()
@@ -134,8 +157,8 @@ class Quantity:
         unit: SI unit of the validated number; "1" for a pure number.
         least: smallest value that is allowed.
         most: largest value that is allowed.
-        bare: largest magnitude that may be written without a unit: beyond it another unit was probably meant, `speed = 80`
-            is 288 km/h; None: all may.
+        bare: largest magnitude that may be written without a unit: beyond it another unit may have been meant, `speed = 60`
+            is 216 km/h; None: all may.
     """
 
     unit: str
@@ -179,8 +202,11 @@ class Quantity:
         return number
 
     def as_written(self, value: float) -> float | str:
-        """The number as a file holds it: a text with its unit where `parse` asks for one."""
-        return value if self.bare is None or abs(value) <= self.bare else f"{value!r} {self.unit}"
+        """The number as a file holds it: where `parse` asks for a unit the shortest text that means it."""
+        if self.bare is None or abs(value) <= self.bare:
+            return value
+        texts = [f"{value!r} {self.unit}", *(f"{value / si:.12g} {unit}" for unit, si in _USUAL.get(self.unit, ()))]
+        return min((text for text in texts if self._to_si(text) == value), key=len)
 
     def _meant(self, number: float) -> str:
         """What a number out of the range would be in a unit that people think in, "" if nothing fits."""
@@ -247,7 +273,7 @@ Deflection = Annotated[float, Quantity("m", -10.0, 10.0)]
 Angle = Annotated[float, Quantity("rad", -3.2, 3.2)]
 Mass = Annotated[float, Quantity("kg", 1e-5, 1e8)]
 Inertia = Annotated[float, Quantity("kg m^2", 1e-10, 1e10)]
-RunningSpeed = Annotated[float, Quantity("m/s", 0.0, 200.0, bare=70.0)]
+RunningSpeed = Annotated[float, Quantity("m/s", 0.0, 200.0, bare=10.0)]
 DamperSpeed = Annotated[float, Quantity("m/s", -1e3, 1e3)]
 AngularSpeed = Annotated[float, Quantity("rad/s", -1e5, 1e5)]
 Time = Annotated[float, Quantity("s", -1e6, 1e6)]

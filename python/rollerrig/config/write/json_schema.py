@@ -78,7 +78,7 @@ def _as_in_files(table: Schema) -> None:
     optional = {key for key, value in properties.items() if INSTEAD_OF in value}
     if "required" in table:
         table["required"] = [key for key in table["required"] if key not in optional]
-    for key in properties.keys() & {"profile", "material"}:
+    for key in sorted(properties.keys() & {"profile", "material"}):
         inner = {
             name: properties[key].pop(name) for name in ("$ref", "oneOf", "discriminator") if name in properties[key]
         }
@@ -102,7 +102,7 @@ def _with_base(schema: Schema, tables: Schema) -> None:
     for choice, parts in choices.values():
         inside = {key: value for part in parts for key, value in tables[part]["properties"].items()}
         own = tables[choice]["properties"]
-        for key in inside.keys() - own.keys() - _NOT_CHANGED:
+        for key in [name for name in inside if name not in own and name not in _NOT_CHANGED]:  # in this order
             own[key] = {"anyOf": [{"type": "object"}, inside[key]], "description": inside[key].get("description", "")}
         if "required" in tables[choice]:
             del tables[choice]["required"]
