@@ -60,6 +60,7 @@ if TYPE_CHECKING:
     from rollerrig.starting_state import StartError as StartError
     from rollerrig.study.envelope import envelope as envelope
     from rollerrig.viewer import view as view
+    from rollerrig.viewer.play import play as play
 
 __version__ = "0.1.0"
 
@@ -95,6 +96,7 @@ _HOME = {
     "load_case": "config",
     "load_run": "results",
     "paper": "commands",
+    "play": "viewer.play",
     "profile": "contact_analysis.profile_curve",
     "read_model": "plant",
     "response": "commands",

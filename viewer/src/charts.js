@@ -79,10 +79,10 @@ export class Chart {
   }
 }
 
-/** What the values need, and no less than a thousandth of them: round-off is not drawn. */
+/** What the values need, and no less than a hundredth or a thousandth of them: round-off is not drawn, and ticks have three decimals. */
 function span(_, low, high) {
   if (low === null || high === null) return [0, 1];
-  const least = Math.max(2e-3, 2e-3 * Math.max(Math.abs(low), Math.abs(high))), missing = Math.max(0, least - (high - low)) / 2, edge = 0.06 * (high - low) + missing;
+  const least = Math.max(1e-2, 2e-3 * Math.max(Math.abs(low), Math.abs(high))), missing = Math.max(0, least - (high - low)) / 2, edge = 0.06 * (high - low) + missing;
   return [low - edge, high + edge];
 }
 

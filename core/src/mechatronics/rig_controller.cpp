@@ -25,7 +25,7 @@ RigController::State RigController::start(Measurements const& now, double train_
     AxleState& axle = s.axle[k];
     std::visit([&](auto const& law) { axle.estimator = law.start(assumed, period, sample_of(now, k)); }, estimator);
     std::visit([&]<class Law>(Law const&) { axle.axle_torque = typename Law::State{}; }, axle_torque);
-    std::visit([&](auto const& law) { axle.feedback = law.start(assumed); }, feedback);
+    std::visit([&]<class Law>(Law const&) { axle.feedback = typename Law::State{}; }, feedback);
     std::visit([&]<class Law>(Law const&) { axle.drive_command = typename Law::State{}; }, drive_command);
   }
   return s;
@@ -55,10 +55,10 @@ void RigController::step(State& s, Measurements const& now, double period, PerAx
                         assumed.roller_radius * s.train.force(i);  // (D5)
     double wanted = axle.feed_forward;
     if (s.train.locked(i)) {
-      std::visit([&](auto const& law) { axle.feedback = law.start(assumed); }, feedback);
+      std::visit([&]<class Law>(Law const&) { axle.feedback = typename Law::State{}; }, feedback);
     } else {
       TrackingError const error{axle.feed_forward, s.train.axle_speed(i) - now.axle_speed[at(i)], period};
-      auto const correct = [&](auto const& law, auto& state) { return law.step(state, error, largest); };
+      auto const correct = [&](auto const& law, auto& state) { return law.step(state, assumed, error, largest); };
       wanted = visit_with_state(correct, feedback, axle.feedback);
     }
     WantedTorque const total{axle.feed_forward, wanted, now.drive_torque[at(i)]};

@@ -35,6 +35,7 @@ constexpr Unit units[] = {{"A", "1"},
                           {"gain", "1"},
                           {"gradient", "1"},
                           {"gravity", "m/s^2"},
+                          {"integral", "N m/rad"},
                           {"k_A", "1"},
                           {"k_S", "1"},
                           {"largest", "N m"},
@@ -48,6 +49,7 @@ constexpr Unit units[] = {{"A", "1"},
                           {"longest_vent", "s"},
                           {"mass", "kg"},
                           {"mu_0", "1"},
+                          {"proportional", "N m s/rad"},
                           {"pulse_pause", "s"},
                           {"pulse_time", "s"},
                           {"recovery_acceleration", "m/s^2"},
@@ -90,6 +92,13 @@ template <class V>
 struct IsVariant : std::false_type {};
 template <class... Laws>
 struct IsVariant<std::variant<Laws...>> : std::true_type {};
+
+/// Laws of the rig's controller go by their numbers at every sample; a Kalman filter has a gain that it found at its start.
+template <class V>
+constexpr bool sampled_laws = std::is_same_v<V, AnyEstimator> || std::is_same_v<V, AnyAxleTorque> ||
+                              std::is_same_v<V, AnyFeedback> || std::is_same_v<V, AnyDriveCommand>;
+template <class Law>
+constexpr bool settled_at_start = std::is_same_v<Law, KalmanFilter>;
 
 /// What a run of a model starts from: on level track, coasting, its axles free to slip.
 class Start {
@@ -153,14 +162,20 @@ struct ModelParameters::Walk {
       auto& value = s.*field.member;
       using V = std::remove_cvref_t<decltype(value)>;
       std::string const inner = std::string_view(field.name) == "law" ? owner : owner + "." + field.name;
-      if constexpr (std::is_same_v<V, double>) {
+      auto const number = [&](double& of) {
         auto const unit = unit_of(field.name);
-        if (!unit.empty())
-          add(inner, unit, words(std::string(field.name) + " of " + owner), field.range, {&value}, fixed);
+        if (!unit.empty()) add(inner, unit, words(std::string(field.name) + " of " + owner), field.range, {&of}, fixed);
+      };
+      if constexpr (std::is_same_v<V, double>) {
+        number(value);
+      } else if constexpr (std::is_same_v<V, std::optional<double>>) {
+        if (value) number(*value);
       } else if constexpr (Described<V>) {
         fields(value, inner, fixed);
       } else if constexpr (IsVariant<V>::value) {
-        std::visit([&](auto& law) { fields(law, inner, fixed); }, value);
+        std::visit(
+            [&]<class Law>(Law& law) { fields(law, inner, fixed && !(sampled_laws<V> && !settled_at_start<Law>)); },
+            value);
       }
     };
     std::apply([&](auto const&... field) { (one(field), ...); }, S::fields());

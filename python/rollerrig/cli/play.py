@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import threading
-import webbrowser
 from typing import Annotated
 
 import typer
@@ -19,22 +17,14 @@ def command(
     change: Changes = None,
     allow_code: AllowCode = False,
 ) -> None:
-    """Move a simulation that runs in real time: sliders for speed, radius, friction, torque in the browser, until Ctrl-C."""
-    from rollerrig.viewer.play import Theatre, server
+    """Move a simulation that runs in real time: sliders for speed, radius, friction, torque, gains; until Ctrl-C."""
+    from rollerrig.viewer.play import play
 
-    theatre = Theatre(read_case(case, allow_code=allow_code, changes=change))
+    def tell(address: str) -> None:
+        typer.echo(address)
+        say("Ctrl-C ends it.")
+
     try:
-        listening = server(theatre, port)
+        play(read_case(case, allow_code=allow_code, changes=change), port=port, browser=browser, tell=tell)
     except OSError as error:
         stop(f"--port {port}: {error.strerror or error}; choose another one, or 0 for any free one")
-    address = f"http://127.0.0.1:{listening.server_address[1]}/"
-    typer.echo(address)
-    say("Ctrl-C ends it.")
-    threading.Thread(target=listening.serve_forever, daemon=True).start()
-    if browser:
-        webbrowser.open(address)
-    try:
-        theatre.play()
-    except KeyboardInterrupt:
-        theatre.ended = True
-        listening.shutdown()

@@ -233,14 +233,16 @@ def load_run(path: str | Path) -> xr.Dataset:
 
     Raises:
         FileNotFoundError: no such file.
-        ResultsError: it was written by another version of rollerrig or by another program, is damaged, or does not fit in
-            memory.
+        ResultsError: it was written by another version of rollerrig or by another program, is damaged, is a folder, or does not
+            fit in memory.
 
     Example:
         >>> load_run("none.nc")
         Traceback (most recent call last):
         FileNotFoundError: none.nc: no such file
     """
+    if Path(path).is_dir():
+        raise ResultsError(f"{path}: a folder; {_of_folder(Path(path))}")
     try:
         _check_results(check_input(path, None))
         run = xr.load_dataset(path, engine="h5netcdf")
@@ -253,6 +255,19 @@ def load_run(path: str | Path) -> xr.Dataset:
     for name in ("format", "program"):
         run.attrs.pop(name, None)
     return run
+
+
+def _of_folder(folder: Path) -> str:
+    """What a user who named a folder of results may have meant."""
+    try:
+        found = sorted(path.name for path in folder.glob("*.nc"))
+    except OSError:
+        found = []
+    if not found:
+        return "there is no NetCDF file of results such as run.nc in it"
+    name = "run.nc" if "run.nc" in found else found[0]
+    others = f"; or another one there: {', '.join(one for one in found if one != name)}" if len(found) > 1 else ""
+    return f"give the {name} in it: {folder / name}{others}"
 
 
 def _check_results(path: Path) -> None:

@@ -2,7 +2,7 @@
 
     case -> [LiveRun: plant, sliders] -> frames: time, values of the page's columns
 
-Friction, torque, brake and the tunable numbers of slide protection act on the run as it goes. Speed, radius of the rollers and
+Friction, torque, brake and the gains of the controllers act on the run as it goes. Speed, radius of the rollers and
 stiffness make another model; it starts at once from its own equilibrium, the vehicle displaced sideways and yawed as it was.
 """
 
@@ -10,18 +10,18 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Any
 
 from rollerrig import _core
 from rollerrig.assembly import AssembledModel, assemble
 from rollerrig.cases import leading_wheelset, wheelsets
-from rollerrig.config import Case, ConfigError, Rig
+from rollerrig.config import Case, ConfigError
 from rollerrig.plant import assembled_model
 from rollerrig.starting_state import StartError
 from rollerrig.viewer import parts
 from rollerrig.viewer.live_contacts import PATCH, LiveContacts
 from rollerrig.viewer.plots import plots
+from rollerrig.viewer.sliders import gains, sliders
 
 FRAME = 1.0 / 30.0
 """Between two frames [s]."""
@@ -35,43 +35,6 @@ _AXLE = ("axle_speed", "roller_speed", "cylinder_pressure", "roller_torque", "tr
 _PUSH, _MOST_OFFSET, _MOST_YAW = 3e-3, 0.02, 0.05
 _PAUSE = 1.5
 """After the end of a run, before it begins again [s]."""
-
-
-@dataclass(frozen=True)
-class Slider:
-    """What a visitor may move.
-
-    Attributes:
-        name: of it.
-        label: beside it.
-        unit: of its numbers.
-        least, most, value: its range and where it begins.
-    """
-
-    name: str
-    label: str
-    unit: str
-    least: float
-    most: float
-    value: float
-
-
-def sliders(case: Case) -> list[Slider]:
-    """Those that a case has."""
-    support, speed = case.support.data, 3.6 * case.motion.speed
-    found = [Slider("speed", "speed", "km/h", 10.0, max(360.0, 1.5 * speed), speed)]
-    if isinstance(support, Rig):
-        radius = support.roller_radius
-        found.append(Slider("radius", "roller radius", "m", 0.4 * radius, 3.0 * radius, radius))
-    found.append(Slider("friction", "friction ×", "", 0.05, 2.0, 1.0))
-    found.append(Slider("stiffness", "stiffness along ×", "", 0.05, 3.0, 1.0))
-    if case.brake is not None:
-        found.append(Slider("brake", "more brake", "bar", 0.0, 4.0, 0.0))
-    if not case.sampled:
-        found.append(Slider("torque", "axle torque", "kN m", -8.0, 8.0, 0.0))
-    if case.slide_protection is not None and getattr(case.slide_protection, "vent_slip", None) is not None:
-        found.append(Slider("slip", "slip that vents", "", 0.02, 0.4, float(case.slide_protection.vent_slip)))
-    return found
 
 
 class LiveRun:
@@ -177,6 +140,9 @@ class LiveRun:
         self.plant, self._start = plant, self.time
         variables = plant.variables
         self._variables = {variable.name: index for index, variable in enumerate(variables)}
+        for one in gains(variables):
+            self.sliders.setdefault(one.name, one)
+            self.values.setdefault(one.name, one.value)
         self._inputs = {
             variable.name: index for index, variable in enumerate(variables) if variable.causality == "input"
         }
@@ -186,17 +152,17 @@ class LiveRun:
 
     def _apply(self) -> None:
         """What acts on a run as it goes."""
-        given = {"friction_change": self.values["friction"] - 1.0}
-        if "brake" in self.values:
-            given["brake_demand"] = 1e5 * self.values["brake"]
-        if "torque" in self.values:
-            given["axle_torque"] = 1e3 * self.values["torque"]
+        moved = {name: self.sliders[name].factor * value for name, value in self.values.items()}
+        given = {"friction_change": moved["friction"] - 1.0}
+        given |= {
+            key: moved[name] for name, key in (("brake", "brake_demand"), ("torque", "axle_torque")) if name in moved
+        }
         for name, index in self._inputs.items():
             key = name.rpartition(".")[2]
             if key in given and not name.startswith("train."):
                 self.plant.set_input(index, given[key])
-        if "slip" in self.values:
-            self.plant.set_parameter(self._variables["slide_protection.vent_slip"], self.values["slip"])
+        for name in moved.keys() & self._variables.keys():
+            self.plant.set_parameter(self._variables[name], moved[name])
 
     def _offsets(self) -> dict[str, dict[str, float]]:
         """Where the vehicle is now, sideways and in yaw."""

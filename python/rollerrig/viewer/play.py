@@ -1,6 +1,6 @@
-"""A live simulation behind a small server of this machine: the page, its frames, and what visitors move.
+"""`rr.play`: a live simulation behind a small server of this machine: the page, its frames, and what visitors move.
 
-    LiveRun -> [Theatre: clock] -> [server: page, frames as server-sent events, POST] -> browsers
+    case -> [play] -> LiveRun -> [Theatre: clock] -> [server: page, frames as server-sent events, POST] -> browsers
 
 The server listens on the loopback alone, answers only requests that name it (so that no page of the web can reach it through a
 name of its own), and takes commands only from its own page. All browsers see one and the same simulation.
@@ -12,10 +12,13 @@ import contextlib
 import json
 import threading
 import time
+import webbrowser
 from collections import deque
+from collections.abc import Callable
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from typing import Any
 
+from rollerrig.cases import as_case
 from rollerrig.config import Case, ConfigError
 from rollerrig.starting_state import StartError
 from rollerrig.viewer.live import FRAME, LiveRun
@@ -26,6 +29,42 @@ _KEPT = 60
 
 _LARGEST_BODY = 1000
 _HOSTS = ("127.0.0.1", "localhost")
+
+
+def play(case: Case | str, *, port: int = 0, browser: bool = True, tell: Callable[[str], object] = print) -> None:
+    """Run a case in real time behind a page whose sliders move it, until Ctrl-C (in a notebook: until it is interrupted).
+
+    Args:
+        case: what is run, or its name in the catalogue.
+        port: where the page is found on the loopback; 0: any free one.
+        browser: whether a browser is opened there.
+        tell: given the page's address.
+
+    Raises:
+        ConfigError: a controller of the case is written in Python, or nothing holds the vehicle on its rollers.
+        StartError: no equilibrium was found.
+        OSError: the port is taken.
+
+    Example:
+        >>> import rollerrig as rr
+        >>> rr.play("bogie_rollers_constant")  # doctest: +SKIP
+        http://127.0.0.1:41233/
+    """
+    theatre = Theatre(as_case(case))
+    listening = server(theatre, port)
+    address = f"http://127.0.0.1:{listening.server_address[1]}/"
+    threading.Thread(target=listening.serve_forever, daemon=True).start()
+    try:
+        tell(address)
+        if browser:
+            webbrowser.open(address)
+        theatre.play()
+    except KeyboardInterrupt:
+        pass
+    finally:
+        theatre.ended = True
+        listening.shutdown()
+        listening.server_close()
 
 
 class Theatre:

@@ -176,9 +176,11 @@ TEST_CASE("the estimates settle on the contact force, as fast as their bandwidth
 
 TEST_CASE("feedback does not wind up at the limit of the command") {
   ProportionalIntegral const p{.proportional = 100.0, .integral = 1000.0};
-  auto state = p.start({J_r, R, J_w, r});
+  ProportionalIntegral::State state;
   double const limit = 500.0;
-  auto const torque = [&](double error) { return std::clamp(p.step(state, {0.0, error, 1e-2}, limit), -limit, limit); };
+  auto const torque = [&](double error) {
+    return std::clamp(p.step(state, {J_r, R, J_w, r}, {0.0, error, 1e-2}, limit), -limit, limit);
+  };
   for (int k = 0; k < 1000; ++k) CHECK(torque(10.0) == 500.0);
   CHECK(torque(-1.0) < 500.0);
   double after = 500.0;
@@ -189,12 +191,12 @@ TEST_CASE("feedback does not wind up at the limit of the command") {
 TEST_CASE("absent gains place the poles of wheel and roller as one inertia where bandwidth and damping say") {
   double const w = 4.0, zeta = 0.7, period = 1e-4;
   ProportionalIntegral const p{.bandwidth = w, .damping_ratio = zeta};
-  auto state = p.start({J_r, R, J_w, r});
+  ProportionalIntegral::State state;
   // Pure rolling: (J_w + J_r (r/R)^2) w' = (r/R) U. Under a constant disturbance the error is that of s^2 + 2 zeta w s + w^2.
   double const inertia = J_w + J_r * (r / R) * (r / R), disturbance = 500.0;
   double speed = 0.0;
   for (int k = 0; k * period < 0.5; ++k) {
-    double const drive = p.step(state, {0.0, -speed, period}, 1e9);
+    double const drive = p.step(state, {J_r, R, J_w, r}, {0.0, -speed, period}, 1e9);
     speed += period * (disturbance + r / R * drive) / inertia;
   }
   double const damped = w * std::sqrt(1 - zeta * zeta);
@@ -209,8 +211,8 @@ TEST_CASE("absent gains place the poles of wheel and roller as one inertia where
 TEST_CASE("sliding mode is in proportion within its boundary layer and of constant size outside") {
   SlidingMode const p{.switching = 800.0, .boundary_layer = 0.5};
   SlidingMode::State state;
-  CHECK(p.step(state, {100.0, 0.25, 1e-3}, 1e9) == doctest::Approx(500.0));
-  CHECK(p.step(state, {100.0, -3.0, 1e-3}, 1e9) == doctest::Approx(-700.0));
+  CHECK(p.step(state, {J_r, R, J_w, r}, {100.0, 0.25, 1e-3}, 1e9) == doctest::Approx(500.0));
+  CHECK(p.step(state, {J_r, R, J_w, r}, {100.0, -3.0, 1e-3}, 1e9) == doctest::Approx(-700.0));
 }
 
 TEST_CASE(

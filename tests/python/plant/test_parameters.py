@@ -10,6 +10,10 @@ from rollerrig.config import Case
 from rollerrig.plant import assembled_model
 
 OK = _core.status_codes["ok"]
+TUNABLE = (
+    *("slide_protection.", "wheel_slip_control."),
+    *(f"rig_control.{law}." for law in ("estimator", "axle_torque", "feedback", "drive_command")),
+)
 WHEELS = [f"wheelset_{n}.{side}" for n in (1, 2) for side in ("left", "right")]
 
 
@@ -43,9 +47,7 @@ def test_every_parameter_says_its_unit_limits_and_start(name: str) -> None:
         assert v.unit, v.name
         assert v.description
         assert v.least <= v.start <= v.most, v.name
-        assert v.variability == (
-            "tunable" if v.name.startswith(("slide_protection", "wheel_slip_control")) else "fixed"
-        )
+        assert v.variability == ("tunable" if v.name.startswith(TUNABLE) else "fixed"), v.name
         assert plant.get(plant.find(v.name)) == v.start
 
 
@@ -117,6 +119,34 @@ def test_tunable_parameters_act_from_the_next_sample_on_and_fixed_ones_wait_for_
     assert value(untouched, "slide_protection.vent_slip") == 1e3
     untouched.advance(5.0)
     assert value(untouched, "wheelset_1.dump_cycles") == value(plant, "wheelset_1.dump_cycles")
+
+
+@pytest.mark.parametrize(
+    ("change", "name", "number"),
+    [
+        ({}, "feedback.bandwidth", 12.0),
+        ({"rig_control.feedback.proportional": 3e3}, "feedback.proportional", 9e3),
+        ({}, "estimator.bandwidth", 30.0),
+    ],
+)
+def test_gains_of_the_rig_act_as_from_the_start(change: dict[str, object], name: str, number: float) -> None:
+    case = load_case("adhesion_brake").with_changes(change)
+    before, after, untouched = (
+        plant_of(case, **given) for given in ({f"rig_control__{name.replace('.', '__')}": number}, {}, {})
+    )
+    after.set_parameter(after.find(f"rig_control.{name}"), number)
+    for one in (before, after, untouched):
+        one.set_input(one.find("train.friction_change"), -0.5)
+        one.advance(1.5)
+    speeds = [value(one, "wheelset_1.axle_speed") for one in (before, after, untouched)]
+    assert abs(speeds[0] - speeds[1]) < 0.01 * abs(
+        speeds[1] - speeds[2]
+    )  # but for the first sample, at the start itself
+
+
+def test_a_kalman_filter_has_its_gain_from_the_start() -> None:
+    plant = _core.Plant(assembled_model(load_case("adhesion_brake").with_changes({"rig_control.estimator": "kalman"})))
+    assert {v.variability for v in plant.variables if v.name.startswith("rig_control.estimator.")} == {"fixed"}
 
 
 def test_without_an_equilibrium_there_is_no_start(bogie: Case) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import http.client
 import json
 import threading
+import urllib.request
 from collections.abc import Iterator
 from typing import Any
 
@@ -13,9 +14,12 @@ import pytest
 
 import rollerrig as rr
 from browser import Opened
+from rollerrig import _core
 from rollerrig.config import ConfigError
+from rollerrig.plant import assembled_model
 from rollerrig.viewer.live import FRAME, LiveRun
 from rollerrig.viewer.play import Theatre, server
+from rollerrig.viewer.sliders import GAINS, gains
 
 
 def column(run: LiveRun, name: str) -> float:
@@ -67,6 +71,62 @@ def test_friction_acts_at_once_and_a_torque_turns_into_creep_force(run: LiveRun)
     largest(run, "b2.lateral", 0.1)
     load = sum(column(run, f"w{k}.vertical_force") for k in range(4))
     assert sum(column(run, f"w{k}.longitudinal_force") for k in range(4)) < 0.1 * 0.3 * load * 1.02
+
+
+def test_gains_of_the_rig_and_of_slide_protection_act_as_it_goes() -> None:
+    run = LiveRun(rr.load_case("adhesion_brake"))
+    names = {"slide_protection.vent_slip", "rig_control.estimator.bandwidth", "rig_control.feedback.bandwidth"}
+    assert names <= set(run.sliders) <= {"speed", "radius", "friction", "stiffness", "brake"} | set(GAINS)
+    estimator = run.sliders["rig_control.estimator.bandwidth"]
+    case = rr.load_case("adhesion_brake").rig_control
+    assert case is not None
+    assert (estimator.unit, estimator.value) == ("Hz", pytest.approx(case.estimator.bandwidth))
+    version, time = run.version, run.time
+    run.set(estimator.name, 8.0)
+    run.set("slide_protection.vent_slip", 0.3)
+    assert (run.version, run.time) == (version, time)  # the same run goes on
+    acts = {name: run.plant.get(run.plant.find(name)) for name in names}
+    assert acts[estimator.name] == pytest.approx(2 * np.pi * 8.0)
+    assert acts["slide_protection.vent_slip"] == 0.3
+    run.again()
+    assert run.plant.get(run.plant.find("slide_protection.vent_slip")) == 0.12
+
+
+def test_gains_that_are_given_take_the_place_of_bandwidth_and_damping() -> None:
+    given = {"rig_control.feedback.proportional": 3e3, "rig_control.feedback.integral": 2e3}
+    plant = _core.Plant(assembled_model(rr.load_case("adhesion_step").with_changes(given)))
+    ranges = {one.name: (one.least, one.most) for one in gains(plant.variables)}
+    assert ranges["rig_control.feedback.proportional"] == pytest.approx((300.0, 12e3))
+    assert "rig_control.feedback.integral" in ranges
+    assert not {"rig_control.feedback.bandwidth", "rig_control.feedback.damping_ratio"} & set(ranges)
+
+
+def test_it_is_played_from_python_until_it_is_interrupted() -> None:
+    told = []
+
+    def tell(address: str) -> None:
+        told.append(address)
+        assert b"begin again" in urllib.request.urlopen(address, timeout=5).read()
+        raise KeyboardInterrupt
+
+    rr.play("wheelset_rollers", browser=False, tell=tell)
+    with pytest.raises(OSError, match="refused"):
+        urllib.request.urlopen(told[0], timeout=5)
+
+
+def test_on_a_narrow_screen_sliders_leave_room_for_the_picture(browser: Any, address: tuple[str, int]) -> None:
+    page = Opened(browser, f"http://127.0.0.1:{address[1]}/", 375, 740)
+    try:
+        assert page.page.evaluate("document.documentElement.scrollWidth") <= 375
+        heights = page.page.evaluate("['.view', '.plots', '.clock'].map(n => document.querySelector(n).clientHeight)")
+        assert min(heights) > 110
+        assert heights[0] > 200
+        edges = page.page.evaluate(
+            "[...document.querySelectorAll('.desk output')].map(n => n.getBoundingClientRect().right)"
+        )
+        assert max(edges) <= 375
+    finally:
+        page.close()
 
 
 def test_another_radius_is_another_scene(run: LiveRun) -> None:

@@ -58,6 +58,20 @@ def test_bad_input_is_one_line_and_leaves_nothing(file: Path, on_rig: xr.Dataset
     assert mine.read_text() == "<!doctype html>mine"
 
 
+def test_a_folder_is_answered_by_the_file_in_it(file: Path, tmp_path: Path) -> None:
+    code, text = run(file.parent, "--out", tmp_path / "view.html")
+    assert code == 2
+    assert text == f"rollerrig: {file.parent}: a folder; give the run.nc in it: {file}\n"
+    for name in ("compensated.nc", "plain.nc"):
+        (tmp_path / name).touch()
+    assert run(tmp_path)[1].endswith(
+        f"give the compensated.nc in it: {tmp_path / 'compensated.nc'}; or another one there: plain.nc\n"
+    )
+    (tmp_path / "empty").mkdir()
+    assert run(tmp_path / "empty")[1].endswith("a folder; there is no NetCDF file of results such as run.nc in it\n")
+    assert not (tmp_path / "view.html").exists()
+
+
 def test_play_says_in_a_line_what_is_in_its_way(tmp_path: Path) -> None:
     with socket.socket() as taken:
         taken.bind(("127.0.0.1", 0))

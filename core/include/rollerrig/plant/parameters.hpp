@@ -3,7 +3,7 @@
 //   AssembledModel -> [ModelParameters] -> named numbers -> another AssembledModel, in equilibrium again
 //
 // Masses, inertias, linear springs and dampers, friction, adhesion, the rollers' radius and what the rig's controller assumes are
-// fixed in a run. What slide protection and slip control go by may change at every sample.
+// fixed in a run. What slide protection, slip control and the laws of the rig's controller go by may change at every sample.
 #pragma once
 #include <memory>
 #include <vector>

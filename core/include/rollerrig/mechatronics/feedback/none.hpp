@@ -13,8 +13,10 @@ struct NoFeedback {
 
   struct State {};
 
-  State start(AssumedParameters const& /*assumed*/) const { return {}; }
-  double step(State& /*state*/, TrackingError const& now, double /*limit*/) const { return now.feed_forward; }
+  double step(State& /*state*/, AssumedParameters const& /*assumed*/, TrackingError const& now,
+              double /*limit*/) const {
+    return now.feed_forward;
+  }
 };
 
 }  // namespace rollerrig

@@ -40,14 +40,11 @@ struct ProportionalIntegral {
   }
 
   struct State {
-    Gains gains{};
     double integral{};  ///< of the error [rad]
   };
 
-  State start(AssumedParameters const& assumed) const { return {gains(assumed), 0.0}; }
-
-  double step(State& s, TrackingError const& now, double limit) const {
-    auto const [k_p, k_i] = s.gains;
+  double step(State& s, AssumedParameters const& assumed, TrackingError const& now, double limit) const {
+    auto const [k_p, k_i] = gains(assumed);
     double const with = now.feed_forward + k_p * now.error + k_i * (s.integral + now.period * now.error);
     if (std::fabs(with) <= limit) s.integral += now.period * now.error;
     return now.feed_forward + (k_p * now.error + k_i * s.integral);

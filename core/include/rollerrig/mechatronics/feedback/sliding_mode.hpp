@@ -19,9 +19,8 @@ struct SlidingMode {
 
   struct State {};
 
-  State start(AssumedParameters const& /*assumed*/) const { return {}; }
-
-  double step(State& /*state*/, TrackingError const& now, double /*limit*/) const {
+  double step(State& /*state*/, AssumedParameters const& /*assumed*/, TrackingError const& now,
+              double /*limit*/) const {
     return now.feed_forward + switching * std::clamp(now.error / boundary_layer, -1.0, 1.0);
   }
 };
