@@ -35,6 +35,7 @@ from rollerrig.config import Case
 from rollerrig.plot import figure_bytes
 from rollerrig.plot.style import watermark
 from rollerrig.results import ResultFolder, check_folder, netcdf_bytes, sources_of
+from rollerrig.study.charts import chart_of
 from rollerrig.study.jobs import Done, Progress, Round, run_rounds
 from rollerrig.study.journal import Journal, check_jobs
 from rollerrig.study.limitations import limitations
@@ -315,8 +316,10 @@ class Outcome(Generic[R]):
 
     def _add_picture(self, folder: ResultFolder, picture: Picture) -> list[Path]:
         """The files of a figure; the first one is shown in the report."""
-        if self.study.mark is not None:
-            watermark(picture.figure, self.study.mark.title)
+        mark = "" if self.study.mark is None else self.study.mark.title
+        picture.chart = chart_of(picture.figure, picture.name, mark)
+        if mark:
+            watermark(picture.figure, mark)
         written = []
         for number, kind in enumerate(self.study.formats):
             content = figure_bytes(picture.figure, kind, dpi=150 if number == 0 else 200)

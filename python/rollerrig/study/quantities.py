@@ -168,7 +168,10 @@ class Quantities:
             return Table(
                 [q.heading for q in columns], [[q.cell(_value(one, q)) for q in columns] for one in entries], caption
             )
-        rows = [[label, *(q.cell(_value(values, q)) for q in columns)] for label, values in entries.items()]
+        rows = [
+            [label.replace("_", " "), *(q.cell(_value(values, q)) for q in columns)]
+            for label, values in entries.items()
+        ]
         return Table((head, *(q.heading for q in columns)), rows, caption)
 
     def list_table(self, entries: Mapping[str, Numbers], names: Sequence[str], caption: str = "") -> Table:
@@ -177,7 +180,7 @@ class Quantities:
             [self[name].heading, *(self[name].cell(_value(values, self[name])) for values in entries.values())]
             for name in names
         ]
-        return Table(("", *entries), rows, caption)
+        return Table(("", *(label.replace("_", " ") for label in entries)), rows, caption)
 
     def csv(self, rows: Iterable[Numbers], names: Sequence[str]) -> list[list[object]]:
         """Rows of a CSV file, header first; every name must be registered."""

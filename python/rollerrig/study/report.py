@@ -6,6 +6,8 @@ Page(title, sections of blocks) -> [jinja2 template] -> one self-contained HTML 
 from __future__ import annotations
 
 import base64
+import json
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from importlib.resources import files
@@ -13,6 +15,8 @@ from importlib.resources import files
 from jinja2 import Environment, StrictUndefined
 from matplotlib.figure import Figure
 
+from rollerrig.study.charts import Chart
+from rollerrig.viewer.page import ALLOWED, bundle
 from rollerrig.wording import number
 
 
@@ -33,12 +37,14 @@ class Picture:
         figure: to be drawn.
         caption: what it shows; also the alternative text.
         image: bytes of its SVG or PNG file, set when it is written.
+        chart: its curves, in place of the image on a screen; likewise.
     """
 
     name: str
     figure: Figure
     caption: str
     image: bytes = b""
+    chart: Chart | None = None
     kind: str = "figure"
 
     @property
@@ -145,11 +151,37 @@ class Page:
         """The other findings, folded away."""
         return self.summary.splitlines()[ANSWER_LINES:]
 
+    @property
+    def pictures(self) -> list[Picture]:
+        """All of them."""
+        return [block for section in self.sections for block in section.blocks if isinstance(block, Picture)]
+
+    @property
+    def charts(self) -> list[Chart]:
+        """Those that can be zoomed."""
+        return [picture.chart for picture in self.pictures if picture.chart is not None]
+
+    @property
+    def chart_heads(self) -> str:
+        """What the page's program reads of them, as JSON."""
+        heads = json.dumps([chart.head for chart in self.charts], ensure_ascii=False, separators=(",", ":"))
+        return heads.replace("<", "\\u003c")
+
+
+_NUMBER = re.compile("-?[0-9][0-9. \u202f]*(·10)?[⁻⁰¹²³⁴-⁹]*( %)?|–")
+
+
+def _is_number(cell: object) -> bool:
+    """Whether a cell is a number, or the text of one, or the dash in place of one."""
+    if isinstance(cell, str):
+        return _NUMBER.fullmatch(cell) is not None
+    return isinstance(cell, int | float) and not isinstance(cell, bool)
+
 
 def render(page: Page) -> str:
     """The report as HTML text."""
     environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
     environment.filters["number"] = number
-    environment.tests["numeric"] = lambda cell: isinstance(cell, int | float) and not isinstance(cell, bool)
+    environment.tests["numeric"] = _is_number
     template = files("rollerrig.study").joinpath("page.html.j2").read_text(encoding="utf-8")
-    return environment.from_string(template).render(page=page, view=VIEW)
+    return environment.from_string(template).render(page=page, view=VIEW, bundle=bundle, allowed=ALLOWED)

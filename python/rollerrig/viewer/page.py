@@ -18,13 +18,13 @@ from rollerrig.viewer.scene import Scene
 MARK = '<!doctype html>\n<meta name="generator" content="rollerrig">'
 """How the page begins: what says that this program wrote it."""
 
-_ALLOWED = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data:"
+ALLOWED = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data:"
 """What a browser may load for it: nothing."""
 
 
 @cache
 def bundle(name: str) -> str:
-    """A file of the page's program as it ships: viewer.js, viewer.css."""
+    """A file of the pages' programs as it ships: viewer.js, viewer.css; report.js, report.css."""
     return files("rollerrig.viewer").joinpath("page", name).read_text(encoding="utf-8")
 
 
@@ -34,7 +34,7 @@ def live_page(head: dict[str, Any]) -> str:
     Args:
         head: of its scene.
     """
-    return _html(str(head["title"]), [head], "", _ALLOWED + "; connect-src 'self'")
+    return _html(str(head["title"]), [head], "", ALLOWED + "; connect-src 'self'")
 
 
 def page(title: str, scenes: Sequence[Scene]) -> str:
@@ -47,7 +47,7 @@ def page(title: str, scenes: Sequence[Scene]) -> str:
     numbers = "\n".join(
         f'<script type="text/plain" id="numbers{k}">{scene.columns.text()}</script>' for k, scene in enumerate(scenes)
     )
-    return _html(title, [scene.head for scene in scenes], numbers, _ALLOWED)
+    return _html(title, [scene.head for scene in scenes], numbers, ALLOWED)
 
 
 def _html(title: str, heads: Sequence[dict[str, Any]], numbers: str, allowed: str) -> str:

@@ -22,17 +22,19 @@ def checksum() -> str:
 
 
 def test_it_was_made_of_these_sources() -> None:
-    for name in ("viewer.js", "viewer.css"):
+    for name in ("viewer.js", "viewer.css", "report.js", "report.css"):
         assert f"sources {checksum()};" in bundle(name)[:200], f"{name} is stale: run scripts/bundle_viewer"
 
 
 def test_it_is_below_a_megabyte() -> None:
     assert len(bundle("viewer.js").encode()) + len(bundle("viewer.css").encode()) < 1_000_000
+    assert len(bundle("report.js").encode()) + len(bundle("report.css").encode()) < 70_000  # of every report
 
 
 def test_it_ends_no_script_element() -> None:
-    assert "</script" not in bundle("viewer.js")
-    assert "</style" not in bundle("viewer.css")
+    for page in ("viewer", "report"):
+        assert "</script" not in bundle(f"{page}.js")
+        assert "</style" not in bundle(f"{page}.css")
 
 
 def test_the_licences_are_there() -> None:
