@@ -48,8 +48,7 @@ def test_names_are_the_same_whatever_is_imported_first(seed: int) -> None:
 
 
 COSTLY = ("numpy", "pydantic", "pint", "pandas", "xarray", "matplotlib", "h5py", "jinja2")
-DASK = ("jinja2",)  # pint loads dask where it is installed, and dask its templates
-COSTLY += ("scipy.interpolate", "scipy.optimize", "scipy.integrate", "scipy.signal", "scipy.linalg")
+COSTLY += ("scipy.interpolate", "scipy.optimize", "scipy.integrate", "scipy.signal", "scipy.stats", "scipy.linalg")
 
 
 @pytest.mark.parametrize(
@@ -61,10 +60,14 @@ COSTLY += ("scipy.interpolate", "scipy.optimize", "scipy.integrate", "scipy.sign
             "from rollerrig.cli import main; sys.argv = ['rollerrig', 'adhesion', '--help']; main()",
             {"pydantic"},
         ),  # typer's own
-        ("import rollerrig; rollerrig.load_case('bogie_track')", {"numpy", "pydantic", "pint", *DASK}),
+        ("import rollerrig; rollerrig.load_case('bogie_track')", {"numpy", "pydantic"}),
         ("import rollerrig; rollerrig.simulate", {"numpy", "pydantic", "pandas", "xarray"}),
+        (
+            "import rollerrig.study.adhesion, rollerrig.study.run",
+            {"numpy", "pydantic", "pandas", "xarray", "matplotlib", "h5py", "jinja2", "scipy.linalg"},
+        ),  # what each process of a study loads
     ],
-    ids=["import", "help", "help of a command", "load_case", "simulate"],
+    ids=["import", "help", "help of a command", "load_case", "simulate", "study"],
 )
 def test_what_is_not_needed_is_not_imported(work: str, allowed: set[str]) -> None:
     check = f"""

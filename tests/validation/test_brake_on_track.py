@@ -94,10 +94,10 @@ def compare(law: str, dead_times_ms: tuple[int, ...], count: int, *, reach: int 
             assert (1.0 - within) * theirs.min() < mean < (1.0 + within) * theirs.max(), (name, d, mean, theirs)
 
 
-@pytest.mark.slow  # two stops in three dimensions, two in one
+@pytest.mark.slow  # a stop in three dimensions, one in one
 def test_a_stop_on_track_is_that_of_the_independent_model() -> None:
-    """At 22 ms the limit cycle is regular: single tests scatter by 0.05 %."""
-    compare("polach", (22,), 2)
+    """At 22 ms the limit cycle is regular: single tests scatter by 0.05 %, and one is enough."""
+    compare("polach", (22,), 1)
 
 
 @pytest.mark.long  # 96 stops

@@ -12,7 +12,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import brentq, minimize_scalar
 
 from rollerrig.analysis.mode_names import roles, shape_name
 from rollerrig.analysis.modes import LEAST_FREQUENCY, body_shapes, eigensystem, energy_shares, modal_assurance
@@ -113,6 +112,8 @@ def _followed_value(modes: ModesOverSpeed, mode: int, k: int, speed: float) -> c
 
 
 def _root(modes: ModesOverSpeed, mode: int, k: int, low: float, high: float, grows_above: bool) -> Crossing:
+    from scipy.optimize import brentq  # slow to load, and seldom needed
+
     def rate(speed: float) -> float:
         return _followed_value(modes, mode, k, speed).real
 
@@ -132,6 +133,8 @@ def _may_hide(speeds: np.ndarray, rate: np.ndarray) -> bool:
 
 def _hidden(modes: ModesOverSpeed, mode: int, k: int) -> list[Crossing]:
     speeds = modes.speeds
+
+    from scipy.optimize import minimize_scalar  # slow to load, and seldom needed
 
     def rate(speed: float) -> float:
         return _followed_value(modes, mode, k if speed >= speeds[k] else k - 1, speed).real

@@ -17,8 +17,6 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 from scipy.linalg import expm
-from scipy.optimize import brentq
-from scipy.signal import butter, sosfiltfilt
 
 from rollerrig import _core
 from rollerrig.analysis.control_loop import Loop, Wheel
@@ -255,6 +253,7 @@ def growth(loop: Loop, plant: Plant, above: float = 0.0) -> tuple[float, float]:
 
 def gain_limit(loop: Loop, plant: Plant, highest: float = 1e4) -> float:
     """Factor on the feedback's gains from which the sampled loop is unstable; NaN: not up to `highest`, 0: as it is."""
+    from scipy.optimize import brentq  # slow to load, and seldom needed
 
     def rate(log_factor: float) -> float:
         return growth(loop.scaled(math.exp(log_factor)), plant)[0]
@@ -289,6 +288,8 @@ def measured_growth(run: xr.Dataset, begin: float) -> tuple[tuple[float, float],
 
 def growth_of(time: Array, error: Array, begin: float) -> tuple[tuple[float, float], float]:
     """The same for an error [rad/s] over time [s] and axle, shape (time, axle)."""
+    from scipy.signal import butter, sosfiltfilt  # slow to load, and seldom needed
+
     step = float(time[1] - time[0])
     sos = butter(8, ABOVE, "highpass", fs=1.0 / step, output="sos")
     high = sosfiltfilt(sos, error, axis=0)[round(begin / step) :]

@@ -13,7 +13,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import eig
-from scipy.optimize import linear_sum_assignment
 
 from rollerrig.analysis.linearise import Linearisation
 from rollerrig.blas_threads import one_blas_thread
@@ -122,6 +121,8 @@ def follow(
         Column of `following` for each column of `previous`, shape (n,), and whether the pairing is clear: no two
         oscillations up to FOLLOWED_FREQUENCY could as well be exchanged.
     """
+    from scipy.optimize import linear_sum_assignment  # slow to load, and seldom needed
+
     costs = _costs(previous, following, change)
     _, columns = linear_sum_assignment(costs)
     watched = np.flatnonzero(oscillates(previous.values) & (np.abs(previous.values) < FOLLOWED_FREQUENCY))

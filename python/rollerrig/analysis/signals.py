@@ -13,7 +13,6 @@ from dataclasses import dataclass
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
-from scipy.interpolate import CubicSpline
 
 Series = NDArray[np.float64]
 
@@ -44,6 +43,8 @@ def half_waves(time: Series, signal: Series, least_amplitude: float = LEAST_AMPL
         signal: values, shape of `time`.
         least_amplitude: smaller ripples are left out, and the two half-waves beside each are joined.
     """
+    from scipy.interpolate import CubicSpline  # slow to load, and seldom needed
+
     if len(time) < 4:
         return HalfWaves(*(np.zeros(0),) * 3)
     spline = CubicSpline(time, signal)

@@ -6,7 +6,6 @@ import math
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.signal import butter, sosfiltfilt, welch
 
 Array = NDArray[np.float64]
 
@@ -31,6 +30,8 @@ def torque_ripple(time: Array, torque: Array) -> tuple[float, float]:
     """
     if time.size < 2 or time[-1] - time[0] < 2.0 * WINDOW or not np.isfinite(torque).all():
         return math.nan, math.nan
+    from scipy.signal import butter, sosfiltfilt, welch  # slow to load, and seldom needed
+
     step = float(time[1] - time[0])
     window = round(WINDOW / step)
     high = sosfiltfilt(butter(4, RIPPLE_ABOVE, "highpass", fs=1.0 / step, output="sos"), torque, axis=0)

@@ -14,7 +14,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.stats import t as student
+from scipy.special import stdtrit
 
 from rollerrig.analysis.slide_statistics import TestRecord, test_record
 from rollerrig.config import Case
@@ -69,7 +69,7 @@ class Estimate:
         """In which the mean of very many tests lies with CONFIDENCE, by Student's distribution."""
         if not (self.freedom > 0.0 and math.isfinite(self.standard_error)):
             return Interval(-math.inf, math.inf)
-        reach = float(student.ppf(0.5 + 0.5 * CONFIDENCE, self.freedom)) * self.standard_error
+        reach = float(stdtrit(self.freedom, 0.5 + 0.5 * CONFIDENCE)) * self.standard_error
         return Interval(self.mean - reach, self.mean + reach)
 
     def as_dict(self) -> dict[str, float]:

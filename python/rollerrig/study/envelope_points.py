@@ -16,7 +16,6 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.optimize import brentq
 
 from rollerrig.actuators import friction_brake
 from rollerrig.analysis.rig_limits import Patch, RigLimits, grip_slip, patch_of, rail_shape, rig_limits
@@ -147,6 +146,8 @@ def _braking(case: Case, torque: float) -> dict[str, object]:
 def brake_pressure(brake: Brake, torque: float) -> float:
     """Cylinder pressure of a brake with constant friction for a torque on the axle [Pa], from the core's brake."""
     core, fast = friction_brake(brake), 1e9  # rad/s: far above the speed below which friction is regularised
+
+    from scipy.optimize import brentq  # slow to load, and seldom needed
 
     def excess(pressure: float) -> float:
         return -float(core.torque(pressure, fast)) - torque

@@ -323,6 +323,7 @@ class Outcome(Generic[R]):
         written = []
         for number, kind in enumerate(self.study.formats):
             content = figure_bytes(picture.figure, kind, dpi=150 if number == 0 else 200)
+            picture.figure.set_layout_engine("none")  # the places found for the first stay
             if number == 0:
                 picture.image = content
             written.append(folder.add(f"figures/{picture.name}.{kind}", content))

@@ -224,7 +224,7 @@ def test_where_there_is_one_attractor_both_ways_end_in_it(found) -> None:
 
 
 def test_the_same_diagram_twice_is_the_same_to_the_last_bit(bogie) -> None:
-    short = LimitCycleSettings(longest=1.6)
+    short = LimitCycleSettings(longest=0.8)
     one, two = (limit_cycles(bogie, [170.0, 180.0], 253.4, short, processes=n) for n in (1, 2))
     assert limit_cycle_table(one).identical(limit_cycle_table(two))
 

@@ -70,14 +70,6 @@ def test_run_writes_its_files(case: Path, tmp_path: Path) -> None:
     assert rr.load_run(tmp_path / "out" / "run.nc").attrs["case"] == "short"
 
 
-def test_same_input_same_bytes(case: Path, tmp_path: Path) -> None:
-    for folder in ("first", "second"):
-        subprocess.run([*ENTRY, "run", case, "--out", tmp_path / folder], check=True, capture_output=True)
-    for path in (path for path in (tmp_path / "first").rglob("*.*") if path.name != "timing.json"):
-        other = tmp_path / "second" / path.relative_to(tmp_path / "first")
-        assert path.read_bytes() == other.read_bytes(), path.name
-
-
 def test_a_run_that_stops_keeps_its_results(case: Path, tmp_path: Path) -> None:
     lifted = {"disturbance": [{"body": "wheelset_1", "vertical": "0.5 m"}], "time.duration": "0.4 s"}
     case.write_text(rr.load_case("contact_benchmark_track").with_changes(lifted).to_toml())  # it falls for 0.32 s
