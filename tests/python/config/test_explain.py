@@ -25,6 +25,12 @@ def test_every_key_is_explained() -> None:
         ("output_step", ["time.output_step", "0.01"]),
         ("stiffness", ["12 keys end in 'stiffness'", "vehicle.element.yaw.stiffness "]),
         ("stop.speed", ["of a programme", "slide_protection_stops"]),
+        ("slide_protection.fmu", ["a text or a table", "of kind 'slip_and_deceleration' or 'threshold_table' of a case"]),
+        ("support.mounting.misalignment", ["list of numbers, each a number in rad", "none: empty"]),
+        ("vehicle.body.position", ["list of 3 values, each a number in m"]),
+        ("contact.friction", ["a number or a table of a kind: constant, falling"]),
+        ("adhesion.rail", ["dry, wet, low, very_low or a table"]),
+        ("vehicle.element.at", ["tables by name"]),
     ],
 )  # fmt: skip
 def test_a_key_is_explained(key: str, words: list[str]) -> None:
@@ -33,11 +39,22 @@ def test_a_key_is_explained(key: str, words: list[str]) -> None:
         assert word in text
 
 
+def test_nothing_is_said_twice() -> None:
+    for key in ("fmu", "slide_protection.sample_time", "friction"):
+        blocks = explain(key).split("\n\n")
+        assert len({block.splitlines()[0] for block in blocks}) == len(blocks)
+
+
 @pytest.mark.parametrize(
     ("key", "line"),
     [
         ("motion.sped", "motion.sped: no such key; did you mean 'motion.speed'?"),
-        ("sped", "sped: no such key; did you mean 'speed'?"),
+        ("sped", "sped: no such key; did you mean 'motion.speed' or 'stop.speed'?"),
+        (
+            "yaw_stiffness",
+            "yaw_stiffness: no such key; did you mean 'vehicle.element.yaw.stiffness' or 'support.mounting.yaw.stiffness'?",
+        ),
+        ("mounting.stifness", "mounting.stifness: no such key; did you mean 'support.mounting.yaw.stiffness'?"),
         ("anti_skid", "anti_skid: no such key; did you mean 'slide_protection'?"),
         ("qqqq", "qqqq: no such key; rollerrig schema prints all keys"),
     ],

@@ -78,6 +78,7 @@ without = ["disturbance"]
 "motion.speed" = "100 km/h"
 motion.speed_kmh = 100
 support.roller_radius_mm = 800
+slide_protection.fmu = "wsp.fmu"
 vehicle.element."primary_*".x.stiffness = 1e6
 disturbance.wheelset_1.lateral = 0.001
 """

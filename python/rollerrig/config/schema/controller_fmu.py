@@ -6,7 +6,7 @@ from typing import Annotated, Any
 from pydantic import BeforeValidator, Field, PlainValidator, WithJsonSchema
 from pydantic_core import PydanticCustomError
 
-from rollerrig.config.schema.base import Table
+from rollerrig.config.schema.base import OrShort, Table
 
 _LARGEST = 1e18
 """Of a parameter: any unit has room below it."""
@@ -44,4 +44,4 @@ def _from_file(value: Any) -> Any:
     return {"file": value} if isinstance(value, str) else dict(value) if isinstance(value, Mapping) else value
 
 
-AnyControllerFmu = Annotated[ControllerFmu, BeforeValidator(_from_file)]
+AnyControllerFmu = Annotated[ControllerFmu, BeforeValidator(_from_file), OrShort({"type": "string"})]

@@ -15,7 +15,7 @@ from pydantic.fields import FieldInfo
 
 from rollerrig.config.errors import nearest
 from rollerrig.config.read.library import CatalogKind, catalog_file, catalog_names
-from rollerrig.config.schema.base import quantity_of
+from rollerrig.config.schema.base import OrShort, by_kind, quantity_of
 from rollerrig.config.schema.case import CaseTables, SupportChoice, VehicleChoice
 from rollerrig.config.schema.plan import Plan
 from rollerrig.config.schema.programme import Programme
@@ -30,6 +30,8 @@ _ROOTS: tuple[tuple[str, type[BaseModel]], ...] = (
     ("plan", Plan),
 )
 _MOST_CASES = 4
+_MOST_GUESSES = 4
+_WORD = re.compile(r"[._\s]+")
 
 
 @dataclass(frozen=True)
@@ -117,7 +119,7 @@ def explain(key: str) -> str:
         found = [place for place in key_places() if place.key.endswith(f".{parts}")]
     if not found:
         raise KeyError(_unknown(key))
-    texts = dict.fromkeys(_text(place) for place in found)
+    texts = _texts(found)
     different = dict.fromkeys(place.key for place in found)
     if len(texts) > 3 and len(different) > 1:
         lines = [f"{name:<{max(map(len, different))}}  {_first(found, name)}" for name in different]
@@ -135,26 +137,45 @@ def _unknown(key: str) -> str:
         return f"{key}: {where}"
     keys = tuple(dict.fromkeys(place.key for place in key_places()))
     lasts = tuple(dict.fromkeys(name.rpartition(".")[2] for name in keys))
-    guess = nearest(key, keys) or meant(last, lasts)
-    holding = [name for name in keys if name == guess or name.endswith(f".{guess}")]
-    hint = f"; did you mean '{holding[0] if len(holding) == 1 else guess}'?" if guess else ""
+    words = _WORD.split(key)
+    holding = [name for name in keys if set(words) <= set(_WORD.split(name))]
+    holding = [name for name in holding if name.rpartition(".")[2] in words] or holding
+    if not holding and (guess := nearest(key, keys) or meant(last, lasts)):
+        ending = [name for name in keys if name == guess or name.endswith(f".{guess}")]
+        holding = ending if len(ending) <= _MOST_GUESSES else [guess]
+    hint = f"; did you mean {_listed(holding)}?" if holding else ""
     return f"{key}: no such key{hint or '; rollerrig schema prints all keys'}"
 
 
-def _text(place: KeyPlace) -> str:
+def _listed(names: list[str]) -> str:
+    more = [f"one of {len(names) - _MOST_GUESSES} more"] if len(names) > _MOST_GUESSES else []
+    return " or ".join([*(f"'{name}'" for name in names[:_MOST_GUESSES]), *more])
+
+
+def _texts(places: list[KeyPlace]) -> list[str]:
+    """What is said of each key; of one that several kinds of a table have alike it is said once."""
+    same: dict[tuple[str, str, str], list[KeyPlace]] = {}
+    for place in places:
+        same.setdefault((place.key, place.file, _text([place]).partition("  stands in")[0]), []).append(place)
+    return list(dict.fromkeys(_text(alike) for alike in same.values()))
+
+
+def _text(alike: list[KeyPlace]) -> str:
+    place = alike[0]
     field = place.field
     quantity = None if _below(field.annotation)[0] else quantity_of(field.annotation, field.metadata)
     unit = unit_text(field, quantity.unit if quantity and quantity.unit != "1" else "")
     default = default_text(field)
     holder = place.key.rpartition(".")[0]
-    tag = tag_of(place.table)
-    kind = f" of kind '{tag}'" if tag and place.field is not place.table.model_fields.get("kind") else ""
+    tags = [f"'{tag}'" for one in alike if (tag := tag_of(one.table)) and not one.key.endswith(".kind")]
+    kind = f" of kind {' or '.join(tags)}" if tags else ""
+    summary = f": {_summary(place.table)}" if len(alike) == 1 else ""
     rows = [
         ("meaning", field.description or ""),
         ("unit", unit or "none"),
         ("default", {"required": "none: it must be given", "": _absent(field)}.get(default, default).replace("`", "'")),
-        ("allowed", _allowed(field, quantity)),
-        ("stands in", f"[{holder}]{kind} of a {place.file}: {_summary(place.table)}" if holder else f"a {place.file}"),
+        ("allowed", _allowed(place, quantity)),
+        ("stands in", f"[{holder}]{kind} of a {place.file}{summary}" if holder else f"a {place.file}"),
         ("used by", _users(place)),
         *_keys_in(field),
     ]
@@ -163,17 +184,47 @@ def _text(place: KeyPlace) -> str:
 
 def _absent(field: FieldInfo) -> str:
     kind = getattr(field.default, "kind", None)
-    return f"'{kind}'" if kind else "none: absent" if field.default is None else "that of the keys in it"
+    if kind:
+        return f"'{kind}'"
+    if isinstance(field.default, BaseModel):
+        return "that of the keys in it"
+    return "none: absent" if field.default is None else "none: empty"
 
 
-def _allowed(field: FieldInfo, quantity: Quantity | None) -> str:
-    """A number with its unit, names of kinds, or the type."""
-    words = type_text(field).replace("`", "")
+def _allowed(place: KeyPlace, quantity: Quantity | None) -> str:
+    """A number with its unit, names of kinds, or the type; what is shorter than a table first."""
+    words = type_text(place.field).replace("`", "")
     if quantity is None:
-        tags = [tag for table in _below(field.annotation)[0] if (tag := tag_of(table))]
-        return f"{words} of a kind: {', '.join(tags)}" if tags else words
-    choices = [word for word in words.split(" or ") if word.startswith('"')]
-    return " or ".join([*choices, quantity.allowed.removeprefix("allowed: ")])
+        tags = [tag for table in _below(place.field.annotation)[0] if (tag := tag_of(table))]
+        words = f"a {words}" if words.startswith("table") and not words.startswith("tables") else words
+        whole = f"{words} of a kind: {', '.join(tags)}" if tags else words
+        return " or ".join([*_shorter(place), whole])
+    parts = words.split(" or ")
+    choices = [word for word in parts if word.startswith('"')]
+    lists = [f"{word}, each " for word in parts if word.startswith("list of")]
+    return " or ".join([*choices, "".join(lists) + quantity.allowed.removeprefix("allowed: ")])
+
+
+def _shorter(place: KeyPlace) -> Iterator[str]:
+    """What a file may write in place of a table."""
+    if not _below(place.field.annotation)[0]:
+        return
+    if place.key.rpartition(".")[2] in ("profile", "material"):
+        yield "a name of the catalogue or a file"
+    types = {"string": "a text", "number": "a number"}
+    for mark in _marks(place.field.annotation, place.field.metadata):
+        if isinstance(mark, by_kind):
+            yield "the name of a kind"
+        for short in mark.alternatives if isinstance(mark, OrShort) else ():
+            kinds = short.get("type", ())
+            yield ", ".join(short["enum"]) if "enum" in short else types[kinds if isinstance(kinds, str) else kinds[0]]
+
+
+def _marks(annotation: Any, metadata: Any = ()) -> Iterator[Any]:
+    yield from (*metadata, *getattr(annotation, "__metadata__", ()))
+    if get_origin(annotation) not in (tuple, dict):
+        for part in get_args(annotation):
+            yield from _marks(part)
 
 
 def _keys_in(field: FieldInfo) -> Iterator[tuple[str, str]]:

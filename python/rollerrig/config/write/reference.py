@@ -150,7 +150,9 @@ def _tuple_type(arguments: tuple[Any, ...]) -> str:
         first = _alternatives(arguments[0])[0]
         if isinstance(first, type) and issubclass(first, BaseModel):
             return "array of tables"
-        return "rows of two numbers" if get_origin(first) is tuple else "list of texts"
+        if get_origin(first) is tuple:
+            return "rows of two numbers"
+        return "list of texts" if first is str or get_origin(first) is Literal else "list of numbers"
     inner = "points" if get_origin(_alternatives(arguments[0])[0]) is tuple else "values"
     return f"list of {len(arguments)} {inner}"
 
