@@ -56,6 +56,7 @@ if TYPE_CHECKING:
     from rollerrig.results import export as export
     from rollerrig.results import load_run as load_run
     from rollerrig.results import save_run as save_run
+    from rollerrig.results.in_words import summary as summary
     from rollerrig.simulation import simulate as simulate
     from rollerrig.starting_state import StartError as StartError
     from rollerrig.study.envelope import envelope as envelope
@@ -107,6 +108,7 @@ _HOME = {
     "stability": "analysis.mode_table",
     "view": "viewer",
     "starting_case": "catalog.starting_case",
+    "summary": "results.in_words",
     "sweep": "commands",
     "wheel_forces": "analysis.wheel_rail_forces",
     "wsp": "commands",

@@ -6,6 +6,7 @@ import matplotlib as mpl
 import numpy as np
 import pytest
 import xarray as xr
+from matplotlib.figure import Figure
 from matplotlib.text import Text
 
 from rollerrig.plot import (
@@ -15,6 +16,7 @@ from rollerrig.plot import (
     figure_bytes,
     frequency_over_speed,
     hunting_over_time,
+    into,
     limit_cycle_diagram,
     mode_shape,
     mode_shapes,
@@ -278,3 +280,19 @@ def test_figures_draw_their_data_in_the_units_of_their_axes() -> None:
     assert FIGURES["time"]().axes[1].lines[0].get_ydata() == pytest.approx(lateral)
     (across,) = (line for line in FIGURES["ramp"]().axes[0].lines if list(line.get_xdata()) == [80.0, 80.0])
     assert across.get_linestyle() == "--"  # the critical speed that is known, not the other
+
+
+@pytest.mark.parametrize("name", FIGURES)
+def test_every_figure_is_drawn_into_given_axes_and_makes_no_others(name: str) -> None:
+    own = len(FIGURES[name]().axes)
+    figure = Figure()
+    axes = tuple(figure.subplots(own, 1, squeeze=False)[:, 0])
+    token = into._GIVEN.set(axes)
+    try:
+        FIGURES[name]()
+    finally:
+        into._GIVEN.reset(token)
+    drawn = [len(one.lines) + len(one.collections) + len(one.patches) for one in axes]
+    assert drawn[0] > 0
+    assert figure.legends == []
+    assert figure.axes[:own] == list(axes)
