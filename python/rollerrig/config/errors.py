@@ -5,6 +5,7 @@
 Every problem prints as one line: ``file: key: value written; what is allowed; did you mean ...?``
 """
 
+import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from difflib import get_close_matches
@@ -36,6 +37,10 @@ class ConfigProblem:
         guess = f"; did you mean '{self.hint}'?" if self.hint else ""
         line = f"{place}: {self.value}; {self.allowed}{guess}"
         return "".join(c if c.isprintable() else repr(c)[1:-1] for c in line)  # one line, no terminal codes
+
+    def shortened(self) -> "ConfigProblem":
+        """The same problem with the key as changes name it: without the `data` of vehicle and support."""
+        return replace(self, key=re.sub(r"^(vehicle|support)\.data\b\.?", r"\1.", self.key).rstrip("."))
 
     def within(self, key: str) -> "ConfigProblem":
         """The same problem seen from an enclosing table ``key``."""

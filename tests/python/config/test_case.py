@@ -98,12 +98,12 @@ def test_mistaken_changes_are_told_like_mistakes_in_a_file(bogie: Case) -> None:
         )
     lines = str(error.value).splitlines()
     assert lines[0] == (
-        "bogie_rollers_constant (changed): vehicle.data.body.carbody.mass: no item 'carbody'; allowed: car_body, "
+        "bogie_rollers_constant (changed): vehicle.body.carbody.mass: no item 'carbody'; allowed: car_body, "
         "front_frame, rear_frame, wheelset_1, wheelset_2, wheelset_3, wheelset_4; did you mean 'car_body'?"
     )
     assert "bogie_rollers_constant (changed): motion.sped: unknown key (= 3)" in lines[2]
     assert {problem.key for problem in error.value.problems} == {
-        "motion.sped", "support.data.roler_radius", "vehicle.data.body.carbody.mass", "time.maximum_step"
+        "motion.sped", "support.roler_radius", "vehicle.body.carbody.mass", "time.maximum_step"
     }  # fmt: skip
 
 

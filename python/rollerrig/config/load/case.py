@@ -87,7 +87,7 @@ class Case(CaseTables):
                 Document(raw, file, Path()), allow_code=True
             )  # the case's is, new code is the caller's
         except ConfigError as error:
-            problems += error.problems
+            problems += [problem.shortened() for problem in error.problems]
         if problems:
             raise ConfigError(problems)
         return changed
@@ -307,7 +307,7 @@ def _build_from_base(document: Document, own_folder: Path | None, *, allow_code:
     try:
         case = build_case(replace(document, raw=raw), own_folder=own_folder, allow_code=allow_code)
     except ConfigError as error:
-        problems += error.problems
+        problems += [problem.shortened() for problem in error.problems]
     if problems:
         raise ConfigError(problems)
     return case

@@ -89,7 +89,17 @@ def matching_paths(holder: Any, path: list[str], key: str, file: str) -> list[li
         if isinstance(found, ConfigProblem):
             return found
         paths += [[name, *tail] for tail in found]
-    return paths or ConfigProblem(file, key, f"nothing matches '{first}'", one_of(items), nearest(first, tuple(items)))
+    return paths or ConfigProblem(
+        file, key, f"nothing matches '{first}'", one_of(items), _nearest_pattern(first, tuple(items))
+    )
+
+
+def _nearest_pattern(pattern: str, names: tuple[str, ...]) -> str:
+    """The pattern that was probably meant: one whose beginning some names have."""
+    head, _, tail = pattern.partition("*")
+    heads = tuple(dict.fromkeys(name[: end.end()] for name in names for end in re.finditer("_", name)))
+    meant = f"{nearest(head, heads)}*{tail}" if head else "*"
+    return meant if meant[0] != "*" and any(fnmatchcase(n, meant) for n in names) else nearest(pattern, names)
 
 
 def _write(raw: dict[str, Any], key: str, value: object, keys: set[str], file: str) -> ConfigProblem | None:

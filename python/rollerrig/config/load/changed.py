@@ -49,7 +49,7 @@ def changed_tables(
     )
     for part in kept:
         raw[part]["data"] = getattr(case, part).data
-    return raw, apply_changes(raw, full, file)
+    return raw, [problem.shortened() for problem in apply_changes(raw, full, file)]
 
 
 def changes_in(document: Document, base: CaseTables) -> tuple[dict[str, object], list[ConfigProblem]]:
