@@ -11,6 +11,7 @@ import contextlib
 import io
 import re
 import shlex
+import textwrap
 import tomllib
 from collections.abc import Iterator
 from pathlib import Path
@@ -39,8 +40,9 @@ SERVED = {"real_time.md"}
 
 
 def blocks(page: Path) -> list[tuple[str, str]]:
-    """Language and text of the blocks of a page."""
-    return re.findall(r"^```([a-z]*)\n(.*?)^```", page.read_text(encoding="utf-8"), re.MULTILINE | re.DOTALL)
+    """Language and text of the blocks of a page, those in lists too."""
+    found = re.findall(r"^( *)```([a-z]*)\n(.*?)^\1```", page.read_text(encoding="utf-8"), re.MULTILINE | re.DOTALL)
+    return [(language, textwrap.dedent(code)) for _, language, code in found]
 
 
 def with_blocks(*languages: str) -> list[Any]:
@@ -174,5 +176,5 @@ def test_the_commands_of_a_page_are_understood(page: Path, tmp_path: Path, monke
 
 
 def test_every_language_is_known() -> None:
-    known = {"python", "toml", "bash", "text", "", "console", "matlab"}
+    known = {"python", "toml", "bash", "text", "", "console", "matlab", "cpp"}
     assert {language for page in PAGES for language, _ in blocks(page)} <= known
