@@ -91,6 +91,6 @@ def amplitude_over_speed(
                 drawn |= {"marker": "x", "label": f"{label}: run ended early", "transform": axes.get_xaxis_transform()}
                 axes.plot(speed[early], np.full(int(early.sum()), 0.97), **drawn)
         critical_lines(axes, critical or {})
-        axes.set_ylim(bottom=-0.15)
+        axes.set_ylim(-0.15, max(1.0, axes.get_ylim()[1]))  # where all decay the axis is not round-off
         axes.set_title(title, loc="left")
         return figure

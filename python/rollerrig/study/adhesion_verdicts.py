@@ -201,7 +201,10 @@ def _tracking(case: Case, rig: Sequence[TestRecord]) -> Iterator[Row]:
 def _fill_slip(case: Case) -> tuple[float, str]:
     """Slip at which this test's protection changes what it does, and where that stands."""
     if case.slide_protection is not None and case.brake is not None:
-        return case.slide_protection.fill_slip, "slide_protection.fill_slip: a larger error decides what the valves do"
+        return (
+            case.slide_protection.fill_slip,
+            "the slip at which cylinders are filled again: a larger error decides what the valves do",
+        )
     if case.wheel_slip_control is not None:
         return case.wheel_slip_control.slip, "wheel_slip_control.slip: a larger error decides what it does"
     return 0.05, "ours: no protection acts in this test"

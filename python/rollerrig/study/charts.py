@@ -120,13 +120,21 @@ def _panel(axes: Axes, number: int, columns: Columns) -> dict[str, Any]:
     span = float(np.ptp(found[np.isfinite(found)])) if np.isfinite(found).any() else 0.0
     levels = [float(np.ravel(line.get_ydata())[0]) for line in axes.lines if _is_level(axes, line)]
     return {
-        "label": " ".join(axes.get_ylabel().split()),
+        "label": _words(axes),
         "curves": curves,
         "levels": levels,
         "range": [low, high],
         "least": high - low if high - low > 1.3 * span and not levels else 0.0,
         "cut": high - low < 0.95 * span,
     }
+
+
+def _words(axes: Axes) -> str:
+    """What a panel shows: the ordinate's name, or the figure's with the panel's unit; and its titles."""
+    own, figure = " ".join(axes.get_ylabel().split()), axes.get_figure()
+    shared = figure.get_supylabel() if isinstance(figure, Figure) else ""
+    titles = [title for where in ("left", "center", "right") if (title := axes.get_title(loc=where))]
+    return ", ".join([f"{shared} {own}".strip(), *titles])
 
 
 def _label(line: Line2D) -> str:

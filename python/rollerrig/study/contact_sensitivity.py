@@ -100,5 +100,6 @@ def sensitivity_table(found: Found) -> Table:
             else "not computed"
             for on in supports
         ]
-        rows.append([normal, other if hertz else "–", other if other and not hertz else "kalker_saturated", *cells])
+        law = other if other and not hertz else "kalker_saturated"
+        rows.append([normal, other if hertz else "–", law.replace("_", " "), *cells])
     return Table(("normal", "merging criterion", "creep", *(f"on {on}" for on in supports)), rows, caption)

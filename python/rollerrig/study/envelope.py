@@ -256,7 +256,9 @@ class EnvelopeStudy(Study[Envelope]):
         ]  # fmt: skip
         method = METHOD.format(duration=self.duration, speed=found.attrs["speed_kmh"])
         counts = [[meaning, numbers["regions"][name]] for name, meaning in REGIONS.items()]
-        lines = Table(("line", "meaning"), list(LINES.items()))
+        lines = Table(
+            ("line", "meaning"), [(key.removeprefix("line_").replace("_", " "), what) for key, what in LINES.items()]
+        )
         return [
             Section("Map", [Text(method), *maps]),
             Section("Torque that is reproduced", [reach_table(found)]),

@@ -251,9 +251,13 @@ class Outcome(Generic[R]):
     def summary(self) -> str:
         """The findings, a line each."""
         mark = self.study.mark
-        head = [] if mark is None else [f"{mark.title}: {mark.meaning}."]
-        head += ["Interrupted: what was computed until then."] if self.interrupted else []
-        return "\n".join([*head, *self.study.summary(self.results, self.numbers)])
+        return "\n".join([*([] if mark is None else [f"{mark.title}: {mark.meaning}."]), *self._findings])
+
+    @property
+    def _findings(self) -> list[str]:
+        """The findings without the mark, which a page has on its top."""
+        head = ["Interrupted: what was computed until then."] if self.interrupted else []
+        return [*head, *self.study.summary(self.results, self.numbers)]
 
     @property
     def timing(self) -> dict[str, Any]:
@@ -288,7 +292,7 @@ class Outcome(Generic[R]):
             summary = {**self.numbers, "keys": study.quantities.described()}
             written.append(folder.add(SUMMARY, _json(summary)))
             written.append(folder.add(TIMING, _json(self.timing), varies=True))
-            page = Page(study.title, self.summary, sections, f"rollerrig {__version__}", study.mark, view)
+            page = Page(study.title, "\n".join(self._findings), sections, f"rollerrig {__version__}", study.mark, view)
             written.append(folder.add(REPORT, render(page).encode()))
             folder.commit()
         if self.journal is not None and not (self.interrupted or study.keeps_jobs):

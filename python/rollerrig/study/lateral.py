@@ -180,7 +180,7 @@ class LateralStudy(Study[Found]):
         shown = {LABELS[key]: run for key, run in numbers["runs"].items()}
         table = QUANTITIES.list_table(shown, [quantity.name for quantity in RUN])
         again = {LABELS[key]: one for key, one in numbers["ensemble"].items()}
-        caption = f"mean of {MEMBERS} runs whose disturbances differ by 1e-9, and its standard error"
+        caption = f"mean of {MEMBERS} runs whose disturbances differ by 10⁻⁹, and its standard error"
         repeated = [QUANTITIES.list_table(again, [q.name for q in ENSEMBLE], caption)] if again else []
         sections = [Section("Numbers", [table, *repeated])]
         sections += [Section(title, [Picture(*picture)]) for title, *picture in _pictures(results.runs)]

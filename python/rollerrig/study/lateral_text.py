@@ -23,7 +23,7 @@ def control_text(numbers: Numbers) -> Iterator[str]:
         f"{percent(errors['rig_rigid'])} where it hunts on rigid rollers, {percent(errors['rig'])} on elastic ones "
         f"({number(errors['rig'] / errors['rig_centred'], 2)} times as much). Wheels then slide on the rollers at up to "
         f"{_interval(again['rig'])} m/s, rigid {_interval(again['rig_rigid'])} m/s, centred "
-        f"{number(runs['rig_centred']['real_sliding_largest_mps'], 2)} m/s: means of runs whose disturbances differ by 1e-9, and "
+        f"{number(runs['rig_centred']['real_sliding_largest_mps'], 2)} m/s: means of runs whose disturbances differ by 10⁻⁹, and "
         "their standard errors, as flanges that strike move every single figure."
     )
 

@@ -114,6 +114,6 @@ def _shape_table(mode: xr.Dataset) -> Table:
                 float(mode[name].sel(body=body, direction=direction)) for name in ("shape_amplitude", "shape_phase")
             )
             cells.append(f"{a:.2f} ∠ {round(p):d}°" if a >= 0.02 else "")
-        rows.append([str(body), *cells])
+        rows.append([str(body).replace("_", " "), *cells])
     caption = f"{mode['mode'].item()}, {float(mode['frequency']):.2f} Hz at {float(mode['speed']):g} km/h"
     return Table(["body", *directions], rows, caption)

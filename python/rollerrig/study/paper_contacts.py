@@ -39,7 +39,7 @@ from rollerrig.study.report import Table
 from rollerrig.wording import number
 
 KEY = "exact_contact"
-CONTACTS = {OWN: "the paper's: hertz, kalker_saturated", EXACT: "exact: strips, table"}
+CONTACTS = {OWN: "the paper's: hertz, kalker saturated", EXACT: "exact: strips, table"}
 """Contact -> what it is called in tables."""
 
 ALL, BY = f"{KEY}.materials.*", speeds.by_disturbance_quantities

@@ -15,21 +15,25 @@ from rollerrig.plot import amplitude_over_speed, hunting_over_time, ramp_over_sp
 from rollerrig.plot.modes import hunting_frequencies
 from rollerrig.study import critical_speeds as speeds
 from rollerrig.study.paper_checks import FRONT, REAR
-from rollerrig.study.paper_plan import MATERIALS, RIG, VEHICLE, rig_case
+from rollerrig.study.paper_plan import MATERIALS, PAPER_CRITICAL_KMH, RIG, VEHICLE, rig_case
 from rollerrig.study.paper_results import Results
 
 BODY = "front_frame"
 WHEELS = {FRONT: "front right wheel", REAR: "rear right wheel"}
+PAPER = {"the paper": PAPER_CRITICAL_KMH}
+"""The one number that the paper states of its figure 7; points of its curves were not available."""
 LABELS = {"steel": "Steel", "paper": "Paper's material, G = 10 GPa"}
 
 CAPTIONS = {
     "figure_7a_ramp": "Figure 7a. Lateral displacement of the bogie frame over speed while the rollers are slowly sped up (dark) "
-    "from a disturbed start and slowed down again (light). Triangles: lateral perturbations.",
+    "from a disturbed start and slowed down again (light). Triangles: lateral perturbations. Of its own curve the paper states "
+    "that it grows beyond 100 km/h.",
     "figure_7a_time_steel": "Figure 7a, at constant speeds, steel. Lateral displacement of the bogie frame after a "
     "lateral offset of the leading wheelset.",
     "figure_7a_time_paper": "Figure 7a, at constant speeds, paper's material, drawn likewise.",
     "figure_7a_amplitude": "Amplitude at the end of each run at constant speed. Filled: the oscillation persists; open: it "
-    "decays; with the paper's own contact and with the exact one. Dashed lines: linear critical speeds with its own.",
+    "decays; with the paper's own contact and with the exact one. Dashed lines: linear critical speeds with its own, and the "
+    "critical speed that the paper states.",
     "figure_7b_steel": "Figure 7b, steel. Frequency of the lateral oscillation of the (front) bogie frame, whole vehicle on the "
     "rails against bogie on the rig: of the runs from a disturbance, as in the paper (markers: open where it decays, "
     "filled where it persists), and of the linear model's hunting mode (lines, cross where its damping vanishes).",
@@ -50,7 +54,7 @@ def figures(results: Results) -> dict[str, Figure]:
     found: dict[str, Figure] = {}
     if results.ramps:
         lines: dict[str, dict[str, float | tuple[float, float]]] = {
-            LABELS[m]: {"linear": results.linear_kmh(m), "by disturbance": (by.low, by.high)}
+            LABELS[m]: {**PAPER, "linear": results.linear_kmh(m), "by disturbance": (by.low, by.high)}
             for m in results.ramps
             for by in [results.by_disturbance(m)]
         }
@@ -60,7 +64,7 @@ def figures(results: Results) -> dict[str, Figure]:
         chosen = [(3.6 * run.speed, run.motion) for run in around_onset(one.runs, one.persists)]
         found[f"figure_7a_time_{material}"] = hunting_over_time(chosen, BODY, LABELS[material])
     if by_speed:
-        critical = {f"linear, {m}": results.linear_kmh(m) for m in by_speed}
+        critical = {**PAPER, **{f"linear, {m}": results.linear_kmh(m) for m in by_speed}}
         amplitudes = {LABELS[m]: t for m, t in by_speed.items()}
         for material, one in results.exact.runs.get(RIG, {}).items():
             amplitudes[f"{LABELS[material]}, exact contact"] = hunting_table(one.runs, one.disturbance)

@@ -138,11 +138,11 @@ def parameters(plan: PaperPlan) -> list[Block]:
         ("steel", f"G = {1e-9 * steel.shear_modulus:z.2f} GPa, ν = {steel.poisson_ratio:g}"),
         ("paper's material", f"G = {1e-9 * soft.shear_modulus:z.2f} GPa, ν = {soft.poisson_ratio:g}; {soft.source}"),
         ("friction", f"{case.contact.friction.mu_0:g}"),
-        ("creep law, normal law", f"{case.contact.creep.kind}, {case.contact.normal.kind}"),
+        ("creep law, normal law", f"{case.contact.creep.kind}, {case.contact.normal.kind}".replace("_", " ")),
         ("merging criterion", f"{getattr(case.contact.normal, 'merging_criterion', 0.0):g}"),
         ("runs of figure 7", f"rodas4, {runs}, {plan.hunting.duration:g} s"),
         ("run of figure 8", f"{method}, from {3.6 * traction.motion.speed:g} km/h"),
     ]
-    bodies = [(b.name, b.mass, *b.inertia) for b in vehicle.bodies_in(case.vehicle.part)]
+    bodies = [(b.name.replace("_", " "), b.mass, *b.inertia) for b in vehicle.bodies_in(case.vehicle.part)]
     header = ("body", "mass [kg]", "Ixx [kg m²]", "Iyy [kg m²]", "Izz [kg m²]")
     return [Table(("parameter", "value"), rows), Table(header, bodies, "Bodies; the car body is fixed.")]

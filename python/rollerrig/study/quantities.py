@@ -48,7 +48,7 @@ class Quantity:
     @property
     def heading(self) -> str:
         """Label with the unit that tables show."""
-        unit = {"": "", "1": " [-]"}.get(self.shown_unit, f" [{self.shown_unit}]")
+        unit = {"": "", "1": " [-]"}.get(self.shown_unit, f" [{self.shown_unit}]").replace("^2", "²").replace("^3", "³")
         return (self.label or self.in_words) + unit
 
     @property

@@ -63,6 +63,12 @@ class Table:
     caption: str = ""
     kind: str = "table"
 
+    @property
+    def of_numbers(self) -> list[bool]:
+        """Whether a column has nothing but numbers, and dashes in place of some."""
+        columns = [[row[k] for row in self.rows if row[k] != "–"] for k in range(len(self.header))]
+        return [bool(column) and all(map(_is_number, column)) for column in columns]
+
 
 @dataclass(frozen=True)
 class Preformatted:
@@ -168,11 +174,11 @@ class Page:
         return heads.replace("<", "\\u003c")
 
 
-_NUMBER = re.compile("-?[0-9][0-9. \u202f]*(·10)?[⁻⁰¹²³⁴-⁹]*( %)?|–")
+_NUMBER = re.compile("[-+]?[0-9][0-9. \u202f]*(·10)?[⁻⁰¹²³⁴-⁹]*( %)?")
 
 
 def _is_number(cell: object) -> bool:
-    """Whether a cell is a number, or the text of one, or the dash in place of one."""
+    """Whether a cell is a number, or the text of one."""
     if isinstance(cell, str):
         return _NUMBER.fullmatch(cell) is not None
     return isinstance(cell, int | float) and not isinstance(cell, bool)
@@ -182,6 +188,5 @@ def render(page: Page) -> str:
     """The report as HTML text."""
     environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
     environment.filters["number"] = number
-    environment.tests["numeric"] = _is_number
     template = files("rollerrig.study").joinpath("page.html.j2").read_text(encoding="utf-8")
     return environment.from_string(template).render(page=page, view=VIEW, bundle=bundle, allowed=ALLOWED)

@@ -26,6 +26,7 @@ from rollerrig.study.sweep_dataset import FAILED, Record, sweep_dataset, sweep_r
 from rollerrig.study.sweep_points import Points
 from rollerrig.study.sweep_report import sections_of
 from rollerrig.study.sweep_statistics import Statistics, statistics
+from rollerrig.wording import number
 
 MOST_UNASKED = 100_000
 """More cases than that are probably a slip of the pen."""
@@ -104,10 +105,10 @@ class SweepStudy(Study[Sweep]):
 
     def _check_kept(self) -> list[ConfigProblem]:
         problems, seen = [], [axis.name for axis in self.points.axes]
-        for number, measure in enumerate(self.whole.plan.measure):
+        for index, measure in enumerate(self.whole.plan.measure):
             known = quantities_of(measure.kind)
             for place, name in enumerate(measure.keep or known):
-                at = f"measure[{number}].keep" + (f"[{place}]" if measure.keep else "")
+                at = f"measure[{index}].keep" + (f"[{place}]" if measure.keep else "")
                 if name not in known:
                     allowed, near = one_of(known), nearest(name, tuple(known))
                     problems.append(ConfigProblem(self.whole.file, at, show_value(name), allowed, near))
@@ -206,9 +207,8 @@ class SweepStudy(Study[Sweep]):
         for name, one in numbers["numbers"].items():
             if one["least"] is not None:
                 unit = "" if one["unit"] in ("1", "") else f" {one['unit']}"
-                lines.append(
-                    f"{name.replace('_', ' ')}: {one['least']:.4g} to {one['largest']:.4g}{unit}, median {one['median']:.4g}."
-                )
+                least, largest, median = (number(one[key]) for key in ("least", "largest", "median"))
+                lines.append(f"{name.replace('_', ' ')}: {least} to {largest}{unit}, median {median}.")
                 widest = max(one["tornado"], key=lambda key: _span(one["tornado"][key]), default=None)
                 if widest is not None and math.isfinite(span := _span(one["tornado"][widest])) and span > 0.0:
                     lines[-1] += f" It follows {widest.replace('_', ' ')} most."

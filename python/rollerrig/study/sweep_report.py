@@ -79,4 +79,4 @@ def _of_number(data: xr.Dataset, name: str, one: Statistics, points: Points) -> 
         blocks.append(
             Picture(f"sobol_{name}", figures.sobol_bars(one.sobol), f"Sobol indices of {title}, intervals of 95 %.")
         )
-    return Section(title, blocks)
+    return Section(title[:1].upper() + title[1:], blocks)

@@ -94,7 +94,7 @@ def _not_decided(numbers: Numbers) -> Iterator[str]:
                     inside = why == "the limit lies within the interval"
                     reasons.setdefault(why, {})[f"{stop} ({NAMES[name]})" if inside else stop] = None
         for why, stops in reasons.items():
-            yield f"Not decided on {'track' if on == 'track' else 'the rig'}: {', '.join(stops)}: {why}."
+            yield f"Not decided on {'track' if on == 'track' else 'the rig'}: {', '.join(stops).replace('_', ' ')}: {why}."
 
 
 def _fidelity(numbers: Numbers) -> Iterator[str]:
@@ -108,9 +108,9 @@ def _fidelity(numbers: Numbers) -> Iterator[str]:
     ]
     met, against, open_ = (words.count(word) for word in ("met", "not met", "not decided"))
     yield (
-        f"The rig does as the track within the targets of `rollerrig adhesion` in {met} of {len(words)} stops, not in {against}, "
+        f"The rig does as the track within the targets of the command adhesion in {met} of {len(words)} stops, not in {against}, "
         f"not decided in {open_}: a verdict on the rig is one of the test on the rig. "
-        f"Opposite verdicts on track and rig: {', '.join(differ) or 'none'}."
+        f"Opposite verdicts on track and rig: {', '.join(differ).replace('_', ' ') or 'none'}."
     )
 
 

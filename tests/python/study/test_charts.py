@@ -31,6 +31,8 @@ def history(*, peak: float = 0.0) -> Figure:
     upper.plot(TIME, 0.5 * np.cos(TIME), "--", color="#c0392b", label="second")
     upper.axhline(0.8, color="black")
     upper.set_ylabel("force\n[kN]")
+    upper.set_title("first case", loc="right")
+    figure.supylabel("signals")
     lower.plot(TIME, np.where((TIME > 4.0) & (TIME < 5.0), np.nan, TIME), color="#2e7d32")
     lower.set_ylabel("speed [m/s]")
     lower.set_xlabel("time [s]")
@@ -49,7 +51,7 @@ def test_a_history_becomes_a_chart_with_all_that_is_drawn() -> None:
     assert chart is not None
     assert (chart.identity, chart.head["x"], chart.head["mark"]) == ("figure-forces", "time [s]", "QUICK")
     upper, lower = chart.head["panels"]
-    assert (upper["label"], lower["label"]) == ("force [kN]", "speed [m/s]")
+    assert (upper["label"], lower["label"]) == ("signals force [kN], first case", "signals speed [m/s]")
     assert [(c["label"], c["colour"], bool(c["dash"])) for c in upper["curves"]] == [
         ("first", "#0b5394", False),
         ("second", "#c0392b", True),

@@ -71,7 +71,7 @@ def test_everything_is_written(folder) -> None:
         assert drawn == {"modes", "hunting", "amplitude", "radius", "roller_effects", "disturbed", "characteristics"}
     page = (folder / "report.html").read_text()
     assert "http://" not in page.replace("http://www.w3.org", "")
-    assert page.count("<figure>") == 7
+    assert page.count("<figure") == 7
 
 
 def test_every_number_is_registered_and_every_registered_quantity_reported(numbers) -> None:

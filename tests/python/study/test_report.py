@@ -80,3 +80,19 @@ def test_the_answer_stands_in_the_first_five_lines_and_details_are_folded() -> N
     reader.feed(text)
     assert reader.open == []
     assert "further finding" not in render(Page("A title", "one\ntwo", sections))
+
+
+def test_columns_of_numbers_are_set_to_the_right_with_their_dashes() -> None:
+    table = Table(
+        ("name", "force [kN]", "limit"), [("a", "1\u202f234.5", "at most 2"), ("b", "–", "–"), ("c", "-3·10⁻⁴", 5.0)]
+    )
+    assert table.of_numbers == [False, True, False]
+    text = render(Page("A title", "summary", [Section("One", [table])]))
+    assert '<th class="n">force [kN]</th>' in text
+    assert text.count('<td class="n">') == 3
+    assert Table(("a",), []).of_numbers == [False]
+
+
+def test_a_marked_page_says_so_once_above_its_answer() -> None:
+    text = render(Page("A title", "finding", [], mark=Mark("quick", "few runs")))
+    assert text.count("few runs") == 1
