@@ -1,4 +1,4 @@
-// The exponential multistep method: order 4 with any Jacobian it keeps, exact where the system is linear, two evaluations a step.
+// The exponential multistep method: order 4 with any Jacobian it keeps, exact where the system is linear, two evaluations a step or one.
 #include <doctest/doctest.h>
 
 #include <unsupported/Eigen/MatrixFunctions>
@@ -32,13 +32,17 @@ struct KeptPart : ExactOscillation {
 
 struct Errors {
   std::vector<double> state, quadrature, between;
+  double evaluations = 0;  // per step, of the finest
 };
 
-Errors errors_of_halved_steps(KeptPart problem, int coarsest, int finest) {
+/// @param tolerance  of the coarsest steps; a 32nd of it with each halving, as the error of a step
+Errors errors_of_halved_steps(KeptPart problem, int coarsest, int finest, double tolerance) {
   Errors errors;
   double const end = 2;
   for (int k = coarsest; k <= finest; ++k) {
     Options o = without_control(end / (1 << k), end);
+    o.absolute_tolerance = {std::ldexp(tolerance, -5 * (k - coarsest))};
+    o.relative_tolerance = 1e-16;
     o.output_step = o.step / 3.7;  // never at the ends of steps
     Integrator integrator(problem, o);
     REQUIRE(integrator.start(0, problem.start().data()) == Status::ok);
@@ -52,6 +56,9 @@ Errors errors_of_halved_steps(KeptPart problem, int coarsest, int finest) {
     errors.state.push_back(std::max(std::abs(x[0] - problem.x0(end)), std::abs(x[1] - problem.x1(end))));
     errors.quadrature.push_back(std::abs(integrator.quadratures()[0] - problem.z(end)));
     errors.between.push_back(between);
+    auto const& statistics = integrator.statistics();
+    CHECK(statistics.rejected_steps == 0);
+    errors.evaluations = static_cast<double>(statistics.derivative_calls) / static_cast<double>(statistics.steps);
   }
   return errors;
 }
@@ -81,10 +88,14 @@ struct Linear {
 TEST_CASE("exponential_adams has order 4 in states, quadratures and output, whatever part of the Jacobian it keeps") {
   for (double part : {1.0, 0.5, 0.0}) {
     CAPTURE(part);
-    Errors const e = errors_of_halved_steps({{}, part}, 5, 9);
-    CHECK(slope(e.state) > 3.8);
-    CHECK(slope(e.quadrature) > 3.8);
-    CHECK(slope(e.between) > 3.8);
+    for (bool corrected : {true, false}) {
+      CAPTURE(corrected);
+      Errors const e = errors_of_halved_steps({{}, part}, 5, 9, corrected ? 1e-6 : 1e9);
+      CHECK(slope(e.state) > 3.8);
+      CHECK(slope(e.quadrature) > 3.8);
+      CHECK(slope(e.between) > 3.8);
+      CHECK(e.evaluations == doctest::Approx(corrected ? 2.0 : 1.05).epsilon(0.005));
+    }
   }
 }
 
@@ -242,10 +253,11 @@ TEST_CASE("creep that stiffens as a train slows: the Jacobian is renewed before 
   CHECK(s.rejected_steps == 0);
   CHECK(s.jacobian_calls > 5);
   CHECK(s.jacobian_calls < 20);
-  CHECK(largest < 1e-4);  // tolerance 1e-3: without renewal a burst reaches it and fails the step
+  // Tolerance 1e-3: without renewal a burst reaches it and fails the step.
+  CHECK(largest < 1e-4);
 }
 
-TEST_CASE("a step costs two evaluations, and the Jacobian is that of the start") {
+TEST_CASE("a step costs one evaluation where the prediction serves, and the Jacobian is that of the start") {
   ExactOscillation problem;
   Integrator integrator(problem, without_control(0.01, 2));
   integrator.start(0, problem.start().data());
@@ -254,7 +266,7 @@ TEST_CASE("a step costs two evaluations, and the Jacobian is that of the start")
   CHECK(s.jacobian_calls == 1);
   CHECK(s.rejected_steps == 0);
   CHECK(s.steps < 200 + 16);                             // eighths, quarters and halves at the start
-  CHECK(s.derivative_calls == 2 * s.steps + 3 * 2 + 1);  // three single steps of four, and the first slope
+  CHECK(s.derivative_calls <= s.steps + 3 * 3 + 1 + 1);  // three single steps of four, the first slope, a look at L
   CHECK(s.smallest_step == doctest::Approx(0.01 / 8));
 }
 
@@ -269,5 +281,5 @@ TEST_CASE("steps of exponential_adams reach breakpoints and the end in whole ste
   for (double b : {0.2, 0.55, 1.0}) CHECK(std::count(ends.begin(), ends.end(), b) == 1);
   CHECK(integrator.statistics().largest_step <= 0.03 * (1 + 1e-9));
   CHECK(integrator.statistics().jacobian_calls == 3);
-  CHECK(std::abs(integrator.states()[0] - problem.x0(1)) < 1e-6);
+  CHECK(std::abs(integrator.states()[0] - problem.x0(1)) < 2e-6);
 }

@@ -49,6 +49,7 @@ def test_two_evaluations_a_step_are_enough_for_a_thousandth(reference: xr.Datase
 
 
 def test_work_of_the_drives_balances_momentum(reference: xr.Dataset) -> None:
-    # Measured 2e-8 over 4 s: rollers at 60 m/s turn each error of an impulse into work.
-    assert hunting(method="exponential_adams", step="1 ms").attrs["energy_relative_residual"] < 1e-7
+    # Measured 5e-8, 2e-8 over 4 s: rollers at 60 m/s turn each error of an impulse into work. Tolerance of the shipped cases.
+    run = hunting(method="exponential_adams", step="1 ms", relative_tolerance=1e-5, absolute_tolerance=1e-8)
+    assert run.attrs["energy_relative_residual"] < 1e-7
     assert reference.attrs["energy_relative_residual"] < 1e-9

@@ -12,10 +12,12 @@
 //     evaluate   f(t + h, y_new), the next step's first
 //
 // Two evaluations a step and no Jacobian while N stays smooth. The correction shows the error: a step that is too long is repeated
-// with half of it, down to a 32nd, and doubled where it would serve.
+// with half of it, down to a 32nd, and doubled where it would serve. Where the error is below a thousandth of what is allowed, the
+// prediction is kept as it is, and its evaluation is the next step's first: one a step. Its error is the correction itself, still
+// below a seventieth of what is allowed.
 //
 // Whether L is too old shows in the second evaluation: the correction that it would make, over the one before it, is what is left
-// of df/dy - L over a step. L is renewed where that is above 0.3, looked at every tenth step once it has served for 200 (from
+// of df/dy - L over a step. L is renewed where that is above 0.3, looked at every twentieth step once it has served for 200 (from
 // about 0.5 on corrections grow from step to step, as with Adams methods without L; as a train slows, creep stiffens); and above
 // 0.1 where a step fails. A step that fails at a kink of the forces, where it is small, is halved at once: a new L costs as much
 // as 50 steps.
@@ -98,10 +100,17 @@ class ExponentialAdams {
   std::int64_t step_ticks() const { return std::int64_t{1} << (halvings - level_); }
   std::int64_t ticks() const { return ticks_; }
 
-  template <class System>
-  Status attempt(Evaluator<System>& f, Step const& s, Vector const& y, Vector& y_new) {
-    Status const status = past_.enough() ? multistep(f, s, y, y_new) : single_step(f, s, y, y_new);
+  /// @param norm  of error(), 1: exactly the tolerance
+  template <class System, class Norm>
+  Status attempt(Evaluator<System>& f, Step const& s, Vector const& y, Vector& y_new, Norm&& norm) {
+    bool const several = past_.enough();
+    Status const status = several ? multistep(f, s, y, y_new) : single_step(f, s, y, y_new);
     if (status != Status::ok) return status;
+    if (several && !looks_at_l(since_ + 1) && norm(error_, y, y_new) < spared) {
+      y_new.swap(stage_);
+      f_end_.swap(slope_);
+      return Status::ok;
+    }
     return f.derivative(s.end, y_new, f_end_);
   }
 
@@ -112,8 +121,7 @@ class ExponentialAdams {
   Status accept(Evaluator<System>& f, double t, Vector const& y, double error) {
     has_end_slope_ = true;
     ticks_ += step_ticks();
-    bool const old = ++since_ >= serves_for && since_ % looked_at_every == 0 && past_.enough() &&
-                     std::ldexp(contraction(), level_) > worn_out;
+    bool const old = looks_at_l(++since_) && past_.enough() && std::ldexp(contraction(), level_) > worn_out;
     remember(y, f_end_);
     if (level_ > 0 && past_.known() == PastPoints::most && error < allowed_to_double &&
         ticks_ % (2 * step_ticks()) == 0) {
@@ -165,8 +173,12 @@ class ExponentialAdams {
   static constexpr int first_level = 3;          // an eighth: the first steps see what a start from anywhere lets loose
   static constexpr double milne = 19.0 / 270.0;  // error of the corrected over the correction
   static constexpr double allowed_to_double = 0.5 / 32.0;  // error that twice the step makes 0.5
-  static constexpr double worn = 0.1, worn_out = 0.3;      // contraction() of a step that fails, of the longest step
-  static constexpr int serves_for = 200, looked_at_every = 10;  // steps
+  static constexpr double spared = 1e-3;               // error of a step whose prediction, 14 times as far off, serves
+  static constexpr double worn = 0.1, worn_out = 0.3;  // contraction() of a step that fails, of the longest step
+  static constexpr int serves_for = 200, looked_at_every = 20;  // steps
+
+  /// Whether the contraction of the corrections is looked at in this step since L was renewed.
+  static bool looks_at_l(std::int64_t step) { return step >= serves_for && step % looked_at_every == 0; }
 
   void linearise() {
     linear_.topRows(n_ - kinematic_) = jacobian_.a.bottomRows(n_ - kinematic_);

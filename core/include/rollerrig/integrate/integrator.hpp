@@ -255,8 +255,11 @@ class Integrator {
       double const grid = grid_time(method, method.step_ticks());
       double const end = std::abs(grid - limit()) <= tolerance ? limit() : grid;
       double const h = static_cast<double>(method.step_ticks()) * method.tick();
-      Status status = method.attempt(f_, make_step(h, end), y_, y_new_);
-      double const error = error_norm(method.error(), y_, y_new_, absolute_, options_.relative_tolerance);
+      auto const norm = [this](Vector const& e, Vector const& y, Vector const& y_new) {
+        return error_norm(e, y, y_new, absolute_, options_.relative_tolerance);
+      };
+      Status status = method.attempt(f_, make_step(h, end), y_, y_new_, norm);
+      double const error = norm(method.error(), y_, y_new_);
       if (status == Status::ok && (!std::isfinite(error) || !y_new_.allFinite())) status = Status::not_finite;
       if (status == Status::ok && (error <= 1 || !method.can_halve())) {
         Status const accepted = method.accept(f_, end, y_new_, error);
