@@ -122,6 +122,12 @@ def with_method(case: Case, candidate: Candidate) -> Case:
     return case.with_changes({f"time.{key}": value for key, value in settings.items()})
 
 
+def ships(case: Case, candidate: Candidate) -> bool:
+    """Whether it is the case's own method, step and tolerance."""
+    tried = with_method(case, candidate)
+    return tried.integration == case.integration and tried.time.relative_tolerance == case.time.relative_tolerance
+
+
 def compare(case: Case) -> tuple[float, list[Row]]:
     """Time up to which the references agree [s], and a row for each candidate that the case does not refuse."""
     tight, other = (signals(measure(with_method(case, c)).run) for c in REFERENCES)
@@ -142,13 +148,13 @@ def chosen(rows: list[Row]) -> Row | None:
 
 
 def table(name: str, until: float, rows: list[Row]) -> str:
-    """In Markdown."""
-    best = chosen(rows)
+    """In Markdown; what the case is shipped with stands in bold."""
+    case = load_case(name)
     kinds = list(rows[0].errors)
     head = f"| `{name}`, first {until:.3g} s | × real time | evaluations/ms | " + " | ".join(kinds) + " | energy |"
     lines = [head, "|---" * (4 + len(kinds)) + "|"]
     for row in rows:
-        mark = "**" if row is best else ""
+        mark = "**" if ships(case, row.candidate) else ""
         numbers = [f"{row.measured.real_time:.3g}", f"{row.measured.evaluations:.2f}"]
         numbers += [f"{value:.1e}" for value in (*row.errors.values(), row.measured.energy)]
         lines.append(f"| {mark}{row.candidate.text}{mark} | " + " | ".join(numbers) + " |")
