@@ -8,65 +8,30 @@ box of its mass and moments of inertia. Symbols of springs and dampers lie along
 
 from __future__ import annotations
 
-import re
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 from matplotlib.patches import Circle, Polygon, Rectangle
 
-from rollerrig.cases import ACTUATORS, as_case, wheelsets
+from rollerrig.cases import as_case, wheelsets
 from rollerrig.config import Body, Case, Element, Rig
 from rollerrig.plot import vehicle_symbols as symbols
+from rollerrig.plot.callouts import callouts, room
 from rollerrig.plot.style import GREY, colour, house_style
-from rollerrig.profiles import gauge_point, profile_from_spec
+from rollerrig.plot.vehicle_names import legend, named_bodies, named_elements
+from rollerrig.plot.vehicle_scene import BODY, INDEX, STEEL, VIEWS, WHEELSET, Scene, bodies, box, scene_of
+from rollerrig.profiles import profile_from_spec
 
-VIEWS = {"side": ("x", "z"), "plan": ("x", "y"), "end": ("y", "z")}
-"""View -> its axes, to the right (from behind: to the left) and up."""
-
-_INDEX = {"x": 0, "y": 1, "z": 2}
+_TITLES = {
+    "side": "from the right: x forward, z up",
+    "plan": "from above: x forward, y to the left",
+    "end": "from behind: y to the left",
+}
 _ANGLES = {"roll": "x", "pitch": "y", "yaw": "z"}
-_STEEL, _BODY, _HELD = "#d7dde3", "#f3efe4", "#e4e4e4"
-
-
-@dataclass(frozen=True)
-class Scene:
-    """What the views share.
-
-    Attributes:
-        case: what is drawn.
-        origin: of the part that is run, along the vehicle [m].
-        half_base: half distance between the tape circles [m].
-        rail_offset: of the highest point of a rail or roller from the middle [m].
-        families: name -> elements of that name on any side, wheelset or bogie.
-    """
-
-    case: Case
-    origin: float
-    half_base: float
-    rail_offset: float
-    families: dict[str, list[Element]]
-
-    def place(self, position: Sequence[float], view: str) -> np.ndarray[Any, np.dtype[np.float64]]:
-        """Of a position of the vehicle in a view [m]."""
-        moved = (position[0] - self.origin, position[1], position[2])
-        return np.array([moved[_INDEX[axis]] for axis in VIEWS[view]])
-
-    @property
-    def span(self) -> float:
-        """Distance between the outer axles [m]."""
-        places = [body.position[0] for body in wheelsets(self.case)]
-        return max(places) - min(places)
-
-    @property
-    def size(self) -> float:
-        """Length of a symbol [m]."""
-        return 0.7 * self.case.vehicle.data.wheel.radius
 
 
 def vehicle(case: Case | str) -> Figure:
@@ -82,60 +47,28 @@ def vehicle(case: Case | str) -> Figure:
         >>> vehicle("wheelset_rollers").axes[0].get_title(loc="left")
         'from the right: x forward, z up'
     """
-    scene = _scene(as_case(case))
+    scene = scene_of(as_case(case))
     with house_style():
         figure, panels, beside = _sheet(scene)
         for view, axes in panels.items():
             _ground(axes, scene, view)
-            for body in _bodies(scene):
+            for body in bodies(scene):
                 _body(axes, scene, body, view)
             for number, elements in enumerate(scene.families.values()):
                 for element in elements:
                     _element(axes, scene, element, view, colour(number))
             _frame(axes, view)
         _turning(panels["side"], scene)
-        _names(figure, scene, beside)
+        legend(figure, scene, beside)
         figure.canvas.draw()
+        for view, named in (("side", named_bodies(scene, panels["side"])), ("plan", named_elements(scene))):
+            rows = callouts(panels[view], named, wide=view == "plan")
+            panels[view].set_title(_TITLES[view], loc="left", fontsize=8.5, pad=room(rows))
         for view, axes in panels.items():
             into = {"side": "y into the page", "plan": "z towards you", "end": "x into the page"}[view]
             across, up = VIEWS[view]
             symbols.triad(axes, (across, up), into, mirrored=view == "end")
         return figure
-
-
-def _scene(case: Case) -> Scene:
-    wheel, support = case.vehicle.data.wheel, case.support.data
-    rail = profile_from_spec(support.profile.arguments(), "rail")
-    part = case.vehicle.part
-    families: dict[str, list[Element]] = {}
-    for element in case.vehicle.data.elements_in(part):
-        families.setdefault(family(element.name), []).append(element)
-    return Scene(
-        case=case,
-        origin=part.origin_x,
-        half_base=0.5 * wheel.back_to_back + wheel.tape_circle,
-        rail_offset=0.5 * support.gauge - gauge_point(rail, support.gauge_depth),
-        families=families,
-    )
-
-
-def family(name: str) -> str:
-    """`primary_1_left` and its like as `primary`."""
-    return re.sub(r"_(left|right|front|rear|leading|trailing|\d+)(?=_|$)", "", name) or name
-
-
-def _bodies(scene: Scene) -> list[Body]:
-    """Bodies of the part, held ones first, wheelsets last."""
-    part, data = scene.case.vehicle.part, scene.case.vehicle.data
-    found = [body for body in data.body if body.name in (*part.bodies, *part.fixed)]
-    return sorted(found, key=lambda body: (body.name not in part.fixed, body.kind == "wheelset", -body.mass))
-
-
-def _box(body: Body) -> tuple[float, float, float]:
-    """Edges along x, y, z of the homogeneous box with the body's mass and moments of inertia [m]."""
-    total = sum(body.inertia)
-    x, y, z = (np.sqrt(max(6.0 * (total - 2.0 * own) / body.mass, 1e-6)) for own in body.inertia)
-    return float(x), float(y), float(z)
 
 
 # ---------------------------------------------------------------------------------------------------------- the sheet
@@ -145,10 +78,10 @@ def _extent(scene: Scene) -> tuple[tuple[float, float], tuple[float, float], tup
     """What is shown along x, y and z [m]; of a held body only what is near the others."""
     part, radius = scene.case.vehicle.part, scene.case.vehicle.data.wheel.radius
     points: list[tuple[float, float, float]] = []
-    for body in _bodies(scene):
+    for body in bodies(scene):
         if body.name in part.fixed:
             continue
-        edges = (2 * radius, 0.0, 2 * radius) if body.kind == "wheelset" else _box(body)
+        edges = (2 * radius, 0.0, 2 * radius) if body.kind == "wheelset" else box(body)
         for sign in (-0.5, 0.5):
             points.append(tuple(p + sign * e for p, e in zip(body.position, edges, strict=True)))  # type: ignore[arg-type]
     for elements in scene.families.values():
@@ -170,18 +103,19 @@ def _sheet(scene: Scene) -> tuple[Figure, dict[str, Axes], bool]:
     gap, width = 0.55, 11.0
     scale = (width - 3 * gap) / ((x1 - x0) + (y1 - y0))  # inches per metre
     upright, flat = scale * (z1 - z0), scale * (y1 - y0)
-    rows = len(_bodies(scene)) + len(scene.families) + 4
+    rows = len(bodies(scene)) + len(scene.families) + 4
     beside = scale * (x1 - x0) < 0.6 * width  # room for the names at the right of the plan
     strip = 0.0 if beside else 0.055 * rows + 0.25
     lower = max(flat, 0.17 * rows) if beside else strip + flat
-    height = upright + lower + 3 * gap
+    names = room() / 72.0  # above the side and the plan
+    height = upright + lower + 3 * gap + 2 * names
     figure = Figure(figsize=(width, height))
     FigureCanvasAgg(figure)
 
     def panel(left: float, bottom: float, wide: float, high: float) -> Axes:
         return figure.add_axes((left / width, bottom / height, wide / width, high / height))
 
-    upper = 2 * gap + lower
+    upper = 2 * gap + lower + names
     side = panel(gap, upper, scale * (x1 - x0), upright)
     end = panel(2 * gap + scale * (x1 - x0), upper, flat, upright)
     plan = panel(gap, gap + lower - flat, scale * (x1 - x0), flat)
@@ -198,12 +132,7 @@ def _frame(axes: Axes, view: str) -> None:
     axes.tick_params(labelsize=7)
     axes.set_xlabel(f"{across} [m]", fontsize=7.5, labelpad=1)
     axes.set_ylabel(f"{up} [m]", fontsize=7.5, labelpad=1)
-    titles = {
-        "side": "from the right: x forward, z up",
-        "plan": "from above: x forward, y to the left",
-        "end": "from behind: y to the left",
-    }
-    axes.set_title(titles[view], loc="left", fontsize=8.5)
+    axes.set_title(_TITLES[view], loc="left", fontsize=8.5)
 
 
 # ------------------------------------------------------------------------------------------------- wheels, rollers, rails
@@ -216,7 +145,7 @@ def _ground(axes: Axes, scene: Scene, view: str) -> None:
     abscissa = np.linspace(*rail.domain, 120)
     crown = rail.evaluate(abscissa)
     radius = support.roller_radius if isinstance(support, Rig) else 0.16
-    steel: dict[str, Any] = {"facecolor": _STEEL, "edgecolor": symbols.INK, "linewidth": 0.8, "zorder": 1.5}
+    steel: dict[str, Any] = {"facecolor": STEEL, "edgecolor": symbols.INK, "linewidth": 0.8, "zorder": 1.5}
     if view == "side":
         axes.axhline(0.0, color=GREY, linewidth=0.7, linestyle=(0, (5, 3)), zorder=1)
         if not isinstance(support, Rig):
@@ -255,7 +184,7 @@ def _wheelset(axes: Axes, scene: Scene, body: Body, view: str) -> None:
     table = profile_from_spec(wheel.profile.arguments(), "wheel")
     abscissa = np.linspace(*table.domain, 160)
     middle = scene.place(body.position, view)
-    steel: dict[str, Any] = {"facecolor": "#b9c4cf", "edgecolor": symbols.INK, "linewidth": 0.9, "zorder": 4}
+    steel: dict[str, Any] = {"facecolor": WHEELSET, "edgecolor": symbols.INK, "linewidth": 0.9, "zorder": 4}
     if view == "side":
         axes.add_patch(Circle((middle[0], middle[1]), wheel.radius, **{**steel, "alpha": 0.85}))
         axes.plot(*middle, "+", color=symbols.INK, markersize=6, zorder=8)
@@ -282,11 +211,11 @@ def _body(axes: Axes, scene: Scene, body: Body, view: str) -> None:
     held = body.name in scene.case.vehicle.part.fixed
     if held and view == "plan":  # it would cover all
         return
-    edges = _box(body)
-    size = np.array([edges[_INDEX[axis]] for axis in VIEWS[view]])
+    edges = box(body)
+    size = np.array([edges[INDEX[axis]] for axis in VIEWS[view]])
     middle = scene.place(body.position, view)
     look: dict[str, Any] = {
-        "facecolor": "white" if held else _BODY,
+        "facecolor": "white" if held else BODY,
         "edgecolor": "#c4c4c4" if held else symbols.INK,
         "linewidth": 0.9,
     }
@@ -342,7 +271,7 @@ def _turning(axes: Axes, scene: Scene) -> None:
         if isinstance(support, Rig):
             below = np.array([middle[0], -support.roller_radius])
             symbols.turning(axes, below, 0.4 * support.roller_radius, symbols.INK, clockwise=False)
-            controlled = "drive, rig_control" if case.rig_control else f"drive: {case.motion.drive.replace('_', ' ')}"
+            controlled = "drive, rig control" if case.rig_control else f"drive: {case.motion.drive.replace('_', ' ')}"
             if radius > 0.1 * scene.span:
                 place = tuple(below - [0.0, 0.28 * support.roller_radius])
                 axes.annotate(controlled, place, ha="center", va="center", fontsize=6.5)
@@ -351,48 +280,3 @@ def _turning(axes: Axes, scene: Scene) -> None:
         start = np.array([low + 0.02, support.restraint.height])
         symbols.spring(axes, start + [0.5 * scene.size, 0.0], np.array([1.0, 0.0]), scene.size, symbols.INK)
         axes.annotate("coupler rod", tuple(start + [0.0, 0.5 * scene.size]), fontsize=6.5)
-
-
-def _names(figure: Figure, scene: Scene, beside: bool) -> None:
-    """What everything is called, at the lower right of the sheet."""
-    case, part = scene.case, scene.case.vehicle.part
-    handles: list[Line2D] = []
-
-    def row(text: str, **look: Any) -> None:
-        handles.append(Line2D([], [], **{"linestyle": "none", **look}, label=text))
-
-    for body in _bodies(scene):
-        face = "#b9c4cf" if body.kind == "wheelset" else _HELD if body.name in part.fixed else _BODY
-        words = [body.name, *(["held"] if body.name in part.fixed else [])]
-        words += [f"locked: {', '.join(body.locked)}"] if body.locked else []
-        row(", ".join(words), marker="s", markersize=7, markerfacecolor=face, markeredgecolor=symbols.INK)
-    for number, (name, elements) in enumerate(scene.families.items()):
-        row(f"{name}{f' ×{len(elements)}' if len(elements) > 1 else ''}: {_laws(elements[0])}", marker="o", markersize=4,
-            linestyle="-", color=colour(number), linewidth=1.5)  # fmt: skip
-    support = case.support.data
-    under = (
-        f"{support.name}, rollers of {1e3 * support.roller_radius:g} mm" if isinstance(support, Rig) else support.name
-    )
-    row(under, marker="s", markersize=7, markerfacecolor=_STEEL, markeredgecolor=symbols.INK)
-    acting = [name.replace("_", " ") for name in ACTUATORS if getattr(case, name)]
-    acting += ["axle torque"] if case.axle_torque else []
-    if acting:
-        row(f"acting: {', '.join(acting)}", marker=".", markersize=0)
-    row(
-        "arrows: senses of forward running, + for torques on wheelsets",
-        marker=r"$\circlearrowright$",
-        markersize=8,
-        color=symbols.INK,
-    )
-    figure.legend(handles=handles, loc="lower right", bbox_to_anchor=(0.995, 0.01), fontsize=6.8, frameon=False,
-                  title=f"{case.name}: {case.vehicle.data.name}, {case.vehicle.cut}", title_fontsize=8, alignment="left",
-                  ncols=1 if beside else 3)  # fmt: skip
-
-
-def _laws(element: Element) -> str:
-    """`spring x, y, z; damper z` of an element."""
-    laws = element.laws.items()
-    springs = [way for way, law in laws if law.stiffness is not None or law.table is not None]
-    dampers = [way for way, law in laws if any((law.damping, law.damping_table, law.damper))]
-    parts = [f"{what} {', '.join(ways)}" for what, ways in (("spring", springs), ("damper", dampers)) if ways]
-    return "; ".join(parts)

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from itertools import combinations
+
 import pytest
 from matplotlib.patches import Circle
+from matplotlib.text import Text
 
 from rollerrig.config import load_case
-from rollerrig.plot import vehicle
-from rollerrig.plot.vehicle import family
+from rollerrig.plot import callouts, vehicle
+from rollerrig.plot.vehicle_scene import family
 
 
 @pytest.fixture(scope="module")
@@ -75,3 +78,36 @@ def test_families_are_elements_of_one_name() -> None:
         "rod",
         "left",
     ]
+
+
+@pytest.mark.parametrize("name", ["adhesion_brake", "vehicle_curve", "locomotive_traction", "wheelset_rollers"])
+def test_everything_is_named_in_the_drawing_and_no_name_lies_upon_another(name: str) -> None:
+    case, figure = load_case(name), vehicle(name)
+    renderer = figure.canvas.get_renderer()
+    texts = [text for axes in figure.axes for text in axes.texts if text.get_gid() == "callout"]
+    part = case.vehicle.part
+    named = [text.get_text() for text in texts]
+    families = {family(one.name) for one in case.vehicle.data.elements_in(part)}
+    for what in (*part.bodies, *part.fixed, *families):
+        assert sum(one.split(",")[0] == what for one in named) == 1, what
+    assert len(named) == len(part.bodies) + len(part.fixed) + len(families) + 1  # the roller or rail
+    if case.brake is not None:
+        assert "wheelset_1, brake" in named
+    for text in texts:
+        text.update_positions(renderer)
+    boxes = [Text.get_window_extent(text, renderer) for text in texts]  # without its line
+    titles = [axes._left_title.get_window_extent(renderer) for axes in figure.axes]
+    assert [(a, b) for a, b in combinations([*boxes, *titles], 2) if a.overlaps(b)] == []
+    inside = figure.bbox
+    assert all(inside.x0 <= box.x0 and box.x1 <= inside.x1 and box.y1 <= inside.y1 for box in [*boxes, *titles])
+    ends = [text.axes.transData.transform(text.xy) for text in texts if text.axes is not None]
+    assert all(box.y0 > end[1] for box, end in zip(boxes, ends, strict=True))  # above what it names
+
+
+def test_lines_cross_less_than_in_the_order_of_their_places() -> None:
+    anchors = [(100.0, 0.0), (100.0, 40.0), (100.0, 80.0)]
+    found = callouts._row([0, 1, 2], anchors, [30.0] * 3, (0.0, 400.0), 120.0)
+    places = {k: x for k, (x, _) in found.items()}
+    assert callouts._crossings(places, anchors, 120.0) == 0
+    assert callouts._crossings({0: 100.0, 1: 135.0, 2: 170.0}, anchors, 120.0) == 1
+    assert callouts._crossings({0: 135.0, 1: 100.0, 2: 90.0}, [(90.0, 0.0), (135.0, 0.0), (91.0, 0.0)], 120.0) > 0
