@@ -86,6 +86,28 @@ def test_any_dataset_can_be_saved(tmp_path: Path) -> None:
     xr.testing.assert_identical(rr.load_run(rr.save_run(data, tmp_path / "any.nc")), data)
 
 
+def test_the_file_is_laid_out_as_h5netcdf_lays_it_out(run: xr.Dataset, tmp_path: Path) -> None:
+    """Dimensions, their numbers, scales and attributes are those that an independent writer makes of the same Dataset."""
+    import h5netcdf
+    import h5py
+
+    run.to_netcdf(
+        tmp_path / "theirs.nc", engine="h5netcdf", encoding={name: {"_FillValue": None} for name in run.variables}
+    )
+    rr.save_run(run, tmp_path / "ours.nc")
+    with h5netcdf.File(tmp_path / "ours.nc") as ours, h5netcdf.File(tmp_path / "theirs.nc") as theirs:
+        assert {name: one.size for name, one in ours.dimensions.items()} == dict(run.sizes)
+        assert ours.variables.keys() == theirs.variables.keys()
+        for name, one in ours.variables.items():
+            assert one.dimensions == theirs.variables[name].dimensions == run[name].dims, name
+    with h5py.File(tmp_path / "ours.nc") as ours, h5py.File(tmp_path / "theirs.nc") as theirs:
+        for name in run.variables:
+            own = {key for key in ours[name].attrs if key != "coordinates"}
+            assert own == {key for key in theirs[name].attrs if key != "coordinates"}, name
+            scales = [[scale.name for scale in dimension.values()] for dimension in ours[name].dims]
+            assert scales == [[scale.name for scale in dimension.values()] for dimension in theirs[name].dims], name
+
+
 def test_a_full_disk_leaves_the_old_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def full(_: int) -> None:
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
