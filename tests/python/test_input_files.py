@@ -161,7 +161,7 @@ def test_a_null_byte_in_the_name_of_an_output(tmp_path: Path, name: str) -> None
 OWN_FILES = {
     "catalog/__init__.py": "files that ship",
     "catalog/starting_case.py": "a case that ships",
-    "cli/play.py": "a browser",
+    "viewer/play.py": "a browser",
     "config/write/explain.py": "files that ship",
     "contact_laws/table_file.py": "the table that ships",
     "fmu/export.py": "the libraries that ship",

@@ -174,7 +174,7 @@ def test_ctrl_c_ends_the_command_with_130(tmp_path) -> None:
     command = [sys.executable, "-c", "from rollerrig.cli import main; main()", "stability", "wheelset_rollers"]
     options = ["--speeds-kmh", "20:400:20", "--longest", "600", "--disturbance-mm", "6", "--out", str(tmp_path)]
     process = subprocess.Popen([*command, *options], stderr=subprocess.PIPE, text=True, start_new_session=True)
-    time.sleep(4.0)
+    time.sleep(2.5)
     os.killpg(process.pid, signal.SIGINT)
     _, errors = process.communicate(timeout=60)
     assert process.returncode == 130, errors
