@@ -7,36 +7,39 @@ import { rollerGeometry, shaft, wheelGeometry } from "./lathe.js";
 
 const box = (x, y, z, sx, sy, sz) => new BoxGeometry(sx, sy, sz).translate(x, y, z);
 
-/** Marks on the face of a disc that make its turning seen. */
-function marks(radius, size, y, side, materials, group) {
-  for (let k = 0; k < 6; k++) {
-    const hole = new Mesh(new CircleGeometry(size, 20), k ? materials.dark : materials.mark);
-    hole.rotation.x = side > 0 ? -Math.PI / 2 : Math.PI / 2;
-    hole.position.set(radius * Math.cos(k * Math.PI / 3), y + side * 0.002, radius * Math.sin(k * Math.PI / 3));
-    group.add(hole);
-  }
+/** Marks on the face of a disc that make its turning seen: the dark ones, and the one that differs. */
+function marks(radius, size, y, side) {
+  const holes = Array.from({ length: 6 }, (_, k) => new CircleGeometry(size, 16).rotateX(side > 0 ? -Math.PI / 2 : Math.PI / 2)
+    .translate(radius * Math.cos(k * Math.PI / 3), y + side * 0.002, radius * Math.sin(k * Math.PI / 3)));
+  return { mark: [holes[0]], dark: holes.slice(1) };
+}
+
+/** One mesh for the marks of a colour on all faces: what a picture costs without a graphics processor is its number of meshes. */
+function addMarks(group, faces, materials) {
+  for (const name of ["dark", "mark"]) group.add(new Mesh(mergeGeometries(faces.flatMap((face) => face[name])), materials[name]));
 }
 
 export function wheelset(shapes, materials, withDiscs) {
-  const group = new Group(), R = shapes.wheel_radius, end = shapes.tape_circle + 0.55 * R;
+  const group = new Group(), R = shapes.wheel_radius, end = shapes.tape_circle + 0.55 * R, faces = [];
   for (const side of [1, -1]) {
     group.add(new Mesh(wheelGeometry(shapes, side), materials.steel));
     const middle = (shapes.back_to_back / 2 + shapes.tape_circle + shapes.wheel.at(-1)[0]) / 2;
-    marks(0.56 * R, 0.075 * R, side * (middle + 0.05 * R), side, materials, group);
-    marks(0.56 * R, 0.075 * R, side * (middle - 0.05 * R), -side, materials, group);
+    faces.push(marks(0.56 * R, 0.075 * R, side * (middle + 0.05 * R), side), marks(0.56 * R, 0.075 * R, side * (middle - 0.05 * R), -side));
   }
-  group.add(new Mesh(shaft(0.18 * R, -end + 0.2 * R, end - 0.2 * R), materials.axle), new Mesh(shaft(0.14 * R, -end, end), materials.axle));
-  if (withDiscs) for (const y of [-0.55 * R, 0.55 * R]) group.add(new Mesh(shaft(0.66 * R, y - 0.05 * R, y + 0.05 * R, 48), materials.disc));
+  addMarks(group, faces, materials);
+  group.add(new Mesh(mergeGeometries([shaft(0.18 * R, -end + 0.2 * R, end - 0.2 * R), shaft(0.14 * R, -end, end)]), materials.axle));
+  if (withDiscs) group.add(new Mesh(mergeGeometries([-0.55 * R, 0.55 * R].map((y) => shaft(0.66 * R, y - 0.05 * R, y + 0.05 * R, 48))), materials.disc));
   return group;
 }
 
 export function roller(shapes, sides, materials) {
-  const group = new Group(), R = shapes.roller_radius, at = shapes.rail_origin;
+  const group = new Group(), R = shapes.roller_radius, at = shapes.rail_origin, faces = [];
   for (const name of sides) {
     const side = name === "left" ? 1 : -1;
     group.add(new Mesh(rollerGeometry(shapes, side), materials.roller));
-    for (const face of [1, -1]) marks(0.6 * R, 0.09 * R, side * at + face * 0.035 * R, face, materials, group);
+    for (const face of [1, -1]) faces.push(marks(0.6 * R, 0.09 * R, side * at + face * 0.035 * R, face));
   }
+  addMarks(group, faces, materials);
   const y0 = sides.includes("right") ? -at - 0.5 * R : at - 0.35 * R, y1 = sides.includes("left") ? at + 0.5 * R : -at + 0.35 * R;
   group.add(new Mesh(shaft(0.12 * R, y0, y1), materials.axle));
   return group;

@@ -4,6 +4,7 @@
 // along the direction of the force, so that there is something to be seen.
 
 import { BoxGeometry, CatmullRomCurve3, Color, Group, Mesh, MeshLambertMaterial, Quaternion, TubeGeometry, Vector3 } from "three";
+import { mergeGeometries } from "three/examples/jsm/utils/BufferGeometryUtils.js";
 import { forceColour } from "./colours.js";
 import { shaft } from "./lathe.js";
 
@@ -34,7 +35,7 @@ class Element {
     this.material = new MeshLambertMaterial();
     this.mesh = new Group();
     const main = table.carries && !this.bodies.some((body) => body.table.kind === "wheelset");
-    for (const geometry of GEOMETRY[table.kind](unit, main)) this.mesh.add(new Mesh(geometry, this.material));
+    this.mesh.add(new Mesh(mergeGeometries(GEOMETRY[table.kind](unit, main)), this.material));
     group.add(this.mesh);
     this.ends = spread(table, this.bodies, unit, main);
     this.from = new Vector3(); this.to = new Vector3(); this.turn = new Quaternion();

@@ -145,11 +145,17 @@ class Page {
     if (this.stage.dirty) { this.stage.render(); this.frames += 1; document.documentElement.dataset.drawn = "1"; }
   }
 
-  /** A slow machine draws fewer pixels while the picture moves, all of them when it stands. */
+  /** A slow machine draws fewer pixels while the picture moves, all of them when it stands. What was slow at first is tried again, three times. */
   keepUp(passed) {
-    if (!this.clock.playing && !this.live) { this.slow = 0; if (this.stage.sharpness < 1) this.stage.setSharpness(1); return; }
+    const { stage } = this, calm = performance.now() - (this.changed || 0) > 2000;
+    if (!this.clock.playing && !this.live) { this.slow = 0; if (stage.sharpness < 1) stage.setSharpness(1); return; }
     this.slow = 0.8 * (this.slow || 0) + 0.2 * Math.min(passed, 200);
-    if (this.slow > 36 && this.stage.sharpness > 0.45) { this.stage.setSharpness(this.stage.sharpness * 0.75); this.slow = 20; }
+    const sharpness = this.slow > 36 && stage.sharpness > 0.45 ? stage.sharpness * 0.75
+      : this.slow < 24 && stage.sharpness < 1 && calm && (this.raised || 0) < 3 ? Math.min(1, stage.sharpness / 0.75) : 0;
+    if (!sharpness) return;
+    if (sharpness > stage.sharpness) this.raised = (this.raised || 0) + 1;
+    stage.setSharpness(sharpness);
+    this.slow = 28; this.changed = performance.now();
   }
 
   /** Everything at the clock's time. */

@@ -15,7 +15,7 @@ function materialsOf() {
     steel: new MeshPhongMaterial({ shininess: 70, specular: "#777777" }), roller: new MeshPhongMaterial({ shininess: 50, specular: "#666666" }),
     axle: lambert(), dark: lambert(), mark: lambert({ color: "#e8a33d" }), disc: lambert(), frame: lambert(), pedestal: lambert(),
     rail: lambert({ side: DoubleSide }), ballast: lambert({ side: DoubleSide }), sleeper: lambert(),
-    car: lambert({ transparent: true, opacity: 0.13, depthWrite: false, side: DoubleSide }), carLine: new LineBasicMaterial({ transparent: true, opacity: 0.45 }),
+    car: lambert({ transparent: true, opacity: 0.18, depthWrite: false }), carLine: new LineBasicMaterial({ transparent: true, opacity: 0.45 }),
   };
 }
 
@@ -140,7 +140,7 @@ export class World {
 
   showCar(mode) {
     for (const body of this.bodies) body.node.traverse((node) => { if (node.userData.shell) node.visible = mode !== "none"; });
-    this.materials.car.opacity = mode === "solid" ? 0.95 : 0.13;
+    this.materials.car.opacity = mode === "solid" ? 0.95 : 0.18;
     this.materials.car.depthWrite = mode === "solid";
   }
 }

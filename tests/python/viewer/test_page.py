@@ -193,3 +193,18 @@ def test_patches_are_drawn_on_the_wheels_in_a_canted_curve(browser: Any, tmp_pat
         assert abs(ground[1]) > 1e-3  # a wheelset far from the middle stands beside the tangent there
     finally:
         page.close()
+
+
+def test_a_body_is_a_few_meshes(browser: Any, tmp_path: Path, on_rig: xr.Dataset) -> None:
+    """What a picture costs without a graphics processor is the number of things that are drawn one by one."""
+    import rollerrig as rr
+
+    opened = Opened(browser, rr.view(on_rig, path=tmp_path / "one.html"))
+    try:
+        for kind, most in (("wheelset", 8), ("roller", 5), ("frame", 1)):
+            count = f"""(() => {{ let n = 0; for (const b of r.worlds[0].bodies) if (b.table.kind === {kind!r}) {{
+                let own = 0; b.node.traverse(m => {{ own += m.isMesh ? 1 : 0; }}); n = Math.max(n, own); }} return n; }})()"""
+            assert 0 < opened.ask(count) <= most, kind
+        assert opened.ask("(r.stage.render(), r.stage.renderer.info.render.calls)") < 90
+    finally:
+        opened.close()
