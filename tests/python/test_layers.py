@@ -13,6 +13,7 @@ from __future__ import annotations
 import ast
 import re
 from collections.abc import Iterable, Mapping
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -65,24 +66,20 @@ def core_includes(file: Path) -> list[str]:
     return re.findall(r'#include "rollerrig/([^"]+)"', file.read_text())
 
 
-@pytest.mark.parametrize(
-    "file",
-    sorted([*CORE.rglob("*.hpp"), *CORE_SOURCES.rglob("*.[hc]pp")]),
-    ids=lambda p: str(p.relative_to(ROOT / "core")),
-)
-def test_includes_point_left(file: Path) -> None:
-    own = file.relative_to(CORE_SOURCES if file.is_relative_to(CORE_SOURCES) else CORE).as_posix()
-    number, name = core_layer(own)
-    forbidden = {
-        other for folder, others in CORE_MAY_NOT_SEE.items() for other in others if own.startswith(f"{folder}/")
-    }
-    for target in core_includes(file):
-        assert (CORE / target).is_file(), f"{own} includes rollerrig/{target}, which does not exist"
-        target_number, target_name = core_layer(target)
-        assert target_number < number or target_name == name, f"{own} may not include rollerrig/{target}"
-        assert not any(target.startswith(f"{folder}/") for folder in forbidden), (
-            f"{own} may not include rollerrig/{target}"
-        )
+def test_includes_point_left() -> None:
+    for file in sorted([*CORE.rglob("*.hpp"), *CORE_SOURCES.rglob("*.[hc]pp")]):
+        own = file.relative_to(CORE_SOURCES if file.is_relative_to(CORE_SOURCES) else CORE).as_posix()
+        number, name = core_layer(own)
+        forbidden = {
+            other for folder, others in CORE_MAY_NOT_SEE.items() for other in others if own.startswith(f"{folder}/")
+        }
+        for target in core_includes(file):
+            assert (CORE / target).is_file(), f"{own} includes rollerrig/{target}, which does not exist"
+            target_number, target_name = core_layer(target)
+            assert target_number < number or target_name == name, f"{own} may not include rollerrig/{target}"
+            assert not any(target.startswith(f"{folder}/") for folder in forbidden), (
+                f"{own} may not include rollerrig/{target}"
+            )
 
 
 def circle(graph: Mapping[str, Iterable[str]]) -> list[str]:
@@ -110,12 +107,12 @@ def test_no_circle_of_includes() -> None:
     assert circle(headers) == []
 
 
-@pytest.mark.parametrize("source", sorted((ROOT / "core").rglob("*.[hc]pp")), ids=lambda p: str(p.relative_to(ROOT)))
-def test_the_core_knows_no_python_no_files_no_clock(source: Path) -> None:
-    includes = re.findall(r"#include [<\"]([^>\"]+)[>\"]", source.read_text())
-    unwanted = {"fstream", "filesystem", "iostream", "chrono", "ctime", "cstdio", "random", "Python.h"}
-    assert not unwanted & set(includes)
-    assert not [name for name in includes if name.startswith(("nanobind", "pybind"))]
+def test_the_core_knows_no_python_no_files_no_clock() -> None:
+    for source in sorted((ROOT / "core").rglob("*.[hc]pp")):
+        includes = re.findall(r"#include [<\"]([^>\"]+)[>\"]", source.read_text())
+        unwanted = {"fstream", "filesystem", "iostream", "chrono", "ctime", "cstdio", "random", "Python.h"}
+        assert not unwanted & set(includes), source
+        assert not [name for name in includes if name.startswith(("nanobind", "pybind"))], source
 
 
 PYTHON_LAYERS = [
@@ -179,7 +176,8 @@ def module_name(source: Path) -> str:
 SOURCES = {module_name(path): path for path in sorted(PACKAGE.rglob("*.py"))}
 
 
-def imported_modules(source: Path) -> set[str]:
+@cache
+def imported_modules(source: Path) -> frozenset[str]:
     """Modules of the package that a file imports, also inside functions and for type checks only."""
     package = ("rollerrig", *source.relative_to(PACKAGE).parts[:-1])
     found: set[str] = set()
@@ -191,27 +189,29 @@ def imported_modules(source: Path) -> set[str]:
             module = ".".join(part for part in (base, node.module or "") if part)
             inner = {f"{module}.{alias.name}" for alias in node.names}
             found |= {name if name in SOURCES or name == "rollerrig._core" else module for name in inner}
-    return {name for name in found if name.startswith("rollerrig.")} - {module_name(source)}
+    return frozenset(name for name in found if name.startswith("rollerrig.")) - {module_name(source)}
 
 
-@pytest.mark.parametrize("source", SOURCES.values(), ids=SOURCES)
-def test_imports_point_left(source: Path) -> None:
-    own = source.relative_to(PACKAGE).parts[0].removesuffix(".py")
-    if own in {"__init__", "__main__"}:
-        return
-    for target in {module.split(".")[1] for module in imported_modules(source)}:
-        assert python_layer(target) <= python_layer(own), f"{own} may not import rollerrig.{target}"
-        assert target not in PYTHON_MAY_NOT_SEE.get(own, set()), f"{own} may not import rollerrig.{target}"
+def test_imports_point_left() -> None:
+    for name, source in SOURCES.items():
+        own = source.relative_to(PACKAGE).parts[0].removesuffix(".py")
+        if own in {"__init__", "__main__"}:
+            continue
+        for target in {module.split(".")[1] for module in imported_modules(source)}:
+            assert python_layer(target) <= python_layer(own), f"{name} may not import rollerrig.{target}"
+            assert target not in PYTHON_MAY_NOT_SEE.get(own, set()), f"{name} may not import rollerrig.{target}"
 
 
-@pytest.mark.parametrize("source", sorted((PACKAGE / "config").rglob("*.py")), ids=module_name)
-def test_configuration_flows_in_a_line(source: Path) -> None:
-    own = CONFIG_LAYERS.index(source.relative_to(PACKAGE / "config").parts[0].removesuffix(".py"))
-    for target in imported_modules(source):
-        if target.startswith("rollerrig.config."):
-            part = target.split(".")[2]
-            assert CONFIG_LAYERS.index(part) <= own, f"{module_name(source)} may not import {target}"
-        assert target != "rollerrig._core" or CONFIG_LAYERS[own] == "validate", "tables are read without the extension"
+def test_configuration_flows_in_a_line() -> None:
+    for source in sorted((PACKAGE / "config").rglob("*.py")):
+        own = CONFIG_LAYERS.index(source.relative_to(PACKAGE / "config").parts[0].removesuffix(".py"))
+        for target in imported_modules(source):
+            if target.startswith("rollerrig.config."):
+                part = target.split(".")[2]
+                assert CONFIG_LAYERS.index(part) <= own, f"{module_name(source)} may not import {target}"
+            assert target != "rollerrig._core" or CONFIG_LAYERS[own] == "validate", (
+                f"{module_name(source)}: tables are read without the extension"
+            )
 
 
 def test_no_circle_of_imports() -> None:
