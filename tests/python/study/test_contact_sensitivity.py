@@ -41,7 +41,7 @@ def test_the_table_has_a_row_per_model_and_intervals() -> None:
     table = sensitivity_table(found)
     assert tuple(table.header) == ("normal", "merging criterion", "creep", "on rig", "on track")
     assert [list(row) for row in table.rows] == [
-        ["hertz", "0.01", "kalker_saturated", "144.0 … 147.6 km/h", "above 180.0 km/h"],
+        ["hertz", "0.01", "kalker saturated", "144.0 … 147.6 km/h", "above 180.0 km/h"],
         ["strips", "–", "table", "at most 216.0 km/h", "not computed"],
     ]
     assert sensitivity_numbers(found)["rig"]["hertz, 0.01"] == {"decays_kmh": 144.0, "persists_kmh": 41.0 * 3.6}
