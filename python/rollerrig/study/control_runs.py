@@ -45,9 +45,9 @@ RUN = (
 QUANTITIES = Quantities(
     Quantity("case", "name of the case"),
     Quantity("duration_s", "of each run", "s"),
+    RUN,  # before the limits of the same names: a table asks for the first one
     Quantity("limits.tracking_rms", "tracking RMS from which on a variant fails", "1"),
     Quantity("limits.ripple_nm", "torque ripple from which on a variant fails", "N m"),
-    RUN,
     Quantity("results.*.family", "what is varied"),
     Quantity("results.*.curve", "under which fixed change"),
     Quantity("results.*.value", "on the family's axis"),

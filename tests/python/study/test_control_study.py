@@ -23,6 +23,7 @@ from rollerrig.study.control_text import failures_text
 from rollerrig.study.control_variants import FAMILIES, USER, Family
 from rollerrig.study.control_variants import FEEDBACKS as FEEDBACK_VARIANTS
 from rollerrig.study.frame import Outcome
+from rollerrig.study.report import Table
 
 MINE = """
 class FeedForward:
@@ -276,3 +277,22 @@ def test_unknown_families_and_controllers_are_refused() -> None:
 def test_the_duration_only_shortens() -> None:
     assert study_case(load_case("adhesion_brake"), 100.0).time.duration == load_case("adhesion_brake").time.duration
     assert study_case(load_case("adhesion_brake"), 5.0).time.duration == 5.0
+
+
+def test_tables_show_errors_in_the_unit_of_their_heading(outcome: Outcome[Found]) -> None:
+    tables = [block for section in outcome.study.sections(outcome.results, outcome.numbers) for block in section.blocks
+              if isinstance(block, Table) and "tracking RMS [%]" in block.header]  # fmt: skip
+    assert [table.caption for table in tables][:2] == [
+        "every curve, the worst first",
+        "the case, and where its error comes from",
+    ]
+    worst, references = tables[:2]
+    shipped = outcome.results.references[0].numbers["tracking_rms"]
+    assert float(str(references.rows[0][references.header.index("tracking RMS [%]")])) == pytest.approx(
+        100 * shipped, rel=0.01
+    )
+    ranked = {(rank["family"], rank["curve"]): rank for rank in outcome.numbers["ranking"]}
+    assert len(ranked) == len(worst.rows)
+    for row, rank in zip(worst.rows, outcome.numbers["ranking"], strict=True):
+        error = row[worst.header.index("tracking RMS [%]")]
+        assert error == "ended early" or float(str(error)) == pytest.approx(100 * rank["worst_tracking_rms"], rel=0.01)
