@@ -10,6 +10,7 @@
 #include "arguments.hpp"
 #include "fields.hpp"
 #include "integrator_options.hpp"
+#include "rollerrig/plant/continuous_plant.hpp"
 #include "rollerrig/plant/controller_plant.hpp"
 #include "rollerrig/plant/model_file.hpp"
 
@@ -18,7 +19,7 @@ using namespace rollerrig;
 
 namespace {
 
-constexpr char const* causalities[] = {"input", "output", "parameter"};
+constexpr char const* causalities[] = {"input", "output", "parameter", "local"};
 constexpr char const* variabilities[] = {"fixed", "tunable", "discrete", "continuous"};
 
 void bind_variable(nb::module_& m) {
@@ -75,6 +76,15 @@ void bind_assembled(nb::module_& m) {
       .def_ro("t0", &AssembledModel::start_time)
       .def_ro("x0", &AssembledModel::start)
       .def_prop_ro("settings", &settings, "Of the integrator, as Simulation.start() takes them.");
+  m.def(
+      "continuous_variables",
+      [](AssembledModel const& assembled) {
+        ContinuousVariables const all = list_continuous_variables(assembled);
+        return nb::make_tuple(all.states, all.rates, all.indicators);
+      },
+      "assembled"_a,
+      "What model exchange adds to the variables of a plant: states (most: nominal value), their rates, event "
+      "indicators.");
   m.def(
       "write_model",
       [](AssembledModel const& assembled) {

@@ -117,21 +117,64 @@ fmi2Status fmi2GetBooleanStatus(fmi2Component c, fmi2StatusKind kind, fmi2Boolea
 }
 fmi2Status fmi2GetStringStatus(fmi2Component c, fmi2StatusKind, fmi2String*) { return Fmu::lacks(c, __func__); }
 
-// ------------------------------------------------------------------------------ model exchange: not offered
-fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, fmi2ValueReference const[], size_t, fmi2ValueReference const[],
-                                        size_t, fmi2Real const[], fmi2Real[]) {
-  return Fmu::lacks(c, __func__);
+// ------------------------------------------------------------------------------ model exchange
+fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, fmi2ValueReference const unknown[], size_t n,
+                                        fmi2ValueReference const known[], size_t m, fmi2Real const seed[],
+                                        fmi2Real out[]) {
+  return Fmu::with(c, __func__, [&](auto& i) {
+    constexpr char const* name = "fmi2GetDirectionalDerivative";
+    if ((n > 0 && unknown == nullptr) || (m > 0 && known == nullptr))
+      return i.log(Answer::error, "%s: null pointer", name);
+    return exchange_directional(i, name, std::span(unknown, n), std::span(known, m), seed, out);
+  });
 }
-fmi2Status fmi2EnterEventMode(fmi2Component c) { return Fmu::lacks(c, __func__); }
-fmi2Status fmi2NewDiscreteStates(fmi2Component c, fmi2EventInfo*) { return Fmu::lacks(c, __func__); }
-fmi2Status fmi2EnterContinuousTimeMode(fmi2Component c) { return Fmu::lacks(c, __func__); }
-fmi2Status fmi2CompletedIntegratorStep(fmi2Component c, fmi2Boolean, fmi2Boolean*, fmi2Boolean*) {
-  return Fmu::lacks(c, __func__);
+fmi2Status fmi2EnterEventMode(fmi2Component c) {
+  return Fmu::with(c, __func__, [](auto& i) {
+    return i.go("fmi2EnterEventMode", rollerrig::fmu::continuous_time, rollerrig::fmu::event_mode);
+  });
 }
-fmi2Status fmi2SetTime(fmi2Component c, fmi2Real) { return Fmu::lacks(c, __func__); }
-fmi2Status fmi2SetContinuousStates(fmi2Component c, fmi2Real const[], size_t) { return Fmu::lacks(c, __func__); }
-fmi2Status fmi2GetDerivatives(fmi2Component c, fmi2Real[], size_t) { return Fmu::lacks(c, __func__); }
-fmi2Status fmi2GetEventIndicators(fmi2Component c, fmi2Real[], size_t) { return Fmu::lacks(c, __func__); }
-fmi2Status fmi2GetContinuousStates(fmi2Component c, fmi2Real[], size_t) { return Fmu::lacks(c, __func__); }
-fmi2Status fmi2GetNominalsOfContinuousStates(fmi2Component c, fmi2Real[], size_t) { return Fmu::lacks(c, __func__); }
+fmi2Status fmi2NewDiscreteStates(fmi2Component c, fmi2EventInfo* info) {
+  return Fmu::with(c, __func__, [&](auto& i) {
+    constexpr char const* name = "fmi2NewDiscreteStates";
+    if (info == nullptr) return i.log(Answer::error, "%s: null pointer", name);
+    rollerrig::fmu::Events events;
+    Answer const answer = exchange_events(i, name, events);
+    *info = {fmi2False, events.over, fmi2False, fmi2False, events.has_next, events.has_next ? events.next : 0.0};
+    return answer;
+  });
+}
+fmi2Status fmi2EnterContinuousTimeMode(fmi2Component c) {
+  return Fmu::with(c, __func__, [](auto& i) {
+    return i.go("fmi2EnterContinuousTimeMode", rollerrig::fmu::event_mode, rollerrig::fmu::continuous_time);
+  });
+}
+fmi2Status fmi2CompletedIntegratorStep(fmi2Component c, fmi2Boolean, fmi2Boolean* event, fmi2Boolean* terminate) {
+  return Fmu::with(c, __func__, [&](auto& i) {
+    constexpr char const* name = "fmi2CompletedIntegratorStep";
+    if (event == nullptr || terminate == nullptr) return i.log(Answer::error, "%s: null pointer", name);
+    bool over = false;
+    Answer const answer = exchange_step_done(i, name, over);
+    *event = fmi2False;
+    *terminate = over;
+    return answer;
+  });
+}
+fmi2Status fmi2SetTime(fmi2Component c, fmi2Real time) {
+  return Fmu::with(c, __func__, [&](auto& i) { return set_exchange_time(i, "fmi2SetTime", time); });
+}
+fmi2Status fmi2SetContinuousStates(fmi2Component c, fmi2Real const states[], size_t n) {
+  return Fmu::with(c, __func__, [&](auto& i) { return set_exchange_states(i, "fmi2SetContinuousStates", states, n); });
+}
+fmi2Status fmi2GetDerivatives(fmi2Component c, fmi2Real out[], size_t n) {
+  return Fmu::with(c, __func__, [&](auto& i) { return get_rates(i, "fmi2GetDerivatives", out, n); });
+}
+fmi2Status fmi2GetEventIndicators(fmi2Component c, fmi2Real out[], size_t n) {
+  return Fmu::with(c, __func__, [&](auto& i) { return get_indicators(i, "fmi2GetEventIndicators", out, n); });
+}
+fmi2Status fmi2GetContinuousStates(fmi2Component c, fmi2Real out[], size_t n) {
+  return Fmu::with(c, __func__, [&](auto& i) { return get_states(i, "fmi2GetContinuousStates", out, n); });
+}
+fmi2Status fmi2GetNominalsOfContinuousStates(fmi2Component c, fmi2Real out[], size_t n) {
+  return Fmu::with(c, __func__, [&](auto& i) { return get_nominals(i, "fmi2GetNominalsOfContinuousStates", out, n); });
+}
 }

@@ -19,9 +19,9 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String, fmi3String token, fmi3Strin
                                          fmi3IntermediateUpdateCallback) {
   return Fmu::instantiate(__func__, token, resources, event_mode, {environment, message});
 }
-fmi3Instance fmi3InstantiateModelExchange(fmi3String, fmi3String, fmi3String, fmi3Boolean, fmi3Boolean,
+fmi3Instance fmi3InstantiateModelExchange(fmi3String, fmi3String token, fmi3String resources, fmi3Boolean, fmi3Boolean,
                                           fmi3InstanceEnvironment environment, fmi3LogMessageCallback message) {
-  return Fmu::refuse(__func__, {environment, message});
+  return Fmu::instantiate(__func__, token, resources, false, {environment, message}, true);
 }
 fmi3Instance fmi3InstantiateScheduledExecution(fmi3String, fmi3String, fmi3String, fmi3Boolean, fmi3Boolean,
                                                fmi3InstanceEnvironment environment, fmi3LogMessageCallback message,
@@ -163,17 +163,85 @@ fmi3Status fmi3SetClock(fmi3Instance c, fmi3ValueReference const[], size_t n, fm
   return Fmu::lacks(c, __func__, n);
 }
 
+// ------------------------------------------------------------------------------ model exchange
+fmi3Status fmi3GetDirectionalDerivative(fmi3Instance c, fmi3ValueReference const unknown[], size_t n,
+                                        fmi3ValueReference const known[], size_t m, fmi3Float64 const seed[],
+                                        size_t seeds, fmi3Float64 out[], size_t outs) {
+  return Fmu::with(c, __func__, [&](auto& i) {
+    constexpr char const* name = "fmi3GetDirectionalDerivative";
+    if ((n > 0 && unknown == nullptr) || (m > 0 && known == nullptr) || seeds != m || outs != n)
+      return i.log(Answer::error, "%s: null pointer, or not as many numbers as scalars", name);
+    return exchange_directional(i, name, std::span(unknown, n), std::span(known, m), seed, out);
+  });
+}
+fmi3Status fmi3EnterEventMode(fmi3Instance c) {
+  return Fmu::with(c, __func__, [](auto& i) {
+    return i.go("fmi3EnterEventMode", rollerrig::fmu::continuous_time, rollerrig::fmu::event_mode);
+  });
+}
+fmi3Status fmi3UpdateDiscreteStates(fmi3Instance c, fmi3Boolean* again, fmi3Boolean* over, fmi3Boolean* nominals,
+                                    fmi3Boolean* values, fmi3Boolean* has_next, fmi3Float64* next) {
+  return Fmu::with(c, __func__, [&](auto& i) {
+    constexpr char const* name = "fmi3UpdateDiscreteStates";
+    if (again == nullptr || over == nullptr || nominals == nullptr || values == nullptr || has_next == nullptr ||
+        next == nullptr)
+      return i.log(Answer::error, "%s: null pointer", name);
+    rollerrig::fmu::Events events;
+    Answer const answer = exchange_events(i, name, events);
+    *again = *nominals = *values = false;
+    *over = events.over;
+    *has_next = events.has_next;
+    *next = events.has_next ? events.next : 0.0;
+    return answer;
+  });
+}
+fmi3Status fmi3EnterContinuousTimeMode(fmi3Instance c) {
+  return Fmu::with(c, __func__, [](auto& i) {
+    return i.go("fmi3EnterContinuousTimeMode", rollerrig::fmu::event_mode, rollerrig::fmu::continuous_time);
+  });
+}
+fmi3Status fmi3CompletedIntegratorStep(fmi3Instance c, fmi3Boolean, fmi3Boolean* event, fmi3Boolean* terminate) {
+  return Fmu::with(c, __func__, [&](auto& i) {
+    constexpr char const* name = "fmi3CompletedIntegratorStep";
+    if (event == nullptr || terminate == nullptr) return i.log(Answer::error, "%s: null pointer", name);
+    bool over = false;
+    Answer const answer = exchange_step_done(i, name, over);
+    *event = false;
+    *terminate = over;
+    return answer;
+  });
+}
+fmi3Status fmi3SetTime(fmi3Instance c, fmi3Float64 time) {
+  return Fmu::with(c, __func__, [&](auto& i) { return set_exchange_time(i, "fmi3SetTime", time); });
+}
+fmi3Status fmi3SetContinuousStates(fmi3Instance c, fmi3Float64 const states[], size_t n) {
+  return Fmu::with(c, __func__, [&](auto& i) { return set_exchange_states(i, "fmi3SetContinuousStates", states, n); });
+}
+fmi3Status fmi3GetContinuousStateDerivatives(fmi3Instance c, fmi3Float64 out[], size_t n) {
+  return Fmu::with(c, __func__, [&](auto& i) { return get_rates(i, "fmi3GetContinuousStateDerivatives", out, n); });
+}
+fmi3Status fmi3GetEventIndicators(fmi3Instance c, fmi3Float64 out[], size_t n) {
+  return Fmu::with(c, __func__, [&](auto& i) { return get_indicators(i, "fmi3GetEventIndicators", out, n); });
+}
+fmi3Status fmi3GetContinuousStates(fmi3Instance c, fmi3Float64 out[], size_t n) {
+  return Fmu::with(c, __func__, [&](auto& i) { return get_states(i, "fmi3GetContinuousStates", out, n); });
+}
+fmi3Status fmi3GetNominalsOfContinuousStates(fmi3Instance c, fmi3Float64 out[], size_t n) {
+  return Fmu::with(c, __func__, [&](auto& i) { return get_nominals(i, "fmi3GetNominalsOfContinuousStates", out, n); });
+}
+fmi3Status fmi3GetNumberOfEventIndicators(fmi3Instance c, size_t* count) {
+  return Fmu::with(c, __func__, [&](auto& i) { return count_of(i, "fmi3GetNumberOfEventIndicators", count, true); });
+}
+fmi3Status fmi3GetNumberOfContinuousStates(fmi3Instance c, size_t* count) {
+  return Fmu::with(c, __func__, [&](auto& i) { return count_of(i, "fmi3GetNumberOfContinuousStates", count, false); });
+}
+
 // ------------------------------------------------------------------------------ not offered
-fmi3Status fmi3EnterEventMode(fmi3Instance c) { return Fmu::lacks(c, __func__); }
 fmi3Status fmi3GetNumberOfVariableDependencies(fmi3Instance c, fmi3ValueReference, size_t*) {
   return Fmu::lacks(c, __func__);
 }
 fmi3Status fmi3GetVariableDependencies(fmi3Instance c, fmi3ValueReference, size_t[], fmi3ValueReference[], size_t[],
                                        fmi3DependencyKind[], size_t) {
-  return Fmu::lacks(c, __func__);
-}
-fmi3Status fmi3GetDirectionalDerivative(fmi3Instance c, fmi3ValueReference const[], size_t, fmi3ValueReference const[],
-                                        size_t, fmi3Float64 const[], size_t, fmi3Float64[], size_t) {
   return Fmu::lacks(c, __func__);
 }
 fmi3Status fmi3GetAdjointDerivative(fmi3Instance c, fmi3ValueReference const[], size_t, fmi3ValueReference const[],
@@ -211,22 +279,6 @@ fmi3Status fmi3SetShiftFraction(fmi3Instance c, fmi3ValueReference const[], size
   return Fmu::lacks(c, __func__);
 }
 fmi3Status fmi3EvaluateDiscreteStates(fmi3Instance c) { return Fmu::lacks(c, __func__); }
-fmi3Status fmi3UpdateDiscreteStates(fmi3Instance c, fmi3Boolean*, fmi3Boolean*, fmi3Boolean*, fmi3Boolean*,
-                                    fmi3Boolean*, fmi3Float64*) {
-  return Fmu::lacks(c, __func__);
-}
-fmi3Status fmi3EnterContinuousTimeMode(fmi3Instance c) { return Fmu::lacks(c, __func__); }
-fmi3Status fmi3CompletedIntegratorStep(fmi3Instance c, fmi3Boolean, fmi3Boolean*, fmi3Boolean*) {
-  return Fmu::lacks(c, __func__);
-}
-fmi3Status fmi3SetTime(fmi3Instance c, fmi3Float64) { return Fmu::lacks(c, __func__); }
-fmi3Status fmi3SetContinuousStates(fmi3Instance c, fmi3Float64 const[], size_t) { return Fmu::lacks(c, __func__); }
-fmi3Status fmi3GetContinuousStateDerivatives(fmi3Instance c, fmi3Float64[], size_t) { return Fmu::lacks(c, __func__); }
-fmi3Status fmi3GetEventIndicators(fmi3Instance c, fmi3Float64[], size_t) { return Fmu::lacks(c, __func__); }
-fmi3Status fmi3GetContinuousStates(fmi3Instance c, fmi3Float64[], size_t) { return Fmu::lacks(c, __func__); }
-fmi3Status fmi3GetNominalsOfContinuousStates(fmi3Instance c, fmi3Float64[], size_t) { return Fmu::lacks(c, __func__); }
-fmi3Status fmi3GetNumberOfEventIndicators(fmi3Instance c, size_t*) { return Fmu::lacks(c, __func__); }
-fmi3Status fmi3GetNumberOfContinuousStates(fmi3Instance c, size_t*) { return Fmu::lacks(c, __func__); }
 fmi3Status fmi3EnterStepMode(fmi3Instance c) { return Fmu::lacks(c, __func__); }
 fmi3Status fmi3GetOutputDerivatives(fmi3Instance c, fmi3ValueReference const[], size_t, fmi3Int32 const[],
                                     fmi3Float64[], size_t) {

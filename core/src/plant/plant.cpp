@@ -66,6 +66,7 @@ Status Plant::start(double final_time) {
   options.final_time = final_time;
   options.output_step = 0.0;
   status_ = driver_->start(std::move(options), assembled_.start_time, assembled_.start.data());
+  shown_ = {};
   for (std::size_t i = 0; i < value_.size(); ++i)
     if (list_.variables[i].causality == Causality::input) value_[i] = list_.variables[i].start;
   if (MechatronicSystem* system = driver_->system()) system->set_controllers(parameters_.controllers());
@@ -78,6 +79,7 @@ Status Plant::start(double final_time) {
 Status Plant::advance(double t) {
   if (!started()) return Status::not_finite;
   if (status_ != Status::ok || !(t > time_)) return status_;
+  shown_ = {};
   status_ = driver_->advance(t, [](double, double const*, double const*) {});
   driver_->sample_now();
   time_ = driver_->system() != nullptr || status_ != Status::ok ? driver_->time() : std::min(t, driver_->time());
@@ -93,6 +95,17 @@ bool Plant::set_input(int index, double value) {
   value_[i] = value;
   apply(list_.places[i], value);
   return true;
+}
+
+void Plant::show(double t, std::span<double const> states) {
+  time_ = t;
+  shown_ = states;
+  row_fresh_ = false;
+}
+
+void Plant::hold_input(std::size_t index, double value) {
+  value_[index] = value;
+  apply(list_.places[index], value);
 }
 
 void Plant::apply(Place const& place, double value) {
@@ -117,7 +130,12 @@ double Plant::get(int index) {
     if (!std::exchange(measured_fresh_, true)) read_measurements();
     return measured_[place.index];
   }
-  if (!std::exchange(row_fresh_, true)) driver_->record_at(time_, row_.data());
+  if (!std::exchange(row_fresh_, true)) {
+    if (shown_.empty())
+      driver_->record_at(time_, row_.data());
+    else
+      driver_->record(time_, shown_.data(), shown_.data() + driver_->observed().sizes().states, row_.data());
+  }
   return place.kind == Place::side_ratio ? row_[place.index] / row_[place.item] : row_[place.index];
 }
 
@@ -160,6 +178,7 @@ bool Plant::restore(std::span<std::byte const> bytes) {
   if (model != identity() || crc64(bytes.subspan(head), model) != expected) return false;
   if (!started()) start(assembled_.options.final_time);
   StateReader archive(bytes.subspan(head));
+  shown_ = {};
   driver_->state(archive);
   archive(value_, time_, status_);
   for (std::size_t i = 0; i < value_.size(); ++i)
@@ -169,8 +188,7 @@ bool Plant::restore(std::span<std::byte const> bytes) {
   return true;
 }
 
-std::string_view Plant::failed_wheel() const {
-  int const contact = driver_->failed_contact();
+std::string_view Plant::wheel_of(int contact) const {
   return contact < 0 ? std::string_view{} : std::string_view{wheels_[static_cast<std::size_t>(contact)]};
 }
 

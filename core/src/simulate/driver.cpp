@@ -54,7 +54,7 @@ Status Driver::start(integrate::Options options, double t0, double const* x0) {
   plant_.reset_run();
   final_time_ = options.final_time;
   step_ = 0;
-  sampled_ = held_ = false;
+  sampled_ = acted_ = held_ = false;
   inputs_ = {};
   inputs_.axle_torque.reserve(plant_.model().axle_torques.size());  // for hold_torque()
   inputs_.roller_torque.reserve(plant_.model().roller_torques.size());
@@ -111,6 +111,25 @@ void Driver::advance_step() {
   if (status_ != Status::ok) return;
   sampled_ = false;
   status_ = system_->advance(plant_, ++step_);
+}
+
+double Driver::next_sample() const {
+  if (!system_) return std::numeric_limits<double>::infinity();
+  return setup_->step * static_cast<double>(acted_ ? step_ + 1 : step_);
+}
+
+Status Driver::pass_sample(double const* x, double const* z) {
+  double const t = next_sample();
+  plant_.evaluate(t, x, inputs_);
+  if (acted_) {
+    sampled_ = false;
+    if (Status const status = system_->advance(plant_, ++step_); status != Status::ok) return status_ = status;
+  }
+  if (!std::exchange(sampled_, true)) system_->sample(plant_, step_, z);
+  if (system_->waits()) system_->answer(step_);
+  system_->act(plant_, step_, inputs_);
+  acted_ = true;
+  return Status::ok;
 }
 
 void Driver::hold_torque(bool of_roller, std::size_t index, double value, double from) {

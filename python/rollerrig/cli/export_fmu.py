@@ -15,7 +15,7 @@ def command(
     case: CaseName,
     out: Annotated[Path, typer.Option(metavar="FILE.fmu", help="File to write.")],
     fmi: Annotated[str, typer.Option(help="Version of the standard: 2 or 3.")] = "2",
-    kind: Annotated[str, typer.Option(help="cs: co-simulation.")] = "cs",
+    kind: Annotated[str, typer.Option(help="cs: co-simulation; me: model exchange; both.")] = "cs",
     external: Annotated[
         str, typer.Option(help="Tables of the controllers whose commands become inputs, with commas.")
     ] = "",

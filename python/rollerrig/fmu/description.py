@@ -6,7 +6,7 @@ variables of a plant -> [description] -> XML of FMI 2.0 or 3.0
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from xml.etree import ElementTree as ET
 
@@ -32,6 +32,8 @@ class Unit:
         step: a step at which to exchange values [s].
         sampled: whether there are sensors and controllers with a sample time.
         variables: of the plant, in its order.
+        kind: 'cs', 'me' or 'both'.
+        states: that a tool integrates, their rates, and event indicators; empty without model exchange.
     """
 
     name: str
@@ -42,11 +44,33 @@ class Unit:
     step: float
     sampled: bool
     variables: Sequence[_core.Variable]
+    kind: str = "cs"
+    states: Sequence[_core.Variable] = ()
+    rates: Sequence[_core.Variable] = ()
+    indicators: Sequence[_core.Variable] = ()
 
     @property
     def outputs(self) -> list[int]:
         """References of the outputs: 1 for the first variable of the plant; 0 is the time."""
         return [i for i, variable in enumerate(self.variables, start=1) if variable.causality == "output"]
+
+    def behind(self, part: str) -> range:
+        """References of 'states', 'rates' or 'indicators': behind the variables of the plant, in this order."""
+        first = len(self.variables) + 1
+        for name in ("states", "rates", "indicators"):
+            count = len(getattr(self, name))
+            if name == part:
+                return range(first, first + count)
+            first += count
+        raise KeyError(part)
+
+    @property
+    def scalars(self) -> Iterator[tuple[int, _core.Variable, int | None]]:
+        """Reference and variable of everything but the time, and of a rate the reference of its state."""
+        state_of = dict(zip(self.behind("rates"), self.behind("states"), strict=True))
+        everything = [*self.variables, *self.states, *self.rates, *self.indicators]
+        for reference, variable in enumerate(everything, start=1):
+            yield reference, variable, state_of.get(reference)
 
 
 def number(value: float) -> str:
@@ -57,17 +81,26 @@ def number(value: float) -> str:
 def model_description_2(unit: Unit) -> bytes:
     """Of FMI 2.0 (2.0.4, section 2.2)."""
     root = ET.Element("fmiModelDescription", fmiVersion="2.0", modelName=unit.name, guid=unit.token)
-    _about(root, unit, "CoSimulation", "FMUstate")
+    _about(root, unit, "FMUstate", "providesDirectionalDerivative")
+    if unit.kind != "cs":
+        root.set("numberOfEventIndicators", str(len(unit.indicators)))
     variables = ET.SubElement(root, "ModelVariables")
     time = ET.SubElement(variables, "ScalarVariable", _heading(None, 0))
     ET.SubElement(time, "Real", unit="s")
-    for reference, variable in enumerate(unit.variables, start=1):
+    for reference, variable, state in unit.scalars:
         scalar = ET.SubElement(variables, "ScalarVariable", _heading(variable, reference))
-        ET.SubElement(scalar, "Real", _value(variable))
+        derivative = {} if state is None else {"derivative": str(state + 1)}  # the index counts the time as 1
+        ET.SubElement(scalar, "Real", _value(variable, unit, reference) | derivative)
     structure = ET.SubElement(root, "ModelStructure")
-    for name in ("Outputs", "InitialUnknowns"):
+    for name, references in (
+        ("Outputs", unit.outputs),
+        ("Derivatives", unit.behind("rates")),
+        ("InitialUnknowns", [*unit.outputs, *unit.behind("states"), *unit.behind("rates")]),
+    ):
+        if not references:
+            continue
         unknowns = ET.SubElement(structure, name)
-        for reference in unit.outputs:  # the index counts the time as 1
+        for reference in references:
             ET.SubElement(unknowns, "Unknown", index=str(reference + 1))
     return _written(root)
 
@@ -75,27 +108,40 @@ def model_description_2(unit: Unit) -> bytes:
 def model_description_3(unit: Unit) -> bytes:
     """Of FMI 3.0 (3.0.2, section 2.4)."""
     root = ET.Element("fmiModelDescription", fmiVersion="3.0", modelName=unit.name, instantiationToken=unit.token)
-    _about(root, unit, "CoSimulation", "FMUState")
+    _about(root, unit, "FMUState", "providesDirectionalDerivatives")
     variables = ET.SubElement(root, "ModelVariables")
     ET.SubElement(variables, "Float64", _heading(None, 0) | {"unit": "s"})
-    for reference, variable in enumerate(unit.variables, start=1):
-        ET.SubElement(variables, "Float64", _heading(variable, reference) | _value(variable))
+    for reference, variable, state in unit.scalars:
+        derivative = {} if state is None else {"derivative": str(state)}
+        ET.SubElement(
+            variables, "Float64", _heading(variable, reference) | _value(variable, unit, reference) | derivative
+        )
     structure = ET.SubElement(root, "ModelStructure")
-    for name in ("Output", "InitialUnknown"):
-        for reference in unit.outputs:
+    for name, references in (
+        ("Output", unit.outputs),
+        ("ContinuousStateDerivative", unit.behind("rates")),
+        ("InitialUnknown", [*unit.outputs, *unit.behind("states"), *unit.behind("rates")]),
+        ("EventIndicator", unit.behind("indicators")),
+    ):
+        for reference in references:
             ET.SubElement(structure, name, valueReference=str(reference))
     return _written(root)
 
 
-def _about(root: ET.Element, unit: Unit, kind: str, state: str) -> None:
-    """What stands in front of the variables, alike in both versions."""
+def _about(root: ET.Element, unit: Unit, state: str, directional: str) -> None:
+    """What stands in front of the variables, alike in both versions but for the names of two abilities."""
     root.set("description", "roller rig, axes x forward, y to the left, z upwards; SI")
     root.set("generationTool", unit.tool)
     root.set("variableNamingConvention", "structured")
-    able = ("canHandleVariableCommunicationStepSize", f"canGetAndSet{state}", f"canSerialize{state}")
-    ET.SubElement(root, kind, {"modelIdentifier": unit.identifier} | dict.fromkeys(able, "true"))
+    able = {f"canGetAndSet{state}": "true", f"canSerialize{state}": "true"}
+    exchange = {directional: "true"}
+    if unit.kind != "cs":
+        ET.SubElement(root, "ModelExchange", {"modelIdentifier": unit.identifier} | able | exchange)
+    if unit.kind != "me":
+        steps = {"canHandleVariableCommunicationStepSize": "true"}
+        ET.SubElement(root, "CoSimulation", {"modelIdentifier": unit.identifier} | steps | able)
     definitions = ET.SubElement(root, "UnitDefinitions")
-    for name in sorted({"s", *(variable.unit for variable in unit.variables)}):
+    for name in sorted({"s", *(variable.unit for _, variable, _ in unit.scalars)}):
         powers = {base: str(power) for base, power in base_units(name).items()}
         ET.SubElement(ET.SubElement(definitions, "Unit", name=name), "BaseUnit", powers)
     categories = ET.SubElement(root, "LogCategories")
@@ -122,13 +168,15 @@ def _heading(variable: _core.Variable | None, reference: int) -> dict[str, str]:
         "description": variable.description,
         "causality": variable.causality,
         "variability": variable.variability,
-        "initial": "calculated" if variable.causality == "output" else "exact",
+        "initial": "calculated" if variable.causality in ("output", "local") else "exact",
     }
 
 
-def _value(variable: _core.Variable) -> dict[str, str]:
-    """Unit, limits and start of a variable."""
+def _value(variable: _core.Variable, unit: Unit, reference: int) -> dict[str, str]:
+    """Unit, limits and start of a variable; of a state its nominal value."""
     found = {"unit": variable.unit}
+    if variable.causality == "local":
+        return found | ({"nominal": number(variable.most)} if reference in unit.behind("states") else {})
     found |= {key: number(limit) for key, limit in (("min", variable.least), ("max", variable.most))
               if math.isfinite(limit)}  # fmt: skip
     return found if variable.causality == "output" else found | {"start": number(variable.start)}

@@ -25,6 +25,7 @@ STEP = 1e-3
 """At which to exchange values where nothing is sampled [s]."""
 STAMP = (1980, 1, 1, 0, 0, 0)
 """Of every file in an FMU: the same case gives the same bytes."""
+KINDS = ("cs", "me", "both")
 DESCRIPTIONS = {"2": model_description_2, "3": model_description_3}
 
 
@@ -47,7 +48,7 @@ def export_fmu(
         case: a checked case, or what `load_case` takes.
         path: the file; one that this program wrote is replaced.
         fmi: version of the standard, '2' or '3'.
-        kind: 'cs': co-simulation.
+        kind: 'cs': co-simulation; 'me': model exchange; 'both'.
         external: tables of the case's controllers whose commands become inputs, `rollerrig.assemble_file`.
         force: replace a file that this program did not write.
 
@@ -65,6 +66,7 @@ def export_fmu(
     carried = carried_shells()
     assembled = assembled_model(case, external=external)
     plant = _core.Plant(assembled)
+    states, rates, indicators = ((), (), ()) if kind == "cs" else _core.continuous_variables(assembled)
     model = _core.write_model(assembled)
     unit = Unit(
         name=case.name,
@@ -75,6 +77,10 @@ def export_fmu(
         step=plant.sampling_step or STEP,
         sampled=plant.sampling_step > 0.0,
         variables=plant.variables,
+        kind=kind,
+        states=states,
+        rates=rates,
+        indicators=indicators,
     )
     files = {
         "documentation/index.html": _page(unit, carried),
@@ -146,6 +152,6 @@ def check_format(case: str, fmi: str, kind: str) -> None:
     Raises:
         ConfigError: which, and what is.
     """
-    for key, value, allowed in (("fmi", fmi, tuple(DESCRIPTIONS)), ("kind", kind, ("cs",))):
+    for key, value, allowed in (("fmi", fmi, tuple(DESCRIPTIONS)), ("kind", kind, KINDS)):
         if value not in allowed:
             raise ConfigError([ConfigProblem(case, key, repr(value), f"allowed: {', '.join(allowed)}")])

@@ -9,7 +9,7 @@
 #include <thread>
 
 #include "fmu/small_fmu.hpp"
-#include "rollerrig/plant/plant.hpp"
+#include "rollerrig/plant/continuous_plant.hpp"
 
 using namespace rollerrig;
 using namespace rollerrig::test;
@@ -29,9 +29,9 @@ void hear(fmi2ComponentEnvironment environment, fmi2String, fmi2Status, fmi2Stri
   if (environment != nullptr) static_cast<Heard*>(environment)->lines.emplace_back(text);
 }
 
-fmi2Component made(SmallFmu const& fmu, Heard* heard = nullptr) {
+fmi2Component made(SmallFmu const& fmu, Heard* heard = nullptr, fmi2Type type = fmi2CoSimulation) {
   fmi2CallbackFunctions const functions{hear, nullptr, nullptr, nullptr, heard};
-  return fmi2Instantiate("small", fmi2CoSimulation, fmu.token.c_str(), fmu.uri().c_str(), &functions, 0, 0);
+  return fmi2Instantiate("small", type, fmu.token.c_str(), fmu.uri().c_str(), &functions, 0, 0);
 }
 
 void begin(fmi2Component c) {
@@ -162,7 +162,7 @@ TEST_CASE("FMI 2.0: what is not this FMU's own is refused with a line") {
   refused(fmi2CoSimulation, fmu.token.c_str(), "file:///no/such/place", "cannot open rig.model among the resources");
   refused(fmi2CoSimulation, fmu.token.c_str(), "http://somewhere", "fmuResourceLocation is no URI of a file");
   refused(fmi2CoSimulation, nullptr, uri.c_str(), "null pointer");
-  refused(fmi2ModelExchange, fmu.token.c_str(), uri.c_str(), "this FMU is for co-simulation");
+  refused(static_cast<fmi2Type>(7), fmu.token.c_str(), uri.c_str(), "there is no such type of FMU");
   std::ofstream(fmu.folder / "rig.model", std::ios::binary) << "rollerrig model\n";
   refused(fmi2CoSimulation, fmu.token.c_str(), uri.c_str(), "model file: cut: it ends after 16 bytes");
   CHECK(fmi2Instantiate("x", fmi2CoSimulation, "", "", nullptr, 0, 0) == nullptr);
@@ -184,7 +184,7 @@ fmi2Status any_call(fmi2Component c, std::mt19937& random) {
   auto const* r = null ? nullptr : refs;
   int whole[2]{};
   char const* text[2]{};
-  switch (random() % 27) {
+  switch (random() % 32) {
     case 0: return fmi2SetupExperiment(c, 0, 0.0, number, pick(0, 1), pick(1.0, 0.0, std::nan("")));
     case 1:
     case 2: return fmi2EnterInitializationMode(c);
@@ -211,6 +211,21 @@ fmi2Status any_call(fmi2Component c, std::mt19937& random) {
     case 21: return fmi2GetDerivatives(c, values, n);
     case 22: return fmi2SetDebugLogging(c, 1, random() % 5, null ? nullptr : text);
     case 23: return fmi2GetDirectionalDerivative(c, r, n, r, n, values, values);
+    case 24: return fmi2EnterEventMode(c);
+    case 25: {
+      fmi2EventInfo info{};
+      return fmi2NewDiscreteStates(c, null ? nullptr : &info);
+    }
+    case 26: return fmi2EnterContinuousTimeMode(c);
+    case 27: return fmi2CompletedIntegratorStep(c, 1, whole, null ? nullptr : whole + 1);
+    case 28: {
+      static std::vector<double> states(list_continuous_variables(braked()).states.size());
+      std::size_t const all = pick(std::size_t{0}, std::size_t{1}, states.size(), states.size());
+      if (random() % 64 == 0) states.assign(states.size(), number);
+      return random() % 2 == 0 ? fmi2SetContinuousStates(c, null ? nullptr : states.data(), all)
+                               : fmi2GetContinuousStates(c, null ? nullptr : states.data(), all);
+    }
+    case 29: return fmi2GetEventIndicators(c, null ? nullptr : values, n);
     default: {
       fmi2Real at = 0.0;
       fmi2GetRealStatus(c, fmi2LastSuccessfulTime, &at);
@@ -224,7 +239,19 @@ fmi2Status any_call(fmi2Component c, std::mt19937& random) {
 
 TEST_CASE("FMI 2.0: a hundred thousand calls in any order with any value: a status each time, and the FMU still runs") {
   SmallFmu const fmu;
-  fmi2Component c = made(fmu);
+  fmi2Component c = nullptr;
+  SUBCASE("co-simulation") { c = made(fmu); }
+  SUBCASE("model exchange") {
+    c = made(fmu, nullptr, fmi2ModelExchange);
+    std::mt19937 random(20260102);
+    std::array<int, 6> counts{};
+    for (int i = 0; i < 100'000; ++i) ++counts[static_cast<std::size_t>(any_call(c, random))];
+    CHECK(counts[fmi2OK] > 1000);
+    CHECK(counts[fmi2Error] > 1000);
+    CHECK(counts[fmi2Fatal] == 0);
+    fmi2FreeInstance(c);
+    return;
+  }
   std::mt19937 random(20260101);
   std::array<int, 6> counts{};
   for (int i = 0; i < 100'000; ++i)

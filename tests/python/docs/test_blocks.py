@@ -54,6 +54,7 @@ def prepare(page: Path) -> None:
     """Files that a page speaks of and the reader has."""
     if page.name == "fmu.md":
         rr.export_fmu("adhesion_brake", "bench.fmu", external=["slide_protection"])
+        rr.export_fmu("bogie_rollers_constant", "bogie.fmu", kind="both")
     if page.name in ("profile.md", "getting_started.md"):
         Path("my_wheel.prw").write_text(simpack_text(rr.profile("s1002")))
     if page.name == "track.md":

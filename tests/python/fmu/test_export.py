@@ -130,7 +130,7 @@ def refusal(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str],
     ("options", "line"),
     [
         (["--fmi", "1"], "adhesion_brake: fmi: '1'; allowed: 2, 3"),
-        (["--kind", "hybrid"], "adhesion_brake: kind: 'hybrid'; allowed: cs"),
+        (["--kind", "hybrid"], "adhesion_brake: kind: 'hybrid'; allowed: cs, me, both"),
         (["--external", "autopilot"], "adhesion_brake: external: 'autopilot'; allowed: a table of the case"),
     ],
 )

@@ -46,6 +46,12 @@ class Plant {
   /// model, cut or changed.
   bool restore(std::span<std::byte const> bytes);
 
+  /// Outputs are from here on those at t in these states and quadratures, which live longer; of none: those of the run again.
+  void show(double t, std::span<double const> states);
+  /// An input without its limits, by its index: for differences about what was set.
+  void hold_input(std::size_t index, double value);
+  Place const& place(std::size_t index) const { return list_.places[index]; }
+
   bool started() const { return driver_->started(); }
   double time() const { return time_; }  ///< [s]
   Status status() const { return status_; }
@@ -53,7 +59,8 @@ class Plant {
     return assembled_.setup ? assembled_.setup->step : 0.0;
   }  ///< [s]; 0: nothing is sampled
   /// The wheel that ended the run, wheelset_1.left; empty: none did.
-  std::string_view failed_wheel() const;
+  std::string_view failed_wheel() const { return wheel_of(driver_->failed_contact()); }
+  std::string_view wheel_of(int contact) const;                   ///< empty: of none
   AssembledModel const& assembled() const { return assembled_; }  ///< with its parameters as at the last start()
   Driver& driver() { return *driver_; }
 
@@ -72,6 +79,7 @@ class Plant {
   std::vector<double> value_;                      ///< per variable: of inputs
   std::vector<double> row_, measured_;             ///< outputs at time_
   bool row_fresh_{false}, measured_fresh_{false};  ///< they are
+  std::span<double const> shown_;  ///< states and quadratures that outputs are of; empty: those of the run
   double time_{0.0};
   Status status_{Status::ok};
   std::uint64_t identity_{0};  ///< of the model as given; 0: not yet known

@@ -10,7 +10,7 @@
 
 namespace rollerrig {
 
-enum class Causality : int { input, output, parameter };
+enum class Causality : int { input, output, parameter, local };
 
 /// When a variable may change: never after the start; between steps; at instants of sampling; at any time.
 enum class Variability : int { fixed, tunable, discrete, continuous };

@@ -64,6 +64,10 @@ class Driver {
   void sample_now() {
     if (system_ && status_ == Status::ok && !std::exchange(sampled_, true)) sample();
   }
+  /// Where another program integrates: at each instant of sampling, in the states it found, what happens between two steps of a
+  /// run. The inputs then hold to the next.
+  Status pass_sample(double const* x, double const* z);
+  double next_sample() const;  ///< [s]; infinite: nothing is sampled
   /// From now on advance() answers for external controllers with the caller's commands, where otherwise it returns.
   void answer_for_controllers() { answers_ = true; }
 
@@ -90,6 +94,10 @@ class Driver {
   Dynamics& plant() { return plant_; }
   Dynamics const& plant() const { return plant_; }
   Dynamics& observed() { return observed_; }
+  Dynamics const& observed() const { return observed_; }
+  Inputs const& inputs() const { return inputs_; }  ///< that act on the plant
+  /// Within the last step, step_start() <= t <= time(); x and z as record() takes them.
+  void sample_states(double t, double* x, double* z) { integrator_->sample(t, x, z); }
   MechatronicSystem* system() { return system_ ? &*system_ : nullptr; }
   MechatronicSystem const* system() const { return system_ ? &*system_ : nullptr; }
   void set_command(std::string_view controller, std::span<double const> command) {
@@ -101,7 +109,7 @@ class Driver {
   void state(Archive& archive) {
     archive(plant_, inputs_, observed_);
     if (system_) archive(*system_);
-    archive(*integrator_, final_time_, step_, output_every_, sampled_, held_, status_);
+    archive(*integrator_, final_time_, step_, output_every_, sampled_, acted_, held_, status_);
   }
 
  private:
@@ -136,6 +144,7 @@ class Driver {
   std::int64_t output_every_{1};  ///< in sampling steps
   bool sampled_{false};           ///< at this instant
   bool answers_{false};           ///< for external controllers
+  bool acted_{false};             ///< at this instant, where another program integrates
   bool held_{false};              ///< a torque is
   Status status_{Status::ok};
   std::vector<double> x_, z_;  ///< within a step

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "rollerrig/plant/continuous_plant.hpp"
 #include "rollerrig/plant/controller_plant.hpp"
 #include "rollerrig/plant/plant.hpp"
 
@@ -36,18 +37,29 @@ class AnyPlant {
 
   /// Null where it is a controller alone.
   RigPlant* rig() { return rig_.get(); }
+  /// Whether another program can integrate it: a controller alone has no such states.
+  bool exchangeable() const { return rig_ != nullptr; }
+  /// For model exchange; null of a controller alone, or where no run has begun.
+  ContinuousPlant* continuous() {
+    if (exchangeable() && rig_->started() && !continuous_) continuous_ = std::make_unique<ContinuousPlant>(*rig_);
+    return continuous_.get();
+  }
 
   std::span<Variable const> variables() const {
     return ask(*this, [](auto const& p) { return std::span<Variable const>(p.variables()); });
   }
   Status start(double final_time) {
+    continuous_.reset();
     return ask(*this, [&](auto& p) { return p.start(final_time); });
   }
   Status advance(double time) {
+    continuous_.reset();
     return ask(*this, [&](auto& p) { return p.advance(time); });
   }
   bool set_input(int index, double value) {
-    return ask(*this, [&](auto& p) { return p.set_input(index, value); });
+    bool const done = ask(*this, [&](auto& p) { return p.set_input(index, value); });
+    if (continuous_) continuous_->forget();
+    return done;
   }
   bool set_parameter(int index, double value) {
     return ask(*this, [&](auto& p) { return p.set_parameter(index, value); });
@@ -59,12 +71,14 @@ class AnyPlant {
     return ask(*this, [](auto& p) { return p.save(); });
   }
   bool restore(std::span<std::byte const> bytes) {
+    continuous_.reset();
     return ask(*this, [&](auto& p) { return p.restore(bytes); });
   }
   double time() const {
     return ask(*this, [](auto const& p) { return p.time(); });
   }
   std::string_view failed_wheel() const {
+    if (continuous_) return continuous_->failed_wheel();
     return ask(*this, [](auto const& p) { return p.failed_wheel(); });
   }
 
@@ -76,6 +90,7 @@ class AnyPlant {
 
  private:
   std::unique_ptr<RigPlant> rig_;
+  std::unique_ptr<ContinuousPlant> continuous_;  ///< of it
   std::unique_ptr<ControllerPlant> controller_;
 };
 

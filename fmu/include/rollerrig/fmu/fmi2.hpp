@@ -1,4 +1,4 @@
-// fmu/fmi2.hpp - the functions of FMI 2.0 for co-simulation, over any plant.
+// fmu/fmi2.hpp - the functions of FMI 2.0, over any plant.
 //
 //   calls of a tool -> [FMI 2.0] -> Instance -> Plant
 //
@@ -11,6 +11,7 @@
 #include <string>
 
 #include "fmi2Functions.h"
+#include "rollerrig/fmu/exchange.hpp"
 #include "rollerrig/fmu/instance.hpp"
 #include "rollerrig/fmu/shell.hpp"
 #include "rollerrig/fmu/states.hpp"
@@ -43,8 +44,8 @@ struct Fmi2 {
     Listener2 listener;
     Instance<typename Shell::Plant> instance;
     States states;
-    Component(Listener2 heard, std::unique_ptr<typename Shell::Plant> plant)
-        : listener{std::move(heard)}, instance{std::move(plant), listener.log()} {}
+    Component(Listener2 heard, std::unique_ptr<typename Shell::Plant> plant, bool exchange)
+        : listener{std::move(heard)}, instance{std::move(plant), listener.log(), exchange} {}
   };
 
   static fmi2Component instantiate(fmi2String name, fmi2Type type, fmi2String guid, fmi2String location,
@@ -59,10 +60,13 @@ struct Fmi2 {
       };
       if (functions == nullptr || functions->logger == nullptr || guid == nullptr || location == nullptr)
         return refuse("null pointer");
-      if (type != fmi2CoSimulation) return refuse("this FMU is for co-simulation");
+      if (type != fmi2CoSimulation && type != fmi2ModelExchange) return refuse("there is no such type of FMU");
       std::filesystem::path const resources = path_of_uri(location);
       if (resources.empty()) return refuse("fmuResourceLocation is no URI of a file");
-      return new Component(listener, Shell::open(resources, guid));
+      auto plant = Shell::open(resources, guid);
+      bool const exchange = type == fmi2ModelExchange;
+      if (exchange && !plant->exchangeable()) return refuse("a controller alone is for co-simulation");
+      return new Component(listener, std::move(plant), exchange);
     } catch (std::exception const& problem) {
       listener.log()(Answer::error, "fmi2Instantiate: %s", problem.what());
       return nullptr;

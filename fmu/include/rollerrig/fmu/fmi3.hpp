@@ -1,4 +1,4 @@
-// fmu/fmi3.hpp - the functions of FMI 3.0 for co-simulation, over any plant.
+// fmu/fmi3.hpp - the functions of FMI 3.0, over any plant.
 //
 //   calls of a tool -> [FMI 3.0] -> Instance -> Plant
 //
@@ -10,6 +10,7 @@
 #include <string>
 
 #include "fmi3Functions.h"
+#include "rollerrig/fmu/exchange.hpp"
 #include "rollerrig/fmu/instance.hpp"
 #include "rollerrig/fmu/shell.hpp"
 #include "rollerrig/fmu/states.hpp"
@@ -41,18 +42,18 @@ struct Fmi3 {
     Listener3 listener;
     Instance<typename Shell::Plant> instance;
     States states;
-    Component(Listener3 heard, std::unique_ptr<typename Shell::Plant> plant)
-        : listener{heard}, instance{std::move(plant), listener.log()} {}
+    Component(Listener3 heard, std::unique_ptr<typename Shell::Plant> plant, bool exchange)
+        : listener{heard}, instance{std::move(plant), listener.log(), exchange} {}
   };
 
   /// An interface type that this FMU does not have.
   static fmi3Instance refuse(char const* call, Listener3 listener) {
-    listener.log()(Answer::error, "%s: this FMU is for co-simulation", call);
+    listener.log()(Answer::error, "%s: this FMU is for co-simulation and model exchange", call);
     return nullptr;
   }
 
   static fmi3Instance instantiate(char const* call, fmi3String token, fmi3String resources, bool event_mode,
-                                  Listener3 listener) {
+                                  Listener3 listener, bool exchange = false) {
     try {
       if (token == nullptr || resources == nullptr) {
         listener.log()(Answer::error, "%s: null pointer", call);
@@ -62,7 +63,12 @@ struct Fmi3 {
         listener.log()(Answer::error, "%s: this FMU has no event mode", call);
         return nullptr;
       }
-      return new Component(listener, Shell::open(utf8_path(resources), token));
+      auto plant = Shell::open(utf8_path(resources), token);
+      if (exchange && !plant->exchangeable()) {
+        listener.log()(Answer::error, "%s: a controller alone is for co-simulation", call);
+        return nullptr;
+      }
+      return new Component(listener, std::move(plant), exchange);
     } catch (std::exception const& problem) {
       listener.log()(Answer::error, "%s: %s", call, problem.what());
       return nullptr;

@@ -40,15 +40,22 @@ concept PlantLike = requires(P plant, P const constant, int index, double number
   { anew(constant) } -> std::same_as<std::unique_ptr<P>>;  // of the same model, nothing kept of a run
 };
 
-/// States of the standards' state machines for co-simulation: bits, so that a call names all in which it may come.
+/// Of what another program integrates; what does not offer it has none.
+template <class P>
+concept Exchangeable = requires(P plant) { plant.continuous(); };
+
+/// States of the standards' state machines: bits, so that a call names all in which it may come.
 enum Phase : unsigned {
   instantiated = 1,
   initializing = 2,
   stepping = 4,
   step_failed = 8,  ///< the model left its validity, or the run ended
   terminated = 16,
+  event_mode = 32,  ///< of model exchange
+  continuous_time = 64,
 };
-constexpr unsigned running = stepping | step_failed | terminated;
+constexpr unsigned exchanging = event_mode | continuous_time;
+constexpr unsigned running = stepping | step_failed | terminated | exchanging;
 
 /// What a step ended with.
 struct StepEnd {
@@ -61,8 +68,8 @@ constexpr double longest_step = 86400.0;  ///< between communication points [s]:
 template <PlantLike P>
 class Instance {
  public:
-  Instance(std::unique_ptr<P> plant, Log tell_tool)
-      : log{tell_tool}, plant_{std::move(plant)}, chosen_(plant_->variables().size(), unset) {}
+  Instance(std::unique_ptr<P> plant, Log tell_tool, bool exchange = false)
+      : log{tell_tool}, plant_{std::move(plant)}, chosen_(plant_->variables().size(), unset), exchange_{exchange} {}
 
   Log log;
 
@@ -90,7 +97,7 @@ class Instance {
 
   Answer enter_initialization(char const* call) {
     if (!may(instantiated, call)) return Answer::error;
-    if (Answer const begun = begin(call); begun != Answer::ok) return begun;
+    if (Answer const answer = begin(call); answer != Answer::ok) return answer;
     step_ = {false, start_};
     phase_ = initializing;
     return Answer::ok;
@@ -98,12 +105,19 @@ class Instance {
 
   Answer exit_initialization(char const* call) {
     if (!may(initializing, call)) return Answer::error;
-    phase_ = stepping;
+    phase_ = exchange_ ? event_mode : stepping;
+    return Answer::ok;
+  }
+
+  /// Between event mode and continuous time.
+  Answer go(char const* call, Phase from, Phase to) {
+    if (!may(from, call)) return Answer::error;
+    phase_ = to;
     return Answer::ok;
   }
 
   Answer terminate(char const* call) {
-    if (!may(stepping | step_failed, call)) return Answer::error;
+    if (!may(stepping | step_failed | exchanging, call)) return Answer::error;
     phase_ = terminated;
     return Answer::ok;
   }
@@ -121,7 +135,7 @@ class Instance {
   /// @param values  as many
   template <class Reference>
   Answer set(char const* call, Reference const* references, std::size_t count, double const* values) {
-    if (!may(instantiated | initializing | stepping, call)) return Answer::error;
+    if (!may(instantiated | initializing | stepping | exchanging, call)) return Answer::error;
     if (count > 0 && (references == nullptr || values == nullptr)) return log(Answer::error, "%s: null pointer", call);
     auto const all = variables();
     for (std::size_t k = 0; k < count; ++k) {
@@ -131,8 +145,7 @@ class Instance {
       Variable const& variable = all[references[k] - 1];
       if (variable.causality == Causality::output)
         return log(Answer::error, "%s: %s is an output", call, variable.name.c_str());
-      if (variable.causality == Causality::parameter && variable.variability == Variability::fixed &&
-          phase_ == stepping)
+      if (variable.causality == Causality::parameter && variable.variability == Variability::fixed && begun())
         return log(Answer::error, "%s: %s is fixed after the initialization", call, variable.name.c_str());
       if (!variable.allows(values[k]))
         return log(Answer::error, "%s: %s = %g is not allowed: a %snumber from %g to %g", call, variable.name.c_str(),
@@ -143,7 +156,7 @@ class Instance {
       std::size_t const i = references[k] - 1;
       Variable const& variable = all[i];
       bool const fixed = variable.causality == Causality::parameter && variable.variability == Variability::fixed;
-      if (phase_ != stepping) chosen_[i] = values[k];
+      if (!begun()) chosen_[i] = values[k];
       again = again || (fixed && phase_ == initializing);
       if (phase_ != instantiated && !fixed && !apply(i, values[k]))
         return log(Answer::error, "%s: %s = %g was refused", call, variable.name.c_str(), values[k]);
@@ -159,12 +172,14 @@ class Instance {
   Answer get(char const* call, Reference const* references, std::size_t count, double* values) {
     if (!may(initializing | running, call)) return Answer::error;
     if (count > 0 && (references == nullptr || values == nullptr)) return log(Answer::error, "%s: null pointer", call);
-    std::size_t const last = variables().size();
+    std::size_t const last = variables().size() + locals();
     for (std::size_t k = 0; k < count; ++k)
       if (references[k] > last)
         return log(Answer::error, "%s: no variable has the reference %u", call, static_cast<unsigned>(references[k]));
     for (std::size_t k = 0; k < count; ++k)
-      values[k] = references[k] == 0 ? time_ : plant_->get(static_cast<int>(references[k]) - 1);
+      values[k] = references[k] == 0                   ? time_
+                  : references[k] > variables().size() ? local(references[k] - variables().size() - 1)
+                                                       : plant_->get(static_cast<int>(references[k]) - 1);
     return Answer::ok;
   }
 
@@ -192,14 +207,37 @@ class Instance {
     return tell(call, status, Answer::discard);
   }
 
+  /// Time of the tool minus that of the plant [s].
+  double offset() const { return offset_; }
+  void set_time(double time) { time_ = time; }
+  std::size_t inputs_and_outputs() const { return variables().size(); }
+
+  /// States, rates and event indicators of a plant that another program could integrate: behind the plant's variables.
+  std::size_t locals() {
+    if constexpr (Exchangeable<P>)
+      if (auto* continuous = plant_->continuous()) return 2 * continuous->count() + continuous->indicator_count();
+    return 0;
+  }
+
+  Answer tell(char const* call, Status status, Answer answer) const {
+    std::string const wheel{plant_->failed_wheel()};
+    double const time = exchange_ ? time_ : plant_->time() + offset_;
+    return log(answer, "%s: at %.6g s%s%s: %s", call, time, wheel.empty() ? "" : ", ", wheel.c_str(),
+               std::string(status_sentence(status)).c_str());
+  }
+
   /// Everything, as bytes that only an instance of the same model takes back.
   std::vector<std::byte> save() {
     Head head;
-    head.phase = phase_, head.chosen = chosen_.size();
+    head.phase = phase_, head.chosen = chosen_.size(), head.exchange = exchange_;
     head.start = start_, head.stop = stop_, head.offset = offset_, head.time = time_, head.step = step_;
     std::vector<std::byte> bytes(sizeof head + chosen_.size() * sizeof(double));
     std::memcpy(bytes.data() + sizeof head, chosen_.data(), chosen_.size() * sizeof(double));
     if (phase_ != instantiated) {
+      auto const states = saved_states();
+      auto const from = std::as_bytes(std::span(states));
+      head.states = states.size();
+      bytes.insert(bytes.end(), from.begin(), from.end());
       auto const plant = plant_->save();
       bytes.insert(bytes.end(), plant.begin(), plant.end());
     }
@@ -214,6 +252,7 @@ class Instance {
     if (bytes.size() < sizeof head) return false;
     std::memcpy(&head, bytes.data(), sizeof head);
     return head.mark == Head{}.mark && head.chosen <= (bytes.size() - sizeof head) / sizeof(double) &&
+           head.states <= (bytes.size() - sizeof head) / sizeof(double) - head.chosen &&
            head.checksum == crc64(bytes.subspan(sizeof head));
   }
 
@@ -223,9 +262,13 @@ class Instance {
     Head head;
     std::memcpy(&head, bytes.data(), sizeof head);
     auto const rest = bytes.subspan(sizeof head);
-    if (head.chosen != chosen_.size()) return log(Answer::error, "%s: the state of another FMU", call);
+    if (head.chosen != chosen_.size() || (head.exchange != 0) != exchange_)
+      return log(Answer::error, "%s: the state of another FMU", call);
     auto fresh = anew(std::as_const(*plant_));
-    if (head.phase != instantiated && !fresh->restore(rest.subspan(head.chosen * sizeof(double))))
+    std::vector<double> states(head.states);
+    std::memcpy(states.data(), rest.data() + head.chosen * sizeof(double), head.states * sizeof(double));
+    auto const run = rest.subspan((head.chosen + head.states) * sizeof(double));
+    if (head.phase != instantiated && !(fresh->restore(run) && restore_states(*fresh, states)))
       return log(Answer::error, "%s: the state of another FMU", call);
     plant_ = std::move(fresh);
     std::memcpy(chosen_.data(), rest.data(), head.chosen * sizeof(double));
@@ -237,7 +280,7 @@ class Instance {
  private:
   struct Head {
     std::uint64_t mark{0x3174617473756d66};  ///< "fmustat1"
-    std::uint64_t checksum{}, phase{}, chosen{};
+    std::uint64_t checksum{}, phase{}, chosen{}, states{}, exchange{};
     double start{}, stop{}, offset{}, time{};
     StepEnd step{};
   };
@@ -274,15 +317,37 @@ class Instance {
       case initializing: return "in the initialization";
       case stepping: return "between steps";
       case step_failed: return "after a step that ended the run";
+      case event_mode: return "in event mode";
+      case continuous_time: return "in continuous time";
       case terminated: return "after the end";
     }
     return "now";
   }
 
-  Answer tell(char const* call, Status status, Answer answer) const {
-    std::string const wheel{plant_->failed_wheel()};
-    return log(answer, "%s: at %.6g s%s%s: %s", call, plant_->time() + offset_, wheel.empty() ? "" : ", ",
-               wheel.c_str(), std::string(status_sentence(status)).c_str());
+  bool begun() const { return (phase_ & (stepping | exchanging)) != 0; }
+
+  double local(std::size_t k) {
+    if constexpr (Exchangeable<P>) {
+      auto& continuous = *plant_->continuous();
+      std::size_t const states = continuous.count();
+      if (k < states) return continuous.states()[k];
+      std::vector<double> all(k < 2 * states ? states : continuous.indicator_count());
+      bool const rate = k < 2 * states;
+      Status const status = rate ? continuous.rates(all.data()) : continuous.indicators(all.data());
+      return status == Status::ok ? all[rate ? k - states : k - 2 * states] : unset;
+    }
+    return unset;
+  }
+
+  std::vector<double> saved_states() {
+    if constexpr (Exchangeable<P>)
+      if (exchange_) return plant_->continuous()->save();
+    return {};
+  }
+  bool restore_states(P& plant, std::span<double const> states) const {
+    if constexpr (Exchangeable<P>)
+      if (exchange_) return plant.continuous() != nullptr && plant.continuous()->restore(states);
+    return states.empty();
   }
 
   std::unique_ptr<P> plant_;
@@ -292,6 +357,7 @@ class Instance {
   double offset_{0.0};                 ///< time of the tool minus that of the plant [s]
   double time_{0.0};                   ///< communication point [s]
   StepEnd step_{};
+  bool exchange_;  ///< another program integrates
 };
 
 }  // namespace rollerrig::fmu
