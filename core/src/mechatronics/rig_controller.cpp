@@ -25,7 +25,7 @@ RigController::State RigController::start(Measurements const& now, double train_
     AxleState& axle = s.axle[k];
     std::visit([&](auto const& law) { axle.estimator = law.start(assumed, period, sample_of(now, k)); }, estimator);
     std::visit([&]<class Law>(Law const&) { axle.axle_torque = typename Law::State{}; }, axle_torque);
-    std::visit([&]<class Law>(Law const&) { axle.feedback = typename Law::State{}; }, feedback);
+    axle.feedback = start_feedback();
     std::visit([&]<class Law>(Law const&) { axle.drive_command = typename Law::State{}; }, drive_command);
   }
   return s;
@@ -55,7 +55,7 @@ void RigController::step(State& s, Measurements const& now, double period, PerAx
                         assumed.roller_radius * s.train.force(i);  // (D5)
     double wanted = axle.feed_forward;
     if (s.train.locked(i)) {
-      std::visit([&]<class Law>(Law const&) { axle.feedback = typename Law::State{}; }, feedback);
+      axle.feedback = start_feedback();
     } else {
       TrackingError const error{axle.feed_forward, s.train.axle_speed(i) - now.axle_speed[at(i)], period};
       auto const correct = [&](auto const& law, auto& state) { return law.step(state, assumed, error, largest); };
@@ -67,6 +67,16 @@ void RigController::step(State& s, Measurements const& now, double period, PerAx
     axle.feed_forward += asked - wanted;
     torque[at(i)] = std::clamp(asked, -largest, largest);
   }
+}
+
+/// The laws of feedbacks.hpp take the error of a wheel, which turns R/r times as fast as the roller that it rolls on.
+double RigController::torque_for_speed(StateOf<AnyFeedback>& state, double feed_forward, double wanted,
+                                       double roller_speed, double period) const {
+  double const error = assumed.roller_radius / assumed.wheel_radius * (wanted - roller_speed);
+  auto const correct = [&](auto const& law, auto& own) {
+    return law.step(own, assumed, TrackingError{feed_forward, error, period}, largest);
+  };
+  return std::clamp(visit_with_state(correct, feedback, state), -largest, largest);
 }
 
 double RigController::torque_of_axle(AxleState& axle, Measurements const& now, std::size_t k, double period) const {

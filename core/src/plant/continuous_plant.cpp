@@ -99,7 +99,7 @@ double ContinuousPlant::evaluated_time() const {
 }
 
 double ContinuousPlant::next_event() const {
-  double next = plant_.driver().next_sample();
+  double next = std::min(plant_.driver().next_sample(), plant_.ramp_end());
   for (double const b : plant_.assembled().options.breakpoints)
     if (b > passed_) next = std::min(next, b);
   return next;
@@ -113,6 +113,7 @@ Status ContinuousPlant::pass_event() {
     status = driver.pass_sample(state_.data(), state_.data() + dynamics().sizes().states);
   for (double const b : plant_.assembled().options.breakpoints)
     if (b <= until) passed_ = std::max(passed_, b);
+  if (plant_.ramp_end() <= until) plant_.end_ramp();
   forget();
   return status;
 }

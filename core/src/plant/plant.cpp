@@ -27,7 +27,11 @@ Plant::Plant(AssembledModel assembled)
   for (std::size_t i = 0; i < parameters_.variables().size(); ++i)
     list_.add(parameters_.variables()[i], {Place::parameter, i});
   check_unique(list_);
-  for (Variable const& variable : list_.variables) value_.push_back(variable.start);
+  for (std::size_t i = 0; i < list_.variables.size(); ++i) {
+    value_.push_back(list_.variables[i].start);
+    if (list_.places[i].kind == Place::running_speed) at_speed_ = i;
+    if (list_.places[i].kind == Place::rise_time) at_rise_time_ = i;
+  }
   for (WheelContact const& contact : assembled_.model->contacts) wheels_.push_back(wheel_name(assembled_, contact));
 }
 
@@ -71,6 +75,7 @@ Status Plant::start(double final_time) {
     if (list_.variables[i].causality == Causality::input) value_[i] = list_.variables[i].start;
   if (MechatronicSystem* system = driver_->system()) system->set_controllers(parameters_.controllers());
   time_ = driver_->time();
+  ramp_end_ = never;
   driver_->sample_now();
   row_fresh_ = measured_fresh_ = false;
   return status_;
@@ -80,7 +85,12 @@ Status Plant::advance(double t) {
   if (!started()) return Status::not_finite;
   if (status_ != Status::ok || !(t > time_)) return status_;
   shown_ = {};
-  status_ = driver_->advance(t, [](double, double const*, double const*) {});
+  auto const unseen = [](double, double const*, double const*) {};
+  if (double const end = ramp_end_; end <= t) {
+    status_ = driver_->advance(end, unseen);
+    if (status_ == Status::ok && driver_->time() >= end) end_ramp();
+  }
+  if (status_ == Status::ok) status_ = driver_->advance(t, unseen);
   driver_->sample_now();
   time_ = driver_->system() != nullptr || status_ != Status::ok ? driver_->time() : std::min(t, driver_->time());
   row_fresh_ = measured_fresh_ = false;
@@ -104,21 +114,36 @@ void Plant::show(double t, std::span<double const> states) {
 }
 
 void Plant::hold_input(std::size_t index, double value) {
+  Place::Kind const kind = list_.places[index].kind;
+  if (kind == Place::running_speed || kind == Place::rise_time) return;  // a change begins a ramp, nothing jumps
   value_[index] = value;
   apply(list_.places[index], value);
 }
 
 void Plant::apply(Place const& place, double value) {
   if (place.kind == Place::friction) return driver_->hold_friction(place.index, 1.0 + value, time_);
+  if (place.kind == Place::running_speed) return ramp_speed(value);
+  if (place.kind == Place::rise_time) return;  // of the next command
   MechatronicSystem* system = driver_->system();
   if (system == nullptr) return driver_->hold_torque(place.kind == Place::roller_torque, place.index, value, time_);
   CallerDemands& caller = system->caller();
   if (place.kind == Place::brake_demand) caller.brake_demand[place.index] = value;
   if (place.kind == Place::motor_torque) caller.motor_torque[place.index] = value;
   if (place.kind == Place::command) caller.commands[place.item][place.index] = value;
+  if (place.kind == Place::speed_control) caller.speed_control[place.index] = value;
+  if (place.kind == Place::roller_speed) caller.roller_speed[place.index] = value;
   if (place.kind == Place::rail_friction) caller.rail_friction = 1.0 + value;
   if (place.kind == Place::train_force) caller.train_force = value;
 }
+
+/// From the present speed to another, on a straight line.
+void Plant::ramp_speed(double speed) {
+  double const over = value_[at_rise_time_];
+  driver_->ramp_speed(speed, over, time_);
+  ramp_end_ = time_ + over;
+}
+
+void Plant::end_ramp() { driver_->ramp_speed(value_[at_speed_], 0.0, std::exchange(ramp_end_, never)); }
 
 double Plant::get(int index) {
   if (index < 0 || index >= static_cast<int>(list_.variables.size())) return nan;
@@ -162,7 +187,7 @@ std::vector<std::byte> Plant::save() {
   if (!started()) return {};
   StateWriter archive;
   driver_->state(archive);
-  archive(value_, time_, status_);
+  archive(value_, time_, ramp_end_, status_);
   ByteWriter out;
   out.number(identity());
   out.number(crc64(archive.out.bytes(), identity()));
@@ -180,7 +205,7 @@ bool Plant::restore(std::span<std::byte const> bytes) {
   StateReader archive(bytes.subspan(head));
   shown_ = {};
   driver_->state(archive);
-  archive(value_, time_, status_);
+  archive(value_, time_, ramp_end_, status_);
   for (std::size_t i = 0; i < value_.size(); ++i)
     if (list_.places[i].kind == Place::parameter) parameters_.set(list_.places[i].index, value_[i]);
   if (MechatronicSystem* system = driver_->system()) system->set_controllers(parameters_.controllers());

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <set>
 #include <stdexcept>
@@ -14,6 +15,7 @@ namespace {
 constexpr double any = std::numeric_limits<double>::infinity();
 constexpr double highest_pressure = 1e7;  ///< [Pa]
 constexpr double largest_change = 9.0;    ///< of friction
+constexpr double highest_speed = 200.0;   ///< [m/s]
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
@@ -63,6 +65,42 @@ void add_demands(MechatronicSetup const& setup, PartNames const& names, Variable
                 limit(field.highest), field.whole},
                {Place::command, i, c});
     }
+}
+
+/// Speed control of the rollers' drives, where the rig's controller is outside and has a feedback to do it.
+void add_speed_control(MechatronicSetup const& setup, PartNames const& names, VariableList& list) {
+  for (auto const& [sampling, any_law] : setup.controllers) {
+    auto const* law = std::get_if<RigController>(&any_law);
+    if (law == nullptr || !sampling.external || !law->controls_speed()) continue;
+    for (std::size_t i = 0; i < setup.under_test(); ++i) {
+      if (!has_command(setup, i, Command::roller_torque)) continue;
+      std::string const axle = names.axles[i] + ".";
+      list.add({axle + "roller_speed_control", "1",
+                "1: the roller's drive goes to roller_speed_command by the rig's feedback, with "
+                "roller_torque_command as its feed-forward; 0: it is given roller_torque_command alone",
+                Causality::input, Variability::discrete, 0.0, 0.0, 1.0, true},
+               {Place::speed_control, i});
+      list.add({axle + "roller_speed_command", "rad/s",
+                "speed asked of the roller's drive, positive drives the wheel forward", Causality::input,
+                Variability::discrete, setup.speed / law->assumed.roller_radius, -any, any},
+               {Place::roller_speed, i});
+    }
+  }
+}
+
+/// The speed of rollers or track that an ideal drive keeps, where the case keeps it constant.
+void add_running_speed(Model const& model, VariableList& list) {
+  auto const& speeds = model.speed.points.y;
+  bool const driven = model.on_rails || std::ranges::any_of(model.bodies, &Body::speed_controlled);
+  if (!driven || std::ranges::adjacent_find(speeds, std::not_equal_to{}) != speeds.end()) return;
+  list.add({"run.speed_command", "m/s",
+            "running speed that speed-controlled rollers (at the crown) or the track go to, on a straight line over "
+            "run.speed_rise_time from each change on",
+            Causality::input, Variability::discrete, model.speed.at(0.0), -highest_speed, highest_speed},
+           {Place::running_speed});
+  list.add({"run.speed_rise_time", "s", "in which rollers or track reach a new run.speed_command", Causality::input,
+            Variability::discrete, 0.1, 1e-3, 1e3},
+           {Place::rise_time});
 }
 
 /// Of the train that the axles under test belong to: on track the real one, on a rig the virtual one.
@@ -174,9 +212,11 @@ VariableList list_variables(AssembledModel const& assembled) {
   PartNames const& names = assembled.names;
   if (assembled.setup) {
     add_demands(*assembled.setup, names, list);
+    add_speed_control(*assembled.setup, names, list);
     add_train(*assembled.setup, list);
   } else {
     add_torques(model, names, list);
+    add_running_speed(model, list);
   }
   add_friction(assembled, list);
   Columns columns(list);

@@ -142,6 +142,14 @@ void Driver::hold_torque(bool of_roller, std::size_t index, double value, double
   integrator_->rewind(from);
 }
 
+void Driver::ramp_speed(double speed, double over, double from) {
+  Travel<double> const now = travel_now(plant_.model(), inputs_, from);
+  held_ = inputs_.frame_moves = true;
+  inputs_.speed = over > 0.0 ? HeldInput{from, now.speed, (speed - now.speed) / over} : HeldInput{from, speed, 0.0};
+  inputs_.distance = now.s;
+  integrator_->rewind(from);
+}
+
 void Driver::hold_friction(std::size_t contact, double factor, double from) {
   if (inputs_.friction.empty()) inputs_.friction.resize(plant_.model().contacts.size(), 1.0);
   inputs_.friction[contact] = factor;

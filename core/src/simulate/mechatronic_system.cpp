@@ -41,6 +41,7 @@ MechatronicSystem::MechatronicSystem(MechatronicSetup setup)
   sanded_.reset(setup_.rail_cell);
   for (std::size_t c = 0; c < command_count; ++c) acting_[c].fill(command_fields[c].initial);
   caller_.commands = acting_;
+  if (RigController const* law = rig()) caller_.roller_speed.fill(setup_.speed / law->assumed.roller_radius);
 }
 
 void MechatronicSystem::prepare(Model const& model, Inputs& inputs) const {
@@ -56,6 +57,7 @@ void MechatronicSystem::prepare(Model const& model, Inputs& inputs) const {
 
 void MechatronicSystem::start(Dynamics const& plant) {
   sensors_.start(setup_, plant, simulated_, measured_);
+  if (RigController const* law = rig()) speed_control_.fill(law->start_feedback());
   for (std::size_t i = 0; i < controllers_.size(); ++i) {
     auto const& [sampling, any] = setup_.controllers[i];
     double const period = setup_.step * sampling.every;
@@ -337,8 +339,23 @@ bool MechatronicSystem::waits_for(std::string_view controller) const {
 }
 
 void MechatronicSystem::answer(std::int64_t step) {
-  for (Controller& own : controllers_)
-    if (std::exchange(own.waits, false)) own.commands.send(caller_.commands[own.command], step);
+  for (std::size_t i = 0; i < controllers_.size(); ++i)
+    if (std::exchange(controllers_[i].waits, false)) controllers_[i].commands.send(answer_of(i), step);
+}
+
+/// What the caller commands; a roller's drive that is asked for a speed finds its torque by the feedback of the rig's controller.
+PerAxle<double> MechatronicSystem::answer_of(std::size_t index) {
+  PerAxle<double> command = caller_.commands[controllers_[index].command];
+  auto const& [sampling, any] = setup_.controllers[index];
+  auto const* law = std::get_if<RigController>(&any);
+  for (std::size_t i = 0; i < under_test() && law != nullptr; ++i) {
+    if (caller_.speed_control[i] == 1.0)
+      command[i] = law->torque_for_speed(speed_control_[i], command[i], caller_.roller_speed[i],
+                                         measured_.roller_speed[i], setup_.step * sampling.every);
+    else
+      speed_control_[i] = law->start_feedback();
+  }
+  return command;
 }
 
 void MechatronicSystem::set_command(std::string_view controller, std::span<double const> command, std::int64_t step) {

@@ -89,7 +89,7 @@ def serve_case(
         external: tables of the case's controllers that are outside; None: 'slide_protection' and 'wheel_slip_control', as far
             as the case has them. They are asked every period.
         outputs: names of what is sent, '*' stands for anything; empty: what the controllers outside measure.
-        safe: values of commands in the safe state, by name; 0 for the others.
+        safe: values of commands in the safe state, by name; 0 for the others, for the running speed that of the case.
         lock_step: not in real time: the method is that of `simulate`.
 
     Raises:
@@ -128,7 +128,7 @@ def serve_model(
         rate: of commands and sensors [Hz]; its period is a multiple of the model's sampling step.
         name: of its file, for messages.
         outputs: names of what is sent, '*' stands for anything; empty: what the controllers outside measure.
-        safe: values of commands in the safe state, by name; 0 for the others.
+        safe: values of commands in the safe state, by name; 0 for the others, for the running speed that of the case.
 
     Raises:
         ConfigError: the rate, a name or a value is not allowed.
@@ -226,7 +226,7 @@ def _safe(name: str, inputs: Sequence[_core.Variable], given: Mapping[str, float
             kind = "a whole number" if limits.whole else "a number"
             allowed = f"allowed: {kind} from {limits.least:g} to {limits.most:g}"
             raise refused(name, f"safe: {own}", f"{value:g}", allowed)
-    return tuple(float(given.get(own, 0.0)) for own in names)
+    return tuple(float(given.get(v.name, v.start if v.name.startswith("run.") else 0.0)) for v in inputs)
 
 
 def _is_measured(variable: _core.Variable) -> bool:

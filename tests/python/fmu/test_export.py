@@ -150,3 +150,20 @@ def test_the_file_of_another_program_stays(
     assert theirs.read_bytes() == b"PK\x03\x04 of somebody else"
     shutil.copy(braked, theirs)
     export_fmu(load_case("adhesion_brake"), theirs)
+
+
+def test_the_speed_of_the_rollers_is_an_input(tmp_path: Path) -> None:
+    case = load_case("bogie_rollers_constant").with_changes({"disturbance": []})
+    export_fmu(case, out := tmp_path / "bogie.fmu")
+    description = fmpy.read_model_description(str(out))
+    command = next(v for v in description.modelVariables if v.name == "run.speed_command")
+    assert (command.causality, command.unit, float(command.start)) == ("input", "m/s", case.motion.speed)
+    faster = case.motion.speed * 1.01
+    given = np.array([(0.0, faster), (1.0, faster)], dtype=[("time", float), ("run.speed_command", float)])
+    found = fmpy.simulate_fmu(
+        str(out), input=given, stop_time=0.2, output_interval=0.05, output=["roller_1.pitch_rate"]
+    )["roller_1.pitch_rate"]
+    assert found[-1] / found[0] == pytest.approx(1.01, rel=1e-9)
+    export_fmu("adhesion_brake", out := tmp_path / "rig.fmu", external=["rig_control"])
+    names = {v.name for v in fmpy.read_model_description(str(out)).modelVariables if v.causality == "input"}
+    assert {f"wheelset_1.roller_{name}" for name in ("torque_command", "speed_command", "speed_control")} <= names

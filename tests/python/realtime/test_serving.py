@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from python.realtime.running import Running, brake_case
-from rollerrig import _core, simulate
+from rollerrig import _core, load_case, simulate
 from rollerrig.config import ConfigError
 from rollerrig.realtime import Client, ClientError
 from rollerrig.realtime.links import SHARED_MEMORY, Rings
@@ -220,6 +220,13 @@ def test_a_rate_that_one_core_cannot_hold_is_refused_with_what_it_can() -> None:
     served = serve_case(brake_case(**{"time.sampling_step": 1e-5, "time.duration": 0.005}), "100 kHz")
     with pytest.raises(ConfigError, match=r"rate: 100 kHz; one core of this machine holds [\d.]+ kHz"):
         check_rate(served)
+
+
+def test_without_a_controller_rollers_keep_the_speed_of_the_case() -> None:
+    case = load_case("bogie_rollers_constant")
+    served = serve_case(case)
+    safe = {v.name: value for v, value in zip(served.inputs, served.safe, strict=True)}
+    assert safe == {"run.speed_command": case.motion.speed, "run.speed_rise_time": 0.1}
 
 
 @pytest.mark.parametrize(

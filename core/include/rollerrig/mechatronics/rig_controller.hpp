@@ -81,6 +81,18 @@ struct RigController {
   /// One sample: torque of each roller's drive [N m].
   void step(State& s, Measurements const& now, double period, PerAxle<double>& torque) const;
 
+  /// The drive's speed control in place of the law of the rig: its feedback, on the roller's measured speed.
+  ///
+  /// @param feed_forward  torque asked for beside it [N m]
+  /// @param wanted, roller_speed  [rad/s]
+  /// @returns torque of the drive [N m]
+  double torque_for_speed(StateOf<AnyFeedback>& state, double feed_forward, double wanted, double roller_speed,
+                          double period) const;
+  StateOf<AnyFeedback> start_feedback() const {
+    return std::visit([]<class Law>(Law const&) { return StateOf<AnyFeedback>{typename Law::State{}}; }, feedback);
+  }
+  bool controls_speed() const { return !std::holds_alternative<NoFeedback>(feedback); }
+
  private:
   /// Whether the wheel is locked, and with it that of the virtual train, (D15).
   void lock_or_unlock(State& s, int axle, double axle_speed) const;

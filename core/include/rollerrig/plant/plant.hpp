@@ -6,6 +6,7 @@
 // Where the model has sampled blocks, time advances in whole sampling steps; at the end of each the sensors have been read and
 // the controllers asked. The present inputs hold from there on; they also answer for external controllers.
 #pragma once
+#include <limits>
 #include <span>
 #include <string_view>
 
@@ -50,6 +51,9 @@ class Plant {
   void show(double t, std::span<double const> states);
   /// An input without its limits, by its index: for differences about what was set.
   void hold_input(std::size_t index, double value);
+  /// When a change of the running speed is over [s]; infinite: none is going on. Then, what ends it; advance() does so itself.
+  double ramp_end() const { return ramp_end_; }
+  void end_ramp();
   Place const& place(std::size_t index) const { return list_.places[index]; }
 
   bool started() const { return driver_->started(); }
@@ -65,7 +69,10 @@ class Plant {
   Driver& driver() { return *driver_; }
 
  private:
+  static constexpr double never = std::numeric_limits<double>::infinity();
+
   void apply(Place const& place, double value);
+  void ramp_speed(double speed);
   void read_measurements();
   std::uint64_t identity();
 
@@ -81,6 +88,8 @@ class Plant {
   bool row_fresh_{false}, measured_fresh_{false};  ///< they are
   std::span<double const> shown_;  ///< states and quadratures that outputs are of; empty: those of the run
   double time_{0.0};
+  std::size_t at_speed_{0}, at_rise_time_{0};  ///< inputs, where the running speed is one
+  double ramp_end_{never};                     ///< of a change of it [s]
   Status status_{Status::ok};
   std::uint64_t identity_{0};  ///< of the model as given; 0: not yet known
   bool changed_{false};        ///< a fixed parameter, since the driver was made

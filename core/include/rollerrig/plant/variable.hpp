@@ -31,18 +31,22 @@ struct Variable {
 /// Where the number behind a variable stands.
 struct Place {
   enum Kind : int {
-    brake_demand,  ///< per axle
-    motor_torque,  ///< per axle
-    command,       ///< `item` of the commands, per axle
-    friction,      ///< per contact
+    brake_demand,   ///< per axle
+    motor_torque,   ///< per axle
+    command,        ///< `item` of the commands, per axle
+    speed_control,  ///< per axle: whether the roller's drive goes to a speed
+    roller_speed,   ///< per axle: that speed
+    friction,       ///< per contact
     rail_friction,
     train_force,
     parameter,
     axle_torque,  ///< of the model: where nothing is sampled
     roller_torque,
-    recorded,    ///< column of the recorder's row
-    side_ratio,  ///< column of Y; Q stands in column `item`
-    measured,    ///< column of what an external controller sees
+    running_speed,  ///< of speed-controlled rollers, or of the track
+    rise_time,      ///< in which it is reached
+    recorded,       ///< column of the recorder's row
+    side_ratio,     ///< column of Y; Q stands in column `item`
+    measured,       ///< column of what an external controller sees
   } kind{};
   std::size_t index{};
   std::size_t item{};

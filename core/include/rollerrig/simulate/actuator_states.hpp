@@ -17,11 +17,13 @@ using ActingCommands = std::array<PerAxle<double>, command_count>;
 
 /// What a caller asks for from outside, axle by axle; it holds until the caller asks for something else.
 struct CallerDemands {
-  ActingCommands commands{};       ///< where the case has no controller for them, or an external one
-  PerAxle<double> brake_demand{};  ///< cylinder pressure beside the case's own demand [Pa]
-  PerAxle<double> motor_torque{};  ///< of the traction motor beside the case's own demand [N m]
-  double train_force{0.0};         ///< on the train, forward [N]
-  double rail_friction{1.0};       ///< of the virtual rail and under simulated axles, over what its law says
+  ActingCommands commands{};        ///< where the case has no controller for them, or an external one
+  PerAxle<double> brake_demand{};   ///< cylinder pressure beside the case's own demand [Pa]
+  PerAxle<double> motor_torque{};   ///< of the traction motor beside the case's own demand [N m]
+  PerAxle<double> speed_control{};  ///< of an external rig controller: 1 where the roller's drive goes to a speed
+  PerAxle<double> roller_speed{};   ///< that speed [rad/s]
+  double train_force{0.0};          ///< on the train, forward [N]
+  double rail_friction{1.0};        ///< of the virtual rail and under simulated axles, over what its law says
 };
 
 class ActuatorStates {

@@ -74,6 +74,9 @@ class Driver {
   /// Without sampled blocks: a torque of the model beside its own table [N m], from a time within the last step on. Steps end
   /// where advance() is asked to from then on.
   void hold_torque(bool of_roller, std::size_t index, double value, double from);
+  /// Without sampled blocks: from a time within the last step on, the running speed of the model goes on a straight line from what
+  /// it is there to another [m/s] in a time [s], and beyond; in no time: it stays there.
+  void ramp_speed(double speed, double over, double from);
   /// Friction of a contact over what its law says, from now on; without sampled blocks from a time within the last step on.
   void hold_friction(std::size_t contact, double factor, double from);
 

@@ -73,8 +73,8 @@ class MechatronicSystem {
   void state(Archive& archive) {
     archive(measured_, sensors_, actuators_, train_, simulated_, impulse_of_simulated_);
     for (Controller& own : controllers_) archive(own.state, own.commands, own.waits);
-    archive(caller_, acting_, rail_, wheel_, slides_for_, sanding_, sand_, sanded_, sand_used_, track_brake_power_,
-            track_brake_energy_);
+    archive(caller_, speed_control_, acting_, rail_, wheel_, slides_for_, sanding_, sand_, sanded_, sand_used_,
+            track_brake_power_, track_brake_energy_);
   }
 
  private:
@@ -99,6 +99,7 @@ class MechatronicSystem {
   TrainStep train_step(std::int64_t step) const;
   void step_simulated(std::int64_t step);
   void ask(std::size_t index, std::int64_t step);
+  PerAxle<double> answer_of(std::size_t index);
   void read_true_forces(Dynamics const& plant);
   void dissipate(Dynamics const& plant, Inputs& inputs);
   void lay_sand(Dynamics const& plant, Inputs& inputs);
@@ -119,6 +120,7 @@ class MechatronicSystem {
   double impulse_of_simulated_{0.0};  ///< since the last sample of the rig's controller [N s]
   std::vector<Controller> controllers_;
   CallerDemands caller_{};
+  PerAxle<StateOf<AnyFeedback>> speed_control_{};  ///< of the drives that the caller asks for a speed
   ActingCommands acting_{};
   std::array<bool, command_count> controlled_{};  ///< by a controller of the setup
   std::array<RecoveredRail, 2> rail_;             ///< left, right
