@@ -167,3 +167,20 @@ def test_the_speed_of_the_rollers_is_an_input(tmp_path: Path) -> None:
     export_fmu("adhesion_brake", out := tmp_path / "rig.fmu", external=["rig_control"])
     names = {v.name for v in fmpy.read_model_description(str(out)).modelVariables if v.causality == "input"}
     assert {f"wheelset_1.roller_{name}" for name in ("torque_command", "speed_command", "speed_control")} <= names
+
+
+def test_in_model_exchange_the_end_of_a_change_of_speed_is_an_event(tmp_path: Path) -> None:
+    case = load_case("bogie_rollers_constant").with_changes({"disturbance": []})
+    export_fmu(case, out := tmp_path / "bogie.fmu", kind="me")
+    start = case.motion.speed
+    rows = [(0.0, start), (0.05, start), (0.05, 1.01 * start), (1.0, 1.01 * start)]
+    found = fmpy.simulate_fmu(
+        str(out),
+        input=np.array(rows, dtype=[("time", float), ("run.speed_command", float)]),
+        stop_time=0.25,
+        output_interval=0.05,
+        output=["roller_1.pitch_rate"],
+        fmi_type="ModelExchange",
+    )
+    gained = np.interp([0.1, 0.15, 0.25], found["time"], found["roller_1.pitch_rate"] / found["roller_1.pitch_rate"][0])
+    np.testing.assert_allclose(gained, [1.005, 1.01, 1.01], rtol=1e-6)  # the tolerance of CVODE
