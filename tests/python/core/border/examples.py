@@ -436,6 +436,7 @@ class Examples:
             "PartNames": Call(_core.PartNames, fields(given["names"])),
             "AssembledModel": Call(_core.AssembledModel, given),
             "write_model": Call(_core.write_model, {"assembled": assembled}),
+            "continuous_variables": Call(_core.continuous_variables, {"assembled": assembled}),
             "model_token": Call(_core.model_token, {"content": _core.write_model(assembled)}),
             "read_model": Call(_core.read_model, {"content": _core.write_model(assembled)}),
             "Plant": Call(_core.Plant, {"assembled": assembled}),
