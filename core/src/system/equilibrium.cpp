@@ -147,6 +147,31 @@ std::vector<double> first_guess(Dynamics& dynamics, double speed, double t, std:
   return x;
 }
 
+/// The same state, in which wheelsets turn so that their loaded wheels do not creep along, on the mean: where a steep profile
+/// touches far from the nominal radius, the rates of pure rolling with that radius are beyond all friction.
+std::vector<double> without_creep(Dynamics& dynamics, double t, std::vector<double> x) {
+  Model const& model = dynamics.model();
+  for (int b = 0; b < static_cast<int>(model.bodies.size()); ++b) {
+    int const spin = dynamics.map().rate[at(b)][coord_pitch];
+    if (!is_wheelset(model, b) || spin < 0 || x[at(spin)] == 0.0) continue;
+    auto const slip = [&] {
+      dynamics.evaluate(t, x.data());
+      double load = 0.0, sum = 0.0;
+      for (int c = 0; c < static_cast<int>(model.contacts.size()); ++c)
+        for (int k = 0; model.contacts[at(c)].wheelset == b && k < dynamics.patch_count(c); ++k) {
+          load += dynamics.patch(c, k).normal.total();
+          sum += dynamics.patch(c, k).normal.total() * dynamics.patch(c, k).slip_longitudinal;
+        }
+      return load > 0.0 ? sum / load : 0.0;
+    };
+    double const turns = x[at(spin)], change = 1e-3 * turns, before = slip();
+    x[at(spin)] = turns + change;
+    double const gained = slip() - before;  // in proportion: no contact has moved
+    x[at(spin)] = gained != 0.0 ? turns - change * before / gained : turns;
+  }
+  return x;
+}
+
 /// Unbalanced forces and moments in one state; false where a wheel has no contact or a number is not finite.
 bool unbalanced(Dynamics& dynamics, Problem const& problem, double t, std::vector<double> const& x,
                 Eigen::VectorXd& residual) {
@@ -325,6 +350,8 @@ Equilibrium solve_equilibrium(Dynamics& dynamics, double speed, double t, std::v
   }
   auto result = newton(dynamics, t, fixed, first_guess(dynamics, speed, t, fixed));
   if (result.converged) return result;
+  auto rolling = newton(dynamics, t, fixed, without_creep(dynamics, t, first_guess(dynamics, speed, t, fixed)));
+  if (rolling.converged) return rolling;
   auto second = newton(dynamics, t, fixed, relaxed(dynamics, t, fixed, first_guess(dynamics, speed, t, fixed)));
   return second.converged ? second : result;
 }

@@ -9,8 +9,10 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from rollerrig import load_case
 from rollerrig.analysis.critical_speed import HIGHEST_KMH, bracket, critical_speed
 from rollerrig.analysis.hunting import HuntingRun, hunting_table
+from rollerrig.analysis.linearise import DIRECTIONS, Lineariser
 from rollerrig.analysis.signals import FinalMotion
 from rollerrig.study.critical_speeds import between, ended_early_sentence
 
@@ -93,3 +95,22 @@ def test_each_definition_has_its_own_name_and_unit() -> None:
 def test_an_unknown_definition_is_refused() -> None:
     with pytest.raises(ValueError, match="nonlinear; allowed: linear, disturbance, continuation"):
         critical_speed("wheelset_rollers", methods=["nonlinear"])
+
+
+@pytest.mark.parametrize("speed_kmh", [10.0, 20.0])
+def test_steady_rolling_is_found_where_a_steep_wheel_touches_far_from_its_nominal_radius(speed_kmh: float) -> None:
+    """A cone of 1:5 on large rollers rolls on a radius 1 % larger: at v over the nominal one the friction would be used up."""
+    case = load_case("bogie_rollers_constant").with_changes(
+        {
+            "vehicle.wheel.profile": {"kind": "cone", "conicity": 0.204},
+            "support.roller_radius": "1.05 m",
+            "vehicle.element.primary_*.x.stiffness": "60 MN/m",
+        }
+    )
+    lineariser = Lineariser(case)
+    found = lineariser.at(speed_kmh / 3.6)
+    simulation = lineariser.simulation_at(speed_kmh / 3.6)
+    wheelset = lineariser.model.body_index("wheelset_1")
+    spin = found.equilibrium[simulation.rate_index[wheelset][DIRECTIONS.index("pitch")]]
+    radius = case.vehicle.data.wheel.radius
+    assert 0.985 < spin * radius / (speed_kmh / 3.6) < 0.995

@@ -4,6 +4,10 @@ from __future__ import annotations
 
 import json
 import math
+import os
+import signal
+import subprocess
+import sys
 import time
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
@@ -203,6 +207,48 @@ def test_an_interrupted_sweep_goes_on_and_ends_in_the_same_bytes(tmp_path: Path)
     for name in ("sweep.nc", "sweep.csv", "summary.json", "report.html"):
         assert (tmp_path / "a" / name).read_bytes() == (tmp_path / "b" / name).read_bytes()
     assert len((tmp_path / "a" / NAME).read_bytes().splitlines()) == 1 + 6
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("times", [1, 2])
+def test_ctrl_c_is_answered_at_once_and_keeps_the_finished_cases(tmp_path: Path, times: int) -> None:
+    """A real process, its group signalled as a terminal does; the time limits are for a machine that is busy."""
+    (tmp_path / "plan.toml").write_text(PLAN.replace("count = 3", "count = 200"))
+    journal = tmp_path / "out" / NAME
+    command = [sys.executable, "-c", "from rollerrig.cli import main; main()", "sweep", str(tmp_path / "plan.toml")]
+    process = subprocess.Popen(
+        [*command, "--workers", "1", "--out", str(tmp_path / "out")],
+        stderr=subprocess.PIPE,
+        stdout=subprocess.DEVNULL,
+        text=True,
+        start_new_session=True,
+    )
+    assert process.stderr is not None
+    try:
+        limit = time.monotonic() + 60.0
+        while not (journal.exists() and journal.read_bytes().count(b"\n") > 2):
+            assert process.poll() is None, process.stderr.read()
+            assert time.monotonic() < limit
+            time.sleep(0.02)
+        os.killpg(process.pid, signal.SIGINT)
+        begun, said = time.monotonic(), ""
+        while "Stopping" not in said:
+            line = process.stderr.readline()
+            assert line, said
+            said += line
+        assert time.monotonic() - begun < 10.0
+        if times == 2:
+            process.send_signal(signal.SIGINT)
+        rest = process.communicate(timeout=60)[1]
+    finally:
+        if process.poll() is None:
+            process.kill()
+    assert process.returncode == 130, rest
+    assert "Traceback" not in said + rest
+    if times == 1:
+        assert "the same command continues" in rest
+    kept = [json.loads(line) for line in journal.read_text().splitlines()]
+    assert 2 < len(kept) < 400
 
 
 def test_another_plan_is_refused_with_what_changed(tmp_path: Path) -> None:
