@@ -2,7 +2,9 @@
  *
  * Two Real inputs (references 0, 1), two Integer outputs (2, 3), Real parameters: part of the speed (4), time after which it
  * fails (5), time after which its first output is out of its limits (6); String parameter (7), Boolean parameter: never vents (8).
+ * The same outputs as Real (9, 10), of which the first is no number from a time on (11).
  */
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -10,7 +12,7 @@
 
 typedef struct {
   fmi2CallbackFunctions const* callbacks;
-  double real[7];
+  double real[12];
   int valve[2], never;
 } Relay;
 
@@ -23,7 +25,7 @@ fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, f
   (void)name, (void)location, (void)visible, (void)logging;
   if (type != fmi2CoSimulation || strcmp(guid, "relay") != 0) return NULL;
   relay->callbacks = functions;
-  relay->real[4] = 0.9, relay->real[5] = relay->real[6] = 1e9;
+  relay->real[4] = 0.9, relay->real[5] = relay->real[6] = relay->real[11] = 1e9;
   return relay;
 }
 void fmi2FreeInstance(fmi2Component c) { free(c); }
@@ -66,6 +68,8 @@ fmi2Status fmi2DoStep(fmi2Component c, fmi2Real time, fmi2Real length, fmi2Boole
   }
   for (int i = 0; i < 2; ++i) relay->valve[i] = !relay->never && relay->real[i] < relay->real[4] * fastest ? 2 : 0;
   if (time > relay->real[6]) relay->valve[0] = 7;
+  for (int i = 0; i < 2; ++i) relay->real[9 + i] = relay->valve[i];
+  if (time > relay->real[11]) relay->real[9] = NAN;
   return fmi2OK;
 }
 

@@ -273,6 +273,11 @@ def relay(tmp_path_factory: pytest.TempPathFactory) -> Path:
     kinds += [("v2", "Integer", "output", ""), ("part", "Real", "parameter", 'start="0.9" min="0" max="1"')]
     kinds += [(name, "Real", "parameter", 'start="1e9"') for name in ("fails_at", "errs_at")]
     kinds += [("rail", "String", "parameter", 'start="wet"'), ("never", "Boolean", "parameter", 'start="false"')]
+    kinds += [
+        ("r1", "Real", "output", ""),
+        ("r2", "Real", "output", ""),
+        ("none_at", "Real", "parameter", 'start="1e9"'),
+    ]
     variables = "".join(
         f'<ScalarVariable name="{name}" valueReference="{i}" causality="{causality}" '
         f'variability="{"fixed" if causality == "parameter" else "discrete"}"><{kind} {rest}/></ScalarVariable>'
@@ -288,8 +293,8 @@ def relay(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder / "relay.fmu"
 
 
-def with_relay(relay: Path, duration: float, **parameters: object) -> Case:
-    names = {"axle_speed": "w{number}", "valve": "v{number}"}
+def with_relay(relay: Path, duration: float, valve: str = "v{number}", **parameters: object) -> Case:
+    names = {"axle_speed": "w{number}", "valve": valve}
     table = {"file": str(relay), "names": names, "parameters": parameters}
     return braked(duration, **{"slide_protection.fmu": table})
 
@@ -326,6 +331,10 @@ def test_an_fmu_that_fails_ends_the_run_and_leaves_nothing_behind(
     assert 0.4 < float(failed["time"][-1]) <= 0.51
     wrong = simulate(with_relay(relay, 1.0, errs_at=0.5))
     assert re.search(r"valve = \[7\.0, 0\.0\]; allowed: 0 fill", wrong.attrs["status_message"])
+    none = simulate(with_relay(relay, 1.0, valve="r{number}", none_at=0.5))
+    assert none.attrs["status"] == "controller_failed"
+    assert re.match(r"t = 0\.505 s, slide_protection.*valve = \[nan, 0\.0\]", none.attrs["status_message"])
+    assert 0.4 < float(none["time"][-1]) <= 0.51
     refused = simulate(with_relay(relay, 1.0, rail="dusty"))
     assert re.match(r"t = 0 s, slide_protection, controller relay\.fmu: fmi2SetString", refused.attrs["status_message"])
     assert not list(tmp_path.iterdir())

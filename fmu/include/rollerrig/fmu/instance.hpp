@@ -266,7 +266,8 @@ class Instance {
       return log(Answer::error, "%s: the state of another FMU", call);
     auto fresh = anew(std::as_const(*plant_));
     std::vector<double> states(head.states);
-    std::memcpy(states.data(), rest.data() + head.chosen * sizeof(double), head.states * sizeof(double));
+    if (!states.empty())
+      std::memcpy(states.data(), rest.data() + head.chosen * sizeof(double), head.states * sizeof(double));
     auto const run = rest.subspan((head.chosen + head.states) * sizeof(double));
     if (head.phase != instantiated && !(fresh->restore(run) && restore_states(*fresh, states)))
       return log(Answer::error, "%s: the state of another FMU", call);
