@@ -10,6 +10,7 @@ import pickle
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
+from itertools import islice
 from typing import Any
 
 import xarray as xr
@@ -161,9 +162,9 @@ class SweepStudy(Study[Sweep]):
     def _failed(self, done: Done) -> int:
         """Failed cases so far; only those that came since the last time are looked at."""
         seen = int(self._told.get("seen", 0))
-        new = list(done.values())[seen:] if len(done) > seen else []
+        new = islice(reversed(done.values()), max(len(done) - seen, 0))  # the last ones, however many there are before
         self._told["failed"] = self._told.get("failed", 0) + sum(1 for record in new if record[FAILED])
-        self._told["seen"] = seen + len(new)
+        self._told["seen"] = max(seen, len(done))
         return int(self._told["failed"])
 
     def collect(self, done: Done) -> Sweep | None:

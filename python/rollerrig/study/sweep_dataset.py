@@ -84,7 +84,7 @@ def sweep_rows(data: xr.Dataset, points: Points) -> list[list[object]]:
     """A row per case, header first: values of the varied keys in SI, numbers, reason of failure."""
     numbers = [name for name in map(str, data.data_vars) if name != FAILED]
     columns = [
-        [_text(v) if not axis.is_number else v for v in column]
+        list(column) if axis.is_number else [_text(v) for v in column]
         for axis, column in zip(points.axes, points.columns, strict=True)
     ]
     columns += [data[name].to_numpy().ravel().tolist() for name in (*numbers, FAILED)]

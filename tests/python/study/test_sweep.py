@@ -5,10 +5,12 @@ from __future__ import annotations
 import json
 import math
 import os
+import re
 import signal
 import subprocess
 import sys
 import time
+from collections.abc import Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from pathlib import Path
@@ -27,7 +29,8 @@ from rollerrig.results import load_run
 from rollerrig.study import measures
 from rollerrig.study.journal import NAME
 from rollerrig.study.sweep import SweepStudy, sweep_study
-from rollerrig.study.sweep_points import Points
+from rollerrig.study.sweep_dataset import FAILED, sweep_rows
+from rollerrig.study.sweep_points import Axis, Points
 from rollerrig.study.sweep_statistics import sobol_indices
 
 PLAN = """
@@ -106,6 +109,51 @@ def test_a_list_goes_through_its_values_together() -> None:
 
 
 # ------------------------------------------------------------------------------------------------------ what is found
+
+
+class _Counted(dict[str, Any]):
+    """Results of jobs that count how many of them are looked at."""
+
+    looks = 0
+
+    def values(self) -> Any:
+        """Themselves, to be iterated."""
+        return _CountedValues(self)
+
+
+class _CountedValues:
+    def __init__(self, owner: _Counted) -> None:
+        self._owner = owner
+
+    def _each(self, keys: Iterable[str]) -> Iterator[Any]:
+        for key in keys:
+            self._owner.looks += 1
+            yield self._owner[key]
+
+    def __iter__(self) -> Iterator[Any]:
+        return self._each(self._owner)
+
+    def __reversed__(self) -> Iterator[Any]:
+        return self._each(reversed(self._owner))
+
+
+def test_work_beside_the_cases_grows_with_their_number_only(monkeypatch: pytest.MonkeyPatch) -> None:
+    count, asked = 2000, list[int]()
+    vary = {"motion.speed": {"least": "36 km/h", "most": "72 km/h", "count": count}}
+    study = sweep_study(load_case("wheelset_rollers"), vary, speed_and_friction, "grid")
+    record = {"changes": {}, "numbers": {"product": 1.0}, FAILED: ""}
+    done = _Counted()
+    for number in range(count):
+        done[f"case {number}"] = {**record, FAILED: "" if number % 4 else "a reason"}
+        told = study.told(done, 2.0)
+    assert done.looks == count  # each once, as it comes
+    assert told.endswith(f", {count // 4} failed")
+    found = study.collect(done)
+    assert found is not None
+    whole = Axis.is_number.fget  # type: ignore[attr-defined]
+    monkeypatch.setattr(Axis, "is_number", property(lambda axis: asked.append(1) or whole(axis)))
+    assert len(sweep_rows(found.data, study.points)) == count + 1
+    assert len(asked) < 10  # it looks at all values: of each axis, not of each case
 
 
 def test_results_lie_over_the_varied_keys_and_failed_cases_say_why() -> None:
@@ -331,6 +379,22 @@ def test_a_wrong_plan_is_one_line_with_a_way_out(tmp_path: Path, old: str, new: 
     assert old in PLAN
     with pytest.raises(ConfigError, match=message):
         SweepStudy(plan_of(tmp_path, PLAN.replace(old, new)))
+
+
+@pytest.mark.parametrize("wrong", ["values = []", 'valus = ["1 m"]', 'least = "1 m"\nmost = "2 m"\ncount = 0'])
+def test_a_wrong_table_is_not_told_a_second_time_as_a_list_too_short(tmp_path: Path, wrong: str) -> None:
+    begin, one, _other, end = re.split(r"(?=\[\[)", PLAN)
+    with pytest.raises(ConfigError) as refused:
+        plan_of(tmp_path, begin + one.replace('values = ["500 mm", 1.0]', wrong) + end)
+    keys = [problem.key for problem in refused.value.problems]
+    assert keys
+    assert "vary" not in keys
+
+
+def test_a_plan_that_varies_nothing_is_refused(tmp_path: Path) -> None:
+    text = "\n".join(["vary = []", PLAN.split("[[vary]]")[0], "[[measure]]", PLAN.split("[[measure]]")[1]])
+    with pytest.raises(ConfigError, match=r"vary: \[\]; allowed: at least 1 entries"):
+        plan_of(tmp_path, text)
 
 
 @pytest.mark.parametrize(

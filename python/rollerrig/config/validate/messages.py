@@ -45,7 +45,8 @@ def validate(model: type[M], raw: object, file: str, prefix: str = "") -> tuple[
     try:
         return model.model_validate(raw), []
     except ValidationError as error:
-        found = [_problem(model, raw, item, file) for item in error.errors(include_url=False)]
+        errors = error.errors(include_url=False)
+        found = [_problem(model, raw, item, file) for item in errors if not _follows(item, errors)]
         return None, list(dict.fromkeys(problem.within(prefix) for problem in found if problem))
 
 
@@ -150,6 +151,14 @@ def _enter_list(place: _Place, annotation: Any, item: int | str) -> tuple[_Place
         label, inner = item, (arguments or (None,))[-1]
         raw = raw.get(item) if isinstance(raw, Mapping) else None
     return _Place(join_key(place.key, label), None, place.field, (), raw), inner
+
+
+def _follows(error: ErrorDetails, errors: Sequence[ErrorDetails]) -> bool:
+    """Whether a list is called too short only because its entries have mistakes: pydantic counts those without."""
+    place = error["loc"]
+    return error["type"] == "too_short" and any(
+        len(other["loc"]) > len(place) and other["loc"][: len(place)] == place for other in errors
+    )
 
 
 def _problem(model: type[BaseModel], raw: object, error: ErrorDetails, file: str) -> ConfigProblem | None:
