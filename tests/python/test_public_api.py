@@ -40,6 +40,13 @@ def test_no_public_object_has_the_name_of_a_module() -> None:
     assert not {name for name in OBJECTS if (PACKAGE / name).is_dir() or (PACKAGE / f"{name}.py").is_file()}
 
 
+def test_names_of_the_analysis_are_there_and_none_is_a_module() -> None:
+    from rollerrig import analysis
+
+    assert not {name for name in analysis.__all__ if (PACKAGE / "analysis" / f"{name}.py").is_file()}
+    assert all(callable(getattr(analysis, name)) for name in analysis.__all__)
+
+
 @pytest.mark.parametrize("seed", [1, 2, 3])
 def test_names_are_the_same_whatever_is_imported_first(seed: int) -> None:
     order = random.Random(seed).sample(MODULES, len(MODULES))
@@ -55,6 +62,7 @@ COSTLY += ("scipy.interpolate", "scipy.optimize", "scipy.integrate", "scipy.sign
     ("work", "allowed"),
     [
         ("import rollerrig", set()),
+        ("import rollerrig.analysis", set()),
         ("from rollerrig.cli import main; sys.argv = ['rollerrig', '--help']; main()", set()),
         (
             "from rollerrig.cli import main; sys.argv = ['rollerrig', 'adhesion', '--help']; main()",
@@ -67,7 +75,7 @@ COSTLY += ("scipy.interpolate", "scipy.optimize", "scipy.integrate", "scipy.sign
             {"numpy", "pydantic", "pandas", "xarray", "matplotlib", "h5py", "jinja2", "scipy.linalg"},
         ),  # what each process of a study loads
     ],
-    ids=["import", "help", "help of a command", "load_case", "simulate", "study"],
+    ids=["import", "analysis", "help", "help of a command", "load_case", "simulate", "study"],
 )
 def test_what_is_not_needed_is_not_imported(work: str, allowed: set[str]) -> None:
     check = f"""

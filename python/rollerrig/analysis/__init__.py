@@ -4,63 +4,102 @@ Case -> [linearise -> modes -> speed map -> critical, stability]   small motions
      -> [hunting, ramp -> signals]          runs from a disturbance
      -> [limit cycle runs -> limit cycle]   what is left at each speed, stepped up and down
 run  -> [wheel_rail_forces, ride -> filters]         wheel forces, Y/Q, wear number, accelerations, as EN 14363 assesses them
+
+Names are loaded when first used, as those of `rollerrig`. A function that has the name of its module is taken from that module:
+`linearise`, `ride`.
 """
 
-from rollerrig.analysis.assessment import Assessment, Row, assess, table
-from rollerrig.analysis.critical_speed import (
-    CriticalSpeedByDisturbance,
-    LinearCriticalSpeed,
-    critical_speeds_by_disturbance,
-    linear_critical_speed,
-    linear_critical_speeds,
-)
-from rollerrig.analysis.crossings import Crossing, zero_crossings
-from rollerrig.analysis.hunting import HuntingRun, HuntingSettings, hunting_run, hunting_table
-from rollerrig.analysis.limit_cycle import CyclePoint, Diagram
-from rollerrig.analysis.limit_cycle_runs import LimitCycleSettings, limit_cycle_table, limit_cycles
-from rollerrig.analysis.linearise import Linearisation, Lineariser, linearise
-from rollerrig.analysis.mode_table import stability
-from rollerrig.analysis.ramp import RampSettings, end_of_hunting, ramp_run
-from rollerrig.analysis.ride import accelerations, ride, weighted_rms
-from rollerrig.analysis.signals import final_motion, growth_rate, half_waves
-from rollerrig.analysis.wheel_rail_forces import filtered, prudhomme_limit, statistics, wheel_forces
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
 
-__all__ = [
-    "Assessment",
-    "CriticalSpeedByDisturbance",
-    "Crossing",
-    "CyclePoint",
-    "Diagram",
-    "HuntingRun",
-    "HuntingSettings",
-    "LimitCycleSettings",
-    "LinearCriticalSpeed",
-    "Linearisation",
-    "Lineariser",
-    "RampSettings",
-    "Row",
-    "accelerations",
-    "assess",
-    "critical_speeds_by_disturbance",
-    "end_of_hunting",
-    "filtered",
-    "final_motion",
-    "growth_rate",
-    "half_waves",
-    "hunting_run",
-    "hunting_table",
-    "limit_cycle_table",
-    "limit_cycles",
-    "linear_critical_speed",
-    "linear_critical_speeds",
-    "linearise",
-    "prudhomme_limit",
-    "ramp_run",
-    "ride",
-    "stability",
-    "statistics",
-    "table",
-    "weighted_rms",
-    "wheel_forces",
-    "zero_crossings",
-]
+if TYPE_CHECKING:
+    from rollerrig.analysis.assessment import Assessment as Assessment
+    from rollerrig.analysis.assessment import Row as Row
+    from rollerrig.analysis.assessment import assess as assess
+    from rollerrig.analysis.assessment import table as table
+    from rollerrig.analysis.critical_speed import CriticalSpeedByDisturbance as CriticalSpeedByDisturbance
+    from rollerrig.analysis.critical_speed import LinearCriticalSpeed as LinearCriticalSpeed
+    from rollerrig.analysis.critical_speed import critical_speeds_by_disturbance as critical_speeds_by_disturbance
+    from rollerrig.analysis.critical_speed import linear_critical_speed as linear_critical_speed
+    from rollerrig.analysis.critical_speed import linear_critical_speeds as linear_critical_speeds
+    from rollerrig.analysis.crossings import Crossing as Crossing
+    from rollerrig.analysis.crossings import zero_crossings as zero_crossings
+    from rollerrig.analysis.hunting import HuntingRun as HuntingRun
+    from rollerrig.analysis.hunting import HuntingSettings as HuntingSettings
+    from rollerrig.analysis.hunting import hunting_run as hunting_run
+    from rollerrig.analysis.hunting import hunting_table as hunting_table
+    from rollerrig.analysis.limit_cycle import CyclePoint as CyclePoint
+    from rollerrig.analysis.limit_cycle import Diagram as Diagram
+    from rollerrig.analysis.limit_cycle_runs import LimitCycleSettings as LimitCycleSettings
+    from rollerrig.analysis.limit_cycle_runs import limit_cycle_table as limit_cycle_table
+    from rollerrig.analysis.limit_cycle_runs import limit_cycles as limit_cycles
+    from rollerrig.analysis.linearise import Linearisation as Linearisation
+    from rollerrig.analysis.linearise import Lineariser as Lineariser
+    from rollerrig.analysis.mode_table import stability as stability
+    from rollerrig.analysis.ramp import RampSettings as RampSettings
+    from rollerrig.analysis.ramp import end_of_hunting as end_of_hunting
+    from rollerrig.analysis.ramp import ramp_run as ramp_run
+    from rollerrig.analysis.ride import accelerations as accelerations
+    from rollerrig.analysis.ride import weighted_rms as weighted_rms
+    from rollerrig.analysis.signals import final_motion as final_motion
+    from rollerrig.analysis.signals import growth_rate as growth_rate
+    from rollerrig.analysis.signals import half_waves as half_waves
+    from rollerrig.analysis.wheel_rail_forces import filtered as filtered
+    from rollerrig.analysis.wheel_rail_forces import prudhomme_limit as prudhomme_limit
+    from rollerrig.analysis.wheel_rail_forces import statistics as statistics
+    from rollerrig.analysis.wheel_rail_forces import wheel_forces as wheel_forces
+
+_HOME = {
+    "Assessment": "assessment",
+    "CriticalSpeedByDisturbance": "critical_speed",
+    "Crossing": "crossings",
+    "CyclePoint": "limit_cycle",
+    "Diagram": "limit_cycle",
+    "HuntingRun": "hunting",
+    "HuntingSettings": "hunting",
+    "LimitCycleSettings": "limit_cycle_runs",
+    "LinearCriticalSpeed": "critical_speed",
+    "Linearisation": "linearise",
+    "Lineariser": "linearise",
+    "RampSettings": "ramp",
+    "Row": "assessment",
+    "accelerations": "ride",
+    "assess": "assessment",
+    "critical_speeds_by_disturbance": "critical_speed",
+    "end_of_hunting": "ramp",
+    "filtered": "wheel_rail_forces",
+    "final_motion": "signals",
+    "growth_rate": "signals",
+    "half_waves": "signals",
+    "hunting_run": "hunting",
+    "hunting_table": "hunting",
+    "limit_cycle_table": "limit_cycle_runs",
+    "limit_cycles": "limit_cycle_runs",
+    "linear_critical_speed": "critical_speed",
+    "linear_critical_speeds": "critical_speed",
+    "prudhomme_limit": "wheel_rail_forces",
+    "ramp_run": "ramp",
+    "stability": "mode_table",
+    "statistics": "wheel_rail_forces",
+    "table": "assessment",
+    "weighted_rms": "ride",
+    "wheel_forces": "wheel_rail_forces",
+    "zero_crossings": "crossings",
+}
+"""Public name -> module that defines it."""
+
+__all__ = [*_HOME]
+
+
+def __getattr__(name: str) -> Any:
+    """A public name, from the module that defines it."""
+    if name not in _HOME:
+        raise AttributeError(f"module 'rollerrig.analysis' has no attribute {name!r}")
+    value = getattr(import_module(f"rollerrig.analysis.{_HOME[name]}"), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    """Public names, for completion."""
+    return sorted(__all__)

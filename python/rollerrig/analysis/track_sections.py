@@ -108,3 +108,13 @@ def test_zone(radius: float) -> int | None:
 
 def _steady(speed: NDArray[np.float64]) -> bool:
     return not len(speed) or float(np.ptp(speed)) <= STEADY_SPEED * abs(float(speed.mean()))
+
+
+def curved(run: xr.Dataset) -> bool:
+    """Whether the run met a curve or cant."""
+    return "curvature" in run and bool((run["curvature"] != 0.0).any() or (run["cant"] != 0.0).any())
+
+
+def irregular(run: xr.Dataset) -> bool:
+    """Whether rails or rollers were irregular."""
+    return "rail_lateral" in run and bool((run["rail_lateral"] != 0.0).any() or (run["rail_vertical"] != 0.0).any())

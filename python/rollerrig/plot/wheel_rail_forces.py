@@ -13,6 +13,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from rollerrig.analysis.track_sections import curved, irregular
 from rollerrig.plot.into import into_axes
 from rollerrig.plot.style import COLOURS, GREY, STYLES, calm, legend_above, line, panels, wheel_lines
 
@@ -120,16 +121,6 @@ def line_and_response(run: xr.Dataset, along: xr.DataArray | None = None) -> Fig
         for number, body in enumerate(_wheelsets(run)):
             line(axes[-1], along, 1e3 * run["lateral"].sel(body=body), number, STYLES[number % len(STYLES)], body)
         return figure
-
-
-def curved(run: xr.Dataset) -> bool:
-    """Whether the run met a curve or cant."""
-    return "curvature" in run and bool((run["curvature"] != 0.0).any() or (run["cant"] != 0.0).any())
-
-
-def irregular(run: xr.Dataset) -> bool:
-    """Whether rails or rollers were irregular."""
-    return "rail_lateral" in run and bool((run["rail_lateral"] != 0.0).any() or (run["rail_vertical"] != 0.0).any())
 
 
 def _layout(axes: Axes, run: xr.Dataset, along: xr.DataArray) -> None:

@@ -33,7 +33,7 @@ from numpy.typing import ArrayLike
 from rollerrig import __version__
 from rollerrig.config import Case
 from rollerrig.plot import figure_bytes
-from rollerrig.plot.style import watermark
+from rollerrig.plot.style import fewer_colours, watermark
 from rollerrig.results import ResultFolder, check_folder, netcdf_bytes, sources_of
 from rollerrig.study.charts import chart_of
 from rollerrig.study.jobs import Done, Progress, Round, run_rounds
@@ -329,7 +329,8 @@ class Outcome(Generic[R]):
             content = figure_bytes(picture.figure, kind, dpi=150 if number == 0 else 200)
             picture.figure.set_layout_engine("none")  # the places found for the first stay
             if number == 0:
-                picture.image = content
+                seen_on_paper_only = picture.chart is not None and kind == "png"
+                picture.image = fewer_colours(content) if seen_on_paper_only else content
             written.append(folder.add(f"figures/{picture.name}.{kind}", content))
         return written
 

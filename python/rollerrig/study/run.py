@@ -12,17 +12,18 @@ from typing import Any
 import xarray as xr
 
 from rollerrig.analysis.assessment import Assessment, Row, assess, table
+from rollerrig.analysis.lateral_rest import LateralRest, lateral_rest
+from rollerrig.analysis.track_sections import curved, irregular
 from rollerrig.config import Case
 from rollerrig.plot.run import energy_over_time, motion_over_time, sliding_over_time
-from rollerrig.plot.wheel_rail_forces import curved, irregular, line_and_response
+from rollerrig.plot.wheel_rail_forces import line_and_response
 from rollerrig.results import motion_table, summarise, wheel_table
 from rollerrig.simulation import simulate
-from rollerrig.study import running_safety
+from rollerrig.study import run_text, running_safety
 from rollerrig.study.frame import Study
 from rollerrig.study.jobs import Done, Round, job
 from rollerrig.study.quantities import Numbers, Quantities, Quantity
 from rollerrig.study.report import VIEW, Picture, Section, Table
-from rollerrig.wording import number
 
 TERMINATION = (
     Quantity("case", "name of the case"),
@@ -43,6 +44,14 @@ TERMINATION = (
     Quantity("speed_end_kmh", "running speed at the last output time", "km/h"),
     Quantity("energy_turned_over_j", "half the sum of the total variations of all energy accounts", "J"),
     Quantity("energy_relative_residual", "largest energy residual over the energy turned over", "1"),
+    Quantity(
+        "lateral_rest", "null: not asked, something else than the start disturbs the vehicle, or too short to tell"
+    ),
+    Quantity("lateral_rest.body", "body that moves most sideways in the last third of the run"),
+    Quantity("lateral_rest.amplitude_mm", "half the range of its motion there; 0: decayed", "mm"),
+    Quantity("lateral_rest.frequency_hz", "of that motion; null: decayed", "Hz"),
+    Quantity("lateral_rest.growth_rate_per_s", "of it, negative where it decays; null: decayed", "1/s"),
+    Quantity("lateral_rest.persists", "whether the motion goes on: it hunts"),
     Quantity("warnings", "what to know before using the results, one line each; empty if nothing"),
 )
 BODIES = (
@@ -66,6 +75,14 @@ WHEELS = (
     Quantity("wheels.*.without_contact_s", "time without contact", "s", "without contact"),
     Quantity("wheels.*.without_contact_longest_s", "its longest spell", "s", "longest without"),
 )  # fmt: skip
+FIRST = tuple(q for q in WHEELS if q.name in (
+    "vertical_force_start_n", "wheel_load_least_n", "guiding_force_largest_n", "derailment_quotient_largest",
+    "longitudinal_sliding_largest_mps", "without_contact_s",
+))  # fmt: skip
+"""Numbers of the wheels that a reader sees first; the others stand with how they were computed."""
+
+MORE = tuple(q for q in WHEELS if q not in FIRST)
+
 CONTACT = (
     Quantity("contact.checked", "wheels looked at: accepted steps times wheels"),
     Quantity("contact.several_patches", "wheels that touched in more than one patch"),
@@ -97,11 +114,12 @@ SOLVER = {
 
 @dataclass(frozen=True)
 class Results:
-    """A run, and its wheel-rail forces and accelerations assessed."""
+    """A run, its wheel-rail forces and accelerations assessed, and what is left of its sideways motion."""
 
     run: xr.Dataset
     assessment: Assessment
     rows: Sequence[Row]
+    rest: LateralRest | None = None
 
 
 @dataclass(frozen=True)
@@ -131,7 +149,7 @@ class RunStudy(Study[Results]):
             return None
         run = done[self.case.name]
         assessment = assess(run)
-        return Results(run, assessment, table(assessment))
+        return Results(run, assessment, table(assessment), lateral_rest(run))
 
     def statuses(self, results: Results) -> Sequence[str]:
         return [results.run.attrs["status"]]
@@ -140,18 +158,11 @@ class RunStudy(Study[Results]):
         found = summarise(results.run)
         for wheel, numbers in running_safety.wheel_numbers(results.assessment).items():
             found["wheels"][wheel] |= numbers
+        found["lateral_rest"] = None if results.rest is None else run_text.rest_numbers(results.rest)
         return {**found, **running_safety.numbers(results.assessment, results.rows)}
 
     def summary(self, results: Results, numbers: Numbers) -> list[str]:
-        lines = [f"{numbers['case']}: {numbers['stopped_at_s']:g} s computed. {numbers['status_message']}"]
-        speeds = ""
-        if numbers["samples"]:
-            speeds = f"Speed {numbers['speed_start_kmh']:.4g} km/h at the start, {numbers['speed_end_kmh']:.4g} km/h at the end. "
-        lines.append(
-            f"{speeds}Energy balance closed to {number(numbers['energy_relative_residual'], 2)} of the "
-            f"{number(numbers['energy_turned_over_j'] / 1e3)} kJ turned over."
-        )
-        return [*lines, *(f"Warning: {line}." for line in numbers["warnings"].splitlines())]
+        return run_text.answer(numbers, results.rest, results.rows)
 
     def shown(self, results: Results) -> Mapping[str, xr.Dataset]:
         return {self.case.name: results.run}
@@ -167,7 +178,7 @@ class RunStudy(Study[Results]):
     def sections(self, results: Results, numbers: Numbers) -> list[Section]:
         run, along = results.run, distance_or_time(results.run)
         sections = [
-            Section("Numbers", [_entries("bodies", BODIES, numbers), _entries("wheels", WHEELS, numbers)]),
+            Section("Numbers", [_entries("bodies", BODIES, numbers), _entries("wheels", FIRST, numbers)]),
             *running_safety.sections(results.assessment, results.rows, along),
         ]
         if run.sizes["time"] > 1:
@@ -197,10 +208,11 @@ class RunStudy(Study[Results]):
             if q.name in numbers["contact"]
         ]
         tables = [
+            _entries("wheels", MORE, numbers),
             Table(("count", "value"), solver, "integration"),
             Table(("count", "value", "meaning"), contact, "contacts, counted over accepted steps and wheels"),
         ]
-        return [*sections, Section("How it was computed", list(tables), folded=True)]
+        return [*sections, Section("All numbers of the wheels, and how they were computed", list(tables), folded=True)]
 
 
 def distance_or_time(run: xr.Dataset) -> xr.DataArray:

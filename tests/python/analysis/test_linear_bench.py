@@ -13,9 +13,10 @@ import xarray as xr
 
 import rollerrig as rr
 from rollerrig import _core
-from rollerrig.analysis import linear_bench, linearise
+from rollerrig.analysis import linear_bench
 from rollerrig.analysis.linear_bench import LinearBench
 from rollerrig.analysis.linear_system import margins_of
+from rollerrig.analysis.linearise import linearise
 from rollerrig.assembly import assemble
 from rollerrig.config import ConfigError
 from rollerrig.starting_state import starting_state

@@ -15,13 +15,13 @@ from rollerrig.analysis import (
     hunting_run,
     linear_critical_speed,
     linear_critical_speeds,
-    linearise,
     stability,
     zero_crossings,
 )
 from rollerrig.analysis.contact_state import slow_wavelength
 from rollerrig.analysis.critical_speed import bracket
 from rollerrig.analysis.crossings import diverging
+from rollerrig.analysis.linearise import linearise
 from rollerrig.analysis.modes import eigensystem, oscillates
 from rollerrig.analysis.speed_map import modes_over_speed
 from rollerrig.config import Case, load_case

@@ -2,17 +2,24 @@
 
 from __future__ import annotations
 
+import base64
 import csv
 import json
+import math
+import re
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 import rollerrig as rr
 from rollerrig import load_case
+from rollerrig.analysis.lateral_rest import LateralRest
+from rollerrig.analysis.signals import FinalMotion
 from rollerrig.study.frame import Outcome
 from rollerrig.study.run import CONTACT, QUANTITIES, Results, RunStudy
 
+RESTS = [f"lateral_rest.{name}" for name in ("body", "amplitude_mm", "frequency_hz", "growth_rate_per_s", "persists")]
 FORCES = ("wheel_forces", "y_over_q", "sum_of_guiding_forces", "wear_number", "accelerations_of_the_car_body")
 
 
@@ -33,7 +40,7 @@ def folder(outcome: Outcome[Results], tmp_path_factory: pytest.TempPathFactory) 
 def test_every_number_is_registered_and_every_registered_quantity_reported(folder: Path) -> None:
     summary = json.loads((folder / "summary.json").read_text())
     assert QUANTITIES.unexplained(summary) == []
-    assert QUANTITIES.unreported(summary) == ["weighted_acceleration.*.*"]  # the run is too short for its filter
+    assert QUANTITIES.unreported(summary) == [*RESTS, "weighted_acceleration.*.*"]  # the run is too short for them
 
 
 def test_every_counter_of_the_contact_model_is_explained(outcome: Outcome[Results]) -> None:
@@ -79,3 +86,30 @@ def test_the_integrator_is_counted_in_words(folder: Path) -> None:
     for words in ("evaluations of the right-hand side", "evaluations of the Jacobian", "smallest step [s]"):
         assert f"<td>{words}</td>" in text
     assert "derivative calls" not in text
+
+
+def test_a_report_says_first_what_the_vehicle_did(outcome: Outcome[Results]) -> None:
+    run, rest = outcome.results.run, FinalMotion(6.1e-3, 5.1, 0.0)
+    for final, said in (
+        (rest, "It hunts: in the last third of the run wheelset 1 still moves sideways by ±6.1 mm at 5.1 Hz."),
+        (replace(rest, rate=-1.0), "It calms down: wheelset 1 moved sideways by up to 7 mm, in the last third"),
+        (FinalMotion(0.0, math.nan, math.nan), "It calms down: wheelset 1 moved sideways by up to 7 mm, and no longer"),
+    ):
+        results = replace(outcome.results, rest=LateralRest("wheelset_1", 7e-3, final))
+        first, second, *_ = outcome.study.summary(results, outcome.study.numbers(results))
+        assert first.startswith(said)
+        assert second.startswith("Running safety: Y/Q reaches ")
+    assert run.sizes["time"] > 1
+    unsaid = outcome.study.summary(replace(outcome.results, rest=None), outcome.numbers)
+    assert unsaid[0].startswith("Running safety")
+
+
+def test_pictures_that_are_seen_on_paper_only_have_few_colours(folder: Path) -> None:
+    text = (folder / "report.html").read_text()
+    shown = re.findall(r'<figure id="figure-(\w+)"><div class="scroll"><img src="data:image/png;base64,([^"]+)"', text)
+    assert {"motion", "wheel_forces"} <= {name for name, _ in shown}
+    for name, numbers in shown:
+        whole = (folder / "figures" / f"{name}.png").read_bytes()
+        few = base64.b64decode(numbers)
+        assert len(few) < 0.6 * len(whole), name
+        assert few[16:24] == whole[16:24], name  # as wide and as high
