@@ -99,6 +99,13 @@ void Driver::sample() {
   system_->sample(plant_, step_, integrator_->quadratures());
 }
 
+/// What is shown last is of this instant, too; nobody outside is asked any more.
+void Driver::sample_end() {
+  if (std::exchange(sampled_, true)) return;
+  sample();
+  system_->ask_nobody();
+}
+
 void Driver::advance_step() {
   bool const fixed = integrator_->options().step > 0.0;
   if (fixed) status_ = integrator_->prepare();
@@ -126,7 +133,7 @@ Status Driver::pass_sample(double const* x, double const* z) {
     if (Status const status = system_->advance(plant_, ++step_); status != Status::ok) return status_ = status;
   }
   if (!std::exchange(sampled_, true)) system_->sample(plant_, step_, z);
-  if (system_->waits()) system_->answer(step_);
+  system_->answer(step_);
   system_->act(plant_, step_, inputs_);
   acted_ = true;
   return Status::ok;

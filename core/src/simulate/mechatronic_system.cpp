@@ -338,18 +338,27 @@ bool MechatronicSystem::waits_for(std::string_view controller) const {
                      [&](Controller const& c) { return c.waits && c.name == controller; });
 }
 
-void MechatronicSystem::answer(std::int64_t step) {
-  for (std::size_t i = 0; i < controllers_.size(); ++i)
-    if (std::exchange(controllers_[i].waits, false)) controllers_[i].commands.send(answer_of(i), step);
+void MechatronicSystem::ask_nobody() {
+  for (Controller& own : controllers_) own.waits = false;
 }
 
-/// What the caller commands; a roller's drive that is asked for a speed finds its torque by the feedback of the rig's controller.
+void MechatronicSystem::answer(std::int64_t step) {
+  for (std::size_t i = 0; i < controllers_.size(); ++i)
+    if (setup_.controllers[i].sampling.external) controllers_[i].commands.send(answer_of(i), step);
+}
+
+/// What the caller commands. A roller's drive that is asked for a speed finds its torque by the feedback of the rig's controller,
+/// where that is due.
 PerAxle<double> MechatronicSystem::answer_of(std::size_t index) {
-  PerAxle<double> command = caller_.commands[controllers_[index].command];
+  Controller& own = controllers_[index];
+  bool const due = std::exchange(own.waits, false);
+  PerAxle<double> command = caller_.commands[own.command];
   auto const& [sampling, any] = setup_.controllers[index];
   auto const* law = std::get_if<RigController>(&any);
   for (std::size_t i = 0; i < under_test() && law != nullptr; ++i) {
-    if (caller_.speed_control[i] == 1.0)
+    if (caller_.speed_control[i] == 1.0 && !due)
+      command[i] = own.commands.newest()[i];
+    else if (caller_.speed_control[i] == 1.0)
       command[i] = law->torque_for_speed(speed_control_[i], command[i], caller_.roller_speed[i],
                                          measured_.roller_speed[i], setup_.step * sampling.every);
     else

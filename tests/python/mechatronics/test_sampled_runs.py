@@ -243,6 +243,24 @@ def test_a_users_slide_protection_keeps_the_axles_turning() -> None:
     assert int(held["dump_cycles"][-1].min()) > 2
 
 
+def test_the_last_row_is_of_the_last_instant() -> None:
+    """Sensors, estimates and the train too; nobody outside is asked at the end."""
+    asked = []
+
+    class Listening(Feedforward):
+        def step(self, measurements):
+            asked.append(measurements["time"])
+            return super().step(measurements)
+
+    long = simulate(brake_case(**{"time.duration": "1 s"}), controllers={"rig_control": Feedforward()})
+    short = simulate(brake_case(**{"time.duration": "0.5 s"}), controllers={"rig_control": Listening()})
+    assert max(asked) == pytest.approx(0.499)
+    end, same = short.isel(time=-1), long.sel(time=0.5)
+    assert float(end["train_speed"]) < float(short["train_speed"][-2])
+    for name in ("train_speed", "train_distance", "measured_axle_speed", "measured_load", "virtual_speed"):
+        np.testing.assert_array_equal(end[name], same[name])
+
+
 class Interrupting(Feedforward):
     """Ctrl-C while the user's own code runs."""
 

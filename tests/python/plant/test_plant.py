@@ -53,7 +53,7 @@ def test_outputs_are_those_of_a_run_bit_for_bit(name: str) -> None:
     plant, courses = started(case), recorded(run)
     indices = [plant.find(name) for name in courses]
     assert min(indices) >= 0
-    for k, t in enumerate(run["time"].values[:-1]):  # a run asks no controller at its end
+    for k, t in enumerate(run["time"].values):
         assert plant.advance(t) == OK
         assert plant.time == t
         expected = np.array([course[k] for course in courses.values()])
@@ -72,6 +72,21 @@ def test_steps_do_not_depend_on_the_communication_step() -> None:
     np.testing.assert_array_equal(often.values(every), seldom.values(every))
     assert often.advance(0.0504) == OK
     assert often.time == pytest.approx(0.05, abs=1e-12)
+
+
+def test_a_command_acts_after_its_delay_from_when_it_is_set() -> None:
+    """Not from the next sample of the controller, every 5 ms, whose place it takes."""
+    case = braked(**{"slide_protection.delay": "2 ms"})
+    assert case.slide_protection.sample_time == 5e-3
+    plant = started(case, "slide_protection")
+    command, valve = (plant.find(f"wheelset_1.{name}") for name in ("valve_command", "valve"))
+    plant.advance(0.006)
+    plant.set_input(command, 2.0)
+    seen = {}
+    for step in range(7, 11):
+        plant.advance(1e-3 * step)
+        seen[step] = plant.values([valve])[0]
+    assert seen == {7: 0.0, 8: 0.0, 9: 2.0, 10: 2.0}
 
 
 def test_inputs_act_from_their_instant_on() -> None:

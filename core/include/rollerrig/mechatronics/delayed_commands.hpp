@@ -28,6 +28,10 @@ class DelayedCommands {
   }
 
   PerAxle<double> const& acting() const { return acting_; }
+  /// What was sent last, acting or still to act.
+  PerAxle<double> const& newest() const {
+    return count_ > 0 ? sent_[(first_ + count_ - 1) % sent_.size()].value : acting_;
+  }
 
   /// Everything that changes in a run, for plant/state_archive.hpp.
   template <class Archive>

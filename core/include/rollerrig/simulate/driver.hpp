@@ -49,14 +49,17 @@ class Driver {
     std::int64_t const last = steps_until(t_stop);
     while (status_ == Status::ok && step_ < last) {
       if (!std::exchange(sampled_, true)) sample();
-      if (system_->waits()) {
-        if (!answers_) return status_;
+      if (answers_)
         system_->answer(step_);
-      }
+      else if (system_->waits())
+        return status_;
       show(observer);
       advance_step();
     }
-    if (ended_as_planned()) show(observer);
+    if (ended_as_planned()) {
+      sample_end();
+      show(observer);
+    }
     return status_;
   }
 
@@ -122,6 +125,7 @@ class Driver {
   }
   std::int64_t steps_until(double t_stop) const;
   void sample();
+  void sample_end();
   void advance_step();
   void start_without_slip(double* x);
   bool ended_as_planned() const {

@@ -63,7 +63,9 @@ class MechatronicSystem {
   void set_controllers(std::vector<SampledController> const& controllers) { setup_.controllers = controllers; }
   /// What a caller asks for; it may change at every instant.
   CallerDemands& caller() { return caller_; }
-  /// Answers for every controller that waits, with the caller's commands.
+  /// Whoever waits does so no longer, and keeps his last command.
+  void ask_nobody();
+  /// Answers for every external controller, waiting or not, with the caller's present commands.
   void answer(std::int64_t step);
   /// Answers for an external controller; throws std::invalid_argument where there is none of that name.
   void set_command(std::string_view controller, std::span<double const> command, std::int64_t step);
