@@ -79,17 +79,18 @@ def number(value: float) -> str:
 
 
 def model_description_2(unit: Unit) -> bytes:
-    """Of FMI 2.0 (2.0.4, section 2.2)."""
+    """Of FMI 2.0 (2.0.4, section 2.2).
+
+    The time is none of the variables: FMI Library 2 takes its missing start for an error (its issue 21).
+    """
     root = ET.Element("fmiModelDescription", fmiVersion="2.0", modelName=unit.name, guid=unit.token)
     _about(root, unit, "FMUstate", "providesDirectionalDerivative")
     if unit.kind != "cs":
         root.set("numberOfEventIndicators", str(len(unit.indicators)))
     variables = ET.SubElement(root, "ModelVariables")
-    time = ET.SubElement(variables, "ScalarVariable", _heading(None, 0))
-    ET.SubElement(time, "Real", unit="s")
     for reference, variable, state in unit.scalars:
         scalar = ET.SubElement(variables, "ScalarVariable", _heading(variable, reference))
-        derivative = {} if state is None else {"derivative": str(state + 1)}  # the index counts the time as 1
+        derivative = {} if state is None else {"derivative": str(state)}
         ET.SubElement(scalar, "Real", _value(variable, unit, reference) | derivative)
     structure = ET.SubElement(root, "ModelStructure")
     for name, references in (
@@ -101,7 +102,7 @@ def model_description_2(unit: Unit) -> bytes:
             continue
         unknowns = ET.SubElement(structure, name)
         for reference in references:
-            ET.SubElement(unknowns, "Unknown", index=str(reference + 1))
+            ET.SubElement(unknowns, "Unknown", index=str(reference))
     return _written(root)
 
 
@@ -110,7 +111,8 @@ def model_description_3(unit: Unit) -> bytes:
     root = ET.Element("fmiModelDescription", fmiVersion="3.0", modelName=unit.name, instantiationToken=unit.token)
     _about(root, unit, "FMUState", "providesDirectionalDerivatives")
     variables = ET.SubElement(root, "ModelVariables")
-    ET.SubElement(variables, "Float64", _heading(None, 0) | {"unit": "s"})
+    time = {"name": "time", "valueReference": "0", "description": "time", "causality": "independent"}
+    ET.SubElement(variables, "Float64", time | {"variability": "continuous", "unit": "s"})
     for reference, variable, state in unit.scalars:
         derivative = {} if state is None else {"derivative": str(state)}
         ET.SubElement(
@@ -152,24 +154,18 @@ def _about(root: ET.Element, unit: Unit, state: str, directional: str) -> None:
     )
 
 
-def _heading(variable: _core.Variable | None, reference: int) -> dict[str, str]:
-    """Attributes of a variable; without one of the time."""
-    if variable is None:
-        return {
-            "name": "time",
-            "valueReference": str(reference),
-            "description": "time",
-            "causality": "independent",
-            "variability": "continuous",
-        }
-    return {
+def _heading(variable: _core.Variable, reference: int) -> dict[str, str]:
+    """Attributes of a variable that do not depend on its type."""
+    found = {
         "name": variable.name,
         "valueReference": str(reference),
         "description": variable.description,
         "causality": variable.causality,
         "variability": variable.variability,
-        "initial": "calculated" if variable.causality in ("output", "local") else "exact",
     }
+    if variable.causality == "input":  # whose initial is exact; FMI 2.0 does not allow to say so
+        return found
+    return found | {"initial": "exact" if variable.causality == "parameter" else "calculated"}
 
 
 def _value(variable: _core.Variable, unit: Unit, reference: int) -> dict[str, str]:

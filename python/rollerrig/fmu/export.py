@@ -129,17 +129,24 @@ def machines(carried: list[Shell]) -> str:
 
 def _page(unit: Unit, carried: list[Shell]) -> bytes:
     """What a user of the FMU should know, as the page that tools show."""
-    sampled = (
+    steps = (
         "Sensors and controllers are sampled; outputs are those of the last sampling step within a communication step."
         if unit.sampled
         else "The communication step does not change the steps inside."
     )
+    kinds = {
+        "cs": f"<p>Co-simulation: {steps} Where the model leaves its validity, or the train has stopped, a step is "
+        "discarded, and the log names time and wheel.</p>\n",
+        "me": "<p>Model exchange: the tool integrates. Sampling and corners of tables are time events, lift-off is an event "
+        "indicator. Where the model leaves its validity, or the train has stopped, the simulation is asked to end, and "
+        "the log names time and wheel.</p>\n",
+    }
+    offered = "".join(text for kind, text in kinds.items() if unit.kind in (kind, "both"))
     return f"""<!DOCTYPE html>
 <html lang="en"><head><meta charset="utf-8">{PAGE.decode()}<title>{escape(unit.name)}</title></head><body>
 <h1>{escape(unit.name)}</h1>
-<p>Roller rig, written by {unit.tool}. SI; x forward, y to the left, z upwards. {sampled} Where the model leaves its validity, or
-the train has stopped, a step is discarded, and the log names time and wheel.</p>
-<p>Runs on</p>
+<p>Roller rig, written by {unit.tool}. SI; x forward, y to the left, z upwards.</p>
+{offered}<p>Runs on</p>
 <ul>
 {machines(carried)}</ul>
 </body></html>

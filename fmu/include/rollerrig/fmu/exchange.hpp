@@ -60,24 +60,26 @@ Answer get_indicators(I& i, char const* call, double* values, std::size_t count)
                           [&](double* out) { return plant.indicators(out); });
 }
 
+/// One number for each state: the states themselves, or their nominals.
 template <class I>
-Answer get_states(I& i, char const* call, double* values, std::size_t count) {
+Answer get_of_states(I& i, char const* call, double* values, std::size_t count,
+                     std::span<double const> (ContinuousPlant::*of)() const) {
   if (!i.may(exchanging, call)) return Answer::error;
   ContinuousPlant& plant = *continuous_of(i);
   return exchange_numbers(i, call, values, count, plant.count(), [&](double* out) {
-    std::copy(plant.states().begin(), plant.states().end(), out);
+    std::ranges::copy((plant.*of)(), out);
     return Status::ok;
   });
 }
 
 template <class I>
+Answer get_states(I& i, char const* call, double* values, std::size_t count) {
+  return get_of_states(i, call, values, count, &ContinuousPlant::states);
+}
+
+template <class I>
 Answer get_nominals(I& i, char const* call, double* values, std::size_t count) {
-  if (!i.may(exchanging, call)) return Answer::error;
-  ContinuousPlant& plant = *continuous_of(i);
-  return exchange_numbers(i, call, values, count, plant.count(), [&](double* out) {
-    std::copy(plant.nominals().begin(), plant.nominals().end(), out);
-    return Status::ok;
-  });
+  return get_of_states(i, call, values, count, &ContinuousPlant::nominals);
 }
 
 template <class I>
@@ -132,7 +134,7 @@ Answer exchange_directional(I& i, char const* call, std::span<Reference const> u
   if (!i.may(initializing | exchanging, call)) return Answer::error;
   ContinuousPlant* plant = continuous_of(i);
   if (plant == nullptr) return i.log(Answer::error, "%s: a controller alone has no derivatives", call);
-  if ((known.empty() || seed != nullptr) != true || (!unknown.empty() && out == nullptr))
+  if ((!known.empty() && seed == nullptr) || (!unknown.empty() && out == nullptr))
     return i.log(Answer::error, "%s: null pointer", call);
   auto const variables = i.plant().variables();
   std::size_t const all = variables.size(), states = plant->count();

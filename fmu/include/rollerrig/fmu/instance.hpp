@@ -210,7 +210,6 @@ class Instance {
   /// Time of the tool minus that of the plant [s].
   double offset() const { return offset_; }
   void set_time(double time) { time_ = time; }
-  std::size_t inputs_and_outputs() const { return variables().size(); }
 
   /// States, rates and event indicators of a plant that another program could integrate: behind the plant's variables.
   std::size_t locals() {
