@@ -35,7 +35,7 @@ from rollerrig.study.adhesion_numbers import (
     run_numbers,
     variant_numbers,
 )
-from rollerrig.study.adhesion_text import findings, verdict_lines
+from rollerrig.study.adhesion_text import findings, target_lines, verdict_lines
 from rollerrig.study.adhesion_variants import STEPS, track_case, variant, variants_of
 from rollerrig.study.adhesion_verdicts import GROUPS, Row, verdict_of, verdict_rows
 from rollerrig.study.dead_time import dead_times, later_protection, measured_dead_time
@@ -196,7 +196,11 @@ class AdhesionStudy(Study[Runs]):
         }
 
     def summary(self, results: Runs, numbers: Numbers) -> list[str]:
-        return [*verdict_lines(self.rows(results)), *findings(numbers)]
+        return [
+            *verdict_lines(self.rows(results)),
+            *findings(numbers),
+            *target_lines(self.rows(results)),
+        ]
 
     def files(self, results: Runs, numbers: Numbers) -> Mapping[str, Any]:
         track, rig = results.whole["track"], results.whole["rig"]

@@ -15,13 +15,24 @@ from rollerrig.wording import number, percent
 
 
 def verdict_lines(rows: Sequence[Row]) -> Iterator[str]:
-    """The table of the verdict as lines."""
+    """The verdict of each group, and what is not met or not decided."""
     for group, title in GROUPS.items():
-        word = verdict_of(rows, group)
-        yield f"{title}: {word.upper() if word == 'not met' else word}."
-        for row in rows:
-            if row.group == group:
-                yield f"  {SHOWN[row.verdict]:<13} {row.text}: {row.value_text}; target: {row.target_text}"
+        own, word = [row for row in rows if row.group == group], verdict_of(rows, group)
+        met = sum(row.verdict == "met" for row in own)
+        open_ones = sorted((row for row in own if row.verdict != "met"), key=lambda row: row.verdict != "not met")
+        yield f"{title}: {word.upper() if word == 'not met' else word}; {met} of {len(own)} targets met." + "".join(
+            f" {SHOWN[row.verdict]}: {_row(row)}." for row in open_ones
+        )
+
+
+def target_lines(rows: Sequence[Row]) -> Iterator[str]:
+    """The table of the verdict as lines."""
+    for row in rows:
+        yield f"{SHOWN[row.verdict]}, {row.group}: {_row(row)}"
+
+
+def _row(row: Row) -> str:
+    return f"{row.text} {row.value_text}, target {row.target_text}"
 
 
 def findings(numbers: Numbers) -> Iterator[str]:

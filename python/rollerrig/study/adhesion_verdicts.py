@@ -143,7 +143,7 @@ def verdict_table(rows: Sequence[Row]) -> Table:
     """The rows as the report shows them."""
     lines = [(SHOWN[row.verdict], row.group, row.text, row.value_text, row.target_text, row.origin) for row in rows]
     header = ("", "", "what", "mean of all starts (95 % interval)", "target", "where the target comes from")
-    return Table(header, lines, "Verdict.")
+    return Table(header, lines)
 
 
 # --------------------------------------------------------------------------------------------------------- rows

@@ -282,6 +282,13 @@ def test_every_number_is_explained_and_written(outcome: Outcome[Runs], tmp_path:
 def test_the_summary_begins_with_the_verdict_and_says_how_limit_cycles_are_compared(outcome: Outcome[Runs]) -> None:
     lines = outcome.summary.splitlines()
     assert lines[1].startswith("Tracking, wheels of the rig against their virtual axles: ")
+    assert lines[2].startswith("Fidelity, rig against track: ")
+    rows = outcome.study.rows(outcome.results)
+    for row in rows:  # what is not met stands in the first lines, all of them at the end
+        head = lines[1 if row.group == "tracking" else 2]
+        assert (row.text in head) == (row.verdict != "met"), row.text
+    assert {row.verdict for row in rows} != {"met"}
+    assert all(row.text in line for row, line in zip(rows, lines[-len(rows) :], strict=True))
     assert any("not point by point" in line for line in lines)
     assert any(line.startswith("Equivalent dead time: ") for line in lines)
 
