@@ -3,10 +3,11 @@
 // Each is drawn from its end on one body to its end on the other. Where a case gives one point for both, the ends are drawn apart
 // along the direction of the force, so that there is something to be seen.
 
-import { BoxGeometry, CatmullRomCurve3, Color, Group, Mesh, MeshLambertMaterial, Quaternion, TubeGeometry, Vector3 } from "three";
+import { BoxGeometry, CatmullRomCurve3, Color, Group, Mesh, Quaternion, TubeGeometry, Vector3 } from "three";
 import { mergeGeometries } from "three/examples/jsm/utils/BufferGeometryUtils.js";
 import { forceColour } from "./colours.js";
 import { shaft } from "./lathe.js";
+import { dull } from "./surfaces.js";
 
 const UP = new Vector3(0, 1, 0), AXIS = { x: [1, 0, 0], y: [0, 1, 0], z: [0, 0, 1], roll: [0, 1, 0], pitch: [0, 1, 0], yaw: [1, 0, 0] };
 
@@ -32,7 +33,7 @@ class Element {
   constructor(table, bodies, unit, group) {
     this.table = table;
     this.bodies = table.bodies.map((k) => bodies[k]);
-    this.material = new MeshLambertMaterial();
+    this.material = dull();
     this.mesh = new Group();
     const main = table.carries && !this.bodies.some((body) => body.table.kind === "wheelset");
     this.mesh.add(new Mesh(mergeGeometries(GEOMETRY[table.kind](unit, main)), this.material));
@@ -75,7 +76,7 @@ function spread(table, bodies, unit, main) {
 /** Brake callipers and motors of the axles, coloured by cylinder pressure and torque. */
 class AxlePart {
   constructor(geometry, holder, at, column, group) {
-    this.material = new MeshLambertMaterial();
+    this.material = dull();
     this.mesh = new Mesh(geometry, this.material);
     this.holder = holder; this.at = at; this.column = column;
     group.add(this.mesh);

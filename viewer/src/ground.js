@@ -6,6 +6,12 @@ import { mergeGeometries } from "three/examples/jsm/utils/BufferGeometryUtils.js
 
 const CHUNK = 40, STEP = 2, SLEEPERS = 140, SPACING = 0.6;
 
+/** Whether a line does not turn from an arc length on over a chunk: two cross-sections are enough then. */
+function straight(line, s) {
+  const first = line.frame(s, new Matrix4()), e = [0.25, 0.5, 0.75, 1].map((part) => line.frame(Math.min(line.to, s + part * CHUNK), new Matrix4()).elements);
+  return e.every((one) => one.every((value, k) => k > 11 || Math.abs(value - first.elements[k]) < 1e-6));
+}
+
 /** Rails, sleepers and ballast; in the world's axes, `root` is moved so that the vehicle is near the origin. */
 export class Track {
   constructor(line, shapes, unit, materials) {
@@ -14,8 +20,9 @@ export class Track {
     for (let s = line.from; s < line.to - 1e-6; s += CHUNK) {
       const middle = line.frame(s + CHUNK / 2), origin = new Matrix4().copyPosition(middle), back = origin.clone().invert();
       const left = [], right = [], bed = [];
-      for (let k = 0; k <= CHUNK / STEP; k++) {
-        line.frame(Math.min(line.to, s + k * STEP), m).premultiply(back);
+      const step = straight(line, s) ? CHUNK : STEP;
+      for (let k = 0; k <= CHUNK / step; k++) {
+        line.frame(Math.min(line.to, s + k * step), m).premultiply(back);
         left.push(m.clone().multiply(side.makeTranslation(0, shapes.rail_origin, 0)));
         right.push(m.clone().multiply(side.makeTranslation(0, -shapes.rail_origin, 0)));
         bed.push(m.clone());

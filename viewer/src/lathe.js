@@ -4,6 +4,7 @@
 
 import { BufferGeometry, CylinderGeometry, Float32BufferAttribute, LatheGeometry, Vector2 } from "three";
 import { mergeGeometries } from "three/examples/jsm/utils/BufferGeometryUtils.js";
+import { drawnBySoftware } from "./surfaces.js";
 
 /** Fewer points of a profile: what leaves a chord by less than `flat` [m] is not seen from where a whole wheel is. */
 function coarse(points, flat) {
@@ -21,7 +22,9 @@ function off([x, y], [ax, ay], [bx, by]) {
   return Math.abs((bx - ax) * (y - ay) - (by - ay) * (x - ax)) / (Math.hypot(bx - ax, by - ay) || 1);
 }
 
-const lathe = (points, segments) => new LatheGeometry(points.map(([r, y]) => new Vector2(r, y)), segments);
+/** By software every corner of a triangle counts: fewer along a profile [m] and round a turn. */
+const flat = () => (drawnBySoftware() ? 6e-4 : 2.5e-4);
+const lathe = (points, segments) => new LatheGeometry(points.map(([r, y]) => new Vector2(r, y)), drawnBySoftware() ? Math.round(0.7 * segments) : segments);
 
 /** A cylinder about y from y0 to y1. */
 export function shaft(radius, y0, y1, segments = 24) {
@@ -42,7 +45,7 @@ function revolve(running, inner, side, segments) {
 /** A wheel with web and hub, about the axle; profile: abscissa from the tape circle outward, increase of radius. */
 export function wheelGeometry(shapes, side, segments = 56) {
   const R = shapes.wheel_radius, tape = shapes.tape_circle;
-  const running = coarse(shapes.wheel, 2.5e-4).map(([s, up]) => [R + up, tape + s]);
+  const running = coarse(shapes.wheel, flat()).map(([s, up]) => [R + up, tape + s]);
   const back = shapes.back_to_back / 2, face = running[running.length - 1][1], rim = 0.86 * R;
   const middle = (back + face) / 2, web = 0.03 * R, hub = 0.29 * R, bore = 0.18 * R;
   const inside = [[running[0][0], running[0][1]], [rim, Math.min(back, running[0][1])], [rim - 0.03 * R, middle - web], [hub, middle - 1.6 * web], [hub, back + 0.01 * R], [bore, back + 0.01 * R]];
@@ -53,7 +56,7 @@ export function wheelGeometry(shapes, side, segments = 56) {
 /** A roller of a rig: the rail head bent round. */
 export function rollerGeometry(shapes, side, segments = 72) {
   const R = shapes.roller_radius, at = shapes.rail_origin;
-  const running = coarse(shapes.rail, 2.5e-4).map(([y, h]) => [R + h, at + y]);
+  const running = coarse(shapes.rail, flat()).map(([y, h]) => [R + h, at + y]);
   const first = running[0], last = running[running.length - 1], rim = 0.88 * R, web = 0.03 * R, hub = 0.24 * R, bore = 0.12 * R;
   const inside = [first, [rim, first[1] - 0.004], [rim - 0.02 * R, at - web], [hub, at - web], [hub, at - 0.16 * R], [bore, at - 0.16 * R]];
   const outside = [[bore, at + 0.16 * R], [hub, at + 0.16 * R], [hub, at + web], [rim - 0.02 * R, at + web], [rim, last[1] + 0.004], last];

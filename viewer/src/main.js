@@ -46,7 +46,7 @@ class Page {
     this.canvas = element("canvas", { id: "canvas", tabindex: 0, "aria-label": "the vehicle in motion; drag turns, wheel or two fingers zoom" });
     this.labels = this.worlds.map((w, k) => element("div", { class: `name n${k}` }, w.head.label));
     this.note = element("div", { id: "note", role: "status" });
-    this.legend = element("div", { class: "legend" });
+    this.legend = element("details", { class: "legend", open: innerWidth > 760 ? "" : undefined }, element("summary", {}, "colours"));
     this.sections = this.worlds.map((_, k) => element("canvas", { class: `section s${k}`, hidden: "" }));
     this.view = element("div", { class: "view" }, this.canvas, ...this.labels, this.note, this.legend, ...this.sections);
     this.plots = element("div", { class: "plots" });

@@ -29,10 +29,10 @@ export function drawSection(canvas, world, wheel, theme, title) {
   g.lineWidth = 1.4; g.strokeStyle = theme.text;
   for (const curve of [rail, profile]) { g.beginPath(); curve.forEach(([y, z], k) => (k ? g.lineTo(X(y), Z(z)) : g.moveTo(X(y), Z(z)))); g.stroke(); }
   g.fillStyle = theme.text; g.font = "12px system-ui, sans-serif"; g.textAlign = "left";
-  g.fillText(title, 10, 18);
-  g.fillText(world.track ? "rail" : "roller", 10, h - 10);
-  g.fillText("wheel", 10, 36);
-  scaleBar(g, w, h, scale, u);
+  word(g, title, 10, 18, theme);
+  word(g, world.track ? "rail" : "roller", 10, h - 10, theme);
+  word(g, "wheel", 10, 36, theme);
+  scaleBar(g, w, h, scale, u, theme);
   for (let p = 0; p < world.head.patches; p++) drawPatch(g, world, name, p, side, support, X, Z, theme, w, h);
 }
 
@@ -43,10 +43,10 @@ function area(g, curve, X, Z, edge, fill, alpha) {
   g.globalAlpha = alpha; g.fillStyle = fill; g.fill(); g.globalAlpha = 1;
 }
 
-function scaleBar(g, w, h, scale, u) {
+function scaleBar(g, w, h, scale, u, theme) {
   const length = 0.01 * u * scale;
   g.fillRect(w - 12 - length, h - 14, length, 2);
-  g.textAlign = "right"; g.fillText(`${(10 * u).toPrecision(2)} mm`, w - 12, h - 20); g.textAlign = "left";
+  g.textAlign = "right"; word(g, `${(10 * u).toPrecision(2)} mm`, w - 12, h - 20, theme); g.textAlign = "left";
 }
 
 function drawPatch(g, world, name, p, side, support, X, Z, theme, w, h) {
@@ -63,7 +63,7 @@ function drawPatch(g, world, name, p, side, support, X, Z, theme, w, h) {
   g.fillStyle = css; g.fillRect(-half, -2, 2 * half, 4);
   g.restore();
   g.fillStyle = theme.text; g.textAlign = "center";
-  g.fillText(`${(peak / 1e6).toFixed(0)} MPa`, x0, z0 - height - 8);
+  word(g, `${(peak / 1e6).toFixed(0)} MPa`, x0, z0 - height - 8, theme);
   fromAbove(g, of, p, css, side, theme, w, h, world.unit, slip, normal);
 }
 
@@ -78,10 +78,18 @@ function fromAbove(g, of, p, css, side, theme, w, h, u, slip, normal) {
   arrow(g, -fy * k, -fx * k, "#ff8a1f");
   g.fillStyle = theme.text; g.textAlign = "left"; g.font = "11px system-ui, sans-serif";
   const x = 0.012 * u * scale + 8;
-  g.fillText(`N ${(normal / 1e3).toFixed(1)} kN`, x, -14);
-  g.fillText(`creep force ${(Math.hypot(fx, fy) / 1e3).toFixed(2)} kN`, x, 0);
-  g.fillText(`slip ${slip < 0.1 ? `${(1e3 * slip).toFixed(1)} mm/s` : `${slip.toFixed(2)} m/s`}`, x, 14);
+  word(g, `N ${(normal / 1e3).toFixed(1)} kN`, x, -14, theme);
+  word(g, `creep force ${(Math.hypot(fx, fy) / 1e3).toFixed(2)} kN`, x, 0, theme);
+  word(g, `slip ${slip < 0.1 ? `${(1e3 * slip).toFixed(1)} mm/s` : `${slip.toFixed(2)} m/s`}`, x, 14, theme);
   g.restore();
+}
+
+/** Text that can be read over lines. */
+function word(g, text, x, y, theme) {
+  g.save();
+  g.strokeStyle = theme.sky; g.lineWidth = 3; g.lineJoin = "round"; g.globalAlpha = 0.75; g.strokeText(text, x, y);
+  g.restore();
+  g.fillText(text, x, y);
 }
 
 function arrow(g, x, y, fill) {

@@ -2,19 +2,12 @@
 
 import { Color, DirectionalLight, HemisphereLight, PerspectiveCamera, Scene, Vector3, WebGLRenderer } from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
-
-/** Without a graphics processor smooth edges cost four times as much. */
-function drawnBySoftware() {
-  const gl = document.createElement("canvas").getContext("webgl2"), info = gl?.getExtension("WEBGL_debug_renderer_info");
-  const name = info ? gl.getParameter(info.UNMASKED_RENDERER_WEBGL) : "";
-  gl?.getExtension("WEBGL_lose_context")?.loseContext();
-  return /swiftshader|llvmpipe|software/i.test(name);
-}
+import { drawnBySoftware, LIGHT } from "./surfaces.js";
 
 export class Stage {
   constructor(canvas, worlds) {
     this.worlds = worlds;
-    this.renderer = new WebGLRenderer({ canvas, antialias: !drawnBySoftware(), powerPreference: "high-performance" });
+    this.renderer = new WebGLRenderer({ canvas, antialias: !drawnBySoftware() /* by software smooth edges cost four times as much */, powerPreference: "high-performance" });
     this.sharpness = 1;
     this.renderer.setScissorTest(worlds.length > 1);
     this.camera = new PerspectiveCamera(32, 1, 0.05, 400);
@@ -24,8 +17,8 @@ export class Stage {
     this.controls.maxDistance = 120;
     this.controls.addEventListener("change", () => { this.dirty = true; });
     this.scenes = worlds.map((world) => {
-      const scene = new Scene(), sun = new DirectionalLight("#ffffff", 1.9), sky = new HemisphereLight("#ffffff", "#8b93a0", 2);
-      sun.position.set(4, 7, 10);
+      const scene = new Scene(), sun = new DirectionalLight("#ffffff", LIGHT.strength), sky = new HemisphereLight(LIGHT.above, LIGHT.below, LIGHT.sky.value);
+      sun.position.copy(LIGHT.sun);
       scene.add(world.root, sun, sky);
       scene.userData = { sky };
       return scene;
@@ -57,7 +50,7 @@ export class Stage {
   theme(theme) {
     for (const [k, scene] of this.scenes.entries()) {
       scene.background = new Color(theme.sky);
-      scene.userData.sky.intensity = theme.hemisphere;
+      scene.userData.sky.intensity = LIGHT.sky.value = theme.hemisphere;
       this.worlds[k].theme(theme);
     }
     this.dirty = true;

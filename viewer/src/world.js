@@ -1,21 +1,21 @@
 // One run in space: its bodies where they are at a time, what joins them, what they stand on.
 
-import { BoxGeometry, Group, LineBasicMaterial, Matrix4, Mesh, MeshLambertMaterial, MeshPhongMaterial, Object3D, Quaternion, Vector3, DoubleSide } from "three";
+import { BoxGeometry, Group, LineBasicMaterial, Matrix4, Mesh, Object3D, Quaternion, Vector3, DoubleSide } from "three";
 import { carBody, frame, roller, wheelset } from "./bodies.js";
 import { Contacts } from "./contacts.js";
 import { Elements } from "./elements.js";
 import { rig, Track } from "./ground.js";
 import { Line } from "./line.js";
+import { dull, polished } from "./surfaces.js";
 
 const X = new Vector3(1, 0, 0), Y = new Vector3(0, 1, 0), Z = new Vector3(0, 0, 1);
 
 function materialsOf() {
-  const lambert = (options = {}) => new MeshLambertMaterial(options);
   return {
-    steel: new MeshPhongMaterial({ shininess: 70, specular: "#777777" }), roller: new MeshPhongMaterial({ shininess: 50, specular: "#666666" }),
-    axle: lambert(), dark: lambert(), mark: lambert({ color: "#e8a33d" }), disc: lambert(), frame: lambert(), pedestal: lambert(),
-    rail: lambert({ side: DoubleSide }), ballast: lambert({ side: DoubleSide }), sleeper: lambert(),
-    car: lambert({ transparent: true, opacity: 0.18, depthWrite: false }), carLine: new LineBasicMaterial({ transparent: true, opacity: 0.45 }),
+    steel: polished(70, "#777777"), roller: polished(50, "#666666"),
+    axle: dull(), dark: dull(), mark: dull({ color: "#e8a33d" }), disc: dull(), frame: dull(), pedestal: dull(),
+    rail: dull({ side: DoubleSide }), ballast: dull({ side: DoubleSide }), sleeper: dull(),
+    car: dull({ transparent: true, opacity: 0.18, depthWrite: false }), carLine: new LineBasicMaterial({ transparent: true, opacity: 0.45 }),
   };
 }
 

@@ -138,6 +138,40 @@ def test_a_narrow_screen_in_dark_and_light(browser: Any, tmp_path: Path, in_curv
         page.close()
 
 
+def test_two_runs_have_room_on_a_narrow_screen(browser: Any, both: Path) -> None:
+    page = Opened(browser, both, 375, 667, has_touch=True)
+    try:
+        cameras = [one.bounding_box() for one in page.page.locator(".modes button").all()]
+        assert len({box["y"] for box in cameras}) == 1  # in one row
+        header = page.page.locator("header").bounding_box()
+        assert header["height"] < 110
+        legend = page.page.locator(".legend")
+        assert legend.get_attribute("open") is None  # opened by the reader
+        legend.locator("summary").tap()
+        assert legend.locator(".scale").first.is_visible()
+        top = legend.bounding_box()["y"]
+        for name in page.page.locator(".name").all():
+            box = name.bounding_box()
+            assert box["y"] + box["height"] <= top
+    finally:
+        page.close()
+
+
+def test_by_software_light_is_computed_at_the_vertices(opened: Opened) -> None:
+    kinds = opened.ask(
+        "(() => { const found = new Set(); for (const w of r.worlds)"
+        " w.root.traverse((o) => { if (o.isMesh) found.add(o.material.type); }); return [...found].sort(); })()"
+    )
+    assert kinds == ["MeshBasicMaterial", "ShaderMaterial"]  # the browser of the tests has no graphics processor
+    assert opened.ask("r.worlds.every((w) => w.materials.frame.color.getHexString() === '3f5d7d')")
+    opened.ask("r.setTheme('dark')")
+    assert opened.ask("r.worlds.every((w) => w.materials.frame.color.getHexString() === '4f7399')")
+    opened.ask("(r.look('contact'), r.worlds[0].materials.steel.opacity)")
+    assert opened.ask("r.worlds[0].materials.steel.opacity") == 0.35
+    opened.ask("(r.look('free'), r.setTheme('light'))")
+    assert opened.ask("r.worlds[0].materials.steel.opacity") == 1
+
+
 def test_modes_move_by_the_same_page(browser: Any, tmp_path: Path) -> None:
     modes = rr.stability("wheelset_rollers", [60.0, 120.0])
     page = Opened(browser, rr.view(modes, path=tmp_path / "modes.html"))
