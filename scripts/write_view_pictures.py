@@ -27,6 +27,12 @@ PICTURES = {
 }
 """Name -> cases, another speed, time [s], camera, theme."""
 
+LIVE = {
+    "view_live": ("bogie_rollers_constant", {"radius": 0.45, "speed": 280.0}, 6.0),
+    "view_live_brake": ("adhesion_brake", {}, 9.0),
+}
+"""Name -> case, sliders and their values, how long after them [s]."""
+
 
 def main() -> None:
     """Write all pictures, or those named on the command line."""
@@ -44,27 +50,29 @@ def main() -> None:
             page.page.wait_for_timeout(300)
             page.page.screenshot(path=ROOT / "docs" / "images" / f"{name}.png")
             page.close()
-        if len(sys.argv) == 1 or "view_live" in sys.argv[1:]:
-            live(browser)
+        for name, given in LIVE.items():
+            if len(sys.argv) == 1 or name in sys.argv[1:]:
+                live(browser, name, *given)
 
 
-def live(browser: Any) -> None:
-    """A bogie that hunts on small rollers, moved by sliders."""
-    theatre = Theatre(rr.load_case("bogie_rollers_constant"))
+def live(browser: Any, name: str, case: str, moved: dict[str, float], seconds: float) -> None:
+    """A simulation moved by sliders and pushed, after so many seconds."""
+    theatre = Theatre(rr.load_case(case))
     listening = server(theatre)
     for work in (listening.serve_forever, theatre.play):
         threading.Thread(target=work, daemon=True).start()
     page = Opened(browser, f"http://127.0.0.1:{listening.server_address[1]}/", 1280, 720)
-    for name, value in (("radius", 0.45), ("speed", 280.0)):
-        page.page.locator(f"#live-{name}").evaluate(
+    for slider, value in moved.items():
+        page.page.locator(f"#live-{slider}").evaluate(
             "(e, v) => { e.value = v; e.dispatchEvent(new Event('input')); }", value
         )
         page.page.wait_for_timeout(500)
     page.page.click("#push")
-    page.page.wait_for_timeout(6000)
+    page.page.wait_for_timeout(1e3 * seconds)
     page.page.evaluate("(rollerrig.keepUp = () => {}, rollerrig.stage.setSharpness(1))")
     page.page.wait_for_timeout(1500)
-    page.page.screenshot(path=ROOT / "docs" / "images" / "view_live.png")
+    page.page.screenshot(path=ROOT / "docs" / "images" / f"{name}.png")
+    page.close()
     theatre.ended = True
     listening.shutdown()
 

@@ -5,13 +5,13 @@ import { CURVES } from "./colours.js";
 
 /** One chart with a choice of what it shows. */
 export class Chart {
-  constructor(holder, worlds, first, events) {
+  constructor(holder, worlds, titles, events) {
     this.worlds = worlds; this.events = events;
     this.groups = groupsOf(worlds);
     this.box = document.createElement("div"); this.box.className = "chart";
     this.choice = document.createElement("select"); this.choice.setAttribute("aria-label", "what is plotted");
     this.groups.forEach((group, k) => this.choice.add(new Option(`${group.title} [${group.unit}]`, String(k))));
-    this.choice.value = String(Math.min(first, this.groups.length - 1));
+    this.choice.value = String(Math.max(0, ...titles.map((title) => this.groups.findIndex((group) => group.title === title)).filter((k) => k >= 0).slice(0, 1)));
     this.choice.addEventListener("change", () => this.build());
     this.area = document.createElement("div"); this.area.className = "plot";
     this.now = document.createElement("div"); this.now.className = "now";

@@ -26,7 +26,7 @@ class Page {
     if (this.modes) this.legend.hidden = true; else legend(this.legend, worlds);
     if (this.modes) this.clock.faster(-2);
     const events = { time: (t) => this.clock.set(t), range: (a, b) => this.clock.repeat([a, b]) };
-    this.charts = [0, 1].map((k) => new Chart(this.plots, worlds, [0, this.modes ? 1 : this.has("a0.cylinder_pressure") ? 2 : 3][k], events));
+    this.charts = this.wished().map((titles) => new Chart(this.plots, worlds, titles, events));
     this.resize(); this.setTheme(matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light");
     this.look("free");
     new ResizeObserver(() => this.resize()).observe(this.view);
@@ -41,6 +41,12 @@ class Page {
   }
 
   has(name) { return this.worlds.some((w) => w.numbers.has(name)); }
+
+  /** What the two charts show at first, the first title that there is: in a test on adhesion how axles slide, else how the vehicle moves sideways. */
+  wished() {
+    if (this.modes) return [["Lateral displacement"], ["Yaw"]];
+    return this.has("train_speed") ? [["Speed, at nominal radii"], ["Brake cylinder pressure", "Longitudinal sliding"]] : [["Lateral displacement", "Speed, at nominal radii"], ["Guiding force Y"]];
+  }
 
   build(root) {
     this.canvas = element("canvas", { id: "canvas", tabindex: 0, "aria-label": "the vehicle in motion; drag turns, wheel or two fingers zoom" });

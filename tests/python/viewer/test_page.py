@@ -172,6 +172,17 @@ def test_by_software_light_is_computed_at_the_vertices(opened: Opened) -> None:
     assert opened.ask("r.worlds[0].materials.steel.opacity") == 1
 
 
+def test_a_brake_test_begins_with_speeds_and_pressures(browser: Any, tmp_path: Path, opened: Opened) -> None:
+    braked = rr.simulate(rr.load_case("adhesion_brake").with_changes({"time.duration": "0.2 s"}))
+    chosen = "r.charts.map((one) => one.groups[Number(one.choice.value)].title)"
+    page = Opened(browser, rr.view(braked, path=tmp_path / "braked.html"))
+    try:
+        assert page.ask(chosen) == ["Speed, at nominal radii", "Brake cylinder pressure"]
+    finally:
+        page.close()
+    assert opened.ask(chosen) == ["Lateral displacement", "Guiding force Y"]
+
+
 def test_modes_move_by_the_same_page(browser: Any, tmp_path: Path) -> None:
     modes = rr.stability("wheelset_rollers", [60.0, 120.0])
     page = Opened(browser, rr.view(modes, path=tmp_path / "modes.html"))
