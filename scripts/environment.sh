@@ -9,14 +9,23 @@
 # Variables a user may set:
 #   PYTHON   the interpreter to use            (default: the newest of python3.14 ... python3.11, python3)
 #   VENV     where the environment lies        (default: .venv)
-#   JOBS     parallel compile jobs             (default: 2; each one may take over 1 GB of memory)
+#   JOBS     parallel compile jobs             (default: the cores, as far as there are 1.5 GB of memory for each)
 
 set -euo pipefail
 
 root="$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)"
 cd "$root"
 venv="${VENV:-$root/.venv}"
-jobs="${JOBS:-2}"
+
+default_jobs() {
+  local cores gigabytes
+  cores="$(getconf _NPROCESSORS_ONLN 2>/dev/null || echo 2)"
+  gigabytes="$(awk '/MemAvailable/ { print int($2 / 1572864) }' /proc/meminfo 2>/dev/null)"
+  if [[ -n "$gigabytes" && "$gigabytes" -lt "$cores" ]]; then cores="$gigabytes"; fi
+  if [[ "$cores" -lt 1 ]]; then cores=1; fi
+  echo "$cores"
+}
+jobs="${JOBS:-$(default_jobs)}"
 export CMAKE_BUILD_PARALLEL_LEVEL="$jobs"
 export PIP_DISABLE_PIP_VERSION_CHECK=1
 

@@ -46,7 +46,8 @@ def main() -> None:
                 for case in chosen
             ]
             page = Opened(browser, rr.view(*runs, path=Path(folder) / f"{name}.html"), 1280, 720, color_scheme=theme)
-            page.ask(f"(r.wheel = {1 if camera == 'contact' else 0}, r.clock.set({time}), r.look('{camera}'))")
+            page.page.select_option("#wheel", "1" if camera == "contact" else "0")
+            page.ask(f"(r.clock.set({time}), r.look('{camera}'))")
             page.page.wait_for_timeout(300)
             page.page.screenshot(path=ROOT / "docs" / "images" / f"{name}.png")
             page.close()
