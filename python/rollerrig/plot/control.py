@@ -11,6 +11,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
+from rollerrig.plot.log_axis import logarithmic
 from rollerrig.plot.style import COLOURS, GREY, MARKERS, STYLES, house_style, legend_above, line, new_grid, panels
 
 
@@ -76,12 +77,13 @@ def over_parameter(
                 name = f"{curve.label}: test ended early"
                 tracking.plot(x[over], y, "x", color=colour, markersize=7.0, transform=top, label=name)
         for axes, limit in zip((tracking, ripple), limits, strict=True):
-            axes.set_yscale("log")
+            logarithmic(axes, "y")
             axes.axhline(limit, **LIMIT)
             axes.set_ylim(bottom=max(axes.get_ylim()[0], 1e-2 * limit if axes is ripple else 0.0))
             if base is not None:
                 axes.axvline(base, **SHIPPED)
-        ripple.set_xscale(scale)
+        if scale == "log":
+            logarithmic(ripple)
     return figure
 
 
@@ -106,7 +108,7 @@ def ranges(bars: Sequence[Bar], base: tuple[float, float], limits: tuple[float, 
             axes.barh(rows, high - low, left=low, height=0.62, color=colours)
             for end in (low, high):
                 axes.plot(end, rows, "|", color="black", markersize=6)
-            axes.set_xscale("log")
+            logarithmic(axes)
             axes.set_xlim(0.5 * max(low.min(), 3e-3 * limit), 2.0 * high.max())
             axes.margins(y=0.01)
             axes.axvline(limit, **LIMIT)
@@ -143,7 +145,7 @@ def loop_growth(points: Mapping[str, Sequence[float]]) -> Figure:
         rate.axhline(0.0, **LIMIT)
         worst = [v for key in ("vehicle_rate", "measured_rate") for v in points[key] if math.isfinite(v)]
         rate.set_ylim(min(-12.0, *worst), 1.3 * max(10.0, *worst))
-        frequency.set_xscale("log")
+        logarithmic(frequency)
         frequency.set_ylim(0.0, None)
     return figure
 

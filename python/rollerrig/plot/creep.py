@@ -7,6 +7,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from rollerrig.plot.into import into_axes
+from rollerrig.plot.log_axis import logarithmic
 from rollerrig.plot.style import COLOURS, STYLES, headline, house_style, legend_below, new_grid
 
 COLUMNS = (
@@ -41,7 +42,7 @@ def creep_figure(comparison: xr.Dataset) -> Figure:
                               label=law)  # fmt: skip
                 axes.errorbar(demand, values.sel(law=names[0]), yerr=error, fmt="o", ms=3, color="black", capsize=2,
                               lw=0.8, label="exact theory", zorder=5)  # fmt: skip
-                axes.set_xscale("log")
+                logarithmic(axes)
                 if column == 0:
                     axes.set_ylabel(direction.replace(" and ", "\nand ").replace(" with ", "\nwith ")
                                     .replace(" against ", "\nagainst "))  # fmt: skip

@@ -10,6 +10,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from rollerrig.plot.log_axis import logarithmic
 from rollerrig.plot.style import COLOURS, GREY, STYLES, house_style, line, new_figure, new_grid, panels
 
 Array = NDArray[np.float64]
@@ -44,7 +45,7 @@ def amplitudes(runs: Mapping[str, tuple[Any, Any]], slips: Mapping[str, tuple[An
         for axes, series in zip(all_axes, (runs, slips), strict=True):
             for number, (label, values) in enumerate(series.items()):
                 line(axes, *values, number, STYLES[number % len(STYLES)], label, linewidth=1.1)
-        all_axes[0].set_yscale("log")
+        logarithmic(all_axes[0], "y")
         all_axes[0].set_ylim(1e-3, None)
     return figure
 

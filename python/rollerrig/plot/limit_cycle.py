@@ -12,6 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from rollerrig.plot.into import into_axes
+from rollerrig.plot.log_axis import logarithmic
 from rollerrig.plot.style import COLOURS, GREY, critical_line, panels
 
 LOOKS: dict[str, dict[str, Any]] = {
@@ -53,7 +54,7 @@ def limit_cycle_diagram(cycles: xr.Dataset, modes: xr.Dataset | None = None) -> 
         amplitude.legend(loc="upper left")
         frequency.set_ylim(bottom=0.0)
         if float(np.nan_to_num(1e-3 * cycles["cycle_guiding_force"].to_numpy()).max(initial=0.0)) > 100.0:
-            force.set_yscale("log")
+            logarithmic(force, "y")
         return figure
 
 

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from rollerrig.plot.log_axis import logarithmic
 from rollerrig.plot.style import colour, house_style, look, new_figure, panels
 
 Curve = tuple[NDArray[np.float64], NDArray[np.complex128]]
@@ -25,17 +27,19 @@ def bode_figure(lines: Mapping[str, Curve], points: Mapping[str, Curve], unit: s
     with panels([f"magnitude [dB re 1 {unit}]", "phase [°]"], "frequency [Hz]", 5.0) as (figure, (magnitude, phase)):
         for number, (label, (frequencies, values)) in enumerate(lines.items()):
             angle = np.degrees(np.unwrap(np.angle(values)))
-            magnitude.semilogx(frequencies, 20 * np.log10(np.abs(values)), label=label, **look(number))
-            phase.semilogx(frequencies, angle, **look(number))
+            magnitude.plot(frequencies, 20 * np.log10(np.abs(values)), label=label, **look(number))
+            phase.plot(frequencies, angle, **look(number))
             if label not in points:
                 continue
             at, measured = points[label]
             there = np.isfinite(measured)
             near = np.interp(at[there], frequencies, angle)
             turned = near + np.degrees(np.angle(measured[there] * np.exp(-1j * np.radians(near))))
-            options = {"marker": "o", "markersize": 3.5, "linestyle": "none", "color": colour(number)}
-            magnitude.semilogx(at[there], 20 * np.log10(np.abs(measured[there])), label=f"{label}, measured", **options)
-            phase.semilogx(at[there], turned, **options)
+            options: dict[str, Any] = {"marker": "o", "markersize": 3.5, "linestyle": "none", "color": colour(number)}
+            magnitude.plot(at[there], 20 * np.log10(np.abs(measured[there])), label=f"{label}, measured", **options)
+            phase.plot(at[there], turned, **options)
+        logarithmic(magnitude)
+        logarithmic(phase)
     return figure
 
 

@@ -10,8 +10,8 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 
+from rollerrig.plot.log_axis import logarithmic
 from rollerrig.plot.style import COLOURS, MARKERS, house_style, new_figure, new_grid
 
 MOST_PANELS = 6
@@ -122,14 +122,10 @@ def _map(axes: Axes, values: xr.DataArray, low: float, high: float) -> Any:
 
 def _logarithmic(axes: Axes, x: Any, y: Any = ()) -> None:
     """Logarithmic axes for values over a decade or more, with plain numbers at them."""
-    for places, scale, axis in ((x, axes.set_xscale, axes.xaxis), (y, axes.set_yscale, axes.yaxis)):
-        if _is_wide(places):
-            scale("log")
-            axis.set_major_locator(
-                LogLocator(subs=(1.0, 2.0, 5.0) if np.max(places) < 200.0 * np.min(places) else (1.0,))
-            )
-            axis.set_major_formatter(FuncFormatter(lambda value, _place: f"{value:g}"))
-            axis.set_minor_locator(NullLocator())
+    if _is_wide(x):
+        logarithmic(axes)
+    if _is_wide(y):
+        logarithmic(axes, "y")
 
 
 def _is_wide(places: Any) -> bool:

@@ -10,6 +10,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from rollerrig.plot.log_axis import logarithmic
 from rollerrig.plot.style import COLOURS, GREY, house_style, line, new_figure, new_grid, panels
 
 Array = NDArray[np.float64]
@@ -105,7 +106,7 @@ def slip_grid(edges: Array, shares: Mapping[str, Mapping[str, Array]]) -> Figure
                     linewidth=1.2,
                 )
             axes.set_title(name.replace("_", " "))
-            axes.set_yscale("log")
+            logarithmic(axes, "y")
             axes.set_ylim(0.05, 120.0)
         for axes in grid.flat[len(shares) :]:
             axes.set_visible(False)
