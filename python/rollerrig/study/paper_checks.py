@@ -11,7 +11,7 @@ from collections.abc import Iterable, Iterator
 import numpy as np
 import xarray as xr
 
-from rollerrig.analysis.fits import fit
+from rollerrig.analysis.fits import Fit, fit
 from rollerrig.config import Case, Rig
 from rollerrig.study.checks import Check
 from rollerrig.study.interval import Interval
@@ -63,13 +63,23 @@ def traction_checks(run: xr.Dataset, study: xr.Dataset, case: Case) -> Iterator[
     )
 
 
+def sliding_course(study: xr.Dataset, wheel: str) -> tuple[Fit, Fit]:
+    """The sliding of a wheel fitted by a parabola while the torque rises, and by a straight line at its final value."""
+    torque = study["torque"].to_numpy()
+    sliding, time = study.sel(wheel=wheel)["sliding"].to_numpy(), study["time"].to_numpy()
+    final = torque >= torque.max() * (1 - 1e-12)
+    rising, steady = (torque > 0) & ~final, final & (time > time[final][0] + 0.2)
+    return (
+        fit(sliding[rising], np.ones(int(rising.sum())), time[rising], time[rising] ** 2),
+        fit(sliding[steady], np.ones(int(steady.sum())), time[steady]),
+    )
+
+
 def _sliding_checks(study: xr.Dataset, wheel: str, place: str) -> Iterator[Check]:
     """Course of the sliding: while the torque rises, and at its final value."""
     torque, own = study["torque"].to_numpy(), study.sel(wheel=wheel)
-    final = torque >= torque.max() * (1 - 1e-12)
-    speed, sliding, time = (values.to_numpy() for values in (study["speed"], own["sliding"], study["time"]))
-    rising = (torque > 0) & ~final
-    steady = final & (time > time[final][0] + 0.2)
+    speed, sliding = study["speed"].to_numpy(), own["sliding"].to_numpy()
+    parabola, straight = sliding_course(study, wheel)
     course = (
         (
             "a fit c₀V + c₁ × torque × speed",
@@ -79,13 +89,13 @@ def _sliding_checks(study: xr.Dataset, wheel: str, place: str) -> Iterator[Check
         ),
         (
             "a parabola leaves while the torque rises",
-            fit(sliding[rising], np.ones(int(rising.sum())), time[rising], time[rising] ** 2),
+            parabola,
             0.03,
             "the speed itself rises quadratically, so torque × speed has a small cubic part",
         ),
         (
             "a straight line leaves at constant torque",
-            fit(sliding[steady], np.ones(int(steady.sum())), time[steady]),
+            straight,
             0.005,
             "acceleration and force are constant, 0.2 s after the corner of the torque",
         ),
