@@ -16,7 +16,6 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from rollerrig import plot as plot
-    from rollerrig.analysis.critical_speed import critical_speed as critical_speed
     from rollerrig.analysis.linear_bench import linearize as linearize
     from rollerrig.analysis.mode_table import stability as stability
     from rollerrig.analysis.runs_together import compare_runs as compare_runs
@@ -59,6 +58,7 @@ if TYPE_CHECKING:
     from rollerrig.results.in_words import summary as summary
     from rollerrig.simulation import simulate as simulate
     from rollerrig.starting_state import StartError as StartError
+    from rollerrig.study.critical_speed import critical_speed as critical_speed
     from rollerrig.study.envelope import envelope as envelope
     from rollerrig.viewer import view as view
     from rollerrig.viewer.play import play as play
@@ -84,7 +84,7 @@ _HOME = {
     "contact": "commands",
     "control": "commands",
     "creep": "commands",
-    "critical_speed": "analysis.critical_speed",
+    "critical_speed": "study.critical_speed",
     "envelope": "study.envelope",
     "explain": "config",
     "export_fmu": "fmu.export",

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray as xr
 
-from rollerrig.analysis.parallel import Progress
+from rollerrig.analysis.crew import Progress
 from rollerrig.analysis.speed_map import SPEEDS_KMH
 from rollerrig.cases import as_case
 from rollerrig.config import Case, Programme, load_programme
@@ -42,6 +42,7 @@ def limit_cycle(
     *,
     linear_critical_kmh: float = math.nan,
     processes: int = 1,
+    folder: str | Path | None = None,
     progress: Progress | None = None,
     **settings: float,
 ) -> xr.Dataset:
@@ -52,6 +53,7 @@ def limit_cycle(
         speeds_kmh: speeds of the runs [km/h].
         linear_critical_kmh: linear critical speed, which decides how the bifurcation is called [km/h]; NaN: unknown.
         processes: with 2, the two sweeps run at a time; that asks a script for `if __name__ == "__main__":`.
+        folder: where each finished run is kept: after Ctrl-C or a killed program the same call goes on; None: nowhere.
         progress: called with the fraction done and a short text.
         **settings: of `LimitCycleSettings`, such as disturbance [m] and tolerance_kmh.
 
@@ -61,10 +63,12 @@ def limit_cycle(
     Raises:
         StartError: no state was found from which a run can start.
     """
-    from rollerrig.analysis import LimitCycleSettings, limit_cycle_table, limit_cycles
+    from rollerrig.analysis import LimitCycleSettings, limit_cycle_table
+    from rollerrig.study.limit_cycles import limit_cycles
 
     chosen = LimitCycleSettings(**settings)
-    found = limit_cycles(as_case(case), speeds_kmh, linear_critical_kmh, chosen, processes=processes, progress=progress)
+    found = limit_cycles(as_case(case), speeds_kmh, linear_critical_kmh, chosen, processes=processes, folder=folder,
+                         progress=progress)  # fmt: skip
     return limit_cycle_table(found)
 
 

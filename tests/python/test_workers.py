@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from rollerrig.analysis.parallel import Progress
+from rollerrig.analysis.crew import Progress
 
 BOUND = 10.0
 """A worker asks for its parent's end before it loads anything: within a second, unless the machine is busy [s]."""

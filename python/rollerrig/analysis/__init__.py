@@ -19,9 +19,7 @@ if TYPE_CHECKING:
     from rollerrig.analysis.assessment import table as table
     from rollerrig.analysis.critical_speed import CriticalSpeedByDisturbance as CriticalSpeedByDisturbance
     from rollerrig.analysis.critical_speed import LinearCriticalSpeed as LinearCriticalSpeed
-    from rollerrig.analysis.critical_speed import critical_speeds_by_disturbance as critical_speeds_by_disturbance
     from rollerrig.analysis.critical_speed import linear_critical_speed as linear_critical_speed
-    from rollerrig.analysis.critical_speed import linear_critical_speeds as linear_critical_speeds
     from rollerrig.analysis.crossings import Crossing as Crossing
     from rollerrig.analysis.crossings import zero_crossings as zero_crossings
     from rollerrig.analysis.hunting import HuntingRun as HuntingRun
@@ -32,7 +30,6 @@ if TYPE_CHECKING:
     from rollerrig.analysis.limit_cycle import Diagram as Diagram
     from rollerrig.analysis.limit_cycle_runs import LimitCycleSettings as LimitCycleSettings
     from rollerrig.analysis.limit_cycle_runs import limit_cycle_table as limit_cycle_table
-    from rollerrig.analysis.limit_cycle_runs import limit_cycles as limit_cycles
     from rollerrig.analysis.linearise import Linearisation as Linearisation
     from rollerrig.analysis.linearise import Lineariser as Lineariser
     from rollerrig.analysis.mode_table import stability as stability
@@ -65,7 +62,6 @@ _HOME = {
     "Row": "assessment",
     "accelerations": "ride",
     "assess": "assessment",
-    "critical_speeds_by_disturbance": "critical_speed",
     "end_of_hunting": "ramp",
     "filtered": "wheel_rail_forces",
     "final_motion": "signals",
@@ -74,9 +70,7 @@ _HOME = {
     "hunting_run": "hunting",
     "hunting_table": "hunting",
     "limit_cycle_table": "limit_cycle_runs",
-    "limit_cycles": "limit_cycle_runs",
     "linear_critical_speed": "critical_speed",
-    "linear_critical_speeds": "critical_speed",
     "prudhomme_limit": "wheel_rail_forces",
     "ramp_run": "ramp",
     "stability": "mode_table",

@@ -4,7 +4,7 @@
     by disturbance     lowest speed at which a perturbation of a given size persists: runs at constant speed, bracketed
     by continuation    lowest speed of a stable limit cycle: speed stepped down, each run begun with the state of the one before
 
-    Case, speeds -> [modes over speed | runs from a disturbance | limit-cycle diagram] -> critical_speed -> Dataset
+    Case, speeds -> [modes over speed | runs from a disturbance] -> LinearCriticalSpeed | CriticalSpeedByDisturbance
 
 A limit cycle exists only above the fold of its branch, and above the linear critical speed every perturbation grows: for a
 subcritical bifurcation
@@ -21,103 +21,45 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
-from typing import Literal
+from dataclasses import dataclass, field
 
 import numpy as np
-import xarray as xr
-from numpy.typing import NDArray
 
+from rollerrig.analysis.crew import Progress
 from rollerrig.analysis.crossings import Crossing, first_onset, growing_at_start, zero_crossings
-from rollerrig.analysis.hunting import HuntingRun, HuntingSettings, hunting_run
-from rollerrig.analysis.limit_cycle_runs import LimitCycleSettings, limit_cycles
+from rollerrig.analysis.hunting import HuntingRun
 from rollerrig.analysis.linearise import Lineariser
-from rollerrig.analysis.parallel import Progress, run_jobs
-from rollerrig.analysis.speed_map import SPEEDS_KMH, modes_over_speed
-from rollerrig.cases import as_case
+from rollerrig.analysis.speed_map import modes_over_speed
 from rollerrig.config import Case
-from rollerrig.results import variable
 from rollerrig.starting_state import StartError
 
-Method = Literal["linear", "disturbance", "continuation"]
 HIGHEST_KMH = 600.0
 """Where a linear critical speed is looked for at most, unless higher speeds are asked for [km/h]: no train runs faster."""
 
-FIRST_ROUND = 0.75
-"""Fraction of the whole at which the first round of runs ends, for the progress bar."""
 
-
-def critical_speed(
-    case: Case | str,
-    *,
-    methods: Sequence[Method] = ("linear",),
-    speeds_kmh: Sequence[float] = SPEEDS_KMH,
-    bracket_kmh: float = 3.0,
-    processes: int = 1,
-    progress: Progress | None = None,
-) -> xr.Dataset:
-    """Critical speed of a case by one or several definitions.
+def onset_from(
+    case: Case, speeds_kmh: Sequence[float], progress: Progress | None = None
+) -> tuple[Crossing | None, float]:
+    """Lowest onset of growth at the speeds asked for or above them, up to HIGHEST_KMH.
 
     Args:
-        case: the case, or its name in the catalogue.
-        methods: of 'linear', 'disturbance', 'continuation'.
-        speeds_kmh: range of speeds [km/h], rising; runs are made at each of them.
-        bracket_kmh: to which those by disturbance and by continuation are found [km/h].
-        processes: runs at a time.
+        case: the case.
+        speeds_kmh: range of speeds [km/h], rising.
         progress: called with the fraction done and a short text.
 
     Returns:
-        `linear_critical_speed`, `critical_speed_by_disturbance`, `critical_speed_by_continuation` [km/h], those asked for. The
-        latter two are known between two speeds and have the dimension `end`: 'decays', the highest one below at which the motion
-        comes to rest, and 'persists', the lowest at which it does not; NaN where there is none. The linear one is looked for up
-        to HIGHEST_KMH where the range has none; the attribute `linear_searched_to_kmh` says how far.
+        The onset, None if there is none, and the highest speed looked at [km/h].
 
     Raises:
-        ConfigError: runs are asked for, and nothing holds the vehicle along the track on its rollers.
-        ValueError: an unknown method, or speeds not positive and rising.
-        StartError: no rolling equilibrium at one of the speeds.
-
-    Example:
-        >>> import rollerrig as rr
-        >>> found = rr.critical_speed("bogie_rollers_constant", speeds_kmh=[200, 300])
-        >>> round(float(found["linear_critical_speed"]))
-        222
+        KeyboardInterrupt: Ctrl-C came before the end.
+        ValueError: speeds not positive and rising.
+        StartError: no rolling equilibrium at one of the speeds asked for.
     """
-    unknown = set(methods) - {"linear", "disturbance", "continuation"}
-    if unknown:
-        raise ValueError(f"methods: {', '.join(sorted(unknown))}; allowed: linear, disturbance, continuation")
-    chosen, searched_to = as_case(case), math.nan
-    found: dict[str, float | NDArray[np.float64]] = {}
-    report: Progress = progress or (lambda _fraction, _text: None)
-
-    def part(number: int) -> Progress:
-        return lambda f, t: report((number + f) / len(methods), t)
-
-    for number, method in enumerate(dict.fromkeys(methods)):
-        if method == "linear":
-            onset, searched_to = _onset(chosen, speeds_kmh, part(number))
-            found["linear_critical_speed"] = math.nan if onset is None else onset.speed
-        elif method == "disturbance":
-            runs = critical_speeds_by_disturbance({"": chosen}, speeds_kmh, bracket_kmh=bracket_kmh, processes=processes,
-                                                  progress=part(number))  # fmt: skip
-            found["critical_speed_by_disturbance"] = np.array([runs[""].decays, runs[""].persists])
-        else:
-            diagram = limit_cycles(chosen, speeds_kmh, math.nan, LimitCycleSettings(tolerance_kmh=bracket_kmh),
-                                   processes=min(2, processes), progress=part(number))  # fmt: skip
-            found["critical_speed_by_continuation"] = np.array([diagram.decays, diagram.lowest_cycle])
-    variables = {
-        name: variable(("end",)[: np.ndim(v)], 3.6 * v, "km/h", name.replace("_", " ")) for name, v in found.items()
-    }
-    ends = {"end": ["decays", "persists"]} if any(np.ndim(v) for v in found.values()) else {}
-    attributes = {"case": chosen.name, "title": f"Critical speed of {chosen.name}"}
-    return xr.Dataset(variables, ends, attributes | {"linear_searched_to_kmh": searched_to})
-
-
-def _onset(case: Case, speeds_kmh: Sequence[float], progress: Progress) -> tuple[Crossing | None, float]:
-    """Lowest onset of growth at the speeds asked for or above them, and the highest speed looked at [km/h]."""
     modes = modes_over_speed(case, [v / 3.6 for v in speeds_kmh], progress)
+    if modes.followed.interrupted:
+        raise KeyboardInterrupt
     found = first_onset(zero_crossings(modes))
-    if found is not None or growing_at_start(modes) or modes.followed.interrupted or speeds_kmh[-1] >= HIGHEST_KMH:
+    if found is not None or growing_at_start(modes) or speeds_kmh[-1] >= HIGHEST_KMH:
         return found, speeds_kmh[-1]
     above = scan_above(case, speeds_kmh[-1], progress)
     return above.onset, speeds_kmh[-1] if above.problem else HIGHEST_KMH
@@ -194,34 +136,6 @@ def scan_above(case: Case, above_kmh: float, progress: Progress | None = None) -
     return scan_linear((case, [above_kmh / 3.6, HIGHEST_KMH / 3.6]), progress)
 
 
-def linear_critical_speeds(
-    cases: Mapping[str, Case], speeds_kmh: Sequence[float], *, processes: int = 1, progress: Progress | None = None
-) -> dict[str, LinearCriticalSpeed]:
-    """Linear critical speeds of several cases, such as radii of rollers, vehicles or supports.
-
-    Args:
-        cases: label -> case.
-        speeds_kmh: range of speeds [km/h], rising; where they are far apart, further ones are put between them.
-        processes: cases at a time.
-        progress: called with the fraction done and a short text.
-
-    Returns:
-        Label -> what was found, in the order of `cases`; after Ctrl-C, those that were done.
-
-    Example:
-        >>> from rollerrig import load_case
-        >>> rig = load_case("bogie_rollers_constant")
-        >>> radii = {f"{r} m": rig.with_changes({"support.roller_radius": r}) for r in (0.5, 1.0)}
-        >>> found = linear_critical_speeds(radii, [60, 400])
-        >>> found["0.5 m"].speed_kmh < found["1.0 m"].speed_kmh
-        True
-    """
-    labels = list(cases)
-    jobs = [(cases[label], [v / 3.6 for v in speeds_kmh]) for label in labels]
-    done = run_jobs(scan_linear, jobs, processes=processes, progress=progress, names=labels)
-    return {label: scan for label, scan in zip(labels, done.results, strict=True) if scan is not None}
-
-
 # -------------------------------------------------------------------------------------------------- by disturbance
 
 
@@ -234,14 +148,12 @@ class CriticalSpeedByDisturbance:
         persists: lowest speed at which it persisted [m/s]; NaN if it never did.
         disturbance: its size, lateral offset of the leading wheelset [m].
         runs: all runs made for it, by speed; those that did not come to their end count neither way.
-        interrupted: whether Ctrl-C came before it was narrowed down.
     """
 
     decays: float
     persists: float
     disturbance: float
     runs: list[HuntingRun]
-    interrupted: bool = False
 
     def further_speeds(self, width: float) -> list[float]:
         """Speeds of the next round of runs, the bracket in thirds [m/s]; none if it is narrower than a width [m/s].
@@ -267,53 +179,6 @@ def bracket(runs: Iterable[HuntingRun], disturbance: float) -> CriticalSpeedByDi
     return CriticalSpeedByDisturbance(decays, persists, disturbance, ordered)
 
 
-def critical_speeds_by_disturbance(
-    cases: Mapping[str, Case],
-    speeds_kmh: Sequence[float],
-    *,
-    bracket_kmh: float = 3.0,
-    settings: HuntingSettings | None = None,
-    processes: int = 1,
-    progress: Progress | None = None,
-) -> dict[str, CriticalSpeedByDisturbance]:
-    """Critical speeds by disturbance of several cases, narrowed down round by round.
-
-    Args:
-        cases: label -> case.
-        speeds_kmh: of the first round of runs [km/h].
-        bracket_kmh: width to which the brackets are narrowed down [km/h].
-        settings: disturbance, length and tolerances of the runs.
-        processes: runs at a time.
-        progress: called with the fraction done and a short text.
-
-    Returns:
-        Label -> what was found; after Ctrl-C what the finished runs say, with `interrupted`.
-
-    Raises:
-        ConfigError: nothing holds a vehicle along the track on its rollers.
-        StartError: no state was found from which a run can start.
-    """
-    chosen = settings or HuntingSettings()
-    report: Progress = progress or (lambda _fraction, _text: None)
-    runs: dict[str, list[HuntingRun]] = {label: [] for label in cases}
-    found: dict[str, CriticalSpeedByDisturbance] = {}
-    speeds = dict.fromkeys(cases, speeds_kmh)
-    for number, wanted in enumerate(rounds_by_disturbance(speeds, bracket_kmh, runs, chosen.disturbance)):
-        done = run_jobs(
-            hunting_run,
-            [(cases[label], speed, chosen) for label, speed in wanted],
-            processes=processes,
-            progress=lambda f, t, k=number: report(_share_done(k, f), t),  # type: ignore[misc]
-            names=[f"{label} at {3.6 * speed:.0f} km/h".strip() for label, speed in wanted],
-        )
-        for (label, _), run in zip(wanted, done.results, strict=True):
-            runs[label] += [run] if run is not None else []
-        found = {label: bracket(runs[label], chosen.disturbance) for label in cases}
-        if done.interrupted:
-            return {label: replace(one, interrupted=True) for label, one in found.items()}
-    return found
-
-
 def rounds_by_disturbance(
     speeds_kmh: Mapping[str, Sequence[float]],
     width_kmh: float,
@@ -334,11 +199,3 @@ def rounds_by_disturbance(
         (label, v) for label in runs for v in bracket(runs[label], disturbance).further_speeds(width_kmh / 3.6)
     ]:
         yield wanted
-
-
-def _share_done(finished_rounds: int, fraction: float) -> float:
-    """Fraction of the whole: each further round takes half of what is left."""
-    if finished_rounds == 0:
-        return FIRST_ROUND * fraction
-    left = float(0.5 ** (finished_rounds - 1 + fraction))
-    return 1.0 - (1.0 - FIRST_ROUND) * left

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 import xarray as xr
 
-from rollerrig.analysis.parallel import Progress
+from rollerrig.analysis.crew import Progress
 from rollerrig.analysis.signals import FinalMotion, final_motion, half_waves
 from rollerrig.cases import at_speed, displaced, leading_wheelset
 from rollerrig.config import Case

@@ -14,14 +14,13 @@ Equations: docs/theory/equilibrium_and_linearisation.md, section Limit cycles.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Generic, Literal, Protocol, TypeVar
 
 import numpy as np
 
 State = TypeVar("State")
-Progress = Callable[[float, str], None]
 
 LEAST_AMPLITUDE = 2e-5
 """An oscillation below 0.02 mm is rest [m]."""
@@ -86,7 +85,14 @@ class Settle(Protocol[State]):
 
         Returns:
             What it ends in, and the state there; None at rest or where the run did not come to its end.
+
+        Raises:
+            NotMadeError: the run has not been made.
         """
+
+
+class NotMadeError(Exception):
+    """A run is not there, or not yet: the sweep ends before it."""
 
 
 @dataclass
@@ -97,7 +103,7 @@ class Branch(Generic[State]):
         sweep: 'up' or 'down'.
         points: at the speeds asked for.
         refined: further points, of the halving.
-        interrupted: whether Ctrl-C came before its end.
+        interrupted: whether a run that belongs to it was not made.
     """
 
     sweep: Literal["up", "down"]
@@ -112,7 +118,6 @@ def trace(
     speeds: Sequence[float],
     *,
     tolerance: float | None = None,
-    progress: Progress | None = None,
 ) -> Branch[State]:
     """Step through speeds and carry the state over.
 
@@ -121,25 +126,21 @@ def trace(
         sweep: up or down.
         speeds: in any order [m/s].
         tolerance: to which the speed is found where the limit cycle ends [m/s]; None: not looked for.
-        progress: called with the fraction done and a short text.
     """
     branch: Branch[State] = Branch(sweep)
     ordered = sorted(speeds, reverse=sweep == "down")
-    report = progress or (lambda _fraction, _text: None)
     state: State | None = None
     lowest: tuple[float, State] | None = None  # the limit cycle at the lowest speed so far
     try:
-        for number, speed in enumerate(ordered):
-            report(number / (len(ordered) + 1), f"{sweep}, {3.6 * speed:.0f} km/h")
+        for speed in ordered:
             point, state = settle(speed, state)
             branch.points.append(point)
             if state is not None and (lowest is None or speed < lowest[0]):
                 lowest = speed, state
         if tolerance is not None and lowest is not None:
-            report(len(ordered) / (len(ordered) + 1), "critical speed by continuation")
             below = max((p.speed for p in branch.points if p.decays and p.speed < lowest[0]), default=math.nan)
             _halve(settle, branch, below, lowest[0], lowest[1], tolerance)
-    except KeyboardInterrupt:
+    except NotMadeError:
         branch.interrupted = True
     return branch
 

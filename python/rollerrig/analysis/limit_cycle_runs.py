@@ -1,23 +1,21 @@
-"""Limit cycles of a case over speed: each run starts from the last state of the one before.
+"""Runs of a case until they have settled, each from the last state of the one before.
 
-Case, speeds -> [upward sweep, downward sweep on two processes; runs in windows until settled] -> Diagram -> Dataset
+Case, speed, last state -> [settling_run: windows of time until settled] -> CyclePoint, last state; Diagram -> Dataset
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
 from rollerrig import _core
+from rollerrig.analysis.crew import Progress
 from rollerrig.analysis.hunting import HuntingSettings, hunting_case
-from rollerrig.analysis.limit_cycle import LEAST_AMPLITUDE, Branch, CyclePoint, Diagram, diagram, is_settled, trace
-from rollerrig.analysis.parallel import Progress, run_jobs
+from rollerrig.analysis.limit_cycle import LEAST_AMPLITUDE, CyclePoint, Diagram, is_settled
 from rollerrig.analysis.signals import half_waves
 from rollerrig.assembly import AssembledModel, assemble
 from rollerrig.config import Case
@@ -62,97 +60,45 @@ class LimitCycleSettings:
     tolerance_kmh: float = 1.0
 
 
-BranchJob = tuple[Case, Literal["up", "down"], tuple[float, ...], LimitCycleSettings]
-
-
-def limit_cycles(
+def settling_run(
     case: Case,
-    speeds_kmh: Sequence[float],
-    linear_critical_kmh: float,
-    settings: LimitCycleSettings | None = None,
-    *,
-    processes: int = 1,
+    settings: LimitCycleSettings,
+    offset: float,
+    speed: float,
+    state: LastState | None,
     progress: Progress | None = None,
-) -> Diagram:
-    """The limit-cycle diagram of a case.
+) -> tuple[CyclePoint, LastState | None]:
+    """Run a case at a speed until it has settled.
 
     Args:
         case: the case; rollers or rails are speed-controlled.
-        speeds_kmh: at least one speed, each positive [km/h].
-        linear_critical_kmh: linear critical speed, from `stability` or `linear_critical_speed` [km/h]; NaN if there is none.
-        settings: disturbances, tolerances, longest time.
-        processes: 2 runs the two sweeps at a time.
-        progress: called with the fraction done and a short text.
+        settings: how the run is done.
+        offset: lateral, of the leading wheelset, where it starts from the steady state [m].
+        speed: running speed [m/s].
+        state: limit cycle from which it starts; None: from the steady state, disturbed.
+        progress: called with the fraction of the longest time and a short text.
 
     Returns:
-        The diagram; after Ctrl-C what was done until then.
+        What it ends in, and the state there; None at rest or where the run did not come to its end.
 
     Raises:
-        StartError: no state was found from which a run can start.
+        KeyboardInterrupt: Ctrl-C came before the end.
+        StartError: no state was found from which the run can start.
     """
-    chosen = settings or LimitCycleSettings()
-    speeds = tuple(float(v) / 3.6 for v in speeds_kmh)
-    report = progress or (lambda _fraction, _text: None)
-    downward: BranchJob = (case, "down", speeds, chosen)
-    upward: BranchJob = (case, "up", speeds, chosen)
-    down: Branch[LastState] | None
-    up: Branch[LastState] | None = None
-    if processes > 1:
-        down, up = run_jobs(
-            branch_job, [downward, upward], processes=2, progress=progress, names=["downward sweep", "upward sweep"]
-        ).results
-    else:  # a branch keeps what is done when Ctrl-C comes: it must not begin the next one
-        down = branch_job(downward, lambda f, t: report(0.6 * f, t))
-        if not down.interrupted:
-            up = branch_job(upward, lambda f, t: report(0.6 + 0.4 * f, t))
-    return diagram(up, down, linear_critical_kmh / 3.6, chosen.tolerance_kmh / 3.6)
-
-
-def branch_job(job: BranchJob, progress: Progress) -> Branch[LastState]:
-    """One sweep through the speeds, on any process; after Ctrl-C what was done until then."""
-    case, sweep, speeds, settings = job
-    runs = SettlingRuns(case, settings, settings.perturbation if sweep == "up" else settings.disturbance, progress)
-    tolerance = settings.tolerance_kmh / 3.6 if sweep == "down" else None
-    return trace(runs, sweep, speeds, tolerance=tolerance, progress=runs.report)
-
-
-class SettlingRuns:
-    """Runs of one case, each until it has settled; see `Settle`."""
-
-    def __init__(self, case: Case, settings: LimitCycleSettings, offset: float, progress: Progress) -> None:
-        self._case, self._settings, self._progress = case, settings, progress
-        self._offset = offset
-        self._reported = (0.0, "")
-
-    def report(self, fraction: float, text: str) -> None:
-        """Progress of the whole sweep."""
-        self._reported = fraction, text
-        self._progress(fraction, text)
-
-    def __call__(self, speed: float, state: LastState | None) -> tuple[CyclePoint, LastState | None]:
-        """Run at a speed [m/s] from a limit cycle, or disturbed from the steady state.
-
-        Raises:
-            KeyboardInterrupt: Ctrl-C came before the end.
-            StartError: no state was found from which the run can start.
-        """
-        model = assemble(self._at(speed))
-        simulation = _core.Simulation(model.core)
-        start = starting_state(simulation, model) if state is None else at_other_speed(simulation, model, state, speed)
-        begin(simulation, model, start)
-        run = _Windows(simulation, model, self._settings)
-        while not run.finished:
-            self._progress(*self._reported)  # Ctrl-C arrives here
-            run.advance()
-        point = run.point(speed)
-        return point, (speed, simulation.state) if point.amplitude > 0.0 and point.status == "ok" else None
-
-    def _at(self, speed: float) -> Case:
-        chosen = self._settings
-        settings = HuntingSettings(
-            self._offset, chosen.longest, chosen.output_step, chosen.relative_tolerance, chosen.absolute_tolerance
-        )
-        return hunting_case(self._case, speed, settings)
+    hunting = HuntingSettings(
+        offset, settings.longest, settings.output_step, settings.relative_tolerance, settings.absolute_tolerance
+    )
+    model = assemble(hunting_case(case, speed, hunting))
+    simulation = _core.Simulation(model.core)
+    start = starting_state(simulation, model) if state is None else at_other_speed(simulation, model, state, speed)
+    begin(simulation, model, start)
+    run = _Windows(simulation, model, settings)
+    while not run.finished:
+        if progress is not None:
+            progress(run.time / settings.longest, f"{3.6 * speed:.0f} km/h")  # Ctrl-C arrives here
+        run.advance()
+    point = run.point(speed)
+    return point, (speed, simulation.state) if point.amplitude > 0.0 and point.status == "ok" else None
 
 
 def at_other_speed(simulation: _core.Simulation, model: AssembledModel, state: LastState, speed: float) -> Vector:
@@ -167,19 +113,19 @@ def at_other_speed(simulation: _core.Simulation, model: AssembledModel, state: L
 
 
 class _Windows:
-    """A run in windows of time, and the amplitude in each."""
+    """A run in windows of time, and the amplitude in each; `time` is how far it is [s]."""
 
     def __init__(self, simulation: _core.Simulation, model: AssembledModel, settings: LimitCycleSettings) -> None:
         self._simulation, self._model, self._settings = simulation, model, settings
         self._amplitudes: list[float] = []
         self._parts: list[xr.Dataset] = []
-        self._time, self._window = 0.0, settings.window
+        self.time, self._window = 0.0, settings.window
         self._code: int = _core.status_codes["ok"]
 
     @property
     def finished(self) -> bool:
         """Whether it is at rest, has settled, has lasted long enough, or left the model's validity."""
-        if self._code != _core.status_codes["ok"] or self._time >= self._settings.longest * (1 - 1e-9):
+        if self._code != _core.status_codes["ok"] or self.time >= self._settings.longest * (1 - 1e-9):
             return True
         if min(self._amplitudes, default=0.0) <= 0.0:
             return len(self._amplitudes) > 1
@@ -199,14 +145,14 @@ class _Windows:
     def advance(self) -> None:
         """One window more."""
         step = self._settings.output_step
-        until = min(self._time + self._window, self._settings.longest)
-        room = math.ceil((until - self._time) / step) + SAMPLES_BY
+        until = min(self.time + self._window, self._settings.longest)
+        room = math.ceil((until - self.time) / step) + SAMPLES_BY
         times, rows = np.empty(room), np.empty((room, self._simulation.width))
-        self._code, filled = march(self._simulation, until, times, rows, slice_length=self._window, begin_at=self._time)
+        self._code, filled = march(self._simulation, until, times, rows, slice_length=self._window, begin_at=self.time)
         data = run_dataset(self._model, times[:filled], rows[:filled], self._outcome)
         part = data[["lateral", "lateral_force"]].sel(body=list(self._model.wheelsets)).load()
         self._parts = [*self._parts[-2:], part]
-        self._time = until
+        self.time = until
         lateral = part["lateral"].to_numpy()
         self._amplitudes.append(0.5 * float(np.ptp(lateral, axis=0).max()) if len(lateral) else 0.0)
         frequency = self._frequency()
@@ -236,7 +182,7 @@ class _Windows:
         settled = min(self._amplitudes, default=0.0) > 0.0 and is_settled(self._amplitudes, self._window)
         decaying = not settled and rate < -DECAY
         if status == "ok" and (self._rests or decaying or amplitude == 0.0):
-            return CyclePoint(speed, 0.0, rate=rate, settled=not decaying or self._rests, duration=self._time)
+            return CyclePoint(speed, 0.0, rate=rate, settled=not decaying or self._rests, duration=self.time)
         last = self._parts[-1]
         return CyclePoint(
             speed=speed,
@@ -246,7 +192,7 @@ class _Windows:
             guiding_force=float(np.abs(last["lateral_force"]).max()) if last.sizes["time"] else math.nan,
             rate=rate,
             settled=settled,
-            duration=self._time,
+            duration=self.time,
             status=status,
             message="" if status == "ok" else self._outcome.message,
         )

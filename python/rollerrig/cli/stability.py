@@ -57,6 +57,6 @@ def command(
     )
     speeds = read_speeds(speeds_kmh)
     study = StabilityStudy(
-        read_case(case, allow_code=allow_code, changes=change), speeds, limit_cycles, settings, contacts_kmh, processes
+        read_case(case, allow_code=allow_code, changes=change), speeds, limit_cycles, settings, contacts_kmh
     )
     carry_out(study, out, processes, force=force)

@@ -75,7 +75,7 @@ def readable_errors(command: Callable[P, R]) -> Callable[P, R]:
         except (ConfigError, OutputError, StartError) as error:
             stop(_with_file(str(error), options))
         except RuntimeError as error:
-            from rollerrig.analysis.parallel import WorkerError
+            from rollerrig.analysis.crew import WorkerError
 
             if isinstance(error, WorkerError):
                 stop(error)

@@ -10,10 +10,11 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from rollerrig.analysis import LimitCycleSettings, limit_cycles, linear_critical_speed
+from rollerrig.analysis import LimitCycleSettings, linear_critical_speed
 from rollerrig.config import Case
 from rollerrig.config.schema.contact_law import NORMAL_LAWS
 from rollerrig.study.jobs import Job, job
+from rollerrig.study.limit_cycles import limit_cycles
 from rollerrig.study.quantities import Quantity
 
 CREEP_LAWS = ("kalker_saturated", "table")
@@ -89,7 +90,7 @@ def contact_effect(
     chosen = case.with_changes({"contact.normal": normal, "contact.creep": creep})
     onset = linear_critical_speed(chosen, [v / 3.6 for v in speeds_kmh])
     linear = 3.6 * onset.speed if onset else math.nan
-    point = limit_cycles(chosen, [run_speed_kmh], linear, SETTINGS, processes=1).down[0]
+    point = limit_cycles(chosen, [run_speed_kmh], linear, SETTINGS).down[0]
     frequency = onset.frequency if onset else math.nan
     sizes = 1e3 * point.amplitude, 1e-3 * point.guiding_force
     return ContactEffect(support, normal, creep, linear, frequency, run_speed_kmh, *sizes, point.status)

@@ -36,7 +36,7 @@ from rollerrig.plot import figure_bytes
 from rollerrig.plot.style import fewer_colours, watermark
 from rollerrig.results import ResultFolder, check_folder, netcdf_bytes, sources_of
 from rollerrig.study.charts import chart_of
-from rollerrig.study.jobs import Done, Progress, Round, run_rounds
+from rollerrig.study.jobs import Chains, Done, Progress, Round, run_rounds
 from rollerrig.study.journal import Journal, check_jobs
 from rollerrig.study.limitations import limitations
 from rollerrig.study.quantities import Numbers, Quantities, finite
@@ -92,7 +92,7 @@ class Study(ABC, Generic[R]):
         return {case.name: case} if isinstance(case, Case) else {}
 
     @abstractmethod
-    def rounds(self, done: Done) -> Iterator[Round]:
+    def rounds(self, done: Done) -> Iterator[Round | Chains]:
         """Jobs by name, round by round; `done` has the results of the rounds before."""
 
     @abstractmethod

@@ -2,7 +2,8 @@
 
 rounds of jobs -> [run_rounds] -> results by name; with a journal also after kill -9
 
-Later rounds may depend on the results of earlier ones: a study yields a round at a time and finds its results in `done`.
+Later rounds may depend on the results of earlier ones: a study yields a round at a time and finds its results in `done`. Within a
+round, jobs that each need the one before them are a chain; chains go on side by side.
 """
 
 from __future__ import annotations
@@ -34,10 +35,12 @@ class Job:
     Attributes:
         function: on the top level of a module; it gets `progress` if it has such a parameter.
         arguments: all its other arguments.
+        lost: called with `arguments` for the result where the job ends its process again and again; None: that is an error.
     """
 
     function: Callable[..., Any]
     arguments: tuple[Any, ...]
+    lost: Callable[..., Any] | None = None
 
 
 def job(function: Callable[..., Any], *arguments: Any) -> Job:
@@ -46,6 +49,21 @@ def job(function: Callable[..., Any], *arguments: Any) -> Job:
 
 
 Round = Mapping[str, Job]
+Chain = Callable[[Done], tuple[str, Job] | None]
+"""Results so far -> name of the next job of a chain and the job; None: it is at its end."""
+
+
+@dataclass(frozen=True)
+class Chains:
+    """Jobs of which each needs the results of those before it, in several chains side by side.
+
+    Attributes:
+        chains: asked for their next job after each of their own.
+        expected: jobs that there will be, more or less; for the progress.
+    """
+
+    chains: tuple[Chain, ...]
+    expected: int
 
 
 def whole_run(case: Case, progress: Progress | None = None) -> xr.Dataset:
@@ -86,7 +104,7 @@ def call(work: Job, progress: Progress) -> Any:
 
 
 def run_rounds(
-    rounds: Callable[[Done], Iterator[Round]],
+    rounds: Callable[[Done], Iterator[Round | Chains]],
     journal: Journal | None,
     round_ends: Sequence[float],
     processes: int,
@@ -120,9 +138,11 @@ def run_rounds(
     try:
         for count, jobs in enumerate(rounds(done)):
             end = round_ends[count] if count < len(round_ends) else begin + 0.5 * (1.0 - begin)
-            wanted = {name: work for name, work in jobs.items() if name not in done}
-            stopped = _run_round(wanted, done, journal, processes, _part(report, begin, end), executor)
-            done.update({name: done.pop(name) for name in jobs if name in done})  # as named, not as they ended
+            work = _ChainRound(jobs) if isinstance(jobs, Chains) else _Round(jobs)
+            stopped = _run_round(work, done, journal, processes, _part(report, begin, end), executor)
+            done.update(
+                {name: done.pop(name) for name in work.names(done) if name in done}
+            )  # as named, not as they ended
             if stopped:
                 return done, True
             report(end, "")
@@ -132,10 +152,66 @@ def run_rounds(
     return done, False
 
 
+class _Round:
+    """Jobs that need nothing of each other."""
+
+    expected = 0
+
+    def __init__(self, jobs: Round) -> None:
+        self._jobs = jobs
+
+    def first(self, done: Done) -> Round:
+        """The jobs to begin with."""
+        return {name: work for name, work in self._jobs.items() if name not in done}
+
+    def following(self, _name: str, _done: Done) -> tuple[str, Job] | None:
+        """The job that follows one."""
+        return None
+
+    def names(self, _done: Done) -> list[str]:
+        """All of its jobs so far, in their order."""
+        return list(self._jobs)
+
+
+class _ChainRound(_Round):
+    """Chains of jobs."""
+
+    def __init__(self, chains: Chains) -> None:
+        self.expected, self._chains = chains.expected, chains.chains
+        self._chain_of: dict[str, Chain] = {}
+
+    def first(self, done: Done) -> Round:
+        found: dict[str, Job] = {}
+        for chain in self._chains:
+            if (following := chain(done)) is not None:
+                found |= dict([following])
+                self._chain_of[following[0]] = chain
+        self.expected -= len(done.keys() & set(self.names(done)))
+        return found
+
+    def following(self, name: str, done: Done) -> tuple[str, Job] | None:
+        chain = self._chain_of.pop(name, None)  # Ctrl-C may bring a result here again
+        following = None if chain is None else chain(done)
+        if chain is not None and following is not None:
+            self._chain_of[following[0]] = chain
+        return following
+
+    def names(self, done: Done) -> list[str]:
+        """Those of one chain after the other, each from its begin."""
+        found: Done = {}
+        for chain in self._chains:
+            past: Done = {}
+            while (following := chain(past)) is not None and following[0] in done:
+                past[following[0]] = done[following[0]]
+            found |= past
+        return list(found)
+
+
 def _run_round(
-    jobs: Round, done: Done, journal: Journal | None, processes: int, report: Progress, executor: Executor | None
+    work: _Round, done: Done, journal: Journal | None, processes: int, report: Progress, executor: Executor | None
 ) -> bool:
     """One round; True where Ctrl-C ended it."""
+    jobs = work.first(done)
     if not jobs:
         return False
     names = list(jobs)
@@ -150,10 +226,22 @@ def _run_round(
         if is_partial(result):
             raise KeyboardInterrupt
 
+    def following(number: int) -> tuple[str, Job] | None:
+        found = work.following(names[number], done)
+        if found is not None:
+            names.append(found[0])
+        return found
+
     finished = run_jobs(
-        call, list(jobs.values()), processes=processes, progress=report, names=names, keep=keep, executor=executor
-    )
+        call, list(jobs.values()), processes=processes, progress=report, names=list(names), keep=keep,
+        following=following, expected=work.expected, lost=_lost, executor=executor,
+    )  # fmt: skip
     return finished.interrupted or any(is_partial(done.get(name)) for name in names)
+
+
+def _lost(work: Job) -> Any:
+    """The result of a job that ends its process again and again; None: there is none."""
+    return None if work.lost is None else work.lost(*work.arguments)
 
 
 def _part(report: Progress, begin: float, end: float) -> Progress:

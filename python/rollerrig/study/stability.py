@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from rollerrig.analysis import Diagram, LimitCycleSettings, limit_cycle_table, limit_cycles, stability
+from rollerrig.analysis import Diagram, LimitCycleSettings, limit_cycle_table, stability
 from rollerrig.analysis.critical_speed import HIGHEST_KMH, LinearCriticalSpeed, scan_above
 from rollerrig.config import Case
 from rollerrig.plot import damping_map, damping_over_speed, frequency_over_speed, root_locus
@@ -22,7 +22,8 @@ from rollerrig.study import contact_effects
 from rollerrig.study import limit_cycle_report as cycles
 from rollerrig.study.contact_effects import ContactEffect
 from rollerrig.study.frame import Study
-from rollerrig.study.jobs import Done, Progress, Round, job
+from rollerrig.study.jobs import Chains, Done, Round, job
+from rollerrig.study.limit_cycles import cycle_chains, cycle_diagram
 from rollerrig.study.mode_tables import line_sentences, mode_rows, mode_table, shape_blocks, shape_rows
 from rollerrig.study.quantities import Numbers, Quantities, Quantity
 from rollerrig.study.report import VIEW, Block, Picture, Section, Text
@@ -76,7 +77,6 @@ class StabilityStudy(Study[Results]):
         with_limit_cycles: whether runs are made.
         settings: of the runs.
         contacts_kmh: also compare the contact models, with runs at this speed [km/h].
-        processes: with 2, the upward and the downward sweep run at a time.
     """
 
     case: Case
@@ -84,13 +84,11 @@ class StabilityStudy(Study[Results]):
     with_limit_cycles: bool = True
     settings: LimitCycleSettings = field(default_factory=LimitCycleSettings)
     contacts_kmh: float | None = None
-    processes: int = 1
 
     command = "stability"
     quantities = QUANTITIES
     writes = ("stability.nc", "modes.csv", "shapes.csv", "limit_cycles.csv", "contact_effects.csv", VIEW)
     formats = ("svg",)
-    irrelevant = ("description", "processes")
 
     @property
     def title(self) -> str:
@@ -101,22 +99,27 @@ class StabilityStudy(Study[Results]):
         """The modes take a tenth of the runs."""
         return (0.08, 0.1, 1.0) if self.with_limit_cycles else (0.8, 1.0)
 
-    def rounds(self, done: Done) -> Iterator[Round]:
+    def rounds(self, done: Done) -> Iterator[Round | Chains]:
         yield {"modes": job(stability, self.case, self.speeds_kmh)}
         modes, above = done["modes"], "linear critical speed above the range"
         none = not math.isfinite(modes.attrs["linear_critical_speed_kmh"])
         search = none and not json.loads(modes.attrs["grows_at_lowest_speed"]) and self.speeds_kmh[-1] < HIGHEST_KMH
         yield {above: job(scan_above, self.case, self.speeds_kmh[-1])} if search else {}
         if self.with_limit_cycles:
-            linear = done[above].speed_kmh if above in done else float(modes.attrs["linear_critical_speed_kmh"])
-            yield {"limit cycles": job(diagram_of, self, linear)}
+            yield cycle_chains(self.case, cycle_speeds(self.speeds_kmh), self.settings)
         if self.contacts_kmh is not None:
             yield contact_effects.contact_effect_jobs(self.case, self.speeds_kmh, self.contacts_kmh)
 
     def collect(self, done: Done) -> Results | None:
         contact = tuple(result for result in done.values() if isinstance(result, ContactEffect))
-        above = done.get("linear critical speed above the range")
-        return Results(done["modes"], above, done.get("limit cycles"), contact) if "modes" in done else None
+        if "modes" not in done:
+            return None
+        above, diagram = done.get("linear critical speed above the range"), None
+        if self.with_limit_cycles:
+            linear = above.speed_kmh if above else float(done["modes"].attrs["linear_critical_speed_kmh"])
+            found = cycle_diagram(cycle_speeds(self.speeds_kmh), linear, self.settings, done)
+            diagram = found if found.up or found.down else None
+        return Results(done["modes"], above, diagram, contact)
 
     def limitations(self) -> list[str]:
         return [
@@ -233,12 +236,6 @@ def _linear_sentence(numbers: Numbers, above: LinearCriticalSpeed | None) -> str
         return f"No linear critical speed {asked}: all oscillations are damped. Not looked for above: {above.problem}"
     searched = f", nor above up to {numbers['linear_searched_to_kmh']:g} km/h" if above is not None else ""
     return f"No linear critical speed {asked}{searched}: all oscillations are damped."
-
-
-def diagram_of(study: StabilityStudy, linear_kmh: float, progress: Progress | None = None) -> Diagram:
-    """The limit-cycle diagram of a study; after Ctrl-C what was done until then."""
-    speeds = cycle_speeds(study.speeds_kmh)
-    return limit_cycles(study.case, speeds, linear_kmh, study.settings, processes=study.processes, progress=progress)
 
 
 def cycle_speeds(speeds_kmh: tuple[float, ...]) -> list[float]:

@@ -19,7 +19,7 @@ from rollerrig.config import Case, ConfigError, ConfigProblem, Plan, WholePlan, 
 from rollerrig.config.errors import nearest, one_of, show_value
 from rollerrig.config.validate.messages import validate
 from rollerrig.study.frame import Study
-from rollerrig.study.jobs import Done, Progress, Round, call, job
+from rollerrig.study.jobs import Done, Job, Progress, Round, call, job
 from rollerrig.study.measures import KINDS, module_of, quantities_of
 from rollerrig.study.quantities import Numbers, Quantities, Quantity
 from rollerrig.study.report import Block, Section, Table, Text
@@ -150,7 +150,7 @@ class SweepStudy(Study[Sweep]):
 
     def rounds(self, done: Done) -> Iterator[Round]:
         packed = pickle.dumps((self.whole.case, self.whole.plan.measure, self.compute))
-        yield {_name(i): job(run_case, packed, changes) for i, changes in enumerate(self.points.changes())}
+        yield {_name(i): Job(run_case, (packed, changes), lost_case) for i, changes in enumerate(self.points.changes())}
 
     def told(self, done: Done, seconds: float) -> str:
         count = len(done)
@@ -316,12 +316,17 @@ def run_case(packed: bytes, changes: Mapping[str, Any], progress: Progress | Non
             numbers |= {str(name): float(value) for name, value in compute(changed).items()}
     except Exception as error:  # named with its reason
         reason = (str(error).splitlines() or [""])[0]
-        return {
-            "changes": dict(changes),
-            "numbers": {},
-            FAILED: f"{type(error).__name__}: {reason}".removeprefix("ConfigError: "),
-        }
+        return _failed(changes, f"{type(error).__name__}: {reason}".removeprefix("ConfigError: "))
     return {"changes": dict(changes), "numbers": numbers, FAILED: ""}
+
+
+def lost_case(_packed: bytes, changes: Mapping[str, Any]) -> Record:
+    """The record of a case that ended its process twice."""
+    return _failed(changes, "its worker process ended in the middle, twice: killed, or out of memory")
+
+
+def _failed(changes: Mapping[str, Any], reason: str) -> Record:
+    return {"changes": dict(changes), "numbers": {}, FAILED: reason}
 
 
 def _silent(_fraction: float, _text: str) -> None:

@@ -11,14 +11,15 @@ from scipy.integrate import solve_ivp
 from rollerrig.analysis import (
     HuntingSettings,
     LimitCycleSettings,
-    critical_speeds_by_disturbance,
     limit_cycle_table,
-    limit_cycles,
     linear_critical_speed,
 )
-from rollerrig.analysis.limit_cycle import Branch, CyclePoint, diagram, is_settled, trace
+from rollerrig.analysis.limit_cycle import Branch, CyclePoint, NotMadeError, diagram, is_settled, trace
 from rollerrig.config import Case, load_case
+from rollerrig.study.critical_speeds import brackets, disturbance_rounds
+from rollerrig.study.jobs import call
 from rollerrig.study.limit_cycle_report import continuation_sentences
+from rollerrig.study.limit_cycles import limit_cycles
 
 ONSET, WIDTH = 50.0, 20.0
 """Of the known system: linear critical speed and the speed that makes mu = 1 [m/s]."""
@@ -155,12 +156,12 @@ def test_runs_lost_far_above_change_nothing_below() -> None:
     assert len(found.ended_early) == 2
 
 
-def test_ctrl_c_keeps_the_points_that_were_done() -> None:
+def test_a_sweep_ends_before_the_run_that_was_not_made() -> None:
     form = NormalForm(1.0, 3.0)
 
     def interrupted(speed: float, state: float | None) -> tuple[CyclePoint, float | None]:
         if form.calls == 2:
-            raise KeyboardInterrupt
+            raise NotMadeError
         return form(speed, state)
 
     found = trace(interrupted, "down", [60.0, 62.0, 64.0])
@@ -206,8 +207,10 @@ def test_the_bogie_on_rollers_hunts_below_its_linear_critical_speed(found) -> No
 def test_critical_speeds_by_the_three_definitions_are_in_order(bogie, found) -> None:
     """fold <= by disturbance <= linear, within the widths to which they were found."""
     width = QUICK.tolerance_kmh / 3.6
-    runs = HuntingSettings(duration=4.0)
-    by = critical_speeds_by_disturbance({"": bogie}, [150.0, 190.0], bracket_kmh=10.0, settings=runs)[""]
+    runs, done = HuntingSettings(duration=4.0), {}
+    for jobs in disturbance_rounds({"": bogie}, {"": [150.0, 190.0]}, 10.0, runs, done):
+        done.update({name: call(one, lambda _fraction, _text: None) for name, one in jobs.items()})
+    by = brackets([""], runs, done)[""]
     linear = linear_critical_speed(bogie, [200 / 3.6, 300 / 3.6])
     assert linear is not None
     assert 0.0 < by.persists - by.decays <= 10 / 3.6

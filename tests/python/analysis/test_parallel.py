@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -10,7 +11,8 @@ from pathlib import Path
 import pytest
 import typer
 
-from rollerrig.analysis.parallel import Progress, run_jobs
+from rollerrig.analysis.crew import Progress
+from rollerrig.analysis.parallel import run_jobs
 from rollerrig.cli.termination import BAD_INPUT, readable_errors
 
 
@@ -46,10 +48,45 @@ def dies_at_one(number: int, progress: Progress) -> int:
 
 
 def test_a_worker_that_dies_is_said_in_a_line(capfd: pytest.CaptureFixture[str]) -> None:
+    """Only after all the other jobs that its end took along are done."""
+    kept: dict[int, int] = {}
     with pytest.raises(typer.Exit) as end:
-        readable_errors(run_jobs)(dies_at_one, range(3), processes=2)
+        readable_errors(run_jobs)(dies_at_one, range(3), processes=2, names=["a", "b", "c"], keep=kept.__setitem__)
     assert end.value.exit_code == BAD_INPUT
-    assert capfd.readouterr().err.startswith("rollerrig: a worker process ended in the middle of its job: ")
+    assert capfd.readouterr().err.startswith("rollerrig: a worker process ended in the middle of its job, b: ")
+
+
+def killed_the_first_time(job: tuple[Path, int], progress: Progress) -> int:
+    """One that is killed as the kernel does it, the first time only; one that always crashes."""
+    folder, number = job
+    progress(0.5, "")
+    seen = folder / str(number)
+    if number == 0 and not seen.exists():
+        seen.touch()
+        os.kill(os.getpid(), signal.SIGKILL)
+    if number == 7:
+        os.kill(os.getpid(), signal.SIGSEGV)
+    return number
+
+
+def test_the_job_of_a_worker_that_was_killed_is_done_again_and_one_that_kills_each_is_named(tmp_path: Path) -> None:
+    arguments = [(tmp_path, number) for number in range(8)]
+    done = run_jobs(killed_the_first_time, arguments, processes=2, lost=lambda job: -job[1])
+    assert done.results == [0, 1, 2, 3, 4, 5, 6, -7]
+    assert not done.interrupted
+
+
+def test_a_job_brings_the_one_that_follows_it() -> None:
+    kept: dict[int, int] = {}
+
+    def following(number: int) -> tuple[str, int] | None:
+        return ("next", kept[number]) if kept[number] < 100 else None
+
+    for processes in (1, 2):
+        kept.clear()
+        done = run_jobs(square, [2, 3], processes=processes, keep=kept.__setitem__, following=following)
+        assert done.results[:2] == [4, 9]
+        assert sorted(done.results) == [4, 9, 16, 81, 256, 6561]
 
 
 def test_several_processes_give_the_same() -> None:

@@ -9,7 +9,8 @@ import pytest
 from typer.testing import CliRunner
 
 from rollerrig import _core
-from rollerrig.analysis import HuntingSettings, LimitCycleSettings, critical_speeds_by_disturbance, limit_cycles
+from rollerrig.analysis import HuntingSettings, LimitCycleSettings
+from rollerrig.analysis.hunting import hunting_run
 from rollerrig.assembly import assemble
 from rollerrig.cases import on_track
 from rollerrig.catalog import catalog_names
@@ -19,6 +20,7 @@ from rollerrig.eigenvalues import eigenvalues
 from rollerrig.restraint import drift
 from rollerrig.simulation import simulate
 from rollerrig.starting_state import equilibrium
+from rollerrig.study.limit_cycles import limit_cycles
 
 WAGON = Path(__file__).parents[1] / "two_axle_wagon.toml"
 CROWN = 0.725 + 0.46
@@ -72,7 +74,7 @@ def test_commands_refuse_it_by_name(command: str, tmp_path) -> None:
 
 def test_no_critical_speed_is_made_of_runs_that_roll_off(wagon) -> None:
     with pytest.raises(ConfigError, match="nothing holds the vehicle"):
-        critical_speeds_by_disturbance({"": wagon}, [80.0], settings=HuntingSettings(duration=1.0))
+        hunting_run((wagon, 80.0 / 3.6, HuntingSettings(duration=1.0)))
     for processes in (1, 2):  # also on its way back from another process
         with pytest.raises(ConfigError, match="nothing holds the vehicle") as error:
             limit_cycles(wagon, [80.0], np.nan, LimitCycleSettings(longest=1.6), processes=processes)

@@ -13,8 +13,9 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
+from rollerrig.analysis import LimitCycleSettings
 from rollerrig.cli.app import build_app
-from rollerrig.config import load_case
+from rollerrig.config import ConfigError, load_case
 from rollerrig.results import load_run
 from rollerrig.study.mode_tables import line_sentences
 from rollerrig.study.stability import MOST_CYCLE_SPEEDS, QUANTITIES, StabilityStudy, cycle_speeds
@@ -102,14 +103,57 @@ def test_ctrl_c_keeps_the_speeds_that_were_done(tmp_path) -> None:
 
 
 def test_ctrl_c_keeps_the_runs_that_were_done(tmp_path) -> None:
-    # 0.1 the modes, then a quarter of 0.54 each
-    outcome = StabilityStudy(load_case("wheelset_rollers"), (20, 40, 60)).run(progress=interrupt_at(0.2))
+    # 0.1 the modes, then a sixth of 0.9 and the halvings for each run
+    study = StabilityStudy(load_case("wheelset_rollers"), (20, 40, 60))
+    outcome = study.run(folder=tmp_path / "cut", progress=interrupt_at(0.34))
     assert outcome is not None
     assert outcome.interrupted
     assert outcome.results.diagram is not None
-    assert len(outcome.results.diagram.down) == 1
-    outcome.write(tmp_path)
-    assert "Interrupted" in (tmp_path / "report.html").read_text()
+    assert (len(outcome.results.diagram.down), len(outcome.results.diagram.up)) == (2, 1)
+    outcome.write(tmp_path / "cut")
+    assert "Interrupted" in (tmp_path / "cut" / "report.html").read_text()
+    goes_on = study.run(folder=tmp_path / "cut")
+    whole = study.run(folder=tmp_path / "whole")
+    assert goes_on is not None
+    assert whole is not None
+    assert goes_on.taken_over == 2 + 3  # the modes, the search above their range, three runs
+    goes_on.write(tmp_path / "cut")
+    whole.write(tmp_path / "whole")
+    for name in ("stability.nc", "limit_cycles.csv", "summary.json", "report.html"):
+        assert (tmp_path / "cut" / name).read_bytes() == (tmp_path / "whole" / name).read_bytes()
+    assert not (tmp_path / "cut" / "jobs.jsonl").exists()
+
+
+def test_another_case_is_refused_with_what_changed(tmp_path) -> None:
+    case = load_case("wheelset_rollers")
+    StabilityStudy(case, (20, 40, 60)).run(folder=tmp_path, progress=interrupt_at(0.15))
+    changed = StabilityStudy(case, (20, 40, 60), settings=LimitCycleSettings(longest=8.0))
+    with pytest.raises(ConfigError, match=r"settings\.longest: 16\.0 there, 8\.0 now"):
+        changed.run(folder=tmp_path)
+
+
+@pytest.mark.long
+def test_a_killed_command_goes_on_in_the_middle_of_its_runs(tmp_path) -> None:
+    options = ["wheelset_rollers", "--speeds-kmh", "20:200:20", "--longest", "30"]
+    command = [sys.executable, "-c", "from rollerrig.cli import main; main()", "stability", *options]
+    process = subprocess.Popen(
+        [*command, "--out", str(tmp_path / "killed")], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
+    )
+    journal, limit = tmp_path / "killed" / "jobs.jsonl", time.monotonic() + 60.0
+    while not (journal.exists() and journal.read_bytes().count(b"ward sweep, run") > 2):
+        assert process.poll() is None
+        assert time.monotonic() < limit
+        time.sleep(0.01)
+    process.kill()
+    process.wait()
+    kept = journal.read_bytes().count(b"\n")
+    for name, processes in (("killed", "2"), ("whole", "1")):
+        assert run(*options, "--processes", processes, "--out", str(tmp_path / name)).exit_code == 0
+    assert (
+        json.loads((tmp_path / "killed" / "timing.json").read_text())["jobs taken over"] == kept - 1
+    )  # less the first line
+    for name in ("stability.nc", "modes.csv", "limit_cycles.csv", "summary.json", "report.html"):
+        assert (tmp_path / "killed" / name).read_bytes() == (tmp_path / "whole" / name).read_bytes()
 
 
 def test_without_limit_cycles_no_run_is_made(tmp_path) -> None:

@@ -25,6 +25,7 @@ from typer.testing import CliRunner
 import rollerrig as rr
 from rollerrig.cli.app import build_app
 from rollerrig.config import Case, ConfigError, WholePlan, load_case, load_plan
+from rollerrig.config.schema.plan import CriticalSpeedMeasure
 from rollerrig.results import load_run
 from rollerrig.study import measures
 from rollerrig.study.journal import NAME
@@ -297,6 +298,52 @@ def test_ctrl_c_is_answered_at_once_and_keeps_the_finished_cases(tmp_path: Path,
         assert "the same command continues" in rest
     kept = [json.loads(line) for line in journal.read_text().splitlines()]
     assert 2 < len(kept) < 400
+
+
+def kills_its_process(case: Case) -> dict[str, float]:
+    """As the kernel does where memory runs out: one kind of case every time, another one the first time only."""
+    if case.motion.speed == 30.0:
+        os.kill(os.getpid(), signal.SIGKILL)
+    once = Path(os.environ["ROLLERRIG_TEST_FOLDER"]) / "once"
+    if case.motion.speed == 20.0 and not once.exists():
+        once.touch()
+        os.kill(os.getpid(), signal.SIGKILL)
+    return {"its_speed": case.motion.speed}
+
+
+def test_a_worker_that_is_killed_ends_neither_the_sweep_nor_other_cases(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("ROLLERRIG_TEST_FOLDER", str(tmp_path))
+    study = sweep_study(
+        load_case("wheelset_rollers"),
+        {"motion.speed": [f"{v} m/s" for v in (20, 10, 25, 35, 40, 30)]},
+        kills_its_process,
+        "grid",
+    )
+    found = study.run(folder=tmp_path / "out", processes=2)
+    assert found is not None
+    data = found.results.data
+    np.testing.assert_array_equal(data["its_speed"], [20.0, 10.0, 25.0, 35.0, 40.0, math.nan])
+    reason = "its worker process ended in the middle, twice: killed, or out of memory"
+    assert data[FAILED].to_numpy().tolist() == ["", "", "", "", "", reason]
+    assert len((tmp_path / "out" / NAME).read_bytes().splitlines()) == 1 + 6
+
+
+def test_ctrl_c_within_a_case_leaves_no_line_of_it() -> None:
+    """Modes over speed hand back what they have; a critical speed of half of them would be a wrong one."""
+    calls = 0
+
+    def progress(_fraction: float, _text: str) -> None:
+        nonlocal calls
+        calls += 1
+        if calls == 2:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        measures.module_of("critical_speed").measure(
+            load_case("bogie_rollers_constant"), CriticalSpeedMeasure(kind="critical_speed"), progress
+        )
 
 
 def test_another_plan_is_refused_with_what_changed(tmp_path: Path) -> None:

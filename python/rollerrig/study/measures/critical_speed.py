@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from rollerrig.analysis.critical_speed import critical_speed
+import math
+
+from rollerrig.analysis.critical_speed import onset_from
 from rollerrig.config import Case
 from rollerrig.config.schema.plan import CriticalSpeedMeasure
 from rollerrig.study.jobs import Progress
@@ -19,7 +21,9 @@ def measure(case: Case, options: CriticalSpeedMeasure, progress: Progress | None
     """The linear critical speed, looked for between two speeds and above them.
 
     Raises:
+        KeyboardInterrupt: Ctrl-C came before the end.
         StartError: no rolling equilibrium at one of the speeds.
     """
     speeds = [3.6 * options.slowest, 3.6 * options.fastest]
-    return {name: float(critical_speed(case, speeds_kmh=speeds, progress=progress)[name]) for name in QUANTITIES}
+    onset, _ = onset_from(case, speeds, progress)
+    return {"linear_critical_speed": math.nan if onset is None else 3.6 * onset.speed}
