@@ -31,7 +31,7 @@ def compare_runs(runs: Mapping[str, xr.Dataset], signals: Sequence[str] = ()) ->
         A variable per signal over `run` and `time` [s], at the first run's times; `<signal> largest difference` over `run`.
 
     Raises:
-        ValueError: fewer than two runs, a signal that one of them does not have, or no common time.
+        ValueError: no runs by name, fewer than two, a signal that one of them does not have, or no common time.
 
     Example:
         >>> import rollerrig as rr
@@ -40,6 +40,9 @@ def compare_runs(runs: Mapping[str, xr.Dataset], signals: Sequence[str] = ()) ->
         >>> float(compare_runs(runs, ["speed"])["speed largest difference"].sel(run="wet"))
         0.0
     """
+    given: object = runs
+    if isinstance(given, xr.Dataset) or not isinstance(given, Mapping):
+        raise ValueError("compare_runs takes runs by name: compare_runs({'rig': run, 'track': other})")
     if len(runs) < 2:
         raise ValueError(f"{len(runs)} run; needed: two or more")
     first = next(iter(runs.values()))

@@ -50,6 +50,13 @@ def test_a_signal_that_is_not_there_is_said(runs, signal: str, line: str) -> Non
     assert line in str(error.value)
 
 
+def test_runs_without_names_are_refused(runs) -> None:
+    first, second = runs.values()
+    for given in ((first, second), ([first, second],)):
+        with pytest.raises(ValueError, match="takes runs by name: compare_runs"):
+            rr.compare_runs(*given)
+
+
 def test_the_command_draws_runs_and_prints_their_differences(runs, tmp_path: Path) -> None:
     files = [str(rr.save_run(run, tmp_path / f"{name}.nc")) for name, run in runs.items()]
     out = tmp_path / "both.svg"

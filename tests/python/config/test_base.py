@@ -187,5 +187,10 @@ def test_the_difference_of_two_cases(bogie: Case) -> None:
         "motion.speed": (bogie.motion.speed, 40.0),
         "disturbance": ([{**dict(bogie.disturbance[0])}], []),
     }
-    assert "gravity: 9.81 -> 9.8" in repr(bogie.diff(changed))
-    assert "<td>9.8</td>" in bogie.diff(changed)._repr_html_()
+    lines = repr(bogie.diff(changed)).splitlines()
+    assert "gravity: 9.81 m/s^2 -> 9.8 m/s^2" in lines
+    assert "motion.speed: 41.6667 m/s -> 40 m/s" in lines
+    softer = bogie.with_changes({"vehicle.element.primary_1_left.x.stiffness": "30 MN/m", "contact.friction": 0.25})
+    assert "vehicle.element.primary_1_left.x.stiffness: 3.1391·10⁷ N/m -> 3·10⁷ N/m" in repr(bogie.diff(softer))
+    assert "contact.friction.mu_0: 0.3 -> 0.25" in repr(bogie.diff(softer))
+    assert "<td>9.8 m/s^2</td>" in bogie.diff(changed)._repr_html_()

@@ -14,7 +14,9 @@ from rollerrig.config.errors import show_value
 from rollerrig.config.schema.case import CaseTables, SupportChoice, VehicleChoice
 from rollerrig.config.schema.units import AS_WRITTEN
 from rollerrig.config.validate.messages import item_label
+from rollerrig.config.write.explain import unit_of
 from rollerrig.config.write.toml import plain, text_of
+from rollerrig.wording import number
 
 Raw = dict[str, Any]
 
@@ -25,20 +27,25 @@ class Differences(dict[str, tuple[Any, Any]]):
     """Dotted key -> (value here, value there), in SI; None where a case does not have the key. Prints a line per key."""
 
     def __repr__(self) -> str:
-        return "\n".join(f"{key}: {_shown(a)} -> {_shown(b)}" for key, (a, b) in self.items()) or "no difference"
+        return "\n".join(f"{key}: {a} -> {b}" for key, a, b in self._texts()) or "no difference"
 
     def _repr_html_(self) -> str:
         rows = "".join(
-            f"<tr><th>{escape(key)}</th><td>{escape(_shown(a))}</td><td>{escape(_shown(b))}</td></tr>"
-            for key, (a, b) in self.items()
+            f"<tr><th>{escape(key)}</th><td>{escape(a)}</td><td>{escape(b)}</td></tr>" for key, a, b in self._texts()
         )
         return f"<table><tr><th>key</th><th>here</th><th>there</th></tr>{rows}</table>" if rows else "no difference"
 
+    def _texts(self) -> Iterator[tuple[str, str, str]]:
+        """Key and both values, with the unit."""
+        for key, (a, b) in self.items():
+            unit = unit_of(key)
+            yield key, _shown(a, unit), _shown(b, unit)
 
-def _shown(value: object) -> str:
+
+def _shown(value: object, unit: str) -> str:
     if value is None:
         return "absent"
-    return f"{value:.6g}" if isinstance(value, float) else show_value(value)
+    return f"{number(value, 6)} {unit}".rstrip() if isinstance(value, float) else show_value(value)
 
 
 def tables_of(case: CaseTables, *, as_written: bool = True) -> Raw:

@@ -127,6 +127,16 @@ def explain(key: str) -> str:
     return "\n\n".join(texts)
 
 
+def unit_of(key: str) -> str:
+    """Unit of a number at a dotted key, as `explain` says it; "" where it has none, or several that differ."""
+    units = {
+        quantity.unit if (quantity := quantity_of(place.field.annotation, place.field.metadata)) else ""
+        for place in key_places()
+        if place.matches(key.split("."))
+    }
+    return units.pop() if len(units) == 1 and units != {"1"} else ""
+
+
 def _first(found: list[KeyPlace], key: str) -> str:
     return next(place.field.description or "" for place in found if place.key == key)
 
