@@ -232,10 +232,11 @@ def fewer_colours(png: bytes, colours: int = 64) -> bytes:
         png: the file.
         colours: of the palette, 256 at most.
     """
+    from matplotlib.image import imread
     from PIL import Image  # matplotlib brings it; slow to load
 
+    pixels = np.round(255.0 * imread(io.BytesIO(png))[..., :3]).astype(np.uint8)
+    few = Image.fromarray(pixels).quantize(colours, method=Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE)
     buffer = io.BytesIO()
-    with Image.open(io.BytesIO(png)) as image:
-        few = image.convert("RGB").quantize(colours, method=Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE)
-        few.save(buffer, "png", optimize=True)
+    few.save(buffer, "png", optimize=True)
     return buffer.getvalue()
