@@ -1,6 +1,6 @@
 """How far a command is: a bar on a terminal, lines now and then in a pipe; and Ctrl-C, which reaches the work through it.
 
-fraction, text -> [progress_bar] -> bar, or a line per REPORT_SECONDS, with the time left as soon as it can be told
+fraction, text -> [progress_bar] -> bar, or a line per part of the work, with the time left as soon as it can be told
 first Ctrl-C -> told at once, KeyboardInterrupt; second Ctrl-C -> the command ends there and then
 """
 
@@ -17,8 +17,11 @@ from types import FrameType
 Progress = Callable[[float, str], None]
 Clock = Callable[[], float]
 
-REPORT_SECONDS = 15.0
-"""Between two lines where there is no terminal; what takes less prints none."""
+REPORT_SECONDS, PART_SECONDS = 15.0, 2.0
+"""Between two lines where there is no terminal, and before the first of a new part of the work; what takes less prints none."""
+
+REPORT_SHARE, PART_SHARE = 0.02, 0.05
+"""The same as parts of the time so far: a log of a night has hundreds of lines, not thousands."""
 
 LEAST_GAINED, LEAST_SECONDS = 0.1, 10.0
 """The time left is told when so much of the whole is done, and so long after the begin [s]."""
@@ -28,7 +31,7 @@ JUMP = 0.02
 JUMP_SECONDS = 0.05
 
 STOPPING = """
-Stopping: jobs at work are given up, what was computed is written. Ctrl-C again ends at once and loses no finished job.
+Interrupted, writing results: jobs at work are given up. Ctrl-C again ends at once and leaves what is there.
 """
 INTERRUPTED = 130
 
@@ -86,7 +89,7 @@ def progress_bar(title: str) -> Iterator[Progress]:
 
         def progress(fraction: float, text: str) -> None:
             ears.check()
-            show(fraction, "stopping" if ears.times else text)
+            show(fraction, "interrupted" if ears.times else text)
 
         yield progress
 
@@ -137,16 +140,17 @@ def duration(seconds: float) -> str:
 
 
 def lines(clock: Clock = time.monotonic) -> Progress:
-    """A line on stderr per REPORT_SECONDS: how much is done, since when, what is left, and what is at work."""
+    """Lines on stderr, one per part of the work and now and then: how much is done, since when, what is left, what is at work."""
     begun = last = clock()
-    left = TimeLeft(clock)
+    left, part = TimeLeft(clock), ""
 
     def report(fraction: float, text: str) -> None:
-        nonlocal last
+        nonlocal last, part
         remaining, now = left(fraction), clock()
-        if now - last < REPORT_SECONDS:
+        usual = max(REPORT_SECONDS, REPORT_SHARE * (now - begun))
+        if now - last < (usual if text == part else min(usual, max(PART_SECONDS, PART_SHARE * (now - begun)))):
             return
-        last = now
+        last, part = now, text
         times = ", ".join(filter(None, (f"{duration(now - begun)} so far", remaining)))
         with suppress(BrokenPipeError):  # nobody reads any more (`2>&1 | head`): the work goes on
             print(f"{100 * fraction:3.0f} %  ({times})  {text}".rstrip(), file=sys.stderr, flush=True)

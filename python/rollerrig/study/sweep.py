@@ -24,13 +24,16 @@ from rollerrig.study.measures import KINDS, module_of, quantities_of
 from rollerrig.study.quantities import Numbers, Quantities, Quantity
 from rollerrig.study.report import Block, Section, Table, Text
 from rollerrig.study.sweep_dataset import FAILED, Record, sweep_dataset, sweep_rows
-from rollerrig.study.sweep_points import Points
+from rollerrig.study.sweep_points import Points, number_of_cases
 from rollerrig.study.sweep_report import sections_of
 from rollerrig.study.sweep_statistics import Statistics, statistics
 from rollerrig.wording import number
 
 MOST_UNASKED = 100_000
 """More cases than that are probably a slip of the pen."""
+
+MOST = 10_000_000
+"""Numbers and reasons of this many cases fit into the memory of a workstation."""
 
 Compute = Callable[[Case], Mapping[str, float]]
 """A measure of the user's own: a case -> numbers by name."""
@@ -97,9 +100,11 @@ class SweepStudy(Study[Sweep]):
         Raises:
             ConfigError: a value that does not fit its key, a number that no measure has, or too many cases.
         """
-        count, file = len(self.points), self.whole.file
+        count, file = number_of_cases(self.whole.plan), self.whole.file
+        allowed = f"allowed: up to {MOST} cases, which are held in memory; several plans can share the work"
         if count > MOST_UNASKED and not self.many:
             allowed = f"allowed: up to {MOST_UNASKED} cases; more with --yes (many=True)"
+        if count > (MOST if self.many else MOST_UNASKED):
             raise ConfigError([ConfigProblem(file, "design", f"{count} cases", allowed)])
         if problems := self._check_kept():
             raise ConfigError(problems)

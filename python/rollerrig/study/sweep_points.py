@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rollerrig.config import ConfigError, ConfigProblem, WholePlan
+from rollerrig.config import ConfigError, ConfigProblem, Plan, WholePlan
 from rollerrig.config.errors import show_value
 from rollerrig.config.schema.plan import Design, Lognormal, Normal, Variation
 from rollerrig.config.schema.units import Quantity
@@ -71,6 +71,19 @@ class Axis:
         return self.quantity.as_written(value) if number and self.quantity else value
 
 
+def number_of_cases(plan: Plan) -> int:
+    """How many cases a plan has, before any value is made."""
+    lengths = [len(one.values) if one.values is not None else one.count or 0 for one in plan.vary]
+    match plan.design.kind:
+        case "grid":
+            return math.prod(lengths)
+        case "list":
+            return lengths[0]
+        case "saltelli":
+            return (plan.design.samples or 0) * (len(lengths) + 2)
+    return plan.design.samples or 0
+
+
 class Points:
     """All cases of a plan; sized like a list."""
 
@@ -80,7 +93,7 @@ class Points:
         Raises:
             ConfigError: a value that does not fit its key, a range or distribution without values, lists of different lengths.
         """
-        self.design = whole.plan.design
+        self.design, self._count = whole.plan.design, number_of_cases(whole.plan)
         self.axes: list[Axis] = []
         problems: list[ConfigProblem] = []
         for number, (variation, quantity) in enumerate(zip(whole.plan.vary, whole.quantities, strict=True)):
@@ -97,12 +110,7 @@ class Points:
 
     def __len__(self) -> int:
         """Number of cases."""
-        if self.design.kind == "grid":
-            return math.prod(self.shape)
-        if self.design.kind == "list":
-            return len(self.axes[0].values)
-        samples = self.design.samples or 0
-        return samples * (len(self.axes) + 2) if self.design.kind == "saltelli" else samples
+        return self._count
 
     @property
     def shape(self) -> tuple[int, ...]:

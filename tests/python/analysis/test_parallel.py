@@ -158,5 +158,5 @@ def test_ctrl_c_ends_jobs_that_never_look_up(presses: int, code: int, printed: s
     )
     assert done.returncode == code, done.stderr
     assert done.stdout == printed
-    assert done.stderr.count("Stopping: jobs at work are given up") == 1
+    assert done.stderr.count("Interrupted, writing results") == 1
     assert "Traceback" not in done.stderr

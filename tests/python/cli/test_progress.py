@@ -68,13 +68,30 @@ def test_a_pipe_gets_a_line_now_and_then(capsys: pytest.CaptureFixture[str]) -> 
         clock.now = float(second)
         report(0.0001 * second, "job")
     told = capsys.readouterr().err.splitlines()
-    assert len(told) == 23
-    assert told[0] == "  0 %  (15 s so far)  job"
+    assert len(told) == 24
+    assert told[0] == "  0 %  (5 s so far)  job"
     assert told[-1] == "  3 %  (6 min so far)  job"
     brief = lines(clock)
     for tenth in range(11):
         brief(0.1 * tenth, "job")
     assert capsys.readouterr().err == ""
+
+
+def test_a_log_has_a_line_per_part_and_few_of_a_night(capsys: pytest.CaptureFixture[str]) -> None:
+    clock = Clock()
+    report = lines(clock)
+    for second in range(300):  # five parts of a minute
+        clock.now = float(second)
+        report(second / 300, f"part {second // 60}")
+    told = capsys.readouterr().err.splitlines()
+    assert {line.rpartition("  ")[2] for line in told} == {f"part {number}" for number in range(5)}
+    assert len(told) < 30
+    report = lines(clock)
+    for second in range(300, 300 + 43_200):  # a sweep, whose text is another one each time
+        clock.now = float(second)
+        report((second - 300) / 43_200, f"{second} of 43200 cases")
+    told = capsys.readouterr().err.splitlines()
+    assert 50 < len(told) < 400
 
 
 @pytest.mark.parametrize(

@@ -10,6 +10,7 @@ import signal
 import subprocess
 import sys
 import time
+import tracemalloc
 from collections.abc import Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
@@ -31,7 +32,7 @@ from rollerrig.study import measures
 from rollerrig.study.journal import NAME
 from rollerrig.study.sweep import SweepStudy, sweep_study
 from rollerrig.study.sweep_dataset import FAILED, sweep_rows
-from rollerrig.study.sweep_points import Axis, Points
+from rollerrig.study.sweep_points import Axis, Points, resized
 from rollerrig.study.sweep_statistics import sobol_indices
 
 PLAN = """
@@ -281,7 +282,7 @@ def test_ctrl_c_is_answered_at_once_and_keeps_the_finished_cases(tmp_path: Path,
             time.sleep(0.02)
         os.killpg(process.pid, signal.SIGINT)
         begun, said = time.monotonic(), ""
-        while "Stopping" not in said:
+        while "Interrupted, writing results" not in said:
             line = process.stderr.readline()
             assert line, said
             said += line
@@ -413,6 +414,7 @@ def test_the_command_writes_all_files_and_explains_its_numbers(tmp_path: Path) -
         ("count = 3", "", r"vary\[1\].count: missing; needed in a grid"),
         ("count = 3", "cont = 3", r"vary.primary.cont: unknown key .*did you mean 'count'"),
         ("count = 3", "count = 100000", r"design: 200000 cases; allowed: up to 100000 cases; more with --yes"),
+        ("count = 3", "count = 1000000000", r"design: 2000000000 cases; allowed: up to 100000 cases; more with --yes"),
         ('kind = "critical_speed"', 'kind = "critical_sped"', r"measure\[0\].kind: .*did you mean 'critical_speed'"),
         ('kind = "critical_speed"', 'kind = "run"\nkeep = ["lateral_rm"]', r"keep\[0\]: .*did you mean 'lateral_rms'"),
         ('kind = "grid"', 'kind = "sobol"\nsamples = 100', r"design.samples: 100; allowed .*such as 64 or 128"),
@@ -426,6 +428,21 @@ def test_a_wrong_plan_is_one_line_with_a_way_out(tmp_path: Path, old: str, new: 
     assert old in PLAN
     with pytest.raises(ConfigError, match=message):
         SweepStudy(plan_of(tmp_path, PLAN.replace(old, new)))
+
+
+def test_a_slip_of_the_pen_costs_no_memory(tmp_path: Path) -> None:
+    """10^9 cases, asked for in each way: refused before a value of them is made."""
+    plan = plan_of(tmp_path)
+    for whole in (resized(plan, 10**9), plan_of(tmp_path, PLAN.replace("count = 3", "count = 1000000000"))):
+        tracemalloc.start()
+        try:
+            with pytest.raises(ConfigError, match=r"more with --yes"):
+                SweepStudy(whole)
+            with pytest.raises(ConfigError, match=r"2000000000 cases; allowed: up to 10000000 cases"):
+                SweepStudy(whole, many=True)
+            assert tracemalloc.get_traced_memory()[1] < 1e6
+        finally:
+            tracemalloc.stop()
 
 
 @pytest.mark.parametrize("wrong", ["values = []", 'valus = ["1 m"]', 'least = "1 m"\nmost = "2 m"\ncount = 0'])

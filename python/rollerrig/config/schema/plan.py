@@ -10,7 +10,7 @@ from rollerrig.config.schema.units import Angle, Position, Quantity, Time
 from rollerrig.config.schema.vehicle import Name
 
 Plain = float | str
-Count = Annotated[int, Field(ge=2, le=1_000_000)]
+Count = Annotated[int, Field(ge=2)]
 
 
 def _value(value: Any) -> Any:
