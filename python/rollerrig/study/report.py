@@ -19,6 +19,9 @@ from rollerrig.study.charts import Chart
 from rollerrig.viewer.page import ALLOWED, bundle
 from rollerrig.wording import number
 
+LONG_CELL = 40
+"""Letters of a cell that is no longer one of a table of figures."""
+
 
 @dataclass(frozen=True)
 class Text:
@@ -68,6 +71,11 @@ class Table:
         """Whether a column has nothing but numbers, and dashes in place of some."""
         columns = [[row[k] for row in self.rows if row[k] != "–"] for k in range(len(self.header))]
         return [bool(column) and all(map(_is_number, column)) for column in columns]
+
+    @property
+    def of_sentences(self) -> bool:
+        """Whether cells are so long that on a narrow screen each row stands as a list."""
+        return any(isinstance(cell, str) and len(cell) > LONG_CELL for row in self.rows for cell in row)
 
 
 @dataclass(frozen=True)

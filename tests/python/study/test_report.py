@@ -93,6 +93,15 @@ def test_columns_of_numbers_are_set_to_the_right_with_their_dashes() -> None:
     assert Table(("a",), []).of_numbers == [False]
 
 
+def test_a_row_of_sentences_names_its_columns_for_a_narrow_screen() -> None:
+    long = Table(("of", "why"), [("one", "a sentence that is too long for one narrow column of a table")])
+    short = Table(("of", "why"), [("one", "a word")])
+    assert (long.of_sentences, short.of_sentences) == (True, False)
+    text = render(Page("A title", "summary", [Section("One", [long, short])]))
+    assert text.count('<table class="sentences">') == 1
+    assert text.count('<td data-head="why">') == 1
+
+
 def test_a_marked_page_says_so_once_above_its_answer() -> None:
     text = render(Page("A title", "finding", [], mark=Mark("quick", "few runs")))
     assert text.count("few runs") == 1
