@@ -66,15 +66,17 @@ class Crew(Generic[R]):
         self.running: dict[Future[R | None], int] = {}
         self.halted = False
         self._pool, self._ahead, self._patience = pool, ahead, math.inf
+        self._given_up: list[int] = []
 
     @property
     def is_idle(self) -> bool:
-        """Whether nothing is at work, and nothing is to be done again."""
-        return not self.running
+        """Whether nothing is at work, and nothing is to be done again or to be told."""
+        return not self.running and (self.halted or not self._given_up)
 
     def recovered(self, _waiting: deque[int]) -> list[int]:
         """Put jobs of workers that died back among those that wait; numbers of those that are given up."""
-        return []
+        given_up, self._given_up = self._given_up, []
+        return given_up
 
     def next(self, waiting: deque[int]) -> int | None:
         """Number of the job to be handed out now; None: there is none, or no room."""
@@ -90,7 +92,12 @@ class Crew(Generic[R]):
 
     def has_answered(self, future: Future[R | None]) -> bool:
         """Whether a finished job has a result or an error of its own, and was not given up."""
-        return not (self.halted and future.cancelled())
+        if self.halted and future.cancelled():
+            return False
+        if type(future.exception()).__name__ == "KilledWorker":  # of dask, which need not be installed
+            self._given_up.append(self.running[future])  # its scheduler has tried it on several workers
+            return False
+        return True
 
     def is_done(self, future: Future[R | None]) -> None:
         """Take a job off the list."""

@@ -6,6 +6,7 @@ import os
 import signal
 import subprocess
 import sys
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
@@ -74,6 +75,22 @@ def test_the_job_of_a_worker_that_was_killed_is_done_again_and_one_that_kills_ea
     done = run_jobs(killed_the_first_time, arguments, processes=2, lost=lambda job: -job[1])
     assert done.results == [0, 1, 2, 3, 4, 5, 6, -7]
     assert not done.interrupted
+
+
+class KilledWorker(Exception):
+    """A scheduler gives up a job that has ended several workers."""
+
+
+def killed_elsewhere(number: int, _progress: Progress) -> int:
+    if number == 1:
+        raise KilledWorker
+    return number
+
+
+def test_a_job_that_ends_workers_elsewhere_is_named_too() -> None:
+    with ThreadPoolExecutor(1) as executor:
+        done = run_jobs(killed_elsewhere, [0, 1, 2, 1], executor=executor, lost=lambda job: -job)
+    assert done.results == [0, -1, 2, -1]
 
 
 def test_a_job_brings_the_one_that_follows_it() -> None:
