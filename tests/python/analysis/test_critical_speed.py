@@ -10,10 +10,11 @@ import pytest
 import xarray as xr
 
 from rollerrig import load_case
-from rollerrig.analysis.critical_speed import HIGHEST_KMH, bracket, critical_speed
+from rollerrig.analysis.critical_speed import HIGHEST_KMH, bracket
 from rollerrig.analysis.hunting import HuntingRun, hunting_table
 from rollerrig.analysis.linearise import DIRECTIONS, Lineariser
 from rollerrig.analysis.signals import FinalMotion
+from rollerrig.study.critical_speed import critical_speed
 from rollerrig.study.critical_speeds import between, ended_early_sentence
 
 
