@@ -30,7 +30,7 @@ def command(
 
     output_file(out, force=force)
     try:
-        found = compare_runs({_label(path, runs): load_run(path) for path in runs}, signal or ())
+        found = compare_runs(dict(zip(_labels(runs), map(load_run, runs), strict=True)), signal or ())
     except (ResultsError, FileNotFoundError, ValueError) as error:
         stop(error)
     typer.echo(write_bytes(out, figure_bytes(runs_together(found), kind), force=force))
@@ -43,6 +43,16 @@ def command(
         typer.echo(f"{name:{width}}  {'  '.join(f'{number(float(value), 3)} {unit}' for value in apart)}")
 
 
-def _label(path: Path, runs: list[Path]) -> str:
-    """The file's name, or its whole path where several have that name."""
-    return path.stem if [other.stem for other in runs].count(path.stem) == 1 else str(path)
+def _labels(runs: list[Path]) -> list[str]:
+    """The files' names; where several have the same, those of their folders, as far up as tells them apart."""
+    stems = [path.stem for path in runs]
+    if len(set(stems)) == len(stems):
+        return stems
+    folders = [
+        path.absolute().parent.parts if len(set(stems)) == 1 else path.absolute().with_suffix("").parts for path in runs
+    ]
+    for depth in range(1, max(map(len, folders)) + 1):
+        names = ["/".join(parts[-depth:]) for parts in folders]
+        if len(set(names)) == len(names):
+            return names
+    return [f"{path} ({number})" for number, path in enumerate(runs, 1)]

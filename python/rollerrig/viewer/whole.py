@@ -10,11 +10,13 @@ from pathlib import Path
 
 import xarray as xr
 
-from rollerrig.results import ResultsError, load_run, output_file, write_text
+from rollerrig.results import ResultsError, RunInfo, load_run, output_file, write_text
+from rollerrig.results.run_info import ATTRIBUTE
 from rollerrig.viewer.columns import MOST_FRAMES
 from rollerrig.viewer.mode_scene import holds_modes, mode_scene
 from rollerrig.viewer.page import page
 from rollerrig.viewer.scene import model_of, run_scene
+from rollerrig.wording import number
 
 Run = xr.Dataset | str | Path
 
@@ -52,19 +54,29 @@ def view_text(runs: Sequence[xr.Dataset], labels: Sequence[str] = (), *, most: i
 
     Args:
         runs: one or two runs, or the modes of `stability`.
-        labels: how they are called; by default their cases.
+        labels: how they are called; by default their cases, of one case with their speeds at the start.
         most: frames of each.
 
     Raises:
         ResultsError: a run holds no motion of bodies.
     """
-    names = list(labels) or [str(run.attrs.get("case", "")) for run in runs]
+    names = list(labels) or _names(runs)
     if any(map(holds_modes, runs)):
         if len(runs) > 1:
             raise ResultsError("modes have no time in common with another run; view takes them alone")
         return page(names[0], [mode_scene(runs[0], label=names[0])])
     scenes = [run_scene(run, label=name, most=most) for run, name in zip(runs, names, strict=True)]
     return page(" | ".join(names), scenes)
+
+
+def _names(runs: Sequence[xr.Dataset]) -> list[str]:
+    """Of the runs, told apart."""
+    names = [str(run.attrs.get("case", "")) for run in runs]
+    if len(set(names)) == len(names):
+        return names
+    speeds = [f"{number(3.6 * RunInfo.of(run).speed)} km/h" if ATTRIBUTE in run.attrs else "" for run in runs]
+    apart = speeds if len(set(speeds)) == len(names) else [f"run {k}" for k in range(1, len(names) + 1)]
+    return [f"{name}, {what}" for name, what in zip(names, apart, strict=True)]
 
 
 def _loaded(run: Run) -> xr.Dataset:

@@ -50,6 +50,19 @@ def test_a_signal_that_is_not_there_is_said(runs, signal: str, line: str) -> Non
     assert line in str(error.value)
 
 
+def test_files_of_one_name_are_told_apart_by_their_folders() -> None:
+    from rollerrig.cli.compare_runs import _labels
+
+    def of(*names: str) -> list[str]:
+        return _labels([Path(name) for name in names])
+
+    assert of("a/dry.nc", "b/wet.nc") == ["dry", "wet"]
+    assert of("my-rig/run.nc", "my-track/run.nc") == ["my-rig", "my-track"]
+    assert of("1/rig/run.nc", "2/rig/run.nc") == ["1/rig", "2/rig"]
+    assert of("1/rig.nc", "2/rig.nc", "2/track.nc") == ["1/rig", "2/rig", "2/track"]
+    assert of("a/run.nc", "a/run.nc") == ["a/run.nc (1)", "a/run.nc (2)"]
+
+
 def test_runs_without_names_are_refused(runs) -> None:
     first, second = runs.values()
     for given in ((first, second), ([first, second],)):

@@ -164,3 +164,12 @@ def test_modes_are_drawn_with_their_amplitudes_and_phases() -> None:
             assert phase == pytest.approx(np.radians(float(found["shape_phase"].sel(place))), abs=1e-4)
     with pytest.raises(ResultsError, match="view takes them alone"):
         view_text([modes, modes])
+
+
+def test_two_runs_of_one_case_are_told_apart(on_rig: xr.Dataset, on_track: xr.Dataset) -> None:
+    from rollerrig.viewer.whole import _names
+
+    case = rr.load_case("bogie_rollers_constant").with_changes({"time.duration": "10 ms", "motion.speed": "260 km/h"})
+    assert _names([on_rig, on_track]) == ["bogie_rollers_constant", "bogie_track"]
+    assert _names([on_rig, rr.simulate(case)]) == [f"bogie_rollers_constant, {speed} km/h" for speed in (150, 260)]
+    assert _names([on_rig, on_rig]) == ["bogie_rollers_constant, run 1", "bogie_rollers_constant, run 2"]
