@@ -54,7 +54,8 @@ export class Chart {
   keys(group) {
     this.legend?.remove();
     this.legend = document.createElement("div"); this.legend.className = "keys";
-    group.curves[0].forEach(([, label], k) => {
+    const most = group.curves.reduce((a, b) => (b.length > a.length ? b : a)); // a rig has curves that a track has not
+    most.forEach(([, label], k) => {
       const key = document.createElement("span");
       key.innerHTML = `<i style="background:${CURVES[k % CURVES.length]}"></i>`;
       key.append(label);

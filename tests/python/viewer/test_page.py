@@ -172,7 +172,9 @@ def test_by_software_light_is_computed_at_the_vertices(opened: Opened) -> None:
     assert opened.ask("r.worlds[0].materials.steel.opacity") == 1
 
 
-def test_a_brake_test_begins_with_speeds_and_pressures(browser: Any, tmp_path: Path, opened: Opened) -> None:
+def test_a_brake_test_begins_with_speeds_and_pressures(
+    browser: Any, tmp_path: Path, opened: Opened, on_track: xr.Dataset
+) -> None:
     braked = rr.simulate(rr.load_case("adhesion_brake").with_changes({"time.duration": "0.2 s"}))
     chosen = "r.charts.map((one) => one.groups[Number(one.choice.value)].title)"
     page = Opened(browser, rr.view(braked, path=tmp_path / "braked.html"))
@@ -181,6 +183,12 @@ def test_a_brake_test_begins_with_speeds_and_pressures(browser: Any, tmp_path: P
     finally:
         page.close()
     assert opened.ask(chosen) == ["Lateral displacement", "Guiding force Y"]
+    page = Opened(browser, rr.view(on_track, braked, path=tmp_path / "both.html"))
+    try:  # the rig has curves that the track has not
+        keys = page.page.locator(".chart").first.locator(".keys span").all_inner_texts()
+        assert [key.strip() for key in keys][:5] == ["train", "wheelset 1", "wheelset 2", "roller 1", "roller 2"]
+    finally:
+        page.close()
 
 
 def test_modes_move_by_the_same_page(browser: Any, tmp_path: Path) -> None:
