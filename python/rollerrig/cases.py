@@ -21,6 +21,7 @@ ACTUATORS = (
     "traction",
     "slide_protection",
     "wheel_slip_control",
+    "brake_unit",
     "rig_control",
 )
 """Tables of a case beside vehicle, support and contact: what acts on the vehicle, and degraded adhesion."""

@@ -8,7 +8,7 @@ from __future__ import annotations
 from rollerrig import _core
 from rollerrig.config import Case, ConfigError, ConfigProblem
 from rollerrig.config.errors import nearest
-from rollerrig.mechatronics import COMMANDS
+from rollerrig.mechatronics import roles_of, with_brake_unit
 from rollerrig.plant import assembled_model
 
 
@@ -19,7 +19,7 @@ def controller_part(case: Case, part: str) -> _core.ControllerPart:
         ConfigError: the case has no such controller, or not ours.
         StartError: no equilibrium was found to start from.
     """
-    there = [role for role in COMMANDS if getattr(case, role) is not None]
+    case, there = with_brake_unit(case, [part]), roles_of(case)
     if part not in there:
         raise part_refused(case, part, f"allowed: a controller of the case: {', '.join(there) or 'it has none'}", there)
     if not getattr(case, part).is_ours:
@@ -30,7 +30,8 @@ def controller_part(case: Case, part: str) -> _core.ControllerPart:
         raise part_refused(
             case, part, "the simulated axles of [train.axles] run on its virtual rail, and clean it or take its sand"
         )
-    assembled = assembled_model(case, external=[role for role in there if not getattr(case, role).is_ours])
+    others = [role for role in there if (table := getattr(case, role)) is not None and not table.is_ours]
+    assembled = assembled_model(case, external=others)
     assert assembled.setup is not None
     sampled = next(one for one in assembled.setup.controllers if isinstance(one.controller, _core.controllers[part]))
     plant = _core.Plant(assembled)

@@ -20,7 +20,7 @@ from rollerrig import _core
 from rollerrig.cases import as_case
 from rollerrig.config import Case, ConfigError, ConfigProblem
 from rollerrig.config.errors import nearest
-from rollerrig.mechatronics import COMMANDS
+from rollerrig.mechatronics import BRAKE_UNIT, COMMANDS, roles_of
 from rollerrig.plant import assembled_model
 
 Observation = NDArray[np.float64]
@@ -65,7 +65,7 @@ class BenchEnv(gymnasium.Env[Observation, Any]):
             ConfigError: the case has no such controller.
         """
         self.case, self.controller = as_case(case), controller
-        there = [role for role in COMMANDS if getattr(self.case, role) is not None]
+        there = [role for role in roles_of(self.case) if role != BRAKE_UNIT]
         if controller not in there:
             allowed = f"allowed: {', '.join(there) or 'nothing: the case has no controller'}"
             raise ConfigError(

@@ -17,7 +17,7 @@ from rollerrig.assembly import assemble
 from rollerrig.cases import as_case
 from rollerrig.config import Case, ConfigError, ConfigProblem
 from rollerrig.input_files import MEGABYTE, read_input
-from rollerrig.mechatronics import COMMANDS, UserController, mechatronic_setup
+from rollerrig.mechatronics import UserController, mechatronic_setup, roles_of, with_brake_unit
 from rollerrig.results.files import output_file, write_bytes
 from rollerrig.simulation import check_fixed_step, integrator_settings
 from rollerrig.starting_state import prescribed_coordinates, starting_state
@@ -99,7 +99,7 @@ def assembled_model(case: Case, *, external: Collection[str] = (), may_drift: bo
     Args:
         case: a checked case.
         external: tables of the case's controllers whose commands come from outside, as inputs: 'slide_protection',
-            'wheel_slip_control', 'rig_control'. What they see are outputs.
+            'wheel_slip_control', 'rig_control', or 'brake_unit' of [brake]. What they see are outputs.
         may_drift: also where nothing holds the vehicle along the track on its rollers.
 
     Raises:
@@ -107,6 +107,7 @@ def assembled_model(case: Case, *, external: Collection[str] = (), may_drift: bo
             vehicle on its rollers; the fixed step is unstable.
         StartError: no equilibrium was found to start from.
     """
+    case = with_brake_unit(case, external)
     controllers = _external_controllers(case, external)
     model = assemble_with_actuators(case) if case.sampled else assemble(case)
     start = starting_state(_core.Simulation(model.start_core), model, may_drift=may_drift)
@@ -127,14 +128,14 @@ def assembled_model(case: Case, *, external: Collection[str] = (), may_drift: bo
 
 
 def _external_controllers(case: Case, external: Collection[str]) -> dict[str, UserController]:
-    there = [role for role in COMMANDS if getattr(case, role) is not None]
+    there = roles_of(case)
     for role in external:
         if role not in there:
             allowed = f"allowed: a table of the case: {', '.join(there) or 'it has none'}"
             raise ConfigError([ConfigProblem(case.name, "external", repr(role), allowed)])
     for role in there:
         table = getattr(case, role)
-        if not table.is_ours and role not in external:
+        if table is not None and not table.is_ours and role not in external:
             allowed = f"allowed: our own controller, or the commands as inputs: external = {role}"
             key, value = ("user", table.user) if table.user is not None else ("fmu", table.fmu.file)
             raise ConfigError([ConfigProblem(case.name, f"{role}.{key}", repr(value), allowed)])

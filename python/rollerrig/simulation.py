@@ -33,6 +33,7 @@ from rollerrig.mechatronics import (
     mechatronic_setup,
     provenance_of,
     users_controllers,
+    with_brake_unit,
 )
 from rollerrig.memory import available_memory
 from rollerrig.recording import Recording, readings_per_sample
@@ -90,7 +91,7 @@ def simulate(
         case: what to run, or its name in the catalogue; method, tolerances and output interval are those of `case.time`.
         progress: called several times a second with the fraction done and a short text.
         controllers: your own objects in place of the case's controllers, by table: 'slide_protection', 'wheel_slip_control',
-            'rig_control' (docs/how_to/controller.md).
+            'rig_control', or 'brake_unit' of [brake] (docs/how_to/controller.md).
         may_drift: run also a vehicle on rollers that nothing holds along the track, until it has rolled off them.
 
     Returns:
@@ -108,7 +109,7 @@ def simulate(
         >>> simulate(case)["lateral"].sel(body="wheelset_1").sizes["time"]
         51
     """
-    case = as_case(case)
+    case = with_brake_unit(as_case(case), controllers or {})
     users = users_controllers(case, controllers or {})
     model = assemble_with_actuators(case) if case.sampled else assemble(case)
     step = case.time.output_step / readings_per_sample(case)

@@ -18,6 +18,8 @@ constexpr double round_off = 1e-6;      ///< of a sample time, in periods: tools
 struct AxleInput {
   char const *name, *unit, *meaning;
   PerAxle<double> Measurements::* place;
+  double least{-no_limit}, most{no_limit};
+  bool whole{false};
 };
 struct TrainInput {
   char const *name, *unit, *meaning;
@@ -41,6 +43,10 @@ constexpr AxleInput of_rig[] = {
      &Measurements::brake_torque},
     {"axle_load", "N", "measured vertical force under each axle", &Measurements::axle_load},
     {"sand_flow", "kg/s", "of sand in front of each axle, on each rail", &Measurements::sand_flow},
+};
+constexpr AxleInput of_brake[] = {
+    {"dump_valve", "1", "command of the dump valve: 0 fill, 1 hold, 2 vent", &Measurements::dump_valve, 0.0, 2.0, true},
+    {"brake_demand", "Pa", "cylinder pressure asked for", &Measurements::brake_demand, 0.0, highest_pressure},
 };
 constexpr TrainInput of_train[] = {
     {"train.track_brake_force", "N", "of all track brakes against running", &Measurements::track_brake_force, 0.0,
@@ -67,9 +73,12 @@ ControllerPlant::ControllerPlant(ControllerPart part) : part_{std::move(part)} {
 }
 
 bool ControllerPlant::of_rollers() const { return std::holds_alternative<RigController>(part_.controller.controller); }
+bool ControllerPlant::of_brakes() const { return std::holds_alternative<BrakeUnit>(part_.controller.controller); }
 
 void ControllerPlant::add_axle_inputs() {
-  std::span<AxleInput const> const table = of_rollers() ? std::span<AxleInput const>(of_rig) : of_vehicle;
+  std::span<AxleInput const> const table = of_rollers()  ? std::span<AxleInput const>(of_rig)
+                                           : of_brakes() ? std::span<AxleInput const>(of_brake)
+                                                         : of_vehicle;
   auto const* rig = std::get_if<RigController>(&part_.controller.controller);
   for (std::size_t i = 0; i < part_.axles.size(); ++i)
     for (AxleInput const& input : table) {
@@ -79,7 +88,7 @@ void ControllerPlant::add_axle_inputs() {
                            : name == "axle_load"    ? rig->train.static_load[i]
                                                     : 0.0;
       variables_.push_back({part_.axles[i] + "." + name, input.unit, input.meaning, Causality::input,
-                            Variability::discrete, start, -no_limit, no_limit});
+                            Variability::discrete, start, input.least, input.most, input.whole});
       inputs_.push_back({.per_axle = input.place, .axle = i});
     }
 }
@@ -97,13 +106,9 @@ void ControllerPlant::add_outputs() {
   CommandField const& field = command_fields[at(static_cast<int>(command))];
   auto const limit = [](double value) { return std::fabs(value) < unlimited ? value : std::copysign(no_limit, value); };
   for (std::string const& axle : part_.axles)
-    variables_.push_back(
-        {axle + "." + std::string(field.name) + "_command", command == Command::roller_torque ? "N m" : "1",
-         command == Command::dump_valve      ? "of the dump valve: 0 fill, 1 hold, 2 vent"
-         : command == Command::torque_factor ? "on the torque of the traction motor"
-                                             : "of the roller's drive, positive drives the wheel forward",
-         Causality::output, Variability::discrete, field.initial, limit(field.lowest), limit(field.highest),
-         field.whole});
+    variables_.push_back({axle + "." + std::string(field.name) + "_command", std::string(field.unit),
+                          std::string(field.meaning), Causality::output, Variability::discrete, field.initial,
+                          limit(field.lowest), limit(field.highest), field.whole});
   auto const add = [&](std::string name, char const* unit, char const* meaning, double start) {
     variables_.push_back(
         {std::move(name), unit, meaning, Causality::output, Variability::discrete, start, -no_limit, no_limit});
@@ -112,7 +117,7 @@ void ControllerPlant::add_outputs() {
     for (std::size_t i = 0; i < part_.axles.size(); ++i)
       add(part_.axles[i] + ".virtual_speed", "rad/s", "speed of each axle of the virtual train", part_.axle_speed[i]);
     add("train.speed", "m/s", "of the virtual train", part_.train_speed);
-  } else {
+  } else if (!of_brakes()) {
     add("train.reference_speed", "m/s", "train speed as the controller estimates it", part_.train_speed);
   }
 }
@@ -122,6 +127,7 @@ void ControllerPlant::add_parameters() {
     variables_.push_back(
         {std::move(name), unit, meaning, Causality::parameter, Variability::fixed, start, -no_limit, no_limit});
   };
+  if (of_brakes()) return;
   add("train.start_speed", "m/s", "of the train at the start", part_.train_speed);
   if (!of_rollers()) return;
   for (std::size_t i = 0; i < part_.axles.size(); ++i) {
@@ -166,8 +172,8 @@ Status ControllerPlant::start(double /*final_time*/) {
   samples_ = 0;
   for (std::size_t i = 0; i < parameters_; ++i) value_[i] = variables_[i].start;
   Measurements const now = at_start();
-  std::visit([&](auto const& law) { state_ = law.start(now, value_[parameters_], period()); },
-             part_.controller.controller);
+  double const speed = of_brakes() ? 0.0 : value_[parameters_];
+  std::visit([&](auto const& law) { state_ = law.start(now, speed, period()); }, part_.controller.controller);
   return Status::ok;
 }
 

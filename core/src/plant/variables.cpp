@@ -13,15 +13,14 @@ namespace rollerrig {
 namespace {
 
 constexpr double any = std::numeric_limits<double>::infinity();
-constexpr double highest_pressure = 1e7;  ///< [Pa]
-constexpr double largest_change = 9.0;    ///< of friction
-constexpr double highest_speed = 200.0;   ///< [m/s]
+constexpr double largest_change = 9.0;   ///< of friction
+constexpr double highest_speed = 200.0;  ///< [m/s]
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 bool has_command(MechatronicSetup const& setup, std::size_t axle, Command command) {
   AxleParts const& parts = setup.axles[axle];
-  if (command == Command::dump_valve)
+  if (command == Command::dump_valve || command == Command::cylinder_pressure)
     return parts.brake != absent || parts.has_brake || setup.actuators.motors_stand_in;
   return command == Command::torque_factor ? parts.driven() : parts.roller_torque != absent;
 }
@@ -30,6 +29,7 @@ bool has_command(MechatronicSetup const& setup, std::size_t axle, Command comman
 std::array<bool, command_count> open_commands(MechatronicSetup const& setup) {
   std::array<bool, command_count> open{};
   open.fill(true);
+  open[at(static_cast<int>(Command::cylinder_pressure))] = false;  // without a controller the plant's own brake unit
   for (auto const& [sampling, any_law] : setup.controllers)
     open[at(static_cast<int>(std::visit([](auto const& law) { return law.command; }, any_law)))] = sampling.external;
   return open;
@@ -48,10 +48,6 @@ void add_demands(MechatronicSetup const& setup, PartNames const& names, Variable
       add("motor_torque", "N m", "torque asked of the traction motor beside the demand of the case, positive forward",
           any, Place::motor_torque);
   }
-  constexpr char const* what[] = {"command of the dump valve: 0 fill, 1 hold, 2 vent",
-                                  "part of the traction demand that is admitted",
-                                  "torque asked of the roller's drive, positive drives the wheel forward"};
-  constexpr char const* unit[] = {"1", "1", "N m"};
   auto const open = open_commands(setup);
   for (std::size_t c = 0; c < command_count; ++c)
     for (std::size_t i = 0; i < setup.axles.size() && open[c]; ++i) {
@@ -61,8 +57,8 @@ void add_demands(MechatronicSetup const& setup, PartNames const& names, Variable
         return std::abs(number) < unlimited ? number : std::copysign(any, number);
       };
       std::string const name = names.axles[i] + "." + std::string(field.name) + "_command";
-      list.add({name, unit[c], what[c], Causality::input, Variability::discrete, field.initial, limit(field.lowest),
-                limit(field.highest), field.whole},
+      list.add({name, std::string(field.unit), std::string(field.meaning), Causality::input, Variability::discrete,
+                field.initial, limit(field.lowest), limit(field.highest), field.whole},
                {Place::command, i, c});
     }
 }

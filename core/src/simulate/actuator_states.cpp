@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <span>
 
 namespace rollerrig {
 namespace {
@@ -41,27 +40,8 @@ void step_motor(Motor const& motor, double* state, double command, double speed,
 
 ActuatorStates::ActuatorStates(MechatronicSetup const& setup)
     : axle_(setup.axles.size()),
-      cylinder_(setup.axles.size()),
-      place_(setup.axles.size()),
-      fed_by_(setup.axles.size()),
-      counted_{0.0, blending_steps(setup)} {
-  std::size_t const axles = setup.axles.size();
-  for (std::size_t i = 0; i < axles; ++i) fed_by_[i] = setup.reservoir.empty() ? 0 : at(setup.reservoir[i]);
-  AirSupply const start = std::visit([](auto const& air) { return air.start(); }, setup.actuators.pneumatics.air);
-  supply_.assign(1 + *std::max_element(fed_by_.begin(), fed_by_.end()), start);
-  for (std::size_t k = 0, next = 0; k < supply_.size(); ++k) {
-    first_.push_back(next);
-    for (std::size_t i = 0; i < axles; ++i)
-      if (fed_by_[i] == k) place_[i] = next++;
-  }
-  first_.push_back(axles);
-}
-
-double ActuatorStates::drawn() const {
-  double sum = 0.0;
-  for (AirSupply const& one : supply_) sum += one.drawn;
-  return sum;
-}
+      cylinders_{setup.actuators.pneumatics, setup.reservoir, setup.axles.size()},
+      counted_{0.0, blending_steps(setup)} {}
 
 /// The motors that brake, and what their axles are asked for in all.
 void ActuatorStates::step_electrodynamic(MechatronicSetup const& setup, std::int64_t step, PerAxle<double> const& valve,
@@ -89,46 +69,36 @@ void ActuatorStates::step_drive(MechatronicSetup const& setup, std::size_t axle,
   step_motor(drive, own.drive, command, roller_speed, setup.step);
 }
 
-/// The cylinders of each reservoir together: they share its air.
+/// The cylinders, each for what the motor of its axle leaves to be braked.
 void ActuatorStates::step_pneumatics(MechatronicSetup const& setup, PerAxle<double> const& valve,
                                      PerAxle<double> const& asked, PerAxle<double> const& axle_speed) {
-  Pneumatics const& pneumatics = setup.actuators.pneumatics;
-  PerAxle<DumpValve> command{};
-  PerAxle<double> demand{};  // both in the order of the cylinders
+  PerAxle<double> demand = asked;
   for (std::size_t i = 0; i < axle_.size(); ++i) {
-    std::size_t const own = place_[i];
-    command[own] = valve_of(valve[i]);
-    demand[own] = asked[i];
     if (!setup.axles[i].electrodynamic) continue;
     double const rest = std::fmax(0.0, axle_[i].asked - counted_.acting()[i]);
-    demand[own] = std::fmin(demand[own], setup.actuators.brake.pressure(rest, axle_speed[i]));
+    demand[i] = std::fmin(demand[i], setup.actuators.brake.pressure(rest, axle_speed[i]));
   }
-  std::span const cylinders{cylinder_};
-  auto const step = [&](auto const& air) {
-    for (std::size_t k = 0; k < supply_.size(); ++k) {
-      std::size_t const from = first_[k], count = first_[k + 1] - from;
-      air.step(pneumatics.control_valve, cylinders.subspan(from, count), supply_[k],
-               std::span{command}.subspan(from, count), std::span{demand}.subspan(from, count), setup.step);
-    }
-  };
-  std::visit(step, pneumatics.air);
+  cylinders_.step(setup.actuators.pneumatics, valve, demand, setup.step);
 }
 
 void ActuatorStates::step(MechatronicSetup const& setup, std::int64_t step, ActingCommands const& acting,
                           CallerDemands const& caller, PerAxle<double> const& axle_speed,
                           PerAxle<double> const& roller_speed, double train_speed, Inputs& inputs) {
   double const h = setup.step, t = h * static_cast<double>(step);
-  auto const& [valve, factor, roller_torque] = acting;
+  auto const& [valve, factor, roller_torque, commanded_pressure] = acting;
   auto const line = [&](double from, double to) { return HeldInput{t, from, (to - from) / h}; };
   PerAxle<double> before{}, motor_before{}, pressure_demand{};
   for (std::size_t i = 0; i < axle_.size(); ++i) {
-    pressure_demand[i] = std::fmax(0.0, setup.demand(i, t) + caller.brake_demand[i]);
+    pressure_demand[i] = brake_demand(setup, caller, i, t);
     before[i] = cylinder(i).pressure;
     motor_before[i] = axle_[i].of_motor();
   }
   if (setup.braked()) {
     step_electrodynamic(setup, step, valve, pressure_demand, axle_speed);
-    step_pneumatics(setup, valve, pressure_demand, axle_speed);
+    if (setup.brake_unit_is_sampled())
+      cylinders_.take(setup.actuators.pneumatics.control_valve, valve, commanded_pressure);
+    else
+      step_pneumatics(setup, valve, pressure_demand, axle_speed);
   }
   if (auto const& brake = setup.actuators.track_brake) {
     double const from = track_brake_;

@@ -54,7 +54,7 @@ Status Driver::start(integrate::Options options, double t0, double const* x0) {
   plant_.reset_run();
   final_time_ = options.final_time;
   step_ = 0;
-  sampled_ = acted_ = held_ = false;
+  sampled_ = machines_asked_ = acted_ = held_ = false;
   inputs_ = {};
   inputs_.axle_torque.reserve(plant_.model().axle_torques.size());  // for hold_torque()
   inputs_.roller_torque.reserve(plant_.model().roller_torques.size());
@@ -116,7 +116,7 @@ void Driver::advance_step() {
   integrator_->hold_until(next);
   status_ = integrator_->advance(next);
   if (status_ != Status::ok) return;
-  sampled_ = false;
+  sampled_ = machines_asked_ = false;
   status_ = system_->advance(plant_, ++step_);
 }
 
@@ -134,6 +134,8 @@ Status Driver::pass_sample(double const* x, double const* z) {
   }
   if (!std::exchange(sampled_, true)) system_->sample(plant_, step_, z);
   system_->answer(step_);
+  system_->ask_machines(step_);
+  system_->ask_nobody();
   system_->act(plant_, step_, inputs_);
   acted_ = true;
   return Status::ok;

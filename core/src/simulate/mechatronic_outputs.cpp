@@ -90,6 +90,8 @@ constexpr Field measurement_table[] = {
     {"motor_torque", "N m", "of the traction motor of each axle, as its drive reports it"},
     {"brake_torque", "N m", "of each axle's friction brake, from cylinder pressure and nominal pad friction"},
     {"sand_flow", "kg/s", "of sand in front of each axle, on each rail"},
+    {"dump_valve", "1", "command of each axle's dump valve that acts: 0 fill, 1 hold, 2 vent"},
+    {"brake_demand", "Pa", "cylinder pressure asked of each axle"},
     {"track_brake_force", "N", "of all track brakes against running, the same number for each axle"},
     {"force_of_others", "N",
      "of the simulated axles on the train, mean since the last sample, forward; the same number for each axle"},
@@ -158,6 +160,8 @@ void MechatronicSystem::measure(std::size_t controller, double* row) const {
                            m.motor_torque[i],
                            m.brake_torque[i],
                            m.sand_flow[i],
+                           m.dump_valve[i],
+                           m.brake_demand[i],
                            m.track_brake_force,
                            m.force_of_others};
     static_assert(std::size(seen) == std::size(measurement_table));
@@ -182,7 +186,7 @@ void MechatronicSystem::record(Dynamics const& plant, std::int64_t step, double 
   row[3] = reference_speed().value_or(setup_.speed);
   row[4] = setup_.actuators.brake_demand.at(t);
   row[5] = setup_.actuators.torque_demand.at(t);
-  row[6] = actuators_.drawn();
+  row[6] = actuators_.cylinders().drawn();
   row[7] = reference_speed().value_or(train.speed) - train.speed;
   row[8] = track_brake_force(plant);
   row[9] = track_brake_energy_;
@@ -245,7 +249,7 @@ void MechatronicSystem::record_axle(Dynamics const& plant, std::size_t i, Inputs
                         0.0,
                         0.0,
                         0.0,
-                        actuators_.supply(i).reservoir};
+                        actuators_.cylinders().supply(i).reservoir};
   static_assert(std::size(row) == std::size(axle_table));
   std::copy(std::begin(row), std::end(row), out);
 }
@@ -286,7 +290,7 @@ void MechatronicSystem::record_simulated(std::size_t i, double* out) const {
   set("dump_cycles", static_cast<double>(cylinder.dump_cycles));
   set("inlet_open", static_cast<double>(cylinder.inlet_open));
   set("outlet_open", static_cast<double>(cylinder.outlet_open));
-  set("reservoir_pressure", actuators_.supply(i).reservoir);
+  set("reservoir_pressure", actuators_.cylinders().supply(i).reservoir);
   set("axle_work", own.work);
   set("work_on_train", own.to_train);
   set("slip_dissipation", own.dissipated);

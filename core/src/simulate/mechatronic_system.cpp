@@ -33,6 +33,10 @@ MechatronicSystem::MechatronicSystem(MechatronicSetup setup)
     auto const index = at(static_cast<int>(command));
     controllers_.push_back({name, index, {}, {command_fields[index].initial, sampling.delay}});
     controlled_[index] = true;
+    if (command == Command::cylinder_pressure) {  // a machine reads no sensors
+      brake_unit_ = controllers_.size() - 1;
+      continue;
+    }
     shortest_ = shortest_ == 0 ? sampling.every : std::min(shortest_, sampling.every);
   }
   measured_.axles = static_cast<int>(axles());
@@ -67,9 +71,11 @@ void MechatronicSystem::start(Dynamics const& plant) {
 
 bool MechatronicSystem::sample(Dynamics const& plant, std::int64_t step, double const* z) {
   sensors_.follow(setup_, plant, time(step), z, actuators_, simulated_);
-  auto const due = [&](SampledController const& c) { return step % c.sampling.every == 0; };
+  auto const due = [&](SampledController const& c) {
+    return !std::holds_alternative<BrakeUnit>(c.controller) && step % c.sampling.every == 0;
+  };
+  see_brakes(step);
   if (std::none_of(setup_.controllers.begin(), setup_.controllers.end(), due)) return true;
-  measured_.time = time(step);
   sensors_.read(setup_, setup_.step * shortest_, measured_);
   read_true_forces(plant);
   measured_.track_brake_force = track_brake_force(plant) - caller_.train_force;
@@ -78,6 +84,26 @@ bool MechatronicSystem::sample(Dynamics const& plant, std::int64_t step, double 
   for (std::size_t i = 0; i < controllers_.size(); ++i)
     if (due(setup_.controllers[i])) ask(i, step);
   return !waits();
+}
+
+/// What the brakes are asked for from this instant on, by all that has been commanded up to now.
+void MechatronicSystem::see_brakes(std::int64_t step) {
+  constexpr auto valve = static_cast<std::size_t>(Command::dump_valve);
+  measured_.time = time(step);
+  measured_.dump_valve = caller_.commands[valve];
+  for (Controller& own : controllers_)
+    if (own.command == valve) {
+      own.commands.advance(step);
+      measured_.dump_valve = own.commands.acting();
+    }
+  for (std::size_t i = 0; i < axles(); ++i)
+    measured_.brake_demand[i] = rollerrig::brake_demand(setup_, caller_, i, time(step));
+}
+
+void MechatronicSystem::ask_machines(std::int64_t step) {
+  if (!brake_unit_) return;
+  see_brakes(step);
+  if (step % setup_.controllers[*brake_unit_].sampling.every == 0) ask(*brake_unit_, step);
 }
 
 /// One sample of a controller; of an external rig controller the estimates and the virtual train, for the caller to read.

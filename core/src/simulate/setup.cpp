@@ -66,6 +66,13 @@ void check_law(WheelSlideProtection const& control, std::size_t /*axles*/) {
        "slide_protection: entries: needed is one for each band of slip and acceleration");
 }
 void check_law(WheelSlipControl const& /*control*/, std::size_t /*axles*/) {}
+void check_law(BrakeUnit const& unit, std::size_t axles) {
+  need(unit.reservoir.empty() || (unit.reservoir.size() >= axles && unit.reservoir.size() <= at(most_axles)),
+       "brake_unit: reservoir needs one number per axle, or none");
+  for (int number : unit.reservoir)
+    need(number >= 0 && number < most_axles,
+         "brake_unit: reservoir: allowed is 0 to " + std::to_string(most_axles - 1));
+}
 
 /// Axles that are only simulated stand behind those of the model in the lists, wherever they are in the train.
 void check_simulated(MechatronicSetup const& setup) {
@@ -114,6 +121,8 @@ void check_setup(MechatronicSetup const& setup, Model const& model) {
     check_value(sanding->delay / setup.step, delay_steps, "Sanding", "delay / step");
   check_motor(setup.actuators.motor, setup.step, "motor");
   check_motor(setup.actuators.roller_drive, setup.step, "roller_drive");
+  need(!setup.brake_unit_is_sampled() || (setup.braked() && !setup.actuators.electrodynamic),
+       "brake_unit: needed are brakes, and no electrodynamic ones, which it would have to blend with its own");
   for (SampledController const& sampled : setup.controllers) check_controller(sampled, setup.under_test());
 }
 

@@ -16,7 +16,7 @@ from rollerrig import _core
 from rollerrig.analysis.linear_bench import steady_case
 from rollerrig.blas_threads import one_blas_thread
 from rollerrig.config import Case
-from rollerrig.mechatronics import COMMANDS
+from rollerrig.mechatronics import BRAKE_UNIT, roles_of
 from rollerrig.plant import assembled_model
 
 POINTS = 32
@@ -74,7 +74,7 @@ def measured_response(
         The response; None where the plant has no such command or output.
     """
     steady = steady_case(case, speed)
-    external = [role for role in COMMANDS if getattr(steady, role) is not None]
+    external = [role for role in roles_of(steady) if role != BRAKE_UNIT]
     plant = _core.Plant(assembled_model(steady, external=external, may_drift=True))
     index, indices = plant.find(source), [plant.find(name) for name in outputs]
     if min(index, *indices) < 0:

@@ -21,7 +21,9 @@ def command(
     ] = "",
     part: Annotated[
         str,
-        typer.Option(help="One controller of the case alone: slide_protection, wheel_slip_control or rig_control."),
+        typer.Option(
+            help="One controller of the case alone: slide_protection, wheel_slip_control, rig_control or brake_unit."
+        ),
     ] = "",
     force: Force = False,
     change: Changes = None,

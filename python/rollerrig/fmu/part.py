@@ -24,7 +24,7 @@ def export_part(case: Case | str, part: str, path: str | Path, *, fmi: str = "2"
 
     Args:
         case: a checked case, or what `load_case` takes.
-        part: its table: 'slide_protection', 'wheel_slip_control' or 'rig_control'.
+        part: its table: 'slide_protection', 'wheel_slip_control', 'rig_control', or 'brake_unit' of [brake].
         path: the file; one that this program wrote is replaced.
         fmi: version of the standard, '2' or '3'.
         force: replace a file that this program did not write.
@@ -52,15 +52,16 @@ def export_part(case: Case | str, part: str, path: str | Path, *, fmi: str = "2"
         content = _core.write_part(alone)
     except ValueError as error:
         raise part_refused(case, part, str(error)) from None
+    plant = _core.ControllerPlant(alone)
     unit = Unit(
         name=f"{case.name}.{part}",
         identifier=re.sub(r"\W", "_", f"{case.name}_{part}", flags=re.ASCII),
         token=_core.part_token(content),
         tool=f"rollerrig {__version__}",
         final_time=float(case.time.duration),
-        step=float(getattr(case, part).sample_time),
+        step=plant.period,
         sampled=True,
-        variables=_core.ControllerPlant(alone).variables,
+        variables=plant.variables,
     )
     files = {
         "documentation/index.html": _page(unit, machines(carried)),

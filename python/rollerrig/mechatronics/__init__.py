@@ -4,6 +4,7 @@ AssembledModel -> [mechatronics] -> _core.MechatronicSetup; measurements -> the 
 """
 
 from rollerrig.mechatronics.controllers import (
+    BRAKE_UNIT,
     COMMANDS,
     MEASUREMENTS,
     ControllerError,
@@ -13,11 +14,14 @@ from rollerrig.mechatronics.controllers import (
     fmu_controller,
     look_at_controller,
     provenance_of,
+    roles_of,
     users_controllers,
+    with_brake_unit,
 )
 from rollerrig.mechatronics.setup import mechatronic_setup
 
 __all__ = [
+    "BRAKE_UNIT",
     "COMMANDS",
     "MEASUREMENTS",
     "ControllerError",
@@ -28,5 +32,7 @@ __all__ = [
     "look_at_controller",
     "mechatronic_setup",
     "provenance_of",
+    "roles_of",
     "users_controllers",
+    "with_brake_unit",
 ]

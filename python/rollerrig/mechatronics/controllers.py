@@ -12,7 +12,7 @@ import ast
 import importlib
 import json
 import sys
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from pathlib import Path
 from types import ModuleType
 from typing import Any, Protocol
@@ -32,6 +32,23 @@ COMMANDS: dict[str, _core.CommandField] = dict(_core.commands)
 
 MEASUREMENTS = tuple(name for name, _, _ in _core.measurement_fields)
 """What a controller is given beside `time`, an array over the axles each; on track only `axle_speed` means anything."""
+
+
+BRAKE_UNIT = "brake_unit"
+
+
+def roles_of(case: Case) -> list[str]:
+    """Tables of the controllers that the case has; each brake has a unit, with a table or without."""
+    return [
+        role for role in COMMANDS if getattr(case, role) is not None or (role == BRAKE_UNIT and case.brake is not None)
+    ]
+
+
+def with_brake_unit(case: Case, roles: Collection[str]) -> Case:
+    """The case with a table of its brake unit, asked at every sampling step, where that is among the roles."""
+    if BRAKE_UNIT not in roles or case.brake_unit is not None or case.brake is None:
+        return case
+    return case.with_changes({BRAKE_UNIT: {"sample_time": case.time.sampling_step}})
 
 
 class UserController(Protocol):
@@ -57,8 +74,7 @@ def users_controllers(case: Case, given: Mapping[str, Any]) -> dict[str, UserCon
     found: dict[str, UserController] = {}
     for role in given:
         if role not in COMMANDS or getattr(case, role) is None:
-            there = [name for name in COMMANDS if getattr(case, name) is not None]
-            allowed = f"allowed: a table of the case: {', '.join(there) or 'it has none'}"
+            allowed = f"allowed: a table of the case: {', '.join(roles_of(case)) or 'it has none'}"
             raise ConfigError([ConfigProblem(case.name, "controllers", repr(role), allowed)])
         found[role] = check_controller(given[role], role, case.name)
     for role in COMMANDS:

@@ -198,6 +198,8 @@ def _controllers(model: AssembledModel, users: Mapping[str, UserController]) -> 
         radius = case.vehicle.data.wheel.radius
         if isinstance(table, RigControl):
             controller = rig_controller(model)
+        elif name == "brake_unit" and case.brake is not None:
+            controller = law(pneumatics=pneumatics(case.brake), reservoir=reservoirs(model))
         elif name == "slide_protection":
             controller = law(law=slide_protection(table, radius))
         else:

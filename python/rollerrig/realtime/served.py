@@ -17,7 +17,7 @@ from rollerrig import _core
 from rollerrig.config import Case, ConfigError, ConfigProblem
 from rollerrig.config.errors import nearest, one_of
 from rollerrig.config.schema.units import Quantity
-from rollerrig.mechatronics import COMMANDS
+from rollerrig.mechatronics import BRAKE_UNIT, COMMANDS, roles_of, with_brake_unit
 from rollerrig.plant import assembled_model
 
 RATE = Quantity("Hz", 1.0, 1e5)
@@ -96,8 +96,10 @@ def serve_case(
         ConfigError: the rate, a name or a value is not allowed, or two controllers would command the same valves.
         StartError: no equilibrium was found to start from.
     """
-    there = [role for role in COMMANDS if getattr(case, role) is not None]
-    roles = tuple(external if external is not None else (role for role in there if role != "rig_control"))
+    there = roles_of(case)
+    inside = ("rig_control", BRAKE_UNIT)
+    roles = tuple(external if external is not None else (role for role in there if role not in inside))
+    case = with_brake_unit(case, roles)
     for role in roles:
         if role not in there:
             raise refused(case.name, "external", role, one_of(there), nearest(role, there))

@@ -164,6 +164,7 @@ def _of_actuators(full: Case, model: Case, factors: Similitude) -> Iterator[Requ
     for key, name in (
         ("slide_protection", "slide protection"),
         ("wheel_slip_control", "wheel-slip control"),
+        ("brake_unit", "brake unit"),
         ("rig_control", "controller of the rollers"),
     ):
         own, there = getattr(model, key), getattr(full, key)

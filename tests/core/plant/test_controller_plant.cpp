@@ -113,3 +113,47 @@ TEST_CASE("a controller alone: numbers of axles that do not fit are refused, and
   CHECK(!plant.set_input(1000, 1.0));
   CHECK(!plant.set_input(index_of(plant, "axle_1.axle_speed"), std::nan("")));
 }
+
+TEST_CASE(
+    "a brake unit alone: two cylinders of one reservoir, one vented, as the same brakes in a plant; air is conserved") {
+  ReservoirAir const air{.fill_conductance = 2.5e-7,
+                         .vent_conductance = 2e-7,
+                         .critical_ratio = 0.3,
+                         .relay_band = 2e4,
+                         .opening_time = 0.01,
+                         .closing_time = 0.01,
+                         .least_pulse = 0.02,
+                         .reservoir_volume = 0.1,
+                         .reservoir_pressure = 6e5,
+                         .main_pipe_pressure = 6e5,
+                         .charging_conductance = 1e-9,
+                         .reference_pressure = 1e5};
+  ControlValve const valve{2e5, 2e5, 20.0, 1e5, 5e-3};
+  BrakeUnit const unit{.pneumatics = {valve, air}, .reservoir = {0, 0}};
+  ControllerPart part = slide_protection();
+  part.controller = {.sampling = {.every = 2}, .controller = unit};
+  ControllerPlant plant(part);
+  CHECK(plant.variables().size() == 6);  // two inputs and a pressure per axle, no parameter
+  plant.start(1.0);
+  BrakeCylinders inside(unit.pneumatics, unit.reservoir, 2);
+  for (int k = 0; k < 1000; ++k) {
+    PerAxle<double> const command{k > 500 ? 2.0 : 0.0, 0.0}, demand{3e5, 2e5};
+    inside.step(unit.pneumatics, command, demand, 2e-3);
+    for (std::size_t i = 0; i < 2; ++i) {
+      std::string const axle = part.axles[i];
+      CHECK(plant.set_input(index_of(plant, axle + ".dump_valve"), command[i]));
+      CHECK(plant.set_input(index_of(plant, axle + ".brake_demand"), demand[i]));
+    }
+    plant.advance(2e-3 * (k + 1));
+    for (std::size_t i = 0; i < 2; ++i)
+      REQUIRE(plant.get(index_of(plant, part.axles[i] + ".cylinder_pressure_command")) == inside.cylinder(i).pressure);
+  }
+  CHECK(inside.cylinder(0).pressure < 1e4);
+  CHECK(inside.cylinder(1).pressure == doctest::Approx(2e5).epsilon(2e-3));
+  double taken = 0.0;
+  for (std::size_t i = 0; i < 2; ++i) taken += inside.cylinder(i).air;
+  double const given = inside.drawn() + air.reservoir_volume * (6e5 - inside.supply(0).reservoir) / 1e5;
+  CHECK(taken == doctest::Approx(given).epsilon(1e-9));
+  CHECK(!plant.set_input(index_of(plant, "axle_1.dump_valve"), 0.5));
+  CHECK(!plant.set_input(index_of(plant, "axle_1.brake_demand"), -1.0));
+}

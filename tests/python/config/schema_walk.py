@@ -191,6 +191,7 @@ def whole_cases() -> dict[str, Raw]:
     kalman["sanding"] = {"start": {"kind": "from_distance", "begin": 10.0}}
     derivative = plain(load_case("adhesion_brake"))
     derivative["rig_control"] |= {"estimator": {"kind": "filtered_derivative"}, "feedback": {"kind": "none"}}
+    derivative["brake_unit"] = {}
     derivative["sanding"] = {"start": {"kind": "from_time", "begin": 1.0}}
     track = plain(load_case("vehicle_track_irregular"))
     track["support"]["data"]["foundation"] = {"rail_mass": 60.0, "lateral": {"stiffness": 1e8}}

@@ -4,13 +4,14 @@
 #pragma once
 #include <variant>
 
+#include "rollerrig/mechatronics/brake_unit.hpp"
 #include "rollerrig/mechatronics/rig_controller.hpp"
 #include "rollerrig/mechatronics/wheel_slide_protection.hpp"
 #include "rollerrig/mechatronics/wheel_slip_control.hpp"
 
 namespace rollerrig {
 
-using AnyController = std::variant<WheelSlideProtection, WheelSlipControl, RigController>;
+using AnyController = std::variant<WheelSlideProtection, WheelSlipControl, RigController, BrakeUnit>;
 
 inline constexpr Range sampling_steps{1.0, 1e9, "one step or more"};
 inline constexpr Range delay_steps{0.0, 1e5, "none to 100000 steps"};  ///< each is kept

@@ -21,6 +21,8 @@ struct Measurements {
   PerAxle<double> motor_torque{};                ///< of the traction motor, as its drive reports it [N m]
   PerAxle<double> brake_torque{};                ///< from cylinder pressure and the pads' friction [N m]
   PerAxle<double> axle_load{};                   ///< vertical force of rail or rollers on both wheels [N]
+  PerAxle<double> dump_valve{};                  ///< acting command of the dump valve
+  PerAxle<double> brake_demand{};                ///< cylinder pressure asked for [Pa]
   PerAxle<double> sand_flow{};                   ///< in front of each axle, on each rail [kg/s]
   double track_brake_force{};                    ///< of all bogies, against running [N]
   double force_of_others{};                      ///< (N2), mean since the last sample of the rig's controller [N]
@@ -30,21 +32,25 @@ struct Measurements {
 };
 
 /// What an actuator of each axle takes from a controller.
-enum class Command : int { dump_valve, torque_factor, roller_torque };
+enum class Command : int { dump_valve, torque_factor, roller_torque, cylinder_pressure };
 
 struct CommandField {
-  std::string_view name, allowed;
+  std::string_view name, unit, meaning, allowed;
   double initial;          ///< before the first command
   double lowest, highest;  ///< allowed
   bool whole;              ///< only whole numbers are
 };
 
-constexpr double unlimited = 1e300;  ///< beyond any torque
+constexpr double unlimited = 1e300;       ///< beyond any torque
+constexpr double highest_pressure = 1e7;  ///< of a brake cylinder [Pa]
 
 inline constexpr CommandField command_fields[] = {
-    {"valve", "0 fill, 1 hold, 2 vent", 0.0, 0.0, 2.0, true},
-    {"torque_factor", "0 to 1", 1.0, 0.0, 1.0, false},
-    {"roller_torque", "N m, any finite number", 0.0, -unlimited, unlimited, false},
+    {"valve", "1", "of the dump valve: 0 fill, 1 hold, 2 vent", "0 fill, 1 hold, 2 vent", 0.0, 0.0, 2.0, true},
+    {"torque_factor", "1", "part of the traction demand that is admitted", "0 to 1", 1.0, 0.0, 1.0, false},
+    {"roller_torque", "N m", "of the roller's drive, positive drives the wheel forward", "N m, any finite number", 0.0,
+     -unlimited, unlimited, false},
+    {"cylinder_pressure", "Pa", "of the axle's brake cylinder, over the ambient", "0 to 1e7 Pa", 0.0, 0.0,
+     highest_pressure, false},
 };
 constexpr std::size_t command_count = std::size(command_fields);
 

@@ -62,6 +62,7 @@ class ControllerPlant {
   Measurements measured() const;
   Measurements at_start() const;
   bool of_rollers() const;
+  bool of_brakes() const;
 
   ControllerPart part_;
   std::vector<Variable> variables_;

@@ -3,6 +3,7 @@
 //   commands, demands, speeds of axles and rollers -> [actuators, exact or in fine steps] -> inputs on straight lines
 #pragma once
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
@@ -26,6 +27,11 @@ struct CallerDemands {
   double rail_friction{1.0};        ///< of the virtual rail and under simulated axles, over what its law says
 };
 
+/// Cylinder pressure asked of an axle, by the case and by the caller [Pa].
+inline double brake_demand(MechatronicSetup const& setup, CallerDemands const& caller, std::size_t axle, double t) {
+  return std::fmax(0.0, setup.demand(axle, t) + caller.brake_demand[axle]);
+}
+
 class ActuatorStates {
  public:
   struct Axle {
@@ -47,32 +53,25 @@ class ActuatorStates {
   void step(MechatronicSetup const& setup, std::int64_t step, ActingCommands const& acting, CallerDemands const& caller,
             PerAxle<double> const& axle_speed, PerAxle<double> const& roller_speed, double train_speed, Inputs& inputs);
   Axle const& axle(std::size_t i) const { return axle_[i]; }
-  Cylinder const& cylinder(std::size_t i) const { return cylinder_[place_[i]]; }
-  /// The reservoir that feeds an axle's cylinder.
-  AirSupply const& supply(std::size_t i) const { return supply_[fed_by_[i]]; }
-  /// Air that all reservoirs have drawn from the main pipe since the start [m^3].
-  double drawn() const;
+  BrakeCylinders const& cylinders() const { return cylinders_; }
+  Cylinder const& cylinder(std::size_t i) const { return cylinders_.cylinder(i); }
   double track_brake() const { return track_brake_; }  ///< excitation, 0 to 1
 
   /// Everything that changes in a run, for plant/state_archive.hpp.
   template <class Archive>
   void state(Archive& archive) {
-    archive(axle_, cylinder_, supply_, track_brake_, counted_);
+    archive(axle_, cylinders_, track_brake_, counted_);
   }
 
  private:
   void step_drive(MechatronicSetup const& setup, std::size_t axle, double command, double roller_speed);
   void step_electrodynamic(MechatronicSetup const& setup, std::int64_t step, PerAxle<double> const& valve,
                            PerAxle<double> const& demand, PerAxle<double> const& axle_speed);
-  void step_pneumatics(MechatronicSetup const& setup, PerAxle<double> const& valve, PerAxle<double> const& demand,
+  void step_pneumatics(MechatronicSetup const& setup, PerAxle<double> const& valve, PerAxle<double> const& asked,
                        PerAxle<double> const& axle_speed);
 
   std::vector<Axle> axle_;
-  std::vector<Cylinder> cylinder_;  ///< reservoir by reservoir
-  std::vector<std::size_t> place_;  ///< of each axle's cylinder in that order
-  std::vector<std::size_t> fed_by_;
-  std::vector<AirSupply> supply_;
-  std::vector<std::size_t> first_;  ///< cylinder of each reservoir, and the end
+  BrakeCylinders cylinders_;
   double track_brake_{0.0};
   DelayedCommands counted_;  ///< torque of the motors that brake, as the pneumatic brakes know it
 };

@@ -49,10 +49,11 @@ class Driver {
     std::int64_t const last = steps_until(t_stop);
     while (status_ == Status::ok && step_ < last) {
       if (!std::exchange(sampled_, true)) sample();
-      if (answers_)
-        system_->answer(step_);
-      else if (system_->waits())
-        return status_;
+      if (answers_) system_->answer(step_);
+      if (system_->waits()) return status_;
+      if (!std::exchange(machines_asked_, true)) system_->ask_machines(step_);
+      if (answers_) system_->ask_nobody();  // the caller's command for the brake unit stands since answer()
+      if (system_->waits()) return status_;
       show(observer);
       advance_step();
     }
@@ -115,7 +116,7 @@ class Driver {
   void state(Archive& archive) {
     archive(plant_, inputs_, observed_);
     if (system_) archive(*system_);
-    archive(*integrator_, final_time_, step_, output_every_, sampled_, acted_, held_, status_);
+    archive(*integrator_, final_time_, step_, output_every_, sampled_, machines_asked_, acted_, held_, status_);
   }
 
  private:
@@ -150,6 +151,7 @@ class Driver {
   std::int64_t step_{0};          ///< sampling steps done
   std::int64_t output_every_{1};  ///< in sampling steps
   bool sampled_{false};           ///< at this instant
+  bool machines_asked_{false};    ///< at this instant
   bool answers_{false};           ///< for external controllers
   bool acted_{false};             ///< at this instant, where another program integrates
   bool held_{false};              ///< a torque is

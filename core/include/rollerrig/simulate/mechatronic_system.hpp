@@ -1,7 +1,7 @@
 // simulate/mechatronic_system.hpp - sensors, controllers, actuators and the train's motion around the plant, step by step.
 //
-//   plant at t_k -> sensors -> controllers that are due -> commands, after their delay -> motors and brakes
-//                -> inputs on straight lines over one step -> plant at t_k+1
+//   plant at t_k -> sensors -> controllers that are due -> commands, after their delay -> brake unit, if it is asked as they are
+//                -> motors and brakes -> inputs on straight lines over one step -> plant at t_k+1
 //
 // A controller marked `external` is asked for by the caller: sample() returns false at its instant, the caller reads
 // measurement(), sets the command and continues.
@@ -41,6 +41,8 @@ class MechatronicSystem {
   ///
   /// @param z  the plant's quadratures, for the angles
   bool sample(Dynamics const& plant, std::int64_t step, double const* z);
+  /// Asks the brake unit, where it stands for a controller: after all controllers have been answered for.
+  void ask_machines(std::int64_t step);
   /// Sets the inputs over the step that begins.
   void act(Dynamics const& plant, std::int64_t step, Inputs& inputs);
   /// After a step: the train's motion, and whether the run ends here.
@@ -100,6 +102,7 @@ class MechatronicSystem {
   double axle_speed(Dynamics const& plant, std::size_t axle) const;
   TrainStep train_step(std::int64_t step) const;
   void step_simulated(std::int64_t step);
+  void see_brakes(std::int64_t step);
   void ask(std::size_t index, std::int64_t step);
   PerAxle<double> answer_of(std::size_t index);
   void read_true_forces(Dynamics const& plant);
@@ -121,6 +124,7 @@ class MechatronicSystem {
   SimulatedAxleStates simulated_;
   double impulse_of_simulated_{0.0};  ///< since the last sample of the rig's controller [N s]
   std::vector<Controller> controllers_;
+  std::optional<std::size_t> brake_unit_{};  ///< of controllers_
   CallerDemands caller_{};
   PerAxle<StateOf<AnyFeedback>> speed_control_{};  ///< of the drives that the caller asks for a speed
   ActingCommands acting_{};

@@ -128,6 +128,12 @@ struct MechatronicSetup {
     return actuators.brake_demand.at(brake_delay.empty() ? t : t - brake_delay[axle]);
   }
 
+  /// Whether the brake unit is asked as a controller is.
+  bool brake_unit_is_sampled() const {
+    return std::any_of(controllers.begin(), controllers.end(),
+                       [](SampledController const& one) { return std::holds_alternative<BrakeUnit>(one.controller); });
+  }
+
   /// Whether there are cylinders to be filled.
   bool braked() const {
     bool const any =

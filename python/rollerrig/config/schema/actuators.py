@@ -158,6 +158,19 @@ class Controller(Table):
         return self
 
 
+class BrakeUnit(Controller):
+    """The brake unit, asked in time as a controller is: for one of your own in its place.
+
+    It finds the cylinder pressures at the end of its sample time from demand and dump valves at its beginning, after all
+    controllers have commanded.
+    """
+
+    sample_time: SampleTime = Field(default=1e-3, description="a multiple of time.sampling_step")
+    delay: Delay = Field(
+        default=0.0, description="from the sample to the pressure's acting, a multiple of time.sampling_step"
+    )
+
+
 class WheelSlipControl(Controller):
     """Takes torque off a driven axle that slips, and gives it back."""
 

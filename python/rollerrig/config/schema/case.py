@@ -4,7 +4,7 @@ from typing import Annotated, Any, Literal, NamedTuple
 
 from pydantic import ConfigDict, Field, StrictBool, model_validator
 
-from rollerrig.config.schema.actuators import Brake, Traction, WheelSlipControl
+from rollerrig.config.schema.actuators import Brake, BrakeUnit, Traction, WheelSlipControl
 from rollerrig.config.schema.adhesion import Adhesion
 from rollerrig.config.schema.base import SpeedTable, Table, TorqueTable, instead_of, refused
 from rollerrig.config.schema.contact_law import (
@@ -311,6 +311,10 @@ class CaseTables(Table):
         default=None, description="wheel slide protection: its kind, or a table"
     )
     wheel_slip_control: WheelSlipControl | None = Field(default=None, description="of the traction drives")
+    brake_unit: BrakeUnit | None = Field(
+        default=None,
+        description="for a brake unit of your own: demand and valves -> cylinder pressures; absent: that of [brake]",
+    )
     sensors: Sensors = Field(default=Sensors(), description="what the controllers see")
     rig_control: RigControl | None = Field(default=None, description="controller of the roller drives")
 

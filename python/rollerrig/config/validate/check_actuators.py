@@ -25,7 +25,7 @@ def check_actuators(case: CaseTables, file: str) -> list[ConfigProblem]:
 
 
 def _without(case: CaseTables, file: str) -> Iterator[ConfigProblem]:
-    for key, of in (("slide_protection", "[brake]"), ("wheel_slip_control", "[traction]")):
+    for key, of in (("slide_protection", "[brake]"), ("wheel_slip_control", "[traction]"), ("brake_unit", "[brake]")):
         if getattr(case, key) is not None:
             yield ConfigProblem(file, key, "a table", f"allowed only with {of}, on which it acts")
     if case.sanding is not None:
@@ -37,7 +37,8 @@ def _without(case: CaseTables, file: str) -> Iterator[ConfigProblem]:
 
 def _tables(case: CaseTables, file: str) -> Iterator[ConfigProblem]:
     support, brake, traction, control = case.support.data, case.brake, case.traction, case.rig_control
-    for key, there, of in (("slide_protection", brake, "[brake]"), ("wheel_slip_control", traction, "[traction]")):
+    needs = (("slide_protection", brake, "[brake]"), ("wheel_slip_control", traction, "[traction]"))
+    for key, there, of in (*needs, ("brake_unit", brake, "[brake]")):
         if getattr(case, key) is not None and there is None:
             yield ConfigProblem(file, key, "a table", f"allowed only with {of}, on which it acts")
     if brake is not None and brake.motors_stand_in and traction is None:
@@ -75,6 +76,9 @@ def _machines(case: CaseTables, file: str) -> Iterator[ConfigProblem]:
     if case.brake is not None and machine is not None and case.brake.motors_stand_in:
         allowed = "allowed without brake.motors_stand_in: the motors either stand in for the brake or brake beside it"
         yield ConfigProblem(file, "brake.electrodynamic", "a table", allowed)
+    if case.brake_unit is not None and machine is not None:
+        allowed = "allowed without brake.electrodynamic, whose torque the built-in brake unit takes off its own"
+        yield ConfigProblem(file, "brake_unit", "a table", allowed)
     if case.track_brake is not None and isinstance(case.support.data, Rig) and case.rig_control is None:
         allowed = (
             "allowed on rollers with [rig_control]: it brakes the virtual train, there is no rail beside the rollers"
@@ -170,7 +174,7 @@ def _times(case: CaseTables, file: str) -> Iterator[ConfigProblem]:
     """All times at multiples of the sampling step; a fixed step of the method is a whole part of it."""
     step = case.time.sampling_step
     times = [("time.output_step", case.time.output_step)]
-    for key in ("slide_protection", "wheel_slip_control", "rig_control"):
+    for key in ("slide_protection", "wheel_slip_control", "rig_control", "brake_unit"):
         controller = getattr(case, key)
         if controller is not None:
             times.append((f"{key}.sample_time", controller.sample_time))

@@ -9,8 +9,8 @@ from rollerrig.config.schema.case import CaseTables
 from rollerrig.config.schema.support import Rig
 
 ACTING = (
-    "adhesion", "brake", "track_brake", "sanding", "traction", "slide_protection", "wheel_slip_control", "rig_control",
-    "axle_torque", "disturbance",
+    "adhesion", "brake", "track_brake", "sanding", "traction", "slide_protection", "wheel_slip_control", "brake_unit",
+    "rig_control", "axle_torque", "disturbance",
 )  # fmt: skip
 
 

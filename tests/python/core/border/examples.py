@@ -16,7 +16,7 @@ from recipes import recipes
 
 import rollerrig as rr
 from rollerrig import _core
-from rollerrig.actuators import electrodynamic_brake, track_brake
+from rollerrig.actuators import electrodynamic_brake, pneumatics, track_brake
 from rollerrig.assembly import assemble
 from rollerrig.config import Brake
 from rollerrig.config.schema.electrodynamic_brake import ConstantPowerBrake
@@ -189,6 +189,7 @@ class Examples:
             _core.PulsePeriod(teeth=100.0, pitch_error=0.01, averaging_time=5e-3, timeout=0.3, clock=1e6),
             _core.PulseFrequency(teeth=100.0, pitch_error=0.01, gate_time=0.1),
             slide_protection(TableSlideProtection(kind="threshold_table"), 0.46),
+            _core.BrakeUnit(pneumatics=pneumatics(Brake(demand=((0.0, 0.0), (1.0, 1e5)))), reservoir=[0, 0]),
             _core.ForceSensor(bandwidth=100.0, noise=10.0, resolution=1.0, range=1e5),
             _core.AxleTorque(
                 wheelset=0, reaction=-1, torque=[(0.0, 0.0), (1.0, 100.0)], link=0.0, gear_ratio=1.0, rotor_inertia=0.0
