@@ -19,6 +19,7 @@
 #include "rollerrig/contact/adhesion/recovered_rail.hpp"
 #include "rollerrig/integrate/amplification.hpp"
 #include "rollerrig/simulate/driver.hpp"
+#include "rollerrig/simulate/held_speed.hpp"
 #include "rollerrig/simulate/linear_model.hpp"
 #include "rollerrig/simulate/recorder.hpp"
 #include "rollerrig/system/equilibrium.hpp"
@@ -28,6 +29,18 @@ using namespace rollerrig;
 using integrate::Options;
 
 namespace {
+
+/// None, or one for each.
+void check_count(std::vector<double> const& numbers, std::size_t count, char const* what) {
+  if (!numbers.empty() && numbers.size() != count)
+    throw nb::value_error((std::string(what) + " needs " + std::to_string(count) + " numbers, or none").c_str());
+}
+
+std::vector<HeldInput> held_at(double t, std::vector<double> const& values) {
+  std::vector<HeldInput> held;
+  for (double value : values) held.push_back({t, value, 0.0});
+  return held;
+}
 
 using Table = nb::ndarray<double, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
 using Vector = nb::ndarray<double, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
@@ -159,13 +172,29 @@ class Simulation {
   }
 
   /// A, B, C, D of small motions about a state, under the inputs of a run's start; row-major.
-  auto linear_model(double t, Column const& x) {
+  auto linear_model(double t, Column const& x, std::vector<double> const& pressure,
+                    std::vector<double> const& roller_torque) {
     Turn const turn(taken_);
     check_state(x);
     Inputs inputs;
     if (driver_.system() != nullptr) driver_.system()->prepare(dynamics().model(), inputs);
+    check_count(pressure, dynamics().model().brakes.size(), "linear_model: pressure");
+    check_count(roller_torque, dynamics().model().roller_torques.size(), "linear_model: roller_torque");
+    if (!pressure.empty()) inputs.cylinder = held_at(t, pressure);
+    if (!roller_torque.empty()) inputs.roller_torque = held_at(t, roller_torque);
     LinearModel const linear = rollerrig::linear_model(dynamics(), t, x.data(), std::move(inputs));
     return nb::make_tuple(table(linear.a), table(linear.b), table(linear.c), table(linear.d));
+  }
+
+  /// State, torques of the rollers, and whether they hold their speed under the brakes.
+  auto hold_speed(double t, Column const& x, std::vector<double> const& pressure) {
+    Turn const turn(taken_);
+    check_state(x);
+    check_count(pressure, dynamics().model().brakes.size(), "hold_speed: pressure");
+    HeldSpeed held = rollerrig::hold_speed(dynamics(), t, x.data(), pressure);
+    std::size_t const count = held.x.size();
+    return nb::make_tuple(owned_array<nb::ndim<1>>(std::move(held.x), {count}), std::move(held.roller_torque),
+                          held.found);
   }
 
   /// What one step of a fixed-step method does to a small deviation from x, row-major.
@@ -342,6 +371,7 @@ nb::list field_list(std::span<Field const> fields) {
 
 void bind_simulation(nb::module_& m) {
   using S = Simulation;
+  Argument const pressure{"pressure", not_negative};
   Argument const t{"t"}, x{"x"}, states{"states"}, controller{"controller"}, step{"step", positive};
   nb::class_<S> simulation(m, "Simulation", "Integrates one model; SI, states as in docs/theory.");
   simulation
@@ -366,9 +396,13 @@ void bind_simulation(nb::module_& m) {
   def_method(simulation, "jacobian", "df/dx, dg/dx, df/dt, dg/dt in a state.", &S::jacobian, t, x);
   def_method(
       simulation, "linear_model",
-      "A, B, C, D in a state: inputs are torques of axles and rollers and cylinder pressures of brakes, outputs the "
-      "recorded columns of bodies and wheels.",
-      &S::linear_model, t, x);
+      "A, B, C, D in a state, under cylinder pressures and torques of the rollers (empty: none): inputs are torques of "
+      "axles and rollers and cylinder pressures of brakes, outputs the recorded columns of bodies and wheels.",
+      &S::linear_model, t, x, pressure, Argument{"roller_torque"});
+  def_method(simulation, "hold_speed",
+             "Steady rolling under cylinder pressures [Pa], near a state without: state, torques of the rollers that "
+             "hold their speed [N m], and whether there is one.",
+             &S::hold_speed, t, x, pressure);
   def_method(simulation, "step_amplification", "What one step of a fixed-step method does to a small deviation from x.",
              &S::step_amplification, Argument{"method"}, step, t, x);
   def_method(simulation, "record", "One row of the plant's outputs in a state.", &S::record, t, x, Argument{"z"});

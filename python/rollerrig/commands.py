@@ -269,7 +269,7 @@ def response(
         speeds_kmh: [km/h]; none: that of the case.
         processes: speeds at a time; more than 1 asks a script for `if __name__ == "__main__":`.
         progress: called with the fraction done and a short text.
-        **options: of `ResponseStudy`: frequencies [Hz], points, measured, amplitude.
+        **options: of `ResponseStudy`: frequencies [Hz], points, measured, amplitude, brake_pressure [Pa].
 
     Raises:
         ConfigError: an unknown name, or a speed that the case does not allow.

@@ -3,8 +3,8 @@
     Case, speed, names -> [linearize] -> control.StateSpace, or A, B, C, D as an xarray.Dataset
 
 The vehicle, its rollers or rails and its contacts are the core's exact linearisation; drives are their linear torque loops. The
-controllers are outside: their commands are inputs. Brakes have no small motion here: at the pressure of steady rolling, none,
-springs hold their pads off.
+controllers are outside: their commands are inputs. Brakes have small motions about a pressure: at none, springs hold their pads
+off. The rollers' drives then hold the speed, or on track what holds the frame.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from rollerrig.cases import as_case, at_speed, wheelsets
 from rollerrig.config import Case, ConfigError, ConfigProblem, Motor
 from rollerrig.config.errors import nearest
 from rollerrig.core_struct import angular
-from rollerrig.starting_state import starting_state
+from rollerrig.starting_state import StartError, starting_state
 
 if TYPE_CHECKING:
     import control
@@ -41,7 +41,7 @@ _LISTED = 12
 
 @dataclass(frozen=True)
 class Signal:
-    """A named row of a linear system: `row @ x + through @ torques`."""
+    """A named row of a linear system: `row @ x + through @ acting`, acting on the model's columns."""
 
     name: str
     unit: str
@@ -51,16 +51,16 @@ class Signal:
 
 @dataclass(frozen=True)
 class Lag:
-    """A drive between a command and a torque of the model.
+    """A drive between a command and a torque of the model, or a control valve before a cylinder.
 
     Attributes:
-        torque: column of the torque.
-        bandwidth: of its torque loop [rad/s].
+        column: of the torque or pressure.
+        bandwidth: of the torque loop or the control valve [rad/s].
         damping: of a second-order loop; 0: first order.
         steps: by which the command acts late, in sampling steps.
     """
 
-    torque: int
+    column: int
     bandwidth: float
     damping: float
     steps: int
@@ -104,15 +104,16 @@ def steady_case(case: Case, speed: float | None = None) -> Case:
 class LinearBench:
     """A case in steady rolling at one speed, linearised once; systems of any inputs and outputs are read off it."""
 
-    def __init__(self, case: Case, speed: float | None = None) -> None:
+    def __init__(self, case: Case, speed: float | None = None, brake_pressure: float = 0.0) -> None:
         """Assemble, find the equilibrium, linearise.
 
         Args:
             case: the case.
             speed: running speed [m/s]; None: that of the case.
+            brake_pressure: of all brake cylinders, over the ambient [Pa].
 
         Raises:
-            ConfigError: the case cannot be run at this speed.
+            ConfigError: the case cannot be run at this speed, or has no brakes.
             StartError: no rolling equilibrium was found.
         """
         self.case = steady_case(case, speed)
@@ -120,7 +121,20 @@ class LinearBench:
         self.model = assemble_with_actuators(self.case) if case.sampled else assemble(self.case)
         state = starting_state(_core.Simulation(self.model.start_core), self.model)
         self._simulation = _core.Simulation(self.model.core)
-        a, b, self._c, self._d = self._simulation.linear_model(0.0, state)
+        self.brake_pressure = brake_pressure
+        pressures = self._pressures(brake_pressure)
+        self.holding_torque: tuple[float, ...] = ()
+        """Of the rollers' drives, which hold the speed against the brakes [N m]; on track none."""
+        if pressures:
+            state, torques, found = self._simulation.hold_speed(0.0, state, pressures)
+            self.holding_torque = tuple(torques)
+            if not found:
+                raise StartError(
+                    f"{case.name}: no steady rolling at {3.6 * self.speed:.4g} km/h and {brake_pressure / 1e5:.3g} bar in the "
+                    "brake cylinders: the wheels would slide, or nothing holds the vehicle along the track"
+                )
+        self._state = state
+        a, b, self._c, self._d = self._simulation.linear_model(0.0, state, pressures, list(self.holding_torque))
         self._names = _state_names(self._simulation, self.model)
         driven = {
             self._simulation.rate_index[self.model.body_index(name)][4]
@@ -129,6 +143,20 @@ class LinearBench:
         }
         self._kept = np.array([i for i in range(len(a)) if i not in driven])
         self._a, self._b = a[np.ix_(self._kept, self._kept)], b[self._kept]
+
+    def _pressures(self, brake_pressure: float) -> list[float]:
+        """Of each brake of the model [Pa]; empty: none is applied.
+
+        Raises:
+            ConfigError: it is none, or the case has no brakes.
+        """
+        brakes = [axle.brake for axle in self.model.axles if axle.brake >= 0]
+        allowed = "" if np.isfinite(brake_pressure) and 0.0 <= brake_pressure <= 1e7 else "allowed: from 0 to 1e7 Pa"
+        if brake_pressure and not brakes:
+            allowed = "allowed: 0, of a case without [brake] or with motors that stand in for it"
+        if allowed:
+            raise ConfigError([ConfigProblem(self.case.name, "brake_pressure", f"{brake_pressure:g} Pa", allowed)])
+        return [brake_pressure] * len(brakes) if brake_pressure else []
 
     # ------------------------------------------------------------------------------------------------ what there is
 
@@ -142,8 +170,29 @@ class LinearBench:
         }
 
     @cached_property
+    def pressures(self) -> Mapping[str, int]:
+        """Cylinder pressure by name -> its column; none where the brakes are not applied."""
+        first = len(self.torques)
+        pairs = zip(self.model.axles, self.model.wheelsets, strict=False)
+        applied = {f"{wheelset}.cylinder_pressure": first + axle.brake for axle, wheelset in pairs if axle.brake >= 0}
+        return applied if self.brake_pressure else {}
+
+    @property
+    def holding(self) -> Mapping[str, float]:
+        """Commands of the rollers' drives that hold the speed against the brakes [N m]; where nothing brakes none."""
+        rollers = [
+            (axle.roller_torque, wheelset)
+            for axle, wheelset in zip(self.model.axles, self.model.wheelsets, strict=False)
+        ]
+        return {
+            f"{wheelset}.roller_torque_command": self.holding_torque[at]
+            for at, wheelset in rollers
+            if 0 <= at < len(self.holding_torque)
+        }
+
+    @cached_property
     def commands(self) -> Mapping[str, Lag]:
-        """Command by name -> the drive that follows it."""
+        """Command by name -> the drive, or the control valve, that follows it."""
         found: dict[str, Lag] = {}
         case, step = self.case, self.case.time.sampling_step
         for axle, wheelset in zip(self.model.axles, self.model.wheelsets, strict=False):
@@ -154,18 +203,21 @@ class LinearBench:
                 column = self.torques[f"{self.model.bodies[axle.roller]}.roller_torque"]
                 late = round(case.rig_control.delay / step)
                 found[f"{wheelset}.roller_torque_command"] = _lag(column, case.rig_control.motor, late)
+        for name, column in self.pressures.items():
+            assert case.brake is not None
+            # Behind the control valve the cylinder has no lag in small motions: flow grows as the root of what drives it.
+            found[name.replace("cylinder_pressure", "brake_demand")] = Lag(column, case.brake.follow_rate, 0.0, 0)
         return found
 
     @cached_property
     def inputs(self) -> tuple[str, ...]:
         """Names of all inputs."""
-        return (*self.commands, *self.torques)
+        return (*self.commands, *self.torques, *self.pressures)
 
     @cached_property
     def outputs(self) -> Mapping[str, Signal]:
         """All outputs by name."""
         found: list[Signal] = []
-        torques = self._d[:, : len(self.torques)]
         angles = self._simulation.angle_index
         width = len(_core.body_fields)
         for k, body in enumerate(self.model.bodies):
@@ -173,13 +225,13 @@ class LinearBench:
                 if name == "pitch" and angles[k] >= 0:  # it only accumulates
                     continue
                 row = k * width + i
-                found.append(Signal(f"{body}.{name}", unit, self._c[row, self._kept], torques[row]))
+                found.append(Signal(f"{body}.{name}", unit, self._c[row, self._kept], self._d[row]))
         first = width * len(self.model.bodies)
         for k, wheel in enumerate(self.model.wheels):
             for i, (name, unit, _) in enumerate(_core.wheel_fields):
                 row = first + k * len(_core.wheel_fields) + i
                 label = f"{wheel.wheelset}.{wheel.side}.{_SHORT.get(name, name)}"
-                found.append(Signal(label, unit, self._c[row, self._kept], torques[row]))
+                found.append(Signal(label, unit, self._c[row, self._kept], self._d[row]))
         by_name = {signal.name: signal for signal in found}
         for axle, wheelset in zip(self.model.axles, self.model.wheelsets, strict=False):
             turning = {"axle_speed": (wheelset, 1.0)}
@@ -211,37 +263,43 @@ class LinearBench:
                 "allowed: false, of a case without sampled actuators or controllers; or .sampled(step) of the result"
             )
             raise ConfigError([ConfigProblem(self.case.name, "discrete", "true", allowed)])
-        n, count = len(self._a), len(self.torques)
-        # States x, then of each lag its torque and rate; a torque of the model is the sum of what acts on it.
+        n, count = len(self._a), self._b.shape[1]
+        columns = {**self.torques, **self.pressures}
+        # States x, then of each lag its torque (or pressure) and rate; on the model acts the sum.
         sizes = [0 if lag is None else 2 if lag.damping > 0.0 else 1 for lag in lags]
         total = n + sum(sizes)
-        acting = np.zeros((count, total))  # torques from the states
-        direct = np.zeros((count, len(inputs)))  # torques from the inputs
+        acting = np.zeros((count, total))  # on the model, from the states
+        direct = np.zeros((count, len(inputs)))  # and from the inputs
         a, b = np.zeros((total, total)), np.zeros((total, len(inputs)))
         names, at = list(self._state_labels()), n
         for k, (name, lag, size) in enumerate(zip(inputs, lags, sizes, strict=True)):
             if lag is None:
-                direct[self.torques[name], k] = 1.0
+                direct[columns[name], k] = 1.0
                 continue
-            acting[lag.torque, at] = 1.0
+            acting[lag.column, at] = 1.0
             own = slice(at, at + size)
             a[own, own], b[own, k] = _torque_loop(lag)
             names += [f"{name}.acting", f"{name}.acting_rate"][:size]
             at += size
-        torque = self._b[:, :count]
         a[:n, :n] = self._a
-        a[:n] += torque @ acting
-        b[:n] = torque @ direct
+        a[:n] += self._b @ acting
+        b[:n] = self._b @ direct
         through = np.array([signal.through for signal in signals])
         c = np.zeros((len(signals), total))
         c[:, :n] = [signal.row for signal in signals]
         system = LinearSystem(
             self.case.name, self.speed, 0.0, a, b, c + through @ acting, through @ direct,
-            tuple(names), tuple(inputs), tuple(outputs), ("N m",) * len(inputs), tuple(s.unit for s in signals),
+            tuple(names), tuple(inputs), tuple(outputs), tuple(map(self.unit_of, inputs)), tuple(s.unit for s in signals),
         )  # fmt: skip
         if not discrete:
             return system
         return system.sampled(self.case.time.sampling_step).delayed([lag.steps if lag else 0 for lag in lags])
+
+    def unit_of(self, name: str) -> str:
+        """Of an input."""
+        lag = self.commands.get(name)
+        column = lag.column if lag else {**self.torques, **self.pressures}[name]
+        return "N m" if column < len(self.torques) else "Pa"
 
     def _state_labels(self) -> Iterable[str]:
         return (self._names[i] for i in self._kept)
@@ -249,7 +307,7 @@ class LinearBench:
     def _known(self, key: str, asked: Sequence[str], there: Iterable[str]) -> Sequence[str]:
         choices = tuple(there)
         problems = [
-            ConfigProblem(self.case.name, key, repr(name), f"allowed: {_listed(choices, name)}", nearest(name, choices))
+            ConfigProblem(self.case.name, key, repr(name), _allowed(choices, name), nearest(name, choices))
             for name in asked
             if name not in choices
         ]
@@ -260,6 +318,16 @@ class LinearBench:
         if problems:
             raise ConfigError(problems)
         return asked
+
+
+def _allowed(choices: Sequence[str], asked: str) -> str:
+    """Why it is no input, where that is known, and what there is."""
+    quantity = asked.rpartition(".")[2]
+    if quantity in ("brake_demand", "cylinder_pressure") and asked not in choices:
+        return "allowed with brake_pressure: at no pressure springs hold the pads off, and a small demand does nothing"
+    if quantity == "valve_command":
+        return "allowed: brake_demand or cylinder_pressure; a dump valve fills, holds or vents, nothing between"
+    return f"allowed: {_listed(choices, asked)}"
 
 
 def _listed(choices: Sequence[str], asked: str) -> str:
@@ -298,6 +366,7 @@ def linearize(
     outputs: Sequence[str] = (),
     *,
     discrete: bool = False,
+    brake_pressure: float = 0.0,
 ) -> control.StateSpace | xr.Dataset:
     """The bench in small motions about steady rolling, with exact derivatives.
 
@@ -305,16 +374,19 @@ def linearize(
         case: the case, or its name.
         speed: running speed [m/s]; None: that of the case.
         inputs: names as the plant has them: wheelset_1.roller_torque_command, wheelset_1.motor_torque,
-            wheelset_1.axle_torque ...; none or a wrong one: the message lists them.
+            wheelset_1.axle_torque ...; none or a wrong one: the message lists them. With a brake pressure also
+            wheelset_1.brake_demand and wheelset_1.cylinder_pressure.
         outputs: names: wheelset_1.y, wheelset_1.left.Q, wheelset_1.axle_speed ...
         discrete: at the case's time.sampling_step, commands held between the samples and as late as they act.
+        brake_pressure: of all brake cylinders, over the ambient [Pa]: the rollers' drives, or on track what holds the frame, then
+            hold the speed against the brakes.
 
     Returns:
         A control.StateSpace where python-control is installed, else a Dataset with A, B, C, D, see
         `LinearSystem.to_dataset`. In both, signals have their names; python-control allows no dots in them: wheelset_1/left/Q.
 
     Raises:
-        ConfigError: an unknown name, a speed that the case does not allow, no samples.
+        ConfigError: an unknown name, a speed that the case does not allow, no samples, a pressure without brakes.
         StartError: no rolling equilibrium was found.
 
     Example:
@@ -323,5 +395,5 @@ def linearize(
         >>> rr.linearize("adhesion_brake", speed=20.0, **names).ninputs
         1
     """
-    system = LinearBench(as_case(case), speed).system(inputs, outputs, discrete=discrete)
+    system = LinearBench(as_case(case), speed, brake_pressure).system(inputs, outputs, discrete=discrete)
     return system.to_control() if find_spec("control") is not None else system.to_dataset()

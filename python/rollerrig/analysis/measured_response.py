@@ -13,9 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rollerrig import _core
-from rollerrig.analysis.linear_bench import steady_case
+from rollerrig.analysis.linear_bench import LinearBench
 from rollerrig.blas_threads import one_blas_thread
-from rollerrig.config import Case
 from rollerrig.mechatronics import BRAKE_UNIT, roles_of
 from rollerrig.plant import assembled_model
 
@@ -30,6 +29,9 @@ SETTLING = 3.0
 LEAST_SETTLED, PERIODS = 4, 4
 LEAST_EVALUATED = 1.0
 """So long the evaluated periods last at least [s]."""
+
+FILLED, MOST_FILLING = 0.9999, 30_000
+"""Part of the pressure from which the cylinders count as filled, and the most sampling steps that takes."""
 
 
 @dataclass(frozen=True)
@@ -48,8 +50,7 @@ class MeasuredResponse:
 
 
 def measured_response(
-    case: Case,
-    speed: float | None,
+    bench: LinearBench,
     source: str,
     outputs: Sequence[str],
     frequencies: Sequence[float],
@@ -58,12 +59,11 @@ def measured_response(
 ) -> MeasuredResponse | None:
     """Drive a command of the nonlinear bench with a sine about steady rolling.
 
-    The controllers of the case are outside and give nothing. Where the plant has samples, the response is that from sample to
-    sample, the command held between; else that of the continuous plant.
+    The controllers of the case are outside and give nothing, but what holds the speed of a braked bench. Where the plant has
+    samples, the response is that from sample to sample, the command held between; else that of the continuous plant.
 
     Args:
-        case: the case.
-        speed: running speed [m/s]; None: that of the case.
+        bench: the case in steady rolling, with the pressure of its brakes.
         source: name of the command.
         outputs: names of outputs.
         frequencies: [Hz].
@@ -71,13 +71,16 @@ def measured_response(
         progress: called with the fraction done and a short text.
 
     Returns:
-        The response; None where the plant has no such command or output.
+        The response; None where the plant has no such command or output, or nothing to hold a braked bench with.
     """
-    steady = steady_case(case, speed)
+    pressure, steady = bench.brake_pressure, bench.case
+    if pressure:
+        steady = steady.with_changes({"brake.demand": [[0.0, pressure], [1.0, pressure]]})
     external = [role for role in roles_of(steady) if role != BRAKE_UNIT]
     plant = _core.Plant(assembled_model(steady, external=external, may_drift=True))
     index, indices = plant.find(source), [plant.find(name) for name in outputs]
-    if min(index, *indices) < 0:
+    hold = {plant.find(name): torque for name, torque in bench.holding.items()}
+    if min(index, *indices, *hold) < 0 or (pressure and not hold):
         return None
     own = plant.sampling_step
     counts = [max(4, round(1.0 / (f * own))) if own else POINTS for f in frequencies]
@@ -86,7 +89,7 @@ def measured_response(
     for k, (count, step) in enumerate(zip(counts, steps, strict=True)):
         if progress is not None:
             progress(k / len(counts), f"{source}: {1.0 / (count * step):.3g} Hz")
-        row, status = _one_sine(plant, index, indices, count, step, amplitude)
+        row, status = _one_sine(plant, index, indices, count, step, amplitude, bench)
         if status:
             ended = f"{1.0 / (count * step):.3g} Hz: {status}"
         held = 1.0 if own else np.sinc(1.0 / count) * np.exp(-1j * math.pi / count)
@@ -97,7 +100,13 @@ def measured_response(
 
 @one_blas_thread()
 def _one_sine(
-    plant: _core.Plant, index: int, indices: list[int], count: int, step: float, amplitude: float
+    plant: _core.Plant,
+    index: int,
+    indices: list[int],
+    count: int,
+    step: float,
+    amplitude: float,
+    bench: LinearBench,
 ) -> tuple[NDArray[np.complex128], str]:
     """Response at one frequency, `count` samples in a period; and how the run ended where it did so early."""
     period, readings = count * step, 1 if plant.sampling_step else READINGS
@@ -105,19 +114,37 @@ def _one_sine(
     total = settled + count * max(PERIODS, math.ceil(LEAST_EVALUATED / period))
     times, rows = [], []
     code = plant.start()
+    begin, base = _apply_brakes(plant, bench), plant.get(index)
     for k in range(total):
         if k >= settled and readings == 1:
             times.append(k * step)
             rows.append(plant.values(indices))
-        plant.set_input(index, amplitude * math.sin(2.0 * math.pi * (k % count) / count))
+        plant.set_input(index, base + amplitude * math.sin(2.0 * math.pi * (k % count) / count))
         for i in range(readings if k >= settled and readings > 1 else 0):
             times.append((k + (i + 0.5) / readings) * step)
-            plant.advance(times[-1])
+            plant.advance(begin + times[-1])
             rows.append(plant.values(indices))
-        code = plant.advance((k + 1) * step)
+        code = plant.advance(begin + (k + 1) * step)
         if code != _core.status_codes["ok"]:
             return np.full(len(indices), complex(math.nan, math.nan)), _core.status_sentence(code)
     phase = 2.0 * np.pi / period * np.array(times)
     basis = np.stack([np.ones_like(phase), phase, np.sin(phase), np.cos(phase)], axis=1)  # a free bench drifts
     _, _, sine, cosine = np.linalg.lstsq(basis, np.array(rows), rcond=None)[0]
     return (sine + 1j * cosine) / amplitude, ""
+
+
+def _apply_brakes(plant: _core.Plant, bench: LinearBench) -> float:
+    """Let the cylinders fill while the rollers' drives take up what holds the speed; the time at which that is done [s]."""
+    if not bench.holding:
+        return 0.0
+    drives = [plant.find(name) for name in bench.holding]
+    cylinders = [plant.find(name.replace("roller_torque_command", "cylinder_pressure")) for name in bench.holding]
+    steps = 0
+    while (filled := plant.values(cylinders) / bench.brake_pressure).min() < FILLED and steps < MOST_FILLING:
+        for index, torque, part in zip(drives, bench.holding.values(), filled, strict=True):
+            plant.set_input(index, torque * part)
+        steps += 1
+        plant.advance(steps * plant.sampling_step)
+    for index, torque in zip(drives, bench.holding.values(), strict=True):
+        plant.set_input(index, torque)
+    return steps * plant.sampling_step

@@ -26,6 +26,10 @@ def command(
         typer.Option(min=0, max=200, help="Frequencies at which the nonlinear bench is driven with a sine; 0: none."),
     ] = 12,
     amplitude: Annotated[float, typer.Option(min=1e-9, max=1e9, help="Of that sine, in the command's unit.")] = 1000.0,
+    brake_pressure: Annotated[
+        float,
+        typer.Option(min=0.0, max=100.0, help="In all brake cylinders [bar]; the rollers' drives hold the speed."),
+    ] = 0.0,
     processes: Processes = 1,
     change: Changes = None,
     allow_code: AllowCode = False,
@@ -37,6 +41,14 @@ def command(
     whole = read_case(case, allow_code=allow_code, changes=change)
     speeds = (3.6 * whole.motion.speed,) if speeds_kmh is None else read_speeds(speeds_kmh)
     study = ResponseStudy(
-        whole, tuple(input or ()), tuple(output or ()), speeds, (from_hz, to_hz), points, measured, amplitude
+        whole,
+        tuple(input or ()),
+        tuple(output or ()),
+        speeds,
+        (from_hz, to_hz),
+        points,
+        measured,
+        amplitude,
+        1e5 * brake_pressure,
     )
     carry_out(study, out, processes, force=force)

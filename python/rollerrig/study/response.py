@@ -45,6 +45,7 @@ QUANTITIES = Quantities(
     Quantity("speeds_kmh", "speeds of the linear bench", "km/h"),
     Quantity("sampling_step_ms", "from sample to sample of a case that has samples; else none", "ms"),
     Quantity("amplitude", "of the measuring sine, in the command's unit"),
+    Quantity("brake_pressure_bar", "in all brake cylinders", "bar"),
     Quantity("growing_poles.*", "poles in the right half plane, 1e-6 1/s from its border, at a speed"),
     CHANNEL,
 )
@@ -62,6 +63,7 @@ class ResponseStudy(Study[dict[str, AtSpeed]]):
         points: frequencies between them, evenly in their logarithm.
         measured: frequencies at which the nonlinear bench is driven; 0: none.
         amplitude: of that sine, in the command's unit.
+        brake_pressure: in all cylinders, against which the rollers' drives hold the speed [Pa].
     """
 
     case: Case
@@ -72,6 +74,7 @@ class ResponseStudy(Study[dict[str, AtSpeed]]):
     points: int = 400
     measured: int = 0
     amplitude: float = 1000.0
+    brake_pressure: float = 0.0
 
     command = "response"
     quantities = QUANTITIES
@@ -136,6 +139,7 @@ class ResponseStudy(Study[dict[str, AtSpeed]]):
             "speeds_kmh": list(self.speeds_kmh),
             "sampling_step_ms": 1e3 * step if step else None,
             "amplitude": self.amplitude,
+            "brake_pressure_bar": self.brake_pressure / 1e5,
             "growing_poles": growing,
             "channels": channels,
         }
@@ -221,14 +225,14 @@ def at_speed(study: ResponseStudy, speed_kmh: float, progress: Progress | None =
         StartError: no rolling equilibrium was found.
     """
     case, speed = study.case, speed_kmh / 3.6
-    bench = LinearBench(case, speed)
+    bench = LinearBench(case, speed, study.brake_pressure)
     system = bench.system(study.inputs, study.outputs, discrete=case.sampled)
     drives = {name: bench.commands[name].bandwidth / (2.0 * math.pi) for name in study.inputs if name in bench.commands}
     measured = {}
     for source in study.inputs if study.measured else ():
         low, high = study.frequencies
         frequencies = np.geomspace(low, high if not system.step else min(high, 0.25 / system.step), study.measured)
-        found = measured_response(case, speed, source, study.outputs, frequencies.tolist(), study.amplitude, progress)
+        found = measured_response(bench, source, study.outputs, frequencies.tolist(), study.amplitude, progress)
         if found is not None:
             measured[source] = found
     return AtSpeed(system, measured, drives)

@@ -35,7 +35,7 @@ def test_outputs_follow_states_as_differences_say(name: str) -> None:
     bench = LinearBench(rr.load_case(name))
     simulation = _core.Simulation(bench.model.core)
     state = starting_state(_core.Simulation(bench.model.start_core), bench.model)
-    c = simulation.linear_model(0.0, state)[2]
+    c = simulation.linear_model(0.0, state, [], [])[2]
     quadratures = np.zeros(simulation.quadrature_count)
     for i in range(len(state)):
         step = np.zeros(len(state))

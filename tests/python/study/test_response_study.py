@@ -49,7 +49,7 @@ def test_measured_and_linear_agree_up_to_half_the_bandwidth_of_the_drives(outcom
 def test_measured_and_linear_agree_where_nothing_is_sampled() -> None:
     """Torque on an axle of a speed-controlled rig, continuous in time: the hold of the sine is taken out."""
     case, source, outputs = rr.load_case("wheelset_rollers"), "wheelset_1.axle_torque", OUTPUTS[1:]
-    found = measured_response(case, None, source, outputs, [10.0], 1000.0)
+    found = measured_response(LinearBench(case), source, outputs, [10.0], 1000.0)
     assert found is not None
     linear = LinearBench(case).system([source], outputs).response(found.frequencies)[:, :, 0]
     np.testing.assert_allclose(found.values, linear, rtol=0.01)
@@ -58,7 +58,7 @@ def test_measured_and_linear_agree_where_nothing_is_sampled() -> None:
 def test_a_large_sine_is_not_linear() -> None:
     """10 kN m is more than wheels on 2 % of friction pass on: the wheels slide, or the rig's protection ends the run."""
     case = rr.load_case("adhesion_brake").with_changes({"contact.friction": 0.02})
-    found = measured_response(case, None, COMMAND, OUTPUTS[1:], [20.0], 10e3)
+    found = measured_response(LinearBench(case), COMMAND, OUTPUTS[1:], [20.0], 10e3)
     assert found is not None
     linear = LinearBench(case).system([COMMAND], OUTPUTS[1:], discrete=True).response(found.frequencies)[:, :, 0]
     assert found.ended or abs(found.values / linear) < 0.9

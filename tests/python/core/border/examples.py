@@ -504,7 +504,10 @@ class Examples:
             ),
             "Simulation.derivative": Call(fresh("derivative"), {"t": 0.0, "x": x}),
             "Simulation.jacobian": Call(fresh("jacobian"), {"t": 0.0, "x": x}),
-            "Simulation.linear_model": Call(fresh("linear_model"), {"t": 0.0, "x": x}),
+            "Simulation.linear_model": Call(
+                fresh("linear_model"), {"t": 0.0, "x": x, "pressure": [], "roller_torque": []}
+            ),
+            "Simulation.hold_speed": Call(fresh("hold_speed"), {"t": 0.0, "x": x, "pressure": []}),
             "Simulation.step_amplification": Call(
                 fresh("step_amplification"), {"method": "rk4", "step": 1e-3, "t": 0.0, "x": x}
             ),
