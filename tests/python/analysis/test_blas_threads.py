@@ -11,6 +11,7 @@ import scipy.optimize
 from threadpoolctl import threadpool_info, threadpool_limits
 
 import rollerrig
+from rollerrig import eigenvalues
 from rollerrig.analysis import loop_stability, modes, stability
 from rollerrig.analysis.fits import fit
 from rollerrig.analysis.parallel import run_jobs
@@ -37,6 +38,7 @@ def two_threads():
 def seen(monkeypatch):
     """Name of each solver that was called -> threads it was called with."""
     found: dict[str, set[int]] = {}
+    eigenvalues._of_bytes.cache_clear()  # of a test before
 
     def watch(module: object, name: str) -> None:
         solver = getattr(module, name)
