@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import tomllib
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, NoReturn
 
@@ -129,11 +130,17 @@ def carry_out(
     """
     from rollerrig.wording import number
 
+    made = not out.exists()
     try:
         with progress_bar(study.command) as progress:
             outcome = study.run(folder=out, force=force, processes=processes, progress=progress, executor=executor)
-    except refused as error:
-        stop(error)
+    except Exception as error:
+        if made:
+            with suppress(OSError):  # there is something in it
+                out.rmdir()
+        if isinstance(error, refused):
+            stop(error)
+        raise
     if outcome is None:
         stop("interrupted; finished jobs are kept: the same command continues", INTERRUPTED)
     try:

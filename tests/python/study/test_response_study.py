@@ -64,6 +64,22 @@ def test_a_large_sine_is_not_linear() -> None:
     assert found.ended or abs(found.values / linear) < 0.9
 
 
+def test_a_wrong_name_leaves_no_folder(tmp_path: Path) -> None:
+    words = [
+        "response",
+        "adhesion_brake",
+        "--input",
+        COMMAND,
+        "--output",
+        "wheelset_1.axl",
+        "--out",
+        str(tmp_path / "out"),
+    ]
+    done = CliRunner().invoke(build_app(), words)
+    assert done.exit_code != 0
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_files(outcome: Outcome, folder: Path) -> None:
     summary = json.loads((folder / "summary.json").read_text())
     assert QUANTITIES.unexplained(summary) == []
