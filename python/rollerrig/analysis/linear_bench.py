@@ -133,7 +133,6 @@ class LinearBench:
                     f"{case.name}: no steady rolling at {3.6 * self.speed:.4g} km/h and {brake_pressure / 1e5:.3g} bar in the "
                     "brake cylinders: the wheels would slide, or nothing holds the vehicle along the track"
                 )
-        self._state = state
         a, b, self._c, self._d = self._simulation.linear_model(0.0, state, pressures, list(self.holding_torque))
         self._names = _state_names(self._simulation, self.model)
         driven = {
