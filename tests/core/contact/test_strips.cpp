@@ -15,32 +15,16 @@ using test::Wheel;
 
 namespace {
 
-StripKernel const& kernel = strip_kernel();
-/// One region over two bodies with half-curvatures A along and B across.
-RegionPart<double> parabola(double along_x, double across, double approach) {
-  StripTables const& tables = strip_tables();
+StripTables const& tables = strip_tables();
+using Function = StripKernel::Function;
+
+/// One region over two bodies with half-curvatures A along the strips and B across; its deepest points lie on x = skew y.
+RegionPart<double> paraboloid(double along_x, double across, double approach, double skew = 0.0) {
   Strips<double> s;
   StripPlaces<double> places;
   s.compliance = steel.compliance() / pi;
-  s.curvature.fill(along_x);
-  places.along.fill(0.0);
-  places.wheel_s.fill(0.0);
-  places.rail_y.fill(0.0);
-  places.normal.fill({0.0, 0.0, 1.0});
-  auto const lay = [&](double from, double to) {
-    s.width = (to - from) / strip_count;
-    for (std::size_t i = 0; i < strip_count; ++i) {
-      double const y = places.across[i] = from + (static_cast<double>(i) + 0.5) * s.width;
-      places.point[i] = {0.0, y, 0.0};
-      s.interpenetration[i] = approach - across * y * y;
-    }
-  };
-  double const half = std::sqrt(approach / across);
-  lay(-half, half);
-  auto const range = range_of_load(tables, 1.0, s);
-  double const first = s.width;
-  lay(-half + range.from * first, -half + range.to * first);
-  solve_strips(tables, s, false);
+  lay_over_paraboloid(tables, along_x, skew, across, approach, s, places);
+  solve_strips(tables, s, strip_passes);
   StripRow<double> all;
   all.fill(1.0);
   return part_of(tables, s, places, all);
@@ -51,10 +35,13 @@ RegionPart<double> parabola(double along_x, double across, double approach) {
 TEST_CASE("kernel: slope of its integral is Boussinesq's strip, far away a point load, near a line contact") {
   // Far away the whole strip acts as its load at a point: a / y.
   double const far = 300.0, step = 1.0;
-  CHECK((kernel.deflection(far + step) - kernel.deflection(far - step)) / (2.0 * step) ==
+  auto const deflection_to = [](double k) { return tables.kernel.read(Function::own_deflection, k); };
+  auto const curvature_to = [](double k) { return tables.kernel.read(Function::own_curvature, k); };
+  CHECK((deflection_to(far + step) - deflection_to(far - step)) / (2.0 * step) ==
         doctest::Approx(1.0 / far).epsilon(1e-4));
+  CHECK(tables.kernel.read(Function::deflection, far) == doctest::Approx(1.0 / far).epsilon(1e-4));
   // A line of strips conforms as two cylinders do: all of Chi is 2 on either side.
-  CHECK(kernel.curvature(1e4) == doctest::Approx(2.0).epsilon(1e-7));
+  CHECK(curvature_to(1e4) == doctest::Approx(2.0).epsilon(1e-7));
   // Against direct integration over the strip's length, t = sin(theta).
   for (double k : {0.003, 0.1, 0.7, 3.0, 40.0}) {
     double deflection = 0.0, curvature = 0.0;
@@ -64,8 +51,10 @@ TEST_CASE("kernel: slope of its integral is Boussinesq's strip, far away a point
       deflection += square(std::cos(theta)) * std::asinh(k / std::sin(theta));
       curvature += k / std::sqrt(square(std::sin(theta)) + k * k);
     }
-    CHECK(kernel.deflection(k) == doctest::Approx(2.0 * deflection / n).epsilon(1e-5));
-    CHECK(kernel.curvature(k) == doctest::Approx(2.0 * curvature / n).epsilon(1e-5));
+    CHECK(deflection_to(k) == doctest::Approx(2.0 * deflection / n).epsilon(1e-5));
+    CHECK(curvature_to(k) == doctest::Approx(2.0 * curvature / n).epsilon(1e-5));
+    CHECK(tables.kernel.read(Function::deflection, k) ==
+          doctest::Approx((deflection_to(1.001 * k) - deflection_to(0.999 * k)) / (0.002 * k)).epsilon(1e-4));
   }
 }
 
@@ -76,9 +65,9 @@ TEST_CASE("a parabolic gap gives Hertz' ellipse") {
     double const root = std::sqrt(approach);
     double const force = exact.stiffness * approach * root;
     double const a = exact.a_per_root * root, b = exact.b_per_root * root;
-    auto const found = parabola(along_x, across, approach);
+    auto const found = paraboloid(along_x, across, approach);
     CAPTURE(ratio);
-    // What twelve strips leave out is tabulated over A/B, so that this holds between the table's knots.
+    // What a few strips leave out is tabulated over A/B, so that this holds between the table's knots.
     CHECK(found.normal == doctest::Approx(force).epsilon(1e-4));
     CHECK(found.peak_pressure ==
           doctest::Approx(1.5 * force / (pi * a * b)).epsilon(2e-2));  // of the middle of a strip
@@ -86,6 +75,24 @@ TEST_CASE("a parabolic gap gives Hertz' ellipse") {
     CHECK(found.b == doctest::Approx(b).epsilon(1e-3));
     CHECK(found.width == doctest::Approx(2.0 * b).epsilon(1e-2));
   }
+}
+
+TEST_CASE("strips that cut an ellipse askew carry what it carries") {
+  // The paraboloid in the axes of its ellipse, then cut along a direction turned by an angle.
+  for (double ratio : {0.02, 0.3, 1.0, 8.0, 60.0})
+    for (double angle : {0.0, 0.1, -0.5, 1.2}) {
+      double const flat = 1.0, steep = ratio, approach = 40e-6;
+      double const c = std::cos(angle), s = std::sin(angle);
+      double const along = flat * c * c + steep * s * s, mixed = (steep - flat) * s * c;
+      double const beside = flat * s * s + steep * c * c;
+      auto const exact = hertz_contact(steel, flat, steep);
+      double const root = std::sqrt(approach);
+      auto const found = paraboloid(along, beside - mixed * mixed / along, approach, -mixed / along);
+      CAPTURE(ratio);
+      CAPTURE(angle);
+      CHECK(found.normal == doctest::Approx(exact.stiffness * approach * root).epsilon(1e-3));
+      CHECK(found.a * found.b == doctest::Approx(exact.a_per_root * exact.b_per_root * approach).epsilon(3e-3));
+    }
 }
 
 TEST_CASE("at yaw strips carry what the turned Hertz ellipse carries") {
@@ -124,8 +131,8 @@ TEST_CASE("at yaw strips carry what the turned Hertz ellipse carries") {
 }
 
 TEST_CASE("scaling of a half-space: twice the size, four times the force at the same pressure") {
-  auto const small = parabola(2.0, 3.0, 30e-6);
-  auto const large = parabola(1.0, 1.5, 60e-6);
+  auto const small = paraboloid(2.0, 3.0, 30e-6);
+  auto const large = paraboloid(1.0, 1.5, 60e-6);
   CHECK(large.normal == doctest::Approx(4.0 * small.normal).epsilon(1e-9));
   CHECK(large.peak_pressure == doctest::Approx(small.peak_pressure).epsilon(1e-9));
 }

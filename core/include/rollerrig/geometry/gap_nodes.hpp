@@ -1,10 +1,10 @@
 // geometry/gap_nodes.hpp - the gap at all nodes of a wheel at once, and from it every stretch where the surfaces overlap.
 //
-//   pose -> [gap at nodes along the wheel's arc, in lanes] -> interpenetration regions, extremes of the gap in them
+//   pose -> [gap of the wheel's circles at nodes along its arc, in lanes] -> interpenetration regions, extremes of the gap
 //
 // Nothing is searched for and nothing remembered: every node is looked at in every call, so that no patch can be missed and the
-// result is a function of the pose alone. Where the nodes show that the gap may dip below zero between two of them, a finer row
-// is laid there, and again in that. Places found are good to some micrometres: strips polish them.
+// result is a function of the pose alone. Gap and slope are exact at the nodes; where they allow the gap to vanish between two
+// of them, a finer row is laid there, and again in that. Ends and extremes are good to some micrometres: strips polish them.
 #pragma once
 #include <array>
 #include <vector>
@@ -53,7 +53,8 @@ struct RegionEnd {
 /// A stretch with negative gap.
 struct InterpenetrationRegion {
   RegionEnd left, right;
-  int first{0}, last{0};  ///< its minima, of GapScan::minimum
+  int first{0}, last{0};     ///< its minima, of GapScan::minimum
+  double rise_before{1e9};   ///< highest gap between the region before it and this one [m]
 };
 
 inline constexpr int max_regions = 4;
@@ -63,7 +64,7 @@ struct GapScan {
   int regions{0}, minima{0};
   std::array<InterpenetrationRegion, max_regions> region;  ///< in order of the arc
   std::array<GapExtreme, most_minima> minimum;             ///< in all regions, in order of the arc
-  std::array<GapExtreme, most_minima> rise;  ///< the highest point between minimum i and i + 1 of a region
+  std::array<GapExtreme, most_minima> rise;  ///< the highest point between minimum i and i + 1
 };
 
 /// All regions of a wheel; with more than max_regions those at the end are left out.

@@ -5,20 +5,28 @@
 namespace rollerrig {
 namespace {
 
-constexpr std::size_t most_wheels = 16;  // of one batch; more come in several
-constexpr std::size_t most_parts = 4;    // of a region
+constexpr std::size_t most_wheels = 16;               // of one batch; more come in several
+constexpr std::size_t most_parts = 4;                 // of a region
+constexpr std::size_t most_readings = 2 * max_regions;  // of a wheel
+
+constexpr std::size_t refined_strips = 48;
+constexpr int refined_passes = 12;
+constexpr double unsettled = 0.03;  // change of the force in the last pass that asks for these [-]
 
 constexpr std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
-/// A region to be solved, and what came out.
+/// A region to be solved, and what came out. Two regions that nearly touch are solved as one and as two, with weights.
 template <Scalar T>
 struct Region {
-  int wheel{0};
-  InterpenetrationRegion const* range{nullptr};
+  int wheel{0}, group{0};
+  bool joined{false};  ///< several regions of the group as one
+  RegionEnd left, right;
+  T weight{1.0};  ///< of this reading of the group
   std::size_t parts{1};
-  std::array<double, most_parts> cut;  ///< wheel abscissa behind each part but the last [m]
+  std::array<double, most_parts> cut;  ///< place along the arc behind each part but the last [m]
   T merged{1.0};                       ///< weight of the whole as one patch, the rest goes to its parts (S8)
   // Found:
+  bool settled{true};
   T force, response;  ///< sum of the strips' forces [N], and for a metre more of interpenetration [N/m]
   std::array<StripPatch<T>, most_parts + 1> patch;  ///< the whole, then its parts
   T factor{1.0}, size{1.0};                         ///< what other regions leave of the force, of lengths and pressure
@@ -28,46 +36,67 @@ struct Region {
 template <Scalar T>
 struct Batch {
   std::span<StripWheel<T>> wheels;
-  std::array<GapScan, most_wheels> scan;
   int count{0};
-  std::array<Region<T>, most_wheels * max_regions> region;
+  std::array<Region<T>, most_wheels * most_readings> region;
 };
 
 RelativePose<double> numbers(RelativePose<double> const& pose) { return pose; }
 RelativePose<double> numbers(RelativePose<StripDual> const& pose) { return numbers_of(pose); }
 
-/// Gap at an extreme found by the nodes, exact: its place is polished first.
+/// Gap at an extreme found by the nodes, where its slope along the wheel vanishes.
 template <Scalar T>
-T gap_at(WheelRollerPair const& pair, RelativePose<T> const& pose, double s) {
-  auto const plain = numbers(pose);
-  ReducedSlope f;
-  for (int i = 0; i < 2; ++i) {
-    f = reduce_with_slope(pair, plain, s);
-    double const step = std::abs(f.gradient) > 1e-3 ? -f.residual / f.gradient : 0.0;
-    s += std::clamp(step, -0.3e-3 * pair.size, 0.3e-3 * pair.size);
-  }
-  return contact_point(pair, pose, s, std::abs(f.gradient) > 1e-3 ? f.gradient : 1e9).gap;
+T gap_at(StripWheel<T> const& wheel, double position) {
+  LanePair<double> pair;
+  pair.set(0, wheel.wheel->pair, wheel.wheel->nodes->arc().abscissae());
+  std::array<CirclePoint<T>, 1> point;
+  lowest_points(pair, wheel.pose, std::array<T, 1>{T(wheel.wheel->nodes->arc().abscissa(position))}, point);
+  return point[0].gap;
+}
+
+/// Height of the rise between two minima over the depth of the shallower: negative where it lies in the material.
+template <Scalar T>
+T rise_over_depth(StripWheel<T> const& wheel, GapScan const& scan, int i) {
+  T const g = gap_at(wheel, scan.minimum[at(i)].position);
+  T const h = gap_at(wheel, scan.minimum[at(i + 1)].position);
+  return -(gap_at(wheel, scan.rise[at(i)].position) / select(g < h, h, g));  // both negative
 }
 
 /// Where a region counts as two patches: at rises between its minima that do not lie deep in the material. (S8)
 template <Scalar T>
-void find_parts(StripWheel<T> const& wheel, GapScan const& scan, Region<T>& region) {
-  WheelRollerPair const& pair = wheel.wheel->pair;
-  ArcLength const& arc = wheel.wheel->nodes->arc();
-  for (int i = region.range->first; i < region.range->last; ++i) {
+void find_parts(StripWheel<T> const& wheel, GapScan const& scan, int first, int last, Region<T>& region) {
+  region.parts = 1;
+  region.merged = region.factor = region.size = T(1.0);
+  for (int i = first; i < last; ++i) {
     auto const &left = scan.minimum[at(i)], &right = scan.minimum[at(i + 1)], &top = scan.rise[at(i)];
     constexpr double sure = 0.03;  // the nodes' estimate is closer
-    double const about = top.gap / std::max(left.gap, right.gap);
-    if (about > 0.9 + sure || region.parts == most_parts) continue;
-    T const g = gap_at(pair, wheel.pose, arc.abscissa(left.position));
-    T const h = gap_at(pair, wheel.pose, arc.abscissa(right.position));
-    T const shallower = select(g < h, h, g);  // both negative
-    double const cut = arc.abscissa(top.position);
-    T const m = strip_detail::smooth_step(T((gap_at(pair, wheel.pose, cut) / shallower - 0.7) / 0.2));
+    if (top.gap / std::max(left.gap, right.gap) > 0.9 + sure || region.parts == most_parts) continue;
+    T const m = strip_detail::smooth_step(T((-rise_over_depth(wheel, scan, i) - 0.7) / 0.2));
     if (!(m < 1.0)) continue;
     region.merged = select(m < region.merged, m, region.merged);
-    region.cut[region.parts++ - 1] = cut;
+    region.cut[region.parts++ - 1] = top.position;
   }
+}
+
+/// Two regions are solved as one where the rise between them is lower than half of the shallower one's depth, as two where it is
+/// higher than twice that: their strips then push each other as single forces do. In between both readings count. (S17)
+template <Scalar T>
+T joined_weight(StripWheel<T> const& wheel, GapScan const& scan, int k) {
+  int const last = scan.region[at(k)].last;
+  double const shallower = -std::max(scan.minimum[at(last)].gap, scan.minimum[at(last + 1)].gap);
+  if (scan.rise[at(last)].gap > 2.1 * shallower) return T(0.0);
+  return 1.0 - strip_detail::smooth_step(T((rise_over_depth(wheel, scan, last) - 0.5) / 1.5));
+}
+
+template <Scalar T>
+void add_region(Batch<T>& batch, int wheel, int group, GapScan const& scan, int from, int to, T const& weight) {
+  Region<T>& region = batch.region[at(batch.count++)];
+  region.wheel = wheel;
+  region.group = group;
+  region.joined = to > from;
+  region.weight = weight;
+  region.left = scan.region[at(from)].left;
+  region.right = scan.region[at(to)].right;
+  find_parts(batch.wheels[at(wheel)], scan, scan.region[at(from)].first, scan.region[at(to)].last, region);
 }
 
 template <Scalar T>
@@ -75,14 +104,18 @@ void find_regions(Batch<T>& batch) {
   batch.count = 0;
   for (std::size_t i = 0; i < batch.wheels.size(); ++i) {
     auto const& wheel = batch.wheels[i];
-    batch.scan[i] = scan_gap(wheel.wheel->pair, *wheel.wheel->nodes, numbers(wheel.pose));
-    for (int k = 0; k < batch.scan[i].regions; ++k) {
-      Region<T>& region = batch.region[at(batch.count++)];
-      region.wheel = static_cast<int>(i);
-      region.range = &batch.scan[i].region[at(k)];
-      region.parts = 1;
-      region.merged = region.factor = region.size = T(1.0);
-      find_parts(wheel, batch.scan[i], region);
+    auto const scan = scan_gap(wheel.wheel->pair, *wheel.wheel->nodes, numbers(wheel.pose));
+    for (int from = 0, to = 0; from < scan.regions; from = ++to) {
+      T joined(1.0);
+      for (; to + 1 < scan.regions; ++to) {
+        T const w = joined_weight(wheel, scan, to);
+        if (!(w > 0.0)) break;
+        joined = select(w < joined, w, joined);
+      }
+      int const number = static_cast<int>(i);
+      add_region(batch, number, from, scan, from, to, from < to ? joined : T(1.0));
+      if (from < to && joined < 1.0)
+        for (int k = from; k <= to; ++k) add_region(batch, number, from, scan, k, k, T(1.0 - joined));
     }
   }
 }
@@ -111,39 +144,35 @@ void take_patch(RegionPart<L> const& from, int i, StripPatch<T>& to) {
         lane(from.width, i)};
 }
 
-/// Shares of the strips in the part between two places of the wheel's profile: of strips that are cut, a fraction.
-template <class T>
-void share_between(StripPlaces<T> const& places, NumberOf<T> const& from, NumberOf<T> const& to, StripRow<T>& share) {
-  constexpr std::size_t n = strip_count;
-  T const inverse = static_cast<double>(n - 1) / (places.wheel_s[n - 1] - places.wheel_s[0]);
-  auto const before = [&](NumberOf<T> const& s, std::size_t i) {
-    T const t = (s - places.wheel_s[i]) * inverse + 0.5;
+/// Shares of the strips in the part between two places along the wheel's arc: of strips that are cut, a fraction.
+template <class T, std::size_t n>
+void share_between(Strips<T, n> const& strips, NumberOf<T> const& from, NumberOf<T> const& to, StripRow<T, n>& share) {
+  auto const before = [&](NumberOf<T> const& position, std::size_t i) {
+    T const t = (position - strips.position[i]) / strips.width[i] + 0.5;
     return select(t < 0.0, T(0.0), select(t > 1.0, T(1.0), t));
   };
   for (std::size_t i = 0; i < n; ++i) share[i] = before(to, i) - before(from, i);
 }
 
-/// Regions side by side. L: T, or lanes of it.
-template <class L, Scalar T>
-void solve_pack(Batch<T>& batch, int first, int count) {
+/// Regions side by side, with n strips each. L: T, or lanes of it.
+template <class L, std::size_t n, Scalar T>
+void solve_pack(Batch<T>& batch, int first, int count, int passes) {
   using N = NumberOf<L>;
   constexpr int lanes = lanes_of<N>;
   StripTables const& tables = strip_tables();
   RegionPack<L> pack;
   std::size_t parts = 1;
-  bool coupled = false;
   std::array<N, most_parts + 1> cut;
   for (auto& c : cut) c = N(1e3);
   cut[0] = N(-1e3);
   for (int i = 0; i < lanes; ++i) {
     auto const& region = batch.region[at(first + std::min(i, count - 1))];
     auto const& wheel = batch.wheels[at(region.wheel)];
-    coupled = coupled || batch.scan[at(region.wheel)].regions > 1;
     pack.pair.set(i, wheel.wheel->pair, wheel.wheel->nodes->arc().abscissae());
     set_lane(pack.pose, i, wheel.pose);
     set_lane(pack.compliance, i, wheel.wheel->material.compliance() / pi);
     for (std::size_t k = 0; k < 2; ++k) {
-      RegionEnd const& end = k == 0 ? region.range->left : region.range->right;
+      RegionEnd const& end = k == 0 ? region.left : region.right;
       set_lane(pack.end[k].place, i, end.position);
       set_lane(pack.end[k].low, i, std::min(end.inside, end.outside));
       set_lane(pack.end[k].high, i, std::max(end.inside, end.outside));
@@ -152,20 +181,21 @@ void solve_pack(Batch<T>& batch, int first, int count) {
     parts = std::max(parts, region.parts);
     for (std::size_t k = 1; k < region.parts; ++k) set_lane(cut[k], i, region.cut[k - 1]);
   }
-  Strips<L> strips;
-  StripPlaces<L> places;
+  Strips<L, n> strips;
+  StripPlaces<L, n> places;
   lay_strips(tables, pack, strips, places);
-  solve_strips(tables, strips, coupled);
-  StripRow<L> share;
+  solve_strips(tables, strips, passes);
+  StripRow<L, n> share;
   share.fill(L(1.0));
   L response(0.0);
-  for (auto const& g : strips.response) response += strips.width * g;
+  for (std::size_t i = 0; i < n; ++i) response += strips.width[i] * strips.response[i];
   for (std::size_t k = 0; k <= (parts > 1 ? parts : 0); ++k) {
-    if (k > 0) share_between(places, cut[k - 1], k == parts ? N(1e3) : cut[k], share);
+    if (k > 0) share_between(strips, cut[k - 1], k == parts ? N(1e3) : cut[k], share);
     RegionPart<L> const part = part_of(tables, strips, places, share);
     for (int i = 0; i < count; ++i) {
       auto& region = batch.region[at(first + i)];
       if (k == 0) {
+        region.settled = std::abs(lane(value_of(strips.change), i)) < unsettled;
         if constexpr (std::same_as<L, T>)
           region.force = part.force, region.response = response;
         else
@@ -182,21 +212,27 @@ void solve_regions(Batch<T>& batch) {
   for (int first = 0; first < batch.count;) {
     int const left = batch.count - first;
     if constexpr (!std::same_as<T, double> || W == 1) {
-      solve_pack<T>(batch, first++, 1);
+      solve_pack<T, strip_count>(batch, first++, 1, strip_passes);
     } else {
       constexpr int half = W > 2 ? W / 2 : W;
       if (left == 1)  // one number at a time is quicker than lanes that are filled with repetitions
-        solve_pack<double>(batch, first++, 1);
+        solve_pack<double, strip_count>(batch, first++, 1, strip_passes);
       else if (left <= half)
-        solve_pack<Lanes<half>>(batch, first, left), first += half;
+        solve_pack<Lanes<half>, strip_count>(batch, first, left, strip_passes), first += half;
       else
-        solve_pack<Lanes<W>>(batch, first, std::min(left, W)), first += W;
+        solve_pack<Lanes<W>, strip_count>(batch, first, std::min(left, W), strip_passes), first += W;
     }
+  }
+  for (int i = 0; i < batch.count; ++i) {
+    if (batch.region[at(i)].settled) continue;
+    solve_pack<T, refined_strips>(batch, i, 1, refined_passes);
+    ++batch.wheels[at(batch.region[at(i)].wheel)].found.refined;
   }
 }
 
-/// What the loads of several regions of a wheel make of each other: each deflects the others as a point load does, which takes
-/// so much of their interpenetration, and the force of a region goes with the 3/2 power of that. Coupling is weak: a few rounds.
+/// What the loads of several regions of a wheel make of each other: each deflects the others as a point load does, as far as its
+/// direction is theirs. That takes so much of their interpenetration, and the force of a region goes with the 3/2 power of that.
+/// Coupling is weak: a few rounds.
 template <Scalar T>
 void couple(Material const& material, std::span<Region<T>> regions) {
   using std::sqrt;
@@ -206,9 +242,12 @@ void couple(Material const& material, std::span<Region<T>> regions) {
     for (auto& r : regions) {
       T taken(0.0);
       for (auto const& other : regions) {
-        if (&other == &r) continue;
+        bool const same_group = other.group == r.group;
+        if (&other == &r || (same_group && (r.joined || other.joined))) continue;
         auto const between = other.patch[0].point - r.patch[0].point;
-        taken += compliance * other.factor * other.force / sqrt(dot(between, between));
+        T const facing = dot(other.patch[0].direction, r.patch[0].direction);
+        T const force = other.factor * other.force * (same_group ? T(1.0) : other.weight);
+        taken += compliance * facing * force / sqrt(dot(between, between));
       }
       T const left = 1.0 - taken * r.response / (1.5 * r.force + 1e-30);
       T const part = select(left > 1e-6, left, T(1e-6));
@@ -235,7 +274,6 @@ void add_patch(Region<T> const& region, std::size_t part, T const& weight, Strip
 
 template <Scalar T>
 void collect(Batch<T>& batch) {
-  for (auto& wheel : batch.wheels) wheel.found.count = 0;
   for (int first = 0; first < batch.count;) {
     int const wheel = batch.region[at(first)].wheel;
     int last = first;
@@ -244,9 +282,10 @@ void collect(Batch<T>& batch) {
     auto& owner = batch.wheels[at(wheel)];
     couple(owner.wheel->material, regions);
     for (auto const& region : regions) {
-      add_patch(region, 0, region.merged, owner.found);
+      add_patch(region, 0, T(region.weight * region.merged), owner.found);
       if (!(region.merged < 1.0)) continue;
-      for (std::size_t k = 1; k <= region.parts; ++k) add_patch(region, k, T(1.0 - region.merged), owner.found);
+      T const weight = region.weight * (1.0 - region.merged);
+      for (std::size_t k = 1; k <= region.parts; ++k) add_patch(region, k, weight, owner.found);
     }
     first = last;
   }
@@ -259,6 +298,7 @@ void strip_contacts(std::span<StripWheel<T>> wheels) {
   thread_local Batch<T> batch;  // scratch, too large to be set up in every call
   for (; !wheels.empty(); wheels = wheels.subspan(batch.wheels.size())) {
     batch.wheels = wheels.first(std::min(wheels.size(), most_wheels));
+    for (auto& wheel : batch.wheels) wheel.found.count = wheel.found.refined = 0;
     find_regions(batch);
     solve_regions<W>(batch);
     collect(batch);

@@ -40,8 +40,13 @@ StripKernel::StripKernel() {
   double k0 = std::ldexp(1.0, lowest_octave);
   double deflection = 4.0 / pi * k0 * std::log(4.0 / k0);  // Psi near zero
   double curvature = curvature_value(k0);
-  // Below the table, distances of a thousandth of a strip's length: straight.
-  cells_.push_back({0.0, {0.0, deflection / k0, 0.0, 0.0}, {0.0, curvature / k0, 0.0, 0.0}});
+  auto& [own_deflection, own_curvature, mutual] = cells_;
+  // Below the table nothing is looked up.
+  for (auto* cells : {&own_deflection, &own_curvature, &mutual}) cells->push_back({});
+  auto const slope = [](double k) {
+    double const step = 1e-4 * k;
+    return (deflection_slope(k + step) - deflection_slope(k - step)) / (2.0 * step);
+  };
   for (int octave = lowest_octave; octave < lowest_octave + octaves; ++octave)
     for (int part = 0; part < 8; ++part) {
       double const step = std::ldexp(0.125, octave);
@@ -49,15 +54,12 @@ StripKernel::StripKernel() {
       double const next_deflection = deflection + integral(deflection_slope, k0, k1);
       double const next_curvature = curvature_value(k1);
       double const m0 = deflection_slope(k0), m1 = deflection_slope(k1);
-      cells_.push_back({k0, hermite(step, deflection, next_deflection, m0, m1),
-                        hermite(step, curvature, next_curvature, m0 / (1.0 + k0 * k0), m1 / (1.0 + k1 * k1))});
+      own_deflection.push_back(hermite(step, deflection, next_deflection, m0, m1));
+      own_curvature.push_back(
+          hermite(step, curvature, next_curvature, m0 / (1.0 + k0 * k0), m1 / (1.0 + k1 * k1)));
+      mutual.push_back(hermite(step, m0, m1, slope(k0), slope(k1)));
       k0 = k1, deflection = next_deflection, curvature = next_curvature;
     }
-}
-
-StripKernel const& strip_kernel() {
-  static StripKernel const kernel;
-  return kernel;
 }
 
 }  // namespace rollerrig

@@ -1,7 +1,6 @@
 #include "rollerrig/contact/normal/strip_tables.hpp"
 
 #include "rollerrig/contact/normal/strip_patch.hpp"
-#include "rollerrig/math/dual.hpp"
 
 namespace rollerrig {
 namespace {
@@ -9,17 +8,6 @@ namespace {
 std::array<double, 4> hermite(double step, double f0, double f1, double m0, double m1) {
   double const jump = (f1 - f0) / step;
   return {f0, m0, (3.0 * jump - 2.0 * m0 - m1) / step, (m0 + m1 - 2.0 * jump) / (step * step)};
-}
-
-/// Column entry k over a/h, with its slope.
-Dual<1> entry(StripKernel const& kernel, StripColumns::Kind kind, std::size_t k, double over_width) {
-  auto const read = [&](double distance) {
-    Dual<1> const x = distance / Dual<1>::variable(over_width, 0);
-    return kind == StripColumns::Kind::deflection ? kernel.deflection(x) : kernel.curvature(x);
-  };
-  if (k == 0) return 2.0 * read(0.5);
-  double const distance = static_cast<double>(k);
-  return read(distance + 0.5) - read(distance - 0.5);
 }
 
 /// What Hertz' theory says of a parabola with A = 1 over what the strips make of it.
@@ -30,30 +18,12 @@ struct Ratios {
 Ratios exact_over_strips(StripTables const& tables, double x) {
   HertzTable const& hertz = hertz_table();
   double const depth = 1e-4, across = std::exp(-x), sum = 1.0 + across;
-  double const half = std::sqrt(depth / across);
   Strips<double> s;
   StripPlaces<double> places;
-  s.compliance = 1.0;
-  s.curvature.fill(1.0);
-  auto const lay = [&](double from, double to) {
-    s.width = (to - from) / strip_count;
-    for (std::size_t i = 0; i < strip_count; ++i) {
-      double const y = places.across[i] = from + (static_cast<double>(i) + 0.5) * s.width;
-      s.interpenetration[i] = depth - across * y * y;
-      places.point[i] = {0.0, y, 0.0};
-    }
-  };
-  lay(-half, half);
-  auto const loaded = range_of_load(tables, 1.0, s);
-  double const first = s.width;
-  lay(-half + loaded.from * first, -half + loaded.to * first);
-  places.along.fill(0.0);
-  places.wheel_s.fill(0.0);
-  places.rail_y.fill(0.0);
-  places.normal.fill({0.0, 0.0, 1.0});
+  lay_over_paraboloid(tables, 1.0, 0.0, across, depth, s, places);
   StripRow<double> all;
   all.fill(1.0);
-  solve_strips(tables, s, false);
+  solve_strips(tables, s, strip_passes);
   auto const part = part_of(tables, s, places, all);
   double const root = std::sqrt(depth / sum);
   double const a = hertz.semi_axis.at(x).value * root, b = hertz.semi_axis.at(-x).value * root;
@@ -63,21 +33,6 @@ Ratios exact_over_strips(StripTables const& tables, double x) {
 }
 
 }  // namespace
-
-StripColumns::StripColumns(StripKernel const& kernel, Kind kind) {
-  for (int octave = lowest_octave; octave < lowest_octave + octaves; ++octave)
-    for (int part = 0; part < 1 << bits; ++part) {
-      double const step = std::ldexp(1.0, octave - bits);
-      double const x0 = std::ldexp(1.0, octave) + part * step;
-      Cell cell;
-      for (std::size_t k = 0; k < strip_count; ++k) {
-        auto const f0 = entry(kernel, kind, k, x0), f1 = entry(kernel, kind, k, x0 + step);
-        auto const c = hermite(step, f0.value, f1.value, f0.d[0], f1.d[0]);
-        for (std::size_t j = 0; j < 4; ++j) cell.c[j][k] = c[j];
-      }
-      cells_.push_back(cell);
-    }
-}
 
 /// Cubic pieces through f, slopes from differences.
 template <class F>
@@ -93,16 +48,11 @@ void StripTables::tabulate(StartFunction function, F const& f) {
     pieces_[i][static_cast<std::size_t>(function)] = hermite(step, value[i], value[i + 1], slope(i), slope(i + 1));
 }
 
-StripTables::StripTables()
-    : deflection(strip_kernel(), StripColumns::Kind::deflection),
-      curvature(strip_kernel(), StripColumns::Kind::curvature) {
+StripTables::StripTables() {
   HertzTable const& hertz = hertz_table();
-  auto const a = [&](double x) { return hertz.semi_axis.at(x).value; };
-  tabulate(StartFunction::conformity, [&](double x) {  // Q p0 / (a A)
-    return 1.5 / pi * hertz.stiffness.at(x).value * (1.0 + std::exp(-x)) / (a(x) * a(x) * a(-x));
-  });
-  tabulate(StartFunction::length, [&](double x) { return a(x) * a(x); });
-  tabulate(StartFunction::edge, [&](double x) { return 1.0 - a(-x) * a(-x) / (1.0 + std::exp(x)); });
+  auto const square_axis = [&](double x) { return square(hertz.semi_axis.at(x).value); };
+  tabulate(StartFunction::length, square_axis);
+  tabulate(StartFunction::breadth, [&](double x) { return square_axis(-x); });
   constexpr StartFunction corrections[] = {StartFunction::force, StartFunction::half_length, StartFunction::half_width,
                                            StartFunction::peak_pressure, StartFunction::width};
   constexpr double Ratios::* ratios[] = {&Ratios::force, &Ratios::a, &Ratios::b, &Ratios::peak, &Ratios::width};

@@ -39,6 +39,7 @@ template <Scalar T>
 struct StripSolution {
   static constexpr int capacity = ContactSearch::max_minima;
   int count{0};
+  int refined{0};  ///< regions that were solved again with many strips, because a few had not settled
   std::array<StripPatch<T>, capacity> patch;
 };
 
@@ -98,6 +99,7 @@ class SeededPose {
     auto const chain3 = [&](Vec3<StripDual> const& v) { return Vec3<T>{chain(v.x), chain(v.y), chain(v.z)}; };
     StripSolution<T> out;
     out.count = found.count;
+    out.refined = found.refined;
     for (std::size_t k = 0; k < static_cast<std::size_t>(found.count); ++k) {
       auto const& p = found.patch[k];
       out.patch[k] = {chain(p.weight),  chain(p.normal),  chain3(p.direction), chain3(p.point),

@@ -8,12 +8,14 @@
 //     Chi(k) = int_0^k chi = (4/pi) k/sqrt(1+k^2) K,   chi(k) = psi(k) / (1+k^2)          (S1), (S2)
 //
 // with complete elliptic integrals K, E of modulus 1/sqrt(1+k^2). Both are odd. Cubic pieces, eight to an octave of k.
+// Other strips lie half a width away or more: over them psi and chi need no integral, but its mean over the width, which is
+// psi in the middle and what the logarithm in it adds.
 // Source: Boussinesq's point load, integrated; docs/theory/non_elliptic_contact.md.
 #pragma once
-#include <algorithm>
 #include <array>
 #include <bit>
 #include <cstdint>
+#include <cstring>
 #include <vector>
 
 #include "rollerrig/math/lane_spline.hpp"
@@ -24,43 +26,46 @@ class StripKernel {
  public:
   StripKernel();
 
-  template <Scalar T>
-  T deflection(T const& k) const {
-    return read(k, &Cell::deflection);
-  }
-  template <Scalar T>
-  T curvature(T const& k) const {
-    return read(k, &Cell::curvature);
-  }
+  using Cubic = std::array<double, 4>;  ///< coefficients of the distance from the start of a piece
+  /// What is tabulated over k.
+  enum class Function { own_deflection, own_curvature, deflection };  // Psi, Chi, psi
+
+  /// @param k  positive
+  template <class T>
+  T read(Function function, T const& k) const;
 
  private:
-  static constexpr int lowest_octave = -12, octaves = 40;
-  struct Cell {
-    double start;
-    std::array<double, 4> deflection, curvature;
-  };
+  static constexpr int lowest_octave = -16, octaves = 44;
+  static constexpr double farthest = 1.0e8;  ///< below the end of the table
 
-  /// @param k  not negative
-  template <Scalar T>
-  T read(T const& k, std::array<double, 4> Cell::* function) const {
-    double const x = value_of(k);
-    // The exponent and the first three bits of the mantissa number the piece.
-    auto const bits = static_cast<std::int64_t>(std::bit_cast<std::uint64_t>(x) >> 49);
-    auto const i = std::clamp<std::int64_t>(bits - 8 * (1023 + lowest_octave) + 1, 0, 8 * octaves);
-    Cell const& cell = cells_[static_cast<std::size_t>(i)];
-    auto const& c = cell.*function;
-    double const t = x - cell.start;
-    double const value = ((c[3] * t + c[2]) * t + c[1]) * t + c[0];
-    if constexpr (std::same_as<T, double>)
-      return value;
-    else
-      return along(k, value, (3.0 * c[3] * t + 2.0 * c[2]) * t + c[1]);
-  }
-
-  std::vector<Cell> cells_;  ///< the first one from zero
+  std::array<std::vector<Cubic>, 3> cells_;  ///< the first one from zero
 };
 
-/// The kernel, built once for all.
-StripKernel const& strip_kernel();
+template <class T>
+[[gnu::always_inline]] inline T StripKernel::read(Function function, T const& k) const {
+  using N = NumberOf<T>;
+  constexpr auto lanes = static_cast<std::size_t>(lanes_of<N>);
+  Cubic const* const table = cells_[static_cast<std::size_t>(function)].data();
+  N const x = clamped(value_of(k), std::ldexp(1.0, lowest_octave), farthest);
+  alignas(64) std::array<double, lanes> number;
+  store_lanes(x, number.data());
+  // The exponent and the first three bits of the mantissa number the piece; without the other bits it is its start.
+  alignas(64) std::array<std::uint64_t, lanes> bits;
+  std::memcpy(bits.data(), number.data(), sizeof(bits));
+  for (auto& b : bits) b >>= 49;
+  RowsOf<N> row;
+  for (std::size_t i = 0; i < lanes; ++i) row[i] = (table + (bits[i] - (8 * (1023 + lowest_octave) - 1)))->data();
+  for (auto& b : bits) b <<= 49;
+  std::memcpy(number.data(), bits.data(), sizeof(bits));
+  N start;
+  load_lanes(number.data(), start);
+  N const t = x - start;
+  auto const c = turned(row);
+  N const value = ((c[3] * t + c[2]) * t + c[1]) * t + c[0];
+  if constexpr (std::same_as<T, N>)
+    return value;
+  else
+    return along(k, value, N((3.0 * c[3] * t + 2.0 * c[2]) * t + c[1]));
+}
 
 }  // namespace rollerrig
