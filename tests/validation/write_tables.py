@@ -17,6 +17,7 @@ sys.path[:0] = [str(ROOT / "tests")]
 from rollerrig import _core  # noqa: E402
 from rollerrig.config import load_vehicle  # noqa: E402
 from rollerrig.static_loads import static_loads  # noqa: E402
+from validation import half_space_pairs as pairs  # noqa: E402
 from validation import test_adhesion_slip as traction_checks  # noqa: E402
 from validation import test_bogie as bogie_checks  # noqa: E402
 from validation import test_contact_results as contact_checks  # noqa: E402
@@ -48,6 +49,18 @@ reference. Lengths in units of what is asked for: 8 % or 0.3 mm, whichever is mo
 (`tests/validation/half_space.py`) on a grid fine enough for each patch, in CONTACT's poses, with yaw of 10 to 50 mrad on rail and
 rollers of 500 and 1000 mm with longitudinal offsets of 0 to 20 mm, and under 50 and 100 kN. It agrees with CONTACT within 0.1 %
 in approach (median) and, on rail, in pressure; on the roller CONTACT's pressures scatter by up to 12 % from shift to shift.
+
+"""
+
+
+PAIR_STATISTICS = """## Normal contact in random poses of new and worn pairs
+
+Strips and Hertz at given heights against the exact half-space, which finds the patches itself
+(`tests/validation/free_patches.py`): S1002 on UIC60 1:40, on 60E1 1:20 and 1:40, hollow by 3 mm on 60E1 1:40, and on a worn 60E1
+1:40; rail and rollers of 300 and 725 mm, half of the wheels on rollers with a longitudinal offset of up to 4 mm; 5 to 150 kN, yaw
+up to 50 mrad. `transition`: between tread and flange, poses in which an earlier contact of strips was most wrong. Sum of the
+patches' forces, largest pressure, largest distance of a patch's centre, whole area, largest approach: median / 95 % / worst, in %
+and, of the centre, mm.
 
 """
 
@@ -208,6 +221,17 @@ def pose_statistics() -> str:
         "within, % of the poses",
     ]
     return POSE_STATISTICS + table(header, body)
+
+
+def pair_statistics() -> str:
+    """Distribution of the laws' errors in random poses, by category."""
+    body = []
+    for law, category in itertools.product(("strips", "hertz"), pairs.CATEGORIES):
+        found = np.array([pairs.errors(at, exact, law) for at, exact in pairs.read() if at.category == category])
+        factors = [1.0 if quantity == "centre" else 100.0 for quantity in pairs.ERRORS]
+        sizes = np.quantile(found, (0.5, 0.95, 1.0), axis=0).T * np.array(factors)[:, None]
+        body.append([law, category, str(len(found)), *(" / ".join(f"{size:.2f}" for size in three) for three in sizes)])
+    return PAIR_STATISTICS + table(["law", "contact", "poses", *pairs.ERRORS], body)
 
 
 def strip_loop() -> float:
@@ -376,6 +400,7 @@ SECTIONS = (
     elastic_contact,
     strips,
     pose_statistics,
+    pair_statistics,
     creep_laws,
     patch_creep,
     limits,

@@ -1,0 +1,152 @@
+"""How far the laws of normal contact are from the exact half-space in random poses of new and worn pairs at given heights, by
+category; bars for the strips. HALF_SPACE_POSES: how many poses of their own the long tests take.
+
+    pytest tests/validation/test_half_space_pairs.py -s            the table of errors
+    HALF_SPACE_POSES=5000 pytest ... --long                        everything anew
+"""
+
+from __future__ import annotations
+
+import os
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from validation.free_patches import lowered, patches
+from validation.half_space_pairs import (
+    CATEGORIES,
+    CONFORMAL,
+    ERRORS,
+    PAIRS,
+    ExactWheel,
+    PairPose,
+    errors,
+    exact,
+    our_patches,
+    read,
+    surfaces_of,
+)
+from validation.reference import mm
+from validation.write_half_space_pairs import ROLLERS, random_load, random_pose
+
+Array = NDArray[np.float64]
+
+TABLE = read()
+QUANTILES = (0.5, 0.95, 1.0)
+#: Of the strips over all poses: median, 95 %, worst. Centre in mm.
+BARS = {"force": (0.02, 0.05, 0.10), "pressure": (0.03, 0.10, 0.20), "centre": (0.1, 0.2, 0.4)}
+COUNT = int(os.environ.get("HALF_SPACE_POSES", "300"))
+#: No force may be further from the exact one than this factor; no jump larger than this share of the load per um of approach.
+FACTOR, JUMP = 1.5, 0.01
+
+
+@pytest.fixture(scope="module", params=["strips", "hertz"])
+def law(request: pytest.FixtureRequest) -> str:
+    return str(request.param)
+
+
+@pytest.fixture(scope="module")
+def found(law: str) -> Array:
+    """Errors of all rows, by ERRORS."""
+    return np.array([errors(at, theirs, law) for at, theirs in TABLE])
+
+
+def report(law: str, found: Array) -> str:
+    """Median, 95 % and worst by category and by pair."""
+    groups = {"all": [True] * len(TABLE)}
+    groups |= {one: [at.category == one for at, _ in TABLE] for one in CATEGORIES}
+    groups |= {one: [at.pair == one for at, _ in TABLE] for one in PAIRS}
+    lines = [f"{law:26}rows " + "".join(f"{name:>26}" for name in ERRORS) + "    (median, 95 %, worst; %, mm)"]
+    for name, which in groups.items():
+        table = np.quantile(found[np.array(which)], QUANTILES, axis=0).T
+        cells = [(q if e == "centre" else 100 * q) for e, q in zip(ERRORS, table, strict=True)]
+        lines.append(f"{name:26}{sum(which):4} " + "".join("  " + "".join(f"{v:8.2f}" for v in c) for c in cells))
+    return "\n".join(lines)
+
+
+def test_the_table_of_errors(law: str, found: Array) -> None:
+    """Printed with -s. What holds for either law over all poses: half of them are within a few percent."""
+    print("\n" + report(law, found))
+    assert np.median(found[:, ERRORS.index("force")]) < 0.05
+    assert np.median(found[:, ERRORS.index("pressure")]) < 0.05
+
+
+@pytest.mark.parametrize("quantity", BARS)
+@pytest.mark.parametrize("law", ["strips"], indirect=True)
+def test_strips_are_near_the_half_space(law: str, found: Array, quantity: str) -> None:
+    error = found[:, ERRORS.index(quantity)]
+    beyond = [f"{e:.3f} {at}" for e, (at, _) in sorted(zip(error, TABLE, strict=True), key=lambda pair: -pair[0])[:8]]
+    assert np.all(np.quantile(error, QUANTILES) <= BARS[quantity]), "\n".join(beyond)
+
+
+def same(at: PairPose, theirs: ExactWheel) -> None:
+    """A row computed anew."""
+    again = exact(at)
+    assert again.force == pytest.approx(theirs.force, rel=1e-4)
+    assert again.pressure == pytest.approx(theirs.pressure, rel=1e-3)
+    assert again.area == pytest.approx(theirs.area, rel=1e-2)
+    assert again.forces == pytest.approx(theirs.forces, rel=1e-2, abs=1e-4 * theirs.force)
+    assert again.centres == pytest.approx(theirs.centres, abs=1e-2)
+    assert again.curved_force == pytest.approx(theirs.curved_force, rel=1e-4)
+
+
+@pytest.mark.parametrize("row", range(7, len(TABLE), 51))
+def test_the_table_is_what_the_half_space_says(row: int) -> None:
+    same(*TABLE[row])
+
+
+@pytest.mark.long
+def test_the_whole_table_is_what_the_half_space_says() -> None:
+    for at, theirs in TABLE:
+        same(at, theirs)
+
+
+def test_the_half_space_is_one_where_it_is_used() -> None:
+    """In the plane of the mean normal and on the rail's curved surface (see validation/free_patches.py)."""
+    spread = np.array([theirs.spread for _, theirs in TABLE])
+    force = np.array([abs(theirs.curved_force / theirs.force - 1) for _, theirs in TABLE])
+    pressure = np.array([abs(theirs.curved_pressure / theirs.pressure - 1) for _, theirs in TABLE])
+    flat = spread < CONFORMAL
+    assert force[flat].max() < 0.01
+    assert pressure[flat].max() < 0.03
+    assert np.mean(flat) > 0.9
+
+
+@pytest.mark.long
+def test_no_force_is_outside_a_factor_of_the_exact_one() -> None:
+    rng = np.random.default_rng(11)
+    beyond = []
+    for i in range(COUNT):
+        pair, radius = PAIRS[i % len(PAIRS)], ROLLERS[i // len(PAIRS) % len(ROLLERS)]
+        pose = lowered(surfaces_of(pair), random_pose(rng, radius), random_load(rng))
+        at = PairPose(pair, "", radius, pose.x, pose.y, pose.height, pose.yaw, pose.roll)
+        theirs = sum(patch.force for patch in patches(surfaces_of(pair), pose, 40, 1e-4))
+        ours = sum(patch.normal for patch in our_patches(at, "strips"))
+        if not 1 / FACTOR < ours / theirs < FACTOR:
+            beyond.append(f"{ours:.0f} instead of {theirs:.0f} N: {at}")
+    assert not beyond, f"{len(beyond)} of {COUNT}\n" + "\n".join(beyond[:20])
+
+
+def jumps(line: list[PairPose]) -> Array:
+    """Second differences of the force over the load, on poses a micrometre of approach apart."""
+    force = np.array([sum(patch.normal for patch in our_patches(at, "strips")) for at in line])
+    return np.asarray(np.abs(np.diff(force, 2)) / force[1:-1])
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("row", [*range(0, 300, 6), *range(300, len(TABLE))])
+def test_no_jump_on_a_line_of_poses(row: int) -> None:
+    """Through a row's pose: lowered by up to 30 um, and shifted across so that the approach changes by as much. Of a force that
+    goes with the approach to the power 3/2 the second differences are 0.75 (1 um / approach)^2 of it."""
+    at, theirs = TABLE[row]
+    _, across, up = theirs.normals[int(np.argmax(theirs.forces))]
+    higher = min(15, int(500 * theirs.approach))
+    steps = np.arange(-15.0, higher + 1) * mm
+    lines = [[replace(at, height=at.height + step / up) for step in steps]]
+    if abs(across) > 0.05:
+        lines.append([replace(at, y=at.y + step / across) for step in steps])
+    smooth = 0.75 * (1e-3 / (theirs.approach - higher * mm)) ** 2
+    worst = [float(jumps(line).max()) for line in lines]
+    assert max(worst) < JUMP + smooth, worst
