@@ -252,7 +252,7 @@ def touch(surfaces: Surfaces, pose: Pose) -> tuple[Pose, Array, Array]:
         x, depth, _ = valley(surfaces, pose)
         place = on_rail(surfaces, pose, x, y, height)[depth.argmax()]
         rise = depth.max() / surfaces.inside_wheel(pose, place)[1][2]
-        pose = replace(pose, height=pose.height + rise)
+        pose = replace(pose, height=float(pose.height + rise))
         if abs(rise) < 1e-5:
             break
     return pose, place, unit(surfaces.above_rail(pose, place)[1])

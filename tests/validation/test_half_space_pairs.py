@@ -129,24 +129,28 @@ def test_no_force_is_outside_a_factor_of_the_exact_one() -> None:
     assert not beyond, f"{len(beyond)} of {COUNT}\n" + "\n".join(beyond[:20])
 
 
-def jumps(line: list[PairPose]) -> Array:
-    """Second differences of the force over the load, on poses a micrometre of approach apart."""
+def exact_force(at: PairPose) -> float:
+    """On grids that are fine enough for its changes."""
+    return sum(patch.force for patch in patches(surfaces_of(at.pair), at.pose, 40))
+
+
+def largest_jump(line: list[PairPose]) -> float:
+    """Of the force over the load, or 1 kN: its second difference, less the exact one where it counts (a patch that begins to carry)."""
     force = np.array([sum(patch.normal for patch in our_patches(at, "strips")) for at in line])
-    return np.asarray(np.abs(np.diff(force, 2)) / force[1:-1])
+    second = np.diff(force, 2)
+    load = np.maximum(force[1:-1], 1e3)
+    worst = np.argsort(-np.abs(second) / load)[:4]
+    due = np.array([np.diff([exact_force(at) for at in line[i : i + 3]], 2)[0] for i in worst])
+    return float(np.max(np.abs(second[worst] - due) / load[worst]))
 
 
 @pytest.mark.long
 @pytest.mark.parametrize("row", [*range(0, 300, 6), *range(300, len(TABLE))])
 def test_no_jump_on_a_line_of_poses(row: int) -> None:
-    """Through a row's pose: lowered by up to 30 um, and shifted across so that the approach changes by as much. Of a force that
-    goes with the approach to the power 3/2 the second differences are 0.75 (1 um / approach)^2 of it."""
+    """Through a row's pose in steps of 1 um of approach: lowered, and shifted across."""
     at, theirs = TABLE[row]
-    _, across, up = theirs.normals[int(np.argmax(theirs.forces))]
-    higher = min(15, int(500 * theirs.approach))
-    steps = np.arange(-15.0, higher + 1) * mm
-    lines = [[replace(at, height=at.height + step / up) for step in steps]]
+    up, across = max(theirs.normals_z), max(theirs.normals_y, key=abs)
+    steps = np.arange(-15.0, min(15.0, 500 * theirs.approach)) * mm
+    assert largest_jump([replace(at, height=at.height + step / up) for step in steps]) < JUMP
     if abs(across) > 0.05:
-        lines.append([replace(at, y=at.y + step / across) for step in steps])
-    smooth = 0.75 * (1e-3 / (theirs.approach - higher * mm)) ** 2
-    worst = [float(jumps(line).max()) for line in lines]
-    assert max(worst) < JUMP + smooth, worst
+        assert largest_jump([replace(at, y=at.y + step / across) for step in steps]) < JUMP
