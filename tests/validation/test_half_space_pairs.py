@@ -135,7 +135,7 @@ def exact_force(at: PairPose) -> float:
 
 
 def largest_jump(line: list[PairPose]) -> float:
-    """Of the force over the load, or 1 kN: its second difference, less the exact one where it counts (a patch that begins to carry)."""
+    """Of the force over the load, or 1 kN: its second difference, less the exact one (a patch may begin to carry)."""
     force = np.array([sum(patch.normal for patch in our_patches(at, "strips")) for at in line])
     second = np.diff(force, 2)
     load = np.maximum(force[1:-1], 1e3)
