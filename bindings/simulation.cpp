@@ -209,7 +209,7 @@ class Simulation {
   }
 
   nb::dict equilibrium(double speed, double t, std::vector<std::tuple<int, int, double>> const& fixed,
-                       std::optional<Column> const& near) {
+                       std::optional<Column> const& near, bool only_near) {
     Turn const turn(taken_);
     check_value(speed, finite_number, "equilibrium", "speed");
     check_value(t, finite_number, "equilibrium", "t");
@@ -227,7 +227,7 @@ class Simulation {
     }
     auto r = solve_equilibrium(
         dynamics(), speed, t, coordinates,
-        near ? std::vector<double>(near->data(), near->data() + near->shape(0)) : std::vector<double>());
+        near ? std::vector<double>(near->data(), near->data() + near->shape(0)) : std::vector<double>(), only_near);
     nb::dict d;
     d["converged"] = r.converged;
     d["iterations"] = r.iterations;
@@ -384,7 +384,7 @@ void bind_simulation(nb::module_& m) {
       .def("keep_readings", &S::keep_readings, "every"_a, "times"_a.noconvert(), "values"_a.noconvert(),
            "At each output time a reading of `reading_fields`, at every `every`-th a row; what does not fit is left "
            "out.")
-      .def("equilibrium", &S::equilibrium, "speed"_a, "t"_a, "fixed"_a, "near"_a = nb::none());
+      .def("equilibrium", &S::equilibrium, "speed"_a, "t"_a, "fixed"_a, "near"_a = nb::none(), "only_near"_a = false);
   def_method(simulation, "waits_for",
              "Whether a controller of the caller must be answered for before advance() continues.", &S::waits_for,
              controller);

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from rollerrig import plot as plot
+    from rollerrig.analysis.curving import curving as curving
     from rollerrig.analysis.linear_bench import linearize as linearize
     from rollerrig.analysis.mode_table import stability as stability
     from rollerrig.analysis.runs_together import compare_runs as compare_runs
@@ -85,6 +86,7 @@ _HOME = {
     "control": "commands",
     "creep": "commands",
     "critical_speed": "study.critical_speed",
+    "curving": "analysis.curving",
     "envelope": "study.envelope",
     "explain": "config",
     "export_fmu": "fmu.export",

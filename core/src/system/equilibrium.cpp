@@ -342,11 +342,11 @@ std::vector<double> relaxed(Dynamics& dynamics, double t, std::vector<FixedCoord
 }  // namespace
 
 Equilibrium solve_equilibrium(Dynamics& dynamics, double speed, double t, std::vector<FixedCoordinate> const& fixed,
-                              std::vector<double> const& near) {
+                              std::vector<double> const& near, bool only_near) {
   if (!near.empty()) {
     std::vector<double> x = near;
     fix_and_stand(dynamics, speed, t, fixed, false, x);
-    if (auto result = newton(dynamics, t, fixed, std::move(x)); result.converged) return result;
+    if (auto result = newton(dynamics, t, fixed, std::move(x)); result.converged || only_near) return result;
   }
   auto result = newton(dynamics, t, fixed, first_guess(dynamics, speed, t, fixed));
   if (result.converged) return result;

@@ -18,6 +18,7 @@ COMMANDS = (
     "stability",
     "response",
     "compare",
+    "curving",
     "adhesion",
     "wsp",
     "control",

@@ -7,6 +7,7 @@ Datasets of run and analysis -> [plot] -> Figure -> report, files
 
 from rollerrig.plot.contact import comparison_figure, contact_figure, creep_comparison_figure
 from rollerrig.plot.creep import creep_figure
+from rollerrig.plot.curving import curving_over_radius
 from rollerrig.plot.hunting import amplitude_over_speed, hunting_over_time, ramp_over_speed
 from rollerrig.plot.limit_cycle import limit_cycle_diagram
 from rollerrig.plot.modes import damping_map, damping_over_speed, frequency_over_speed, root_locus
@@ -27,6 +28,7 @@ __all__ = [
     "contact_figure",
     "creep_comparison_figure",
     "creep_figure",
+    "curving_over_radius",
     "damping_map",
     "damping_over_speed",
     "energy_over_time",

@@ -12,6 +12,7 @@ _HOME = {
     "StabilityStudy": "stability",
     "ResponseStudy": "response",
     "CompareStudy": "compare",
+    "CurvingStudy": "curving",
     "AdhesionStudy": "adhesion",
     "WspStudy": "wsp",
     "ControlStudy": "control",

@@ -1,0 +1,244 @@
+"""Steady curving: the vehicle at constant speed in a curve of constant radius and cant, over radii and cant deficiencies.
+
+    Case, radii, cant deficiencies -> [continuation from the straight] -> steady states -> Y, Q, Y/Q, angle of attack, wear number
+
+No body accelerates against the track, whose frame turns with the curve: suspension, wheel loads and creep forces are in balance,
+with the rotation of each wheelset among the unknowns. The heaviest body is hauled at constant speed: its longitudinal force
+balances the resistance of the curve. Solver: the core's Newton method, docs/theory/equilibrium_and_linearisation.md.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from rollerrig import _core
+from rollerrig.analysis.wheel_rail_forces import wheel_forces
+from rollerrig.assembly import AssembledModel, assemble
+from rollerrig.cases import as_case, at_speed, on_track, without_actuators
+from rollerrig.config import Case, ConfigError, Rig
+from rollerrig.eigenvalues import eigenvalues
+from rollerrig.results import Outcome, run_dataset, variable
+from rollerrig.starting_state import StartError
+
+Vector = NDArray[np.float64]
+
+GRID = ("radius", "cant_deficiency")
+RADII = (1000.0, 500.0, 300.0, 250.0, 150.0)
+DEFICIENCIES = (-0.06, 0.0, 0.06, 0.1, 0.15)
+USUAL_CANT = 0.1
+"""Of a case without a curve of its own [m]."""
+
+SMALLEST_STEP = 1.0 / 128.0
+"""Part of the way between two points: where Newton's method fails over this, there is no steady state next to the last one."""
+
+SPEEDS = (1.0, 200.0)
+"""Slowest and fastest running [m/s]."""
+
+STRAIGHT = 1e-7
+"""Least curvature, the end of the range of a curve's radius [1/m]."""
+
+LIFTING, CLIMBING = 0.1, 0.9
+"""Where there is no steady state beyond, a wheel with less of its static load lifts, one with more of Nadal's limit climbs."""
+
+
+@dataclass(frozen=True)
+class SteadyState:
+    """A state in balance.
+
+    Attributes:
+        at: curvature [1/m], cant [m], speed [m/s].
+        model: the vehicle in an endless curve.
+        state: of the core.
+    """
+
+    at: Vector
+    model: AssembledModel
+    state: Vector
+
+
+def curving_case(case: Case) -> Case:
+    """The whole vehicle of a case on rigid or elastic track without irregularities, nothing acting on it."""
+    bare = without_actuators(case).with_changes({"disturbance": [], "axle_torque": []})
+    if bare.vehicle.part.fixed:  # a part that hangs on a fixed body does not take part in the statics of the curve
+        bare = bare.with_changes({"vehicle.cut": "vehicle"})
+    return at_speed(on_track(bare) if isinstance(bare.support.data, Rig) else bare)
+
+
+def curving_speed(case: Case, radius: float, cant: float, deficiency: float) -> float:
+    """Speed that a cant deficiency b a / g belongs to, by (Y3) of docs/theory/layout.md [m/s]; NaN where there is none."""
+    base = case.support.data.cant_base  # type: ignore[union-attr]
+    square = case.gravity * radius * (cant + deficiency) / math.sqrt(base**2 - cant**2)
+    return math.sqrt(square) if square > 0.0 else math.nan
+
+
+def recorded(states: Sequence[SteadyState]) -> xr.Dataset:
+    """What a run records, of states in place of times."""
+    rows = []
+    for one in states:
+        simulation = _core.Simulation(one.model.core)
+        rows.append(simulation.record(0.0, one.state, np.zeros(simulation.quadrature_count)))
+    outcome = Outcome("ok", _core.status_sentence(0), 0.0, "", {}, {})
+    return run_dataset(states[0].model, np.arange(float(len(states))), np.array(rows), outcome)
+
+
+def solve(case: Case, at: Vector, direction: str, near: Vector | None = None) -> SteadyState | float:
+    """The steady state next to another one, or the force that remains unbalanced where there is none [N].
+
+    Args:
+        case: of `curving_case`.
+        at: curvature [1/m], cant [m], speed [m/s].
+        direction: where the curve leads.
+        near: the other state; None: as the core finds one.
+    """
+    radius = 1.0 / max(at[0], STRAIGHT)
+    curve = {"kind": "curve", "length": 1.0, "radius": float(radius), "cant": float(at[1]), "direction": direction}
+    model = assemble(case.with_changes({"support.segment": [curve], "motion.speed_mps": float(at[2])}))
+    found = _core.Simulation(model.core).equilibrium(at[2], 0.0, [], near, only_near=near is not None)
+    return SteadyState(at, model, np.asarray(found["x"])) if found["converged"] else float(found["residual"])
+
+
+def follow(case: Case, begin: SteadyState, end: Vector, direction: str) -> tuple[SteadyState, str]:
+    """Continuation with steps that are halved where Newton's method fails, and doubled after they succeed.
+
+    Returns:
+        The last steady state on the way, and why it is not that of the end; "": it is.
+    """
+    last, done, step = begin, 0.0, 1.0
+    while done < 1.0:
+        part = min(done + step, 1.0)
+        found = solve(case, begin.at + part * (end - begin.at), direction, last.state)
+        if isinstance(found, SteadyState):
+            last, done, step = found, part, 2.0 * step
+        elif (step := 0.5 * step) < SMALLEST_STEP:
+            return last, why_not_beyond(last, found)
+    return last, ""
+
+
+def why_not_beyond(last: SteadyState, unbalanced: float) -> str:
+    """What a state looks like next to which there is none."""
+    forces = wheel_forces(recorded([last])).isel(time=0)
+    loads, quotient = forces["wheel_load"] / forces["static_wheel_load"], forces["derailment_quotient"]
+    place = f"R = {1.0 / max(last.at[0], STRAIGHT):.0f} m and {3.6 * last.at[2]:.1f} km/h"
+    if float(loads.min()) < LIFTING:
+        return f"{loads.idxmin().item()} lifts: {100 * float(loads.min()):.0f} % of its load is left at {place}"
+    if float(quotient.max()) > CLIMBING * float(forces["nadal_limit"]):
+        return f"{quotient.idxmax().item()} climbs its rail: Y/Q = {float(quotient.max()):.2f} at {place}"
+    return f"no steady state was found beyond {place}: at least {unbalanced:.2g} N or N m remain unbalanced"
+
+
+def curving(
+    case: Case | str,
+    radii: Sequence[float] = RADII,
+    deficiencies: Sequence[float] = DEFICIENCIES,
+    *,
+    cant: float | None = None,
+    direction: Literal["left", "right"] = "left",
+    progress: Callable[[float, str], None] | None = None,
+) -> xr.Dataset:
+    """Steady curving of the whole vehicle: wheel forces, angles of attack and wear numbers over radius and cant deficiency.
+
+    Args:
+        case: a vehicle on track, or on rollers: then on rails of their profile. Actuators and irregularities are left out.
+        radii: of the track's middle [m].
+        deficiencies: cant deficiencies [m], which with the cant decide the speed; negative: cant excess.
+        cant: of all curves [m]; None: that of the case's first curve, or 0.1 m.
+        direction: where the curves lead.
+        progress: called with the fraction done and a short text.
+
+    Returns:
+        Dimensions radius, cant_deficiency, and wheel or wheelset. Of wheels: guiding_force Y, wheel_load Q [N],
+        derailment_quotient Y/Q, wear_number [N], contact_angle [rad] of the patch that carries most; of wheelsets, positive
+        towards the outer rail: guiding_force_sum [N], angle_of_attack [rad], lateral [m]. Without: speed [m/s],
+        unbalanced_force [N], growth_rate [1/s] (positive: the steady state is unstable, the vehicle hunts). Where no steady
+        state was found the numbers are NaN and `failure` says why. static_wheel_load, guiding_force_sum_limit,
+        nadal_limit as in `wheel_forces`.
+
+    Raises:
+        ConfigError: the case cannot be used.
+        StartError: there is no steady state at all.
+
+    Example:
+        >>> import rollerrig as rr
+        >>> found = rr.curving("vehicle_curve", [1000.0, 500.0], [0.0])
+        >>> bool((found["angle_of_attack"].isel(wheelset=0).diff("radius") > 0).all())  # tighter: steeper
+        True
+    """
+    case = as_case(case)
+    curves = [segment for segment in getattr(case.support.data, "segment", ()) if segment.kind == "curve"]
+    bare, height = curving_case(case), (curves[0].cant if curves else USUAL_CANT) if cant is None else cant
+    radii, deficiencies = sorted(set(radii), reverse=True), sorted(set(deficiencies))
+    speeds = np.array([[curving_speed(bare, r, height, d) for d in deficiencies] for r in radii])
+    failure = np.full(speeds.shape, "", dtype=object)
+    found: dict[tuple[int, int], SteadyState] = {}
+    for j, i in np.ndindex(*speeds.T.shape):
+        if progress is not None:
+            progress((j * len(radii) + i) / speeds.size, f"R = {radii[i]:g} m")
+        if not SPEEDS[0] <= speeds[i, j] <= SPEEDS[1]:
+            failure[i, j] = f"no speed between {SPEEDS[0]:g} and {SPEEDS[1]:g} m/s has this cant deficiency"
+            continue
+        end = np.array([1.0 / radii[i], height, speeds[i, j]])
+        # From the next larger radius, the next smaller deficiency, the straight; at last from the core's own first guess.
+        for begin in (found.get((i - 1, j)), found.get((i, j - 1)), end * [0.0, 0.0, 1.0], end):
+            try:
+                first = solve(bare, begin, direction) if isinstance(begin, np.ndarray) else begin
+                last, why = follow(bare, first, end, direction) if isinstance(first, SteadyState) else (None, "")
+            except ConfigError as refused:  # a radius or a speed that no vehicle runs in or at
+                last, why = None, str(refused)
+            if last is not None and not why:
+                found[i, j], failure[i, j] = last, ""
+                break
+            failure[i, j] = failure[i, j] or why
+        else:
+            failure[i, j] = failure[i, j] or "no steady state on straight track"
+    if not found:
+        raise StartError(f"{case.name}: no steady state in any curve; R = {radii[0]:g} m: {failure[0, 0]}")
+    states = {(radii[i], deficiencies[j]): state for (i, j), state in found.items()}
+    table = _table(states, direction).reindex(radius=radii, cant_deficiency=deficiencies).transpose(*GRID, ...)
+    table["radius"].attrs = {"units": "m", "long_name": "radius of the curve"}
+    table["cant_deficiency"].attrs = {"units": "m", "long_name": "cant deficiency, negative: cant excess"}
+    table["speed"] = variable(GRID, speeds, "m/s", "running speed")
+    table["failure"] = (GRID, failure.astype(str), {"long_name": "why there is no steady state; empty: there is one"})
+    return table.assign_attrs(
+        title=f"Steady curving of {case.name}", case=case.name, cant_m=height, direction=direction
+    )
+
+
+def _table(found: Mapping[tuple[float, float], SteadyState], direction: str) -> xr.Dataset:
+    """Steady states by radius and cant deficiency; what none was found for is NaN."""
+    run, model = recorded(list(found.values())), next(iter(found.values())).model
+    forces = wheel_forces(run)
+    wheelsets = run.sel(body=list(model.wheelsets)).rename(body="wheelset")
+    masses = xr.DataArray([model.masses[name] for name in model.bodies], dims="body")
+    accelerations = run[[f"{way}_acceleration" for way in ("longitudinal", "lateral", "vertical")]].to_dataarray("way")
+    unbalanced = abs(masses * accelerations).max(("way", "body"))
+    growth = [
+        eigenvalues(_core.Simulation(one.model.core).jacobian(0.0, one.state)[0]).real.max() for one in found.values()
+    ]
+    outer = -1.0 if direction == "left" else 1.0  # from positive to the left to positive towards the outer rail
+    angle = run["patch_contact_angle"].isel(patch=run["patch_normal"].fillna(0.0).argmax("patch"))
+    given = {
+        "contact_angle": (angle, "rad", "contact angle of the patch that carries most"),
+        "guiding_force_sum": (outer * forces["guiding_force_sum"], "N", "sum of guiding forces ΣY, positive outwards"),
+        "angle_of_attack": (outer * wheelsets["yaw"], "rad", "angle of attack, positive towards the outer rail"),
+        "lateral": (outer * wheelsets["lateral"], "m", "lateral displacement, positive towards the outer rail"),
+        "unbalanced_force": (unbalanced, "N", "largest unbalanced force of a body"),
+        "growth_rate": (
+            wheelsets["time"] * 0.0 + growth,
+            "1/s",
+            "largest growth rate",
+        ),
+    }
+    kept = ["guiding_force", "wheel_load", "derailment_quotient", "wear_number", *forces.drop_dims("time").data_vars]
+    flat = forces[kept].assign(
+        {name: one.assign_attrs(units=unit, long_name=meaning) for name, (one, unit, meaning) in given.items()}
+    )
+    places = {name: ("time", np.array(values)) for name, values in zip(GRID, zip(*found, strict=True), strict=True)}
+    flat.attrs = {key: run.attrs[key] for key in ("run_info", "sources", "config_toml", "rollerrig_version")}
+    return flat.drop_vars(["time", "section", "patch"]).assign_coords(places).set_index(time=GRID).unstack("time")
