@@ -512,7 +512,7 @@ class Examples:
                 fresh("step_amplification"), {"method": "rk4", "step": 1e-3, "t": 0.0, "x": x}
             ),
             "Simulation.equilibrium": Call(
-                fresh("equilibrium"), {"speed": 30.0, "t": 0.0, "fixed": [(0, 1, 1e-3)], "near": x}
+                fresh("equilibrium"), {"speed": 30.0, "t": 0.0, "fixed": [(0, 1, 1e-3)], "near": x, "only_near": True}
             ),
             "Simulation.record": Call(fresh("record"), {"t": 0.0, "x": x, "z": quadratures}),
             "Simulation.derivatives": Call(fresh("derivatives"), {"t": 0.0, "states": states}),
