@@ -11,8 +11,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -48,15 +47,8 @@ LIFTING, CLIMBING = 0.1, 0.9
 """Where there is no steady state beyond, a wheel with less of its static load lifts, one with more of Nadal's limit climbs."""
 
 
-@dataclass(frozen=True)
-class SteadyState:
-    """A state in balance.
-
-    Attributes:
-        at: curvature [1/m], cant [m], speed [m/s].
-        model: the vehicle in an endless curve.
-        state: of the core.
-    """
+class SteadyState(NamedTuple):
+    """A state in balance, and where: at a curvature [1/m], cant [m] and speed [m/s], on a model in an endless curve."""
 
     at: Vector
     model: AssembledModel
@@ -89,14 +81,7 @@ def recorded(states: Sequence[SteadyState]) -> xr.Dataset:
 
 
 def solve(case: Case, at: Vector, direction: str, near: Vector | None = None) -> SteadyState | float:
-    """The steady state next to another one, or the force that remains unbalanced where there is none [N].
-
-    Args:
-        case: of `curving_case`.
-        at: curvature [1/m], cant [m], speed [m/s].
-        direction: where the curve leads.
-        near: the other state; None: as the core finds one.
-    """
+    """The steady state near another one, or as the core finds it; what remains unbalanced where there is none [N, N m]."""
     radius = 1.0 / max(at[0], STRAIGHT)
     curve = {"kind": "curve", "length": 1.0, "radius": float(radius), "cant": float(at[1]), "direction": direction}
     model = assemble(case.with_changes({"support.segment": [curve], "motion.speed_mps": float(at[2])}))
@@ -137,8 +122,8 @@ def curving(
     case: Case | str,
     radii: Sequence[float] = RADII,
     deficiencies: Sequence[float] = DEFICIENCIES,
-    *,
     cant: float | None = None,
+    *,
     direction: Literal["left", "right"] = "left",
     progress: Callable[[float, str], None] | None = None,
 ) -> xr.Dataset:

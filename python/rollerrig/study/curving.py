@@ -20,22 +20,27 @@ from rollerrig.study.frame import Study
 from rollerrig.study.jobs import Done, Round, job
 from rollerrig.study.quantities import Numbers, Quantities, Quantity
 from rollerrig.study.report import Picture, Section, Text
-from rollerrig.wording import number
 
-IN = {
-    "guiding_force": ("n", 1.0),
-    "wheel_load": ("n", 1.0),
-    "derailment_quotient": ("", 1.0),
-    "guiding_force_sum": ("n", 1.0),
-    "wear_number": ("n", 1.0),
-    "angle_of_attack": ("mrad", 1e3),
+MEASURED = {
+    "guiding_force_n": ("guiding_force", 1.0),
+    "wheel_load_n": ("wheel_load", 1.0),
+    "derailment_quotient": ("derailment_quotient", 1.0),
+    "guiding_force_sum_n": ("guiding_force_sum", 1.0),
+    "wear_number_n": ("wear_number", 1.0),
+    "angle_of_attack_mrad": ("angle_of_attack", 1e3),
+    "unbalanced_force_n": ("unbalanced_force", 1.0),
 }
-"""Quantity of which the largest magnitude is reported -> unit in its key, and factor."""
+"""Key -> variable of which it is the largest magnitude, and factor."""
+METHOD = (
+    "Each curve is without end: all forces are in balance, creep forces included; the heaviest body is hauled at constant speed. "
+    "ΣY and Y/Q are quasi-static: a run over irregularities exceeds them."
+)
+LIMITED = {"derailment_quotient": "Y/Q", "guiding_force_sum_n": "ΣY"}
+"""Key of what has a limit -> how texts call it."""
 
 KILO = ("kN", 1e-3)
 QUANTITIES = Quantities(
     Quantity("cant_mm", "of all curves", "mm"),
-    Quantity("direction", "of the curves"),
     Quantity("derailment_quotient_limit", "lower one of Nadal's limit of Y/Q and 0.8", "1"),
     Quantity("guiding_force_sum_limit_n", "lowest one of Prud'homme's limits of ΣY, 10 kN + 2 Q0 / 3", "N", shown=KILO),
     Quantity("curves.*.radius_m", "radius", "m"),
@@ -53,19 +58,11 @@ QUANTITIES = Quantities(
     Quantity("curves.*.exceeded", "which limits are exceeded"),
     Quantity("curves.*.failure", "why no steady state was found; empty: it was"),
 )  # fmt: skip
-LIMITED = {"derailment_quotient": "Y/Q", "guiding_force_sum": "ΣY"}
 
 
 @dataclass(frozen=True)
 class CurvingStudy(Study[xr.Dataset]):
-    """One vehicle in many curves.
-
-    Attributes:
-        case: see `curving`. Likewise:
-        radii: [m].
-        deficiencies: [m].
-        cant: [m].
-    """
+    """One vehicle in many curves; attributes as the arguments of `curving`, lengths in [m]."""
 
     case: Case
     radii: tuple[float, ...] = RADII
@@ -74,7 +71,7 @@ class CurvingStudy(Study[xr.Dataset]):
 
     command = "curving"
     quantities = QUANTITIES
-    writes = ("curving.nc", "curving.csv")
+    writes = ("curving.nc",)
     formats = ("svg", "png")
     resumable = False
 
@@ -86,7 +83,7 @@ class CurvingStudy(Study[xr.Dataset]):
         return {self.case.name: curving_case(self.case)}
 
     def rounds(self, done: Done) -> Iterator[Round]:
-        yield {"curving": job(steady_curves, self)}
+        yield {"curving": job(curving, self.case, self.radii, self.deficiencies, self.cant)}
 
     def collect(self, done: Done) -> xr.Dataset | None:
         return done.get("curving")
@@ -98,70 +95,46 @@ class CurvingStudy(Study[xr.Dataset]):
         limits, curves = limits_of(results), {}
         for i, j in np.ndindex(results["failure"].shape):
             one = results.isel(radius=i, cant_deficiency=j)
-            largest = {name: float(abs(one[name]).max()) for name in IN}
-            radius, deficiency = float(one["radius"]), 1e3 * float(one["cant_deficiency"])
+            largest = {key: factor * float(abs(one[name]).max()) for key, (name, factor) in MEASURED.items()}
+            radius, deficiency = float(one["radius"]), round(1e3 * float(one["cant_deficiency"]), 9)
             curves[f"{radius:g} m, {deficiency:g} mm"] = {
                 "radius_m": radius,
-                "cant_deficiency_mm": round(deficiency, 9),
+                "cant_deficiency_mm": deficiency,
                 "speed_kmh": 3.6 * float(one["speed"]),
-                **{f"{name}_{unit}".rstrip("_"): factor * largest[name] for name, (unit, factor) in IN.items()},
+                **largest,
                 "least_wheel_load_n": float(one["wheel_load"].min()),
-                "unbalanced_force_n": float(one["unbalanced_force"]),
                 "growth_rate_per_s": float(one["growth_rate"]),
-                "exceeded": [word for name, word in LIMITED.items() if largest[name] > limits[name]],
+                "exceeded": [words for key, words in LIMITED.items() if largest[key] > limits[MEASURED[key][0]]],
                 "failure": str(one["failure"].item()),
             }
         return {
             "cant_mm": 1e3 * results.attrs["cant_m"],
-            "direction": results.attrs["direction"],
             "derailment_quotient_limit": limits["derailment_quotient"],
             "guiding_force_sum_limit_n": limits["guiding_force_sum"],
             "curves": curves,
         }
 
     def summary(self, results: xr.Dataset, numbers: Numbers) -> list[str]:
-        curves = numbers["curves"]
-        limits = {"Y/Q": f"{number(numbers['derailment_quotient_limit'], 3)}",
-                  "ΣY": f"{number(1e-3 * numbers['guiding_force_sum_limit_n'], 3)} kN"}  # fmt: skip
-        found = []
-        for word, limit in limits.items():
-            where = [label for label, curve in curves.items() if word in curve["exceeded"]]
-            found.append(f"{word} exceeds its limit of {limit} {f'at {listed(where)}' if where else 'nowhere'}.")
+        curves, found = numbers["curves"], []
+        for words in LIMITED.values():
+            where = [label for label, curve in curves.items() if words in curve["exceeded"]]
+            found.append(f"{words} exceeds its limit in {'; '.join(where) or 'no curve'}.")
         unstable = [label for label, curve in curves.items() if (curve["growth_rate_per_s"] or 0.0) > 0.0]
-        if unstable:
-            found.append(f"The steady state is unstable at {listed(unstable)}: a run leaves it.")
+        found += [f"The steady state is unstable, a run leaves it, in {'; '.join(unstable)}."] if unstable else []
         return found + [f"{label}: {curve['failure']}." for label, curve in curves.items() if curve["failure"]]
 
     def files(self, results: xr.Dataset, numbers: Numbers) -> Mapping[str, Any]:
-        names = [quantity.key for quantity in QUANTITIES if quantity.key.startswith("curves.")]
-        rows = [{**curve, "exceeded": " ".join(curve["exceeded"])} for curve in numbers["curves"].values()]
-        return {"curving.nc": results, "curving.csv": QUANTITIES.csv(rows, names)}
+        return {"curving.nc": results}
 
     def sections(self, results: xr.Dataset, numbers: Numbers) -> list[Section]:
-        caption = "Largest magnitudes of all wheels or wheelsets over the radius; dashed: limits."
-        columns = ("speed_kmh", *(f"{name}_{unit}".rstrip("_") for name, (unit, _) in IN.items()), "least_wheel_load_n")
-        columns += ("growth_rate_per_s",)
+        figure = curving_over_radius(results, limits_of(results))
+        caption = "Largest magnitudes of all wheels or wheelsets; dashed: limits."
+        columns = ("speed_kmh", *MEASURED, "least_wheel_load_n", "growth_rate_per_s")
         table = QUANTITIES.table(numbers["curves"], columns, "Largest magnitudes in each curve", "curve")
         return [
-            Section("Over the radius", [Picture("curving", curving_over_radius(results, limits_of(results)), caption)]),
+            Section("Over the radius", [Picture("curving", figure, caption)]),
             Section("Curves", [table, Text(METHOD)]),
         ]
-
-
-METHOD = (
-    "Each curve is without end: all forces are in balance, creep forces included; the heaviest body is hauled at constant speed. "
-    "The largest force left unbalanced is in curving.csv. ΣY and Y/Q are quasi-static: a run over irregularities exceeds them."
-)
-
-
-def steady_curves(study: CurvingStudy, progress: Any = None) -> xr.Dataset:
-    """All curves of a study.
-
-    Raises:
-        ConfigError: the case cannot be used.
-        StartError: there is no steady state at all.
-    """
-    return curving(study.case, study.radii, study.deficiencies, cant=study.cant, progress=progress)
 
 
 def limits_of(results: xr.Dataset) -> dict[str, float]:
@@ -170,8 +143,3 @@ def limits_of(results: xr.Dataset) -> dict[str, float]:
         "derailment_quotient": float(np.fmin(results["nadal_limit"], QUOTIENT_LIMIT)),
         "guiding_force_sum": float(results["guiding_force_sum_limit"].min()),
     }
-
-
-def listed(labels: Sequence[str], most: int = 6) -> str:
-    """The first labels, and how many there are more."""
-    return "; ".join(labels[:most]) + (f" and {len(labels) - most} more" if len(labels) > most else "")

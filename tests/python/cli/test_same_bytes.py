@@ -18,6 +18,7 @@ TIMING = "timing.json"
 
 COMMANDS = {
     "creep": ("creep", "--law", "table", "--law", "fastsim", "--demands", "0.5,8"),
+    "curving": ("curving", "vehicle_curve", "--radii-m", "1000", "--deficiencies-mm", "0"),
     "stability": ("stability", "bogie_rollers_constant", "--speeds-kmh", "240:260:20", "--no-limit-cycles"),
     "envelope": ("envelope", "CASE", "--torques-knm=-6,-2", "--adhesions", "0.05,0.3", "--loads", "1", "--duration", "0.6",
                  "--refine", "0"),
@@ -30,7 +31,7 @@ COMMANDS = {
     "wsp": ("wsp", "CASE", "--programme", "PROGRAMME", "--starts", "2"),
 }  # fmt: skip
 """Command -> its words; CASE, LATERAL and PROGRAMME are short ones written for the test."""
-ALONE = {"creep"}
+ALONE = {"creep", "curving"}
 """Without --processes: run twice as it is; so are `run` and `conicity` in their own tests."""
 PROGRAMME = """
 name = "short"
