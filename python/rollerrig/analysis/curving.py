@@ -37,11 +37,8 @@ USUAL_CANT = 0.1
 SMALLEST_STEP = 1.0 / 128.0
 """Part of the way between two points: where Newton's method fails over this, there is no steady state next to the last one."""
 
-SPEEDS = (1.0, 200.0)
-"""Slowest and fastest running [m/s]."""
-
-STRAIGHT = 1e-7
-"""Least curvature, the end of the range of a curve's radius [1/m]."""
+SPEEDS, STRAIGHT = (1.0, 200.0), 1e-7
+"""Slowest and fastest running [m/s]; least curvature, the end of the range of a curve's radius [1/m]."""
 
 LIFTING, CLIMBING = 0.1, 0.9
 """Where there is no steady state beyond, a wheel with less of its static load lifts, one with more of Nadal's limit climbs."""
@@ -190,9 +187,8 @@ def curving(
     table["cant_deficiency"].attrs = {"units": "m", "long_name": "cant deficiency, negative: cant excess"}
     table["speed"] = variable(GRID, speeds, "m/s", "running speed")
     table["failure"] = (GRID, failure.astype(str), {"long_name": "why there is no steady state; empty: there is one"})
-    return table.assign_attrs(
-        title=f"Steady curving of {case.name}", case=case.name, cant_m=height, direction=direction
-    )
+    title = f"Steady curving of {case.name}"
+    return table.assign_attrs(title=title, case=case.name, cant_m=height, direction=direction)
 
 
 def _table(found: Mapping[tuple[float, float], SteadyState], direction: str) -> xr.Dataset:
@@ -203,9 +199,8 @@ def _table(found: Mapping[tuple[float, float], SteadyState], direction: str) -> 
     masses = xr.DataArray([model.masses[name] for name in model.bodies], dims="body")
     accelerations = run[[f"{way}_acceleration" for way in ("longitudinal", "lateral", "vertical")]].to_dataarray("way")
     unbalanced = abs(masses * accelerations).max(("way", "body"))
-    growth = [
-        eigenvalues(_core.Simulation(one.model.core).jacobian(0.0, one.state)[0]).real.max() for one in found.values()
-    ]
+    linear = [_core.Simulation(one.model.core).jacobian(0.0, one.state)[0] for one in found.values()]
+    growth = xr.DataArray([eigenvalues(matrix).real.max() for matrix in linear], dims="time")
     outer = -1.0 if direction == "left" else 1.0  # from positive to the left to positive towards the outer rail
     angle = run["patch_contact_angle"].isel(patch=run["patch_normal"].fillna(0.0).argmax("patch"))
     given = {
@@ -214,11 +209,7 @@ def _table(found: Mapping[tuple[float, float], SteadyState], direction: str) -> 
         "angle_of_attack": (outer * wheelsets["yaw"], "rad", "angle of attack, positive towards the outer rail"),
         "lateral": (outer * wheelsets["lateral"], "m", "lateral displacement, positive towards the outer rail"),
         "unbalanced_force": (unbalanced, "N", "largest unbalanced force of a body"),
-        "growth_rate": (
-            wheelsets["time"] * 0.0 + growth,
-            "1/s",
-            "largest growth rate",
-        ),
+        "growth_rate": (growth, "1/s", "growth rate of the fastest growing small motion"),
     }
     kept = ["guiding_force", "wheel_load", "derailment_quotient", "wear_number", *forces.drop_dims("time").data_vars]
     flat = forces[kept].assign(

@@ -21,9 +21,7 @@ def command(
     ] = "-60,0,60,100,150",
     cant_mm: Annotated[
         float | None,
-        typer.Option(
-            min=0.0, max=300.0, help="Cant of all curves [mm]; that of the case's first curve, or 100, if absent."
-        ),
+        typer.Option(min=0.0, max=300.0, help="Cant [mm]; absent: that of the case's first curve, or 100."),
     ] = None,
     change: Changes = None,
     allow_code: AllowCode = False,
@@ -33,8 +31,6 @@ def command(
     from rollerrig.study.curving import CurvingStudy
 
     radii, deficiencies = read_range(radii_m, "--radii-m"), read_range(deficiencies_mm, "--deficiencies-mm")
-    if min(radii) < 20.0:
-        raise typer.BadParameter(f"'{radii_m}': radii must be at least 20 m", param_hint="--radii-m")
     chosen = read_case(case, allow_code=allow_code, changes=change)
     cant = None if cant_mm is None else 1e-3 * cant_mm
     carry_out(CurvingStudy(chosen, tuple(radii), tuple(1e-3 * d for d in deficiencies), cant), out, force=force)

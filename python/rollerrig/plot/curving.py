@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
@@ -23,7 +22,7 @@ PANELS = {
 
 
 @into_axes
-def curving_over_radius(results: xr.Dataset, limits: Mapping[str, float] | None = None) -> Figure:
+def curving_over_radius(results: xr.Dataset, limits: Mapping[str, float]) -> Figure:
     """A panel per quantity, each with its largest magnitude of all wheels or wheelsets.
 
     Args:
@@ -38,7 +37,7 @@ def curving_over_radius(results: xr.Dataset, limits: Mapping[str, float] | None 
                 line = values.sel(cant_deficiency=deficiency)
                 axes.plot(results["radius"], line, marker=MARKERS[number % len(MARKERS)], markersize=3.0,
                           label=f"{1e3 * deficiency:g} mm", **look(number))  # fmt: skip
-            if limits and np.isfinite(limits.get(name, np.nan)):
+            if name in limits:
                 axes.axhline(factor * limits[name], color=GREY, linestyle=(0, (4, 2)), linewidth=1.0)
             axes.set_ylabel(label)
         for axes in grid[-1]:

@@ -1,6 +1,6 @@
 """Steady curving over radius and cant deficiency: wheel forces and wear, and which limits are exceeded where.
 
-Case -> [CurvingStudy] -> curving.nc, a table of the largest values in each curve, figure over the radius
+Case -> [CurvingStudy] -> all wheels as curving.nc, table and figure of the largest values in each curve
 """
 
 from __future__ import annotations
@@ -72,7 +72,6 @@ class CurvingStudy(Study[xr.Dataset]):
     command = "curving"
     quantities = QUANTITIES
     writes = ("curving.nc",)
-    formats = ("svg", "png")
     resumable = False
 
     @property
@@ -120,21 +119,17 @@ class CurvingStudy(Study[xr.Dataset]):
             where = [label for label, curve in curves.items() if words in curve["exceeded"]]
             found.append(f"{words} exceeds its limit in {'; '.join(where) or 'no curve'}.")
         unstable = [label for label, curve in curves.items() if (curve["growth_rate_per_s"] or 0.0) > 0.0]
-        found += [f"The steady state is unstable, a run leaves it, in {'; '.join(unstable)}."] if unstable else []
+        found += [f"The steady state is unstable, a run leaves it, in {'; '.join(unstable)}."] * bool(unstable)
         return found + [f"{label}: {curve['failure']}." for label, curve in curves.items() if curve["failure"]]
 
     def files(self, results: xr.Dataset, numbers: Numbers) -> Mapping[str, Any]:
         return {"curving.nc": results}
 
     def sections(self, results: xr.Dataset, numbers: Numbers) -> list[Section]:
-        figure = curving_over_radius(results, limits_of(results))
         caption = "Largest magnitudes of all wheels or wheelsets; dashed: limits."
+        picture = Picture("curving", curving_over_radius(results, limits_of(results)), caption)
         columns = ("speed_kmh", *MEASURED, "least_wheel_load_n", "growth_rate_per_s")
-        table = QUANTITIES.table(numbers["curves"], columns, "Largest magnitudes in each curve", "curve")
-        return [
-            Section("Over the radius", [Picture("curving", figure, caption)]),
-            Section("Curves", [table, Text(METHOD)]),
-        ]
+        return [Section("Curves", [picture, QUANTITIES.table(numbers["curves"], columns, head="curve"), Text(METHOD)])]
 
 
 def limits_of(results: xr.Dataset) -> dict[str, float]:

@@ -80,7 +80,7 @@ def test_nothing_but_refused_curves_is_an_error() -> None:
 
 @pytest.mark.parametrize(
     ("words", "message"),
-    [(("--radii-m", "5"), "at least 20 m"), (("--deficiencies-mm", "-60..150"), "is not a number")],
+    [(("--radii-m", "5"), "from 20 to"), (("--deficiencies-mm", "-60..150"), "is not a number")],
 )
 def test_what_is_no_curve_is_refused(words: tuple[str, ...], message: str, tmp_path: Path) -> None:
     done = CliRunner().invoke(build_app(), ["curving", str(WAGON), *words, "--out", str(tmp_path / "out")])
@@ -93,7 +93,7 @@ def test_the_command_writes_its_files(tmp_path: Path) -> None:
     done = CliRunner().invoke(build_app(), [*words, "--out", str(tmp_path)])
     assert done.exit_code == 0, done.output
     files = {path.relative_to(tmp_path).as_posix() for path in tmp_path.rglob("*") if path.is_file()}
-    assert {"curving.nc", "figures/curving.svg", "summary.json", "report.html"} <= files
+    assert {"curving.nc", "figures/curving.png", "summary.json", "report.html"} <= files
     summary = json.loads((tmp_path / "summary.json").read_text())
     assert summary["cant_mm"] == pytest.approx(120.0)
     assert summary["curves"].keys() == {"500 m, -60 mm", "500 m, 60 mm"}
