@@ -345,7 +345,7 @@ Equilibrium solve_equilibrium(Dynamics& dynamics, double speed, double t, std::v
                               std::vector<double> const& near, bool only_near) {
   if (!near.empty()) {
     std::vector<double> x = near;
-    fix_and_stand(dynamics, speed, t, fixed, false, x);
+    if (!only_near) fix_and_stand(dynamics, speed, t, fixed, false, x);
     if (auto result = newton(dynamics, t, fixed, std::move(x)); result.converged || only_near) return result;
   }
   auto result = newton(dynamics, t, fixed, first_guess(dynamics, speed, t, fixed));

@@ -34,7 +34,7 @@ DEFICIENCIES = (-0.06, 0.0, 0.06, 0.1, 0.15)
 USUAL_CANT = 0.1
 """Of a case without a curve of its own [m]."""
 
-SMALLEST_STEP = 1.0 / 128.0
+SMALLEST_STEP = 1.0 / 64.0
 """Part of the way between two points: where Newton's method fails over this, there is no steady state next to the last one."""
 
 SPEEDS, STRAIGHT = (1.0, 200.0), 1e-7
@@ -77,12 +77,17 @@ def recorded(states: Sequence[SteadyState]) -> xr.Dataset:
     return run_dataset(states[0].model, np.arange(float(len(states))), np.array(rows), outcome)
 
 
-def solve(case: Case, at: Vector, direction: str, near: Vector | None = None) -> SteadyState | float:
+def solve(case: Case, at: Vector, direction: str, near: SteadyState | None = None) -> SteadyState | float:
     """The steady state near another one, or as the core finds it; what remains unbalanced where there is none [N, N m]."""
     radius = 1.0 / max(at[0], STRAIGHT)
     curve = {"kind": "curve", "length": 1.0, "radius": float(radius), "cant": float(at[1]), "direction": direction}
     model = assemble(case.with_changes({"support.segment": [curve], "motion.speed_mps": float(at[2])}))
-    found = _core.Simulation(model.core).equilibrium(at[2], 0.0, [], near, only_near=near is not None)
+    simulation = _core.Simulation(model.core)
+    start = None
+    if near is not None:
+        start = near.state.copy()
+        start[[simulation.rate_index[model.body_index(name)][4] for name in model.wheelsets]] *= at[2] / near.at[2]
+    found = simulation.equilibrium(at[2], 0.0, [], start, only_near=near is not None)
     return SteadyState(at, model, np.asarray(found["x"])) if found["converged"] else float(found["residual"])
 
 
@@ -95,7 +100,7 @@ def follow(case: Case, begin: SteadyState, end: Vector, direction: str) -> tuple
     last, done, step = begin, 0.0, 1.0
     while done < 1.0:
         part = min(done + step, 1.0)
-        found = solve(case, begin.at + part * (end - begin.at), direction, last.state)
+        found = solve(case, begin.at + part * (end - begin.at), direction, last)
         if isinstance(found, SteadyState):
             last, done, step = found, part, 2.0 * step
         elif (step := 0.5 * step) < SMALLEST_STEP:

@@ -156,3 +156,17 @@ def test_a_model_at_another_speed_outlives_the_one_it_was_made_from() -> None:
     del assembled
     gc.collect()
     assert _core.Simulation(faster).equilibrium(30.0, 0.0, [])["converged"]
+
+
+def test_an_equilibrium_near_a_state_alone_is_found_at_once_or_not_at_all() -> None:
+    assembled = assemble(load_case("bogie_track"))
+    run, speed = _core.Simulation(assembled.core), assembled.case.motion.speed
+    rest = run.equilibrium(speed, 0.0, [])
+    again = run.equilibrium(speed, 0.0, [], rest["x"], only_near=True)
+    assert again["converged"]
+    assert again["iterations"] <= 2
+    np.testing.assert_allclose(again["x"], rest["x"], atol=1e-9)
+    far = rest["x"].copy()
+    far[run.coordinate_index[assembled.body_index("wheelset_1")][1]] += 0.02  # beyond its flange
+    assert not run.equilibrium(speed, 0.0, [], far, only_near=True)["converged"]
+    assert run.equilibrium(speed, 0.0, [], far)["converged"]

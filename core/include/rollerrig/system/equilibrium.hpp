@@ -32,7 +32,7 @@ struct Equilibrium {
 /// @param near   state close to the one looked for, such as that of a neighbouring speed, or the one without the fixed
 ///               coordinates: Newton's method starts there, with the spins of rolling, and with wheelsets that have fixed
 ///               coordinates stood on their wheels; empty, or where it leads nowhere: from a first guess
-/// @param only_near  no first guess where it leads nowhere: continuation takes a smaller step instead, at a tenth of the cost
+/// @param only_near  Newton's method alone, from that state as it is: continuation takes a smaller step where it leads nowhere
 Equilibrium solve_equilibrium(Dynamics& dynamics, double speed, double t,
                               std::vector<FixedCoordinate> const& fixed = {}, std::vector<double> const& near = {},
                               bool only_near = false);
