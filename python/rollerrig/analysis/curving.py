@@ -217,9 +217,8 @@ def _table(found: Mapping[tuple[float, float], SteadyState], direction: str) -> 
         "growth_rate": (growth, "1/s", "growth rate of the fastest growing small motion"),
     }
     kept = ["guiding_force", "wheel_load", "derailment_quotient", "wear_number", *forces.drop_dims("time").data_vars]
-    flat = forces[kept].assign(
-        {name: one.assign_attrs(units=unit, long_name=meaning) for name, (one, unit, meaning) in given.items()}
-    )
+    named = {name: one.assign_attrs(units=unit, long_name=meaning) for name, (one, unit, meaning) in given.items()}
+    flat = forces[kept].assign(named)
     places = {name: ("time", np.array(values)) for name, values in zip(GRID, zip(*found, strict=True), strict=True)}
     flat.attrs = {key: run.attrs[key] for key in ("run_info", "sources", "config_toml", "rollerrig_version")}
     return flat.drop_vars(["time", "section", "patch"]).assign_coords(places).set_index(time=GRID).unstack("time")

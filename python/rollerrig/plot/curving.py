@@ -23,12 +23,7 @@ PANELS = {
 
 @into_axes
 def curving_over_radius(results: xr.Dataset, limits: Mapping[str, float]) -> Figure:
-    """A panel per quantity, each with its largest magnitude of all wheels or wheelsets.
-
-    Args:
-        results: what `rollerrig.curving` returns.
-        limits: variable -> limit to draw.
-    """
+    """A panel per quantity of what `rollerrig.curving` returns: its largest magnitude of all wheels or wheelsets, and its limit."""
     with house_style():
         figure, grid = new_grid(3, 2, 7.2, 7.6, sharex=True)
         for axes, (name, (label, factor)) in zip(grid.ravel(), PANELS.items(), strict=True):
