@@ -22,8 +22,8 @@ PANELS = {
 
 
 @into_axes
-def curving_over_radius(results: xr.Dataset, limits: Mapping[str, float]) -> Figure:
-    """A panel per quantity of what `rollerrig.curving` returns: its largest magnitude of all wheels or wheelsets, and its limit."""
+def curving_over_radius(results: xr.Dataset, limits: Mapping[str, float] | None = None) -> Figure:
+    """A panel per quantity of `rollerrig.curving`: its largest magnitude of all wheels or wheelsets; limits by variable."""
     with house_style():
         figure, grid = new_grid(3, 2, 7.2, 7.6, sharex=True)
         for axes, (name, (label, factor)) in zip(grid.ravel(), PANELS.items(), strict=True):
@@ -32,7 +32,7 @@ def curving_over_radius(results: xr.Dataset, limits: Mapping[str, float]) -> Fig
                 line = values.sel(cant_deficiency=deficiency)
                 axes.plot(results["radius"], line, marker=MARKERS[number % len(MARKERS)], markersize=3.0,
                           label=f"{1e3 * deficiency:g} mm", **look(number))  # fmt: skip
-            if name in limits:
+            if limits and name in limits:
                 axes.axhline(factor * limits[name], color=GREY, linestyle=(0, (4, 2)), linewidth=1.0)
             axes.set_ylabel(label)
         for axes in grid[-1]:

@@ -97,3 +97,8 @@ def test_the_command_writes_its_files(tmp_path: Path) -> None:
     summary = json.loads((tmp_path / "summary.json").read_text())
     assert summary["cant_mm"] == pytest.approx(120.0)
     assert summary["curves"].keys() == {"500 m, -60 mm", "500 m, 60 mm"}
+
+
+def test_what_the_function_finds_is_drawn_with_defaults() -> None:
+    figure = rr.plot.curving_over_radius(rr.curving(wagon(), [1000.0, 500.0], [0.0, 0.1]))
+    assert [len(axes.lines) for axes in figure.axes] == [2] * 6  # a line per cant deficiency
