@@ -12,7 +12,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from rollerrig import _core
-from rollerrig.config import Case, Foundation, Mounting, Restraint, Rig, Track, Vehicle
+from rollerrig.config import Case, Foundation, Restraint, Rig, Track, Vehicle
 from rollerrig.config.schema.irregularity import rails_of_run
 from rollerrig.config.schema.vehicle import DIRECTIONS, Body, Element
 from rollerrig.config.validate.check_track import distance_run, foremost_wheelset
@@ -43,7 +43,7 @@ class AssembledModel:
     wheelsets: tuple[str, ...]
     rollers: tuple[str, ...]
     rails: tuple[str, ...]
-    """Pieces of rail on an elastic foundation; none where the rails are rigid."""
+    """Pieces of rail on an elastic foundation, and of sleepers; none where the rails are rigid."""
     fixed: tuple[str, ...]
     masses: dict[str, float]
     inertias: dict[str, tuple[float, float, float]]
@@ -302,35 +302,62 @@ class Assembly:
                 self.roller_of[(wheelset.name, wheel_side)] = index
             if mounting is not None:
                 askew = dict(enumerate(mounting.misalignment)).get(place, 0.0)
-                self._mount(name, index, mounting, share * (axle_load + rig.roller_mass * self.case.gravity), askew)
+                self._mount(
+                    name, index, mounting.laws, share * (axle_load + rig.roller_mass * self.case.gravity), askew
+                )
 
     def _add_rails(self, wheelset: Body, foundation: Foundation, axle_load: float) -> None:
-        x, mass = wheelset.position[0] - self.cut.origin_x, foundation.rail_mass
-        locked = [direction not in foundation.laws for direction in DIRECTIONS]
+        """Under each wheel a piece of rail on its foot; under that, where asked for, half a sleeper at the same place."""
+        x, mass, sleeper = wheelset.position[0] - self.cut.origin_x, foundation.rail_mass, foundation.sleeper
         number = wheelset.name.removeprefix("wheelset_")
+        foot = (0.0, 0.0, -foundation.centre_height)
         for side, sign in (("left", 1.0), ("right", -1.0)):
-            name = f"rail_{number}_{side}"
-            position = (x, sign * self.rail_origin, 0.0)
-            index = self._add_body(name, mass, (mass, mass, mass), position, locked, in_moving_frame=False)
-            self.rails.append(name)
+            load, under = 0.5 * axle_load + mass * self.case.gravity, GROUND
+            place = (x, sign * self.rail_origin, -foundation.rail_height)
+            if sleeper is not None:
+                under = self._add_piece(f"sleeper_{number}_{side}", sleeper.mass, sleeper.mass, place, sleeper.laws)
+                self._mount(self.bodies[under], under, sleeper.laws, load + sleeper.mass * self.case.gravity)
+            place = (*place[:2], foundation.centre_height - foundation.rail_height)
+            index = self._add_piece(f"rail_{number}_{side}", mass, foundation.roll_inertia, place, foundation.laws)
             self.roller_of[(wheelset.name, side)] = index
-            self._mount(name, index, foundation, 0.5 * axle_load + mass * self.case.gravity)
+            self._mount(self.bodies[index], index, foundation.laws, load, point=foot, under=under)
 
-    def _mount(self, name: str, body: int, mounting: Mounting | Foundation, load: float, askew: float = 0.0) -> None:
-        """Springs and dampers between the ground and a roller, or a piece of rail, whose rest is turned about z [rad]."""
-        loads = {"z": load} if "z" in mounting.laws else {}
-        if askew and (yaw := mounting.laws.get("yaw")):
+    def _add_piece(self, name: str, mass: float, inertia: float, place: Point, free: Mapping[str, Support]) -> int:
+        """A piece of track that moves in the directions in which it has supports."""
+        self.rails.append(name)
+        locked = [direction not in free for direction in DIRECTIONS]
+        return self._add_body(name, mass, (inertia, inertia, inertia), place, locked, in_moving_frame=False)
+
+    def _mount(
+        self,
+        name: str,
+        body: int,
+        laws: Mapping[str, Support],
+        load: float,
+        askew: float = 0.0,
+        point: Point = (0.0, 0.0, 0.0),
+        under: int = GROUND,
+    ) -> None:
+        """Springs and dampers under a roller, whose rest is turned about z [rad], or a point of a piece of track."""
+        loads = {"z": load} if "z" in laws else {}
+        if askew and (yaw := laws.get("yaw")):
             loads["yaw"] = yaw.stiffness * askew
-        self._add_support(f"mounting_{name}", body, mounting.laws, loads, (0.0, 0.0, 0.0))
+        self._add_support(f"mounting_{name}", body, laws, loads, point, under)
 
     def _add_support(
-        self, name: str, body: int, given: Mapping[str, Support], loads: Mapping[str, float], point: Point
+        self,
+        name: str,
+        body: int,
+        given: Mapping[str, Support],
+        loads: Mapping[str, float],
+        point: Point,
+        under: int = GROUND,
     ) -> None:
-        """An element between the ground and a point of a body."""
+        """An element between the ground, or what else is under it, and a point of a body."""
         laws = [direction_law(given.get(c), loads.get(c, 0.0)) for c in DIRECTIONS]
         self.elements.append(name)
         self.builder.add_element(
-            _core.ForceElement(body_a=GROUND, body_b=body, point_on_b=point, law=laws, clamped=False)
+            _core.ForceElement(body_a=under, body_b=body, point_on_b=point, law=laws, clamped=False)
         )
 
     def _restrain(self, restraint: Restraint) -> None:

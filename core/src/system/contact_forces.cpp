@@ -96,7 +96,7 @@ void ForceAssembly<T>::apply_contact(std::size_t index) const {
   if (contact.roller == ground) return;
   auto& under = w_.wrench[at(contact.roller)];
   under.force -= sum.force;
-  if (!contact.rail) under.moment -= w_.motion[at(contact.roller)].R * sum.on_roller;  // a rail does not turn
+  under.moment -= (contact.rail ? placed.R : w_.motion[at(contact.roller)].R) * sum.on_roller;
 }
 
 template <Scalar T>

@@ -207,8 +207,10 @@ int ModelBuilder::add_contact(ContactDescription const& d) {
   c.wheelset_from_crown = {0.0, wheelset.position.y, wheelset.position.z};
   if (d.roller != ground) {
     Body const& roller = model_.bodies[at(d.roller)];
-    need(std::abs(roller.position.z + d.roller_radius) < 1e-9, what + ": the crown of its roller is not at z = 0");
-    c.crown_in_roller = {wheelset.position.x - roller.position.x, -roller.position.y, d.roller_radius};
+    need(rail || std::abs(roller.position.z + d.roller_radius) < 1e-9,
+         what + ": the crown of its roller is not at z = 0");
+    c.crown_in_roller = {wheelset.position.x - roller.position.x, -roller.position.y,
+                         rail ? -roller.position.z : d.roller_radius};
   }
   c.pair = {model_.profiles[at(d.wheel_profile)].get(),
             model_.profiles[at(d.rail_profile)].get(),

@@ -130,7 +130,7 @@ void StiffCreepModes::add_slip(Model const& model, Evaluation const& evaluation,
     Wrench<double> wrench{sum.force, sum.on_wheelset};
     if (i > 0) {
       if (body != own.roller) continue;
-      wrench = {-sum.force, own.rail ? Vec3<double>{} : -(m.R * sum.on_roller)};
+      wrench = {-sum.force, -((own.rail ? placed.R : m.R) * sum.on_roller)};
     }
     if (model.constraint_of_contact[at(contact)] >= 0) {  // the constraint takes this part of all creep out
       wrench.force.x = 0.0;

@@ -9,7 +9,7 @@ namespace rollerrig::test {
 struct VehicleSetup {
   double speed = 20.0;         ///< [m/s]
   double wheelbase = 8.0;      ///< long: the frames of its wheelsets differ
-  bool elastic_rails = false;  ///< each rail on springs under each wheelset
+  bool elastic_rails = false;  ///< each rail on springs under each wheelset; it rolls about its foot
   double shift = 0.0;          ///< the line, the irregularities and the start moved along by this [m]
   double side = 1.0;           ///< -1: everything mirrored
 };
@@ -80,14 +80,16 @@ inline Parts vehicle_parts(VehicleSetup const& setup) {
       c.wheelset = wheelset;
       if (setup.elastic_rails) {
         double const x = parts.bodies[static_cast<std::size_t>(wheelset)].position.x;
-        Body rail{150.0, {1.0, 1.0, 1.0}, {x, c.right ? -0.76 : 0.76, 0.0}};
-        rail.locked = {true, false, false, true, true, true};
+        Body rail{150.0, {1.0, 1.0, 1.0}, {x, c.right ? -0.76 : 0.76, -0.09}};
+        rail.locked = {true, false, false, false, true, true};
         rail.in_moving_frame = false;
         c.roller = static_cast<int>(parts.bodies.size());
         parts.bodies.push_back(rail);
         ForceElement e;
         e.body_a = ground, e.body_b = c.roller;
+        e.r_b = {0.0, 0.0, -0.08};  // its foot
         e.law[coord_y] = {.laws = {LinearSpring{3e7}, LinearDamper{5e4}}};
+        e.law[coord_roll] = {.laws = {LinearSpring{4e5}, LinearDamper{5e2}}};
         e.law[coord_z] = {.preload = 150.0 * 9.81, .laws = {LinearSpring{6e7}, LinearDamper{1e5}}};
         parts.elements.push_back(e);
       }

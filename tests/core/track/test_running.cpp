@@ -188,7 +188,9 @@ TEST_CASE("elastic rails give way by their load over their stiffness, and very s
   }
   CHECK(vertical_load(a, 0) == doctest::Approx(12600.0 * 9.81 / 4.0).epsilon(1e-3));
   for (auto& e : soft.elements)
-    if (e.body_a == ground) e.law[coord_y].laws[0] = e.law[coord_z].laws[0] = LinearSpring{1e12};
+    if (e.body_a == ground)
+      for (int direction : {coord_y, coord_z, coord_roll})
+        e.law[static_cast<std::size_t>(direction)].laws[0] = LinearSpring{1e12};
   Dynamics c(soft);
   auto const ec = solve_equilibrium(c, 20.0, 0.0);
   REQUIRE(ec.converged);

@@ -194,7 +194,12 @@ def whole_cases() -> dict[str, Raw]:
     derivative["brake_unit"] = {}
     derivative["sanding"] = {"start": {"kind": "from_time", "begin": 1.0}}
     track = plain(load_case("vehicle_track_irregular"))
-    track["support"]["data"]["foundation"] = {"rail_mass": 60.0, "lateral": {"stiffness": 1e8}}
+    track["support"]["data"]["foundation"] = {
+        "rail_mass": 60.0,
+        "lateral": {"stiffness": 1e8},
+        "roll": {"stiffness": 4e5},
+        "sleeper": {"vertical": {"stiffness": 7e7}},
+    }
     damped = {"damper": {"damping": 1e4, "series_stiffness": 1e6}}
     element = track["vehicle"]["data"]["element"][0]
     element["x"] = {"damping_table": [[-1.0, -1e4], [1.0, 1e4]], **damped}

@@ -23,7 +23,7 @@ def test_every_key_is_explained() -> None:
         ("vehicle.data.body[0].mass", ["vehicle.body.mass", "unit       kg", "it must be given"]),
         ("contact.creep", ["kalker_saturated, ", "'polach': kind, k_A, k_S", "default    'table'"]),
         ("output_step", ["time.output_step", "0.01"]),
-        ("stiffness", ["12 keys end in 'stiffness'", "vehicle.element.yaw.stiffness "]),
+        ("stiffness", ["15 keys end in 'stiffness'", "vehicle.element.yaw.stiffness "]),
         ("stop.speed", ["of a programme", "slide_protection_stops"]),
         ("slide_protection.fmu", ["a text or a table", "of kind 'slip_and_deceleration' or 'threshold_table' of a case"]),
         ("support.mounting.misalignment", ["list of numbers, each a number in rad", "none: empty"]),

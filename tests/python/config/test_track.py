@@ -124,8 +124,8 @@ S = 'segment = [{ kind = "straight", length = 50 }'
          "line.toml: irregularity.longest_wavelength: 2; allowed: at least shortest_wavelength, 3 m"),
         ('irregularity = { kind = "file", path = "no.csv" }', None),
         ("foundation = { rail_mass = 60 }",
-         "line.toml: foundation.lateral: missing; needed: a support along y or z; without both leave out the foundation, the "
-         "rails are rigid"),
+         "line.toml: foundation.lateral: missing; needed: a support along y, z or about the foot, as flexible_track has them; "
+         "without any leave it out"),
         ('gauge = "1.48 m"',
          "case.toml: support.data.gauge: 1.48; wheel and rail of different gauge: the flanges, 1425.0 mm across, stand far "
          "inside of the rails; allowed: a gauge 1.425 to 1.465 m, or another wheel.back_to_back (1360 mm)"),

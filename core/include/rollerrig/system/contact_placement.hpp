@@ -128,10 +128,15 @@ ContactPlacement<T> on_rail(WheelContact const& contact, BodyMotion<T> const& wh
   // Direction of this rail per metre of the line, and velocity of its material at any place X: -V (along + twist x X).
   Vec3<T> direction{T(1.0), offset.y.slope, offset.z.slope};
   if (frame) direction += frame->along - Vec3<T>{T(1.0), T(0.0), T(0.0)} + cross(frame->twist, head + irregular);
-  p.R = axes_along(direction);
+  Rotation<T> const along = axes_along(direction);
+  p.R = along;
   p.turned = true;
   Vec3<T> displaced = head + irregular;
-  if (rail) displaced += rail->p;
+  if (rail) {  // its head moves with its centre of mass, and on the lever arm from there as it rolls
+    Vec3<T> const arm = lift<T>(contact.crown_in_roller) + head;
+    p.R = {rail->R * along.ex, rail->R * along.ey, rail->R * along.ez};
+    displaced += rail->p + p.R * arm - along * arm;
+  }
   auto const to_b = [&](Vec3<T> const& v) { return p.R.transposed_times(v); };
   p.pose = {head + to_b(lift<T>(contact.wheelset_from_crown) + wheelset.p - displaced), relative(p.R, wheelset.R)};
   Vec3<T> material{-speed, T(0.0), T(0.0)};
@@ -142,8 +147,12 @@ ContactPlacement<T> on_rail(WheelContact const& contact, BodyMotion<T> const& wh
   }
   p.prescribed = true;
   p.prescribed_v = to_b(material);
-  p.motion = {to_b(wheelset.v), to_b(wheelset.omega), rail ? to_b(material + rail->v) : p.prescribed_v,
-              p.prescribed_omega};
+  p.motion = {to_b(wheelset.v), to_b(wheelset.omega), p.prescribed_v, p.prescribed_omega};
+  if (rail) {
+    Vec3<T> const turning = to_b(rail->omega);
+    p.motion.v_roller = to_b(material + rail->v) + cross(turning, lift<T>(contact.crown_in_roller));
+    p.motion.omega_roller += turning;
+  }
   return p;
 }
 

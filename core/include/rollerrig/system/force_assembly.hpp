@@ -47,7 +47,10 @@ class ForceAssembly {
 
  private:
   static std::size_t at(int i) { return static_cast<std::size_t>(i); }
-  bool curved_motion(int a, int b) const { return w_.curved && a >= 0 && b >= 0; }
+  /// Two bodies of the vehicle; a rail and its sleeper lie in one frame.
+  bool curved_motion(int a, int b) const {
+    return w_.curved && a >= 0 && b >= 0 && model_.bodies[at(b)].in_moving_frame;
+  }
 
   void apply_weight(std::size_t body) const;
   void apply_element(std::size_t index) const;

@@ -28,10 +28,10 @@ struct WheelContact {
   int wheelset{0};
   int roller{ground};                  ///< body of the roller or of an elastic rail; ground: a rigid rail
   bool right{false};                   ///< right wheel: mirrored before and after
-  bool rail{false};                    ///< the surface runs backwards with the running speed and does not turn
+  bool rail{false};                    ///< the surface runs backwards with the running speed and does not spin
   double distance_ahead{0.0};          ///< of the wheelset from the vehicle's reference point, along the line [m]
   Vec3<double> wheelset_from_crown{};  ///< design position of the wheelset's centre from the origin of b, world [m]
-  Vec3<double> crown_in_roller{};      ///< origin of b from the roller's centre of mass, roller frame [m]
+  Vec3<double> crown_in_roller{};      ///< origin of b from the roller's or rail's centre of mass, its frame [m]
   WheelRollerPair pair{};
   ContactLaws laws{};
 

@@ -1,5 +1,7 @@
 """How roller axles and rails are mounted where they are not rigid."""
 
+from typing import Annotated
+
 from pydantic import Field, model_validator
 
 from rollerrig.config.schema.base import Table, refused
@@ -11,6 +13,7 @@ from rollerrig.config.schema.units import (
     Position,
     PositiveAngularStiffness,
     PositiveStiffness,
+    Quantity,
 )
 from rollerrig.config.schema.vehicle import Name
 
@@ -64,19 +67,17 @@ class Restraint(Table):
     body: Name | None = Field(default=None, description="that it holds; absent: the heaviest that is no wheelset")
 
 
-class Foundation(Table):
-    """Rails on an elastic foundation: under each wheel a piece of rail that moves along with it; what is absent is rigid."""
+class Sleeper(Table):
+    """Half a sleeper under each piece of rail, on ballast; the supports of the foundation are then those of the rail pad."""
 
-    rail_mass: Mass = Field(description="mass of the piece of rail under one wheel, with what moves with it")
-    lateral: LinearSupport | None = Field(default=None, description="elastic support of one rail along y")
-    vertical: LinearSupport | None = Field(default=None, description="elastic support of one rail along z")
+    mass: Mass = Field(default=150.0, description="of what moves of the sleepers under one wheel")
+    lateral: LinearSupport | None = Field(default=None, description="ballast along y; absent: rigid")
+    vertical: LinearSupport | None = Field(default=None, description="ballast along z; absent: rigid")
 
     @model_validator(mode="after")
-    def _moves(self) -> "Foundation":
-        if self.lateral is None and self.vertical is None:
-            raise refused(
-                "lateral", "needed: a support along y or z; without both leave out the foundation, the rails are rigid"
-            )
+    def _moves(self) -> "Sleeper":
+        if not self.laws:
+            raise refused("vertical", "needed: ballast along y or z; without both leave out the sleeper")
         return self
 
     @property
@@ -84,3 +85,48 @@ class Foundation(Table):
         """The supports that are given, by direction."""
         given = {"y": self.lateral, "z": self.vertical}
         return {direction: support for direction, support in given.items() if support is not None}
+
+
+class Foundation(Table):
+    """Rails on an elastic foundation: under each wheel a piece of rail that moves along with it; what is absent is rigid.
+
+    docs/how_to/flexible_rails.md says when to use it, and where the values of the catalogue's `flexible_track` come from.
+    """
+
+    rail_mass: Mass = Field(
+        default=60.0, description="mass of the piece of rail under one wheel, with what moves with it"
+    )
+    lateral: LinearSupport | None = Field(default=None, description="elastic support of one rail's foot along y")
+    vertical: LinearSupport | None = Field(default=None, description="elastic support of one rail's foot along z")
+    roll: AngularSupport | None = Field(default=None, description="elastic support of one rail about its foot")
+    rail_height: Annotated[float, Quantity("m", 0.01, 1.0)] = Field(
+        default=0.172, description="top of rail over foot: lever arm of the lateral force"
+    )
+    sleeper: Sleeper | None = Field(
+        default=None, description="a second layer between the supports and the ground; absent: none"
+    )
+
+    @model_validator(mode="after")
+    def _moves(self) -> "Foundation":
+        if not self.laws:
+            raise refused(
+                "lateral",
+                "needed: a support along y, z or about the foot, as flexible_track has them; without any leave it out",
+            )
+        return self
+
+    @property
+    def laws(self) -> dict[str, LinearSupport | AngularSupport]:
+        """The supports that are given, by direction."""
+        given = {"y": self.lateral, "z": self.vertical, "roll": self.roll}
+        return {direction: support for direction, support in given.items() if support is not None}
+
+    @property
+    def centre_height(self) -> float:
+        """Of the rail's centre of mass over its foot [m]: 81 of 172 mm in a 60E1."""
+        return 0.47 * self.rail_height
+
+    @property
+    def roll_inertia(self) -> float:
+        """Of the rail about its centre of mass [kg m^2]: radius of gyration 68 of 172 mm in a 60E1."""
+        return self.rail_mass * (0.395 * self.rail_height) ** 2

@@ -67,18 +67,24 @@ def check_scales(wheel: Wheel, support: Rig | Track, file: str) -> list[ConfigPr
     return [ConfigProblem(file, "support.data.profile.length_scale", show_value(of_rail), allowed)]
 
 
-def check_flange_clearance(wheel: Wheel, support: Rig | Track, file: str) -> list[ConfigProblem]:
-    """The flanges must fit between the rails or rollers, and not stand far inside of them."""
+def flange_clearance(wheel: Wheel, support: Rig | Track) -> float | None:
+    """Play of a wheelset between the rails or rollers [m]; None for wheels without a flange."""
     table = profile_from_spec(wheel.profile.arguments(), "wheel")
     flange, radius = table.outline[table.outline[:, 0] < 0].T
-    depth, widest = (wheel.profile.length_scale * full for full in (FLANGE_DEPTH, WIDEST_CLEARANCE))
+    depth = wheel.profile.length_scale * FLANGE_DEPTH
     if radius.max(initial=0.0) < depth:
-        return []  # a wheel without a flange
+        return None
     nearest_to_tread = float(flange[radius >= depth].max())
-    across = wheel.back_to_back + 2 * (wheel.tape_circle + nearest_to_tread)
-    clearance = support.gauge - across
-    if 0.0 <= clearance <= widest:
+    return support.gauge - (wheel.back_to_back + 2 * (wheel.tape_circle + nearest_to_tread))
+
+
+def check_flange_clearance(wheel: Wheel, support: Rig | Track, file: str) -> list[ConfigProblem]:
+    """The flanges must fit between the rails or rollers, and not stand far inside of them."""
+    clearance = flange_clearance(wheel, support)
+    widest = wheel.profile.length_scale * WIDEST_CLEARANCE
+    if clearance is None or 0.0 <= clearance <= widest:
         return []
+    across = support.gauge - clearance
     what = "rollers" if support.kind == "rig" else "rails"
     verb = "do not fit between" if clearance < 0 else "stand far inside of"
     allowed = (

@@ -12,11 +12,17 @@ import numpy as np
 from rollerrig.config.errors import ConfigProblem, show_value
 from rollerrig.config.schema.case import CaseTables, Motion
 from rollerrig.config.schema.irregularity import MeasuredIrregularity, rails_of_run
+from rollerrig.config.schema.mounting import AngularSupport, Foundation, LinearSupport
 from rollerrig.config.schema.support import Rig
 from rollerrig.config.schema.track import Curve, Track, Transition, layout
+from rollerrig.config.schema.vehicle import Body
+from rollerrig.config.validate.check_profile import flange_clearance
 from rollerrig.irregularity import IrregularityError, read_measured_track
 from rollerrig.profiles import flange_angle, profile_from_spec
 from rollerrig.track import Segment, highest_speed, limit_of_lateral_force, plane_acceleration
+
+GIVE = (1e-7, 20e-3)
+"""Least and largest displacement of a full-scale rail under the wheel load [m]; the contact itself gives way by 1e-4."""
 
 FLATTEST_FLANGE = math.radians(45)
 """A wheel that is nowhere steeper has no flange to climb."""
@@ -77,9 +83,69 @@ def check_track(case: CaseTables, file: str) -> list[ConfigProblem]:
     """What only a vehicle at a speed can be asked."""
     support = case.support.data
     problems = list(_irregularity(case, file))
+    if isinstance(support, Track) and support.foundation is not None:
+        problems += _give_way(case, support.foundation, file)
     if isinstance(support, Track) and support.segment and not problems:
-        problems += _speed_in_curves(case, support, file)
+        problems += _wheelbase_in_curves(case, support, file)
+        problems = problems or list(_speed_in_curves(case, support, file))
     return problems
+
+
+def _give_way(case: CaseTables, foundation: Foundation, file: str) -> Iterator[ConfigProblem]:
+    """Under a force as large as the wheel load a rail gives way by millimetres: neither by centimetres, nor not at all."""
+    vehicle = case.vehicle.data
+    wheels = 2 * sum(body.kind == "wheelset" for body in vehicle.body)
+    load = sum(body.mass for body in vehicle.body) * case.gravity / wheels
+    least, largest = (vehicle.wheel.profile.length_scale * give for give in GIVE)
+    for part, where in ((foundation, "foundation"), (foundation.sleeper, "foundation.sleeper")):
+        for key in ("lateral", "vertical", "roll"):
+            law: LinearSupport | AngularSupport | None = getattr(part, key, None)
+            arm, unit = (foundation.rail_height**2, "N m/rad") if key == "roll" else (1.0, "N/m")
+            if law is None or least <= (moved := load * arm / law.stiffness) <= largest:
+                continue
+            allowed = (
+                f"under the wheel load, {1e-3 * load:.3g} kN, the rail's head moves by {1e3 * moved:.2g} mm; "
+                f"allowed: {load * arm / largest:.2g} to {load * arm / least:.2g} {unit}; flexible_track has typical values; "
+                "for a rigid rail leave it out"
+            )
+            yield ConfigProblem(file, f"support.data.{where}.{key}.stiffness", f"{law.stiffness:g}", allowed)
+
+
+def _wheelbase_in_curves(case: CaseTables, track: Track, file: str) -> Iterator[ConfigProblem]:
+    """Wheelsets under one frame must fit between the rails of a curve, by geometry.
+
+    The outermost, w apart, stand askew by alpha = w / (2 R). A flange of angle delta, a cone, then takes alpha^2 r tan(delta) / 2
+    more room on each side; one in their middle is w^2 / (8 R) off. Both together may take the play between flanges and rails.
+    """
+    wheel = case.vehicle.data.wheel
+    steepest = flange_angle(profile_from_spec(wheel.profile.arguments(), "wheel"))
+    play = flange_clearance(wheel, track)
+    if play is None or play <= 0.0 or steepest < FLATTEST_FLANGE:
+        return
+    for frame, wheelsets in wheelsets_by_frame(case).items():
+        places = [body.position[0] for body in wheelsets]
+        base = max(places) - min(places)
+        askew, off = (base / 2) ** 2 * wheel.radius * math.tan(steepest), base**2 / 8 if len(places) > 2 else 0.0
+        # askew / R^2 + off / R = play
+        least = (off + math.sqrt(off**2 + 4 * askew * play)) / (2 * play)
+        for i, curve in enumerate(track.segment):
+            if isinstance(curve, Curve) and curve.radius < least:
+                allowed = (
+                    f"tighter than the wheelbase of {case.vehicle.data.name} allows: {len(places)} wheelsets under {frame}, "
+                    f"{base:.3g} m, jam in the gauge, whose play is {1e3 * play:.1f} mm; allowed: at least {least:.3g} m"
+                )
+                yield ConfigProblem(file, f"support.data.segment[{i}].radius", f"{curve.radius:g} m", allowed)
+
+
+def wheelsets_by_frame(case: CaseTables) -> dict[str, list[Body]]:
+    """Wheelsets of the case's part of the vehicle under each body that they carry."""
+    vehicle, found = case.vehicle.data, dict[str, list[Body]]()
+    wheelsets = {body.name: body for body in vehicle.bodies_in(case.vehicle.part) if body.kind == "wheelset"}
+    for element in vehicle.element:
+        for own, other in (element.between, element.between[::-1]):
+            if element.carries_load and own in wheelsets and wheelsets[own] not in found.setdefault(other, []):
+                found[other].append(wheelsets[own])
+    return {frame: standing for frame, standing in found.items() if len(standing) > 1}
 
 
 def _irregularity(case: CaseTables, file: str) -> Iterable[ConfigProblem]:
