@@ -42,7 +42,8 @@ from rollerrig.results import Draft, Outcome, add_energy_audit, add_termination,
 from rollerrig.results.contact_loss import add_contact_losses, contact_loss_warning
 from rollerrig.results.drive_limits import drive_warning
 from rollerrig.results.readings import add_readings
-from rollerrig.starting_state import StartError, starting_state
+from rollerrig.results.termination import FLEXIBLE, contact_in_words
+from rollerrig.starting_state import StartError, recorded_state, starting_state
 
 __all__ = [
     "Progress",
@@ -156,7 +157,9 @@ def _results(
     add_energy_audit(draft)
     times, support = draft.values("time"), model.case.support.data
     duration = float(np.ptp(times)) if len(times) else 0.0
-    lost = contact_loss_warning(losses, duration, on_rollers=isinstance(support, Rig))
+    on_rollers = isinstance(support, Rig)
+    advice = "" if on_rollers or model.rails else FLEXIBLE
+    lost = contact_loss_warning(losses, duration, on_rollers=on_rollers, advice=advice)
     draft.attributes.update(provenance)
     draft.attributes["warnings"] = "\n".join(filter(None, (_energy_warning(draft), lost, drive_warning(draft))))
     return draft.dataset()
@@ -407,4 +410,6 @@ def outcome(simulation: _core.Simulation, model: AssembledModel, code: int, fail
     if status != "ok" and not failure:
         place = f"t = {at:.4g} s" + (f", {wheel}" if wheel else "")
         message = f"{place}: {message}"
+    if wheel and np.all(np.isfinite(simulation.state)):
+        message += contact_in_words(model, wheel, status, recorded_state(simulation, model, simulation.state, at))
     return Outcome(status, message, at, wheel, simulation.statistics(), simulation.counters())

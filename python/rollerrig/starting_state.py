@@ -17,6 +17,7 @@ from rollerrig.config import ConfigError, ConfigProblem
 from rollerrig.config.schema.vehicle import DIRECTIONS
 from rollerrig.restraint import require_restraint
 from rollerrig.results import Outcome, run_dataset
+from rollerrig.results.termination import segment_in_words
 
 Vector = NDArray[np.float64]
 
@@ -112,8 +113,9 @@ def equilibrium(simulation: _core.Simulation, model: AssembledModel) -> Vector:
     case = model.case
     found = simulation.equilibrium(case.motion.speed, 0.0, [])
     if not found["converged"]:
+        where = f" in {segment}" if (segment := segment_in_words(model, 0.0)) else ""
         raise StartError(
-            f"{case.name}: no equilibrium at {case.motion.speed * 3.6:g} km/h: {found['residual']:.3g} N or N m remain "
+            f"{case.name}: no equilibrium at {case.motion.speed * 3.6:g} km/h{where}: {found['residual']:.3g} N or N m remain "
             "unbalanced after Newton's method; do all wheels meet their rail or roller (gauge, back_to_back, profiles), "
             "do springs or locks carry every body, are the torques at time 0 within friction?"
         )
@@ -177,8 +179,8 @@ def equilibrium_dataset(model: AssembledModel) -> xr.Dataset:
     return recorded_state(simulation, model, rest)
 
 
-def recorded_state(simulation: _core.Simulation, model: AssembledModel, state: Vector) -> xr.Dataset:
-    """Everything a run records, of one state at time 0."""
-    row = simulation.record(0.0, state, np.zeros(simulation.quadrature_count))
+def recorded_state(simulation: _core.Simulation, model: AssembledModel, state: Vector, time: float = 0.0) -> xr.Dataset:
+    """Everything a run records, of one state."""
+    row = simulation.record(time, state, np.zeros(simulation.quadrature_count))
     outcome = Outcome("ok", _core.status_sentence(0), 0.0, "", {}, {})
     return run_dataset(model, np.zeros(1), np.asarray(row)[np.newaxis], outcome)

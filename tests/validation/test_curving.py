@@ -60,7 +60,8 @@ def test_the_load_moves_to_the_outer_rail_by_statics(speed_kmh: float) -> None:
     """Moments about the tangent in the vehicle's middle: all bodies where they stand, all wheels where they touch.
 
     A displacement counts from the track at the body's own place, which lies x^2 / (2 R) beside the tangent. The
-    heights of the contacts, up to 10 mm on the flange, are left out: 10 mm times Y is 0.5 % of the moments.
+    heights of the contacts, up to 10 mm on the flange, are left out: 10 mm times Y is 0.5 % of the moments, and what the rails
+    give way, 1 mm, times Q as much as is left to 0.6 %.
     """
     speed = speed_kmh / 3.6
     case = in_the_curve(speed)
@@ -83,14 +84,19 @@ def test_the_load_moves_to_the_outer_rail_by_statics(speed_kmh: float) -> None:
         y = side * (0.75 + float(at["contact_abscissa"])) + beside_the_tangent(wheel.wheelset)
         carried -= y * float(at["vertical_force"])
     weight = float(found["vertical_force"].sum())
-    assert carried == pytest.approx(outward, abs=0.75 * 5e-3 * weight)
+    assert carried == pytest.approx(outward, abs=0.75 * 6e-3 * weight)
 
 
 def test_a_curve_to_the_right_is_the_mirror_image() -> None:
     left, right = steady(30.0), steady(30.0, "right")
     swapped = right["vertical_force"].to_numpy().reshape(-1, 2)[:, ::-1].ravel()
     np.testing.assert_allclose(left["vertical_force"], swapped, rtol=1e-9)
-    np.testing.assert_allclose(left["lateral"], -right["lateral"], atol=1e-12)
+    rails = [name for name in left["body"].to_numpy() if name.startswith("rail_")]
+    other = [name.replace("left", "?").replace("right", "left").replace("?", "right") for name in rails]
+    assert len(rails) == 8
+    for one, twin in ((rails, other), (left["body"].to_numpy()[:7], left["body"].to_numpy()[:7])):
+        for name in ("lateral", "roll"):
+            np.testing.assert_allclose(left[name].sel(body=one), -right[name].sel(body=twin).to_numpy(), atol=1e-12)
 
 
 @pytest.mark.slow
@@ -117,6 +123,7 @@ def test_a_vehicle_that_lifts_its_wheels_is_told_with_place_and_quotient() -> No
                 {"kind": "curve", "length": 200.0, "radius": 150.0, "direction": "right"},
             ],
             "motion.speed": "95 km/h",
+            "support.foundation": None,
             "time.duration": "6 s",
             "contact.normal": "hertz",
         }

@@ -62,7 +62,7 @@ CURVE = {
 
 
 def test_a_rail_rolls_about_its_foot_under_the_forces_at_its_head() -> None:
-    """k_phi phi = h Y - y Q and k_y y_foot = -Y on the outer and inner rail, contact at y on the head.
+    """(k_phi - h Q) phi = h Y - y Q and k_y y_foot = -Y on the outer and inner rail, contact at y on the head.
 
     To first order in the roll angle, 5 mrad, and of contacts near the top of the rail: a gauge corner lies lower than h.
     """
@@ -75,7 +75,8 @@ def test_a_rail_rolls_about_its_foot_under_the_forces_at_its_head() -> None:
         place = outward * float(wheel["patch_rail_abscissa"][0])
         roll = float(rail["roll"])
         foot = float(rail["lateral"]) + foundation.centre_height * roll
-        assert foundation.roll.stiffness * roll == pytest.approx(foundation.rail_height * y - place * q, rel=5e-3)
+        stiffness = foundation.roll.stiffness - foundation.rail_height * q  # the head is h roll beside the foot
+        assert stiffness * roll == pytest.approx(foundation.rail_height * y - place * q, rel=5e-3)
         assert foundation.lateral.stiffness * foot == pytest.approx(-y, rel=0.06)  # the normal is tilted by the roll
 
 

@@ -32,8 +32,8 @@ constexpr std::string_view status_sentence(Status status) {
       return "A wheel lost contact; reduce the speed, the torque or the disturbance, or raise the "
              "load on that wheel.";
     case Status::off_profile:
-      return "A contact point left its profile; give a profile that reaches further, or check gauge, "
-             "back-to-back distance and the starting position.";
+      return "A contact point came to the end of its profile; check gauge, back-to-back distance, the starting "
+             "position and the speed, or give a profile that reaches further if its points end there.";
     case Status::derailed:
       return "A wheelset derailed; the results up to this time are valid, reduce the speed or the "
              "disturbance to go on.";

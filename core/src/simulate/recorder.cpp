@@ -203,12 +203,9 @@ void Recorder::record_reading(Dynamics& d, double t, double const* x, double con
                               Inputs const& inputs) const {
   d.evaluate(t, x, inputs);
   for (int w = 0; w < wheels_; ++w, row += std::size(reading_table)) {
-    Vec3<double> force{};
+    Vec3<double> const force = track_force(d.model(), d.work(), static_cast<std::size_t>(w));
     double wear = 0.0;
-    for (int k = 0; k < d.patch_count(w); ++k) {
-      force += d.patch(w, k).force;
-      wear += d.patch(w, k).wear_number();
-    }
+    for (int k = 0; k < d.patch_count(w); ++k) wear += d.patch(w, k).wear_number();
     double const side = d.model().contacts[static_cast<std::size_t>(w)].right ? -1.0 : 1.0;
     double const values[] = {side * force.y, force.z, wear};
     static_assert(std::size(values) == std::size(reading_table));

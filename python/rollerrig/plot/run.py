@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 import xarray as xr
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from rollerrig.plot.into import into_axes
-from rollerrig.plot.style import STYLES, calm, line, panels, wheel_lines
-from rollerrig.results import RunInfo
+from rollerrig.plot.style import GREY, STYLES, calm, line, panels, wheel_lines
+from rollerrig.results import COMPLETED, RunInfo
+from rollerrig.results.contact_loss import contact_losses
 
 STEADY = 1e-3
 """A speed that changes by no more than this part is not worth a panel."""
@@ -29,6 +33,7 @@ def motion_over_time(run: xr.Dataset) -> Figure:
             line(axes[2], run["time"], 3.6 * run["speed"], label="running speed")
         for panel in axes[:2]:
             calm(panel, 1e-2)
+        _mark_end(axes, run)
         return figure
 
 
@@ -44,7 +49,22 @@ def sliding_over_time(run: xr.Dataset) -> Figure:
         for panel, (values, least) in zip(axes, signals.values(), strict=True):
             wheel_lines(panel, run["time"], values)
             calm(panel, least)
+        _mark_end(axes, run)
         return figure
+
+
+def _mark_end(axes: Sequence[Axes], run: xr.Dataset) -> None:
+    """Where a run ended early, and why; what it computed of a wheel in the air before is no motion to be read: grey."""
+    status, end = str(run.attrs["status"]), float(run.attrs["stopped_at_s"])
+    if status in (*COMPLETED, "interrupted"):
+        return
+    spells = [loss for loss in contact_losses(run) if loss.wheel == run.attrs["stopped_wheel"]]
+    begin = spells[0].longest_from_s if status == "contact_lost" and spells else end
+    for panel in axes:
+        panel.axvline(end, color=GREY, linestyle=":", linewidth=1.0)
+        panel.axvspan(begin, end, color=GREY, alpha=0.3, linewidth=0.0)
+    text = f"ended: {status.replace('_', ' ')} "
+    axes[0].text(end, 0.97, text, transform=axes[0].get_xaxis_transform(), ha="right", va="top", fontsize="small")
 
 
 @into_axes

@@ -335,7 +335,7 @@ def _usable_branch(course: Course, samples: Samples, kind: ProfileKind) -> slice
     cure = (
         "the curve is closed: leave only the running surface"
         if course.closed
-        else "are the points in order along the profile?"
+        else "is there a step or a stray point, or are the points not in order along the profile?"
     )
     raise ProfileError(
         f"{course.file}: {why} at {at}; needed: {1e3 * LEAST_REACH:g} mm on each side of the "

@@ -80,13 +80,14 @@ def contact_losses(run: xr.Dataset) -> list[ContactLoss]:
     return [ContactLoss(**loss) for loss in json.loads(run.attrs.get(ATTRIBUTE, "[]"))]
 
 
-def contact_loss_warning(losses: Sequence[ContactLoss], duration: float, *, on_rollers: bool) -> str:
+def contact_loss_warning(losses: Sequence[ContactLoss], duration: float, *, on_rollers: bool, advice: str = "") -> str:
     """One line that names the wheels whose contact was lost for longer than vibrations explain; empty if there are none.
 
     Args:
         losses: of a run.
         duration: of the run [s].
         on_rollers: whether it was on a rig.
+        advice: what to try, a sentence.
     """
     gross = [
         loss
@@ -95,4 +96,5 @@ def contact_loss_warning(losses: Sequence[ContactLoss], duration: float, *, on_r
     ]
     if not gross:
         return ""
-    return "wheels lost contact: " + "; ".join(loss.in_words(on_rollers) for loss in gross)
+    told = "wheels lost contact: " + "; ".join(loss.in_words(on_rollers) for loss in gross)
+    return f"{told}. {advice}" if advice else told

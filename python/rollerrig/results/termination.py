@@ -8,14 +8,25 @@ from __future__ import annotations
 import math
 
 import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
 
 from rollerrig.assembly import AssembledModel
 from rollerrig.config import Track
+from rollerrig.profiles.table import STEEPEST_SLOPE, ProfileTable
 from rollerrig.results.dataset import Draft
 from rollerrig.track import Segment
 
 LAST_SECONDS = 0.5
 """Before the end: a flange climbs within this time, and in the end it carries nothing [s]."""
+
+NO_FURTHER = 0.2e-3
+"""A profile whose points reach no further than this beyond its table ends there [m]."""
+
+FLEXIBLE = "The rails are rigid: support.foundation, as flexible_track has it, lets them give way."
+"""What to try where a wheel chatters or leaves its rail."""
+
+Vector = NDArray[np.float64]
 
 
 def add_termination(draft: Draft, model: AssembledModel) -> None:
@@ -30,7 +41,7 @@ def add_termination(draft: Draft, model: AssembledModel) -> None:
     """
     distances = draft.values("distance")
     distance = float(distances[-1]) if len(distances) else 0.0
-    segment = _segment(model, distance)
+    segment = segment_in_words(model, distance)
     quotient, wheel = _largest_quotient(draft, model)
     if wheel:
         place = f"{distance:.5g} m" + (f" ({segment})" if segment else "")
@@ -46,7 +57,58 @@ def add_termination(draft: Draft, model: AssembledModel) -> None:
     )
 
 
-def _segment(model: AssembledModel, distance: float) -> str:
+def contact_in_words(model: AssembledModel, wheel: str, status: str, last: xr.Dataset) -> str:
+    """Where the wheel that ended a run touched, what it carried, and what to try; with a blank before it.
+
+    Args:
+        model: the model that was run.
+        wheel: name of the wheel.
+        status: how the run ended.
+        last: what a run records, of the last state alone.
+    """
+    wanted = ("wheel_abscissa", "rail_abscissa", "contact_angle", "normal")
+    s, y, angle, load = (last[f"patch_{name}"].sel(wheel=wheel).to_numpy().ravel() for name in wanted)
+    side, up = (float(last[name].sel(wheel=wheel).squeeze()) for name in ("lateral_force", "vertical_force"))
+    parts = []
+    if np.any(load > 0):
+        ends = (_end(model.wheel_profile, s), _end(model.rail_profile, y))
+        left, profile, place = min(ends, key=lambda end: end[0].min(where=load > 0, initial=np.inf))
+        k = int(np.argmax(load) if status == "contact_lost" else np.argmin(np.where(load > 0, left, np.inf)))
+        parts.append(
+            f"It touches its profile ({model.wheel_profile.name}) at S = {1e3 * s[k]:.1f} mm, the rail "
+            f"({model.rail_profile.name}) at y = {1e3 * y[k]:.1f} mm, {'flange' if s[k] < 0 else 'field'} side, contact angle "
+            f"{math.degrees(abs(angle[k])):.0f} degrees, Y {1e-3 * side:.1f} kN, Q {1e-3 * up:.1f} kN, "
+            f"|Y|/Q {abs(side) / max(up, 1.0):.2f}."
+        )
+        if status == "off_profile":
+            parts.append(_reach(profile, place[k]))
+    rigid = isinstance(model.case.support.data, Track) and not model.rails
+    if rigid and "reaches further" not in "".join(parts):
+        parts.append(FLEXIBLE)
+    return "".join(f" {part}" for part in parts)
+
+
+def _end(profile: ProfileTable, places: Vector) -> tuple[Vector, ProfileTable, Vector]:
+    """How far the end of a profile is from places on it [m]."""
+    low, high = profile.domain
+    return np.minimum(places - low, high - places), profile, places
+
+
+def _reach(profile: ProfileTable, place: float) -> str:
+    """Whether a profile ends where its points end, or where it becomes too steep: then longer ones are of no use."""
+    low, high = profile.domain
+    inner = place - low < high - place
+    end, last = (low, profile.outline[:, 0].min()) if inner else (high, profile.outline[:, 0].max())
+    what = f"The {profile.kind} profile"
+    if abs(last - end) < NO_FURTHER:
+        return f"{what} ends at {1e3 * end:.1f} mm: give one that reaches further."
+    return (
+        f"{what} goes on to {1e3 * last:.1f} mm, but is steeper than {math.degrees(math.atan(STEEPEST_SLOPE)):.0f} degrees from "
+        f"{1e3 * end:.1f} mm: a longer one is of no use, less force on the flange is (speed, cant deficiency, friction)."
+    )
+
+
+def segment_in_words(model: AssembledModel, distance: float) -> str:
     """`segment[2], a curve of radius 300 m to the left`; empty on a track without segments and on a rig."""
     if model.line is None:
         return ""

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+import re
 from pathlib import Path
 
 import numpy as np
@@ -126,6 +128,17 @@ S = 'segment = [{ kind = "straight", length = 50 }'
         ("foundation = { rail_mass = 60 }",
          "line.toml: foundation.lateral: missing; needed: a support along y, z or about the foot, as flexible_track has them; "
          "without any leave it out"),
+        ("foundation = { lateral = { stiffness = 0 } }",
+         "line.toml: foundation.lateral.stiffness: 0; allowed: a number in N/m or a text with a unit like '3.9 MN/m', from "
+         "1e-06 to 1e+13 N/m"),
+        ("foundation = { sleeper = {}, lateral = { stiffness = 1e7 } }",
+         "line.toml: foundation.sleeper.vertical: missing; needed: ballast along y or z; without both leave out the sleeper"),
+        ("foundation = { vertical = { stiffness = 100 } }",
+         "case.toml: support.data.foundation.vertical.stiffness: 100; under the wheel load, 54.5 kN, the rail's head moves by "
+         "5.5e+05 mm; allowed: 2.7e+06 to 5.5e+11 N/m; flexible_track has typical values; for a rigid rail leave it out"),
+        ("foundation = { roll = { stiffness = 1e4 } }",
+         "case.toml: support.data.foundation.roll.stiffness: 10000; under the wheel load, 54.5 kN, the rail's head moves by "
+         "1.6e+02 mm; allowed: 8.1e+04 to 1.6e+10 N m/rad; flexible_track has typical values; for a rigid rail leave it out"),
         ('gauge = "1.48 m"',
          "case.toml: support.data.gauge: 1.48; wheel and rail of different gauge: the flanges, 1425.0 mm across, stand far "
          "inside of the rails; allowed: a gauge 1.425 to 1.465 m, or another wheel.back_to_back (1360 mm)"),
@@ -141,6 +154,26 @@ def test_a_mistake_is_one_line(line: Path, track: str, expected: str | None) -> 
         assert found[0].endswith("; cannot be read: No such file or directory")
     else:
         assert found == [expected]
+
+
+def test_a_curve_tighter_than_the_wheelbase_is_refused_with_the_least_radius(line: Path) -> None:
+    """R such that two wheelsets 8 m apart, askew by 4 m / R, fill the play of 10 mm: sqrt(r tan(delta) / play) 4 m."""
+    wagon = Path(__file__).parents[1] / "two_axle_wagon.toml"
+    case = load_case(wagon)
+    least = 4.0 * math.sqrt(0.46 * math.tan(math.radians(70.0)) / 0.010)
+    for radius, allowed in ((0.9 * least, False), (1.1 * least, True)):
+        line.write_text(f'{TRACK}\nsegment = [{{ kind = "curve", length = 50, radius = {radius} }}]\n')
+        change = {"support": {"use": str(line)}, "motion.speed": "1 m/s", "motion.drive": "speed_controlled"}
+        if allowed:
+            case.with_changes(change)
+            continue
+        with pytest.raises(ConfigError) as error:
+            case.with_changes(change)
+        assert re.search(
+            r": support\.segment\[0\]\.radius: 40\.\d+ m; tighter than the wheelbase of two_axle_wagon allows: 2 wheelsets under "
+            r"car_body, 8 m, jam in the gauge, whose play is 10\.0 mm; allowed: at least 4[45](\.\d)? m$",
+            str(error.value),
+        ), str(error.value)
 
 
 def test_a_speed_beyond_overturning_is_refused_with_the_highest_allowed(line: Path) -> None:

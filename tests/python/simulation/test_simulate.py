@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 
 import numpy as np
 import pytest
@@ -246,6 +247,13 @@ def test_a_wheelset_that_runs_off_a_narrow_tread_is_stopped_there() -> None:
     assert run.attrs["status_message"].startswith("t = 0.09")
     assert run.attrs["stopped_wheel"] == "wheelset_1_left"
     assert run.sizes["time"] > 50
+    text = run.attrs["status_message"]
+    assert re.search(
+        r"its profile \(cone 0.05\) at S = -19.\d mm, the rail \(UIC60.*\) at y = -15.\d mm, flange side", text
+    )
+    assert re.search(r"contact angle 3 degrees, Y 2.\d kN, Q \d.\d kN, \|Y\|/Q 0.2\d\.", text)
+    assert "The wheel profile ends at -20.0 mm: give one that reaches further." in text
+    assert "support.foundation" not in text  # no chattering
 
 
 def test_a_wheelset_that_climbs_its_flange_is_stopped_there() -> None:
@@ -261,6 +269,8 @@ def test_a_wheelset_that_climbs_its_flange_is_stopped_there() -> None:
     assert run.attrs["status"] == "derailed"
     assert run.attrs["stopped_wheel"] == "wheelset_1_left"
     assert 0.1 < run.attrs["stopped_at_s"] < 0.4
+    assert "S = -5" in run.attrs["status_message"]
+    assert "The rails are rigid: support.foundation, as flexible_track has it" in run.attrs["status_message"]
     # the centre rises by half of what the climbing wheel does, which is nearly the flange's 28 mm
     assert 0.010 < float(run["vertical"].sel(body="wheelset_1").max()) < 0.016
 

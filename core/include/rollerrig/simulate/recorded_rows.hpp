@@ -32,6 +32,17 @@ void body_row(Model const& model, Workspace<T> const& work, std::size_t b, T* ou
   std::copy(std::begin(felt), std::end(felt), out + 19);
 }
 
+/// Force on a wheel in the axes of its rail as it lies without load: Y and Q stay in the plane of the track where a rail rolls.
+template <Scalar T>
+Vec3<T> track_force(Model const& model, Workspace<T> const& work, std::size_t wheel) {
+  WheelContact const& contact = model.contacts[wheel];
+  Vec3<T> force{};
+  for (int k = 0; k < work.patch_count[wheel]; ++k) force += work.patches[wheel][static_cast<std::size_t>(k)].force;
+  if (!contact.rail || contact.roller == ground) return force;
+  Rotation<T> const& R = work.motion[static_cast<std::size_t>(contact.roller)].R;
+  return contact.right ? mirrored(R * mirrored(force)) : R * force;
+}
+
 /// @param out  wheel_columns numbers
 template <Scalar T>
 void wheel_row(Model const& model, Workspace<T> const& work, std::size_t wheel, T* out) {
@@ -39,14 +50,13 @@ void wheel_row(Model const& model, Workspace<T> const& work, std::size_t wheel, 
   T const side(contact.right ? -1.0 : 1.0);
   int const n = work.patch_count[wheel];
   T load(0.0), creep(0.0), moment(0.0), power(0.0), wear(0.0);
-  Vec3<T> force{};
+  Vec3<T> const force = track_force(model, work, wheel);
   std::array<T, 7> mean;
   mean.fill(T(0.0));
   for (int k = 0; k < n; ++k) {
     Patch<T> const& p = work.patches[wheel][static_cast<std::size_t>(k)];
     T const w = p.normal.total();
     load += w;
-    force += p.force;
     creep += p.creep.longitudinal;
     moment += p.creep.spin_moment;
     power += p.creep_dissipation();

@@ -94,7 +94,7 @@ class Foundation(Table):
     """
 
     rail_mass: Mass = Field(
-        default=60.0, description="mass of the piece of rail under one wheel, with what moves with it"
+        default=150.0, description="mass of the piece of rail under one wheel, with what moves with it"
     )
     lateral: LinearSupport | None = Field(default=None, description="elastic support of one rail's foot along y")
     vertical: LinearSupport | None = Field(default=None, description="elastic support of one rail's foot along z")
