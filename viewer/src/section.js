@@ -13,7 +13,7 @@ export function drawSection(canvas, world, wheel, theme, title) {
   const g = canvas.getContext("2d"), n = world.numbers, { shapes, wheels } = world.head, u = world.unit;
   const side = wheels[wheel].side, body = world.bodies[wheels[wheel].body], name = `w${wheel}`;
   const [, lateral, vertical, roll] = body.shift, support = body.supports[side > 0 ? 0 : 1];
-  const railY = side * shapes.rail_origin + (n.at(`${name}.rail_lateral`) || 0) + (support ? support.shift[1] : 0);
+  const railY = side * shapes.rail_origin + (n.at(`${name}.rail_lateral`) || 0) + (support ? support.shift[1] + support.shift[3] * support.rest.z : 0);  // of a rail that rolls, its head
   const railZ = (n.at(`${name}.rail_vertical`) || 0) + (support ? support.shift[2] : 0);
   const scale = (w / 2) / (HALF * u), cx = w / 2, cy = 0.46 * h;
   const X = (y) => cx - (y - side * (shapes.rail_origin - INWARD * u)) * scale, Z = (z) => cy - z * scale;

@@ -67,6 +67,9 @@ def relative_pose(
         moved[:, 1] += wheel["rail_lateral"].to_numpy()[index]
         moved[:, 2] += wheel["rail_vertical"].to_numpy()[index]
         poses[right] = own - moved
+        poses[right][:, 1:3] = seen_from_rail(
+            model, under, wheelset, poses[right][:, 1], poses[right][:, 2], moved[:, 3]
+        )
     return poses
 
 
@@ -75,6 +78,27 @@ def support_under(model: AssembledModel, wheelset: str, side: str) -> str:
     number = wheelset.removeprefix("wheelset_")
     names = (f"roller_{number}", f"roller_{number}_{side}", f"rail_{number}_{side}")
     return next((name for name in names if name in model.bodies), "")
+
+
+def seen_from_rail(
+    model: AssembledModel, under: str, wheelset: str, y: Numbers | float, z: Numbers | float, roll: Numbers | float
+) -> Numbers:
+    """Lateral and vertical displacement of a wheelset in the axes of a rail that rolls about its centre of mass (..., 2) [m].
+
+    Args:
+        model: of the run.
+        under: the rail; a roller does not roll, "": nothing moves.
+        wheelset: its name.
+        y: lateral displacement of the wheelset less that of the rail [m].
+        z: the same upwards.
+        roll: of the rail [rad].
+    """
+    if not under:
+        return np.stack([y, z], axis=-1)
+    (_, y_rail, z_rail), height = model.positions[under], model.positions[wheelset][2]
+    sine, cosine = np.sin(roll), np.cos(roll)
+    y, z = y - y_rail, z + height - z_rail  # from the centre of mass of the rail
+    return np.stack([cosine * y + sine * z + y_rail, cosine * z - sine * y + z_rail - height], axis=-1)
 
 
 def _motion(run: xr.Dataset, body: str, index: NDArray[np.intp]) -> Numbers:

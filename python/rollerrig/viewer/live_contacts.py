@@ -7,10 +7,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from functools import partial
 
 from rollerrig import _core
 from rollerrig.assembly import AssembledModel
-from rollerrig.viewer.contact_places import static_contact, support_under
+from rollerrig.viewer.contact_places import seen_from_rail, static_contact, support_under
 
 PATCH = (
     "x",
@@ -45,6 +46,7 @@ class LiveContacts:
                 model.bodies.index(under) if (under := support_under(model, wheel.wheelset, wheel.side)) else -1,
                 wheel.side == "right",
                 static_contact(model, wheel.wheelset),
+                partial(seen_from_rail, model, under, wheel.wheelset),
             )
             for wheel in model.wheels
         ]
@@ -52,12 +54,13 @@ class LiveContacts:
     def values(self, frame: Mapping[str, float]) -> list[float]:
         """Of the columns PATCH of all wheels, one after the other; NaN where a wheel does not touch."""
         found: list[float] = []
-        for number, (body, under, right, contact) in enumerate(self._wheels):
+        for number, (body, under, right, contact, seen) in enumerate(self._wheels):
             pose = [frame.get(f"b{body}.{name}", 0.0) for name in _POSE]
             moved = [frame.get(f"b{under}.{name}", 0.0) for name in _POSE] if under >= 0 else [0.0] * len(_POSE)
             x, y, z, yaw, roll = (one - other for one, other in zip(pose, moved, strict=True))
             y -= frame.get(f"w{number}.rail_lateral", 0.0)
             z -= frame.get(f"w{number}.rail_vertical", 0.0)
+            y, z = seen(y, z, moved[-1]).tolist()
             patches = contact.patches(x, y, z, yaw, roll, right) if math.isfinite(x + y + z + yaw + roll) else []
             found += (
                 _columns(max(patches, key=lambda patch: patch.normal), frame, number)
