@@ -161,11 +161,11 @@ def _results(
     advice = "" if on_rollers or model.rails else FLEXIBLE
     lost = contact_loss_warning(losses, duration, on_rollers=on_rollers, advice=advice)
     draft.attributes.update(provenance)
-    draft.attributes["warnings"] = "\n".join(filter(None, (_energy_warning(draft), lost, drive_warning(draft))))
+    draft.attributes["warnings"] = "\n".join(filter(None, (_energy_warning(draft, advice), lost, drive_warning(draft))))
     return draft.dataset()
 
 
-def _energy_warning(draft: Draft) -> str:
+def _energy_warning(draft: Draft, advice: str) -> str:
     """A line where the energy balance is not closed."""
     residual = draft.attributes["energy_relative_residual"]
     if residual <= ENERGY_WARNING:
@@ -173,6 +173,7 @@ def _energy_warning(draft: Draft) -> str:
     return (
         f"energy balance open by {100 * residual:.2g} % of the energy turned over: the "
         "integration missed something (an impact, a stiff contact); use a smaller step, tolerance or maximum_step"
+        f"{'. ' if advice else ''}{advice}"
     )
 
 

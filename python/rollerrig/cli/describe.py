@@ -97,13 +97,14 @@ def _bodies(model: AssembledModel) -> list[str]:
 
 def _elements(model: AssembledModel) -> list[str]:
     known = {element.name: element for element in model.case.vehicle.data.element}
+    sleepers = any(name.startswith("sleeper_") for name in model.rails)
     rows = []
     for name in model.elements:
         element = known.get(name)
         between = (
             " - ".join(element.between)
             if element
-            else "ground - rail"
+            else f"{'sleeper' if sleepers and '_rail_' in name else 'ground'} - {name.split('_')[1]}"
             if name.removeprefix("mounting_") in model.rails
             else "ground - roller"
         )

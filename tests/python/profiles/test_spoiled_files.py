@@ -60,6 +60,21 @@ def test_a_spoiled_profile_is_refused_with_what_is_wrong(tmp_path, kind, deed):
         assert "a stray point" in problem
 
 
+@pytest.mark.parametrize(
+    ("size", "words"),
+    [
+        (0.1, ("not smooth: the direction jumps by", "near line 13", "round the edge off, or remove stray points")),
+        (2.0, ("steeper than 5 at line 13", "is there a step or a stray point")),
+    ],
+)
+@pytest.mark.parametrize("deed", ["spike", "step"])
+def test_a_small_spike_or_step_is_named_with_its_line(tmp_path, deed, size, words):
+    points = POINTS["wheel"].copy()  # every 0.46 mm
+    points[slice(135, 136 if deed == "spike" else None), 1] += size
+    problem = problem_of(write(tmp_path / "points.txt", points))
+    assert all(word in problem for word in words), problem
+
+
 def test_of_a_closed_rail_section_only_the_head_is_used(tmp_path):
     points = POINTS["rail"]
     section = np.vstack([points, points[::-1] - [0.0, 30.0], points[:1]])
