@@ -8,6 +8,7 @@
 // Frame b, left wheel. One wheel per lane, or one place of a wheel per lane.
 #pragma once
 #include "rollerrig/geometry/lane_pair.hpp"
+#include "rollerrig/math/dual.hpp"
 
 namespace rollerrig {
 
@@ -138,21 +139,52 @@ void lowest_points(Pair const& pair, RelativePose<T> const& pose, std::array<Whe
                    std::array<CirclePoint<T>, count>& points) {
   using N = NumberOf<T>;
   auto const numbers = numbers_of(pose);
-  constexpr int steps = 2;
+  std::array<WheelCircle<N>, count> circle;
+  std::array<CirclePoint<N>, count> point;
+  std::array<std::array<N, 2>, count> angle;  // sine and cosine
   for (std::size_t k = 0; k < count; ++k) {
     auto const& c = circles[k];
-    auto const plain = [](Vec3<T> const& v) { return Vec3<N>{value_of(v.x), value_of(v.y), value_of(v.z)}; };
-    WheelCircle<N> const circle{value_of(c.radius), value_of(c.slope), value_of(c.cosine), plain(c.centre)};
-    auto [sine, cosine] = facing_angle(pair, numbers, circle);
-    for (int i = 0; i < steps; ++i)
-      turn_by(towards_lowest(circle_point(pair, numbers, circle, sine, cosine), circle), sine, cosine);
-    T s(sine), co(cosine);
-    if constexpr (!std::same_as<T, N>) {  // derivatives of the angle, by the implicit function theorem
-      auto const here = circle_point(pair, pose, c, s, co);
-      T const step = -0.5 * (here.tilt / (value_of(here.curvature) * value_of(c.radius)));
-      turn_by(T(step - value_of(step)), s, co);
+    circle[k] = {value_of(c.radius),
+                 value_of(c.slope),
+                 value_of(c.cosine),
+                 {value_of(c.centre.x), value_of(c.centre.y), value_of(c.centre.z)}};
+    angle[k] = facing_angle(pair, numbers, circle[k]);
+  }
+  constexpr int most_steps = 7;
+  constexpr double level = 1e-10;  // of tilt
+  auto const tilt_of = [&](std::size_t k) { return select(point[k].tilt < 0.0, N(-point[k].tilt), point[k].tilt); };
+  for (int step = 0; step < most_steps; ++step) {
+    N steepest(0.0);
+    for (std::size_t k = 0; k < count; ++k) {
+      if (step > 0) {  // a wheel that is level stays, whatever the others do
+        N const turn = towards_lowest(point[k], circle[k]);
+        turn_by(select(tilt_of(k) > level, turn, N(0.0)), angle[k][0], angle[k][1]);
+      }
+      point[k] = circle_point(pair, numbers, circle[k], angle[k][0], angle[k][1]);
+      steepest = select(point[k].found && tilt_of(k) > steepest, tilt_of(k), steepest);
     }
-    points[k] = circle_point(pair, pose, c, s, co);
+    if (!any(steepest > level)) break;
+  }
+  for (std::size_t k = 0; k < count; ++k) {
+    if constexpr (std::same_as<T, N>) {
+      points[k] = point[k];
+    } else {  // derivatives of the angle, by the implicit function theorem
+      T sine(angle[k][0]), cosine(angle[k][1]);
+      using Turn = Dual<1>;
+      auto const constant = [](Vec3<N> const& v) { return lift<Turn>(v); };
+      auto const& R = numbers.R;
+      Turn turned_sine(angle[k][0]), turned_cosine(angle[k][1]);
+      turn_by(Turn::variable(0.0, 0), turned_sine, turned_cosine);
+      double const rate =
+          circle_point<Turn>(pair, {constant(numbers.o), {constant(R.ex), constant(R.ey), constant(R.ez)}},
+                             {Turn(circle[k].radius), Turn(circle[k].slope), Turn(circle[k].cosine),
+                              constant(circle[k].centre)},
+                             turned_sine, turned_cosine)
+              .tilt.d[0];
+      T const tilt = circle_point(pair, pose, circles[k], sine, cosine).tilt;
+      turn_by(T((value_of(tilt) - tilt) / rate), sine, cosine);
+      points[k] = circle_point(pair, pose, circles[k], sine, cosine);
+    }
   }
 }
 

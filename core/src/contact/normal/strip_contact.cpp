@@ -9,9 +9,10 @@ constexpr std::size_t most_wheels = 16;               // of one batch; more come
 constexpr std::size_t most_parts = 4;                 // of a region
 constexpr std::size_t most_readings = 2 * max_regions;  // of a wheel
 
-constexpr std::size_t refined_strips = 48;
-constexpr int refined_passes = 12;
-constexpr double unsettled = 0.03;  // change of the force in the last pass that asks for these [-]
+constexpr std::size_t refined_strips = 32;
+constexpr int refined_passes = 10;
+// Change of the force in the last pass from which on these count, and beyond which they alone do [-].
+constexpr double unsettled = 0.01, not_settled = 0.03;
 
 constexpr std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
@@ -26,7 +27,7 @@ struct Region {
   std::array<double, most_parts> cut;  ///< place along the arc behind each part but the last [m]
   T merged{1.0};                       ///< weight of the whole as one patch, the rest goes to its parts (S8)
   // Found:
-  bool settled{true};
+  T change;           ///< of the force in the last pass, over the force [-]
   T force, response;  ///< sum of the strips' forces [N], and for a metre more of interpenetration [N/m]
   std::array<StripPatch<T>, most_parts + 1> patch;  ///< the whole, then its parts
   T factor{1.0}, size{1.0};                         ///< what other regions leave of the force, of lengths and pressure
@@ -195,15 +196,51 @@ void solve_pack(Batch<T>& batch, int first, int count, int passes) {
     for (int i = 0; i < count; ++i) {
       auto& region = batch.region[at(first + i)];
       if (k == 0) {
-        region.settled = std::abs(lane(value_of(strips.change), i)) < unsettled;
         if constexpr (std::same_as<L, T>)
-          region.force = part.force, region.response = response;
+          region.force = part.force, region.response = response, region.change = strips.change;
         else
-          region.force = lane(part.force, i), region.response = lane(response, i);
+          region.force = lane(part.force, i), region.response = lane(response, i),
+          region.change = lane(strips.change, i);
       }
       if (k == 0 || k <= region.parts) take_patch(part, i, region.patch[k]);
     }
   }
+}
+
+template <Scalar T>
+StripPatch<T> mixed(StripPatch<T> const& a, StripPatch<T> const& b, T const& s) {
+  auto const mix = [&](auto const& x, auto const& y) { return x + s * (y - x); };
+  double const part = value_of(s);
+  auto const mix_number = [&](double x, double y) { return x + part * (y - x); };
+  return {T(1.0),
+          mix(a.normal, b.normal),
+          mix(a.direction, b.direction),
+          mix(a.point, b.point),
+          mix(a.moment, b.moment),
+          mix(a.wheel_s, b.wheel_s),
+          mix(a.rail_y, b.rail_y),
+          mix(a.a, b.a),
+          mix(a.b, b.b),
+          mix_number(a.approach, b.approach),
+          mix_number(a.peak_pressure, b.peak_pressure),
+          mix_number(a.length, b.length),
+          mix_number(a.width, b.width)};
+}
+
+/// Solves a region that has not settled once more, with many strips and passes, and leaves it to them as far as it has not.
+template <Scalar T>
+void refine(Batch<T>& batch, int index) {
+  Region<T>& region = batch.region[at(index)];
+  T const change = select(region.change < 0.0, -region.change, region.change);
+  if (!(change > unsettled)) return;
+  Region<T> const few = region;
+  solve_pack<T, refined_strips>(batch, index, 1, refined_passes);
+  T const s = strip_detail::smooth_step(T((change - unsettled) / (not_settled - unsettled)));
+  region.force = few.force + s * (region.force - few.force);
+  region.response = few.response + s * (region.response - few.response);
+  for (std::size_t k = 0; k <= (region.parts > 1 ? region.parts : 0); ++k)
+    region.patch[k] = mixed(few.patch[k], region.patch[k], s);
+  ++batch.wheels[at(region.wheel)].found.refined;
 }
 
 /// As many at once as there are, at most W.
@@ -223,11 +260,7 @@ void solve_regions(Batch<T>& batch) {
         solve_pack<Lanes<W>, strip_count>(batch, first, std::min(left, W), strip_passes), first += W;
     }
   }
-  for (int i = 0; i < batch.count; ++i) {
-    if (batch.region[at(i)].settled) continue;
-    solve_pack<T, refined_strips>(batch, i, 1, refined_passes);
-    ++batch.wheels[at(batch.region[at(i)].wheel)].found.refined;
-  }
+  for (int i = 0; i < batch.count; ++i) refine(batch, i);
 }
 
 /// What the loads of several regions of a wheel make of each other: each deflects the others as a point load does, as far as its

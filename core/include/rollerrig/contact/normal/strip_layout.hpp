@@ -32,7 +32,7 @@ template <class T, std::size_t n = strip_count>
 struct StripPlaces {
   StripRow<T, n> wheel_s, rail_y;  ///< abscissae of its middle [m]
   StripRow<Vec3<T>, n> point,
-      normal;            ///< its middle on the roller [m]; mean of both surfaces' normals, out of the roller: frame b
+      normal;            ///< its middle on the roller [m]; the normal there, out of the roller: frame b
   StripRow<T, n> along;  ///< its middle along the wheel's circumference [m]
   T turn_sin, turn_cos;  ///< direction of the strips: from the roller's circumference towards its left side
 };
@@ -112,7 +112,7 @@ std::array<T, 2> ends_of(RegionPack<T> const& r) {
     }
   };
   std::array<N, 2> place{r.end[0].place, r.end[1].place};
-  step(numbers_of(r.pose), place);
+  for (int i = 0; i < 2; ++i) step(numbers_of(r.pose), place);
   std::array<T, 2> ends{T(place[0]), T(place[1])};
   step(r.pose, ends);
   return ends;
@@ -230,8 +230,7 @@ void lay_strips(StripTables const& tables, RegionPack<T> const& r, Strips<T, n>&
     strips.curvature[i] = p.curvature;
     places.rail_y[i] = p.rail_y;
     places.point[i] = p.p;
-    Vec3<T> const across = cross(p.n, p.u);
-    places.normal[i] = p.n - T(0.5 * p.slope) * across;  // half-way to the wheel's
+    places.normal[i] = p.n;
     if (i == 0)
       places.along[i] = T(0.0);
     else

@@ -121,34 +121,29 @@ void read_influences(StripKernel const& kernel, Strips<T, n> const& s, Influence
   }
 }
 
-/// (S3), (S4) with strips in tension left out: on_j (sum_i M_ji on_i v_i - b_j) + (1 - on_j) M_jj v_j = 0, x = on v.
+/// M x = b, with derivatives: M dx = db - dM x, one after the other by the same factors.
 template <class T, std::size_t n>
-class LoadedSystem {
+class LinearSystem {
   using N = NumberOf<T>;
 
  public:
-  LoadedSystem(Matrix<T, n> const& matrix, StripRow<T, n> const& on) : matrix_(matrix), on_(on) {
-    for (std::size_t j = 0; j < n; ++j) {
-      N const on_j = value_of(on[j]);
-      for (std::size_t i = 0; i < n; ++i) factors_[j][i] = on_j * value_of(on[i]) * value_of(matrix[j][i]);
-      factors_[j][j] += (1.0 - on_j) * value_of(matrix[j][j]);
-    }
+  explicit LinearSystem(Matrix<T, n> const& matrix) : matrix_(matrix) {
+    for (std::size_t j = 0; j < n; ++j)
+      for (std::size_t i = 0; i < n; ++i) factors_[j][i] = value_of(matrix[j][i]);
     factorise<N, n>(factors_);
   }
-  /// @return  v
   StripRow<T, n> solve(StripRow<T, n> const& b) const {
     StripRow<N, n> v;
-    for (std::size_t j = 0; j < n; ++j) v[j] = value_of(on_[j]) * value_of(b[j]);
+    for (std::size_t j = 0; j < n; ++j) v[j] = value_of(b[j]);
     solve_factored<N, n>(factors_, v);
     StripRow<T, n> x;
     for (std::size_t j = 0; j < n; ++j) x[j] = T(v[j]);
     if constexpr (!std::same_as<T, N>) {
-      // M dv = db - dM v, derivative by derivative.
       StripRow<T, n> residual;
       for (std::size_t j = 0; j < n; ++j) {
         T sum(0.0);
-        for (std::size_t i = 0; i < n; ++i) sum += (on_[i] * matrix_[j][i]) * v[i];
-        residual[j] = on_[j] * (b[j] - sum) - ((1.0 - on_[j]) * matrix_[j][j]) * v[j];
+        for (std::size_t i = 0; i < n; ++i) sum += matrix_[j][i] * v[i];
+        residual[j] = b[j] - sum;
       }
       for (int seed = 0; seed < residual[0].d.size(); ++seed) {
         for (std::size_t j = 0; j < n; ++j) v[j] = residual[j].d[seed];
@@ -161,25 +156,64 @@ class LoadedSystem {
 
  private:
   Matrix<T, n> const& matrix_;
-  StripRow<T, n> const& on_;
   Matrix<N, n> factors_;
 };
 
-/// How far strips take part next time: in full where they carry load or would carry it, C1 over what they would carry.
+/// Loads of (S3), not negative: w = s(e) where e = w + (d - K w)/K_jj is what a strip would carry with the others as they are, and
+/// s(e) is e above a small load, zero below zero and smooth in between. One step of Newton from the last loads.
 template <class T, std::size_t n>
-void find_loaded(Strips<T, n> const& s, Matrix<T, n> const& matrix, StripRow<T, n> const& w, StripRow<T, n>& on) {
-  T sum(0.0), length(0.0);
-  for (std::size_t j = 0; j < n; ++j) {
-    sum += select(w[j] > 0.0, w[j], T(0.0)) * s.width[j];
-    length += s.width[j];
+class LoadStep {
+ public:
+  LoadStep(Matrix<T, n> const& k, StripRow<T, n> const& d, StripRow<T, n> const& width) : k_(k), d_(d), width_(width) {
+    for (std::size_t j = 0; j < n; ++j) inverse_[j] = reciprocal(k[j][j]);
   }
-  T const inverse = length / (fading * sum + 1e-30);
-  for (std::size_t j = 0; j < n; ++j) {
-    T deflection(0.0);
-    for (std::size_t i = 0; i < n; ++i) deflection += matrix[j][i] * w[i];
-    T const expected = w[j] + (s.interpenetration[j] - deflection) / matrix[j][j];
-    on[j] = smooth_step(T(expected * inverse));
+
+  /// All strips carry, pushed or pulled.
+  StripRow<T, n> first() const { return LinearSystem<T, n>(k_).solve(d_); }
+
+  /// @param on  result: how far strips take part, 0 to 1
+  /// @param m   result: the matrix of the step
+  StripRow<T, n> next(StripRow<T, n> const& w, StripRow<T, n>& on, Matrix<T, n>& m) const {
+    T sum(0.0), length(0.0);
+    for (std::size_t j = 0; j < n; ++j) {
+      sum += select(w[j] > 0.0, w[j], T(0.0)) * width_[j];
+      length += width_[j];
+    }
+    T const inverse_band = length / (fading * sum + 1e-30);
+    StripRow<T, n> b;
+    for (std::size_t j = 0; j < n; ++j) {
+      T deflection(0.0);
+      for (std::size_t i = 0; i < n; ++i) deflection += k_[j][i] * w[i];
+      T const e = w[j] + (d_[j] - deflection) * inverse_[j];
+      T const t = e * inverse_band;
+      T const within = select(t > 0.0, select(t < 1.0, t, T(1.0)), T(0.0));
+      on[j] = within * within * (3.0 - 2.0 * within);
+      T const slope = on[j] + 6.0 * within * within * (1.0 - within);  // of s = e on(e)
+      T const scale = slope * inverse_[j];
+      for (std::size_t i = 0; i < n; ++i) m[j][i] = scale * k_[j][i];
+      m[j][j] += 1.0 - slope;
+      b[j] = scale * d_[j] + (on[j] - slope) * e;
+    }
+    return LinearSystem<T, n>(m).solve(b);
   }
+
+ private:
+  Matrix<T, n> const& k_;
+  StripRow<T, n> const &d_, &width_;
+  StripRow<T, n> inverse_;
+};
+
+/// q of (S4) on the loaded strips: on_j (sum_i S_ji on_i v_i - A_j) + (1 - on_j) S_jj v_j = 0.
+template <class T, std::size_t n>
+StripRow<T, n> conformities(Matrix<T, n> const& s, StripRow<T, n> const& on, StripRow<T, n> const& curvature,
+                            Matrix<T, n>& m) {
+  StripRow<T, n> b;
+  for (std::size_t j = 0; j < n; ++j) {
+    for (std::size_t i = 0; i < n; ++i) m[j][i] = on[j] * on[i] * s[j][i];
+    m[j][j] += (1.0 - on[j]) * s[j][j];
+    b[j] = on[j] * curvature[j];
+  }
+  return LinearSystem<T, n>(m).solve(b);
 }
 
 /// a from w and q (S4), kept above zero.
@@ -217,33 +251,28 @@ void solve_strips(StripTables const& tables, Strips<T, n>& s, int passes) {
   using namespace strip_detail;
   using std::sqrt;
   StripRow<T, n> conformity, on, w;
-  on.fill(T(1.0));
   start_from_hertz(s, conformity);
   Influences<T, n> influence;
+  Matrix<T, n> m;
   T const inverse = 1.0 / T(s.compliance);
   T last(0.0), force(0.0);
   for (int pass = 0; pass < passes; ++pass) {
     read_influences(tables.kernel, s, influence);
-    auto const loads = [&](StripRow<T, n> const& d) {
-      auto x = LoadedSystem<T, n>(influence.deflection, on).solve(d);
-      for (std::size_t j = 0; j < n; ++j) x[j] = on[j] * x[j];
-      return x;
-    };
-    w = loads(s.interpenetration);
-    find_loaded(s, influence.deflection, w, on);
-    w = loads(s.interpenetration);
-    if (pass + 1 == passes) {
-      StripRow<T, n> one;
-      one.fill(T(1.0));
-      s.response = loads(one);
-    }
+    LoadStep<T, n> const step(influence.deflection, s.interpenetration, s.width);
+    if (pass == 0) w = step.next(step.first(), on, m);
+    w = step.next(w, on, m);
     last = force;
     force = T(0.0);
     for (std::size_t j = 0; j < n; ++j) {
       s.load[j] = inverse * select(w[j] > 0.0, w[j], T(0.0));
       force += s.load[j] * s.width[j];
     }
-    auto const q = LoadedSystem<T, n>(influence.curvature, on).solve(s.curvature);
+    if (pass + 1 == passes) {  // m is that of the loads
+      StripRow<T, n> one;
+      for (std::size_t j = 0; j < n; ++j) one[j] = on[j] * reciprocal(influence.deflection[j][j]);
+      s.response = LinearSystem<T, n>(m).solve(one);
+    }
+    auto const q = conformities(influence.curvature, on, s.curvature, m);
     for (std::size_t j = 0; j < n; ++j) {
       // Between what a line contact (1) and a patch long in x (2/3) ask for: to the power 3/4. A strip without load keeps its q.
       T const ratio = q[j] * reciprocal(conformity[j]);
