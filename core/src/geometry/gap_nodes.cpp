@@ -101,7 +101,8 @@ class Scan {
       highest_between_ = std::max({highest_between_, b.gap, c.gap});
       if (falls && level < levels && lower_bound(b, c) < 0.0) refine(b, c, level);
     } else if (b.inside() && c.inside()) {
-      if (climbs && level < levels && -lower_bound({b.position, -b.gap, -b.slope}, {c.position, -c.gap, -c.slope}) > 0.0)
+      if (climbs && level < levels &&
+          -lower_bound({b.position, -b.gap, -b.slope}, {c.position, -c.gap, -c.slope}) > 0.0)
         return refine(b, c, level);
       note_extreme(b, c);
     } else {

@@ -53,8 +53,8 @@ struct RegionEnd {
 /// A stretch with negative gap.
 struct InterpenetrationRegion {
   RegionEnd left, right;
-  int first{0}, last{0};     ///< its minima, of GapScan::minimum
-  double rise_before{1e9};   ///< highest gap between the region before it and this one [m]
+  int first{0}, last{0};    ///< its minima, of GapScan::minimum
+  double rise_before{1e9};  ///< highest gap between the region before it and this one [m]
 };
 
 inline constexpr int max_regions = 4;
@@ -64,7 +64,7 @@ struct GapScan {
   int regions{0}, minima{0};
   std::array<InterpenetrationRegion, max_regions> region;  ///< in order of the arc
   std::array<GapExtreme, most_minima> minimum;             ///< in all regions, in order of the arc
-  std::array<GapExtreme, most_minima> rise;  ///< the highest point between minimum i and i + 1
+  std::array<GapExtreme, most_minima> rise;                ///< the highest point between minimum i and i + 1
 };
 
 /// All regions of a wheel; with more than max_regions those at the end are left out.

@@ -23,13 +23,13 @@ struct WheelCircle {
 /// A point of a circle over the other surface.
 template <class T>
 struct CirclePoint {
-  T gap;         ///< along the other surface's normal [m]; negative: the surfaces overlap
-  T slope;       ///< of the gap along the profile's arc [-]
-  T tilt;        ///< of the gap along the circle; zero at the lowest point [-]
-  T curvature;   ///< half the second derivative of the gap along the circle [1/m]
-  Vec3<T> p, n;  ///< point of the other surface [m] and its normal, out of the roller
-  Vec3<T> u;     ///< direction of the circle
-  T rail_y;      ///< abscissa of p on the generatrix [m]
+  T gap;                      ///< along the other surface's normal [m]; negative: the surfaces overlap
+  T slope;                    ///< of the gap along the profile's arc [-]
+  T tilt;                     ///< of the gap along the circle; zero at the lowest point [-]
+  T curvature;                ///< half the second derivative of the gap along the circle [1/m]
+  Vec3<T> p, n;               ///< point of the other surface [m] and its normal, out of the roller
+  Vec3<T> u;                  ///< direction of the circle
+  T rail_y;                   ///< abscissa of p on the generatrix [m]
   MaskOf<NumberOf<T>> found;  ///< whether there is a generatrix under it and at p
 };
 
@@ -176,10 +176,10 @@ void lowest_points(Pair const& pair, RelativePose<T> const& pose, std::array<Whe
       Turn turned_sine(angle[k][0]), turned_cosine(angle[k][1]);
       turn_by(Turn::variable(0.0, 0), turned_sine, turned_cosine);
       double const rate =
-          circle_point<Turn>(pair, {constant(numbers.o), {constant(R.ex), constant(R.ey), constant(R.ez)}},
-                             {Turn(circle[k].radius), Turn(circle[k].slope), Turn(circle[k].cosine),
-                              constant(circle[k].centre)},
-                             turned_sine, turned_cosine)
+          circle_point<Turn>(
+              pair, {constant(numbers.o), {constant(R.ex), constant(R.ey), constant(R.ez)}},
+              {Turn(circle[k].radius), Turn(circle[k].slope), Turn(circle[k].cosine), constant(circle[k].centre)},
+              turned_sine, turned_cosine)
               .tilt.d[0];
       T const tilt = circle_point(pair, pose, circles[k], sine, cosine).tilt;
       turn_by(T((value_of(tilt) - tilt) / rate), sine, cosine);

@@ -5,14 +5,14 @@
 namespace rollerrig {
 namespace {
 
-constexpr std::size_t most_wheels = 16;               // of one batch; more come in several
-constexpr std::size_t most_parts = 4;                 // of a region
+constexpr std::size_t most_wheels = 16;                 // of one batch; more come in several
+constexpr std::size_t most_parts = 4;                   // of a region
 constexpr std::size_t most_readings = 2 * max_regions;  // of a wheel
 
 constexpr std::size_t refined_strips = 32;
 constexpr int refined_passes = 10;
 // Change of the force in the last pass from which on these count, and beyond which they alone do [-].
-constexpr double unsettled = 0.01, not_settled = 0.03;
+constexpr double unsettled = 0.02, not_settled = 0.05;
 
 constexpr std::size_t at(int i) { return static_cast<std::size_t>(i); }
 

@@ -55,8 +55,7 @@ StripKernel::StripKernel() {
       double const next_curvature = curvature_value(k1);
       double const m0 = deflection_slope(k0), m1 = deflection_slope(k1);
       own_deflection.push_back(hermite(step, deflection, next_deflection, m0, m1));
-      own_curvature.push_back(
-          hermite(step, curvature, next_curvature, m0 / (1.0 + k0 * k0), m1 / (1.0 + k1 * k1)));
+      own_curvature.push_back(hermite(step, curvature, next_curvature, m0 / (1.0 + k0 * k0), m1 / (1.0 + k1 * k1)));
       mutual.push_back(hermite(step, m0, m1, slope(k0), slope(k1)));
       k0 = k1, deflection = next_deflection, curvature = next_curvature;
     }

@@ -18,8 +18,8 @@ namespace rollerrig {
 /// A Hertz pressure of one over compliance Q = 1 on an ellipse.
 template <class T>
 struct EllipseDeflection {
-  T depth;                       ///< in its middle [m]
-  T curvature_a, curvature_b;    ///< half the second derivative along both axes [1/m]
+  T depth;                     ///< in its middle [m]
+  T curvature_a, curvature_b;  ///< half the second derivative along both axes [1/m]
 };
 
 /// Complete elliptic integrals by the arithmetic-geometric mean: six steps for any ratio of the axes up to 10^4.
@@ -51,11 +51,12 @@ EllipseDeflection<T> ellipse_deflection(T const& semi_a, T const& semi_b) {
 /// What strips along u need of the ellipse of a region.
 template <class T>
 struct ObliqueEllipse {
-  T half_length, half_width;  ///< of the chord in its middle, and of the ellipse across the chords, at depth one [m^0.5]
-  T skew;                     ///< of the line of the chords' middles: x/y [-]
-  T deflection, curvature;    ///< factors of the influence of one strip on another [-]
-  T taken;                    ///< interpenetration less by this times the square of the distance from the middle [1/m]
-  T pressure_gradient;        ///< Q p0 / half_length at depth one: q of every chord [1/m]
+  T half_length,
+      half_width;           ///< of the chord in its middle, and of the ellipse across the chords, at depth one [m^0.5]
+  T skew;                   ///< of the line of the chords' middles: x/y [-]
+  T deflection, curvature;  ///< factors of the influence of one strip on another [-]
+  T taken;                  ///< interpenetration less by this times the square of the distance from the middle [1/m]
+  T pressure_gradient;      ///< Q p0 / half_length at depth one: q of every chord [1/m]
   StripTables::Place<T> place;  ///< ln(A/B) of the upright ellipse
 };
 

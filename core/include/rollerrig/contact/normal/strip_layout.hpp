@@ -67,7 +67,8 @@ void grade(StripRow<T, m> const& gap, StripRow<T, m> const& slope, std::array<T,
   T const inverse_bend = (m - 1.0) / sum, inverse_depth = depth1 / depth2;
   for (std::size_t k = 0; k < m; ++k) {
     T const local = 0.5 * (bend[k] + bend[k + 1]) * inverse_bend;
-    density[k] = sqrt(T(shallow_share + depth[k] * inverse_depth)) * sqrt(sqrt(straight_share * straight_share + local));
+    density[k] =
+        sqrt(T(shallow_share + depth[k] * inverse_depth)) * sqrt(sqrt(straight_share * straight_share + local));
   }
   // Its integral to the middle of every place, in places.
   std::array<T, m + 1> before;

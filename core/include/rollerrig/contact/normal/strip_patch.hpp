@@ -154,7 +154,8 @@ void find_extremes(Strips<T, n> const& s, StripPlaces<T, n> const& places, Strip
     right = select(opens, middle, right);
     N const cut = width * (value_of(share[i]) - 0.5);
     N const low = middle - cosine * select(opens, select(all[i] > 0.0, cut, to_edge(width, here, after)), N(0.0));
-    N const high = middle + cosine * select(closes, select(all[i + 2] > 0.0, cut, to_edge(width, here, before)), N(0.0));
+    N const high =
+        middle + cosine * select(closes, select(all[i + 2] > 0.0, cut, to_edge(width, here, before)), N(0.0));
     left = select(loaded && middle - reach < left, N(middle - reach), left);
     left = select(loaded && low < left, low, left);
     right = select(loaded && middle + reach > right, N(middle + reach), right);

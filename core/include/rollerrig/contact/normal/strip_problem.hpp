@@ -39,7 +39,7 @@ struct Strips {
 namespace strip_detail {
 
 inline constexpr double smallest_length = 0.02;  // of the half-length over the strip's width: keeps a away from zero
-inline constexpr double fading = 0.03;           // of the mean load: below it a strip leaves the system, smoothly
+inline constexpr double fading = 0.03;           // of the mean load: that of a strip which just touches
 inline constexpr double start_length = 0.02;     // square of the start's least half-length over the largest
 inline constexpr double least_change = 0.1, most_change = 10.0;  // of a conformity in one pass
 
@@ -160,7 +160,8 @@ class LinearSystem {
 };
 
 /// Loads of (S3), not negative: w = s(e) where e = w + (d - K w)/K_jj is what a strip would carry with the others as they are, and
-/// s(e) is e above a small load, zero below zero and smooth in between. One step of Newton from the last loads.
+/// s(e) = (e + sqrt(e^2 + 4 f^2))/2, f a small load: e where strips carry load, almost nothing where they do not. Its slope is
+/// below one, so that there is one solution. One step of Newton from the last loads.
 template <class T, std::size_t n>
 class LoadStep {
  public:
@@ -174,25 +175,24 @@ class LoadStep {
   /// @param on  result: how far strips take part, 0 to 1
   /// @param m   result: the matrix of the step
   StripRow<T, n> next(StripRow<T, n> const& w, StripRow<T, n>& on, Matrix<T, n>& m) const {
+    using std::sqrt;
     T sum(0.0), length(0.0);
     for (std::size_t j = 0; j < n; ++j) {
       sum += select(w[j] > 0.0, w[j], T(0.0)) * width_[j];
       length += width_[j];
     }
-    T const inverse_band = length / (fading * sum + 1e-30);
+    T const band2 = square(T(2.0 * fading * sum / length + 1e-30));
     StripRow<T, n> b;
     for (std::size_t j = 0; j < n; ++j) {
       T deflection(0.0);
       for (std::size_t i = 0; i < n; ++i) deflection += k_[j][i] * w[i];
       T const e = w[j] + (d_[j] - deflection) * inverse_[j];
-      T const t = e * inverse_band;
-      T const within = select(t > 0.0, select(t < 1.0, t, T(1.0)), T(0.0));
-      on[j] = within * within * (3.0 - 2.0 * within);
-      T const slope = on[j] + 6.0 * within * within * (1.0 - within);  // of s = e on(e)
+      T const root = sqrt(e * e + band2);
+      T const slope = on[j] = 0.5 * (1.0 + e / root);
       T const scale = slope * inverse_[j];
       for (std::size_t i = 0; i < n; ++i) m[j][i] = scale * k_[j][i];
       m[j][j] += 1.0 - slope;
-      b[j] = scale * d_[j] + (on[j] - slope) * e;
+      b[j] = scale * d_[j] + 0.5 * (e + root) - slope * e;
     }
     return LinearSystem<T, n>(m).solve(b);
   }
@@ -221,8 +221,8 @@ template <class T, std::size_t n>
 void lengths_from_load(Strips<T, n>& s, StripRow<T, n> const& conformity) {
   using std::sqrt;
   for (std::size_t i = 0; i < n; ++i)
-    s.half_length[i] = sqrt(2.0 * s.compliance * s.load[i] * reciprocal(conformity[i]) +
-                            square(T(smallest_length * s.width[i])));
+    s.half_length[i] =
+        sqrt(2.0 * s.compliance * s.load[i] * reciprocal(conformity[i]) + square(T(smallest_length * s.width[i])));
 }
 
 /// The region's paraboloid pressed after Hertz: conformity, and half-lengths from the interpenetration over that at its edge.
