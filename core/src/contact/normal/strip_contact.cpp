@@ -28,7 +28,7 @@ struct Region {
   T merged{1.0};                       ///< weight of the whole as one patch, the rest goes to its parts (S8)
   // Found:
   T change;           ///< of the force in the last pass, over the force [-]
-  T force, response;  ///< sum of the strips' forces [N], and for a metre more of interpenetration [N/m]
+  T force, depth;     ///< sum of the strips' forces [N], depth of the paraboloid that stands for it [m]
   std::array<StripPatch<T>, most_parts + 1> patch;  ///< the whole, then its parts
   T factor{1.0}, size{1.0};                         ///< what other regions leave of the force, of lengths and pressure
 };
@@ -44,22 +44,32 @@ struct Batch {
 RelativePose<double> numbers(RelativePose<double> const& pose) { return pose; }
 RelativePose<double> numbers(RelativePose<StripDual> const& pose) { return numbers_of(pose); }
 
-/// Gap at an extreme found by the nodes, where its slope along the wheel vanishes.
+/// The lowest point of the circle at a place along the arc.
 template <Scalar T>
-T gap_at(StripWheel<T> const& wheel, double position) {
+CirclePoint<T> point_at(StripWheel<T> const& wheel, double position) {
   LanePair<double> pair;
   pair.set(0, wheel.wheel->pair, wheel.wheel->nodes->arc().abscissae());
   std::array<CirclePoint<T>, 1> point;
   lowest_points(pair, wheel.pose, std::array<T, 1>{T(wheel.wheel->nodes->arc().abscissa(position))}, point);
-  return point[0].gap;
+  return point[0];
 }
 
-/// Height of the rise between two minima over the depth of the shallower: negative where it lies in the material.
+/// What lies between two neighbouring minima.
 template <Scalar T>
-T rise_over_depth(StripWheel<T> const& wheel, GapScan const& scan, int i) {
-  T const g = gap_at(wheel, scan.minimum[at(i)].position);
-  T const h = gap_at(wheel, scan.minimum[at(i + 1)].position);
-  return -(gap_at(wheel, scan.rise[at(i)].position) / select(g < h, h, g));  // both negative
+struct Saddle {
+  T rise;   ///< its gap over the depth of the shallower minimum: negative in the material [-]
+  T skew;   ///< distance of the minima along the wheel's circles over that across them, not negative [-]
+};
+
+template <Scalar T>
+Saddle<T> saddle(StripWheel<T> const& wheel, GapScan const& scan, int i) {
+  auto const &left = scan.minimum[at(i)], &right = scan.minimum[at(i + 1)];
+  // Places of extremes are good to second order of the gap: its slope vanishes there.
+  auto const g = point_at(wheel, left.position), h = point_at(wheel, right.position);
+  T const shallower = select(g.gap < h.gap, h.gap, g.gap);  // both negative
+  T const along = 0.5 * dot(h.p - g.p, g.u + h.u);
+  return {-(point_at(wheel, scan.rise[at(i)].position).gap / shallower),
+          select(along < 0.0, -along, along) / (right.position - left.position)};
 }
 
 /// Where a region counts as two patches: at rises between its minima that do not lie deep in the material. (S8)
@@ -71,21 +81,24 @@ void find_parts(StripWheel<T> const& wheel, GapScan const& scan, int first, int 
     auto const &left = scan.minimum[at(i)], &right = scan.minimum[at(i + 1)], &top = scan.rise[at(i)];
     constexpr double sure = 0.03;  // the nodes' estimate is closer
     if (top.gap / std::max(left.gap, right.gap) > 0.9 + sure || region.parts == most_parts) continue;
-    T const m = strip_detail::smooth_step(T((-rise_over_depth(wheel, scan, i) - 0.7) / 0.2));
+    T const m = strip_detail::smooth_step(T((-saddle(wheel, scan, i).rise - 0.7) / 0.2));
     if (!(m < 1.0)) continue;
     region.merged = select(m < region.merged, m, region.merged);
     region.cut[region.parts++ - 1] = top.position;
   }
 }
 
-/// Two regions are solved as one where the rise between them is lower than half of the shallower one's depth, as two where it is
-/// higher than twice that: their strips then push each other as single forces do. In between both readings count. (S17)
+/// Two regions are solved as one where they lie beside each other and the rise between them is lower than half of the shallower
+/// one's depth, as two where it is higher than twice that or where one lies ahead of the other: their strips then push each
+/// other as single forces do. In between both readings count. (S17)
 template <Scalar T>
 T joined_weight(StripWheel<T> const& wheel, GapScan const& scan, int k) {
   int const last = scan.region[at(k)].last;
   double const shallower = -std::max(scan.minimum[at(last)].gap, scan.minimum[at(last + 1)].gap);
   if (scan.rise[at(last)].gap > 2.1 * shallower) return T(0.0);
-  return 1.0 - strip_detail::smooth_step(T((rise_over_depth(wheel, scan, last) - 0.5) / 1.5));
+  auto const between = saddle(wheel, scan, last);
+  return (1.0 - strip_detail::smooth_step(T((between.rise - 0.5) / 1.5))) *
+         (1.0 - strip_detail::smooth_step(T((between.skew - 0.4) / 0.4)));
 }
 
 template <Scalar T>
@@ -188,8 +201,6 @@ void solve_pack(Batch<T>& batch, int first, int count, int passes) {
   solve_strips(tables, strips, passes);
   StripRow<L, n> share;
   share.fill(L(1.0));
-  L response(0.0);
-  for (std::size_t i = 0; i < n; ++i) response += strips.width[i] * strips.response[i];
   for (std::size_t k = 0; k <= (parts > 1 ? parts : 0); ++k) {
     if (k > 0) share_between(strips, cut[k - 1], k == parts ? N(1e3) : cut[k], share);
     RegionPart<L> const part = part_of(tables, strips, places, share);
@@ -197,9 +208,9 @@ void solve_pack(Batch<T>& batch, int first, int count, int passes) {
       auto& region = batch.region[at(first + i)];
       if (k == 0) {
         if constexpr (std::same_as<L, T>)
-          region.force = part.force, region.response = response, region.change = strips.change;
+          region.force = part.force, region.depth = strips.depth, region.change = strips.change;
         else
-          region.force = lane(part.force, i), region.response = lane(response, i),
+          region.force = lane(part.force, i), region.depth = lane(strips.depth, i),
           region.change = lane(strips.change, i);
       }
       if (k == 0 || k <= region.parts) take_patch(part, i, region.patch[k]);
@@ -237,7 +248,6 @@ void refine(Batch<T>& batch, int index) {
   solve_pack<T, refined_strips>(batch, index, 1, refined_passes);
   T const s = strip_detail::smooth_step(T((change - unsettled) / (not_settled - unsettled)));
   region.force = few.force + s * (region.force - few.force);
-  region.response = few.response + s * (region.response - few.response);
   for (std::size_t k = 0; k <= (region.parts > 1 ? region.parts : 0); ++k)
     region.patch[k] = mixed(few.patch[k], region.patch[k], s);
   ++batch.wheels[at(region.wheel)].found.refined;
@@ -264,7 +274,7 @@ void solve_regions(Batch<T>& batch) {
 }
 
 /// What the loads of several regions of a wheel make of each other: each deflects the others as a point load does, as far as its
-/// direction is theirs. That takes so much of their interpenetration, and the force of a region goes with the 3/2 power of that.
+/// direction is theirs. That takes so much of their interpenetration, and the force of a region goes with the 3/2 power of what is left.
 /// Coupling is weak: a few rounds.
 template <Scalar T>
 void couple(Material const& material, std::span<Region<T>> regions) {
@@ -282,7 +292,7 @@ void couple(Material const& material, std::span<Region<T>> regions) {
         T const force = other.factor * other.force * (same_group ? T(1.0) : other.weight);
         taken += compliance * facing * force / sqrt(dot(between, between));
       }
-      T const left = 1.0 - taken * r.response / (1.5 * r.force + 1e-30);
+      T const left = 1.0 - taken / r.depth;
       T const part = select(left > 1e-6, left, T(1e-6));
       r.size = sqrt(part);
       r.factor = part * r.size;

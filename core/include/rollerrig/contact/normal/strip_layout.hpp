@@ -154,12 +154,14 @@ void cut_ellipse(StripTables const& tables, std::array<Vec3<T>, n> const& direct
   T const half = 0.75 * area / s.depth, skew = obliquity / spread;
   s.across = s.depth / (half * half);
   s.ellipse = oblique_ellipse(tables, T(curvature / area), skew, s.across);
+  T const inverse_reach2 = reciprocal(T(s.ellipse.half_width * s.ellipse.half_width * s.depth));
   for (std::size_t i = 0; i < n; ++i) {
     T const y = s.position[i] - s.middle;
-    T const push = (s.ellipse.skew - skew) * y;
+    T const inside = 1.0 - smooth_step(T((y * y * inverse_reach2 - 1.5) / 2.5));  // far from the ellipse it says nothing
+    T const push = inside * (s.ellipse.skew - skew) * y;
     places.along[i] += push;
     places.point[i] += push * direction[i];
-    s.interpenetration[i] -= s.ellipse.taken * y * y;
+    s.interpenetration[i] -= inside * s.ellipse.taken * y * y;
   }
 }
 

@@ -119,7 +119,7 @@ void find_extremes(Strips<T, n> const& s, StripPlaces<T, n> const& places, Strip
   all[0] = all[n + 1] = load[0] = load[n + 1] = square_pressure[0] = square_pressure[n + 1] = N(0.0);
   for (std::size_t i = 0; i < n; ++i) {
     h[i + 1] = value_of(s.width[i]);
-    all[i + 1] = value_of(s.load[i]);
+    all[i + 1] = select(value_of(s.on[i]) > 0.5, value_of(s.load[i]), N(0.0));
     load[i + 1] = value_of(share[i]) * all[i + 1];
     N const p = load[i + 1] * reciprocal(value_of(s.half_length[i]));
     square_pressure[i + 1] = p * p;

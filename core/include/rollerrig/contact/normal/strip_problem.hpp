@@ -32,7 +32,7 @@ struct Strips {
   // Found:
   StripRow<T, n> load;         ///< w [N/m], not negative
   StripRow<T, n> half_length;  ///< a [m]
-  StripRow<T, n> response;     ///< w for an interpenetration of one metre everywhere on the loaded strips [N/m^2]
+  StripRow<T, n> on;           ///< how far a strip takes part, 0 to 1: over 1/2 where it would carry load by itself
   T change;                    ///< of the force in the last pass, over the force [-]
 };
 
@@ -243,14 +243,15 @@ void start_from_hertz(Strips<T, n>& s, StripRow<T, n>& conformity) {
 
 }  // namespace strip_detail
 
-/// Fills load, half_length, response and change.
+/// Fills load, half_length, on and change.
 ///
 /// @param passes  of loads and lengths
 template <class T, std::size_t n>
 void solve_strips(StripTables const& tables, Strips<T, n>& s, int passes) {
   using namespace strip_detail;
   using std::sqrt;
-  StripRow<T, n> conformity, on, w;
+  StripRow<T, n> conformity, w;
+  auto& on = s.on;
   start_from_hertz(s, conformity);
   Influences<T, n> influence;
   Matrix<T, n> m;
@@ -267,11 +268,6 @@ void solve_strips(StripTables const& tables, Strips<T, n>& s, int passes) {
       s.load[j] = inverse * select(w[j] > 0.0, w[j], T(0.0));
       force += s.load[j] * s.width[j];
     }
-    if (pass + 1 == passes) {  // m is that of the loads
-      StripRow<T, n> one;
-      for (std::size_t j = 0; j < n; ++j) one[j] = on[j] * reciprocal(influence.deflection[j][j]);
-      s.response = LinearSystem<T, n>(m).solve(one);
-    }
     auto const q = conformities(influence.curvature, on, s.curvature, m);
     for (std::size_t j = 0; j < n; ++j) {
       // Between what a line contact (1) and a patch long in x (2/3) ask for: to the power 3/4. A strip without load keeps its q.
@@ -286,7 +282,6 @@ void solve_strips(StripTables const& tables, Strips<T, n>& s, int passes) {
   T const exact = tables.at(StartFunction::force, s.ellipse.place);
   for (std::size_t j = 0; j < n; ++j) {
     s.load[j] = exact * s.load[j];
-    s.response[j] = exact * inverse * s.response[j];
   }
 }
 
