@@ -287,6 +287,7 @@ class Simulation {
     d["clamped_aspect"] = c.clamped_aspect;
     d["overlapping"] = c.overlapping;
     d["several_patches"] = c.several_patches;
+    d["refined"] = c.refined;
     d["faded"] = c.faded;
     d["lost"] = c.lost;
     d["negative_dissipation"] = c.negative_dissipation;

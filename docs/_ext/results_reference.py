@@ -48,6 +48,7 @@ ATTRIBUTES = {
 COUNTERS = {
     "checked": "wheels evaluated: wheels times accepted steps",
     "several_patches": "wheels with more than one patch",
+    "refined": "wheels whose strips had not settled and were solved again with more of them, (S5)",
     "overlapping": "neighbouring patches of one wheel whose ellipses overlap",
     "faded": "patches whose blending weight, (F4) or (S8), was below 1",
     "limited_curvature": "patches whose curvatures were outside Hertz' theory and were limited",

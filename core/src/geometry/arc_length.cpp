@@ -6,13 +6,11 @@ namespace rollerrig {
 namespace {
 
 /// Slopes of the pieces' ends are given: cubic Hermite pieces.
-UniformSpline hermite(double start, double step, std::vector<double> const& value, std::vector<double> const& slope) {
+UniformSpline hermite_spline(double start, double step, std::vector<double> const& value,
+                             std::vector<double> const& slope) {
   UniformSpline spline{start, step, {}};
-  for (std::size_t i = 0; i + 1 < value.size(); ++i) {
-    double const jump = (value[i + 1] - value[i]) / step;
-    spline.pieces.push_back({value[i], slope[i], (3.0 * jump - 2.0 * slope[i] - slope[i + 1]) / step,
-                             (slope[i] + slope[i + 1] - 2.0 * jump) / (step * step)});
-  }
+  for (std::size_t i = 0; i + 1 < value.size(); ++i)
+    spline.pieces.push_back(hermite(step, value[i], value[i + 1], slope[i], slope[i + 1]));
   return spline;
 }
 
@@ -31,7 +29,7 @@ ArcLength::ArcLength(UniformSpline const& profile) {
     slope.push_back(rate(s + step));
     length.push_back(length.back() + step / 6.0 * (slope[i] + 4.0 * rate(s + 0.5 * step) + slope.back()));
   }
-  length_ = hermite(profile.start, step, length, slope);
+  length_ = hermite_spline(profile.start, step, length, slope);
 
   auto const m = static_cast<std::size_t>(length.back() / step) + 1;
   std::vector<double> abscissa, inverse;
@@ -45,7 +43,7 @@ ArcLength::ArcLength(UniformSpline const& profile) {
     abscissa.push_back(s);
     inverse.push_back(1.0 / length_.at(s).slope);
   }
-  abscissa_ = hermite(0.0, step, abscissa, inverse);
+  abscissa_ = hermite_spline(0.0, step, abscissa, inverse);
 }
 
 }  // namespace rollerrig

@@ -44,6 +44,7 @@ Status ContactMonitor::check(Model const& model, Evaluation const& evaluation, d
     int const n = evaluation.patch_count(static_cast<int>(i));
     ++counters_.checked;
     counters_.several_patches += n > 1;
+    counters_.refined += n > 0 && evaluation.patch(static_cast<int>(i), 0).refined;
     failed_contact_ = static_cast<int>(i);
     if (n == 0) {
       ++counters_.lost;

@@ -86,6 +86,7 @@ MORE = tuple(q for q in WHEELS if q not in FIRST)
 CONTACT = (
     Quantity("contact.checked", "wheels looked at: accepted steps times wheels"),
     Quantity("contact.several_patches", "wheels that touched in more than one patch"),
+    Quantity("contact.refined", "wheels whose contact was solved again with more strips"),
     Quantity("contact.overlapping", "pairs of patches of one wheel whose ellipses overlap, outside Hertz' assumptions"),
     Quantity("contact.faded", "patches with a blending weight below 1, while two neighbours merge or separate"),
     Quantity("contact.limited_curvature", "patches whose curvatures were outside Hertz' theory and were limited"),

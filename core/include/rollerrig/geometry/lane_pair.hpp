@@ -1,9 +1,6 @@
-// geometry/lane_pair.hpp - wheels on their rollers or rails side by side, one pair per lane: the gap along their normals.
+// geometry/lane_pair.hpp - wheels on their rollers or rails side by side, one pair per lane.
 //
-//   pairs and poses, one per lane -> [gap at an abscissa of each wheel] -> interpenetration regions, strips
-//
-// The formulas are those of geometry/reduction.hpp. Where reduce() iterates until it has converged, the lanes take two Newton
-// steps: enough where the surfaces overlap or nearly so, which is where strips lie; a test holds the two together.
+//   pairs and poses, one per lane -> [LanePair] -> geometry/wheel_circle.hpp
 #pragma once
 #include "rollerrig/geometry/reduction.hpp"
 #include "rollerrig/math/estimates.hpp"
@@ -66,64 +63,5 @@ RelativePose<NumberOf<T>> numbers_of(RelativePose<T> const& pose) {
 
 template <class N>
 using MaskOf = decltype(std::declval<N>() < std::declval<N>());
-
-/// What lies along the wheel's normal at one abscissa of each wheel.
-template <class T>
-struct LaneGap {
-  WheelNormalLine<T> line;
-  T gap;                      ///< [m]; negative: the surfaces overlap
-  T residual;                 ///< F [-]
-  T rail_y;                   ///< abscissa of the point on the generatrix [m]
-  CurvePoint<T> rail;         ///< h, h', h'' there
-  T inverse_radial;           ///< 1 / n_radial
-  MaskOf<NumberOf<T>> found;  ///< whether the normal meets the generatrix
-};
-
-/// A row of places on each wheel. Step by step for all of them: one place is a long chain of operations that wait for each other,
-/// several fill the time.
-///
-/// @param s  abscissae on each wheel [m]
-template <class T, std::size_t count>
-void gaps_along_normal(LanePair<NumberOf<T>> const& pair, RelativePose<T> const& pose, std::array<T, count> const& s,
-                       std::array<LaneGap<T>, count>& gaps) {
-  using N = NumberOf<T>;
-  for (std::size_t k = 0; k < count; ++k) gaps[k].line = wheel_normal_line(pair, pose, s[k]);
-  // Newton as in generatrix_point(). From the abscissa of the wheel's point: the first step leaves micrometres at most.
-  std::array<N, count> y_1;
-  for (std::size_t k = 0; k < count; ++k) {
-    LaneGap<T>& out = gaps[k];
-    auto const& line = out.line;
-    N const n_u = value_of(line.n_radial), n_y = value_of(line.n.y), y_p = value_of(line.y);
-    auto const first = pair.rail->piece(y_p).at(y_p);
-    N const gradient = n_u - first.slope * n_y;
-    out.found = gradient < -parallel_line;
-    N const safe = select(out.found, gradient, N(-1.0));
-    y_1[k] = y_p + (first.value - value_of(line.height)) * n_y * reciprocal(safe);
-  }
-  for (std::size_t k = 0; k < count; ++k) {
-    LaneGap<T>& out = gaps[k];
-    auto const& line = out.line;
-    auto const piece = pair.rail->piece(y_1[k]);
-    auto const h_1 = piece.at(T(y_1[k]));
-    T const last_gradient = line.n_radial - h_1.slope * line.n.y;
-    out.found = out.found && (value_of(last_gradient) < -parallel_line);
-    T const inverse = reciprocal(select(out.found, last_gradient, T(-1.0)));
-    T const step = ((y_1[k] - line.y) * line.n_radial - (h_1.value - line.height) * line.n.y) * inverse;
-    out.rail_y = y_1[k] - step;
-    out.rail = piece.at(out.rail_y);
-    out.found = out.found && pair.rail->contains(value_of(out.rail_y));
-    out.gap = -((line.y - out.rail_y) * line.n.y + (line.height - out.rail.value) * line.n_radial);
-    out.inverse_radial = reciprocal(line.n_radial);
-    out.residual = out.rail.slope + line.n.y * out.inverse_radial;
-  }
-}
-
-/// @param s  abscissa on each wheel [m]
-template <class T>
-LaneGap<T> gap_along_normal(LanePair<NumberOf<T>> const& pair, RelativePose<T> const& pose, T const& s) {
-  std::array<LaneGap<T>, 1> out;
-  gaps_along_normal(pair, pose, std::array<T, 1>{s}, out);
-  return out[0];
-}
 
 }  // namespace rollerrig

@@ -16,6 +16,12 @@ struct CurvePoint {
   T second;  ///< f''
 };
 
+/// Coefficients of the cubic over a step from values and slopes at its ends.
+inline std::array<double, 4> hermite(double step, double f0, double f1, double m0, double m1) {
+  double const jump = (f1 - f0) / step;
+  return {f0, m0, (3.0 * jump - 2.0 * m0 - m1) / step, (m0 + m1 - 2.0 * jump) / (step * step)};
+}
+
 /// f(y) = c0 + c1 t + c2 t^2 + c3 t^3, t = y - (start + i step). Outside its domain the last piece is extrapolated; callers ask
 /// contains() where that matters.
 struct UniformSpline {

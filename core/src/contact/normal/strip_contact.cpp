@@ -27,8 +27,8 @@ struct Region {
   std::array<double, most_parts> cut;  ///< place along the arc behind each part but the last [m]
   T merged{1.0};                       ///< weight of the whole as one patch, the rest goes to its parts (S8)
   // Found:
-  T change;           ///< of the force in the last pass, over the force [-]
-  T force, depth;     ///< sum of the strips' forces [N], depth of the paraboloid that stands for it [m]
+  T change;        ///< of the force in the last pass, over the force [-]
+  T force, depth;  ///< sum of the strips' forces [N], depth of the paraboloid that stands for it [m]
   std::array<StripPatch<T>, most_parts + 1> patch;  ///< the whole, then its parts
   T factor{1.0}, size{1.0};                         ///< what other regions leave of the force, of lengths and pressure
 };
@@ -57,8 +57,8 @@ CirclePoint<T> point_at(StripWheel<T> const& wheel, double position) {
 /// What lies between two neighbouring minima.
 template <Scalar T>
 struct Saddle {
-  T rise;   ///< its gap over the depth of the shallower minimum: negative in the material [-]
-  T skew;   ///< distance of the minima along the wheel's circles over that across them, not negative [-]
+  T rise;  ///< its gap over the depth of the shallower minimum: negative in the material [-]
+  T skew;  ///< distance of the minima along the wheel's circles over that across them, not negative [-]
 };
 
 template <Scalar T>

@@ -29,11 +29,6 @@ double integral(F const& f, double a, double b) {
   return half * sum;
 }
 
-std::array<double, 4> hermite(double step, double f0, double f1, double m0, double m1) {
-  double const jump = (f1 - f0) / step;
-  return {f0, m0, (3.0 * jump - 2.0 * m0 - m1) / step, (m0 + m1 - 2.0 * jump) / (step * step)};
-}
-
 }  // namespace
 
 StripKernel::StripKernel() {

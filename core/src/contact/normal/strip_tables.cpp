@@ -5,11 +5,6 @@
 namespace rollerrig {
 namespace {
 
-std::array<double, 4> hermite(double step, double f0, double f1, double m0, double m1) {
-  double const jump = (f1 - f0) / step;
-  return {f0, m0, (3.0 * jump - 2.0 * m0 - m1) / step, (m0 + m1 - 2.0 * jump) / (step * step)};
-}
-
 /// What Hertz' theory says of a parabola with A = 1 over what the strips make of it.
 struct Ratios {
   double force, a, b, peak, width;

@@ -24,6 +24,7 @@ struct NormalPatch {
   double length{0.0};         ///< loaded length along the rolling direction [m]
   double width{0.0};          ///< loaded width across it [m]
   bool limited{false};        ///< the curvatures were outside Hertz' theory and were limited
+  bool refined{false};        ///< the wheel's contact was solved again with many strips: (S5)
 };
 
 /// Patches of one wheel: NormalPatch, or what is derived from it.

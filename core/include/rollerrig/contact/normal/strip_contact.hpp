@@ -181,6 +181,7 @@ struct ElasticStrips {
       patch.peak_pressure = strip.peak_pressure;
       patch.length = strip.length;
       patch.width = strip.width;
+      patch.refined = found.refined > 0;
     }
     return found.count;
   }

@@ -4,7 +4,7 @@
 //
 // A strip lies along a circle of the wheel, with its middle at the circle's lowest point over the other surface: its
 // interpenetration, curvature, place and normals are those of the surfaces there, at any yaw, and nothing is extrapolated.
-// Strips are as narrow as the gap is bent and as it is deep: a first row of circles at equal distances gives both. (S6)
+// Strips are as narrow as the gap is bent and as it is deep: a first row of circles at equal distances gives both. (S13)
 // What turns the patch against the circles is the line of the lowest points: (S11), contact/normal/oblique_ellipse.hpp.
 // One region per lane, without a branch on a value.
 #pragma once
@@ -123,11 +123,8 @@ std::array<T, 2> ends_of(RegionPack<T> const& r) {
 /// Depth and width are those of the parabola with the same area, decided by the deep part; its lowest points lie on the line
 /// that fits those of the strips.
 /// Then middles and interpenetration of the strips are those of the chords of that ellipse, (S12).
-///
-/// @param direction  of the strips, frame b
 template <class T, std::size_t n>
-void cut_ellipse(StripTables const& tables, std::array<Vec3<T>, n> const& direction, Strips<T, n>& s,
-                 StripPlaces<T, n>& places) {
+void cut_ellipse(StripTables const& tables, Strips<T, n>& s, StripPlaces<T, n>& places) {
   T area(1e-30), squares(1e-60), cubes(1e-90), curvature(0.0), middle(0.0), ahead(0.0);
   StripRow<T, n> weight;
   for (std::size_t i = 0; i < n; ++i) {
@@ -157,10 +154,10 @@ void cut_ellipse(StripTables const& tables, std::array<Vec3<T>, n> const& direct
   T const inverse_reach2 = reciprocal(T(s.ellipse.half_width * s.ellipse.half_width * s.depth));
   for (std::size_t i = 0; i < n; ++i) {
     T const y = s.position[i] - s.middle;
-    T const inside = 1.0 - smooth_step(T((y * y * inverse_reach2 - 1.5) / 2.5));  // far from the ellipse it says nothing
-    T const push = inside * (s.ellipse.skew - skew) * y;
-    places.along[i] += push;
-    places.point[i] += push * direction[i];
+    T const inside =
+        1.0 - smooth_step(T((y * y * inverse_reach2 - 1.5) / 2.5));  // far from the ellipse it says nothing
+    // Points stay: the centre of the pressures is that of the lowest points, which are exact.
+    places.along[i] += inside * (s.ellipse.skew - skew) * y;
     s.interpenetration[i] -= inside * s.ellipse.taken * y * y;
   }
 }
@@ -195,9 +192,7 @@ void lay_over_paraboloid(StripTables const& tables, T const& along, T const& ske
     places.wheel_s[i] = places.rail_y[i] = T(0.0);
   }
   places.turn_sin = T(0.0), places.turn_cos = T(1.0);
-  std::array<Vec3<T>, n> direction;
-  direction.fill({T(1.0), T(0.0), T(0.0)});
-  strip_detail::cut_ellipse(tables, direction, s, places);
+  strip_detail::cut_ellipse(tables, s, places);
 }
 
 /// Lays the strips of every region.
@@ -248,9 +243,7 @@ void lay_strips(StripTables const& tables, RegionPack<T> const& r, Strips<T, n>&
   T const inverse = inverse_root(T(turn_sin * turn_sin + turn_cos * turn_cos));
   places.turn_sin = inverse * turn_sin;
   places.turn_cos = inverse * turn_cos;
-  std::array<Vec3<T>, n> direction;
-  for (std::size_t i = 0; i < n; ++i) direction[i] = at[i].u;
-  cut_ellipse(tables, direction, strips, places);
+  cut_ellipse(tables, strips, places);
 }
 
 }  // namespace rollerrig
