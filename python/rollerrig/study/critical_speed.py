@@ -69,7 +69,7 @@ def critical_speed(
         >>> import rollerrig as rr
         >>> found = rr.critical_speed("bogie_rollers_constant", speeds_kmh=[200, 300])
         >>> round(float(found["linear_critical_speed"]))
-        222
+        224
     """
     unknown = set(methods) - {"linear", "disturbance", "continuation"}
     if unknown:

@@ -44,7 +44,7 @@ def test_outputs_follow_states_as_differences_say(name: str) -> None:
         difference = (above - below) / (2.0 * step[i])
         there = np.isfinite(difference)
         scale = np.abs(c).max(axis=1) + 1e-6
-        assert np.all(np.abs(difference - c[:, i])[there] <= 2e-5 * scale[there])
+        assert np.all(np.abs(difference - c[:, i])[there] <= 1e-4 * scale[there])
 
 
 def test_torques_act_as_in_the_equations_of_motion() -> None:
