@@ -88,17 +88,8 @@ struct Influences {
   Matrix<T, n> deflection, curvature;
 };
 
-/// What the mean of psi over a strip is more than in its middle, of a function that falls as -(4/pi) ln k near the strip and
-/// as 1/k far from it: three terms of the mean's series.
-///
-/// @param width  of the strip over its distance, below 2 [-]
-template <class T>
-[[gnu::always_inline]] inline T mean_over_width(T const& k, T const& width) {
-  T const width2 = width * width;
-  T const log_part = width2 * (1.0 / 24.0 + width2 * (1.0 / 320.0 + width2 * (1.0 / 2688.0)));
-  return (4.0 / pi) * log_part * reciprocal(T(1.0 + (2.0 / pi) * k));
-}
-
+/// Over another strip the mean of psi is psi in its middle and a little more: three terms of the series for a function that falls
+/// as -(4/pi) ln k near the strip and as 1/k far from it.
 template <class T, std::size_t n>
 void read_influences(StripKernel const& kernel, Strips<T, n> const& s, Influences<T, n>& out) {
   using F = StripKernel::Function;
@@ -109,14 +100,19 @@ void read_influences(StripKernel const& kernel, Strips<T, n> const& s, Influence
     T const own = 0.5 * width;
     out.deflection[i][i] = 2.0 * for_deflection * kernel.read(F::own_deflection, own);
     out.curvature[i][i] = 2.0 * for_curvature * kernel.read(F::own_curvature, own);
-    T const wide_deflection = for_deflection * width, curvature_over_deflection = for_curvature / for_deflection;
+    T const wide_deflection = for_deflection * width, wide_curvature = for_curvature * width;
     for (std::size_t j = 0; j < n; ++j) {
       if (i == j) continue;
-      T const distance = i < j ? s.position[j] - s.position[i] : s.position[i] - s.position[j];
-      T const k = distance * inverse;
-      T const psi = kernel.read(F::deflection, k) + mean_over_width(k, T(s.width[i] * reciprocal(distance)));
+      T const k = (i < j ? s.position[j] - s.position[i] : s.position[i] - s.position[j]) * inverse;
+      // One division for three: by k, by 1 + (2/pi) k and by 1 + k^2.
+      T const far = 1.0 + (2.0 / pi) * k, near = 1.0 + k * k;
+      T const by_all = reciprocal(T(k * far * near));
+      T const part = width * (by_all * far * near);  // of the strip over its distance
+      T const part2 = part * part;
+      T const log_mean = part2 * (1.0 / 24.0 + part2 * (1.0 / 320.0 + part2 * (1.0 / 2688.0)));
+      T const psi = kernel.read(F::deflection, k) + (4.0 / pi) * log_mean * (by_all * k * near);
       out.deflection[j][i] = wide_deflection * psi;
-      out.curvature[j][i] = curvature_over_deflection * out.deflection[j][i] * reciprocal(T(1.0 + k * k));  // (S2)
+      out.curvature[j][i] = wide_curvature * psi * (by_all * k * far);  // (S2)
     }
   }
 }
