@@ -190,11 +190,14 @@ def our_patches(at: PairPose, normal: str) -> list[_core.StaticPatch]:
 
 
 def centre_error(ours: list[_core.StaticPatch], theirs: ExactWheel) -> float:
-    """Largest distance, along the surface, of an exact patch's centre from that of our loads that are nearest to it; of
-    patches with a twentieth of the load or more."""
+    """Largest distance, along the surface, of an exact patch's centre from that of our loads that are nearest to it in place
+    (10 mm) and direction (0.1 rad); of patches with a twentieth of the load or more."""
     points = np.array([patch.point for patch in ours]) / mm
     loads = np.array([patch.normal for patch in ours])
-    nearest = np.linalg.norm(points[:, None] - theirs.centres[None], axis=-1).argmin(axis=1)
+    directions = np.array([patch.direction for patch in ours])
+    apart = np.linalg.norm(points[:, None] - theirs.centres[None], axis=-1) / 10.0
+    turned = np.linalg.norm(directions[:, None] - theirs.normals[None], axis=-1) / 0.1
+    nearest = (apart + turned).argmin(axis=1)
     worst = 0.0
     for i, (force, centre, normal) in enumerate(zip(theirs.forces, theirs.centres, theirs.normals, strict=True)):
         if force < 0.05 * theirs.force:
