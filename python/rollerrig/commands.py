@@ -380,7 +380,7 @@ def sweep(
         >>> radii = {"support.roller_radius": ["0.5 m", "1 m"]}
         >>> found = rr.sweep("bogie_rollers_constant", radii, measure="critical_speed")
         >>> found["linear_critical_speed"].round().to_numpy().tolist()
-        [209.0, 232.0]
+        [210.0, 234.0]
     """
     from rollerrig.analysis.cluster import cluster
     from rollerrig.study.sweep import sweep_study
