@@ -96,11 +96,11 @@ def linear_response(rails: RailIrregularity) -> tuple[np.ndarray, np.ndarray]:
 
 TOLERANCES = {
     # The third power of the displacement, what the first two periods left behind, and kinks of the strips in the lateral ones.
-    ("car_body", "lateral"): 3e-3,
+    ("car_body", "lateral"): 1e-3,
     ("car_body", "vertical"): 1e-3,
-    ("front_frame", "lateral"): 3e-3,
+    ("front_frame", "lateral"): 1e-3,
     ("front_frame", "vertical"): 1e-3,
-    ("wheelset_1", "lateral"): 3e-3,
+    ("wheelset_1", "lateral"): 1e-3,
     # rk4 at 0.64 ms follows a wheel on its stiff contact to 1 %; at half the step to 0.1 %.
     ("wheelset_1", "vertical"): 2e-2,
 }

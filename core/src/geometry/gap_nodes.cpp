@@ -19,10 +19,9 @@ class Scan {
  public:
   Scan(WheelRollerPair const& pair, GapNodes const& nodes, RelativePose<double> const& pose)
       : pair_(pair), nodes_(nodes), pose_(pose), h_(nodes.step()), near_(steepest_hidden * h_) {
-    for (int i = 0; i < native_lanes; ++i) {
-      lane_pair_.set(i, pair_, nodes_.arc().abscissae());
-      set_lane(lane_pose_, i, pose_);
-    }
+    lane_pair_.set_all(pair_, nodes_.arc().abscissae());
+    auto const all = [](Vec3<double> const& v) { return Vec3<V>{V(v.x), V(v.y), V(v.z)}; };
+    lane_pose_ = {all(pose_.o), {all(pose_.R.ex), all(pose_.R.ey), all(pose_.R.ez)}};
   }
 
   GapScan run() {
@@ -54,6 +53,7 @@ class Scan {
   static constexpr double steepest_hidden = 0.05;
   /// For a gap that bends downwards between two nodes: its slope changes by as much [-].
   static constexpr double slope_allowance = 0.01;
+  static constexpr double settled_tilt = 3e-5;  ///< by which the gap is 1 nm above that of the lowest point [-]
   static constexpr int levels = 3;
   static constexpr int inner = 8;  ///< nodes laid between two
 
@@ -76,7 +76,7 @@ class Scan {
       // The lowest point of the circle lies lower by about tilt^2 / (4 curvature); twice that is sure.
       V const lowest = here.gap - 0.5 * here.tilt * here.tilt * reciprocal(here.curvature);
       if (any(here.found && lowest < near_)) {
-        for (int i = 0; i < 2; ++i) {
+        for (int i = 0; i < 2 && any(here.tilt > settled_tilt || here.tilt < -settled_tilt); ++i) {
           turn_by(towards_lowest(here, circle), sine, cosine);
           here = circle_point(lane_pair_, lane_pose_, circle, sine, cosine);
         }

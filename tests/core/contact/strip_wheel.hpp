@@ -4,6 +4,7 @@
 
 #include "profiles.hpp"
 #include "rollerrig/contact/normal/strip_contact.hpp"
+#include "rollerrig/contact/normal/strip_layout.hpp"
 
 namespace rollerrig::test {
 
@@ -31,6 +32,19 @@ inline Vec3<double> total(StripSolution<double> const& c) {
     sum += p.weight * p.normal * p.direction;
   }
   return sum;
+}
+
+/// One region as strips are laid on it.
+inline void put(Wheel const& wheel, RelativePose<double> const& pose, InterpenetrationRegion const& region,
+                RegionPack<double>& pack) {
+  pack.pair.set_all(wheel.profiles.pair, wheel.nodes.arc().abscissae());
+  pack.pose = pose;
+  pack.compliance = steel.compliance() / pi;
+  for (std::size_t k = 0; k < 2; ++k) {
+    RegionEnd const& end = k == 0 ? region.left : region.right;
+    pack.end[k] = {end.position, std::min(end.inside, end.outside), std::max(end.inside, end.outside),
+                   end.is_root ? 1.0 : 0.0};
+  }
 }
 
 /// Poses of all kinds, pressed until the wheel carries a load between 3 and 150 kN.

@@ -37,14 +37,17 @@ def test_outputs_follow_states_as_differences_say(name: str) -> None:
     state = starting_state(_core.Simulation(bench.model.start_core), bench.model)
     c = simulation.linear_model(0.0, state, [], [])[2]
     quadratures = np.zeros(simulation.quadrature_count)
+    scale = np.abs(c).max(axis=1) + 1e-6
     for i in range(len(state)):
-        step = np.zeros(len(state))
-        step[i] = 1e-7 if i < len(state) // 2 else 1e-6
-        above, below = (simulation.record(0.0, state + s * step, quadratures)[: len(c)] for s in (1.0, -1.0))
-        difference = (above - below) / (2.0 * step[i])
-        there = np.isfinite(difference)
-        scale = np.abs(c).max(axis=1) + 1e-6
-        assert np.all(np.abs(difference - c[:, i])[there] <= 1e-4 * scale[there])
+        errors = []
+        for shorter in (1.0, 16.0):  # a profile's knot within a step is a kink; the shorter one stays clear of it
+            step = np.zeros(len(state))
+            step[i] = (1e-7 if i < len(state) // 2 else 1e-6) / shorter
+            above, below = (simulation.record(0.0, state + s * step, quadratures)[: len(c)] for s in (1.0, -1.0))
+            errors.append(np.abs((above - below) / (2.0 * step[i]) - c[:, i]))
+        error = np.fmin(*errors)
+        there = np.isfinite(error)
+        assert np.all(error[there] <= 2e-5 * scale[there])
 
 
 def test_torques_act_as_in_the_equations_of_motion() -> None:

@@ -33,6 +33,15 @@ struct LanePair {
     set_lane(curvature, i, pair.geometry_curvature());
     set_lane(seen_by_hertz, i, pair.hertz_curvature());
   }
+
+  /// The same pair in all lanes.
+  void set_all(WheelRollerPair const& pair, UniformSpline const& abscissa_over_arc) {
+    wheel_profile.set_all(*pair.wheel);
+    rail_profile.set_all(*pair.rail);
+    arc_to_abscissa.set_all(abscissa_over_arc);
+    wheel_radius = N(pair.wheel_radius), tape_circle_y = N(pair.tape_circle_y), rail_origin_y = N(pair.rail_origin_y);
+    curvature = N(pair.geometry_curvature()), seen_by_hertz = N(pair.hertz_curvature());
+  }
 };
 
 /// A pose into one lane.

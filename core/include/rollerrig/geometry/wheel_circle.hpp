@@ -151,7 +151,7 @@ void lowest_points(Pair const& pair, RelativePose<T> const& pose, std::array<Whe
     angle[k] = facing_angle(pair, numbers, circle[k]);
   }
   constexpr int most_steps = 7;
-  constexpr double level = 1e-10;  // of tilt
+  constexpr double level = 1e-12;  // of tilt
   auto const tilt_of = [&](std::size_t k) { return select(point[k].tilt < 0.0, N(-point[k].tilt), point[k].tilt); };
   for (int step = 0; step < most_steps; ++step) {
     N steepest(0.0);

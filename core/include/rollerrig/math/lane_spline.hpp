@@ -158,6 +158,12 @@ struct LaneSpline {
     set_lane(last, i, static_cast<double>(spline.pieces.size() - 1));
   }
 
+  void set_all(UniformSpline const& spline) {
+    first.fill(spline.pieces.data()->data());
+    start = N(spline.start), step = N(spline.step), inverse_step = N(1.0 / spline.step);
+    last = N(static_cast<double>(spline.pieces.size() - 1));
+  }
+
   /// The piece that holds at y: its coefficients, and where it starts.
   struct Piece {
     std::array<N, 4> c;

@@ -24,8 +24,8 @@ struct Region {
   RegionEnd left, right;
   T weight{1.0};  ///< of this reading of the group
   std::size_t parts{1};
-  std::array<double, most_parts> cut;  ///< place along the arc behind each part but the last [m]
-  T merged{1.0};                       ///< weight of the whole as one patch, the rest goes to its parts (S8)
+  std::array<T, most_parts> cut;  ///< place along the arc behind each part but the last [m]
+  T merged{1.0};                  ///< weight of the whole as one patch, the rest goes to its parts (S8)
   // Found:
   T change;        ///< of the force in the last pass, over the force [-]
   T force, depth;  ///< sum of the strips' forces [N], depth of the paraboloid that stands for it [m]
@@ -46,30 +46,63 @@ RelativePose<double> numbers(RelativePose<StripDual> const& pose) { return numbe
 
 /// The lowest point of the circle at a place along the arc.
 template <Scalar T>
-CirclePoint<T> point_at(StripWheel<T> const& wheel, double position) {
+CirclePoint<T> point_at(NormalSetting const& wheel, RelativePose<T> const& pose, T const& position) {
   LanePair<double> pair;
-  pair.set(0, wheel.wheel->pair, wheel.wheel->nodes->arc().abscissae());
+  pair.set(0, wheel.pair, wheel.nodes->arc().abscissae());
   std::array<CirclePoint<T>, 1> point;
-  lowest_points(pair, wheel.pose, std::array<T, 1>{T(wheel.wheel->nodes->arc().abscissa(position))}, point);
+  lowest_points(pair, pose, std::array<T, 1>{pair.arc_to_abscissa.value(position)}, point);
   return point[0];
+}
+
+template <Scalar T>
+struct Extreme {
+  T position;  ///< along the arc [m]
+  CirclePoint<T> point;
+};
+
+/// The extreme of the gap near the scan's estimate, by Newton on its slope; the place has derivatives, too.
+template <Scalar T>
+Extreme<T> extreme_at(NormalSetting const& wheel, RelativePose<T> const& pose, double position) {
+  using Along = Dual<1>;
+  constexpr int most_steps = 8;
+  constexpr double farthest_step = 1e-4;  // [m]
+  constexpr double level = 1e-9;          // of slope
+  auto const fixed = [](Vec3<double> const& v) { return lift<Along>(v); };
+  auto const at_rest = numbers(pose);
+  RelativePose<Along> const rest{fixed(at_rest.o), {fixed(at_rest.R.ex), fixed(at_rest.R.ey), fixed(at_rest.R.ez)}};
+  double bend = 0.0;
+  for (int i = 0; i < most_steps; ++i) {
+    Along const slope = point_at(wheel, rest, Along::variable(position, 0)).slope;
+    bend = slope.d[0];
+    if (std::abs(slope.value) < level || bend == 0.0) break;
+    position -= std::clamp(slope.value / bend, -farthest_step, farthest_step);
+  }
+  T place(position);
+  if constexpr (!std::same_as<T, double>) {
+    T const slope = point_at(wheel, pose, place).slope;
+    if (bend != 0.0) place -= (slope - slope.value) / bend;
+  }
+  return {place, point_at(wheel, pose, place)};
 }
 
 /// What lies between two neighbouring minima.
 template <Scalar T>
 struct Saddle {
-  T rise;  ///< its gap over the depth of the shallower minimum: negative in the material [-]
-  T skew;  ///< distance of the minima along the wheel's circles over that across them, not negative [-]
+  T rise;      ///< its gap over the depth of the shallower minimum: negative in the material [-]
+  T skew;      ///< distance of the minima along the wheel's circles over that across them, not negative [-]
+  T position;  ///< of the rise, along the arc [m]
 };
 
 template <Scalar T>
 Saddle<T> saddle(StripWheel<T> const& wheel, GapScan const& scan, int i) {
-  auto const &left = scan.minimum[at(i)], &right = scan.minimum[at(i + 1)];
-  // Places of extremes are good to second order of the gap: its slope vanishes there.
-  auto const g = point_at(wheel, left.position), h = point_at(wheel, right.position);
+  auto const at_estimate = [&](GapExtreme const& e) { return extreme_at(*wheel.wheel, wheel.pose, e.position); };
+  auto const left = at_estimate(scan.minimum[at(i)]), right = at_estimate(scan.minimum[at(i + 1)]);
+  auto const top = at_estimate(scan.rise[at(i)]);
+  auto const &g = left.point, &h = right.point;
   T const shallower = select(g.gap < h.gap, h.gap, g.gap);  // both negative
   T const along = 0.5 * dot(h.p - g.p, g.u + h.u);
-  return {-(point_at(wheel, scan.rise[at(i)].position).gap / shallower),
-          select(along < 0.0, -along, along) / (right.position - left.position)};
+  return {-(top.point.gap / shallower), select(along < 0.0, -along, along) / (right.position - left.position),
+          top.position};
 }
 
 /// Where a region counts as two patches: at rises between its minima that do not lie deep in the material. (S8)
@@ -81,10 +114,11 @@ void find_parts(StripWheel<T> const& wheel, GapScan const& scan, int first, int 
     auto const &left = scan.minimum[at(i)], &right = scan.minimum[at(i + 1)], &top = scan.rise[at(i)];
     constexpr double sure = 0.03;  // the nodes' estimate is closer
     if (top.gap / std::max(left.gap, right.gap) > 0.9 + sure || region.parts == most_parts) continue;
-    T const m = strip_detail::smooth_step(T((-saddle(wheel, scan, i).rise - 0.7) / 0.2));
+    auto const between = saddle(wheel, scan, i);
+    T const m = strip_detail::smooth_step(T((-between.rise - 0.7) / 0.2));
     if (!(m < 1.0)) continue;
     region.merged = select(m < region.merged, m, region.merged);
-    region.cut[region.parts++ - 1] = top.position;
+    region.cut[region.parts++ - 1] = between.position;
   }
 }
 
@@ -160,8 +194,8 @@ void take_patch(RegionPart<L> const& from, int i, StripPatch<T>& to) {
 
 /// Shares of the strips in the part between two places along the wheel's arc: of strips that are cut, a fraction.
 template <class T, std::size_t n>
-void share_between(Strips<T, n> const& strips, NumberOf<T> const& from, NumberOf<T> const& to, StripRow<T, n>& share) {
-  auto const before = [&](NumberOf<T> const& position, std::size_t i) {
+void share_between(Strips<T, n> const& strips, T const& from, T const& to, StripRow<T, n>& share) {
+  auto const before = [&](T const& position, std::size_t i) {
     T const t = (position - strips.position[i]) / strips.width[i] + 0.5;
     return select(t < 0.0, T(0.0), select(t > 1.0, T(1.0), t));
   };
@@ -176,9 +210,9 @@ void solve_pack(Batch<T>& batch, int first, int count, int passes) {
   StripTables const& tables = strip_tables();
   RegionPack<L> pack;
   std::size_t parts = 1;
-  std::array<N, most_parts + 1> cut;
-  for (auto& c : cut) c = N(1e3);
-  cut[0] = N(-1e3);
+  std::array<L, most_parts + 1> cut;
+  cut.fill(L(1e3));
+  cut[0] = L(-1e3);
   for (int i = 0; i < lanes; ++i) {
     auto const& region = batch.region[at(first + std::min(i, count - 1))];
     auto const& wheel = batch.wheels[at(region.wheel)];
@@ -193,7 +227,12 @@ void solve_pack(Batch<T>& batch, int first, int count, int passes) {
       set_lane(pack.end[k].is_root, i, end.is_root ? 1.0 : 0.0);
     }
     parts = std::max(parts, region.parts);
-    for (std::size_t k = 1; k < region.parts; ++k) set_lane(cut[k], i, region.cut[k - 1]);
+    for (std::size_t k = 1; k < region.parts; ++k) {
+      if constexpr (std::same_as<L, T>)
+        cut[k] = region.cut[k - 1];
+      else
+        set_lane(cut[k], i, region.cut[k - 1]);
+    }
   }
   Strips<L, n> strips;
   StripPlaces<L, n> places;
@@ -202,7 +241,7 @@ void solve_pack(Batch<T>& batch, int first, int count, int passes) {
   StripRow<L, n> share;
   share.fill(L(1.0));
   for (std::size_t k = 0; k <= (parts > 1 ? parts : 0); ++k) {
-    if (k > 0) share_between(strips, cut[k - 1], k == parts ? N(1e3) : cut[k], share);
+    if (k > 0) share_between(strips, cut[k - 1], k == parts ? L(1e3) : cut[k], share);
     RegionPart<L> const part = part_of(tables, strips, places, share);
     for (int i = 0; i < count; ++i) {
       auto& region = batch.region[at(first + i)];

@@ -69,7 +69,7 @@ void find_ellipse(Strips<T, n> const& s, StripPlaces<T, n> const& places, StripR
     xx += w * (ahead * ahead + 0.25 * a2);
     xy += w * (ahead * aside);
     yy += w * (aside * aside + own);
-    T const l = share[i] * s.width[i] * (a2 - square(T(smallest_length * s.width[i]))) / s.half_length[i];
+    T const l = share[i] * s.width[i] * (a2 - s.shortest2) / s.half_length[i];
     area += l;
     lx += l * ahead;
     ly += l * aside;

@@ -33,14 +33,17 @@ struct Strips {
   StripRow<T, n> load;         ///< w [N/m], not negative
   StripRow<T, n> half_length;  ///< a [m]
   StripRow<T, n> on;           ///< how far a strip takes part, 0 to 1: over 1/2 where it would carry load by itself
+  T shortest2{0.0};            ///< square of the least half-length [m^2]
   T change;                    ///< of the force in the last pass, over the force [-]
 };
 
 namespace strip_detail {
 
-inline constexpr double smallest_length = 0.02;  // of the half-length over the strip's width: keeps a away from zero
-inline constexpr double fading = 0.03;           // of the mean load: that of a strip which just touches
-inline constexpr double start_length = 0.02;     // square of the start's least half-length over the largest
+// Of the half-length over that of Hertz. Over the strip's width it would be too short for many strips: one without load deflects
+// itself so much more than its neighbours do that every second strip was left without.
+inline constexpr double smallest_length = 0.05;
+inline constexpr double fading = 0.03;        // of the mean load: that of a strip which just touches
+inline constexpr double start_length = 0.02;  // square of the start's least half-length over the largest
 inline constexpr double least_change = 0.1, most_change = 10.0;  // of a conformity in one pass
 
 template <class T>
@@ -217,8 +220,7 @@ template <class T, std::size_t n>
 void lengths_from_load(Strips<T, n>& s, StripRow<T, n> const& conformity) {
   using std::sqrt;
   for (std::size_t i = 0; i < n; ++i)
-    s.half_length[i] =
-        sqrt(2.0 * s.compliance * s.load[i] * reciprocal(conformity[i]) + square(T(smallest_length * s.width[i])));
+    s.half_length[i] = sqrt(2.0 * s.compliance * s.load[i] * reciprocal(conformity[i]) + s.shortest2);
 }
 
 /// The region's paraboloid pressed after Hertz: conformity, and half-lengths from the interpenetration over that at its edge.
@@ -230,6 +232,7 @@ void start_from_hertz(Strips<T, n>& s, StripRow<T, n>& conformity) {
   T const edge = s.depth * (1.0 - (s.across + e.taken) * e.half_width * e.half_width);
   T const per_depth = longest2 / (s.depth - edge);
   T const floor = start_length * longest2;
+  s.shortest2 = smallest_length * smallest_length * longest2;
   for (std::size_t i = 0; i < n; ++i) {
     T const a2 = per_depth * (s.interpenetration[i] - edge);
     s.half_length[i] = sqrt(0.5 * (a2 + sqrt(a2 * a2 + 4.0 * floor * floor)));
@@ -252,6 +255,7 @@ void solve_strips(StripTables const& tables, Strips<T, n>& s, int passes) {
   Influences<T, n> influence;
   Matrix<T, n> m;
   T const inverse = 1.0 / T(s.compliance);
+  T const damping = 0.4 * smooth_step(T((-0.5 - s.ellipse.place.x) * 0.4));
   T last(0.0), force(0.0);
   for (int pass = 0; pass < passes; ++pass) {
     read_influences(tables.kernel, s, influence);
@@ -266,11 +270,13 @@ void solve_strips(StripTables const& tables, Strips<T, n>& s, int passes) {
     }
     auto const q = conformities(influence.curvature, on, s.curvature, m);
     for (std::size_t j = 0; j < n; ++j) {
-      // Between what a line contact (1) and a patch long in x (2/3) ask for: to the power 3/4. A strip without load keeps its q.
+      // To the power of one, 0.8 for a patch that is long in x: for a line contact across it one is exact. A strip without load
+      // keeps its q.
       T const ratio = q[j] * reciprocal(conformity[j]);
       T const above = select(ratio > least_change, ratio, T(least_change));
-      T const root = sqrt(select(above < most_change, above, T(most_change)));
-      conformity[j] = conformity[j] * (1.0 + on[j] * (root * sqrt(root) - 1.0));
+      T const within = select(above < most_change, above, T(most_change));
+      T const power = within + damping * (sqrt(within) - within);
+      conformity[j] = conformity[j] * (1.0 + on[j] * (power - 1.0));
     }
     lengths_from_load(s, conformity);
   }

@@ -13,7 +13,7 @@
 namespace rollerrig {
 
 inline constexpr std::size_t strip_count = 16;  ///< of a region
-inline constexpr int strip_passes = 5;          ///< of their solution
+inline constexpr int strip_passes = 4;          ///< of their solution
 
 /// One number per strip.
 template <class T, std::size_t n = strip_count>
