@@ -443,6 +443,6 @@ def paper(*, quick: bool = False, processes: int = 1, progress: Progress | None 
         progress: called with the fraction done and a short text.
     """
     from rollerrig.study.paper import PaperStudy
-    from rollerrig.study.paper_plan import FULL, QUICK
+    from rollerrig.study.runs.paper import FULL, QUICK
 
     return _outcome(PaperStudy(QUICK if quick else FULL), processes, progress)

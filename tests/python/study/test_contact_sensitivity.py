@@ -17,7 +17,7 @@ from rollerrig.study.contact_sensitivity import (
     sensitivity_numbers,
     sensitivity_table,
 )
-from rollerrig.study.paper_plan import FULL, MERGING_CRITERIA, contact_model_cases
+from rollerrig.study.runs.paper import FULL, MERGING_CRITERIA, contact_model_cases
 
 FIGURES = Path(__file__).resolve().parents[3] / "docs" / "figures.toml"
 
