@@ -425,7 +425,7 @@ def compare(
     from rollerrig.analysis import HuntingSettings
     from rollerrig.analysis.roller_effects import RADII
     from rollerrig.study.compare import CompareStudy
-    from rollerrig.study.compared_cases import compared_cases
+    from rollerrig.study.runs.compare import compared_cases
 
     cases = compared_cases(vehicle, on, cut)
     parts = tuple(next(iter(cases.values())).vehicle.data.cut_names()[::-1])

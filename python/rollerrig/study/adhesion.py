@@ -13,37 +13,496 @@ track, add up to the whole: the causes. Tests on track with a later protection g
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
+import numpy as np
 import xarray as xr
+from numpy.typing import ArrayLike
 
 from rollerrig.analysis.equivalent_dead_time import DeadTime, predicted_dead_time
 from rollerrig.analysis.rig_fidelity import by_own_motion, point_by_point
-from rollerrig.analysis.slide_statistics import TestRecord, test_record
+from rollerrig.analysis.slide_statistics import SLIP_EDGES, TestRecord, axle_load, test_record
+from rollerrig.analysis.tracking import under_test, wheel_radius
 from rollerrig.config import Case
+from rollerrig.plot import adhesion as figures
+from rollerrig.plot.causes import cause_bars, dead_time_curve, slip_histogram
+from rollerrig.results import COMPLETED
 from rollerrig.simulation import simulate
-from rollerrig.study.adhesion_causes import are_known, cause_shares
-from rollerrig.study.adhesion_figures import adhesion_sections, axle_columns
-from rollerrig.study.adhesion_laws import law_case, law_names, law_numbers
-from rollerrig.study.adhesion_numbers import (
-    QUANTITIES,
-    cause_numbers,
-    dead_time_numbers,
-    run_numbers,
-    variant_numbers,
+from rollerrig.study.ensemble import (
+    Estimate,
+    dead_times,
+    distances,
+    estimate,
+    later_protection,
+    measure,
+    measured_dead_time,
+    recorded,
+    relative,
+    starts,
 )
-from rollerrig.study.adhesion_text import findings, target_lines, verdict_lines
-from rollerrig.study.adhesion_variants import STEPS, track_case, variant, variants_of
-from rollerrig.study.adhesion_verdicts import GROUPS, Row, verdict_of, verdict_rows
-from rollerrig.study.dead_time import dead_times, later_protection, measured_dead_time
-from rollerrig.study.ensemble import distances, estimate, recorded, starts
 from rollerrig.study.frame import Study
 from rollerrig.study.jobs import Done, Round, job
-from rollerrig.study.quantities import Numbers
-from rollerrig.study.report import VIEW, Mark, Section
+from rollerrig.study.quantities import Numbers, Quantities, Quantity
+from rollerrig.study.report import VIEW, Mark, Picture, Section, Table, Text
+from rollerrig.study.runs.adhesion import (
+    CAUSES,
+    GROUPS,
+    LARGEST_ERROR,
+    LAW_QUANTITIES,
+    SHOWN,
+    STEPS,
+    TOGETHER,
+    VARIANTS,
+    Row,
+    are_known,
+    cause_shares,
+    is_within_error,
+    law_case,
+    law_names,
+    law_numbers,
+    law_table,
+    track_case,
+    variant,
+    variants_of,
+    verdict_of,
+    verdict_rows,
+    verdict_table,
+)
+from rollerrig.wording import number, percent
+
+PERCENT = ("%", 100.0)
+RUN = (
+    ("distance_m", "run by the train, on the rig by the virtual one", "m", "distance", None),
+    ("duration_s", "time at the end of the test", "s", "duration", None),
+    ("speed_end_kmh", "of the train at the end", "km/h", "speed at the end", None),
+    ("mean_deceleration_mps2", "of the train since the demand, over the distance", "m/s^2", "mean deceleration", None),
+    ("dump_cycles", "times that dump valves opened to vent, all axles under test", "1", "ventings", None),
+    (
+        "air_litres",
+        "air at ambient pressure taken by the cylinders of the axles under test",
+        "l",
+        "air taken by the cylinders",
+        None,
+    ),
+    ("mean_slip", "mean |wheel speed - train speed| over train speed, above 2 m/s", "1", "", PERCENT),
+    ("largest_slip", "largest of the same", "1", "", PERCENT),
+    ("longest_lock_s", "longest time that an axle turned slower than 5 % of the train", "s", "longest lock", None),
+    (
+        "regrip_adhesion",
+        "largest |creep force| over static axle load on an axle that has slid",
+        "1",
+        "regrip force",
+        None,
+    ),
+    ("adhesion_used_mean", "mean of |creep force| over static axle load under brake or traction", "1", "", None),
+    ("adhesion_used_largest", "largest of the same", "1", "", None),
+    (
+        "reference_speed_error_rms_mps",
+        "reference speed of the slide protection less the train's, RMS above 2 m/s; 0 without protection",
+        "m/s",
+        "reference speed error, RMS",
+        None,
+    ),
+    ("reference_speed_error_largest_mps", "largest of the same", "m/s", "the same, largest", None),
+    ("energy_relative_residual", "energy audit", "1", "residual of the energy audit", None),
+)
+RIG = (
+    ("tracking_rms", "wheel less virtual wheel, over train speed, RMS", "1", "", PERCENT),
+    ("tracking_largest", "largest of the same", "1", "", PERCENT),
+    ("force_error_rms", "creep force less virtual force, RMS over RMS", "1", "force less virtual force", PERCENT),
+    ("drive_ringing_nm", "fast torque that the virtual rail does not ask for, RMS, worst axle", "N m", "ringing", None),
+    (
+        "drive_limited_share",
+        "part of the time with a drive's command at its limit",
+        "1",
+        "time at a drive's limit",
+        PERCENT,
+    ),
+    (
+        "drive_power_wanted_kw",
+        "asked of a roller drive, before its limits",
+        "kW",
+        "power asked of a roller drive",
+        None,
+    ),
+    ("drive_power_limited_s", "how long the limit of power held back a drive", "s", "time at a drive's power", None),
+    ("crown_gravity_largest", "gravity on the crown over static axle load", "1", "gravity on the crown", PERCENT),
+    ("real_sliding_largest_mps", "wheel against roller, largest", "m/s", "sliding on the roller, largest", None),
+    ("real_sliding_rms_mps", "the same, RMS", "m/s", "the same, RMS", None),
+    ("roller_torque_largest_nm", "of a roller drive", "N m", "torque of a roller drive, largest", None),
+)
+VARIANT = ("tracking_rms", "mean_slip", "dump_cycles", "air_litres")
+
+
+def _of_ensembles(where: str, rows: Iterable[tuple[str, str, str, str, tuple[str, float] | None]]) -> list[Quantity]:
+    found = []
+    for name, meaning, unit, label, shown in rows:
+        heading = label or " ".join(name.split("_"))
+        key = f"{where}.{name}"
+        found.append(Quantity(f"{key}.mean", f"{meaning}; mean of all starts", unit, heading, 4, shown))
+        found.append(Quantity(f"{key}.standard_error", "of that mean", unit, "standard error", 2, shown))
+    return found
+
+
+QUANTITIES = Quantities(
+    Quantity("case", "name of the case"),
+    Quantity("starts", "tests in the ensembles of track and rig, which differ by up to 3 mm/s in their first speed", "1"),
+    Quantity("verdict.*", "of tracking (wheel against virtual axle) and fidelity (rig against track): met, not met, not decided"),
+    Quantity("verdicts.*.group", "tracking or fidelity"),
+    Quantity("verdicts.*.verdict", "met: the whole interval is within the target; not met: nothing of it"),
+    Quantity("verdicts.*.value", "mean over all starts; what is compared with the track is relative to it, a lock in s"),
+    Quantity("verdicts.*.low", "lower end of its interval of 95 %"),
+    Quantity("verdicts.*.high", "upper end"),
+    Quantity("verdicts.*.target_low", "lower end of the target"),
+    Quantity("verdicts.*.target_high", "upper end"),
+    Quantity("verdicts.*.target_from", "where the target comes from"),
+    Quantity("*.completed", "tests that came to their end", "1"),
+    Quantity("*.stopped", "tests in which the train came to a stop", "1"),
+    Quantity("*.status", "how the first test ended: on degraded track, and on the dry rig"),
+    Quantity("*.status_message", "the same as a sentence"),
+    _of_ensembles("*", RUN),
+    _of_ensembles("rig", RIG),
+    Quantity("variants.*.tests", "in the ensemble of a rig without some imperfections", "1"),
+    Quantity("variants.*.distance_relative.mean", "mean distance over that of the track, less 1", "1", "distance", 2, PERCENT),
+    Quantity("variants.*.distance_relative.standard_error", "of it", "1", "standard error", 2, PERCENT),
+    Quantity("variants.*.*.mean", "tracking_rms, mean_slip, dump_cycles, air_litres as of the rig"),
+    Quantity("variants.*.*.standard_error", "of it"),
+    Quantity("causes.*.share", "part of (distance of rig over track, less 1)", "1", "share", 2, PERCENT),
+    Quantity("causes.*.standard_error", "of it", "1", "standard error", 2, PERCENT),
+    Quantity("causes.*.low", "lower end of its interval of 95 %", "1", "from", 2, PERCENT),
+    Quantity("causes.*.high", "upper end", "1", "to", 2, PERCENT),
+    Quantity("causes.*.within_its_error", "whether not even its sign is known"),
+    LAW_QUANTITIES,
+    Quantity("dead_time.predicted_s", "equivalent dead time of the rig in closed form, (D17): the sum of its parts", "s"),
+    Quantity("dead_time.torque_s", "its part of the axle's torque that the virtual train takes", "s"),
+    Quantity("dead_time.drive_s", "of the roller drives", "s"),
+    Quantity("dead_time.least_s", "where wheels slide at constant adhesion, (Q8)", "s"),
+    Quantity("dead_time.measured_s", "with how much more dead time of its protection the track has the rig's mean distance", "s"),
+    Quantity("dead_time.standard_error_s", "of it", "s"),
+    Quantity("dead_time.low_s", "lower end of its interval of 95 %", "s"),
+    Quantity("dead_time.high_s", "upper end", "s"),
+    Quantity("dead_time.track.*.*", "by additional dead time in ms: mean distance [m] on track, its standard error, ventings"),
+    Quantity("point_by_point.*.wheel_speed_rms", "wheel less wheel on track, over train", "1", "wheel speed, RMS", 2, PERCENT),
+    Quantity("point_by_point.*.wheel_speed_largest", "largest of the same", "1", "wheel speed, largest", 2, PERCENT),
+    Quantity("point_by_point.*.train_speed_largest_mps", "train less train on track, largest", "m/s"),
+    Quantity("point_by_point.*.slip_difference_rms", "slip less slip on track, RMS", "1", "slip, RMS", 2, PERCENT),
+    Quantity("point_by_point.*.torque_difference_rms_nm", "brake and traction torque, less that on track, RMS", "N m"),
+    Quantity("tracking_by_own_motion", "part of its variance in proportion to the wheelsets' own motion, (D14)", "1"),
+)  # fmt: skip
+
+
+def run_numbers(records: Sequence[TestRecord], *, rig: bool) -> dict[str, Any]:
+    """Of the ensemble of track or rig."""
+    names = [row[0] for row in (*RUN, *(RIG if rig else ()))]
+    first = records[0]
+    return {
+        "status": first.status,
+        "status_message": first.message,
+        "completed": sum(record.completed for record in records),
+        "stopped": sum(record.stopped for record in records),
+        **{name: measure(records, name).as_dict() for name in names},
+    }
+
+
+def variant_numbers(track: Sequence[TestRecord], records: Sequence[TestRecord]) -> dict[str, Any]:
+    """Of the ensemble of a variant of the rig."""
+    on_track, own = (estimate(values) for values in distances((track, records)))
+    found = {name: measure(records, name).as_dict() for name in VARIANT}
+    return {"tests": len(records), "distance_relative": relative(own, on_track).as_dict(), **found}
+
+
+def cause_numbers(shares: Mapping[str, Estimate] | None) -> dict[str, Any]:
+    """Of the causes; empty where they were not asked for."""
+    return {
+        name: {
+            "share": share.mean,
+            "standard_error": share.standard_error,
+            "low": share.interval.low,
+            "high": share.interval.high,
+            "within_its_error": is_within_error(share),
+        }
+        for name, share in (shares or {}).items()
+    }
+
+
+def dead_time_numbers(
+    predicted: DeadTime | None, measured: Estimate | None, track: Mapping[float, Sequence[TestRecord]]
+) -> dict[str, Any]:
+    """Of the equivalent dead time; empty where nothing is predicted."""
+    if predicted is None:
+        return {}
+    found: dict[str, Any] = {
+        "predicted_s": predicted.total,
+        "torque_s": predicted.torque,
+        "drive_s": predicted.drive,
+        "least_s": predicted.least,
+    }
+    if measured is not None:
+        interval = measured.interval
+        found |= {"measured_s": measured.mean, "standard_error_s": measured.standard_error}
+        found |= {"low_s": interval.low, "high_s": interval.high}
+    for delay, records in track.items():
+        one = measure(records, "distance_m")
+        found.setdefault("track", {})[f"{1e3 * delay:g}"] = {
+            "distance_m": one.mean,
+            "standard_error_m": one.standard_error,
+            "dump_cycles": measure(records, "dump_cycles").mean,
+        }
+    return found
+
+
+def verdict_lines(rows: Sequence[Row]) -> Iterator[str]:
+    """The verdict of each group, and what is not met or not decided."""
+    for group, title in GROUPS.items():
+        own, word = [row for row in rows if row.group == group], verdict_of(rows, group)
+        met = sum(row.verdict == "met" for row in own)
+        open_ones = sorted((row for row in own if row.verdict != "met"), key=lambda row: row.verdict != "not met")
+        yield f"{title}: {word.upper() if word == 'not met' else word}; {met} of {len(own)} targets met." + "".join(
+            f" {SHOWN[row.verdict]}: {_row(row)}." for row in open_ones
+        )
+
+
+def target_lines(rows: Sequence[Row]) -> Iterator[str]:
+    """The table of the verdict as lines."""
+    for row in rows:
+        yield f"{SHOWN[row.verdict]}, {row.group}: {_row(row)}"
+
+
+def _row(row: Row) -> str:
+    return f"{row.text} {row.value_text}, target {row.target_text}"
+
+
+def findings(numbers: Numbers) -> Iterator[str]:
+    """Sentences after the verdict."""
+    yield (
+        f"The protection's limit cycle has another phase in every test: rig and track are compared by means over "
+        f"{numbers['starts']} starts each, with intervals of 95 %, and not point by point."
+    )
+    yield from _regrip(numbers)
+    yield from _cause_lines(numbers)
+    yield from _dead_time_lines(numbers)
+    yield from _ends(numbers)
+
+
+def _regrip(numbers: Numbers) -> Iterator[str]:
+    row = numbers["verdicts"].get("regrip_adhesion")
+    if row is not None and row["verdict"] == "not met":
+        track, rig = (number(numbers[where]["regrip_adhesion"]["mean"], 3) for where in ("track", "rig"))
+        force = f"the largest force on an axle that has slid is {track} of its load on track, {rig} on the rig"
+        yield f"Regripping is not reproduced: {force}."
+
+
+def _cause_lines(numbers: Numbers) -> Iterator[str]:
+    causes = numbers["causes"]
+    if not causes:
+        return
+    known = sorted((n for n in CAUSES if not causes[n]["within_its_error"]), key=lambda n: -abs(causes[n]["share"]))
+    hidden = [name for name in CAUSES if causes[name]["within_its_error"]]
+    text = ", ".join(f"{CAUSES[name]} {share_text(causes[name])}" for name in known) or "none is larger than its error"
+    text += f"; not told from zero: {', '.join(CAUSES[name] for name in hidden)}" if hidden else ""
+    yield f"Causes of the difference of {share_text(causes[TOGETHER])} in distance: {text}."
+    rough = max(one["standard_error"] or 0.0 for one in causes.values())
+    if rough >= LARGEST_ERROR:
+        yield f"The shares are rough: standard errors up to {percent(rough)} of the distance, aimed at {percent(LARGEST_ERROR)}."
+    sliding = causes["rolling"]
+    ends = f"between {percent(sliding['low'], signed=True)} and {percent(sliding['high'], signed=True)}"
+    yield (
+        f"The real sliding of the wheels on the rollers, {1e3 * numbers['rig']['real_sliding_largest_mps']['mean']:.3g} mm/s at "
+        f"most, changes the distance by {ends}" + (": not told from zero." if sliding["within_its_error"] else ".")
+    )
+
+
+def share_text(one: Numbers) -> str:
+    """A share with its standard error."""
+    if one["standard_error"] is None:
+        return percent(one["share"], signed=True)
+    return f"{100.0 * one['share']:+.2f} ± {100.0 * one['standard_error']:.2f} %"
+
+
+def _dead_time_lines(numbers: Numbers) -> Iterator[str]:
+    found = numbers["dead_time"]
+    if not found:
+        return
+    parts = f"{1e3 * found['torque_s']:z.1f} ms of the axle's torque, {1e3 * found['drive_s']:z.1f} ms of the drives"
+    more = f"{1e3 * found['predicted_s']:z.1f} ms more ({parts})"
+    text = f"Equivalent dead time: the rig acts like a track whose protection has {more}"
+    measured = found.get("measured_s")
+    if measured is not None:
+        text += f"; measured: {1e3 * measured:z.1f} ms"
+        if found["low_s"] is not None:
+            text += f", between {1e3 * found['low_s']:.1f} and {1e3 * found['high_s']:.1f} ms"
+    elif found.get("track"):
+        delays = [0.0, *(float(delay) for delay in found["track"])]
+        text += f"; measured: none, no dead time from 0 to {max(delays):g} ms gives the track the rig's distance"
+    yield f"{text}."
+
+
+def _ends(numbers: Numbers) -> Iterator[str]:
+    for label in ("track", "rig"):
+        if numbers[label]["status"] not in COMPLETED:
+            yield f"{label}: {numbers[label]['status_message']}"
+
+
+Whole = Mapping[str, xr.Dataset]
+
+PHASE = (
+    "Both are first tests of their ensembles. From the first slides on their limit cycles have different phases: what differs at "
+    "one instant is no error of the rig, and nothing of the verdict is taken from it."
+)
+
+
+def adhesion_sections(
+    case: Case, rows: Sequence[Row], whole: Whole, records: Mapping[str, Sequence[TestRecord]], numbers: Numbers
+) -> list[Section]:
+    """All sections of the report."""
+    sections = [Section("Verdict", [verdict_table(rows), Text(PHASE)])]
+    if numbers["causes"]:
+        sections.append(_causes(numbers))
+    if numbers["dead_time"]:
+        sections.append(_dead_time(numbers))
+    if numbers["creep_laws"]:
+        sections.append(Section("Creep laws", [law_table(numbers["creep_laws"])]))
+    sections += [_slip(records), _numbers(numbers)]
+    return [
+        *sections,
+        *(Section(picture.name.replace("_", " ").capitalize(), [picture]) for picture in _signals(case, whole)),
+    ]
+
+
+def _causes(numbers: Numbers) -> Section:
+    causes = numbers["causes"]
+    bars = {
+        CAUSES.get(name, name): (one["share"], one["standard_error"] or 0.0, one["within_its_error"])
+        for name, one in causes.items()
+    }
+    caption = (
+        "Part of the difference in mean distance that goes away with each imperfection, one after the other; standard errors. "
+        "Hollow: inside its error of 95 %, not told from zero."
+    )  # fmt: skip
+    entries = {text: _flat(numbers["variants"][name]) for name, text in VARIANTS.items() if name in numbers["variants"]}
+    shares = {CAUSES.get(name, name): one for name, one in causes.items()}
+    names = ("share", "causes.*.standard_error", "causes.*.low", "causes.*.high", "within_its_error")
+    return Section(
+        "Why rig and track differ",
+        [
+            Picture("causes", cause_bars(bars), caption),
+            QUANTITIES.table(shares, names, "Shares of the distance on track.", "cause"),
+            _variants(entries),
+        ],
+    )
+
+
+def _flat(numbers: Numbers) -> dict[str, object]:
+    return {name: _pair(one) if isinstance(one, Mapping) else one for name, one in numbers.items()}
+
+
+def _pair(one: Numbers, factor: float = 1.0) -> str:
+    """Mean and standard error."""
+    if one["mean"] is None:
+        return "–"
+    error = one["standard_error"]
+    return number(factor * one["mean"]) + (f" ± {number(factor * error, 2)}" if error is not None else "")
+
+
+def _variants(entries: Mapping[str, Mapping[str, object]]) -> Table:
+    names = ("distance_relative", "tracking_rms", "mean_slip", "dump_cycles", "air_litres")
+    header = ("run", "distance over track, less 1", "tracking RMS", "mean slip", "ventings", "air [l]")
+    rows = [(label, *(str(one[name]) for name in names)) for label, one in entries.items()]
+    return Table(header, rows, "Each of the lines after the first takes one more imperfection away; ± standard error.")
+
+
+def _dead_time(numbers: Numbers) -> Section:
+    found = numbers["dead_time"]
+    blocks: list[Picture | Table] = []
+    if found.get("track"):
+        track = {0.0: numbers["track"]["distance_m"]} | {
+            float(delay): {"mean": one["distance_m"], "standard_error": one["standard_error_m"]}
+            for delay, one in found["track"].items()
+        }
+        curve = {delay: (one["mean"], one["standard_error"] or 0.0) for delay, one in track.items()}
+        rig = numbers["rig"]["distance_m"]
+        caption = (
+            "Mean distance on track with more dead time of the protection, on the rig: where the curve has the rig's distance "
+            "is its equivalent dead time. Dashed: in closed form, (D17); dotted: (Q8). Standard errors."
+        )
+        ends = (1e3 * found["predicted_s"], 1e3 * found["least_s"])
+        blocks.append(
+            Picture("dead_time", dead_time_curve(curve, (rig["mean"], rig["standard_error"] or 0.0), ends), caption)
+        )
+    names = [name for name in found if name.endswith("_s")]
+    rows = [
+        (QUANTITIES[f"dead_time.{name}"].in_words, None if found[name] is None else 1e3 * found[name]) for name in names
+    ]
+    table = Table(
+        ("", "ms"), [(text, "–" if value is None else round(value, 2)) for text, value in rows], "Equivalent dead time."
+    )
+    return Section("Equivalent dead time", [*blocks, table])
+
+
+def _slip(records: Mapping[str, Sequence[TestRecord]]) -> Section:
+    shares = {name: np.mean([one.slip_shares for one in records[name]], axis=0) for name in ("track", "rig")}
+    caption = "Part of the time that the axles spent at a slip, mean of all starts, while brake or traction act."
+    return Section("Slip", [Picture("slip_histogram", slip_histogram(SLIP_EDGES, shares), caption)])
+
+
+def _numbers(numbers: Numbers) -> Section:
+    rows = []
+    for name, _, _, _, shown in (*RUN, *RIG):
+        quantity = QUANTITIES[f"{'*' if name in dict.fromkeys(one[0] for one in RUN) else 'rig'}.{name}.mean"]
+        factor = shown[1] if shown else 1.0
+        cells = [_pair(numbers[where][name], factor) if name in numbers[where] else "–" for where in ("track", "rig")]
+        rows.append((quantity.heading, *cells))
+    both = Table(("", "track", "rig"), rows, "Means of all starts ± standard error.")
+    names = ("wheel_speed_rms", "wheel_speed_largest", "slip_difference_rms")
+    labels = {"rig": "the rig", "track, second": "another start on the same track"}
+    points = {labels[name]: one for name, one in numbers["point_by_point"].items()}
+    caption = (
+        "Against the first test on track at the same time, point by point: mostly phase, as the second line shows."
+    )
+    return Section("Numbers", [both, QUANTITIES.table(points, names, caption, "run")])
+
+
+def _signals(case: Case, whole: Whole) -> Iterator[Picture]:
+    """Of the first tests."""
+    track, rig, ideal = whole["track"], whole["rig"], whole.get("rolling")
+    radius = wheel_radius(rig)
+    yield Picture("speeds", figures.speeds(track, rig, radius), "Train and wheels: rig, virtual train, track.")
+    track, rig, ideal = under_test(track), under_test(rig), None if ideal is None else under_test(ideal)
+    yield Picture("first_slide", figures.first_slide(track, rig, radius), "Slip, and the response to it.")
+    if case.brake is not None:
+        yield Picture("brakes", figures.brakes(track, rig), "Cylinder pressure, ventings, air taken.")
+    if case.traction is not None:
+        text = "Torque of the motors, and the part of the demand that is left."
+        yield Picture("traction", figures.tractions(track, rig), text)
+    yield Picture("adhesion", figures.forces(track, rig, axle_load(rig)), "Force on each axle over its static load.")
+    yield Picture("roller_drives", figures.rollers(rig), "Torque of the roller drives, positive forward.")
+    sliding = (
+        "Full: the rig with its contact model; dashed: wheels that roll on the rollers without sliding. Below, the wheelsets' "
+        "own motion along the track: the bogie swings on its traction rod, which the control law does not know, and the wheels "
+        "turn by it (D14)."
+    )
+    yield Picture("sliding", figures.sliding(rig, ideal, radius), sliding)
+    text = (
+        "Rig less track at the same time. Once the wheels slide, the wheels' lines show two phases of one limit cycle."
+    )
+    yield Picture("differences", figures.errors(track, rig, radius), text)
+
+
+def axle_columns(track: xr.Dataset, rig: xr.Dataset) -> dict[str, ArrayLike]:
+    """Speeds and forces of each axle, rig beside track, as long as both ran."""
+    count = min(track.sizes["time"], rig.sizes["time"])
+    both = ("axle_speed", "cylinder_pressure", "contact_force", "creep_force", "brake_torque", "traction_torque")
+    columns = {"time_s": rig["time"], "train_speed_track": track["train_speed"], "train_speed_rig": rig["train_speed"]}
+    for name in (*both, "virtual_speed", "real_sliding", "roller_torque"):
+        for axle in rig["axle"].to_numpy():
+            for label, run in (("track", track), ("rig", rig)):
+                if label == "rig" or name in both:
+                    columns[f"{name}_{axle}_{label}"] = run[name].sel(axle=axle)
+    return {name: column.to_numpy()[:count] for name, column in columns.items()}
+
 
 STARTS, QUICK_STARTS, MOST_STARTS = 8, 2, 40
 """Tests of an ensemble; of a quick study; and up to which they are added until the errors of the shares are small."""

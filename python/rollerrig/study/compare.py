@@ -24,14 +24,14 @@ from rollerrig.plot import amplitude_over_speed
 from rollerrig.plot.characteristics import characteristics_figure
 from rollerrig.plot.compare import disturbed_over_time, modes_side_by_side
 from rollerrig.plot.modes import hunting_frequencies
-from rollerrig.study import compared_forces as forces
 from rollerrig.study import critical_speeds as speeds
 from rollerrig.study.frame import Study
 from rollerrig.study.interval import Interval, change_in_words
 from rollerrig.study.jobs import Done, Round, job, whole_modes
-from rollerrig.study.mode_tables import MODE_COLUMNS, mode_rows
 from rollerrig.study.quantities import Numbers, Quantities, Quantity
 from rollerrig.study.report import Block, Picture, Section, Table, Text
+from rollerrig.study.runs import compare as forces
+from rollerrig.study.stability import MODE_COLUMNS, mode_rows
 
 LEAST_RUN_STEP = 20.0
 """Runs are made at speeds at least this far apart [km/h]; further runs narrow the critical speeds down."""

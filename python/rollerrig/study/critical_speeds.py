@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from typing import Any
+from typing import Any, Literal
 
 from rollerrig.analysis import CriticalSpeedByDisturbance, HuntingSettings, LinearCriticalSpeed
 from rollerrig.analysis.critical_speed import bracket, rounds_by_disturbance, scan_linear
@@ -365,3 +365,6 @@ def effects_blocks(split: EffectSplit | None, caption: str) -> list[Block]:
     )
     picture = effects_picture("roller_effects", split, caption)
     return [Text(effects_sentence(split)), picture, effects_table(split, table), Text(interaction)]
+
+
+Method = Literal["linear", "disturbance", "continuation"]

@@ -6,48 +6,291 @@ Case on elastic rollers with a disturbance -> [LateralStudy] -> runs displaced a
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
+import numpy as np
 import xarray as xr
 
 from rollerrig.analysis.lateral_guidance import (
     Guidance,
+    amplitude,
     amplitudes_over_time,
     creep_force,
     guidance,
+    hunting_frequency,
     lateral_creep_coefficient,
     leading_lateral,
+    on_rig,
     slide_begins,
     train_slip,
 )
-from rollerrig.analysis.tracking import wheel_radius
-from rollerrig.config import Case, ConfigError, ConfigProblem, Rig
+from rollerrig.analysis.tracking import largest, rms, tracking, wheel_radius
+from rollerrig.config import Case, Condition, ConfigError, ConfigProblem, Rig
 from rollerrig.config.validate.simulated_axles import simulated_axles
 from rollerrig.plot import lateral as figures
 from rollerrig.results import COMPLETED
-from rollerrig.study.adhesion_variants import track_case
+from rollerrig.study.ensemble import estimate
 from rollerrig.study.frame import Study
-from rollerrig.study.jobs import Done, Round, job, whole_run
-from rollerrig.study.lateral_cases import CLEAN_POLACH, MEMBERS, nearly_the_same, unbraked, whole_creep_slope
-from rollerrig.study.lateral_numbers import (
+from rollerrig.study.jobs import Done, Progress, Round, job, whole_run
+from rollerrig.study.quantities import Numbers, Quantities, Quantity
+from rollerrig.study.report import VIEW, Block, Picture, Section, Text
+from rollerrig.study.runs.adhesion import track_case
+from rollerrig.wording import number, percent
+
+MEMBERS = 8
+"""Runs of an ensemble, the case itself included."""
+
+NEARLY = 1e-9
+"""Relative change of the disturbance from one member to the next: below what any measurement could tell."""
+
+CLEAN_POLACH = {"kind": "polach", "k_A": 1.0, "k_S": 1.0}
+"""Polach's creep law on a clean surface."""
+
+
+def unbraked(case: Case) -> Case:
+    """The same run without brake and traction: no wheel slides."""
+    tables = {name: table for name in ("brake", "traction") if (table := getattr(case, name)) is not None}
+    none = {name: table.model_copy(update={"demand": ((0.0, 0.0), (1.0, 0.0))}) for name, table in tables.items()}
+    return case.model_copy(update=none)
+
+
+def whole_creep_slope(case: Case) -> Case:
+    """The same rail with k_A = k_S = 1: as little friction, but a creep curve as steep as on a clean rail."""
+    assert case.adhesion is not None
+
+    def steep(rail: Condition) -> Condition:
+        return rail.model_copy(update={"k_A": 1.0, "k_S": 1.0})
+
+    pieces = tuple(piece.model_copy(update={"rail": steep(piece.rail)}) for piece in case.adhesion.piece)
+    adhesion = case.adhesion.model_copy(update={"rail": steep(case.adhesion.rail), "piece": pieces})
+    return case.model_copy(update={"adhesion": adhesion})
+
+
+def nearly_the_same(case: Case) -> list[Case]:
+    """The other members of the ensemble of a case, each displaced by 1e-9 more than the one before."""
+    members = []
+    for k in range(1, MEMBERS):
+        larger = 1.0 + NEARLY * k
+        disturbance = tuple(
+            one.model_copy(update={"lateral": larger * one.lateral, "yaw": larger * one.yaw})
+            for one in case.disturbance
+        )
+        members.append(case.model_copy(update={"disturbance": disturbance}))
+    return members
+
+
+LABELS = {
+    "rig": "rig as it is, displaced",
+    "rig_centred": "rig as it is, centred",
+    "rig_rigid": "rigid rollers, displaced",
+    "rig_rigid_centred": "rigid rollers, centred",
+    "rig_dry": "rig as it is, displaced, dry virtual rail",
+    "track": "track, displaced",
+    "track_dry": "track, displaced, dry rail",
+    "track_paper": "track, displaced, the paper's creep law",
+    "track_unbraked": "track, displaced, unbraked",
+    "track_stiff": "track, displaced, k_A = k_S = 1",
+    "track_stiff_unbraked": "track, displaced, k_A = k_S = 1, unbraked",
+    "track_polach_stiff_unbraked": "track, displaced, k_A = k_S = 1, unbraked, Polach's creep law",
+}
+"""Key of a run -> its label; displaced: by the case's disturbance."""
+
+GUIDED = ("track", "track_paper")
+"""Runs whose lateral creep is compared with the closed form."""
+
+REPEATED = ("rig", "rig_rigid")
+"""Runs in which flanges strike: repeated with a disturbance that differs by 1e-9, since no single figure of theirs is certain."""
+
+PERCENT = ("%", 100.0)
+ROUND_OFF = 1e-6
+"""A centred bogie stays in the middle to 1e-10 mm; what is smaller than this is no motion [mm]."""
+
+
+def _motion(key: str, meaning: str, label: str) -> Quantity:
+    return Quantity(f"runs.*.{key}_mm", meaning, "mm", label, 3, least=ROUND_OFF)
+
+
+RUN = (
+    Quantity("runs.*.status", "how the run ended"),
+    Quantity("runs.*.tracking_rms", "wheel less virtual wheel over train speed, RMS; on track null", "1", "tracking error, RMS",
+             3, PERCENT),
+    Quantity("runs.*.tracking_largest", "largest of the same", "1", "tracking error, largest", 3, PERCENT),
+    Quantity("runs.*.real_sliding_rms_mps", "wheel against roller along the track; on track wheel against rail", "m/s",
+             "real sliding, RMS", 3),
+    Quantity("runs.*.real_sliding_largest_mps", "largest of the same", "m/s", "real sliding, largest", 3),
+    Quantity("runs.*.largest_slip", "of the wheels against the train, over its speed", "1", "slip against the train, largest", 3,
+             PERCENT),
+    _motion("amplitude_before", "leading wheelset, half peak to peak in the second before the slide",
+            "amplitude before the slide"),
+    _motion("amplitude_in_slide", "largest of the same over seconds, from 1 s into the slide on", "amplitude in the slide"),
+    _motion("amplitude_end", "of the last second", "amplitude at the end"),
+    Quantity("runs.*.frequency_hz", "of the half-waves in the second before the slide; null: none", "Hz",
+             "hunting frequency before the slide", 3),
+    _motion("largest_lateral", "displacement of the leading wheelset", "lateral displacement, largest"),
+    _motion("roller_lateral", "largest displacement of a roller axle", "lateral displacement of a roller, largest"),
+    Quantity("runs.*.lateral_creep_largest_kn", "of one wheel", "kN", "lateral creep force of a wheel, largest", 3, least=1e-6),
+)  # fmt: skip
+GUIDANCE = (
+    Quantity("guidance.*.slope", "lateral creep force of fully sliding axles over -F v_y / v_s; 1: Coulomb", "1",
+             "slope against −F v_y/v_s", 3),
+    Quantity("guidance.*.correlation", "of the two", "1", "correlation", 3),
+    Quantity("guidance.*.rolling_ns_per_m", "damping of a rolling wheel, f22 / V", "N s/m", "rolling: f₂₂/V", 3),
+    Quantity("guidance.*.sliding_ns_per_m", "of a sliding one, median of F / v_s", "N s/m", "sliding: F/v_s", 3),
+)  # fmt: skip
+CHAOTIC = ("tracking_rms", "real_sliding_largest_mps", "amplitude_before_mm", "amplitude_in_slide_mm")
+"""Quantities of a run that the smallest change moves."""
+
+_OF_RUN = {quantity.name: quantity for quantity in RUN}
+ENSEMBLE = tuple(
+    replace(_OF_RUN[name], key=f"ensemble.*.{name}{suffix}", meaning=f"{_OF_RUN[name].meaning}; {what}",
+            label=f"{_OF_RUN[name].label}{mark}")
+    for name in CHAOTIC
+    for suffix, what, mark in (
+        ("", "mean of runs whose disturbances differ by 1e-9", ""),
+        ("_standard_error", "standard error of that mean", ", s.e."),
+    )
+)  # fmt: skip
+QUANTITIES = Quantities(
+    Quantity("case", "name of the case"),
+    Quantity("slide_begins_s", "on track, the time that divides all runs; null: never", "s"),
+    RUN,
     ENSEMBLE,
     GUIDANCE,
-    GUIDED,
-    LABELS,
-    QUANTITIES,
-    REPEATED,
-    RUN,
-    ensemble_numbers,
-    guidance_numbers,
-    run_measured,
-    run_numbers,
 )
-from rollerrig.study.lateral_text import control_text, guidance_text, hunting_text
-from rollerrig.study.quantities import Numbers
-from rollerrig.study.report import VIEW, Block, Picture, Section, Text
+
+
+def run_measured(case: Case, slide: float, progress: Progress | None = None) -> dict[str, Any]:
+    """The numbers of one more member of an ensemble."""
+    return run_numbers(whole_run(case, progress), slide)
+
+
+def ensemble_numbers(members: Sequence[Mapping[str, Any]]) -> dict[str, float]:
+    """Means and standard errors by name of ENSEMBLE."""
+    found = {}
+    for name in CHAOTIC:
+        one = estimate([member[name] for member in members])
+        found[name], found[f"{name}_standard_error"] = one.mean, one.standard_error
+    return found
+
+
+def run_numbers(run: xr.Dataset, slide: float) -> dict[str, Any]:
+    """The numbers of one run by name of RUN; NaN where not defined.
+
+    Args:
+        run: of the study.
+        slide: when the wheels begin to slide, the same for all runs [s]; NaN: they do not.
+    """
+    error, largest_error = tracking(run) if on_rig(run) else (math.nan, math.nan)
+    time, lateral = run["time"].to_numpy(), leading_lateral(run)
+    begin = slide if math.isfinite(slide) else float(time[-1])
+    later = [amplitude(time, lateral, t, t + 1.0) for t in np.arange(begin + 1.0, time[-1] - 0.999)]
+    rollers = [body for body in map(str, run["body"].to_numpy()) if "roller" in body]
+    return {
+        "status": run.attrs["status"],
+        "tracking_rms": error,
+        "tracking_largest": largest_error,
+        "real_sliding_rms_mps": rms(run["real_sliding"]),
+        "real_sliding_largest_mps": float(np.abs(run["real_sliding"]).max()),
+        "largest_slip": largest(train_slip(run)),
+        "amplitude_before_mm": amplitude(time, lateral, begin - 1.0, begin),
+        "amplitude_in_slide_mm": max(later, default=math.nan),
+        "amplitude_end_mm": amplitude(time, lateral, time[-1] - 1.0, time[-1]),
+        "frequency_hz": hunting_frequency(time, lateral, begin - 1.0, begin),
+        "largest_lateral_mm": float(np.abs(lateral).max()),
+        "roller_lateral_mm": 1e3 * float(np.abs(run["lateral"].sel(body=rollers)).max()) if rollers else math.nan,
+        "lateral_creep_largest_kn": 1e-3 * float(np.abs(creep_force(run, "y")).max()),
+    }
+
+
+def guidance_numbers(found: Guidance) -> dict[str, float]:
+    """Lateral creep of sliding axles by name of GUIDANCE."""
+    values = (found.slope, found.correlation, found.rolling, found.sliding)
+    return dict(zip((q.name for q in GUIDANCE), values, strict=True))
+
+
+def control_text(numbers: Numbers) -> Iterator[str]:
+    """How lateral motion disturbs the control of the rig."""
+    runs, again = numbers["runs"], numbers["ensemble"]
+    means = {"rig_centred": runs.get("rig_centred"), **{key: again.get(key) for key in ("rig", "rig_rigid")}}
+    if not all(one and one["tracking_rms"] for one in means.values()):
+        return
+    errors = {key: one["tracking_rms"] for key, one in means.items() if one}
+    yield (
+        f"Tracking error, RMS of train speed: {percent(errors['rig_centred'])} while the bogie stays centred, "
+        f"{percent(errors['rig_rigid'])} where it hunts on rigid rollers, {percent(errors['rig'])} on elastic ones "
+        f"({number(errors['rig'] / errors['rig_centred'], 2)} times as much). Wheels then slide on the rollers at up to "
+        f"{_interval(again['rig'])} m/s, rigid {_interval(again['rig_rigid'])} m/s, centred "
+        f"{number(runs['rig_centred']['real_sliding_largest_mps'], 2)} m/s: means of runs whose disturbances differ by 10⁻⁹, and "
+        "their standard errors, as flanges that strike move every single figure."
+    )
+
+
+def hunting_text(numbers: Numbers) -> Iterator[str]:
+    """What becomes of hunting in a slide, on track and on the rig, and which of its causes ends it."""
+    runs = numbers["runs"]
+
+    def sizes(key: str) -> str:
+        run = runs[key]
+        return f"{number(run['amplitude_before_mm'], 2)} and {number(run['amplitude_in_slide_mm'], 2)} mm"
+
+    def known(*keys: str) -> bool:
+        return all(key in runs and runs[key]["amplitude_in_slide_mm"] is not None for key in keys)
+
+    if known("track", "rig"):
+        yield (
+            "Hunting, amplitude of the leading wheelset before the slide and later than 1 s into it: on track "
+            f"{sizes('track')}, on the rig {sizes('rig')}: its real wheels keep rolling on dry rollers."
+        )
+    if known("track_unbraked"):
+        dies = runs["track_unbraked"]["amplitude_in_slide_mm"] < LEFT * runs["track_unbraked"]["amplitude_before_mm"]
+        yield (
+            f"On the same rail without braking it is {sizes('track_unbraked')} at these times: "
+            + (
+                "hunting dies there too, of the flatter creep curve of the contaminated rail (k_A, k_S) alone, and the run with "
+                "braking does not show what sliding does."
+                if dies
+                else "it goes on, and the slide is what ends it."
+            )
+        )
+    if known("track_stiff", "track_stiff_unbraked"):
+        yield (
+            f"With k_A = k_S = 1, where only friction is low, it is {sizes('track_stiff_unbraked')} unbraked and "
+            f"{sizes('track_stiff')} braked: this pair separates the slide from the rail."
+            + (
+                f" With Polach's creep law it is {sizes('track_polach_stiff_unbraked')} unbraked: near the limit of friction it "
+                "is softer."
+                if known("track_polach_stiff_unbraked")
+                else ""
+            )
+        )
+
+
+def guidance_text(numbers: Numbers) -> Iterator[str]:
+    """What is left of lateral creep on a sliding wheel, with which creep law."""
+    laws = {"track": "the case's creep law", "track_paper": "the paper's law"}
+    found = {law: numbers["guidance"][key] for key, law in laws.items() if key in numbers["guidance"]}
+    if laws["track"] not in found:
+        return
+    own = found[laws["track"]]
+    slopes = ", ".join(f"{one['slope']:z.2f} with {law}" for law, one in found.items())
+    yield (
+        f"What remains of lateral creep on a sliding wheel is viscous, {number(own['sliding_ns_per_m'], 3)} N s/m instead of "
+        f"{number(own['rolling_ns_per_m'], 3)}. Against −F v_y/v_s its slope is {slopes}."
+    )
+
+
+LEFT = 0.2
+"""Hunting of which less than this part is left has died [-]."""
+
+
+def _interval(one: Numbers) -> str:
+    """Largest sliding of an ensemble [m/s]; without an error where that is round-off."""
+    mean, error = one["real_sliding_largest_mps"], one["real_sliding_largest_mps_standard_error"]
+    return number(mean, 2) + (f" ± {number(error, 1)}" if error > 1e-3 * mean else "")
 
 
 @dataclass(frozen=True)

@@ -23,7 +23,7 @@ from rollerrig.plot import amplitude_over_speed, hunting_over_time, ramp_over_sp
 from rollerrig.plot.modes import hunting_frequencies
 from rollerrig.study import critical_speeds as speeds
 from rollerrig.study.checks import check_table, counts, counts_text
-from rollerrig.study.contact_sensitivity import sensitivity_numbers, sensitivity_quantities, sensitivity_table
+from rollerrig.study.contact_models import sensitivity_numbers, sensitivity_quantities, sensitivity_table
 from rollerrig.study.frame import Study
 from rollerrig.study.interval import NOT_DECIDED, Interval, in_words
 from rollerrig.study.jobs import Done, Round

@@ -31,10 +31,13 @@ from rollerrig.config.write.toml import to_short_toml
 from rollerrig.plot import scaled as figures
 from rollerrig.results import COMPLETED
 from rollerrig.similitude import (
+    FACTORS,
+    STRATEGIES,
     ContactAtRest,
     Requirement,
     Similitude,
     contact_at_rest,
+    factors_of,
     map_back,
     requirements,
     scale_case,
@@ -42,18 +45,159 @@ from rollerrig.similitude import (
 from rollerrig.simulation import simulate
 from rollerrig.study.frame import Study
 from rollerrig.study.jobs import Done, Round, job
-from rollerrig.study.quantities import Numbers
-from rollerrig.study.report import Picture, Section
-from rollerrig.study.scale_numbers import FIDELITY, LABELS, QUANTITIES, RUN
-from rollerrig.study.scale_tables import (
-    VIOLATION,
-    axle_rows,
-    contact_at_rest_table,
-    factors_table,
-    model_summary,
-    violations_table,
-)
+from rollerrig.study.quantities import Numbers, Quantities, Quantity
+from rollerrig.study.report import Picture, Section, Table
 from rollerrig.wording import number, percent
+
+VIOLATION = {
+    "name": "of the requirement", "quantity": "of the model", "unit": "of what follows", "required": "for similitude",
+    "actual": "of the model", "deviation": "actual over required, less 1; null: nothing of the kind exists at full scale",
+    "met": "whether it is met", "effect": "of the violation on results",
+}  # fmt: skip
+"""Attribute of a requirement -> meaning."""
+
+HEADER = ("requirement", "quantity of the model", "needed", "is", "unit", "deviation", "effect on results")
+
+
+def deviation(value: float) -> str:
+    """A deviation with its sign; what full scale does not have is new."""
+    return percent(value, 3, signed=True) if math.isfinite(value) else "new"
+
+
+def model_summary(model: Case, found: Sequence[Requirement]) -> list[str]:
+    """The model and its violations, a line each."""
+    record = model.similitude
+    assert record is not None
+    strategy = STRATEGIES[record.strategy]
+    kept = ", ".join(record.keep) or "nothing: ideal similitude"
+    violated = [one for one in found if not one.met]
+    return [
+        f"{model.name}: a 1:{record.length:g} model of {record.case}, {strategy.title} (keeps {strategy.keeps}); "
+        f"speeds 1:{record.length / record.time:.4g}, times 1:{record.time:.4g}. Not scaled: {kept}.",
+        *(f"violated: {one.name} ({deviation(one.deviation)}): {one.effect}" for one in violated),
+        *(["All requirements of similitude are met."] if not violated else []),
+    ]
+
+
+def violations_table(found: Sequence[Requirement]) -> Table:
+    """All requirements, met or violated."""
+    rows = [
+        [one.name, one.quantity, number(one.required), number(one.actual), one.unit,
+         "met" if one.met else deviation(one.deviation), "" if one.met else one.effect]
+        for one in found
+    ]  # fmt: skip
+    return Table(HEADER, rows, "requirements, met or violated")
+
+
+def factors_table(model: Case) -> Table:
+    """Scale factors of every quantity."""
+    factors, record = factors_of(model), model.similitude
+    assert record is not None
+    table = [[name, number(factors.factor(unit)), unit] for name, unit in FACTORS]
+    return Table(("quantity", "full scale over model", "unit"), table, STRATEGIES[record.strategy].title)
+
+
+def contact_at_rest_table(model: Case, at_full_scale: ContactAtRest, own: ContactAtRest) -> Table:
+    """The contact of the first wheel of both, and what the model's stands for at full scale.
+
+    Args:
+        model: case of the model.
+        at_full_scale: of the full-scale case.
+        own: of the model, at its own scale.
+    """
+    factors = factors_of(model)
+    lines = (
+        ("wheel load [N]", 1.0, "wheel_load", factors.force),
+        ("semi-axis of the largest patch [mm]", 1e3, "semi_axis", factors.length),
+        ("largest pressure [MPa]", 1e-6, "pressure", factors.pressure),
+        ("semi-axis over the roller's radius [%]", 100.0, "roller_share", 1.0),
+    )
+    rows = []
+    for name, unit, key, factor in lines:
+        a, b = (unit * getattr(contact, key) for contact in (at_full_scale, own))
+        rows.append([name, number(a), number(b), number(b * factor), deviation(b * factor / a - 1.0)])
+    header = ("first wheel, steady running", "full scale", "model", "model, mapped back", "deviation")
+    return Table(header, rows, "where several patches share a load, sizes follow it less closely than one patch would")
+
+
+def axle_rows(full: xr.Dataset, mapped: xr.Dataset) -> list[list[object]]:
+    """axles.csv: speeds at full scale, the model's at the same times; header first."""
+    other = at_times_of(full, mapped)
+    run = full.isel(time=slice(0, other.sizes["time"]))
+    columns = {
+        "time_s": run["time"],
+        "train_speed_full_mps": run["train_speed"],
+        "train_speed_model_mps": other["train_speed"],
+    }
+    for axle in run["axle"].to_numpy():
+        for label, one in (("full", run), ("model", other)):
+            columns[f"axle_speed_{axle}_{label}_rad_per_s"] = one["axle_speed"].sel(axle=axle)
+    values = [column.to_numpy().tolist() for column in columns.values()]
+    return [list(columns), *(list(row) for row in zip(*values, strict=True))]
+
+
+LABELS = {
+    "full": "full scale",
+    "model": "the model as it is",
+    "ideal": "ideal: everything scaled",
+    "gravity": "gravity alone not scaled",
+    "material": "material alone not scaled",
+    "clock": "controllers' clock alone not scaled",
+    "drives": "bandwidth of the drives alone not scaled",
+    "own": "the model's own actuators alone",
+}
+
+PERCENT = ("%", 100.0)
+RUN = (
+    Quantity("*.status", "how the run ended: at full scale, and that of the model mapped back"),
+    Quantity("*.status_message", "the same as a sentence"),
+    Quantity("*.duration_s", "end of the test", "s", "end of the test"),
+    Quantity("*.wheel_load_n", "mean wheel load at the start", "N", "mean wheel load", shown=("kN", 1e-3)),
+    Quantity("*.lateral_largest_m", "largest lateral displacement of a wheelset", "m",
+             "lateral displacement of a wheelset, largest", shown=("mm", 1e3)),
+    Quantity("*.stopped", "whether the train came to a stop before the end of the run", "", "came to a stop"),
+    Quantity("*.distance_m", "run by the train", "m", "distance"),
+    Quantity("*.speed_end_kmh", "of the train at the end", "km/h", "speed at the end"),
+    Quantity("*.wheel_slip_largest", "largest |wheel speed - train speed| over train speed, above 2 m/s", "1",
+             "slip against the train, largest", 3, PERCENT),
+    Quantity("*.tracking_rms", "RMS of wheel speed less that of the virtual train, over train speed; null: none", "1",
+             "tracking error, RMS", 3, PERCENT),
+    Quantity("*.real_sliding_largest_mps", "wheel against roller", "m/s", "real sliding, largest", 3, ("mm/s", 1e3)),
+    Quantity("*.axle_torque_largest_nm", "of brake and traction on one axle", "N m", "torque on an axle, largest",
+             shown=("kN m", 1e-3)),
+    Quantity("*.dump_cycles", "times that dump valves opened to vent, all axles", "", "dump cycles, all axles"),
+    Quantity("*.linear_critical_speed_kmh", "with speed-controlled rollers; null: none from 40 to 520 km/h", "km/h",
+             "linear critical speed"),
+)  # fmt: skip
+FIDELITY = (
+    Quantity("fidelity.lateral_rms_m", "wheelsets of the model mapped back less full scale at the same time, RMS", "m",
+             "lateral displacement, RMS", 3, ("mm", 1e3)),
+    Quantity("fidelity.wheel_speed_rms", "the same of wheel speeds over the train's highest speed, RMS", "1", "wheel speed, RMS",
+             3, PERCENT),
+    Quantity("fidelity.wheel_speed_largest", "largest of the same", "1", "wheel speed, largest", 3, PERCENT),
+    Quantity("fidelity.train_speed_largest_mps", "the same of the train", "m/s", "train speed, largest", 3),
+    Quantity("fidelity.distance_relative", "distance over that at full scale, less 1", "1", "distance", 3, PERCENT),
+    Quantity("fidelity.linear_critical_speed_relative", "linear critical speed over that at full scale, less 1", "1",
+             "linear critical speed", 3, PERCENT),
+)  # fmt: skip
+CONTACT = (
+    Quantity("contact.*.wheel_load", "first wheel in steady running, each at its own scale", "N"),
+    Quantity("contact.*.semi_axis", "sqrt(a b) of its largest patch", "m"),
+    Quantity("contact.*.pressure", "largest in it", "Pa"),
+    Quantity("contact.*.roller_share", "semi-axis over the roller's radius", "1"),
+)
+QUANTITIES = Quantities(
+    Quantity("case", "name of the full-scale case"),
+    Quantity("model", "name of its model"),
+    Quantity("similitude.**", "strategy, factors full/model, and what was not scaled"),
+    RUN,
+    FIDELITY,
+    Quantity("error_budget.*.*", "the same numbers of the ideal model, and of models with one violation each"),
+    *(Quantity(f"violations.*.{key}", meaning) for key, meaning in VIOLATION.items()),
+    CONTACT,
+    Quantity("motor_limited_share", "part of the time in which a motor of the model is at its limit; null: no limit", "1"),
+)  # fmt: skip
+
 
 LEFT_OUT = (
     "The suspension of the model is built to scale: elements, bearings and play of a real model have friction and tolerances of "

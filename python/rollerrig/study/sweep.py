@@ -13,21 +13,100 @@ from functools import cached_property, lru_cache
 from itertools import islice
 from typing import Any
 
+import numpy as np
 import xarray as xr
+from numpy.typing import NDArray
 
 from rollerrig.config import Case, ConfigError, ConfigProblem, Plan, WholePlan, plan_of_case
 from rollerrig.config.errors import nearest, one_of, show_value
 from rollerrig.config.validate.messages import validate
+from rollerrig.plot import sweep as figures
 from rollerrig.study.frame import Study
 from rollerrig.study.jobs import Done, Job, Progress, Round, call, job
-from rollerrig.study.measures import KINDS, module_of, quantities_of
+from rollerrig.study.measures import KINDS, MEASURES
 from rollerrig.study.quantities import Numbers, Quantities, Quantity
-from rollerrig.study.report import Block, Section, Table, Text
-from rollerrig.study.sweep_dataset import FAILED, Record, sweep_dataset, sweep_rows
-from rollerrig.study.sweep_points import Points, number_of_cases
-from rollerrig.study.sweep_report import sections_of
-from rollerrig.study.sweep_statistics import Statistics, statistics
+from rollerrig.study.report import Block, Picture, Section, Table, Text
+from rollerrig.study.runs.sweep import (
+    FAILED,
+    Points,
+    Record,
+    Statistics,
+    number_of_cases,
+    statistics,
+    sweep_dataset,
+    sweep_rows,
+)
 from rollerrig.wording import number
+
+Array = NDArray[np.float64]
+
+
+_INDICES = ("first", "first_confidence", "total", "total_confidence")
+MOST_PICTURED = 12
+"""Numbers that have pictures of their own; all are in the tables and files."""
+
+
+def sections_of(data: xr.Dataset, found: Mapping[str, Statistics], points: Points) -> list[Section]:
+    """Of the report, but for its ends."""
+    rows = [[axis.name.replace("_", " "), axis.key, axis.unit if axis.unit != "1" else "", *_range(points, k)]
+            for k, axis in enumerate(points.axes)]  # fmt: skip
+    varied = Table(("varied", "key of the case", "unit", "from", "to", "values"), rows)
+    how = f"Design: {points.design.kind.replace('_', ' ')}, {len(points)} cases" + (
+        f", seed {points.design.seed}." if points.design.samples else "."
+    )
+    sections = [Section("Overview", [Text(how), varied, *_overview(data, found)])]
+    pictured = [name for name, one in found.items() if np.isfinite(one.values).any()]
+    sections += [_of_number(data, name, found[name], points) for name in pictured[:MOST_PICTURED]]
+    if pictured[MOST_PICTURED:]:
+        sections.append(Section("Further numbers", [Text(f"Without pictures: {', '.join(pictured[MOST_PICTURED:])}.")]))
+    return sections
+
+
+def _range(points: Points, k: int) -> list[object]:
+    axis, column = points.axes[k], points.columns[k]
+    if not axis.is_number:
+        return ["", "", len(axis.values)]
+    return [min(column), max(column), len(axis.values) or ""]
+
+
+def _overview(data: xr.Dataset, found: Mapping[str, Statistics]) -> list[Block]:
+    rows: list[list[object]] = []
+    for name, one in found.items():
+        numbers, unit = one.as_dict(), data[name].attrs["units"]
+        rows.append([name.replace("_", " "), unit if unit != "1" else "", *(
+            "–" if not np.isfinite(numbers[key]) else numbers[key] for key in ("least", "median", "largest")
+        )])  # fmt: skip
+    return [Table(("number", "unit", "least", "median", "largest"), rows, "Of all finished cases.")]
+
+
+def _of_number(data: xr.Dataset, name: str, one: Statistics, points: Points) -> Section:
+    """Pictures and tables of one number."""
+    meaning, title = data[name].attrs["long_name"], name.replace("_", " ")
+    blocks: list[Block] = [Text(f"{meaning[:1].upper()}{meaning[1:]}.")]
+    if points.design.kind == "grid":
+        blocks.append(Picture(f"map_{name}", figures.grid_map(data, name), f"{title} over what is varied."))
+    else:
+        blocks.append(
+            Picture(f"scatter_{name}", figures.scatter(data, name), f"{title} of each case over each varied key.")
+        )
+    ends = {key: ends for key, ends in one.tornado.items() if np.isfinite(ends).all()}
+    if len(ends) > 1:
+        what = "lowest and highest value" if not points.design.samples else "lowest and highest fifth of values"
+        picture = figures.tornado(ends, data[name].attrs, float(np.nanmean(one.values)))
+        blocks.append(Picture(f"tornado_{name}", picture, f"Mean of {title} at the {what} of each varied key."))
+    if one.quantiles:
+        blocks.append(Table(("of the samples are below", title), list(one.quantiles.items()), "Quantiles."))
+    if one.sobol:
+        rows = [[key.replace("_", " "), *(float(f"{values[k]:.3g}") for k in _INDICES)]
+                for key, values in one.sobol.items()]  # fmt: skip
+        blocks.append(
+            Table(("varied", "first order", "±", "total", "±"), rows, "Sobol indices with their intervals of 95 %.")
+        )
+        blocks.append(
+            Picture(f"sobol_{name}", figures.sobol_bars(one.sobol), f"Sobol indices of {title}, intervals of 95 %.")
+        )
+    return Section(title[:1].upper() + title[1:], blocks)
+
 
 MOST_UNASKED = 100_000
 """More cases than that are probably a slip of the pen."""
@@ -112,7 +191,7 @@ class SweepStudy(Study[Sweep]):
     def _check_kept(self) -> list[ConfigProblem]:
         problems, seen = [], [axis.name for axis in self.points.axes]
         for index, measure in enumerate(self.whole.plan.measure):
-            known = quantities_of(measure.kind)
+            known = MEASURES[measure.kind].quantities
             for place, name in enumerate(measure.keep or known):
                 at = f"measure[{index}].keep" + (f"[{place}]" if measure.keep else "")
                 if name not in known:
@@ -183,7 +262,7 @@ class SweepStudy(Study[Sweep]):
         """Name of each kept number -> unit and meaning."""
         found: dict[str, tuple[str, str]] = {}
         for measure in self.whole.plan.measure:
-            known = quantities_of(measure.kind)
+            known = MEASURES[measure.kind].quantities
             found |= {name: known[name] for name in measure.keep or known}
         for record in records:
             for name in (record or {}).get("numbers", {}):
@@ -315,7 +394,7 @@ def run_case(packed: bytes, changes: Mapping[str, Any], progress: Progress | Non
     try:
         changed = case.with_changes(changes)
         for measure in measures:
-            found = call(job(module_of(measure.kind).measure, changed, measure), progress or _silent)
+            found = call(job(MEASURES[measure.kind].measure, changed, measure), progress or _silent)
             numbers |= {name: float(found[name]) for name in measure.keep or found}
         if compute is not None:
             numbers |= {str(name): float(value) for name, value in compute(changed).items()}

@@ -10,20 +10,491 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
-from rollerrig.config import Case, Programme
+import numpy as np
+from numpy.typing import NDArray
+
+from rollerrig.analysis.slide_statistics import SLIP_EDGES
+from rollerrig.config import CRITERIA, Case, Programme
 from rollerrig.config.schema.programme import BrakedRun
-from rollerrig.study.adhesion_variants import track_case
-from rollerrig.study.ensemble import starts
+from rollerrig.config.write.toml import to_toml
+from rollerrig.plot.wsp import Ends, means_with_intervals, slip_grid, stop_over_time
+from rollerrig.study.ensemble import estimate, starts
 from rollerrig.study.frame import Content, Study
 from rollerrig.study.jobs import Done, Job, Round, job
-from rollerrig.study.quantities import Numbers
-from rollerrig.study.report import Mark, Section
-from rollerrig.study.wsp_cases import check_case, dry_case, dry_name, stop_case
-from rollerrig.study.wsp_numbers import QUANTITIES, signal_columns, stop_numbers, sum_numbers, test_rows
-from rollerrig.study.wsp_record import StopRecord, stop_record
-from rollerrig.study.wsp_report import wsp_sections
-from rollerrig.study.wsp_text import findings
-from rollerrig.study.wsp_verdicts import SUPPORTS, Judgement, StopTests, Support, judgements
+from rollerrig.study.quantities import Numbers, Quantities, Quantity
+from rollerrig.study.report import Block, Mark, Picture, Preformatted, Section, Table, Text
+from rollerrig.study.runs.adhesion import GROUPS, SHOWN, track_case, verdict_rows
+from rollerrig.study.runs.adhesion import verdict_of as group_verdict
+from rollerrig.study.runs.wsp import (
+    SUPPORTS,
+    Judgement,
+    StopRecord,
+    StopTests,
+    Support,
+    check_case,
+    counts,
+    dry_case,
+    dry_name,
+    judgements,
+    stop_case,
+    stop_record,
+    verdict_of,
+)
+from rollerrig.wording import number
+
+Tests = Mapping[Support, StopTests]
+PERCENT = ("%", 100.0)
+MEASURED = (
+    ("distance_m", "run by the train since the demand, on the rig by the virtual one", "m", "distance", None),
+    ("increase_over_dry", "distance over that of the dry stop, less 1", "1", "increase over dry", PERCENT),
+    ("k_wet", "100 / (100 + increase over dry in %): dry distance over distance", "1", "K_wet", None),
+    ("mean_deceleration_mps2", "of the train since the demand, over the distance", "m/s^2", "mean deceleration", None),
+    ("duration_s", "time at the end of the test", "s", "duration", None),
+    ("speed_end_kmh", "of the train at the end", "km/h", "speed at the end", None),
+    (
+        "adhesion_utilisation",
+        "creep forces over what the rail's friction at no slip would give, both summed over braked axles and time",
+        "1",
+        "adhesion utilisation",
+        None,
+    ),
+    ("mean_slip", "mean |wheel speed - train speed| over train speed, above 2 m/s", "1", "", PERCENT),
+    ("largest_slip", "largest of the same", "1", "", PERCENT),
+    ("large_slip_share", "part of the time at a slip above 30 %", "1", "time at slip above 30 %", PERCENT),
+    ("longest_lock_s", "longest time that an axle turned slower than 5 % of the train", "s", "longest lock", None),
+    (
+        "flat_length_m",
+        "estimated length of the longest flat of a locked wheel, (H2)",
+        "m",
+        "flat, estimated",
+        ("mm", 1e3),
+    ),
+    ("air_litres", "air at ambient pressure taken by the cylinders of the axles under test", "l", "air", None),
+    ("dump_cycles", "times that dump valves opened to vent, all axles under test", "1", "ventings", None),
+    ("energy_relative_residual", "energy audit", "1", "residual of the energy audit", None),
+    ("contact_lost_s", "longest time of a wheel without contact", "s", "longest loss of contact", None),
+)
+ENDS = (("mean", "mean of all starts", 4), ("low", "lower end of its interval of 95 %", 4), ("high", "upper end", 4))
+
+
+def _measured() -> list[Quantity]:
+    found = []
+    for name, meaning, unit, label, shown in MEASURED:
+        heading = label or " ".join(name.split("_"))
+        for end, text, digits in (*ENDS, ("largest", "largest of all starts", 4)):
+            whole = f"{meaning}; {text}" if end == "mean" else text
+            found.append(Quantity(f"stops.*.*.{name}.{end}", whole, unit, heading, digits, shown))
+    return found
+
+
+QUANTITIES = Quantities(
+    Quantity("case", "name of the case"),
+    Quantity("programme", "name of the programme"),
+    Quantity("starts", "tests of each stop on each support, which differ by up to 3 mm/s in their first speed", "1"),
+    Quantity("starts_needed", "without which nothing is decided", "1"),
+    Quantity("stops.*.kind", "kind of the stop"),
+    Quantity("stops.*.speed_kmh", "of the train at the demand", "km/h", "speed"),
+    Quantity("stops.*.*.verdict", "of all criteria of the stop: met, not met, not decided; null: none is judged"),
+    Quantity("stops.*.*.tests", "that were made", "1"),
+    Quantity("stops.*.*.stopped", "in which the train came to a stop", "1"),
+    Quantity("stops.*.*.dry_distance_m", "of the same stop on a dry rail", "m", "dry distance"),
+    _measured(),
+    Quantity("stops.*.criteria.*.limit", "in the SI unit of the criterion"),
+    Quantity("stops.*.criteria.*.kind", "at least or at most"),
+    Quantity("stops.*.criteria.*.origin", "who set it, and why"),
+    Quantity("stops.*.criteria.*.clause", "of the standard that it is taken from, as the programme has it"),
+    Quantity("stops.*.criteria.*.*.verdict", "met: the whole interval is within the limit; not met: nothing of it"),
+    Quantity("stops.*.criteria.*.*.mean", "mean of all starts, in the unit of the limit"),
+    Quantity("stops.*.criteria.*.*.low", "lower end of its interval of 95 %"),
+    Quantity("stops.*.criteria.*.*.high", "upper end"),
+    Quantity("stops.*.criteria.*.*.worst", "of all starts; with a lock or a flat each start must be within the limit"),
+    Quantity("stops.*.criteria.*.*.why", "why nothing is decided"),
+    Quantity("stops.*.rig_like_track.*", "verdict on the rig: tracking of the virtual axles, fidelity to the track"),
+    Quantity("sums.*.criteria.*", "number of criteria of all stops: met, not met, not decided", "1"),
+    Quantity("sums.*.distance_m", "of all stops, means", "m", "distance"),
+    Quantity("sums.*.air_litres", "of all stops, means", "l", "air"),
+    Quantity("sums.*.dump_cycles", "of all stops, means", "1", "ventings"),
+    Quantity("sums.*.longest_lock_s", "of all tests", "s", "longest lock"),
+    Quantity("sums.*.flat_length_m", "of all tests", "m", "longest flat, estimated", 4, ("mm", 1e3)),
+)
+
+
+def stop_numbers(tests: Tests, judged: Sequence[Judgement]) -> dict[str, Any]:
+    """Of one stop."""
+    track, rig = tests["track"], tests["rig"]
+    rows = verdict_rows(rig.case, track.tests, rig.tests)
+    return {
+        "kind": track.stop.kind,  # type: ignore[attr-defined]
+        "speed_kmh": 3.6 * track.stop.speed,
+        **{on: _support_numbers(tests[on], [one for one in judged if one.support == on]) for on in SUPPORTS},
+        "criteria": _criteria(judged),
+        "rig_like_track": {group: group_verdict(rows, group) for group in GROUPS},
+    }
+
+
+def _support_numbers(found: StopTests, judged: Sequence[Judgement]) -> dict[str, Any]:
+    numbers: dict[str, Any] = {
+        "verdict": verdict_of(judged),
+        "tests": len(found.tests),
+        "stopped": sum(one.stopped for one in found.tests),
+        "dry_distance_m": None if found.dry is None else found.dry.measures["distance_m"],
+    }
+    for name, *_ in MEASURED:
+        values = found.values(name)
+        mean = estimate(values)
+        ends = {"mean": mean.mean, "low": mean.interval.low, "high": mean.interval.high}
+        numbers[name] = {**ends, "largest": max(values) if np.isfinite(values).all() else None}
+    return numbers
+
+
+def _criteria(judged: Sequence[Judgement]) -> dict[str, Any]:
+    found: dict[str, Any] = {}
+    for one in judged:
+        limit = one.limit
+        kind = "at least" if CRITERIA[limit.criterion].least else "at most"
+        head = {"limit": limit.value, "kind": kind, "origin": limit.origin, "clause": limit.clause}
+        interval = one.mean.interval
+        found.setdefault(limit.criterion, head)[one.support] = {
+            "verdict": one.verdict,
+            "mean": one.mean.mean,
+            "low": interval.low,
+            "high": interval.high,
+            "worst": one.worst,
+            "why": one.why,
+        }
+    return found
+
+
+def sum_numbers(stops: Sequence[Tests], judged: Sequence[Judgement]) -> dict[str, Any]:
+    """Of all stops."""
+    found: dict[str, Any] = {}
+    for on in SUPPORTS:
+        own = [tests[on] for tests in stops]
+        means = {
+            name: sum(float(np.mean(one.values(name))) for one in own)
+            for name in ("distance_m", "air_litres", "dump_cycles")
+        }
+        worst = {name: max(max(one.values(name)) for one in own) for name in ("longest_lock_s", "flat_length_m")}
+        found[on] = {"criteria": counts([one for one in judged if one.support == on]), **means, **worst}
+    return found
+
+
+# -------------------------------------------------------------------------------------------------------- CSV files
+
+
+def test_rows(tests: Tests) -> list[list[object]]:
+    """A line per test of a stop, header first."""
+    names = [name for name, *_ in MEASURED]
+    rows: list[list[object]] = [["support", "start", "status", *names]]
+    for on in SUPPORTS:
+        found = tests[on]
+        columns = [found.values(name) for name in names]
+        for k, one in enumerate(found.tests):
+            rows.append([on, k + 1, one.status, *(column[k] for column in columns)])
+    return rows
+
+
+test_rows.__test__ = False  # type: ignore[attr-defined]  # the name is no test's
+
+
+def signal_columns(signals: Mapping[Support, Mapping[str, Any]]) -> Mapping[str, Any]:
+    """Signals of the first tests, rig beside track, as long as both ran."""
+    count = min((len(next(iter(one.values()))) for one in signals.values() if one), default=0)
+    found: dict[str, Any] = {}
+    for on, own in signals.items():
+        for name, values in own.items():
+            found.setdefault(name if name == "time_s" else f"{name}_{on}", values[:count])
+    return found
+
+
+NAMES = {
+    "k_wet": "K_wet",
+    "increase_over_dry": "increase over dry",
+    "distance": "distance",
+    "mean_deceleration": "mean deceleration",
+    "adhesion_utilisation": "adhesion utilisation",
+    "longest_lock": "longest lock",
+    "flat_length": "flat length, estimated",
+    "large_slip_share": "time at slip above 30 %",
+    "air": "air",
+    "ventings": "ventings",
+}
+"""Of the criteria."""
+
+UNITS = {
+    "increase_over_dry": ("%", 100.0),
+    "distance": ("m", 1.0),
+    "mean_deceleration": ("m/s²", 1.0),
+    "longest_lock": ("s", 1.0),
+    "flat_length": ("mm", 1e3),
+    "large_slip_share": ("%", 100.0),
+    "air": ("l", 1e3),
+}
+"""In which they are shown, and the factor."""
+
+NOT_QUOTED = (
+    "Stops and limits are those of the programme file. EN 15595 and UIC 541-05 are not quoted: a verdict here is no approval, "
+    "and says only what the limits of that file say."
+)
+
+
+def findings(numbers: Numbers, limits: int) -> Iterator[str]:
+    """All lines."""
+    yield from _verdicts(numbers, limits)
+    yield from _not_met(numbers)
+    yield from _not_decided(numbers)
+    yield from _fidelity(numbers)
+    yield from _sum_lines(numbers)
+    yield NOT_QUOTED
+
+
+def _verdicts(numbers: Numbers, limits: int) -> Iterator[str]:
+    count = len(numbers["stops"])
+    head = f"{count} stops of {numbers['starts']} starts each, on track and on the rig."
+    if not limits:
+        yield f"{head} The programme sets no limit: nothing is judged."
+        return
+    parts = []
+    for on in SUPPORTS:
+        found = numbers["sums"][on]["criteria"]
+        where = "on track" if on == "track" else "on the rig"
+        parts.append(
+            f"{where} {found['met']} of {sum(found.values())} criteria are met, {found['not_met'] or 'none'} not met, "
+            f"{found['not_decided'] or 'none'} not decided"
+        )
+    text = "; ".join(parts)
+    yield f"{text[0].upper()}{text[1:]}. {head}"
+
+
+def _not_met(numbers: Numbers) -> Iterator[str]:
+    for on in SUPPORTS:
+        found = [
+            f"{stop}: {NAMES[name]} {value_text(name, one[on])}, {limit_text(name, one)}"
+            for stop, own in numbers["stops"].items()
+            for name, one in own["criteria"].items()
+            if on in one and one[on]["verdict"] == "not met"
+        ]
+        if found:
+            yield f"NOT met on {'track' if on == 'track' else 'the rig'}: {'; '.join(found)}."
+
+
+def _not_decided(numbers: Numbers) -> Iterator[str]:
+    """Grouped by the reason."""
+    for on in SUPPORTS:
+        reasons: dict[str, dict[str, None]] = {}
+        for stop, own in numbers["stops"].items():
+            for name, one in own["criteria"].items():
+                if on in one and one[on]["verdict"] == "not decided":
+                    why = one[on]["why"]
+                    inside = why == "the limit lies within the interval"
+                    reasons.setdefault(why, {})[f"{stop} ({NAMES[name]})" if inside else stop] = None
+        for why, stops in reasons.items():
+            yield f"Not decided on {'track' if on == 'track' else 'the rig'}: {', '.join(stops).replace('_', ' ')}: {why}."
+
+
+def _fidelity(numbers: Numbers) -> Iterator[str]:
+    """How far a verdict on the rig is one on track."""
+    words = [one["rig_like_track"]["fidelity"] for one in numbers["stops"].values()]
+    differ = [
+        f"{stop} ({NAMES[name]})"
+        for stop, own in numbers["stops"].items()
+        for name, one in own["criteria"].items()
+        if {one[on]["verdict"] for on in SUPPORTS if on in one} == {"met", "not met"}
+    ]
+    met, against, open_ = (words.count(word) for word in ("met", "not met", "not decided"))
+    yield (
+        f"The rig does as the track within the targets of the command adhesion in {met} of {len(words)} stops, not in {against}, "
+        f"not decided in {open_}: a verdict on the rig is one of the test on the rig. "
+        f"Opposite verdicts on track and rig: {', '.join(differ).replace('_', ' ') or 'none'}."
+    )
+
+
+def _sum_lines(numbers: Numbers) -> Iterator[str]:
+    for on in SUPPORTS:
+        one = numbers["sums"][on]
+        flat = one["flat_length_m"]
+        where = "track" if on == "track" else "the rig"
+        yield (
+            f"All stops on {where}: {number(one['distance_m'])} m, {number(one['air_litres'])} l of "
+            f"air, {number(one['dump_cycles'])} ventings; longest lock {number(one['longest_lock_s'], 3)} s, longest flat "
+            f"{number(1e3 * flat, 2) if flat is not None else '–'} mm (an estimate)."
+        )
+
+
+def value_text(name: str, one: Numbers) -> str:
+    """Mean of a criterion, its interval, and the worst test where each counts."""
+    if one["mean"] is None:
+        return "–"
+    unit, factor = UNITS.get(name, ("", 1.0))
+    text = number(factor * one["mean"], 3)
+    if one["low"] is not None and one["high"] is not None and one["low"] != one["high"]:
+        text += f" ({number(factor * one['low'], 3)} … {number(factor * one['high'], 3)})"
+    if CRITERIA[name].every and one["worst"] is not None:  # type: ignore[index]
+        text += f", worst {number(factor * one['worst'], 3)}"
+    return f"{text} {unit}".rstrip()
+
+
+def limit_text(name: str, one: Numbers) -> str:
+    """A limit."""
+    unit, factor = UNITS.get(name, ("", 1.0))
+    each = " in each test" if CRITERIA[name].every else ""  # type: ignore[index]
+    return f"{one['kind']} {number(factor * one['limit'], 3)} {unit}".rstrip() + each
+
+
+FIRST = ("distance_m", "increase_over_dry", "k_wet", "mean_deceleration_mps2", "air_litres", "dump_cycles")
+SECOND = ("adhesion_utilisation", "large_slip_share", "longest_lock_s", "flat_length_m")
+
+CLAIMS = (
+    NOT_QUOTED,
+    "K_wet is 100 / (100 + increase over dry in %). Distances run from the demand to motion.stop_speed, at which the train "
+    "counts as stationary; below 2 m/s no slip and no lock is counted.",
+    "The length of a flat is an estimate of its order, from the energy dissipated under a locked wheel, (H1) and (H2) of "
+    "docs/theory/wheel_flats.md; on the rig it is that of the train which the rig stands for, whose wheels would slide.",
+    "Intervals are of 95 %, of the mean over starts whose first speeds differ by up to 3 mm/s: the limit cycle's phase. They say "
+    "nothing of what differs from one vehicle, rail or day to another.",
+    "Eight tests out of eight within a limit say with 95 % that at least 69 % of all such tests are.",
+)
+
+
+def wsp_sections(programme: Programme, results: Mapping[str, Any], numbers: Numbers) -> list[Section]:
+    """All sections of the report."""
+    return [
+        Section("Verdict", [_overview(programme, numbers), _sums(numbers)]),
+        Section("Criteria", [_criteria_table(numbers)]),
+        Section("Stops", [*_stop_tables(numbers), *_pictures(results, numbers)]),
+        *_each_stop(results, numbers),
+        Section("What is not claimed", [Text(text) for text in CLAIMS]),
+        Section("Programme", [Preformatted(f"The whole programme: {programme.name}", to_toml(programme))]),
+    ]
+
+
+def _shown(word: str | None) -> str:
+    return "–" if word is None else SHOWN[word]
+
+
+def _overview(programme: Programme, numbers: Numbers) -> Table:
+    described = {stop.name: stop.description for stop in programme.stop}
+    rows = []
+    for name, one in numbers["stops"].items():
+        same = one["rig_like_track"]
+        words = [_shown(one[on]["verdict"]) for on in SUPPORTS]
+        text = ", ".join(filter(None, (one["kind"], f"{one['speed_kmh']:.4g} km/h", described[name])))
+        rows.append((*words, name.replace("_", " "), text, _shown(same["tracking"]), _shown(same["fidelity"])))
+    header = ("on track", "on the rig", "stop", "", "rig follows its virtual axles", "rig as the track")
+    return Table(header, rows, "All criteria of each stop; and the verdict on the rig itself.")
+
+
+def _sums(numbers: Numbers) -> Table:
+    names = ("distance_m", "air_litres", "dump_cycles", "longest_lock_s", "flat_length_m")
+    entries: dict[str, Numbers] = {
+        on: {f"sums.*.{name}": numbers["sums"][on][name] for name in names} for on in SUPPORTS
+    }
+    return QUANTITIES.table(
+        entries, [f"sums.*.{name}" for name in names], "All stops: sums of means; worst of all tests.", ""
+    )
+
+
+def _criteria_table(numbers: Numbers) -> Table:
+    rows = []
+    for stop, own in numbers["stops"].items():
+        for name, one in own["criteria"].items():
+            found = [one.get(on, {"verdict": None, "mean": None, "why": ""}) for on in SUPPORTS]
+            whys = dict.fromkeys(two["why"] for two in found if two["why"])
+            rows.append((
+                *(_shown(two["verdict"]) for two in found), stop.replace("_", " "), NAMES[name],
+                *(value_text(name, two) for two in found), limit_text(name, one), one["clause"] or "–",
+                "; ".join((*whys, one["origin"])),
+            ))  # fmt: skip
+    header = (
+        "on track",
+        "on the rig",
+        "stop",
+        "criterion",
+        "track",
+        "rig",
+        "limit",
+        "clause",
+        "why nothing is decided; who set it",
+    )
+    return Table(
+        header, rows, "Every criterion: means of all starts (intervals of 95 %)." if rows else "No limit is set."
+    )
+
+
+def _stop_tables(numbers: Numbers) -> Iterator[Table]:
+    for names, caption in ((FIRST, "Distances, air, ventings."), (SECOND, "Sliding.")):
+        labels = [QUANTITIES[f"stops.*.*.{name}.mean"].heading for name in names]
+        rows = [
+            (stop.replace("_", " "), on, *(_ends_text(name, own[on][name]) for name in names))
+            for stop, own in numbers["stops"].items()
+            for on in SUPPORTS
+        ]
+        yield Table(("stop", "on", *labels), rows, f"{caption} Means of all starts, with intervals of 95 %.")
+
+
+def _ends_text(name: str, one: Numbers) -> str:
+    shown = next(row[4] for row in MEASURED if row[0] == name)
+    factor = shown[1] if shown else 1.0
+    if one["mean"] is None:
+        return "–"
+    mean = number(factor * one["mean"])
+    if one["low"] is None or one["high"] is None or one["low"] == one["high"]:
+        return mean
+    return f"{mean} ± {number(0.5 * factor * (one['high'] - one['low']), 2)}"
+
+
+def _pictures(results: Mapping[str, Any], numbers: Numbers) -> Iterator[Block]:
+    stops = numbers["stops"]
+    dry = [one["track"]["dry_distance_m"] for one in stops.values()]
+    caption = "Distance since the demand, mean and interval of 95 %, and the dry distance of the same speed and demand."
+    yield Picture(
+        "distances", means_with_intervals(list(stops), _ends(stops, "distance_m"), "distance [m]", dry=dry), caption
+    )
+    stopping = {name: one for name, one in stops.items() if one["track"]["k_wet"]["mean"] is not None}
+    if stopping:
+        limits = [one["criteria"].get("k_wet", {}).get("limit") for one in stopping.values()]
+        caption = (
+            "K_wet: dry distance over distance, mean and interval of 95 %; diamonds: least that the programme allows."
+        )
+        found = means_with_intervals(list(stopping), _ends(stopping, "k_wet"), "K_wet [-]", limits=limits)
+        yield Picture("k_wet", found, caption)
+    shares: dict[str, dict[str, NDArray[np.float64]]] = {
+        name: {on: np.mean([test.slip_shares for test in one.tests[on].tests], axis=0) for on in SUPPORTS}
+        for name, one in results.items()
+    }
+    caption = "Part of the time that the axles spent at a slip, mean of all starts, while the brake acts above 2 m/s."
+    yield Picture("slip_histograms", slip_grid(SLIP_EDGES, shares), caption)
+
+
+def _ends(stops: Mapping[str, Numbers], name: str) -> dict[str, list[Ends | None]]:
+    return {on: [_three(one[on][name]) for one in stops.values()] for on in SUPPORTS}
+
+
+def _three(one: Numbers) -> Ends | None:
+    if one["mean"] is None:
+        return None
+    low, high = (np.nan if one[end] is None else one[end] for end in ("low", "high"))
+    return one["mean"], low, high
+
+
+def _each_stop(results: Mapping[str, Any], numbers: Numbers) -> Iterator[Section]:
+    for name, one in results.items():
+        own = numbers["stops"][name]
+        rows = []
+        for measure, *_ in MEASURED:
+            heading = QUANTITIES[f"stops.*.*.{measure}.mean"].heading
+            rows.append((heading, *(_ends_text(measure, own[on][measure]) for on in SUPPORTS)))
+        table = Table(
+            ("", *SUPPORTS),
+            rows,
+            f"Means of {own['track']['tests']} and {own['rig']['tests']} tests ± half an interval of 95 %.",
+        )
+        blocks: list[Block] = [table]
+        if all(one.signals[on] for on in SUPPORTS):
+            caption = f"{name.replace('_', ' ')}: the first tests on track and on the rig."
+            blocks.insert(0, Picture(f"stop_{name}", stop_over_time(one.signals), caption))
+        yield Section(f"Stop {name.replace('_', ' ')}", blocks)
+
 
 QUICK_STOPS, QUICK_STARTS = 2, 2
 """Of a quick study."""
@@ -109,8 +580,8 @@ class WspStudy(Study[Results]):
                 dry = dry_case(self.case, self.programme, stop)
                 jobs |= {_dry(self.case, stop, on): self._job(_on(dry, on), False) for on in SUPPORTS}
             for on in SUPPORTS:
-                for number, case in enumerate(starts(_on(self.stop_cases[stop.name], on), self.count)):
-                    jobs[_test(stop, on, number)] = self._job(case, number == 0)
+                for k, case in enumerate(starts(_on(self.stop_cases[stop.name], on), self.count)):
+                    jobs[_test(stop, on, k)] = self._job(case, k == 0)
         yield jobs
 
     def _job(self, case: Case, keep: bool) -> Job:

@@ -16,15 +16,28 @@ from rollerrig import ConfigError, load_case, simulate
 from rollerrig.analysis.slide_statistics import SLIP_EDGES, TestRecord, regrip_adhesion
 from rollerrig.analysis.slide_statistics import test_record as record_of
 from rollerrig.config import case_from_toml
-from rollerrig.study.adhesion import AdhesionStudy, Runs
-from rollerrig.study.adhesion_causes import CAUSES, LARGEST_ERROR, TOGETHER, are_known, cause_shares
-from rollerrig.study.adhesion_laws import LAWS, law_case, law_names, law_table
-from rollerrig.study.adhesion_numbers import QUANTITIES
-from rollerrig.study.adhesion_text import findings
-from rollerrig.study.adhesion_variants import STEPS, track_case, variant, variants_of
-from rollerrig.study.adhesion_verdicts import Row, Word, verdict_of, verdict_rows
+from rollerrig.study.adhesion import QUANTITIES, AdhesionStudy, Runs, findings
 from rollerrig.study.ensemble import Estimate, difference, estimate, relative, starts
 from rollerrig.study.frame import Outcome
+from rollerrig.study.runs.adhesion import (
+    CAUSES,
+    LARGEST_ERROR,
+    LAWS,
+    STEPS,
+    TOGETHER,
+    Row,
+    Word,
+    are_known,
+    cause_shares,
+    law_case,
+    law_names,
+    law_table,
+    track_case,
+    variant,
+    variants_of,
+    verdict_of,
+    verdict_rows,
+)
 
 
 @pytest.fixture(scope="module")

@@ -11,7 +11,7 @@ import pytest
 from rollerrig.analysis import CriticalSpeedByDisturbance
 from rollerrig.analysis.hunting import hunting_run
 from rollerrig.config import load_case
-from rollerrig.study.contact_sensitivity import (
+from rollerrig.study.contact_models import (
     contact_models,
     sensitivity_cases,
     sensitivity_numbers,

@@ -8,11 +8,17 @@ import numpy as np
 import pytest
 
 from rollerrig import load_case
-from rollerrig.study.control import study_case
-from rollerrig.study.control_held import HELD_QUANTITIES, held_blocks, held_growth, held_jobs, held_numbers, held_ripple
-from rollerrig.study.control_runs import QUANTITIES
-from rollerrig.study.control_variants import ESTIMATORS
+from rollerrig.study.control import QUANTITIES, study_case
+from rollerrig.study.loop_stability import (
+    HELD_QUANTITIES,
+    held_blocks,
+    held_growth,
+    held_jobs,
+    held_numbers,
+    held_ripple,
+)
 from rollerrig.study.report import Table
+from rollerrig.study.runs.control import ESTIMATORS
 
 CASE = study_case(load_case("adhesion_brake").with_changes({"contact.normal": "hertz"}), 5.0)
 

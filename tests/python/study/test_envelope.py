@@ -23,10 +23,10 @@ from rollerrig.cli.app import build_app
 from rollerrig.config import Case
 from rollerrig.results.run_info import describe
 from rollerrig.study import envelope as module
-from rollerrig.study import envelope_points
 from rollerrig.study.envelope import EnvelopeStudy
-from rollerrig.study.envelope_points import BEGIN, RISE, Point, point_case
 from rollerrig.study.journal import NAME
+from rollerrig.study.runs import envelope as envelope_points
+from rollerrig.study.runs.envelope import BEGIN, RISE, Point, point_case
 
 COULOMB = {"adhesion": {"rail": {"friction": 0.1}}}
 SMALL = {"torques": [-4e3, -2e3], "adhesions": [0.05, 0.3], "loads": [1.0], "duration": 0.8, "refine": 0}

@@ -17,13 +17,20 @@ from rollerrig.config import CRITERIA, Case, Programme, load_programme
 from rollerrig.config.load.resolve import resolve_programme
 from rollerrig.config.read.document import Document
 from rollerrig.config.schema.programme import CriterionName
-from rollerrig.study.adhesion_variants import track_case
 from rollerrig.study.frame import Outcome
-from rollerrig.study.wsp import Results, WspStudy
-from rollerrig.study.wsp_cases import check_case, dry_case, stop_case
-from rollerrig.study.wsp_numbers import MEASURED, QUANTITIES
-from rollerrig.study.wsp_text import NAMES
-from rollerrig.study.wsp_verdicts import MEASURES, Judgement, StopTests, Support, judgements, verdict_of
+from rollerrig.study.runs.adhesion import track_case
+from rollerrig.study.runs.wsp import (
+    MEASURES,
+    Judgement,
+    StopTests,
+    Support,
+    check_case,
+    dry_case,
+    judgements,
+    stop_case,
+    verdict_of,
+)
+from rollerrig.study.wsp import MEASURED, NAMES, QUANTITIES, Results, WspStudy
 
 SHORT = {
     "name": "short",

@@ -1,4 +1,4 @@
-"""What is varied in a comparison of controllers, as data: a family is one entry of FAMILIES.
+"""What is run in a comparison of controllers: FAMILIES, whose entries are data, and what is kept of a run.
 
 A family has an axis of values and one or more curves: fixed changes under which the whole axis is run. Changes are dotted keys
 of the case with their new values.
@@ -9,10 +9,15 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal
+
+import numpy as np
+import xarray as xr
 
 from rollerrig.actuators import assemble_with_actuators
 from rollerrig.analysis.control_loop import Wheel, wheel_of
+from rollerrig.analysis.torque_ripple import RIPPLE_ABOVE, torque_ripple
+from rollerrig.analysis.tracking import largest, rms, slip, tracking, under_test
 from rollerrig.config import Case
 from rollerrig.config.schema.rig_control import (
     BandwidthEstimator,
@@ -27,7 +32,10 @@ from rollerrig.config.schema.rig_control import (
     SlidingMode,
 )
 from rollerrig.mechatronics.setup import feedback_gains
+from rollerrig.results.dataset import COMPLETED
 from rollerrig.similitude.scale_case import factors_of, scaled_table
+from rollerrig.study.jobs import Progress, whole_run
+from rollerrig.study.quantities import Quantity
 
 Changes = Mapping[str, object]
 Vary = Callable[[Case, float], Changes]
@@ -240,3 +248,129 @@ FAMILIES: tuple[Family, ...] = (
            LIMITED),
 )  # fmt: skip
 """Everything that `rollerrig control` varies."""
+
+
+OUTPUT_STEP = 2e-3
+"""Of the runs compared [s]; ripple is seen up to its Nyquist frequency, 250 Hz."""
+
+KEPT = ["axle_speed", "virtual_speed", "train_speed", "train_distance", "real_sliding", "roller_torque", "valve"]
+PERCENT = ("%", 100.0)
+
+RUN = (
+    Quantity("*.*.status", "how the run ended"),
+    Quantity("*.*.ended_s", "when", "s"),
+    Quantity("*.*.tracking_rms", "wheel less virtual wheel over train speed, RMS", "1", "tracking RMS", 3, PERCENT),
+    Quantity("*.*.tracking_largest", "largest of the same", "1", "largest", 3, PERCENT),
+    Quantity("*.*.largest_slip", "of the wheels against the virtual train, over its speed", "1"),
+    Quantity("*.*.real_sliding_rms_mps", "wheel against roller", "m/s"),
+    Quantity("*.*.real_sliding_largest_mps", "largest of the same", "m/s", "real sliding", 3, ("mm/s", 1e3)),
+    Quantity("*.*.roller_torque_largest_nm", "of a roller drive", "N m", "roller torque", 3, ("kN m", 1e-3)),
+    Quantity("*.*.distance_m", "run by the virtual train", "m"),
+    Quantity("*.*.distance_relative", "over that of the case as shipped, less 1", "1", "distance, less shipped", 3, PERCENT),
+    Quantity("*.*.dump_cycles", "of the slide protection, all axles under test", "", "dump cycles"),
+    Quantity("*.*.air_litres", "taken by the cylinders, at ambient pressure", "l", "air", 3),
+    Quantity("*.*.ripple_nm", f"persistent roller torque above {RIPPLE_ABOVE:g} Hz, RMS, median of 0.25 s", "N m", "ripple", 3),
+    Quantity("*.*.ripple_hz", "where that ripple has most power", "Hz"),
+)  # fmt: skip
+
+
+def run_variant(case: Case, with_course: bool, progress: Progress | None = None) -> dict[str, Any]:
+    """One run: its `numbers`, and where wanted its `course` over time."""
+    run = whole_run(case, progress)
+    return {"numbers": run_numbers(run), "course": run[KEPT].load() if with_course else None}
+
+
+def run_numbers(run: xr.Dataset) -> dict[str, Any]:
+    """The numbers of one run by name of RUN, of the axles under test.
+
+    As `distance_relative`, time and distance of the last instant compared.
+    """
+    run = under_test(run)
+    error, largest_error = tracking(run)
+    ripple, frequency = torque_ripple(run["time"].to_numpy(), run["roller_torque"].to_numpy())
+    last, compared = run.isel(time=-1), run.isel(time=slice(None, None, 50)).isel(time=-1)
+    return {
+        "status": run.attrs["status"],
+        "ended_s": float(run.attrs["stopped_at_s"]),
+        "tracking_rms": error,
+        "tracking_largest": largest_error,
+        "largest_slip": largest(slip(run)),
+        "real_sliding_rms_mps": rms(run["real_sliding"]),
+        "real_sliding_largest_mps": float(np.abs(run["real_sliding"]).max()),
+        "roller_torque_largest_nm": float(np.abs(run["roller_torque"]).max()),
+        "distance_m": float(last["train_distance"]),
+        "distance_relative": [float(compared["time"]), float(compared["train_distance"])],
+        "dump_cycles": int(last["dump_cycles"].sum()),
+        "air_litres": 1e3 * float(last["air"].sum()),
+        "ripple_nm": ripple,
+        "ripple_hz": frequency,
+    }
+
+
+def against(numbers: Mapping[str, Any], base: xr.Dataset) -> dict[str, Any]:
+    """With the distance over that of the base at the same time, less 1."""
+    time, distance = numbers["distance_relative"]
+    shipped = float(np.interp(time, base["time"], base["train_distance"]))
+    return {**numbers, "distance_relative": distance / shipped - 1.0 if shipped > 0.0 else None}
+
+
+TRACKING_LIMIT = 0.01
+"""Tracking RMS over train speed from which on a variant fails: the project's aim for the shipped cases [-]."""
+
+
+RIPPLE_LIMIT = 500.0
+"""Ripple of a roller's torque [N m] from which on a variant fails: a tenth of what low adhesion asks for, R T_v.
+
+The one criterion of a torque that does not settle; every verdict names it, see RIPPLE_CRITERION.
+"""
+
+
+RIPPLE_CRITERION = f"persistent torque ripple above {RIPPLE_LIMIT:g} N m RMS"
+
+
+TRACKING_CRITERION = f"tracking error above {100 * TRACKING_LIMIT:g} % RMS"
+
+
+@dataclass(frozen=True)
+class Result:
+    """What came out of a run.
+
+    Attributes:
+        family, curve: where it belongs.
+        value: on the family's axis; NaN for a reference.
+        numbers: of the run.
+    """
+
+    family: str
+    curve: str
+    value: float
+    numbers: dict[str, Any]
+
+    @property
+    def completed(self) -> bool:
+        """Whether the test came to its end."""
+        return bool(self.numbers["status"] in COMPLETED)
+
+    @property
+    def cause(self) -> str:
+        """Why it fails: the status of a run that ended early, 'tracking', 'ripple', or ''."""
+        if not self.completed:
+            return str(self.numbers["status"])
+        if not self.numbers["tracking_rms"] < TRACKING_LIMIT:
+            return "tracking"
+        return "ripple" if self.numbers["ripple_nm"] > RIPPLE_LIMIT else ""
+
+    @property
+    def severity(self) -> tuple[float, float]:
+        """Order of results: an ended test before any error, the earlier the worse; then the larger error over its limit.
+
+        A ripple within its limit does not count: it scatters with the switching of valves.
+        """
+        if not self.completed:
+            return math.inf, -float(self.numbers["ended_s"])
+        ripple, tracking = self.numbers["ripple_nm"] / RIPPLE_LIMIT, self.numbers["tracking_rms"] / TRACKING_LIMIT
+        return max(tracking, ripple if ripple > 1.0 else 0.0), 0.0
+
+
+MEASURED = {"tracking": ("tracking_rms", TRACKING_LIMIT), "ripple": ("ripple_nm", RIPPLE_LIMIT)}
+"""Cause -> the number that decides it, and its limit."""

@@ -1,6 +1,6 @@
-"""The cases of a sweep: which value each varied key has in each of them.
+"""What is run in a sweep: values of the varied keys by case, all numbers as a Dataset, statistics of each number.
 
-WholePlan -> [Points] -> number of a case -> dotted key -> value
+WholePlan -> [Points] -> number of a case -> dotted key -> value; records -> [sweep_dataset] -> [statistics]
 
 Samples are points of the unit cube, the same for the same seed; a distribution turns each coordinate into a value.
 Source of the samples for Sobol indices: A. Saltelli et al., Comput. Phys. Commun. 181 (2010) 259.
@@ -9,20 +9,98 @@ Source of the samples for Sobol indices: A. Saltelli et al., Comput. Phys. Commu
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
 import numpy as np
+import xarray as xr
 from numpy.typing import NDArray
 
+from rollerrig import __version__
 from rollerrig.config import ConfigError, ConfigProblem, Plan, WholePlan
 from rollerrig.config.errors import show_value
 from rollerrig.config.schema.plan import Design, Lognormal, Normal, Variation
 from rollerrig.config.schema.units import Quantity
 from rollerrig.config.validate.messages import validate
-from rollerrig.study.sweep_distributions import quantile_function
+from rollerrig.results import variable
+
+LEAST_MASS = 1e-9
+"""Of the part of a distribution that is between its ends."""
+
+
+MOST_LOST = 1e-6
+"""Probability beyond what the key allows that is cut off without a word."""
+
+
+def quantile_function(
+    kind: str, numbers: Mapping[str, float], least: float | None, most: float | None, quantity: Quantity
+) -> tuple[Callable[[Array], Array], tuple[float, float]]:
+    """Value over probability, and the values at both ends.
+
+    Args:
+        kind: linear or logarithmic for a range in which all values are equally likely; normal, lognormal, triangular.
+        numbers: mean, deviation, median, mode, of the kinds that have them; in SI, the deviation of lognormal a pure number.
+        least: lower end [SI]; None: that of the quantity.
+        most: upper end, likewise.
+        quantity: at the key.
+
+    Raises:
+        ValueError: no probability mass is between the ends, or some is where the key allows none.
+    """
+    from scipy import stats
+
+    law: Any
+    turned: Callable[[Any], Any]
+    straight: Callable[[Any], Any]
+    turned, straight = (np.log, np.exp) if kind in ("logarithmic", "lognormal") else (_same, _same)
+    match kind:
+        case "normal":
+            law = stats.norm(numbers["mean"], numbers["deviation"])
+        case "lognormal":
+            law = stats.norm(np.log(numbers["median"]), numbers["deviation"])
+        case "triangular":
+            assert least is not None
+            assert most is not None
+            if not least <= numbers["mode"] <= most:
+                raise ValueError("allowed: a mode between `least` and `most`")
+            law = stats.triang((numbers["mode"] - least) / (most - least), least, most - least)
+        case _:
+            assert least is not None
+            assert most is not None
+            law = stats.uniform(turned(least), turned(most) - turned(least))
+
+    def below(value: float) -> float:
+        return 0.0 if kind == "lognormal" and value <= 0.0 else float(law.cdf(turned(value)))
+
+    low, high = (below(quantity.least if least is None else least), below(quantity.most if most is None else most))
+    unit = "" if quantity.unit == "1" else f" {quantity.unit}"
+    if not high - low > LEAST_MASS:
+        raise ValueError(
+            "no probability mass lies between its ends; allowed: `least` and `most` around the distribution"
+        )
+    if least is None and low > MOST_LOST:
+        raise ValueError(
+            f"{100 * low:.2g} % of it lies below {quantity.least:g}{unit}, which the key does not allow; give `least`"
+        )
+    if most is None and 1.0 - high > MOST_LOST:
+        raise ValueError(
+            f"{100 * (1 - high):.2g} % of it lies above {quantity.most:g}{unit}, which the key does not allow; give `most`"
+        )
+    floor, ceiling = quantity.least if least is None else least, quantity.most if most is None else most
+
+    def quantile(probability: Array) -> Array:
+        values = straight(law.ppf(low + (high - low) * np.asarray(probability)))
+        return np.clip(np.asarray(values, dtype=np.float64), floor, ceiling)
+
+    ends = quantile(np.array([1e-12, 1.0 - 1e-12]))
+    return quantile, (float(ends[0]), float(ends[1]))
+
+
+def _same(value: Any) -> Any:
+    return value
+
 
 Array = NDArray[np.float64]
 _EDGE = 1e-12
@@ -278,3 +356,174 @@ def resized(whole: WholePlan, samples: int) -> WholePlan:
         raise ConfigError(problems)
     vary = tuple(one.model_copy(update={"count": one.count and samples}) for one in plan.vary)
     return replace(whole, plan=plan.model_copy(update={"design": found, "vary": vary}))
+
+
+FAILED = "failed"
+SAMPLE = "sample"
+Record = dict[str, Any]
+"""Of a case: its changes, its numbers, why it failed."""
+
+
+def sweep_dataset(
+    whole: WholePlan, points: Points, records: Sequence[Record | None], units: Mapping[str, tuple[str, str]]
+) -> xr.Dataset:
+    """All cases; numbers of those that failed or were not reached are NaN.
+
+    Args:
+        whole: the plan.
+        points: its cases.
+        records: one per case; None: not reached.
+        units: name of each number -> unit and meaning.
+
+    Returns:
+        The varied keys as coordinates in SI, each number with its unit, `failed` with the reason of each failed case; attributes
+        cases, finished, failed, plan, case, design.
+    """
+    grid = points.design.kind == "grid"
+    names = [axis.name for axis in points.axes]
+    dims = tuple(names) if grid else (SAMPLE,)
+    shape = points.shape if grid else (len(points),)
+    coordinates: dict[str, Any] = {}
+    for axis, column in zip(points.axes, points.columns, strict=True):
+        values = list(axis.values) if grid else column
+        coordinates[axis.name] = _coordinate(axis, values, axis.name if grid else SAMPLE)
+    variables: dict[str, Any] = {}
+    for name, (unit, meaning) in units.items():
+        values = [math.nan if one is None else one["numbers"].get(name, math.nan) for one in records]
+        variables[name] = variable(dims, np.array(values, dtype=np.float64).reshape(shape), unit, meaning)
+    reasons = ["" if one is None else one[FAILED] for one in records]
+    variables[FAILED] = variable(dims, np.array(reasons, dtype=object).reshape(shape), "", "why a case failed")
+    failed = sum(bool(reason) for reason in reasons)
+    done = sum(one is not None for one in records)
+    return xr.Dataset(
+        variables,
+        coordinates,
+        {
+            "title": f"Sweep {whole.plan.name}",
+            "plan": whole.plan.name,
+            "case": whole.case.name,
+            "design": points.design.kind,
+            "cases": len(points),
+            "finished": done - failed,
+            "failed": failed,
+            "config_toml": whole.case.to_toml(),
+            "rollerrig_version": __version__,
+        },
+    )
+
+
+def _coordinate(axis: Axis, values: Sequence[Any], dim: str) -> Any:
+    kept = np.array(values, dtype=np.float64) if axis.is_number else np.array([_text(v) for v in values], dtype=object)
+    return variable(dim, kept, axis.unit, axis.key)
+
+
+def _text(value: Any) -> str:
+    return ("true" if value else "false") if isinstance(value, bool) else str(value)
+
+
+def sweep_rows(data: xr.Dataset, points: Points) -> list[list[object]]:
+    """A row per case, header first: values of the varied keys in SI, numbers, reason of failure."""
+    numbers = [name for name in map(str, data.data_vars) if name != FAILED]
+    columns = [
+        list(column) if axis.is_number else [_text(v) for v in column]
+        for axis, column in zip(points.axes, points.columns, strict=True)
+    ]
+    columns += [data[name].to_numpy().ravel().tolist() for name in (*numbers, FAILED)]
+    header: list[object] = [
+        *(f"{axis.name} [{axis.unit}]" if axis.unit not in ("", "1") else axis.name for axis in points.axes),
+        *(f"{name} [{u}]" if (u := data[name].attrs["units"]) not in ("", "1") else name for name in numbers),
+        FAILED,
+    ]
+    return [header, *map(list, zip(*columns, strict=True))]
+
+
+QUANTILES = (0.05, 0.25, 0.5, 0.75, 0.95)
+FIFTH = 0.2
+LEAST_SAMPLES = 8
+"""Fewer whole samples give no Sobol index."""
+
+
+@dataclass(frozen=True)
+class Statistics:
+    """Of one number.
+
+    Attributes:
+        values: of all cases in their order; NaN where there is none.
+        tornado: varied key -> mean at its low and at its high end.
+        quantiles: of samples, each equally likely; empty for a grid or list.
+        sobol: varied key -> first, first_confidence, total, total_confidence.
+    """
+
+    values: Array
+    tornado: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    quantiles: Mapping[str, float] = field(default_factory=dict)
+    sobol: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+
+    def as_dict(self) -> dict[str, Any]:
+        """For summary.json."""
+        known = self.values[np.isfinite(self.values)]
+        least, median, most = (float(f(known)) if known.size else math.nan for f in (np.min, np.median, np.max))
+        ends = {key: {"low": low, "high": high} for key, (low, high) in self.tornado.items()}
+        found: dict[str, Any] = {"least": least, "median": median, "largest": most, "tornado": ends}
+        if self.quantiles:
+            found["quantiles"] = dict(self.quantiles)
+        if self.sobol:
+            found["sobol"] = {key: dict(one) for key, one in self.sobol.items()}
+        return found
+
+
+def statistics(data: xr.Dataset, points: Points) -> dict[str, Statistics]:
+    """Statistics of every number of a sweep."""
+    columns = {
+        axis.name: np.asarray(column, dtype=np.float64)
+        for axis, column in zip(points.axes, points.columns, strict=True)
+        if axis.is_number
+    }
+    found = {}
+    for name in (str(name) for name in data.data_vars if name != FAILED):
+        values = data[name].to_numpy().ravel()
+        sampled = points.design.kind not in ("grid", "list")
+        known = values[np.isfinite(values)]
+        quantiles = (
+            {f"{100 * q:g} %": float(np.quantile(known, q)) for q in QUANTILES} if sampled and known.size else {}
+        )
+        tornado = {key: _ends(column, values, sampled=sampled) for key, column in columns.items()}
+        sobol = sobol_indices(values, [axis.name for axis in points.axes]) if points.design.kind == "saltelli" else {}
+        found[name] = Statistics(values, tornado, quantiles, sobol)
+    return found
+
+
+def _ends(column: Array, values: Array, *, sampled: bool) -> tuple[float, float]:
+    """Mean of a number where a varied key is low, and where it is high."""
+    known = np.isfinite(values)
+    if not known.any():
+        return math.nan, math.nan
+    low, high = np.quantile(column, (FIFTH, 1.0 - FIFTH)) if sampled else (column.min(), column.max())
+    lower, upper = known & (column <= low), known & (column >= high)
+    return tuple(float(values[part].mean()) if part.any() else math.nan for part in (lower, upper))  # type: ignore[return-value]
+
+
+def sobol_indices(values: Array, names: list[str], seed: int = 1) -> dict[str, dict[str, float]]:
+    """First-order and total Sobol indices with half of their intervals of 95 %.
+
+    Args:
+        values: of the cases of a design `saltelli`, in its order, shape (samples * (names + 2),); NaN where one failed.
+        names: of what is varied.
+        seed: of the bootstrap.
+
+    Returns:
+        Name -> first, first_confidence, total, total_confidence; nothing where SALib is not installed, the number does not vary,
+        or fewer than LEAST_SAMPLES samples are whole.
+    """
+    try:
+        from SALib.analyze import sobol
+    except ImportError:
+        return {}
+    blocks = values.reshape(-1, len(names) + 2)
+    whole = blocks[np.isfinite(blocks).all(axis=1)]
+    if len(whole) < LEAST_SAMPLES or not np.ptp(whole) > 0.0:
+        return {}
+    problem = {"num_vars": len(names), "names": names, "bounds": [[0.0, 1.0]] * len(names)}
+    found = sobol.analyze(problem, whole.ravel(), calc_second_order=False, seed=seed)
+    keys = {"first": "S1", "first_confidence": "S1_conf", "total": "ST", "total_confidence": "ST_conf"}
+    return {name: {key: float(found[own][k]) for key, own in keys.items()} for k, name in enumerate(names)}

@@ -1,4 +1,4 @@
-"""The cases to be compared: what the user named, put on each support.
+"""What a comparison of supports runs, and how it shows wheel-rail forces: cases that the user named, forces side by side.
 
 vehicle or case, supports by name -> [compared_cases] -> label -> Case
 """
@@ -9,13 +9,21 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from rollerrig.cases import CATALOG_RIG, CATALOG_TRACK, restrained_along_track, with_head_of
+import numpy as np
+import xarray as xr
+
+from rollerrig.analysis import HuntingSettings, filtered, wheel_forces
+from rollerrig.analysis.contact_state import RollingState
+from rollerrig.analysis.hunting import hunting_case
+from rollerrig.cases import CATALOG_RIG, CATALOG_TRACK, leading_wheelset, restrained_along_track, with_head_of
 from rollerrig.config import Case, ConfigError, ConfigProblem, Rig, Track, Vehicle, load_any, load_support
 from rollerrig.config.errors import nearest
 from rollerrig.config.load.case import build_case
 from rollerrig.config.read.document import Document
 from rollerrig.config.read.library import catalog_names
 from rollerrig.config.write.toml import plain
+from rollerrig.study.jobs import Progress, whole_run
+from rollerrig.study.quantities import Quantity
 
 SHORTHANDS = {"rig": CATALOG_RIG, "track": CATALOG_TRACK}
 """What `--on rig,track` means where VEHICLE is no case with a support of that kind."""
@@ -106,3 +114,67 @@ def _case(base: Case | Vehicle, name: str, support: Mapping[str, Any], cut: str 
     for key in ("axle_torque", "disturbance"):
         raw.pop(key, None)
     return build_case(Document(raw, source, Path()), allow_code=True)  # that of the case was asked for when it was read
+
+
+WHEELS = (
+    Quantity("supports.*.wheels.*.vertical_force_kn", "Q in steady rolling at the lowest speed", "kN", "Q"),
+    Quantity("supports.*.wheels.*.lateral_force_kn", "Y of the wheel on the rail there, outwards", "kN", "Y", 3),
+    Quantity("supports.*.wheels.*.longitudinal_creep_force_n", "creep force there", "N", "longitudinal creep force", 3),
+    Quantity("supports.*.wheels.*.patches", "number of its contact patches", "", "patches"),
+    Quantity("supports.*.wheels.*.approach_um", "of the deepest patch", "µm", "deepest approach"),
+    Quantity("supports.*.wheels.*.patch_ab_mm2", "largest product of a patch's semi-axes", "mm²", "largest a × b"),
+    Quantity("supports.*.wheels.*.creep_stiffness_mn", "sum of f₁₁ over its patches", "MN", "Σ f₁₁"),
+)
+DISTURBED = {
+    "guiding_force": (Quantity("supports.*.disturbed.guiding_force", "largest |Y|", "kN", digits=3), 1e-3),
+    "guiding_force_sum": (Quantity("supports.*.disturbed.guiding_force_sum", "largest |ΣY|, 2 m mean", "kN", digits=3), 1e-3),
+    "longitudinal_creep_force": (Quantity("supports.*.disturbed.longitudinal_creep_force", "unfiltered", "kN", digits=3), 1e-3),
+    "wheel_unloading": (Quantity("supports.*.disturbed.wheel_unloading", "largest", "%", digits=3), 1e2),
+    "derailment_quotient": (Quantity("supports.*.disturbed.derailment_quotient", "largest |Y/Q|, 2 m mean", "1", digits=3), 1.0),
+    "wear_number": (Quantity("supports.*.disturbed.wear_number", "largest Tγ", "N", digits=3), 1.0),
+}  # fmt: skip
+"""Signal -> largest magnitude of the leading wheelset in the disturbed run, and factor to its unit."""
+
+
+def disturbed(case: Case, speed: float, settings: HuntingSettings, progress: Progress | None = None) -> xr.Dataset:
+    """Filtered wheel-rail forces after a lateral offset at a speed [m/s], with the motion of the leading wheelset."""
+    run = whole_run(hunting_case(case, speed, settings), progress)
+    leading = leading_wheelset(case).name
+    motion, creep = run["lateral"].sel(body=leading, drop=True), run["longitudinal_creep_force"]
+    return (
+        filtered(wheel_forces(run))
+        .assign(lateral=motion, longitudinal_creep_force=creep)
+        .assign_attrs(status=run.attrs["status"], leading=leading, config_toml=run.attrs["config_toml"])
+    )
+
+
+def wheel_numbers(state: RollingState) -> dict[str, dict[str, float]]:
+    """Per wheel the numbers of WHEELS."""
+    found = {}
+    for wheel in map(str, state.wheels["wheel"].to_numpy()):
+        own = state.wheels.sel(wheel=wheel)
+        outwards = -1.0 if wheel.endswith("left") else 1.0
+        values = (
+            1e-3 * float(own["vertical_force"]),
+            outwards * 1e-3 * float(own["lateral_force"]),
+            float(own["longitudinal_creep_force"]),
+            int(own["patch_count"]),
+            1e6 * float(own["patch_approach"].max()),
+            1e6 * float((own["patch_a"] * own["patch_b"]).max()),
+            1e-6 * state.creep_stiffness[wheel],
+        )
+        found[wheel] = {quantity.name: value for quantity, value in zip(WHEELS, values, strict=True)}
+    return found
+
+
+def disturbed_numbers(run: xr.Dataset) -> dict[str, float]:
+    """Largest magnitudes of the leading wheelset, by the names of DISTURBED."""
+    leading, found = str(run.attrs["leading"]), {}
+    for name, (_, factor) in DISTURBED.items():
+        values = run[name]
+        if "wheel" in values.dims:
+            values = values.sel(wheel=[f"{leading}_left", f"{leading}_right"])
+        if "wheelset" in values.dims:
+            values = values.sel(wheelset=leading)
+        found[name] = factor * float(np.abs(values).max())
+    return found

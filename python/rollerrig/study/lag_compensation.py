@@ -16,13 +16,12 @@ from rollerrig.analysis.tracking import under_test
 from rollerrig.config import Case
 from rollerrig.config.schema.rig_control import BandwidthEstimator
 from rollerrig.mechatronics.lags import lags
-from rollerrig.study.adhesion_variants import track_case
-from rollerrig.study.control_variants import Changes
-from rollerrig.study.dead_time import measured_dead_time
-from rollerrig.study.ensemble import Estimate, estimate, starts
+from rollerrig.study.ensemble import Estimate, estimate, measured_dead_time, starts
 from rollerrig.study.jobs import Done, Progress, Round, job, whole_run
 from rollerrig.study.quantities import Numbers, Quantities, Quantity
 from rollerrig.study.report import Block, Table, Text
+from rollerrig.study.runs.adhesion import track_case
+from rollerrig.study.runs.control import Changes
 from rollerrig.wording import number
 
 TRACK = "track"

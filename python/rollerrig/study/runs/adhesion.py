@@ -1,7 +1,8 @@
-"""The verdict on a rig: tracking (wheel against virtual axle) and fidelity (rig against track), row by row.
+"""What is run and assessed in the adhesion study: the track that a rig reproduces, the rig without some of its imperfections.
 
-TestRecords of track and rig -> [verdict_rows] -> rows: value with interval, target and where it comes from, verdict
-                             -> [verdict_of] -> of each group: met, not met, not decided
+Case of a rig with [rig_control] -> [track_case, variant, law_case] -> ensembles of TestRecords
+    -> [cause_shares] -> shares of the distance that go away with each imperfection; they add up to the whole
+    -> [verdict_rows] -> rows: value with interval, target and where it comes from, verdict
 
 A row is met where the whole interval of its value, of many starts, is within its target, and not met where nothing of it is.
 Nothing is met by a bad run: a run that ended early, drives that ring or are at their limit, and a contact force away from the
@@ -18,10 +19,201 @@ from typing import Any, Literal
 import numpy as np
 
 from rollerrig.analysis.slide_statistics import TestRecord
-from rollerrig.config import Case
+from rollerrig.cases import on_track
+from rollerrig.config import Case, ConfigError, ConfigProblem, Rig
+from rollerrig.config.schema.rig_control import EstimatedTorque, ExactEstimator, LeadCommand
 from rollerrig.study.ensemble import SEED, Estimate, difference, distances, estimate, measure, relative
+from rollerrig.study.quantities import Numbers, Quantity
 from rollerrig.study.report import Table
 from rollerrig.wording import number
+
+STEPS = ("rolling", "drives", "estimator")
+VARIANTS = {
+    "rig": "the rig as it is",
+    "rolling": "pure rolling of its wheels on the rollers",
+    "drives": "and roller drives without lag and torque limit",
+    "estimator": "and force and torque of the axles known exactly",
+    "static_loads": "the rig as it is, its virtual train without load transfer",
+}
+FAST_MOTOR_HZ, NO_LIMIT = 400.0, 1e7
+"""More is not to be had with samples of 1 ms; [N m]."""
+
+
+def track_case(case: Case) -> Case:
+    """The same test on straight track with the rig's rail head: what the rig is to reproduce.
+
+    Raises:
+        ConfigError: the case is not that of a rig with [rig_control].
+    """
+    if not isinstance(case.support.data, Rig) or case.rig_control is None:
+        needed = "needed: a case on rollers with [rig_control], which reproduces a track"
+        raise ConfigError([ConfigProblem(case.name, "rig_control", "missing", needed)])
+    if case.brake is None and case.traction is None:
+        needed = "needed: [brake] or [traction], the test that is done on rail and rig"
+        raise ConfigError([ConfigProblem(case.name, "brake", "missing", needed)])
+    return on_track(case).model_copy(update={"name": f"{case.name}_track"})
+
+
+def variants_of(case: Case) -> tuple[str, ...]:
+    """Names of the variants that say something about this case."""
+    assert case.rig_control is not None
+    return (*STEPS, "static_loads") if case.rig_control.load_transfer != "none" else STEPS
+
+
+def variant(case: Case, name: str) -> Case:
+    """The rig without some of its imperfections; see VARIANTS."""
+    control = case.rig_control
+    assert control is not None
+    if name == "static_loads":
+        return case.model_copy(update={"rig_control": control.model_copy(update={"load_transfer": "none"})})
+    taken = STEPS[: STEPS.index(name) + 1]
+    changes: dict[str, Any] = {}
+    if "drives" in taken:
+        fast = {"bandwidth": FAST_MOTOR_HZ, "damping_ratio": 0.0, "envelope": None}
+        changes["motor"] = control.motor.model_copy(update=fast)
+        changes["drive_command"] = LeadCommand()
+        changes["feedback"] = control.feedback.model_copy(update={"largest": NO_LIMIT})
+    if "estimator" in taken:
+        changes["estimator"] = ExactEstimator(kind="exact", torque=control.estimator.torque)
+        changes["axle_torque"] = EstimatedTorque(kind="estimated")
+    contact = case.contact.model_copy(update={"pure_rolling": True})
+    return case.model_copy(update={"rig_control": control.model_copy(update=changes), "contact": contact})
+
+
+TOGETHER = "together"
+CAUSES = {
+    "rolling": "sliding of the wheels on the rollers",
+    "drives": "lag and torque limit of the roller drives",
+    "estimator": "lag of the estimated torque",
+    "model": "simplifications of the virtual train, and sampling",
+}
+LARGEST_ERROR = 5e-4
+"""More starts are made until the standard error of every share is below this part of the distance."""
+
+
+def cause_shares(records: Mapping[str, Sequence[TestRecord]]) -> dict[str, Estimate] | None:
+    """Parts of (mean distance of the rig over that of the track, less 1) by cause, and `together` their sum.
+
+    Args:
+        records: of `track`, `rig` and each of STEPS, from several starts.
+
+    Returns:
+        None where an ensemble is missing.
+    """
+    names = ("rig", *STEPS, "track")
+    if any(not records.get(name) for name in names):
+        return None
+    found = [estimate(values) for values in distances([records[name] for name in names])]
+    on_track = found[-1].mean
+    pairs = {name: (found[k], found[k + 1]) for k, name in enumerate(CAUSES)}
+    pairs[TOGETHER] = found[0], found[-1]
+    return {name: _over(difference(a, b), on_track) for name, (a, b) in pairs.items()}
+
+
+def _over(one: Estimate, distance: float) -> Estimate:
+    return Estimate(one.mean / distance, one.standard_error / distance, one.freedom)
+
+
+def is_within_error(share: Estimate) -> bool:
+    """Whether nothing is known of a share, not even its sign."""
+    interval = share.interval
+    return interval.low <= 0.0 <= interval.high
+
+
+def are_known(shares: Mapping[str, Estimate] | None) -> bool:
+    """Whether the standard error of every share is small enough."""
+    return shares is None or all(share.standard_error < LARGEST_ERROR for share in shares.values())
+
+
+LAWS: Mapping[str, dict[str, Any]] = {
+    "kalker_saturated": {"kind": "kalker_saturated"},
+    "fastsim": {"kind": "fastsim"},
+    "table": {"kind": "table"},
+    "polach": {"kind": "polach", "k_A": 1.0, "k_S": 1.0},
+}
+TITLES = {
+    "kalker_saturated": "the paper's law",
+    "fastsim": "FASTSIM",
+    "table": "exact theory, table",
+    "polach": "Polach",
+}
+SUPPORTS = ("track", "rig")
+
+LAW_QUANTITIES = (
+    Quantity("creep_laws.*.*.mean", "by kind of the creep law: distance [m] and ventings on track and rig; mean of its starts"),
+    Quantity("creep_laws.*.*.standard_error", "of it"),
+    Quantity("creep_laws.*.*_difference.mean", "rig over track, less 1", "1"),
+    Quantity("creep_laws.*.*_difference.standard_error", "of it", "1"),
+)  # fmt: skip
+
+
+def law_names(case: Case) -> tuple[str, ...]:
+    """Names of the ensembles beside those of the case's own law."""
+    own = case.contact.creep.kind
+    return tuple(_name(kind, support) for kind in LAWS if kind != own for support in SUPPORTS)
+
+
+def law_case(case: Case, name: str) -> Case | None:
+    """The case of one of `law_names`; None: another name."""
+    for kind, law in LAWS.items():
+        if name in (found := [_name(kind, support) for support in SUPPORTS]):
+            changed = case.with_changes({"contact.creep": law})
+            return track_case(changed) if name == found[0] else changed
+    return None
+
+
+def law_numbers(case: Case, records: Mapping[str, Sequence[TestRecord]]) -> dict[str, Any]:
+    """By kind of the law, of those whose ensembles on track and rig are there; empty where only the case's own is."""
+    own, found = case.contact.creep.kind, {}
+    for kind in dict.fromkeys((own, *LAWS)):
+        names = SUPPORTS if kind == own else [_name(kind, support) for support in SUPPORTS]
+        track, rig = (records.get(name, ()) for name in names)
+        if track and rig:
+            on_track, on_rig = (estimate(values) for values in distances((track, rig)))
+            vented = measure(track, "dump_cycles"), measure(rig, "dump_cycles")
+            found[kind] = {**_pair("distance_m", on_track, on_rig), **_pair("dump_cycles", *vented)}
+    return found if len(found) > 1 else {}
+
+
+def law_table(numbers: Numbers) -> Table:
+    """A line for each law."""
+    header = (
+        "creep law",
+        "distance on track [m]",
+        "on the rig [m]",
+        "difference",
+        "ventings on track",
+        "on the rig",
+        "difference",
+    )
+    rows = [
+        (TITLES.get(kind, kind), *(cell for key in ("distance_m", "dump_cycles") for cell in _cells(one, key)))
+        for kind, one in numbers.items()
+    ]
+    return Table(header, rows, "The same test with each creep law; the first is that of the case. ± standard error.")
+
+
+def _name(kind: str, support: str) -> str:
+    return f"{support}, creep law {kind}"
+
+
+def _pair(key: str, track: Estimate, rig: Estimate) -> dict[str, Any]:
+    values = {f"{key}_track": track, f"{key}_rig": rig, f"{key}_difference": relative(rig, track)}
+    return {name: one.as_dict() for name, one in values.items()}
+
+
+def _cells(one: Numbers, key: str) -> tuple[str, str, str]:
+    found = [_text(one[f"{key}_{where}"], 1.0, 4) for where in SUPPORTS]
+    difference = _text(one[f"{key}_difference"], 100.0, 2)
+    return found[0], found[1], "–" if difference == "–" else f"{difference} %"
+
+
+def _text(one: Numbers, factor: float, digits: int) -> str:
+    if one["mean"] is None or one["mean"] != one["mean"]:
+        return "–"
+    text, error = number(factor * one["mean"], digits), one["standard_error"]
+    return text if error is None or error != error else f"{text} ± {number(factor * error, 1)}"
+
 
 Group = Literal["tracking", "fidelity"]
 Word = Literal["met", "not met", "not decided"]
