@@ -28,7 +28,7 @@ from rollerrig.study import critical_speeds as speeds
 from rollerrig.study.frame import Study
 from rollerrig.study.interval import Interval, change_in_words
 from rollerrig.study.jobs import Done, Round, job, whole_modes
-from rollerrig.study.quantities import Numbers, Quantities, Quantity
+from rollerrig.study.quantities import Numbers, Quantities
 from rollerrig.study.report import Block, Picture, Section, Table, Text
 from rollerrig.study.runs import compare as forces
 from rollerrig.study.stability import MODE_COLUMNS, mode_rows
@@ -48,21 +48,7 @@ SHIFT, AMPLITUDES = 8e-3, tuple(1e-4 * k for k in range(5, 71))
 AT_MM = (1.0, 2.0, 3.0, 4.0, 5.0)
 """Amplitudes at which conicities are reported [mm]."""
 
-QUANTITIES = Quantities(
-    Quantity("vehicle", "name of the vehicle"),
-    Quantity("cut", "part of it that was compared"),
-    Quantity("supports.*.support", "name of the rig or track"),
-    Quantity("supports.*.roller_radius_m", "radius of its rollers; null: a track", "m"),
-    Quantity("supports.*.linear_critical_speed_kmh", "speed above which an oscillation grows; null: none to 600", "km/h"),
-    Quantity("supports.*.linear_critical_frequency_hz", "its frequency", "Hz"),
-    Quantity("supports.*.linear_critical_mode", "name of the mode"),
-    speeds.by_disturbance_quantities("supports.*.by_disturbance"),
-    forces.WHEELS,
-    [Quantity(f"supports.*.conicity_{mm:g}mm", "equivalent (EN 15302), with rollers' radii", "1", f"{mm:g} mm") for mm in AT_MM],
-    [quantity for quantity, _ in forces.DISTURBED.values()],
-    Quantity("disturbed_kmh", "speed of the disturbed run", "km/h"),
-    speeds.roller_quantities("critical_speed_over_radius_kmh", "roller_effects"),
-)  # fmt: skip
+QUANTITIES = Quantities("compare")
 
 
 @dataclass

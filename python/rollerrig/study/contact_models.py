@@ -21,7 +21,6 @@ from rollerrig.config.schema.contact_law import NORMAL_LAWS
 from rollerrig.study.interval import Interval
 from rollerrig.study.jobs import Job, job
 from rollerrig.study.limit_cycles import limit_cycles
-from rollerrig.study.quantities import Quantity
 from rollerrig.study.report import Table
 
 CREEP_LAWS = ("kalker_saturated", "table")
@@ -32,24 +31,10 @@ COUNTERPART = {"rig": ("track", "uic60_track"), "track": ("rig", "full_scale_rig
 
 SETTINGS = LimitCycleSettings(longest=8.0)
 
-QUANTITIES = (
-    Quantity("contact_effects.*.support", "rig or track"),
-    Quantity("contact_effects.*.normal", "contact.normal"),
-    Quantity("contact_effects.*.creep", "contact.creep"),
-    Quantity("contact_effects.*.linear_critical_speed_kmh", "null: none in the range", "km/h"),
-    Quantity("contact_effects.*.frequency_hz", "of the mode that loses its damping", "Hz", digits=3),
-    Quantity("contact_effects.*.run_speed_kmh", "speed of the run", "km/h"),
-    Quantity(
-        "contact_effects.*.limit_cycle_mm", "half the range of the wheelset that moves most; 0: it comes to rest", "mm"
-    ),
-    Quantity("contact_effects.*.guiding_force_kn", "largest |Y| of any wheel in it, unfiltered", "kN"),
-    Quantity("contact_effects.*.status", "how the run ended"),
-)
-
 
 @dataclass(frozen=True)
 class ContactEffect:
-    """One combination: numbers under the names of QUANTITIES."""
+    """One combination: numbers under their names in the registry."""
 
     support: str
     normal: str
@@ -148,14 +133,6 @@ def _place(label: str) -> tuple[str, str]:
 
 Found = Mapping[str, CriticalSpeedByDisturbance]
 """Label of `sensitivity_cases` -> critical speed by disturbance; those that Ctrl-C cut off are missing."""
-
-
-def sensitivity_quantities(prefix: str) -> list[Quantity]:
-    """What is reported below a key: support, model, both ends of the bracket."""
-    return [
-        Quantity(f"{prefix}.*.*.decays_kmh", "per support and contact model: highest speed at which it decays", "km/h"),
-        Quantity(f"{prefix}.*.*.persists_kmh", "lowest speed at which the motion persists", "km/h"),
-    ]  # fmt: skip
 
 
 def sensitivity_numbers(found: Found) -> dict[str, Any]:

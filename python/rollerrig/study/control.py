@@ -24,15 +24,12 @@ from rollerrig.plot import control as figures
 from rollerrig.study.frame import Study
 from rollerrig.study.jobs import Done, Round, job
 from rollerrig.study.lag_compensation import (
-    COMPENSATION,
     compensation_blocks,
     compensation_jobs,
     compensation_numbers,
     compensation_text,
 )
 from rollerrig.study.loop_stability import (
-    HELD_QUANTITIES,
-    LOOP_QUANTITIES,
     held_blocks,
     held_jobs,
     held_numbers,
@@ -40,7 +37,7 @@ from rollerrig.study.loop_stability import (
     loop_jobs,
     loop_numbers,
 )
-from rollerrig.study.quantities import Numbers, Quantities, Quantity
+from rollerrig.study.quantities import Numbers, Quantities
 from rollerrig.study.report import Picture, Section, Table
 from rollerrig.study.runs.control import (
     FAMILIES,
@@ -49,7 +46,6 @@ from rollerrig.study.runs.control import (
     REFERENCES,
     RIPPLE_CRITERION,
     RIPPLE_LIMIT,
-    RUN,
     TRACKING_CRITERION,
     TRACKING_LIMIT,
     USER,
@@ -61,23 +57,7 @@ from rollerrig.study.runs.control import (
 )
 from rollerrig.wording import number, percent
 
-QUANTITIES = Quantities(
-    Quantity("case", "name of the case"),
-    Quantity("duration_s", "of each run", "s"),
-    RUN,  # before the limits of the same names: a table asks for the first one
-    Quantity("limits.tracking_rms", "tracking RMS from which on a variant fails", "1"),
-    Quantity("limits.ripple_nm", "torque ripple from which on a variant fails", "N m"),
-    Quantity("results.*.family", "what is varied"),
-    Quantity("results.*.curve", "under which fixed change"),
-    Quantity("results.*.value", "on the family's axis"),
-    Quantity("results.*.cause", "of the failure: tracking, ripple, or the status of a run that ended early"),
-    Quantity("ranking.*.**", "every curve, the worst first; failures: parts of the axis in which every value fails of one cause; "
-             "begin and end: where the limit is passed, interpolated, or the first and last value that fails; null: to the end "
-             "of the values tried; the largest error and where"),
-    LOOP_QUANTITIES,
-    COMPENSATION,
-    HELD_QUANTITIES,
-)  # fmt: skip
+QUANTITIES = Quantities("control")
 
 
 REFERENCE_COLUMNS = ("status", "tracking_rms", "tracking_largest", "real_sliding_largest_mps", "roller_torque_largest_nm",
@@ -445,7 +425,7 @@ class ControlStudy(Study[Found]):
         return f"{family.title}{base} – {'; '.join(f'{rank.curve}: {failures_text(rank)}' for rank in ranks)}."
 
     def files(self, results: Found, numbers: Numbers) -> Mapping[str, Any]:
-        names = ("family", "curve", "value", "cause", *(q.key for q in RUN))
+        names = ("family", "curve", "value", "cause", *(q.key for q in QUANTITIES.below("*.*")))
         rows = [{"family": r.family, "curve": r.curve, "value": r.value, "cause": r.cause, **r.numbers}
                 for r in (*results.references, *results.results)]  # fmt: skip
         loop = {"loop.csv": [list(results.loop[0]), *(list(p.values()) for p in results.loop)]} if results.loop else {}

@@ -132,27 +132,9 @@ LEFT_OUT = (
     "short: heat and wear of rollers and drives do not limit them. The rail does not change along the way."
 )
 QUANTITIES = Quantities(
-    Quantity("case", "name of the case"),
-    Quantity("speed_kmh", "of the train at the start of each run", "km/h"),
-    Quantity("runs", "on the map"),
-    *(Quantity(f"regions.{name}", f"number of runs: {meaning}", "", meaning) for name, meaning in REGIONS.items()),
-    Quantity("reproduced", "part of the runs in which the rig reproduces the rail: no limit reached, RMS below 1 %", "1"),
-    Quantity("vehicle_torque_nm.*", "largest torque of the vehicle's own brake or motor; null: no limit is known", "N m"),
-    Quantity("vehicle_reproduced.*", "whether all runs up to that torque reproduce the rail; null: no limit is known"),
-    Quantity("borders.*.side", "brake or traction"),
-    Quantity("borders.*.load", "axle load over the case's own", "1"),
-    Quantity("borders.*.adhesion", "of the rail", "1"),
-    Quantity("borders.*.reproduced_up_to_nm", "largest torque up to which every run reproduces the rail", "N m"),
-    Quantity("borders.*.beyond_nm", "the next torque run; null: the map ends", "N m"),
-    Quantity("borders.*.limit", "reached there; null: none"),
-    Quantity("borders.*.predicted_nm", "where the closed forms put the border; null: not predicted", "N m"),
-    Quantity("borders.*.compared_low_nm", "least torque that the prediction is compared with: reproduced_up_to_nm, or, of a "
-             "recovery, what was left on the axles over (V6)", "N m"),
-    Quantity("borders.*.compared_high_nm", "largest torque: beyond_nm, or what was left", "N m"),
-    Quantity("borders.*.agrees", "whether the torques agree within a step of torque; null: no limit reached, none predicted"),
-    Quantity("agreement.*.agree", "borders of the limits, and of sliding (V2), at which closed form and runs agree in torque"),
-    Quantity("agreement.*.of", "how many there are"),
-)  # fmt: skip
+    "envelope",
+    (Quantity(f"regions.{name}", f"number of runs: {meaning}", "", meaning) for name, meaning in REGIONS.items()),
+)
 
 
 @dataclass(frozen=True)

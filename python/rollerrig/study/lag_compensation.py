@@ -18,7 +18,7 @@ from rollerrig.config.schema.rig_control import BandwidthEstimator
 from rollerrig.mechatronics.lags import lags
 from rollerrig.study.ensemble import Estimate, estimate, measured_dead_time, starts
 from rollerrig.study.jobs import Done, Progress, Round, job, whole_run
-from rollerrig.study.quantities import Numbers, Quantities, Quantity
+from rollerrig.study.quantities import Numbers, Quantities
 from rollerrig.study.report import Block, Table, Text
 from rollerrig.study.runs.adhesion import track_case
 from rollerrig.study.runs.control import Changes
@@ -48,21 +48,6 @@ DEAD_TIMES = (3e-3, 6e-3, 9e-3, 12e-3, 15e-3)
 
 STARTS = 8
 RESULTS = ("distance_m", "dump_cycles", "air_litres")
-COMPENSATION = (
-    Quantity("compensation", "lags and their compensation, by variant; null: no slide protection in the case"),
-    Quantity("compensation.*.predicted_ms", "equivalent dead time in closed form, (D17); of a track what was added", "ms",
-             "predicted dead time", 3),
-    *(Quantity(f"compensation.*.{name}{end}", f"{meaning}, {what}", unit, f"{label}{mark}", 4 if not end else 2)
-      for name, meaning, unit, label in (
-          ("distance_m", "run by the train", "m", "distance"),
-          ("dump_cycles", "of the slide protection, all axles under test", "", "dump cycles"),
-          ("air_litres", "taken by the cylinders, at ambient pressure", "l", "air"))
-      for end, what, mark in (
-          ("", f"mean of {STARTS} starts", ""), ("_standard_error", "standard error of that mean", ", s.e."))),
-    Quantity("compensation.*.measured_ms", "dead time on track that gives as many dump cycles; null: beyond those run", "ms",
-             "measured dead time", 2, least=1e-3),
-    Quantity("compensation.*.measured_ms_standard_error", "its standard error", "ms", "s.e.", 1),
-)  # fmt: skip
 
 
 def compensation_cases(case: Case) -> dict[str, Case]:
@@ -140,7 +125,7 @@ def compensation_blocks(numbers: Numbers, quantities: Quantities) -> list[Block]
         "protection has that much more dead time: predicted is the sum of the lags (D17), measured what a track needs for as "
         "many dump cycles, linear between the dead times that were run."
     )
-    names = [quantity.name for quantity in COMPENSATION[1:]]
+    names = [q.name for q in quantities.below("compensation.*")]
     table: Table = quantities.table(dict(numbers), names, "what each compensation leaves of the lag", "variant")
     return [Text(text), table]
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
@@ -36,7 +36,7 @@ from rollerrig.results import COMPLETED
 from rollerrig.study.ensemble import estimate
 from rollerrig.study.frame import Study
 from rollerrig.study.jobs import Done, Progress, Round, job, whole_run
-from rollerrig.study.quantities import Numbers, Quantities, Quantity
+from rollerrig.study.quantities import Numbers, Quantities
 from rollerrig.study.report import VIEW, Block, Picture, Section, Text
 from rollerrig.study.runs.adhesion import track_case
 from rollerrig.wording import number, percent
@@ -105,62 +105,11 @@ GUIDED = ("track", "track_paper")
 REPEATED = ("rig", "rig_rigid")
 """Runs in which flanges strike: repeated with a disturbance that differs by 1e-9, since no single figure of theirs is certain."""
 
-PERCENT = ("%", 100.0)
-ROUND_OFF = 1e-6
-"""A centred bogie stays in the middle to 1e-10 mm; what is smaller than this is no motion [mm]."""
 
-
-def _motion(key: str, meaning: str, label: str) -> Quantity:
-    return Quantity(f"runs.*.{key}_mm", meaning, "mm", label, 3, least=ROUND_OFF)
-
-
-RUN = (
-    Quantity("runs.*.status", "how the run ended"),
-    Quantity("runs.*.tracking_rms", "wheel less virtual wheel over train speed, RMS; on track null", "1", "tracking error, RMS",
-             3, PERCENT),
-    Quantity("runs.*.tracking_largest", "largest of the same", "1", "tracking error, largest", 3, PERCENT),
-    Quantity("runs.*.real_sliding_rms_mps", "wheel against roller along the track; on track wheel against rail", "m/s",
-             "real sliding, RMS", 3),
-    Quantity("runs.*.real_sliding_largest_mps", "largest of the same", "m/s", "real sliding, largest", 3),
-    Quantity("runs.*.largest_slip", "of the wheels against the train, over its speed", "1", "slip against the train, largest", 3,
-             PERCENT),
-    _motion("amplitude_before", "leading wheelset, half peak to peak in the second before the slide",
-            "amplitude before the slide"),
-    _motion("amplitude_in_slide", "largest of the same over seconds, from 1 s into the slide on", "amplitude in the slide"),
-    _motion("amplitude_end", "of the last second", "amplitude at the end"),
-    Quantity("runs.*.frequency_hz", "of the half-waves in the second before the slide; null: none", "Hz",
-             "hunting frequency before the slide", 3),
-    _motion("largest_lateral", "displacement of the leading wheelset", "lateral displacement, largest"),
-    _motion("roller_lateral", "largest displacement of a roller axle", "lateral displacement of a roller, largest"),
-    Quantity("runs.*.lateral_creep_largest_kn", "of one wheel", "kN", "lateral creep force of a wheel, largest", 3, least=1e-6),
-)  # fmt: skip
-GUIDANCE = (
-    Quantity("guidance.*.slope", "lateral creep force of fully sliding axles over -F v_y / v_s; 1: Coulomb", "1",
-             "slope against −F v_y/v_s", 3),
-    Quantity("guidance.*.correlation", "of the two", "1", "correlation", 3),
-    Quantity("guidance.*.rolling_ns_per_m", "damping of a rolling wheel, f22 / V", "N s/m", "rolling: f₂₂/V", 3),
-    Quantity("guidance.*.sliding_ns_per_m", "of a sliding one, median of F / v_s", "N s/m", "sliding: F/v_s", 3),
-)  # fmt: skip
 CHAOTIC = ("tracking_rms", "real_sliding_largest_mps", "amplitude_before_mm", "amplitude_in_slide_mm")
 """Quantities of a run that the smallest change moves."""
 
-_OF_RUN = {quantity.name: quantity for quantity in RUN}
-ENSEMBLE = tuple(
-    replace(_OF_RUN[name], key=f"ensemble.*.{name}{suffix}", meaning=f"{_OF_RUN[name].meaning}; {what}",
-            label=f"{_OF_RUN[name].label}{mark}")
-    for name in CHAOTIC
-    for suffix, what, mark in (
-        ("", "mean of runs whose disturbances differ by 1e-9", ""),
-        ("_standard_error", "standard error of that mean", ", s.e."),
-    )
-)  # fmt: skip
-QUANTITIES = Quantities(
-    Quantity("case", "name of the case"),
-    Quantity("slide_begins_s", "on track, the time that divides all runs; null: never", "s"),
-    RUN,
-    ENSEMBLE,
-    GUIDANCE,
-)
+QUANTITIES = Quantities("lateral")
 
 
 def run_measured(case: Case, slide: float, progress: Progress | None = None) -> dict[str, Any]:
@@ -169,7 +118,7 @@ def run_measured(case: Case, slide: float, progress: Progress | None = None) -> 
 
 
 def ensemble_numbers(members: Sequence[Mapping[str, Any]]) -> dict[str, float]:
-    """Means and standard errors by name of ENSEMBLE."""
+    """Means and standard errors of `ensemble`."""
     found = {}
     for name in CHAOTIC:
         one = estimate([member[name] for member in members])
@@ -178,7 +127,7 @@ def ensemble_numbers(members: Sequence[Mapping[str, Any]]) -> dict[str, float]:
 
 
 def run_numbers(run: xr.Dataset, slide: float) -> dict[str, Any]:
-    """The numbers of one run by name of RUN; NaN where not defined.
+    """The numbers of one run of `runs`; NaN where not defined.
 
     Args:
         run: of the study.
@@ -207,9 +156,9 @@ def run_numbers(run: xr.Dataset, slide: float) -> dict[str, Any]:
 
 
 def guidance_numbers(found: Guidance) -> dict[str, float]:
-    """Lateral creep of sliding axles by name of GUIDANCE."""
+    """Lateral creep of sliding axles of `guidance`."""
     values = (found.slope, found.correlation, found.rolling, found.sliding)
-    return dict(zip((q.name for q in GUIDANCE), values, strict=True))
+    return dict(zip((q.name for q in QUANTITIES.below("guidance.*")), values, strict=True))
 
 
 def control_text(numbers: Numbers) -> Iterator[str]:
@@ -421,10 +370,12 @@ class LateralStudy(Study[Found]):
 
     def sections(self, results: Found, numbers: Numbers) -> list[Section]:
         shown = {LABELS[key]: run for key, run in numbers["runs"].items()}
-        table = QUANTITIES.list_table(shown, [quantity.name for quantity in RUN])
+        table = QUANTITIES.list_table(shown, [q.key for q in QUANTITIES.below("runs.*")])
         again = {LABELS[key]: one for key, one in numbers["ensemble"].items()}
         caption = f"mean of {MEMBERS} runs whose disturbances differ by 10⁻⁹, and its standard error"
-        repeated = [QUANTITIES.list_table(again, [q.name for q in ENSEMBLE], caption)] if again else []
+        repeated = (
+            [QUANTITIES.list_table(again, [q.key for q in QUANTITIES.below("ensemble.*")], caption)] if again else []
+        )
         sections = [Section("Numbers", [table, *repeated])]
         sections += [Section(title, [Picture(*picture)]) for title, *picture in _pictures(results.runs)]
         return [*sections, Section("Lateral guidance of a sliding wheel", self._guidance_blocks(results, numbers))]
@@ -445,7 +396,11 @@ class LateralStudy(Study[Found]):
                     f"{LABELS[key]}: axles whose wheels slide faster than 1 m/s, each sample.")
             for key, one in found.items() if one is not None
         ]  # fmt: skip
-        return [Text(text), QUANTITIES.table(entries, [q.name for q in GUIDANCE], head="run"), *pictures]
+        return [
+            Text(text),
+            QUANTITIES.table(entries, [q.key for q in QUANTITIES.below("guidance.*")], head="run"),
+            *pictures,
+        ]
 
 
 def _repeated(key: str, number: int) -> str:

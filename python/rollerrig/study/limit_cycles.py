@@ -28,7 +28,7 @@ from rollerrig.plot import limit_cycle_diagram
 from rollerrig.results.dataset import variable
 from rollerrig.study.critical_speeds import Method, brackets, disturbance_rounds, ended_early
 from rollerrig.study.jobs import Chain, Chains, Done, Job, Progress, Round, job, kept_rounds
-from rollerrig.study.quantities import Quantities, Quantity
+from rollerrig.study.quantities import Quantities
 from rollerrig.study.report import Block, Picture, Text
 
 Sweep = Literal["up", "down"]
@@ -138,32 +138,6 @@ def _branch(
 
 
 POINT = "limit_cycles.points.*"
-POINTS = (
-    Quantity(
-        f"{POINT}.sweep", "up: from a small perturbation at each speed; down: from the limit cycle of the speed before"
-    ),
-    Quantity(f"{POINT}.speed_kmh", "of the run", "km/h", "speed", 5),
-    Quantity(f"{POINT}.amplitude_mm", "half the range of the wheelset that moves most; 0: rest", "mm", "amplitude"),
-    Quantity(f"{POINT}.peak_mm", "its largest displacement", "mm", "peak"),
-    Quantity(f"{POINT}.frequency_hz", "of the limit cycle", "Hz", "frequency", 3),
-    Quantity(f"{POINT}.guiding_force_n", "largest |Y|, unfiltered", "N", "largest |Y|", 3, ("kN", 1e-3)),
-    Quantity(f"{POINT}.growth_rate_at_end_per_s", "of the amplitude", "1/s", "growth rate at the end", 2),
-    Quantity(f"{POINT}.settled", "whether the amplitude has settled"),
-    Quantity(f"{POINT}.duration_s", "simulated", "s", "time", 3),
-    Quantity(f"{POINT}.status", "how the run ended"),
-)
-QUANTITIES = (
-    Quantity("limit_cycles.bifurcation", "none, subcritical, supercritical, detached, unstable throughout, or open"),
-    Quantity("limit_cycles.critical_speed_by_continuation_kmh", "lowest speed with a lasting limit cycle; null: none", "km/h"),
-    Quantity("limit_cycles.decays_kmh", "highest speed below it at which every motion comes to rest", "km/h"),
-    Quantity("limit_cycles.jump_up_kmh", "lowest speed run at which the perturbation grows into a limit cycle", "km/h"),
-    Quantity("limit_cycles.hysteresis_kmh", "lowest and highest speed at which the sweeps end differently; null: none", "km/h"),
-    Quantity("limit_cycles.tolerance_kmh", "to which the critical speed by continuation was looked for", "km/h"),
-    Quantity("limit_cycles.disturbance_mm", "lateral offset of the leading wheelset at the start of the downward sweep", "mm"),
-    Quantity("limit_cycles.perturbation_mm", "the same on the upward sweep", "mm"),
-    Quantity("limit_cycles.ended_early", "number of runs that did not come to their end: neither limit cycle nor rest"),
-    *POINTS,
-)  # fmt: skip
 
 
 def cycle_numbers(found: Diagram, settings: LimitCycleSettings) -> dict[str, Any]:
@@ -258,7 +232,8 @@ def cycle_blocks(
         "model predicts: that is exact only as long as the contact stays on the smooth piece of the profiles around its "
         "position, often less than a tenth of a millimetre."
     )
-    table = Quantities(POINTS).table(points, [quantity.key for quantity in POINTS], "All runs.")
+    registry = Quantities("stability")
+    table = registry.table(points, [q.key for q in registry.below("limit_cycles.points.*")], "All runs.")
     return [*blocks, Text(method), table]
 
 

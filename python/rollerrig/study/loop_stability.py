@@ -29,7 +29,7 @@ from rollerrig.analysis.tracking import wheel_radius
 from rollerrig.config import Case
 from rollerrig.plot.control import loop_growth
 from rollerrig.study.jobs import Done, Progress, Round, job, whole_run
-from rollerrig.study.quantities import Numbers, Quantities, Quantity
+from rollerrig.study.quantities import Numbers, Quantities
 from rollerrig.study.report import Block, Picture, Table, Text
 from rollerrig.study.runs.control import ESTIMATORS, RIPPLE_CRITERION
 from rollerrig.wording import number
@@ -38,21 +38,6 @@ FACTORS = tuple(float(f) for f in np.geomspace(1.0, 256.0, 25))
 """On the gains of the PI controller, in the runs that measure its stability."""
 
 EXCITED_AT, EXCITED_DURATION = 0.2, 4.0  # [s]
-
-LOOP_QUANTITIES = (
-    Quantity("loop", "stability of the PI loop; null: not computed"),
-    Quantity("loop.crossover_hz", "of the PI feedback of one axle alone", "Hz"),
-    Quantity("loop.phase_margin_deg", "of the same", "°"),
-    Quantity("loop.gain_margin", "of the same, a factor", "1"),
-    Quantity("loop.unstable_from_factor_alone", "factor on the gains from which wheel and roller are unstable, sampled", "1"),
-    Quantity("loop.unstable_from_factor", "the same with the vehicle on its springs, the virtual wheel rolling", "1"),
-    Quantity("loop.unstable_from_factor_sliding", "the same while the virtual wheel slides", "1"),
-    Quantity("loop.points.*.factor", "on the gains", "1"),
-    *(Quantity(f"loop.points.*.{of}_{end}", f"{meaning}, {what}", unit) for of, what in (("rolling", "wheel and roller alone"),
-      ("vehicle", "with the vehicle"), ("measured", "in a lightly excited run")) for end, meaning, unit in
-      (("rate", "growth rate of the least damped motion above 10 Hz", "1/s"), ("hz", "its frequency", "Hz"))),
-    Quantity("loop.points.*.unstable", "1 where the excited run grew"),
-)  # fmt: skip
 
 
 def excited_case(case: Case) -> Case:
@@ -93,7 +78,7 @@ def loop_jobs(case: Case) -> Round:
 def loop_point(
     factor: float, case: Case, loop: Loop, creep: float, progress: Progress | None = None
 ) -> dict[str, float]:
-    """One excited run beside the eigenvalues of its loop, by name of LOOP_QUANTITIES."""
+    """One excited run beside the eigenvalues of its loop, by the names of `loop.points`."""
     measured, amplitude = measured_growth(whole_run(case, progress), EXCITED_AT + 0.1)
     found = {
         "rolling": growth(loop, rolling_plant(loop.real, creep), above=ABOVE),
@@ -158,16 +143,6 @@ STANDS, SETTLES = 1e-4, 0.5
 """Speed at which a brake's torque over speed is taken, within its regularisation [rad/s]; after locking the ripple of the slide
 itself fades [s]."""
 
-HELD_QUANTITIES = (
-    Quantity("held_wheel", "a wheel held by its brake, by estimator; null: no friction brake in the case"),
-    Quantity("held_wheel.*.growth_rate", "of the linear loop, were the held wheel's torque that of a turning one; null: no "
-             "equations for it", "1/s", "loop without (D15): growth", 3),
-    Quantity("held_wheel.*.growth_hz", "its frequency", "Hz", "frequency", 3),
-    Quantity("held_wheel.*.held_s", "time for which all wheels stood in the run, with (D15)", "s", "wheels held for", 3),
-    Quantity("held_wheel.*.held_ripple_nm", "torque ripple of the drives in that time, RMS; null: no wheel was held for long",
-             "N m", "with (D15): ripple", 3),
-)  # fmt: skip
-
 
 def held_jobs(case: Case) -> Round:
     """A job for each estimator; none without a friction brake."""
@@ -179,7 +154,7 @@ def held_jobs(case: Case) -> Round:
 
 
 def held_wheel(case: Case, progress: Progress | None = None) -> dict[str, float]:
-    """Of one estimator, by name of HELD_QUANTITIES."""
+    """Of one estimator, by the names of `held_wheel`."""
     rate, frequency = held_growth(case)
     run = whole_run(case, progress)
     held, ripple = held_ripple(run["time"].to_numpy(), wheel_radius(run) * np.abs(run["axle_speed"].to_numpy()),
@@ -237,6 +212,6 @@ def held_blocks(numbers: Numbers, quantities: Quantities) -> list[Block]:
         "growth rate is that of this linear loop, the torque as estimated: where it is positive the drives would ring. A "
         "locked wheel is therefore held in the virtual train too, (D15); the ripple is that of a run so treated."
     )
-    names = [quantity.name for quantity in HELD_QUANTITIES[1:]]
+    names = [q.key for q in quantities.below("held_wheel.*")]
     table: Table = quantities.table(dict(numbers), names, "a wheel held by its brake", "estimator")
     return [Text(text), table]

@@ -23,11 +23,11 @@ from rollerrig.plot import amplitude_over_speed, hunting_over_time, ramp_over_sp
 from rollerrig.plot.modes import hunting_frequencies
 from rollerrig.study import critical_speeds as speeds
 from rollerrig.study.checks import check_table, counts, counts_text
-from rollerrig.study.contact_models import sensitivity_numbers, sensitivity_quantities, sensitivity_table
+from rollerrig.study.contact_models import sensitivity_numbers, sensitivity_table
 from rollerrig.study.frame import Study
 from rollerrig.study.interval import NOT_DECIDED, Interval, in_words
 from rollerrig.study.jobs import Done, Round
-from rollerrig.study.quantities import Numbers, Quantities, Quantity
+from rollerrig.study.quantities import Numbers, Quantities
 from rollerrig.study.report import VIEW, Block, Mark, Picture, Section, Table, Text
 from rollerrig.study.run import CONTACT
 from rollerrig.study.runs.paper import (
@@ -61,48 +61,15 @@ CRITICAL_KMH, NEAR = 100.0, 0.1
 """Speed above which the paper's figure 7a grows [km/h]; a critical speed within this share of it fits it [1]."""
 
 ENDS = (
-    ("sliding_mmps", "sliding", 1e3, "of a right wheel there", "mm/s"),
-    ("longitudinal_creep_force_n", "longitudinal_creep_force", 1.0, "on a right wheel there", "N"),
-    ("longitudinal_force_n", "longitudinal_force", 1.0, "with the part of the normal force along the track", "N"),
-    ("vertical_force_n", "vertical_force", 1.0, "on a right wheel there", "N"),
+    ("sliding_mmps", "sliding", 1e3),
+    ("longitudinal_creep_force_n", "longitudinal_creep_force", 1.0),
+    ("longitudinal_force_n", "longitudinal_force", 1.0),
+    ("vertical_force_n", "vertical_force", 1.0),
 )
-"""Key, variable, factor, meaning and unit of what is reported of figure 8 at its end."""
-
-ALL = "materials.*"
+"""Key, variable and factor of what is reported of figure 8 at its end."""
 
 
-def _of_contact(prefix: str, note: str) -> Iterator[Quantity]:
-    """What is reported with either contact."""
-    linear = f"{prefix}{ALL}.linear.*"
-    meaning = f"linear{note}, of the bogie on rig and track and the vehicle; null: none"
-    yield Quantity(f"{linear}.critical_speed_kmh", meaning, "km/h")
-    yield Quantity(f"{linear}.frequency_hz", "its frequency", "Hz")
-    yield from speeds.by_disturbance_quantities(f"{prefix}{ALL}.by_disturbance")
-    yield from speeds.by_disturbance_quantities(f"{prefix}{ALL}.vehicle_on_track")
-    yield Quantity(f"{prefix}traction", "null: not computed")
-    yield Quantity(f"{prefix}traction.speed_kmh", f"figure 8{note} at the last output time", "km/h")
-    for key, _, _, what, unit in ENDS:
-        yield Quantity(f"{prefix}traction.*.{key}", what, unit)
-
-
-QUANTITIES = Quantities(
-    _of_contact("", ""),
-    Quantity(f"{ALL}.merging_criterion.*", "linear critical speed of the bogie on the rig per merging criterion", "km/h"),
-    Quantity(f"{ALL}.onset_wavelength_m", "of the limit cycle at the lowest speed at which it was found", "m"),
-    Quantity(f"{ALL}.contact.patches", "per wheel in steady rolling on the rig", "", "patches per wheel"),
-    Quantity(f"{ALL}.contact.approach_um", "of the deepest patch", "µm", "deepest approach", 3),
-    Quantity(f"{ALL}.contact.creep_stiffness_n", "sum of f₁₁ of a wheel", "N", "Σ f₁₁ of a wheel", 3, ("MN", 1e-6)),
-    Quantity(f"{ALL}.contact.wavelength_m", "of slow hunting", "m", "wavelength of slow hunting"),
-    _of_contact("exact_contact.", ", with the exact contact"),
-    sensitivity_quantities("critical_speed_by_contact_model"),
-    speeds.roller_quantities(f"{ALL}.critical_speed_over_radius_kmh", f"{ALL}.roller_effects"),
-    Quantity("checks", "empty: nothing was computed that could be checked"),
-    Quantity("checks.*.*", "name, value or both ends of its interval, expected, largest deviation and tolerance (absolute or "
-             "relative), kind, its reason, verdict: passed where the whole value agrees, failed where nothing of it does"),
-    Quantity("checks_passed", "number of checks that passed"),
-    Quantity("checks_failed", "number of checks that failed"),
-    Quantity("checks_not_decided", "number of checks whose interval agrees in part only"),
-)  # fmt: skip
+QUANTITIES = Quantities("paper")
 
 
 @dataclass(frozen=True)
@@ -416,7 +383,7 @@ def _traction_numbers(study: xr.Dataset | None) -> dict[str, Any] | None:
         return None
     end = study.isel(time=-1)
     wheels = {wheel: end.sel(wheel=wheel) for wheel in (FRONT, REAR)}
-    own = {w: {key: factor * float(one[name]) for key, name, factor, *_ in ENDS} for w, one in wheels.items()}
+    own = {w: {key: factor * float(one[name]) for key, name, factor in ENDS} for w, one in wheels.items()}
     return {"speed_kmh": 3.6 * float(end["speed"]), **own}
 
 
@@ -455,7 +422,7 @@ def _traction_columns(study: xr.Dataset) -> dict[str, ArrayLike]:
     """Sliding and forces of all wheels beside the closed forms over time."""
     columns = {"time_s": study["time"], "speed_mps": study["speed"], "torque_nm": study["torque"]}
     for wheel in map(str, study["wheel"].to_numpy()):
-        for _, name, *_ in ENDS:
+        for _, name, _ in ENDS:
             for kind in ("", "_theory"):
                 unit = "mps" if name == "sliding" else "n"
                 columns[f"{wheel}.{name}{kind}_{unit}"] = study[f"{name}{kind}"].sel(wheel=wheel)

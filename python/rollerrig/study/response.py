@@ -20,7 +20,7 @@ from rollerrig.config import Case, ConfigError, ConfigProblem
 from rollerrig.plot.response import bode_figure, nyquist_figure, poles_and_zeros_figure
 from rollerrig.study.frame import Study
 from rollerrig.study.jobs import Done, Progress, Round, job
-from rollerrig.study.quantities import Numbers, Quantities, Quantity
+from rollerrig.study.quantities import Numbers, Quantities
 from rollerrig.study.report import Block, Picture, Section, Table, Text
 
 Rows = list[list[object]]
@@ -92,31 +92,7 @@ def pole_rows(results: Mapping[str, AtSpeed]) -> Rows:
     return rows
 
 
-CHANNEL = tuple(
-    Quantity(f"channels.*.*.{key}", meaning, unit, label, 3)
-    for key, meaning, unit, label in (
-        ("bandwidth_hz", "where the magnitude is first 3 dB below that at the lowest frequency", "Hz", "bandwidth"),
-        ("gain_margin_db", "of the loop that negative feedback closes over this response", "dB", "gain margin"),
-        ("gain_margin_frequency_hz", "where its phase is -180°", "Hz", "at"),
-        ("phase_margin_deg", "of the same loop", "°", "phase margin"),
-        ("phase_margin_frequency_hz", "where its magnitude is 1", "Hz", "where |L| = 1"),
-        (
-            "measured_error_db",
-            "largest difference of the measured magnitude, up to half the bandwidth of the command's drive",
-            "dB",
-            "measured",
-        ),
-    )
-)
-QUANTITIES = Quantities(
-    Quantity("case", "its name"),
-    Quantity("speeds_kmh", "speeds of the linear bench", "km/h"),
-    Quantity("sampling_step_ms", "from sample to sample of a case that has samples; else none", "ms"),
-    Quantity("amplitude", "of the measuring sine, in the command's unit"),
-    Quantity("brake_pressure_bar", "in all brake cylinders", "bar"),
-    Quantity("growing_poles.*", "poles in the right half plane, 1e-6 1/s from its border, at a speed"),
-    CHANNEL,
-)
+QUANTITIES = Quantities("response")
 
 
 @dataclass(frozen=True)
@@ -269,7 +245,12 @@ class ResponseStudy(Study[dict[str, AtSpeed]]):
             zeros = {label: found.system.zeros(i, k) for label, found in results.items()}
             blocks: list[Block] = [
                 Picture(f"bode_{number}", bode_figure(lines, points, unit), f"{name}: magnitude and phase."),
-                QUANTITIES.table(numbers["channels"][name], [q.key for q in CHANNEL], "Bandwidth and margins.", "at"),
+                QUANTITIES.table(
+                    numbers["channels"][name],
+                    [q.key for q in QUANTITIES.below("channels.*.*")],
+                    "Bandwidth and margins.",
+                    "at",
+                ),
                 Picture(f"nyquist_{number}", nyquist_figure(lines, unit), f"{name} in the complex plane."),
                 Picture(
                     f"poles_{number}",

@@ -20,20 +20,6 @@ from rollerrig.study.quantities import Quantities, Quantity
 from rollerrig.study.report import Picture, Section, Table, Text
 from rollerrig.wording import number
 
-QUANTITIES = Quantities(
-    Quantity("running_safety.*.*.unit", "unit of the numbers of a quantity at a wheel, wheelset or point; 1: none"),
-    Quantity("running_safety.*.*.filter", "low or band pass, mean over 2 m of distance; 'none': unfiltered"),
-    [Quantity(f"running_safety.*.*.sections.*.{name}", meaning) for name, meaning in STATISTICS.items()],
-    Quantity("running_safety.*.*.limit", "of the magnitude: Prud'homme's of ΣY, the lower of Nadal's and 0.8 of Y/Q; null: none"),
-    Quantity("running_safety.*.*.sections.*.part_of_limit", "larger outer percentile over the limit; null: none", "1"),
-    Quantity("running_safety_notes", "why a signal is not filtered, a sentence each"),
-    Quantity("nadal_limit", "(tan δ - μ) / (1 + μ tan δ), δ the steepest flange angle; null: friction suffices", "1"),
-    Quantity("flange_angle_deg", "steepest slope of the wheel profile towards the flange", "°"),
-    Quantity("distance_m", "run, on a rig by the rollers' surface; null: no output time was reached", "m"),
-    Quantity("weighted_acceleration", "null: the run cannot be filtered"),
-    Quantity("weighted_acceleration.*.*", "of the car body, r.m.s., EN 12299: lateral W_d, vertical W_b", "m/s^2"),
-)  # fmt: skip
-
 SHOWN = Quantities(
     Quantity("guiding_force", "", "N", "guiding force Y", 3, ("kN", 1e-3)),
     Quantity("wheel_load", "", "N", "wheel load Q", 3, ("kN", 1e-3)),

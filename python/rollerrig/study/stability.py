@@ -27,7 +27,7 @@ from rollerrig.study.contact_models import ContactEffect
 from rollerrig.study.frame import Study
 from rollerrig.study.jobs import Chains, Done, Round, job
 from rollerrig.study.limit_cycles import cycle_chains, cycle_diagram
-from rollerrig.study.quantities import Numbers, Quantities, Quantity
+from rollerrig.study.quantities import Numbers, Quantities
 from rollerrig.study.report import VIEW, Block, Picture, Section, Table, Text
 
 SUSPENSION_WORDS = ("car body", "bogie", "bogies", "front bogie", "rear bogie")
@@ -137,27 +137,7 @@ def _shape_table(mode: xr.Dataset) -> Table:
 MOST_CYCLE_SPEEDS = 20
 """Runs are made at no more speeds than this, spread over the range."""
 
-QUANTITIES = Quantities(
-    Quantity("case", "name of the case"),
-    Quantity("speeds_kmh", "speeds of the table of modes", "km/h"),
-    Quantity("linear_critical_speed_kmh", "lowest speed at which an oscillation begins to grow; null: none", "km/h"),
-    Quantity("linear_searched_to_kmh", "highest speed at which it was looked for, beyond the table where that has none", "km/h"),
-    Quantity("linear_critical_frequency_hz", "its frequency", "Hz"),
-    Quantity("linear_critical_mode", "its name"),
-    Quantity("crossings", "empty: no oscillation begins or ends to grow"),
-    Quantity("crossings.*.speed_kmh", "at which the growth rate of an oscillation changes its sign", "km/h", "speed", 5),
-    Quantity("crossings.*.frequency_hz", "of the oscillation", "Hz", "frequency"),
-    Quantity("crossings.*.mode", "its name"),
-    Quantity("crossings.*.grows", "on which side it grows"),
-    Quantity("grows_at_lowest_speed", "names of the oscillations that grow already at the lowest speed"),
-    Quantity("diverging", "empty: no motion grows without oscillating"),
-    Quantity("diverging.*.name", "motion that grows without oscillating"),
-    Quantity("diverging.*.growth_rate_per_s", "its largest growth rate", "1/s"),
-    Quantity("diverging.*.speed_kmh", "where it is reached", "km/h"),
-    Quantity("least_damping", "per speed, the smallest damping ratio of all oscillatory modes", "1"),
-    cycles.QUANTITIES,
-    contact_effects.QUANTITIES,
-)  # fmt: skip
+QUANTITIES = Quantities("stability")
 
 
 @dataclass(frozen=True)
@@ -287,9 +267,11 @@ class StabilityStudy(Study[Results]):
         found = {"stability.nc": data, "modes.csv": mode_rows(modes), "shapes.csv": shape_rows(modes)}
         if results.diagram is not None:
             points = numbers["limit_cycles"]["points"]
-            found["limit_cycles.csv"] = QUANTITIES.csv(points, [quantity.key for quantity in cycles.POINTS])
+            found["limit_cycles.csv"] = QUANTITIES.csv(
+                points, [q.key for q in QUANTITIES.below("limit_cycles.points.*")]
+            )
         if results.contact:
-            names = [quantity.key for quantity in contact_effects.QUANTITIES]
+            names = [q.key for q in QUANTITIES.below("contact_effects.*")]
             found["contact_effects.csv"] = QUANTITIES.csv(numbers["contact_effects"], names)
         return found
 
@@ -309,7 +291,7 @@ class StabilityStudy(Study[Results]):
                 "The same vehicle with each normal contact and creep law. The limit cycle is the end of a run from a "
                 f"lateral offset of {1e3 * contact_effects.SETTINGS.disturbance:g} mm of the leading wheelset."
             )
-            names = [quantity.key for quantity in contact_effects.QUANTITIES]
+            names = [q.key for q in QUANTITIES.below("contact_effects.*")]
             table = QUANTITIES.table(numbers["contact_effects"], names)
             found.append(Section("Effect of the contact model", [Text(text), table]))
         return found

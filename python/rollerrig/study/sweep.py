@@ -24,7 +24,7 @@ from rollerrig.plot import sweep as figures
 from rollerrig.study.frame import Study
 from rollerrig.study.jobs import Done, Job, Progress, Round, call, job
 from rollerrig.study.measures import KINDS, MEASURES
-from rollerrig.study.quantities import Numbers, Quantities, Quantity
+from rollerrig.study.quantities import Numbers, Quantities
 from rollerrig.study.report import Block, Picture, Section, Table, Text
 from rollerrig.study.runs.sweep import (
     FAILED,
@@ -117,31 +117,7 @@ MOST = 1_000_000
 Compute = Callable[[Case], Mapping[str, float]]
 """A measure of the user's own: a case -> numbers by name."""
 
-QUANTITIES = Quantities(
-    Quantity("plan", "its name"),
-    Quantity("case", "name of the case that is varied"),
-    Quantity("design", "how the cases were chosen"),
-    Quantity("cases", "of the plan"),
-    Quantity("finished", "cases with numbers"),
-    Quantity("failed", "cases without"),
-    Quantity("failures.*", "reason -> number of cases"),
-    Quantity("numbers.*.unit", "of a measured number"),
-    Quantity("numbers.*.least", "of all finished cases; null: no case has this number"),
-    Quantity("numbers.*.median", "of all finished cases"),
-    Quantity("numbers.*.largest", "of all finished cases"),
-    Quantity("numbers.*.quantiles.*", "5, 25, 50, 75 and 95 % of samples lie below"),
-    Quantity(
-        "numbers.*.tornado.*.low",
-        "mean where the varied key has its lowest values: the lowest one, or fifth of samples",
-    ),
-    Quantity("numbers.*.tornado.*.high", "mean where it has its highest ones"),
-    Quantity(
-        "numbers.*.sobol.*.first", "first-order Sobol index: part of the variance that goes with this key alone", "1"
-    ),
-    Quantity("numbers.*.sobol.*.first_confidence", "half of its interval of 95 %, by bootstrap", "1"),
-    Quantity("numbers.*.sobol.*.total", "total index: part of the variance in which the key takes part", "1"),
-    Quantity("numbers.*.sobol.*.total_confidence", "half of its interval of 95 %, by bootstrap", "1"),
-)
+QUANTITIES = Quantities("sweep")
 
 
 @dataclass(frozen=True)

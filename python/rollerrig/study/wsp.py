@@ -21,7 +21,7 @@ from rollerrig.plot.wsp import Ends, means_with_intervals, slip_grid, stop_over_
 from rollerrig.study.ensemble import estimate, starts
 from rollerrig.study.frame import Content, Study
 from rollerrig.study.jobs import Done, Job, Round, job
-from rollerrig.study.quantities import Numbers, Quantities, Quantity
+from rollerrig.study.quantities import Numbers, Quantities
 from rollerrig.study.report import Block, Mark, Picture, Preformatted, Section, Table, Text
 from rollerrig.study.runs.adhesion import GROUPS, SHOWN, track_case, verdict_rows
 from rollerrig.study.runs.adhesion import verdict_of as group_verdict
@@ -43,80 +43,13 @@ from rollerrig.study.runs.wsp import (
 from rollerrig.wording import number
 
 Tests = Mapping[Support, StopTests]
-PERCENT = ("%", 100.0)
-MEASURED = (
-    ("distance_m", "run by the train since the demand, on the rig by the virtual one", "m", "distance", None),
-    ("increase_over_dry", "distance over that of the dry stop, less 1", "1", "increase over dry", PERCENT),
-    ("k_wet", "100 / (100 + increase over dry in %): dry distance over distance", "1", "K_wet", None),
-    ("mean_deceleration_mps2", "of the train since the demand, over the distance", "m/s^2", "mean deceleration", None),
-    ("duration_s", "time at the end of the test", "s", "duration", None),
-    ("speed_end_kmh", "of the train at the end", "km/h", "speed at the end", None),
-    (
-        "adhesion_utilisation",
-        "creep forces over what the rail's friction at no slip would give, both summed over braked axles and time",
-        "1",
-        "adhesion utilisation",
-        None,
-    ),
-    ("mean_slip", "mean |wheel speed - train speed| over train speed, above 2 m/s", "1", "", PERCENT),
-    ("largest_slip", "largest of the same", "1", "", PERCENT),
-    ("large_slip_share", "part of the time at a slip above 30 %", "1", "time at slip above 30 %", PERCENT),
-    ("longest_lock_s", "longest time that an axle turned slower than 5 % of the train", "s", "longest lock", None),
-    (
-        "flat_length_m",
-        "estimated length of the longest flat of a locked wheel, (H2)",
-        "m",
-        "flat, estimated",
-        ("mm", 1e3),
-    ),
-    ("air_litres", "air at ambient pressure taken by the cylinders of the axles under test", "l", "air", None),
-    ("dump_cycles", "times that dump valves opened to vent, all axles under test", "1", "ventings", None),
-    ("energy_relative_residual", "energy audit", "1", "residual of the energy audit", None),
-    ("contact_lost_s", "longest time of a wheel without contact", "s", "longest loss of contact", None),
-)
-ENDS = (("mean", "mean of all starts", 4), ("low", "lower end of its interval of 95 %", 4), ("high", "upper end", 4))
 
 
-def _measured() -> list[Quantity]:
-    found = []
-    for name, meaning, unit, label, shown in MEASURED:
-        heading = label or " ".join(name.split("_"))
-        for end, text, digits in (*ENDS, ("largest", "largest of all starts", 4)):
-            whole = f"{meaning}; {text}" if end == "mean" else text
-            found.append(Quantity(f"stops.*.*.{name}.{end}", whole, unit, heading, digits, shown))
-    return found
-
-
-QUANTITIES = Quantities(
-    Quantity("case", "name of the case"),
-    Quantity("programme", "name of the programme"),
-    Quantity("starts", "tests of each stop on each support, which differ by up to 3 mm/s in their first speed", "1"),
-    Quantity("starts_needed", "without which nothing is decided", "1"),
-    Quantity("stops.*.kind", "kind of the stop"),
-    Quantity("stops.*.speed_kmh", "of the train at the demand", "km/h", "speed"),
-    Quantity("stops.*.*.verdict", "of all criteria of the stop: met, not met, not decided; null: none is judged"),
-    Quantity("stops.*.*.tests", "that were made", "1"),
-    Quantity("stops.*.*.stopped", "in which the train came to a stop", "1"),
-    Quantity("stops.*.*.dry_distance_m", "of the same stop on a dry rail", "m", "dry distance"),
-    _measured(),
-    Quantity("stops.*.criteria.*.limit", "in the SI unit of the criterion"),
-    Quantity("stops.*.criteria.*.kind", "at least or at most"),
-    Quantity("stops.*.criteria.*.origin", "who set it, and why"),
-    Quantity("stops.*.criteria.*.clause", "of the standard that it is taken from, as the programme has it"),
-    Quantity("stops.*.criteria.*.*.verdict", "met: the whole interval is within the limit; not met: nothing of it"),
-    Quantity("stops.*.criteria.*.*.mean", "mean of all starts, in the unit of the limit"),
-    Quantity("stops.*.criteria.*.*.low", "lower end of its interval of 95 %"),
-    Quantity("stops.*.criteria.*.*.high", "upper end"),
-    Quantity("stops.*.criteria.*.*.worst", "of all starts; with a lock or a flat each start must be within the limit"),
-    Quantity("stops.*.criteria.*.*.why", "why nothing is decided"),
-    Quantity("stops.*.rig_like_track.*", "verdict on the rig: tracking of the virtual axles, fidelity to the track"),
-    Quantity("sums.*.criteria.*", "number of criteria of all stops: met, not met, not decided", "1"),
-    Quantity("sums.*.distance_m", "of all stops, means", "m", "distance"),
-    Quantity("sums.*.air_litres", "of all stops, means", "l", "air"),
-    Quantity("sums.*.dump_cycles", "of all stops, means", "1", "ventings"),
-    Quantity("sums.*.longest_lock_s", "of all tests", "s", "longest lock"),
-    Quantity("sums.*.flat_length_m", "of all tests", "m", "longest flat, estimated", 4, ("mm", 1e3)),
-)
+QUANTITIES = Quantities("wsp")
+MEASURED = [
+    q.key.split(".")[3] for q in QUANTITIES.below("stops.*.*") if q.key.endswith(".mean") and "criteria" not in q.key
+]
+"""Names of what is reported of the tests of a stop."""
 
 
 def stop_numbers(tests: Tests, judged: Sequence[Judgement]) -> dict[str, Any]:
@@ -139,7 +72,7 @@ def _support_numbers(found: StopTests, judged: Sequence[Judgement]) -> dict[str,
         "stopped": sum(one.stopped for one in found.tests),
         "dry_distance_m": None if found.dry is None else found.dry.measures["distance_m"],
     }
-    for name, *_ in MEASURED:
+    for name in MEASURED:
         values = found.values(name)
         mean = estimate(values)
         ends = {"mean": mean.mean, "low": mean.interval.low, "high": mean.interval.high}
@@ -184,11 +117,10 @@ def sum_numbers(stops: Sequence[Tests], judged: Sequence[Judgement]) -> dict[str
 
 def test_rows(tests: Tests) -> list[list[object]]:
     """A line per test of a stop, header first."""
-    names = [name for name, *_ in MEASURED]
-    rows: list[list[object]] = [["support", "start", "status", *names]]
+    rows: list[list[object]] = [["support", "start", "status", *MEASURED]]
     for on in SUPPORTS:
         found = tests[on]
-        columns = [found.values(name) for name in names]
+        columns = [found.values(name) for name in MEASURED]
         for k, one in enumerate(found.tests):
             rows.append([on, k + 1, one.status, *(column[k] for column in columns)])
     return rows
@@ -433,8 +365,7 @@ def _stop_tables(numbers: Numbers) -> Iterator[Table]:
 
 
 def _ends_text(name: str, one: Numbers) -> str:
-    shown = next(row[4] for row in MEASURED if row[0] == name)
-    factor = shown[1] if shown else 1.0
+    factor = QUANTITIES[f"stops.*.*.{name}.mean"].in_shown_unit(1.0)
     if one["mean"] is None:
         return "–"
     mean = number(factor * one["mean"])
@@ -481,7 +412,7 @@ def _each_stop(results: Mapping[str, Any], numbers: Numbers) -> Iterator[Section
     for name, one in results.items():
         own = numbers["stops"][name]
         rows = []
-        for measure, *_ in MEASURED:
+        for measure in MEASURED:
             heading = QUANTITIES[f"stops.*.*.{measure}.mean"].heading
             rows.append((heading, *(_ends_text(measure, own[on][measure]) for on in SUPPORTS)))
         table = Table(

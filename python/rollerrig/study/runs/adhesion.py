@@ -23,7 +23,7 @@ from rollerrig.cases import on_track
 from rollerrig.config import Case, ConfigError, ConfigProblem, Rig
 from rollerrig.config.schema.rig_control import EstimatedTorque, ExactEstimator, LeadCommand
 from rollerrig.study.ensemble import SEED, Estimate, difference, distances, estimate, measure, relative
-from rollerrig.study.quantities import Numbers, Quantity
+from rollerrig.study.quantities import Numbers
 from rollerrig.study.report import Table
 from rollerrig.wording import number
 
@@ -138,13 +138,6 @@ TITLES = {
     "polach": "Polach",
 }
 SUPPORTS = ("track", "rig")
-
-LAW_QUANTITIES = (
-    Quantity("creep_laws.*.*.mean", "by kind of the creep law: distance [m] and ventings on track and rig; mean of its starts"),
-    Quantity("creep_laws.*.*.standard_error", "of it"),
-    Quantity("creep_laws.*.*_difference.mean", "rig over track, less 1", "1"),
-    Quantity("creep_laws.*.*_difference.standard_error", "of it", "1"),
-)  # fmt: skip
 
 
 def law_names(case: Case) -> tuple[str, ...]:

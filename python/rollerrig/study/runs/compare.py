@@ -126,14 +126,14 @@ WHEELS = (
     Quantity("supports.*.wheels.*.creep_stiffness_mn", "sum of f₁₁ over its patches", "MN", "Σ f₁₁"),
 )
 DISTURBED = {
-    "guiding_force": (Quantity("supports.*.disturbed.guiding_force", "largest |Y|", "kN", digits=3), 1e-3),
-    "guiding_force_sum": (Quantity("supports.*.disturbed.guiding_force_sum", "largest |ΣY|, 2 m mean", "kN", digits=3), 1e-3),
-    "longitudinal_creep_force": (Quantity("supports.*.disturbed.longitudinal_creep_force", "unfiltered", "kN", digits=3), 1e-3),
-    "wheel_unloading": (Quantity("supports.*.disturbed.wheel_unloading", "largest", "%", digits=3), 1e2),
-    "derailment_quotient": (Quantity("supports.*.disturbed.derailment_quotient", "largest |Y/Q|, 2 m mean", "1", digits=3), 1.0),
-    "wear_number": (Quantity("supports.*.disturbed.wear_number", "largest Tγ", "N", digits=3), 1.0),
-}  # fmt: skip
-"""Signal -> largest magnitude of the leading wheelset in the disturbed run, and factor to its unit."""
+    "guiding_force": 1e-3,
+    "guiding_force_sum": 1e-3,
+    "longitudinal_creep_force": 1e-3,
+    "wheel_unloading": 1e2,
+    "derailment_quotient": 1.0,
+    "wear_number": 1.0,
+}
+"""Signal whose largest magnitude of the leading wheelset is reported of the disturbed run -> factor to its unit."""
 
 
 def disturbed(case: Case, speed: float, settings: HuntingSettings, progress: Progress | None = None) -> xr.Dataset:
@@ -170,7 +170,7 @@ def wheel_numbers(state: RollingState) -> dict[str, dict[str, float]]:
 def disturbed_numbers(run: xr.Dataset) -> dict[str, float]:
     """Largest magnitudes of the leading wheelset, by the names of DISTURBED."""
     leading, found = str(run.attrs["leading"]), {}
-    for name, (_, factor) in DISTURBED.items():
+    for name, factor in DISTURBED.items():
         values = run[name]
         if "wheel" in values.dims:
             values = values.sel(wheel=[f"{leading}_left", f"{leading}_right"])

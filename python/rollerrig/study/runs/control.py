@@ -16,7 +16,7 @@ import xarray as xr
 
 from rollerrig.actuators import assemble_with_actuators
 from rollerrig.analysis.control_loop import Wheel, wheel_of
-from rollerrig.analysis.torque_ripple import RIPPLE_ABOVE, torque_ripple
+from rollerrig.analysis.torque_ripple import torque_ripple
 from rollerrig.analysis.tracking import largest, rms, slip, tracking, under_test
 from rollerrig.config import Case
 from rollerrig.config.schema.rig_control import (
@@ -35,7 +35,6 @@ from rollerrig.mechatronics.setup import feedback_gains
 from rollerrig.results.dataset import COMPLETED
 from rollerrig.similitude.scale_case import factors_of, scaled_table
 from rollerrig.study.jobs import Progress, whole_run
-from rollerrig.study.quantities import Quantity
 
 Changes = Mapping[str, object]
 Vary = Callable[[Case, float], Changes]
@@ -254,24 +253,6 @@ OUTPUT_STEP = 2e-3
 """Of the runs compared [s]; ripple is seen up to its Nyquist frequency, 250 Hz."""
 
 KEPT = ["axle_speed", "virtual_speed", "train_speed", "train_distance", "real_sliding", "roller_torque", "valve"]
-PERCENT = ("%", 100.0)
-
-RUN = (
-    Quantity("*.*.status", "how the run ended"),
-    Quantity("*.*.ended_s", "when", "s"),
-    Quantity("*.*.tracking_rms", "wheel less virtual wheel over train speed, RMS", "1", "tracking RMS", 3, PERCENT),
-    Quantity("*.*.tracking_largest", "largest of the same", "1", "largest", 3, PERCENT),
-    Quantity("*.*.largest_slip", "of the wheels against the virtual train, over its speed", "1"),
-    Quantity("*.*.real_sliding_rms_mps", "wheel against roller", "m/s"),
-    Quantity("*.*.real_sliding_largest_mps", "largest of the same", "m/s", "real sliding", 3, ("mm/s", 1e3)),
-    Quantity("*.*.roller_torque_largest_nm", "of a roller drive", "N m", "roller torque", 3, ("kN m", 1e-3)),
-    Quantity("*.*.distance_m", "run by the virtual train", "m"),
-    Quantity("*.*.distance_relative", "over that of the case as shipped, less 1", "1", "distance, less shipped", 3, PERCENT),
-    Quantity("*.*.dump_cycles", "of the slide protection, all axles under test", "", "dump cycles"),
-    Quantity("*.*.air_litres", "taken by the cylinders, at ambient pressure", "l", "air", 3),
-    Quantity("*.*.ripple_nm", f"persistent roller torque above {RIPPLE_ABOVE:g} Hz, RMS, median of 0.25 s", "N m", "ripple", 3),
-    Quantity("*.*.ripple_hz", "where that ripple has most power", "Hz"),
-)  # fmt: skip
 
 
 def run_variant(case: Case, with_course: bool, progress: Progress | None = None) -> dict[str, Any]:
@@ -281,7 +262,7 @@ def run_variant(case: Case, with_course: bool, progress: Progress | None = None)
 
 
 def run_numbers(run: xr.Dataset) -> dict[str, Any]:
-    """The numbers of one run by name of RUN, of the axles under test.
+    """The numbers of one run as the registry has them, of the axles under test.
 
     As `distance_relative`, time and distance of the last instant compared.
     """
