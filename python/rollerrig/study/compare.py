@@ -25,8 +25,8 @@ from rollerrig.plot.characteristics import characteristics_figure
 from rollerrig.plot.compare import disturbed_over_time, modes_side_by_side
 from rollerrig.plot.modes import hunting_frequencies
 from rollerrig.study import critical_speeds as speeds
+from rollerrig.study.assessment import Interval, change_in_words
 from rollerrig.study.frame import Study
-from rollerrig.study.interval import Interval, change_in_words
 from rollerrig.study.jobs import Done, Round, job, whole_modes
 from rollerrig.study.quantities import Numbers, Quantities
 from rollerrig.study.report import Block, Picture, Section, Table, Text

@@ -19,8 +19,9 @@ from scipy.special import stdtrit
 from rollerrig.analysis.equivalent_dead_time import DeadTime, at_track_of
 from rollerrig.analysis.slide_statistics import TestRecord, test_record
 from rollerrig.config import Case
-from rollerrig.study.interval import Interval
+from rollerrig.study.assessment import Interval
 from rollerrig.study.jobs import Progress, whole_run
+from rollerrig.wording import number
 
 SPEED = 3e-3
 """The start is faster or slower by up to this [m/s]: 0.01 % of 120 km/h."""
@@ -85,15 +86,27 @@ def estimate(values: Sequence[float]) -> Estimate:
     return Estimate(float(np.mean(values)), spread / math.sqrt(count) if count else math.nan, count - 1.0)
 
 
+def with_error(one: Mapping[str, float | None], factor: float = 1.0, digits: int = 4, error_digits: int = 2) -> str:
+    """A mean of `as_dict` and its standard error as tables show them, times a factor; a dash where there is none."""
+    mean, error = one["mean"], one["standard_error"]
+    if mean is None or math.isnan(mean):
+        return "–"
+    known = error is not None and not math.isnan(error)
+    return number(factor * mean, digits) + (f" ± {number(factor * (error or 0.0), error_digits)}" if known else "")
+
+
 def difference(a: Estimate, b: Estimate) -> Estimate:
     """A - b of two ensembles, degrees of freedom by Welch and Satterthwaite."""
     return _combined(a.mean - b.mean, (a.standard_error, a.freedom), (b.standard_error, b.freedom))
 
 
 def relative(a: Estimate, b: Estimate) -> Estimate:
-    """A / b - 1 of two ensembles, to first order in their errors."""
+    """A / b - 1 of two ensembles, to first order in their errors; infinite where b alone is zero, NaN where both are."""
     if not b.mean:
-        return Estimate(math.nan, math.nan, 0.0)
+        if not a.mean:
+            return Estimate(math.nan, math.nan, 0.0)
+        above = a.interval.low > 0.0 or a.interval.high < 0.0
+        return Estimate(math.copysign(math.inf, a.mean), 0.0 if above else math.nan, math.inf)
     errors = (a.standard_error / abs(b.mean), a.freedom), (abs(a.mean) * b.standard_error / b.mean**2, b.freedom)
     return _combined(a.mean / b.mean - 1.0, *errors)
 

@@ -22,10 +22,9 @@ from rollerrig.config import Case, Rig
 from rollerrig.plot import amplitude_over_speed, hunting_over_time, ramp_over_speed, traction_forces, traction_sliding
 from rollerrig.plot.modes import hunting_frequencies
 from rollerrig.study import critical_speeds as speeds
-from rollerrig.study.checks import check_table, counts, counts_text
+from rollerrig.study.assessment import NOT_DECIDED, Interval, check_table, counts, counts_text
 from rollerrig.study.contact_models import sensitivity_numbers, sensitivity_table
 from rollerrig.study.frame import Study
-from rollerrig.study.interval import NOT_DECIDED, Interval, in_words
 from rollerrig.study.jobs import Done, Round
 from rollerrig.study.quantities import Numbers, Quantities
 from rollerrig.study.report import VIEW, Block, Mark, Picture, Section, Table, Text
@@ -289,7 +288,15 @@ class PaperStudy(Study[Results]):
         rows: list[list[object]] = []
         for (m, kind), speed in _rig_speeds(results).items():
             off = Interval(*(100 * (end / CRITICAL_KMH - 1) for end in (speed.low, speed.high)))
-            rows.append([NAMES[m], kind, speed.text("km/h", 1), off.text("%"), in_words(_fits(speed))])
+            rows.append(
+                [
+                    NAMES[m],
+                    kind,
+                    speed.text("km/h", 1),
+                    off.text("%"),
+                    {True: "yes", False: "no", None: NOT_DECIDED}[_fits(speed)],
+                ]
+            )
         if rows:
             header = ("material", "critical speed", "computed", f"less {CRITICAL_KMH:g} km/h", "within a tenth of it")
             blocks.append(Table(header, rows, "Bogie on the rig against the paper's critical speed."))

@@ -22,7 +22,8 @@ from rollerrig.analysis.slide_statistics import TestRecord
 from rollerrig.cases import on_track
 from rollerrig.config import Case, ConfigError, ConfigProblem, Rig
 from rollerrig.config.schema.rig_control import EstimatedTorque, ExactEstimator, LeadCommand
-from rollerrig.study.ensemble import SEED, Estimate, difference, distances, estimate, measure, relative
+from rollerrig.study.assessment import NOT_DECIDED, Outcome, outcome, overall
+from rollerrig.study.ensemble import SEED, Estimate, difference, distances, estimate, measure, relative, with_error
 from rollerrig.study.quantities import Numbers
 from rollerrig.study.report import Table
 from rollerrig.wording import number
@@ -131,12 +132,6 @@ LAWS: Mapping[str, dict[str, Any]] = {
     "table": {"kind": "table"},
     "polach": {"kind": "polach", "k_A": 1.0, "k_S": 1.0},
 }
-TITLES = {
-    "kalker_saturated": "the paper's law",
-    "fastsim": "FASTSIM",
-    "table": "exact theory, table",
-    "polach": "Polach",
-}
 SUPPORTS = ("track", "rig")
 
 
@@ -168,24 +163,6 @@ def law_numbers(case: Case, records: Mapping[str, Sequence[TestRecord]]) -> dict
     return found if len(found) > 1 else {}
 
 
-def law_table(numbers: Numbers) -> Table:
-    """A line for each law."""
-    header = (
-        "creep law",
-        "distance on track [m]",
-        "on the rig [m]",
-        "difference",
-        "ventings on track",
-        "on the rig",
-        "difference",
-    )
-    rows = [
-        (TITLES.get(kind, kind), *(cell for key in ("distance_m", "dump_cycles") for cell in _cells(one, key)))
-        for kind, one in numbers.items()
-    ]
-    return Table(header, rows, "The same test with each creep law; the first is that of the case. ± standard error.")
-
-
 def _name(kind: str, support: str) -> str:
     return f"{support}, creep law {kind}"
 
@@ -195,26 +172,11 @@ def _pair(key: str, track: Estimate, rig: Estimate) -> dict[str, Any]:
     return {name: one.as_dict() for name, one in values.items()}
 
 
-def _cells(one: Numbers, key: str) -> tuple[str, str, str]:
-    found = [_text(one[f"{key}_{where}"], 1.0, 4) for where in SUPPORTS]
-    difference = _text(one[f"{key}_difference"], 100.0, 2)
-    return found[0], found[1], "–" if difference == "–" else f"{difference} %"
-
-
-def _text(one: Numbers, factor: float, digits: int) -> str:
-    if one["mean"] is None or one["mean"] != one["mean"]:
-        return "–"
-    text, error = number(factor * one["mean"], digits), one["standard_error"]
-    return text if error is None or error != error else f"{text} ± {number(factor * error, 1)}"
-
-
 Group = Literal["tracking", "fidelity"]
-Word = Literal["met", "not met", "not decided"]
 GROUPS: Mapping[Group, str] = {
     "tracking": "Tracking, wheels of the rig against their virtual axles",
     "fidelity": "Fidelity, rig against track",
 }
-SHOWN: Mapping[str, str] = {"met": "✔ met", "not met": "✘ NOT met", "not decided": "? not decided"}
 RESAMPLES = 400
 """Of the starts, for the scatter of the difference of two distributions."""
 
@@ -252,22 +214,16 @@ class Row:
     bad_run: bool = False
 
     @property
-    def verdict(self) -> Word:
-        """'met', 'not met' or 'not decided'."""
-        if not math.isfinite(self.value.mean):
-            return "not decided"
-        # A size is never below 0, its interval may be, where starts differ by more than their mean.
-        within = self.value.interval.within(self.low or -math.inf, self.high)
-        if within is None or (within and self.bad_run):
-            return "not decided"
-        return "met" if within else "not met"
+    def verdict(self) -> Outcome:
+        """A size is never below 0, its interval may be, where starts differ by more than their mean."""
+        return outcome(self.value.interval, self.low or -math.inf, self.high, excluded=self.bad_run)
 
     @property
     def value_text(self) -> str:
         """Mean and interval."""
-        if self.shown:
-            return self.shown
-        if not math.isfinite(self.value.mean):
+        if self.shown or math.isinf(self.value.mean):
+            return self.shown or "not zero, against zero"
+        if math.isnan(self.value.mean):
             return "–"
         interval, ends = self.value.interval, ""
         least = interval.low if self.low else max(0.0, interval.low)
@@ -281,9 +237,13 @@ class Row:
         """The target."""
         if self.shown:
             return "all"
-        if self.low == -self.high:
-            return f"within {self._number(self.high).lstrip('+')} {self.unit}"
-        return f"at most {self._number(self.high).lstrip('+')} {self.unit}"
+        word = "within" if self.low == -self.high else "at most"
+        return f"{word} {self._number(self.high).lstrip('+')} {self.unit}"
+
+    @property
+    def told(self) -> str:
+        """Value and target in words."""
+        return f"{self.text} {self.value_text}, target {self.target_text}"
 
     def _number(self, value: float) -> str:
         text = number(self.factor * value, 2 if abs(self.factor * value) < 99.5 else 3)
@@ -291,9 +251,7 @@ class Row:
 
     def as_dict(self) -> dict[str, Any]:
         """For summary.json."""
-        interval = self.value.interval
-        found = {"group": self.group, "verdict": self.verdict, "value": self.value.mean}
-        found |= {"low": interval.low, "high": interval.high}
+        found = {"group": self.group, "verdict": self.verdict, "value": self.value.mean, **vars(self.value.interval)}
         return found | {"target_low": self.low, "target_high": self.high, "target_from": self.origin}
 
 
@@ -306,7 +264,7 @@ def verdict_rows(case: Case, track: Sequence[TestRecord], rig: Sequence[TestReco
         rig: from the same starts.
     """
     rows = [*_ended(track, rig), *_tracking(case, rig), *_fidelity(case, track, rig)]
-    rows = [row for row in rows if row.gate or math.isfinite(row.value.mean)]
+    rows = [row for row in rows if row.gate or not math.isnan(row.value.mean)]
     return [row if row.shown else replace(row, bad_run=_is_bad(rows, row.group)) for row in rows]
 
 
@@ -316,19 +274,9 @@ def _is_bad(rows: Sequence[Row], group: Group) -> bool:
     return any(row.verdict != "met" for row in asked)
 
 
-def verdict_of(rows: Sequence[Row], group: Group) -> Word:
+def verdict_of(rows: Sequence[Row], group: Group) -> Outcome:
     """Of a group: met where all its rows are, not met where one is not, else not decided."""
-    words = {row.verdict for row in rows if row.group == group}
-    if "not met" in words:
-        return "not met"
-    return "met" if words == {"met"} else "not decided"
-
-
-def verdict_table(rows: Sequence[Row]) -> Table:
-    """The rows as the report shows them."""
-    lines = [(SHOWN[row.verdict], row.group, row.text, row.value_text, row.target_text, row.origin) for row in rows]
-    header = ("", "", "what", "mean of all starts (95 % interval)", "target", "where the target comes from")
-    return Table(header, lines)
+    return overall(row.verdict for row in rows if row.group == group) or NOT_DECIDED
 
 
 # --------------------------------------------------------------------------------------------------------- rows
@@ -439,3 +387,25 @@ def slip_difference(track: Sequence[TestRecord], rig: Sequence[TestRecord]) -> E
     scatter = float(np.std(np.abs(drawn[1] - drawn[0]).max(axis=1), ddof=1))
     count = min(len(track), len(rig))
     return Estimate(largest, scatter if count > 1 else math.nan, count - 1.0)
+
+
+def law_table(numbers: Numbers) -> Table:
+    """A line for each creep law."""
+    titles = {
+        "kalker_saturated": "the paper's law",
+        "fastsim": "FASTSIM",
+        "table": "exact theory, table",
+        "polach": "Polach",
+    }
+    header = ["creep law"]
+    for what in ("distance on track [m]", "ventings on track"):
+        header += [what, "on the rig [m]" if "[m]" in what else "on the rig", "difference"]
+    rows = []
+    for kind, one in numbers.items():
+        row = [titles.get(kind, kind)]
+        for key in ("distance_m", "dump_cycles"):
+            difference = with_error(one[f"{key}_difference"], 100.0, 2, 1)
+            row += [with_error(one[f"{key}_{on}"], 1.0, 4, 1) for on in ("track", "rig")]
+            row.append(difference if difference == "–" else f"{difference} %")
+        rows.append(row)
+    return Table(header, rows, "The same test with each creep law; the first is that of the case. ± standard error.")

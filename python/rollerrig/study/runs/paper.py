@@ -25,9 +25,8 @@ from rollerrig.analysis.traction import with_theory
 from rollerrig.cases import restrained_along_track
 from rollerrig.config import Case, Rig, load_case
 from rollerrig.study import critical_speeds as speeds
-from rollerrig.study.checks import Check
+from rollerrig.study.assessment import Check, Interval
 from rollerrig.study.contact_models import sensitivity_cases
-from rollerrig.study.interval import Interval
 from rollerrig.study.jobs import Done, Job, Round, job, whole_modes, whole_run
 from rollerrig.study.report import Mark
 

@@ -33,9 +33,10 @@ from rollerrig.contact_laws import adhesion_map
 from rollerrig.results.contact_loss import LONGEST_SPELL, contact_losses
 from rollerrig.results.run_info import RunInfo
 from rollerrig.simulation import ENERGY_WARNING
+from rollerrig.study.assessment import NOT_DECIDED, Outcome, outcome, overall
 from rollerrig.study.ensemble import Estimate, estimate
 from rollerrig.study.jobs import Progress, whole_run
-from rollerrig.study.runs.adhesion import Row, Word, track_case, verdict_rows
+from rollerrig.study.runs.adhesion import track_case, verdict_rows
 from rollerrig.wording import percent
 
 RISE = 0.1
@@ -289,21 +290,20 @@ class Judgement:
     reasons: tuple[str, ...]
 
     @property
-    def verdict(self) -> Word:
+    def verdict(self) -> Outcome:
         """'met', 'not met' or 'not decided'."""
         if self.reasons or not (math.isfinite(self.mean.mean) and math.isfinite(self.worst)):
-            return "not decided"
+            return NOT_DECIDED
         criterion = CRITERIA[self.limit.criterion]
         low, high = (self.limit.value, math.inf) if criterion.least else (-math.inf, self.limit.value)
         if criterion.every and not low <= self.worst <= high:
             return "not met"
-        within = self.mean.interval.within(low, high)
-        return "not decided" if within is None else "met" if within else "not met"
+        return outcome(self.mean.interval, low, high)
 
     @property
     def why(self) -> str:
         """Why nothing is decided; "" where something is."""
-        if self.verdict != "not decided":
+        if self.verdict != NOT_DECIDED:
             return ""
         return "; ".join(self.reasons) or "the limit lies within the interval"
 
@@ -316,29 +316,22 @@ def judgements(programme: Programme, found: StopTests, other: StopTests) -> list
         found: the tests to be judged.
         other: those on the other support.
     """
-    limits = [limit for limit in programme.limit if limit.holds_for(found.stop)]
     common = (*faults(found), *(rig_faults(found, other) if found.support == "rig" else ()))
-    return [_judged(limit, found, common) for limit in limits]
+    judged = []
+    for limit in (limit for limit in programme.limit if limit.holds_for(found.stop)):
+        name, factor = MEASURES[limit.criterion]
+        values = [factor * value for value in found.values(name)]
+        own = tuple(dry_faults(found)) if name in OVER_DRY else ()
+        worst = (min if CRITERIA[limit.criterion].least else max)(values) if np.isfinite(values).all() else math.nan
+        if not math.isfinite(worst):
+            own = (*own, "not every test has such a number")
+        judged.append(Judgement(found.stop.name, found.support, limit, estimate(values), worst, (*common, *own)))
+    return judged
 
 
-def _judged(limit: Limit, found: StopTests, faults_of_all: Sequence[str]) -> Judgement:
-    name, factor = MEASURES[limit.criterion]
-    values = [factor * value for value in found.values(name)]
-    own = tuple(dry_faults(found)) if name in OVER_DRY else ()
-    worst = (min if CRITERIA[limit.criterion].least else max)(values) if np.isfinite(values).all() else math.nan
-    if not math.isfinite(worst):
-        own = (*own, "not every test has such a number")
-    return Judgement(found.stop.name, found.support, limit, estimate(values), worst, (*faults_of_all, *own))
-
-
-def verdict_of(found: Sequence[Judgement]) -> Word | None:
+def verdict_of(found: Sequence[Judgement]) -> Outcome | None:
     """Of several criteria: met where all are, not met where one is not, else not decided; None: nothing was judged."""
-    words = {one.verdict for one in found}
-    if not words:
-        return None
-    if "not met" in words:
-        return "not met"
-    return "met" if words == {"met"} else "not decided"
+    return overall(one.verdict for one in found)
 
 
 # ----------------------------------------------------------------------------------------------------- what is a bad run
@@ -374,7 +367,8 @@ def rig_faults(rig: StopTests, track: StopTests) -> Iterator[str]:
         return
     ended = ("rig_ended", "track_ended")  # said of each support's own tests
     gates = [row for row in verdict_rows(rig.case, track.tests, rig.tests) if row.gate and row.key not in ended]
-    shut = [f"{row.text} {row.value_text}, target {row.target_text}" for row in gates if not _is_open(row)]
+    kept = [row.verdict == "met" or (row.low <= 0.0 and row.value.interval.high <= row.high) for row in gates]
+    shut = [row.told for row, is_open in zip(gates, kept, strict=True) if not is_open]
     power = max(one.measures.get("drive_power_limited_s", 0.0) / one.measures["duration_s"] for one in rig.tests)
     if not power <= POWER_LIMITED:
         shut.append(
@@ -382,11 +376,6 @@ def rig_faults(rig: StopTests, track: StopTests) -> Iterator[str]:
         )
     if shut:
         yield f"the rig is no track here: {'; '.join(shut)}"
-
-
-def _is_open(gate: Row) -> bool:
-    """Whether the whole interval is below the highest that is allowed."""
-    return gate.verdict == "met" or (gate.low <= 0.0 and gate.value.interval.high <= gate.high)
 
 
 def dry_faults(found: StopTests) -> Iterator[str]:
@@ -406,7 +395,11 @@ def dry_faults(found: StopTests) -> Iterator[str]:
         yield "a test stopped in less than the dry distance"
 
 
-def counts(found: Sequence[Judgement]) -> dict[str, Any]:
-    """How many criteria are met, not met, not decided."""
-    words = [one.verdict for one in found]
-    return {word.replace(" ", "_"): words.count(word) for word in ("met", "not met", "not decided")}
+def signal_columns(signals: Mapping[str, Mapping[str, Any]]) -> Mapping[str, Any]:
+    """Signals of the first tests, rig beside track, as long as both ran."""
+    count = min((len(next(iter(one.values()))) for one in signals.values() if one), default=0)
+    found: dict[str, Any] = {}
+    for on, own in signals.items():
+        for name, values in own.items():
+            found.setdefault(name if name == "time_s" else f"{name}_{on}", values[:count])
+    return found
