@@ -169,7 +169,9 @@ class WspStudy(Study[Results]):
             if tests[on].tests
             for one in judgements(self.programme, tests[on], tests[other])
         ]
-        signals = {on: next((one.signals for one in records if one.signals), {}) for on, records in made.items()}
+        signals: dict[str, Mapping[str, Any]] = {
+            on: next((one.signals for one in records if one.signals), {}) for on, records in made.items()
+        }
         return StopResult(tests, judged, signals, sum(one.seconds for records in made.values() for one in records))
 
     def statuses(self, results: Results) -> Sequence[str]:
