@@ -7,8 +7,10 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Iterator, Mapping
+import tomllib
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from importlib.resources import files
 from typing import Any
 
 import xarray as xr
@@ -52,6 +54,11 @@ from rollerrig.study.runs.paper import (
 )
 from rollerrig.wording import number, percent
 
+TEXT = tomllib.loads(files("rollerrig.study").joinpath("paper.toml").read_text(encoding="utf-8"))
+CAPTIONS: Mapping[str, str] = TEXT["captions"]
+"""Picture -> what it shows."""
+
+NAMELESS: str = TEXT["nameless"]
 PAPER = (
     "M. Malvezzi, E. Meli, L. Pugi, Simulation of degraded wheel/rail adhesion conditions on a railway roller rig for the "
     "evaluation of the effect of wheel/roller contact on control performance, 2010."
@@ -105,11 +112,7 @@ class PaperStudy(Study[Results]):
         return results_of(self.chosen, done)
 
     def limitations(self) -> list[str]:
-        fixed = (
-            "The frame settles on the contacts while the car body is fixed, as in the paper: the wheel loads are about 0.1 % "
-            "below their static values."
-        )
-        return [fixed, *super().limitations()]
+        return [TEXT["limitation"], *super().limitations()]
 
     def sources(self, results: Results) -> Mapping[str, str]:
         return {"paper": PAPER.replace("Pugi, Sim", "Pugi: Sim").removesuffix(".")}
@@ -139,10 +142,7 @@ class PaperStudy(Study[Results]):
         end = numbers["traction"]
         if end is not None:
             front, rear = (end[wheel]["sliding_mmps"] for wheel in (FRONT, REAR))
-            lines.append(
-                f"Traction: at the end the front wheels slide at {front:z.1f} mm/s and the rear ones at {rear:z.1f} mm/s, "
-                f"at a speed of {end['speed_kmh']:z.0f} km/h."
-            )
+            lines.append(TEXT["traction_end"].format(front=front, rear=rear, speed=end["speed_kmh"]))
         return [*lines, counts_text(results.checks)] if results.checks else lines
 
     def _linear(self, value: float) -> str:
@@ -194,9 +194,9 @@ class PaperStudy(Study[Results]):
         stability: list[Block] = [
             *self._critical_table(results),
             *map(Text, [*_contact_sentences(results), *_critical_paragraphs(results)]),
-            Text(RAMP.format(every=every, perturbation=1e3 * ramp.perturbation, rate=rate)),
+            Text(TEXT["ramp"].format(every=every, perturbation=1e3 * ramp.perturbation, rate=rate)),
             *pictures("figure_7a_ramp"),
-            Text(CONSTANT_SPEED),
+            Text(TEXT["constant_speed"]),
             *pictures("figure_7a_time_steel", "figure_7a_time_paper", "figure_7a_amplitude"),
             *map(Text, self._frequency_paragraphs(results)),
             *pictures("figure_7b_steel", "figure_7b_paper"),
@@ -210,7 +210,7 @@ class PaperStudy(Study[Results]):
             Section("Figure 7: stability", stability),
             Section("What the rig changes", [*rig, *pictures("roller_effects")]),
             Section("Which material fits the paper", self._fit_blocks(results, numbers)),
-            Section("Figure 8: traction", [Text(TRACTION), *pictures("figure_8a", "figure_8b")]),
+            Section("Figure 8: traction", [Text(TEXT["traction"]), *pictures("figure_8a", "figure_8b")]),
             Section("Checks", checks),
             Section("Solver and contact", _audit_tables(results), folded=True),
             Section("Parameters", self._parameters(), folded=True),
@@ -221,7 +221,7 @@ class PaperStudy(Study[Results]):
         rows = [*self._critical_rows(results), *_rig_and_rails(results), *_figure_8_rows(results)]
         header = ("of", "paper", "here", "why they differ")
         table = Table(header, rows, "Statements of the paper beside what is computed here; nothing was tuned.")
-        found: list[Block] = [table, Text(NOT_READ)] if rows else [Text("Not computed.")]
+        found: list[Block] = [table, Text(TEXT["not_read"])] if rows else [Text("Not computed.")]
         return Section("The paper and this computation", [Text(f"The paper: {PAPER}"), *found])
 
     def _critical_rows(self, results: Results) -> Iterator[Row]:
@@ -234,7 +234,7 @@ class PaperStudy(Study[Results]):
                     by = results.by_disturbance(m, RIG, contact)
                     words += [f"from {offset} {by.text('km/h', 1)}"] if by.known else []
             title = f"critical speed on the rig, {NAMES[m]} (figure 7a)"
-            yield title, f"{CRITICAL_KMH:g} km/h", "; ".join(words), NAMELESS
+            yield title, f"{CRITICAL_KMH:g} km/h", "; ".join(words), TEXT["nameless"]
 
     def _critical_table(self, results: Results) -> list[Block]:
         """Critical speeds with the paper's own contact and with the exact one; nothing where none was computed."""
@@ -253,10 +253,7 @@ class PaperStudy(Study[Results]):
             rows.append((NAMES[m], variant, called[contact], self._linear(value), shown, by))
         header = ("material", "vehicle and support", "contact", "linear critical speed", "its frequency",
                   "by disturbance: decays … persists")  # fmt: skip
-        caption = (
-            "Critical speeds with the paper's own contact and with the exact one. By disturbance: from a lateral offset of "
-            f"{1e3 * self.chosen.hunting.disturbance:g} mm of the leading wheelset."
-        )
+        caption = TEXT["side_by_side"].format(offset=1e3 * self.chosen.hunting.disturbance)
         return [Table(header, rows, caption)] if rows else []
 
     def _frequency_paragraphs(self, results: Results) -> list[str]:
@@ -266,21 +263,16 @@ class PaperStudy(Study[Results]):
             apart = _frequency_differences(results, m)
             if not apart:
                 continue
-            text = (
-                f"{NAMES[m].capitalize()}: at the {len(apart)} speeds at which both oscillate, the frequency of the bogie on "
-                f"the rig differs from that of the vehicle on the rails by {_percents(apart)}."
-            )
+            text = TEXT["frequency"].format(material=NAMES[m].capitalize(), count=len(apart), apart=_percents(apart))
             rig, vehicle = results.by_disturbance(m), results.by_disturbance(m, VEHICLE)
             if rig.known and vehicle.known:
-                ratio = rig.over(vehicle)
+                ratio, offset = rig.over(vehicle), 1e3 * self.chosen.hunting.disturbance
                 lower = Interval(100 * (1 - ratio.high), 100 * (1 - ratio.low))
-                text += (
-                    f" The critical speed by disturbance, from {1e3 * self.chosen.hunting.disturbance:g} mm, is "
-                    f"{rig.text('km/h')} on the rig and {vehicle.text('km/h')} on the rails"
-                    + (f", lower on the rig by {lower.text('%')}." if lower.bounded else ".")
-                )
+                on = (one.text("km/h") for one in (rig, vehicle))
+                text += TEXT["on_rig_and_rails"].format(offset=offset, rig=next(on), rails=next(on))
+                text += f", lower on the rig by {lower.text('%')}." if lower.bounded else "."
             texts.append(text)
-        return [FREQUENCIES, *texts] if texts else []
+        return [TEXT["frequencies"], *texts] if texts else []
 
     def _fit_blocks(self, results: Results, numbers: Numbers) -> list[Block]:
         """Which material fits the paper's critical speed."""
@@ -439,29 +431,6 @@ def _traction_columns(study: xr.Dataset) -> dict[str, ArrayLike]:
 # -------------------------------------------------------------------------------------------------------------- figures
 
 LABELS = {"steel": "Steel", "paper": "Paper's material, G = 10 GPa"}
-CAPTIONS = {
-    "figure_7a_ramp": "Figure 7a. Lateral displacement of the bogie frame over speed while the rollers are slowly sped up (dark) "
-    "from a disturbed start and slowed down again (light). Triangles: lateral perturbations. Of its own curve the paper states "
-    "that it grows beyond 100 km/h.",
-    "figure_7a_time_steel": "Figure 7a, at constant speeds, steel. Lateral displacement of the bogie frame after a "
-    "lateral offset of the leading wheelset.",
-    "figure_7a_time_paper": "Figure 7a, at constant speeds, paper's material, drawn likewise.",
-    "figure_7a_amplitude": "Amplitude at the end of each run at constant speed. Filled: the oscillation persists; open: it "
-    "decays; with the paper's own contact and with the exact one. Dashed lines: linear critical speeds with its own, and the "
-    "critical speed that the paper states.",
-    "figure_7b_steel": "Figure 7b, steel. Frequency of the lateral oscillation of the (front) bogie frame, whole vehicle on the "
-    "rails against bogie on the rig: of the runs from a disturbance, as in the paper (markers: open where it decays, "
-    "filled where it persists), and of the linear model's hunting mode (lines, cross where its damping vanishes).",
-    "figure_7b_paper": "Figure 7b, paper's material, drawn likewise.",
-    "radius_steel": "Steel. Linear critical speed over the radius of the rollers; horizontal: on track.",
-    "radius_paper": "Paper's material. Linear critical speed over the radius of the rollers; horizontal: on track.",
-    "roller_effects": "Steel. Loss of linear critical speed of the bogie from track to rig.",
-    "figure_8a": "Figure 8a. Absolute sliding of the right wheels on their rollers (longitudinal, mean of the patches weighted "
-    "with normal force), torque and speed. Dotted: slope of the creep law at the start × force × speed.",
-    "figure_8b": "Figure 8b. Longitudinal creep force and vertical contact force on the right wheels. Dotted: closed forms "
-    "from the balance of wheelset, roller and frame.",
-}
-"""Picture -> what it shows."""
 
 
 def _figures(results: Results) -> dict[str, Figure]:
@@ -517,42 +486,7 @@ def _around_onset(runs: list[HuntingRun], onset: float, count: int = 6) -> list[
 
 # ------------------------------------------------------------------------------------------------------------ sentences
 
-Row = tuple[str, str, str, str]
-CONSTANT_SPEED = (
-    "At constant speeds the leading wheelset is displaced laterally and released. Runs are repeated between the highest speed at "
-    "which the motion decays and the lowest at which it persists, until the two are close. Near the highest speeds the flanges "
-    "strike and the motion becomes irregular: its amplitude is meaningful, its course is sensitive to the smallest change."
-)
-TRACTION = (
-    "No torque for one second, then a linear rise to the maximum at 5 s, then constant. The rollers turn freely, so they and the "
-    "wheelsets are accelerated; the motors are mounted on the frame, which takes the opposite torque. The sliding does not start "
-    "from zero: the two patches of each wheel have different rolling radii and work against each other even without torque, and "
-    "what is drawn is their mean, weighted with normal force."
-)
-RAMP = (
-    "The rollers are sped up slowly from a disturbed start, as in the paper, and then slowed down again. The model has no "
-    "irregularities: below the critical speed the first disturbance decays within seconds to exact rest, and a bogie at exact "
-    "rest stays there far above the critical speed, whatever its stability. The bogie is therefore perturbed at every "
-    "{every:g} km/h on the way up (triangles): all its moving bodies are given a lateral velocity of {perturbation:g} mm/s. "
-    "What remains of one perturbation before the next shows whether disturbances grow. The rollers gain {rate:g} km/h per "
-    "second."
-)
-FREQUENCIES = (
-    "Figure 7b of the paper shows the frequency of the lateral oscillation in its simulations at each speed, for a whole "
-    "vehicle on the rails and a bogie on the rig, and calls frequency and critical speed similar. Here both are released "
-    "from the same lateral offset, and the frequency is that of the frame's half-waves: while they decay (down to a tenth "
-    "of the largest), or at the end where they persist."
-)
-NOT_READ = (
-    "These are all statements on results in the paper's text and captions. The curves of its figures 7 and 8 were not at hand, "
-    "only the text: none of their points can be read, and none stands beside the curves computed here. Of the figures' numbers "
-    "the paper states one, 100 km/h; of the traction test it states neither the torque nor the speed at the start."
-)
-NAMELESS = (
-    "The paper names its vehicle, but neither profiles nor friction nor the radius of its rollers; no parameter was tuned here "
-    "to close the gap."
-)
-SHORT = "the roller's local radius and the shorter patches change the creep forces: see What the rig changes"
+Row = Sequence[str]
 
 
 def _percents(values: list[float]) -> str:
@@ -568,8 +502,7 @@ def _contact_sentences(results: Results) -> list[str]:
         return f"{small} for small motions and {by.text('km/h', 1) if by.known else 'not computed'} from the offset"
 
     return [
-        f"The paper's bogie hunts above {CRITICAL_KMH:g} km/h; here with {NAMES[m]} the critical speed is {one(m, OWN)} with "
-        f"the paper's own contact, {one(m, EXACT)} with the exact one."
+        TEXT["contact"].format(paper=CRITICAL_KMH, material=NAMES[m], own=one(m, OWN), exact=one(m, EXACT))
         for m in results.modes
         if any(place[:2] == (EXACT, m) for place in results.linear)
     ]
@@ -581,16 +514,10 @@ def _critical_paragraphs(results: Results) -> Iterator[str]:
         small, large = results.linear_kmh(material), results.by_disturbance(material)
         if not (math.isfinite(small) and large.known):
             continue
-        text = (
-            f"{NAMES[material].capitalize()}: small disturbances grow above {small:z.1f} km/h. From {1e3 * found.disturbance:g} "
-            f"mm the critical speed is {large.text('km/h', 1)}; at the lower end the motion decays, at the upper one it persists."
-        )
+        offset, words = 1e3 * found.disturbance, large.text("km/h", 1)
+        text = TEXT["critical"].format(material=NAMES[material].capitalize(), small=small, offset=offset, large=words)
         if large.high < small - 5:
-            text += (
-                f" From {large.high:z.0f} to {small:z.0f} km/h both are possible: small disturbances decay, larger ones end in "
-                "a limit cycle, and a hunting bogie continues to hunt while the rollers slow down, until the lower of the two "
-                "speeds (hysteresis, a subcritical bifurcation)."
-            )
+            text += TEXT["hysteresis"].format(high=large.high, small=small)
         ramp = results.ramps.get(material)
         end = 3.6 * end_of_hunting(ramp, "front_frame") if ramp is not None else math.nan
         yield text + (f" On the ramp down, the hunting ends at {end:z.0f} km/h." if math.isfinite(end) else "")
@@ -632,11 +559,11 @@ def _rig_and_rails(results: Results) -> Iterator[Row]:
         apart = _frequency_differences(results, m)
         if apart:
             what = f"frequency of hunting, rig against rails, {NAMES[m]} (figure 7b)"
-            yield what, "similar", f"differs by {_percents(apart)}", SHORT
+            yield what, "similar", f"differs by {_percents(apart)}", TEXT["short"]
         rig, rails = results.by_disturbance(m), results.by_disturbance(m, VEHICLE)
         if rig.known and rails.known:
             here = f"{rig.text('km/h')} on the rig, {rails.text('km/h')} on the rails"
-            yield f"critical speed, rig against rails, {NAMES[m]}", "similar", here, SHORT
+            yield f"critical speed, rig against rails, {NAMES[m]}", "similar", here, TEXT["short"]
 
 
 def _figure_8_rows(results: Results) -> Iterator[Row]:
@@ -646,34 +573,16 @@ def _figure_8_rows(results: Results) -> Iterator[Row]:
         return
     wheels = [study.sel(wheel=wheel) for wheel in (FRONT, REAR)]
     first, last = ([1e3 * float(own["sliding"].isel(time=k)) for own in wheels] for k in (0, -1))
-    curved, straight = (max(sliding_course(own)[k].largest for own in wheels) for k in (1, 2))
-    yield (
-        "sliding of the right wheels in the traction test (figure 8a)",
-        "null at first, then of second order while the torque rises, then linear",
-        f"{first[0]:z.2f} mm/s in front and {first[1]:z.2f} mm/s behind at first; while the torque rises a parabola leaves "
-        f"{percent(curved)} of the largest, at constant torque a straight line {percent(straight)}; at the end "
-        f"{last[0]:z.1f} and {last[1]:z.1f} mm/s",
-        "two patches of a wheel have different rolling radii and work against each other without torque",
-    )
+    curved, straight = (percent(max(sliding_course(own)[k].largest for own in wheels)) for k in (1, 2))
     torque = study["torque"].to_numpy()
     off = max(fit(own["longitudinal_creep_force"].to_numpy(), torque).largest for own in wheels)
-    yield (
-        "longitudinal force of the right wheels (figure 8b)",
-        "follows the torque",
-        f"a constant times the torque leaves {percent(off)} of the largest",
-        "agrees",
-    )
     loads = [number(1e-3 * float(own["vertical_force"].isel(time=k)), 4) for k in (0, -1) for own in wheels]
     static = "agrees but for the static loads, which differ here"
-    yield (
-        "vertical force of the right wheels (figure 8b)",
-        "the same in front and behind, then linearly to different values",
-        f"{loads[0]} and {loads[1]} kN at first, {loads[2]} and {loads[3]} kN at the end",
-        "agrees: the motors' reaction turns the frame" if loads[0] == loads[1] else static,
-    )
+    why = "agrees: the motors' reaction turns the frame" if loads[0] == loads[1] else static
+    values = {"first": first, "last": last, "curved": curved, "straight": straight, "off": percent(off), "loads": loads}
     unlike = number(asymmetry(run, "longitudinal_sliding"), 1)
-    here = f"their sliding differs by {unlike} of the largest"
-    yield "left wheels in the traction test", "as the right ones", here, "agrees"
+    for row in TEXT["rows"].values():
+        yield [cell.format(**values, why=why, unlike=unlike) for cell in row]
 
 
 # ----------------------------------------------------------------------------------------- which material fits the paper
@@ -707,13 +616,7 @@ def _fit_paragraphs(results: Results) -> Iterator[str]:
         if len(known) > 1:
             parts.append(f"{NAMES[m]} {min(known):z.0f} to {max(known):z.0f} km/h")
     if parts:
-        yield (
-            "Accuracy of these numbers: near its centred position S1002 on UIC60 1:40 touches in two patches per wheel, and the "
-            "method of the paper treats each as a Hertzian contact of its own. How two patches merge is a modelling choice "
-            f"(contact.normal.merging_criterion). Over the values in the table the linear critical speed is {' and '.join(parts)}"
-            ". The exact solution has a single patch there, so the linear critical speed of this pair should not be read more "
-            "accurately than that."
-        )
+        yield TEXT["accuracy"].format(ranges=" and ".join(parts))
 
 
 def _nearest(found: dict[tuple[str, str], Interval]) -> str:
@@ -741,11 +644,13 @@ def _nearest(found: dict[tuple[str, str], Interval]) -> str:
 def _effect_of_the_material(results: Results) -> str:
     steel, soft = (results.contact[m] for m in MATERIALS)
     moduli = [rig_case(m).contact.material.shear_modulus for m in MATERIALS]
-    text = (
-        f"Effect of the material: with G = {1e-9 * moduli[1]:z.0f} GPa the wheels sink in {soft.approach / steel.approach:z.1f} "
-        f"times as deep ({1e6 * soft.approach:z.0f} instead of {1e6 * steel.approach:z.0f} µm), and the creep stiffness Σf₁₁ of "
-        f"a wheel falls to {100 * soft.creep_stiffness / steel.creep_stiffness:z.0f} % (Hertz and Kalker together give G^(1/3), "
-        f"which is {100 * (moduli[1] / moduli[0]) ** (1 / 3):z.0f} %): the creep forces at the same creepage fall by as much."
+    text: str = TEXT["material"].format(
+        modulus=1e-9 * moduli[1],
+        deeper=soft.approach / steel.approach,
+        soft=1e6 * soft.approach,
+        steel=1e6 * steel.approach,
+        stiffness=100 * soft.creep_stiffness / steel.creep_stiffness,
+        cube_root=100 * (moduli[1] / moduli[0]) ** (1 / 3),
     )
     steel_name, soft_name = MATERIALS
     by_disturbance = results.by_disturbance(soft_name).below(results.by_disturbance(steel_name))
@@ -753,14 +658,9 @@ def _effect_of_the_material(results: Results) -> str:
         text += " Both the linear critical speed and that by disturbance fall with it."
     waves = [_onset_wavelength(results, m) for m in MATERIALS]
     if all(math.isfinite(w) for w in waves):
-        steeper = [(state.wavelength / wave) ** 2 for state, wave in zip((steel, soft), waves, strict=True)]
-        text += (
-            " With either material the wheels steer more strongly at finite amplitude: at the onset of hunting the wavelength is "
-            f"{waves[0]:.1f} m with steel and {waves[1]:.1f} m with the paper's material, against {steel.wavelength:.1f} m and "
-            f"{soft.wavelength:z.1f} m for small motion at low speed, as if the conicity were {steeper[0]:z.1f} and "
-            f"{steeper[1]:z.1f} times "
-            "as large. This agrees with hunting from a disturbance well below the linear critical speed."
-        )
+        slow = [state.wavelength for state in (steel, soft)]
+        factor = [(own / wave) ** 2 for own, wave in zip(slow, waves, strict=True)]
+        text += TEXT["steeper"].format(onset=waves, slow=slow, factor=factor)
     return text
 
 
