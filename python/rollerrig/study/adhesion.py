@@ -69,6 +69,7 @@ from rollerrig.study.runs.adhesion import (
     verdict_of,
     verdict_rows,
 )
+from rollerrig.study.variants import start_jobs, start_name, started
 from rollerrig.wording import number, percent
 
 QUANTITIES = Quantities("adhesion")
@@ -160,12 +161,8 @@ class AdhesionStudy(Study[Runs]):
 
     def _tests(self, names: Sequence[str], begin: int, end: int) -> Round:
         """Ensembles from one start to another; the first start of some is run as a whole."""
-        return {
-            _test(name, k): job(recorded, case)
-            for name in names
-            for k, case in list(enumerate(starts(self._case(name), end)))[begin:]
-            if not (k == 0 and name in WHOLE)
-        }
+        jobs = start_jobs({name: self._case(name) for name in names}, lambda one, _: job(recorded, one), end, begin)
+        return {name: one for name, one in jobs.items() if name not in [start_name(whole, 0) for whole in WHOLE]}
 
     def _case(self, name: str) -> Case:
         if name.startswith(LATER):
@@ -178,13 +175,8 @@ class AdhesionStudy(Study[Runs]):
 
     def _records(self, done: Done, names: Sequence[str]) -> dict[str, list[TestRecord]]:
         """What there is of each ensemble, in the order of the starts, up to the first one that is missing."""
-        found: dict[str, list[TestRecord]] = {}
-        for name in ("track", *names):
-            first = [test_record(done[name], self._case(name))] if name in WHOLE and name in done else []
-            while (next_one := done.get(_test(name, len(first)))) is not None:
-                first.append(next_one)
-            found[name] = first
-        return found
+        whole = {name: [test_record(done[name], self._case(name))] for name in WHOLE if name in done}
+        return {name: started(done, name, whole.get(name, ())) for name in ("track", *names)}
 
     def collect(self, done: Done) -> Runs | None:
         if "track" not in done or "rig" not in done:
@@ -283,10 +275,6 @@ class AdhesionStudy(Study[Runs]):
             _numbers(numbers),
             *(Section(picture.name.replace("_", " ").capitalize(), [picture]) for picture in pictures),
         ]
-
-
-def _test(name: str, number: int) -> str:
-    return f"{name}, start {number + 1}"
 
 
 def _run_numbers(records: Sequence[TestRecord], names: Sequence[str]) -> dict[str, Any]:

@@ -8,7 +8,6 @@ gives the scale on which the rig's dump cycles are read.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 
 from rollerrig.actuators import assemble_with_actuators
@@ -16,12 +15,13 @@ from rollerrig.analysis.tracking import under_test
 from rollerrig.config import Case
 from rollerrig.config.schema.rig_control import BandwidthEstimator
 from rollerrig.mechatronics.lags import lags
-from rollerrig.study.ensemble import Estimate, estimate, measured_dead_time, starts
+from rollerrig.study.ensemble import Estimate, measured_dead_time
 from rollerrig.study.jobs import Done, Progress, Round, job, whole_run
 from rollerrig.study.quantities import Numbers, Quantities
 from rollerrig.study.report import Block, Table, Text
 from rollerrig.study.runs.adhesion import track_case
 from rollerrig.study.runs.control import Changes
+from rollerrig.study.variants import means, start_jobs, started
 from rollerrig.wording import number
 
 TRACK = "track"
@@ -68,17 +68,9 @@ def compensation_cases(case: Case) -> dict[str, Case]:
     return found
 
 
-def _later(seconds: float) -> str:
-    return f"{TRACK}, {1e3 * seconds:g} ms more dead time"
-
-
 def compensation_jobs(case: Case) -> Round:
     """A job for each variant and start."""
-    return {
-        f"{label}, start {start}": job(run_end, member)
-        for label, one in compensation_cases(case).items()
-        for start, member in enumerate(starts(one, STARTS))
-    }
+    return start_jobs(compensation_cases(case), lambda one, _: job(run_end, one), STARTS)
 
 
 def run_end(case: Case, progress: Progress | None = None) -> dict[str, float]:
@@ -90,32 +82,27 @@ def run_end(case: Case, progress: Progress | None = None) -> dict[str, float]:
 
 def compensation_numbers(case: Case, done: Done) -> dict[str, dict[str, float]] | None:
     """Means and errors by label, and the dead time on track that each variant of the rig is like."""
-    found: dict[str, dict[str, float]] = {}
-    for label, one in compensation_cases(case).items():
-        members = [done[name] for start in range(STARTS) if (name := f"{label}, start {start}") in done]
-        if len(members) < STARTS:
-            return None
-        numbers = {"predicted_ms": math.nan}
-        for name in RESULTS:
-            found_one = estimate([member[name] for member in members])
-            numbers[name], numbers[f"{name}_standard_error"] = found_one.mean, found_one.standard_error
-        if label in VARIANTS:
-            numbers["predicted_ms"] = 1e3 * lags(assemble_with_actuators(one)).dead_time
-        found[label] = numbers
-    if not found:
+    cases = compensation_cases(case)
+    runs = {label: started(done, label) for label in cases}
+    if not cases or any(len(one) < STARTS for one in runs.values()):
         return None
-    tracks = {0.0: found[TRACK], **{seconds: found[_later(seconds)] for seconds in DEAD_TIMES}}
-    for seconds, numbers in tracks.items():
-        numbers["predicted_ms"] = 1e3 * seconds
-    curve = {seconds: _cycles(numbers) for seconds, numbers in tracks.items()}
-    for numbers in found.values():
-        like = measured_dead_time(_cycles(numbers), curve)
-        numbers["measured_ms"], numbers["measured_ms_standard_error"] = 1e3 * like.mean, 1e3 * like.standard_error
-    return found
+    found = means(runs, RESULTS)
+    cycles = zip(found["dump_cycles"].to_numpy(), found["dump_cycles_standard_error"].to_numpy(), strict=True)
+    estimates = dict(zip(cases, (Estimate(*one, STARTS - 1.0) for one in cycles), strict=True))
+    added = {TRACK: 0.0, **{_later(seconds): seconds for seconds in DEAD_TIMES}}
+    curve = {seconds: estimates[label] for label, seconds in added.items()}
+    numbers: dict[str, dict[str, float]] = {}
+    for label, one in cases.items():
+        like = measured_dead_time(estimates[label], curve)
+        late = added[label] if label in added else lags(assemble_with_actuators(one)).dead_time
+        own = {str(name): float(values.sel(variant=label)) for name, values in found.items()}
+        times = {"measured_ms": 1e3 * like.mean, "measured_ms_standard_error": 1e3 * like.standard_error}
+        numbers[label] = {"predicted_ms": 1e3 * late, **own, **times}
+    return numbers
 
 
-def _cycles(numbers: Numbers) -> Estimate:
-    return Estimate(numbers["dump_cycles"], numbers["dump_cycles_standard_error"], STARTS - 1.0)
+def _later(seconds: float) -> str:
+    return f"{TRACK}, {1e3 * seconds:g} ms more dead time"
 
 
 def compensation_blocks(numbers: Numbers, quantities: Quantities) -> list[Block]:
@@ -135,7 +122,7 @@ def compensation_text(numbers: Numbers) -> str:
     track, none, best = (numbers[label] for label in (TRACK, "no compensation", "pressure, and lead"))
 
     def against(one: Numbers, name: str) -> str:
-        return f"{100.0 * (one[name] / track[name] - 1.0):+.1f} %"
+        return f"{100.0 * (one[name] / track[name] - 1.0):+.1f} %" if track[name] else "–"
 
     def measured(one: Numbers) -> str:
         return f"{number(one['measured_ms'], 2)} ± {number(one['measured_ms_standard_error'], 1)} ms"

@@ -9,7 +9,6 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -33,12 +32,12 @@ from rollerrig.config import Case, Condition, ConfigError, ConfigProblem, Rig
 from rollerrig.config.validate.simulated_axles import simulated_axles
 from rollerrig.plot import lateral as figures
 from rollerrig.results import COMPLETED
-from rollerrig.study.ensemble import estimate
 from rollerrig.study.frame import Study
 from rollerrig.study.jobs import Done, Progress, Round, job, whole_run
 from rollerrig.study.quantities import Numbers, Quantities
 from rollerrig.study.report import VIEW, Block, Picture, Section, Text
 from rollerrig.study.runs.adhesion import track_case
+from rollerrig.study.variants import means, start_jobs, started
 from rollerrig.wording import number, percent
 
 MEMBERS = 8
@@ -70,11 +69,10 @@ def whole_creep_slope(case: Case) -> Case:
     return case.model_copy(update={"adhesion": adhesion})
 
 
-def nearly_the_same(case: Case) -> list[Case]:
-    """The other members of the ensemble of a case, each displaced by 1e-9 more than the one before."""
+def nearly_the_same(case: Case, count: int) -> list[Case]:
+    """An ensemble: the case, and others of which each is displaced by 1e-9 more than the one before."""
     members = []
-    for k in range(1, MEMBERS):
-        larger = 1.0 + NEARLY * k
+    for larger in (1.0 + NEARLY * k for k in range(count)):
         disturbance = tuple(
             one.model_copy(update={"lateral": larger * one.lateral, "yaw": larger * one.yaw})
             for one in case.disturbance
@@ -115,15 +113,6 @@ QUANTITIES = Quantities("lateral")
 def run_measured(case: Case, slide: float, progress: Progress | None = None) -> dict[str, Any]:
     """The numbers of one more member of an ensemble."""
     return run_numbers(whole_run(case, progress), slide)
-
-
-def ensemble_numbers(members: Sequence[Mapping[str, Any]]) -> dict[str, float]:
-    """Means and standard errors of `ensemble`."""
-    found = {}
-    for name in CHAOTIC:
-        one = estimate([member[name] for member in members])
-        found[name], found[f"{name}_standard_error"] = one.mean, one.standard_error
-    return found
 
 
 def run_numbers(run: xr.Dataset, slide: float) -> dict[str, Any]:
@@ -298,11 +287,8 @@ class LateralStudy(Study[Found]):
         if LABELS["rig"] not in done:
             return
         begin = _slide({key: done[label] for key, label in LABELS.items() if label in done})
-        yield {
-            _repeated(key, number): job(run_measured, case, begin)
-            for key in REPEATED
-            for number, case in enumerate(nearly_the_same(runs[key]), 1)
-        }
+        again = {LABELS[key]: runs[key] for key in REPEATED}
+        yield start_jobs(again, lambda one, _: job(run_measured, one, begin), MEMBERS, 1, nearly_the_same)
 
     def runs(self) -> dict[str, Case]:
         """The cases that are run, by key of LABELS."""
@@ -329,8 +315,7 @@ class LateralStudy(Study[Found]):
     def collect(self, done: Done) -> Found | None:
         if LABELS["rig"] not in done:
             return None
-        again = {key: [done[name] for name in map(partial(_repeated, key), range(1, MEMBERS)) if name in done]
-                 for key in REPEATED}  # fmt: skip
+        again = {key: started(done, LABELS[key], [None])[1:] for key in REPEATED}
         return Found({key: done[label] for key, label in LABELS.items() if label in done}, again)
 
     def statuses(self, results: Found) -> Sequence[str]:
@@ -342,12 +327,13 @@ class LateralStudy(Study[Found]):
         begin = _slide(results.runs)
         left = {key: self.guidance_of(results.runs[key]) for key in GUIDED if key in results.runs}
         runs = {key: run_numbers(run, begin) for key, run in results.runs.items()}
+        one = means({key: [runs[key], *others] for key, others in results.repeated.items() if others}, CHAOTIC)
         return {
             "case": self.case.name,
             "slide_begins_s": begin,
             "runs": runs,
             "ensemble": {
-                key: ensemble_numbers([runs[key], *others]) for key, others in results.repeated.items() if others
+                str(key): {name: float(one[name].sel(variant=key)) for name in one} for key in one["variant"].to_numpy()
             },
             "guidance": {key: guidance_numbers(found) for key, found in left.items() if found is not None},
         }
@@ -401,11 +387,6 @@ class LateralStudy(Study[Found]):
             QUANTITIES.table(entries, [q.key for q in QUANTITIES.below("guidance.*")], head="run"),
             *pictures,
         ]
-
-
-def _repeated(key: str, number: int) -> str:
-    """Name of the job of another member of an ensemble."""
-    return f"{LABELS[key]}, again {number}"
 
 
 def _slide(results: Mapping[str, xr.Dataset]) -> float:

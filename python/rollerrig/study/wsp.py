@@ -19,7 +19,7 @@ from rollerrig.config.schema.programme import BrakedRun
 from rollerrig.config.write.toml import to_toml
 from rollerrig.plot.wsp import Ends, means_with_intervals, slip_grid, stop_over_time
 from rollerrig.study.assessment import SHOWN
-from rollerrig.study.ensemble import estimate, starts
+from rollerrig.study.ensemble import estimate
 from rollerrig.study.frame import Content, Study
 from rollerrig.study.jobs import Done, Job, Round, job
 from rollerrig.study.quantities import Numbers, Quantities, Quantity
@@ -42,6 +42,7 @@ from rollerrig.study.runs.wsp import (
     stop_record,
     verdict_of,
 )
+from rollerrig.study.variants import start_jobs, started
 from rollerrig.wording import number
 
 Tests = Mapping[Support, StopTests]
@@ -137,9 +138,8 @@ class WspStudy(Study[Results]):
             for on in SUPPORTS if stop.stops else ():
                 dry = _on(dry_case(self.case, self.programme, stop), on)
                 jobs[f"{dry_name(self.case, stop)}, {on}"] = job(stop_record, dry, self.programme.flat, False)
-            for on in SUPPORTS:
-                for k, case in enumerate(starts(_on(self.stop_cases[stop.name], on), self.count)):
-                    jobs[_test(stop, on, k)] = job(stop_record, case, self.programme.flat, k == 0)
+            cases = {f"{stop.name}, {on}": _on(self.stop_cases[stop.name], on) for on in SUPPORTS}
+            jobs |= start_jobs(cases, lambda one, k: job(stop_record, one, self.programme.flat, k == 0), self.count)
         yield jobs
 
     def plan(self) -> dict[str, Any]:
@@ -155,7 +155,7 @@ class WspStudy(Study[Results]):
 
     def _result(self, stop: BrakedRun, done: Done) -> StopResult:
         made: dict[Support, list[StopRecord]] = {
-            on: [done[name] for k in range(self.count) if (name := _test(stop, on, k)) in done] for on in SUPPORTS
+            on: started(done, f"{stop.name}, {on}")[: self.count] for on in SUPPORTS
         }
         needed, case = max(self.programme.starts, self.count), self.stop_cases[stop.name]
         tests: dict[Support, StopTests] = {}
@@ -217,10 +217,6 @@ class WspStudy(Study[Results]):
 
 def _on(case: Case, support: Support) -> Case:
     return track_case(case) if support == "track" else case
-
-
-def _test(stop: BrakedRun, support: Support, number: int) -> str:
-    return f"{stop.name}, {support}, start {number + 1}"
 
 
 # ------------------------------------------------------------------------------------------------------ numbers and rows
