@@ -27,7 +27,7 @@ from rollerrig.analysis.lateral_guidance import (
     slide_begins,
     train_slip,
 )
-from rollerrig.analysis.tracking import largest, rms, tracking, wheel_radius
+from rollerrig.analysis.tracking import following, largest, real_sliding, wheel_radius
 from rollerrig.config import Case, Condition, ConfigError, ConfigProblem, Rig
 from rollerrig.config.validate.simulated_axles import simulated_axles
 from rollerrig.plot import lateral as figures
@@ -122,17 +122,17 @@ def run_numbers(run: xr.Dataset, slide: float) -> dict[str, Any]:
         run: of the study.
         slide: when the wheels begin to slide, the same for all runs [s]; NaN: they do not.
     """
-    error, largest_error = tracking(run) if on_rig(run) else (math.nan, math.nan)
     time, lateral = run["time"].to_numpy(), leading_lateral(run)
     begin = slide if math.isfinite(slide) else float(time[-1])
     later = [amplitude(time, lateral, t, t + 1.0) for t in np.arange(begin + 1.0, time[-1] - 0.999)]
     rollers = [body for body in map(str, run["body"].to_numpy()) if "roller" in body]
     return {
         "status": run.attrs["status"],
-        "tracking_rms": error,
-        "tracking_largest": largest_error,
-        "real_sliding_rms_mps": rms(run["real_sliding"]),
-        "real_sliding_largest_mps": float(np.abs(run["real_sliding"]).max()),
+        **(
+            following(run)
+            if on_rig(run)
+            else {"tracking_rms": math.nan, "tracking_largest": math.nan, **real_sliding(run)}
+        ),
         "largest_slip": largest(train_slip(run)),
         "amplitude_before_mm": amplitude(time, lateral, begin - 1.0, begin),
         "amplitude_in_slide_mm": max(later, default=math.nan),

@@ -17,7 +17,7 @@ import xarray as xr
 from rollerrig.actuators import assemble_with_actuators
 from rollerrig.analysis.control_loop import Wheel, wheel_of
 from rollerrig.analysis.torque_ripple import torque_ripple
-from rollerrig.analysis.tracking import largest, rms, slip, tracking, under_test
+from rollerrig.analysis.tracking import following, largest, slip, under_test
 from rollerrig.config import Case
 from rollerrig.config.schema.rig_control import (
     BandwidthEstimator,
@@ -267,17 +267,13 @@ def run_numbers(run: xr.Dataset) -> dict[str, Any]:
     As `distance_relative`, time and distance of the last instant compared.
     """
     run = under_test(run)
-    error, largest_error = tracking(run)
     ripple, frequency = torque_ripple(run["time"].to_numpy(), run["roller_torque"].to_numpy())
     last, compared = run.isel(time=-1), run.isel(time=slice(None, None, 50)).isel(time=-1)
     return {
         "status": run.attrs["status"],
         "ended_s": float(run.attrs["stopped_at_s"]),
-        "tracking_rms": error,
-        "tracking_largest": largest_error,
+        **following(run),
         "largest_slip": largest(slip(run)),
-        "real_sliding_rms_mps": rms(run["real_sliding"]),
-        "real_sliding_largest_mps": float(np.abs(run["real_sliding"]).max()),
         "roller_torque_largest_nm": float(np.abs(run["roller_torque"]).max()),
         "distance_m": float(last["train_distance"]),
         "distance_relative": [float(compared["time"]), float(compared["train_distance"])],
