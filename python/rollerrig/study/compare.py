@@ -312,7 +312,7 @@ class CompareStudy(Study[Results]):
         if results.states:
             names = next(iter(results.states.values())).creep_stiffness
             entries = {f"{wheel}, {on}": supports[on]["wheels"][wheel] for wheel in names for on in results.states}
-            columns = [quantity.name for quantity in forces.WHEELS]
+            columns = [q.name for q in QUANTITIES.below("supports.*.wheels.*")]
             blocks.append(
                 QUANTITIES.table(entries, columns, f"Steady rolling at {self.speeds_kmh[0]:g} km/h.", "wheel, on")
             )

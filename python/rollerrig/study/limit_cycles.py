@@ -137,9 +137,6 @@ def _branch(
     return trace(settle, sweep, tuple(float(v) / 3.6 for v in speeds_kmh), tolerance=tolerance)
 
 
-POINT = "limit_cycles.points.*"
-
-
 def cycle_numbers(found: Diagram, settings: LimitCycleSettings) -> dict[str, Any]:
     """The diagram and what follows from it."""
     sweeps: tuple[tuple[str, list[CyclePoint]], ...] = (("up", found.up), ("down", found.down))

@@ -20,17 +20,7 @@ from rollerrig.study.quantities import Quantities, Quantity
 from rollerrig.study.report import Picture, Section, Table, Text
 from rollerrig.wording import number
 
-SHOWN = Quantities(
-    Quantity("guiding_force", "", "N", "guiding force Y", 3, ("kN", 1e-3)),
-    Quantity("wheel_load", "", "N", "wheel load Q", 3, ("kN", 1e-3)),
-    Quantity("derailment_quotient", "", "1", "Y/Q", 3),
-    Quantity("wheel_unloading", "", "1", "wheel unloading (Q0 - Q)/Q0", 3),
-    Quantity("guiding_force_sum", "", "N", "sum of guiding forces ΣY", 3, ("kN", 1e-3)),
-    Quantity("wear_number", "", "N", "wear number Tγ", 3),
-    Quantity("lateral_acceleration", "", "m/s²", "lateral acceleration", 3),
-    Quantity("vertical_acceleration", "", "m/s²", "vertical acceleration", 3),
-)
-"""How the report shows each quantity."""
+SHOWN = Quantities("running_safety")
 
 SIGNS = (
     "Forces are those of the wheel on the rail or roller: Y outwards, Q downwards, ΣY of a wheelset to the left. Each quantity "

@@ -23,7 +23,6 @@ from rollerrig.config.read.document import Document
 from rollerrig.config.read.library import catalog_names
 from rollerrig.config.write.toml import plain
 from rollerrig.study.jobs import Progress, whole_run
-from rollerrig.study.quantities import Quantity
 
 SHORTHANDS = {"rig": CATALOG_RIG, "track": CATALOG_TRACK}
 """What `--on rig,track` means where VEHICLE is no case with a support of that kind."""
@@ -116,15 +115,6 @@ def _case(base: Case | Vehicle, name: str, support: Mapping[str, Any], cut: str 
     return build_case(Document(raw, source, Path()), allow_code=True)  # that of the case was asked for when it was read
 
 
-WHEELS = (
-    Quantity("supports.*.wheels.*.vertical_force_kn", "Q in steady rolling at the lowest speed", "kN", "Q"),
-    Quantity("supports.*.wheels.*.lateral_force_kn", "Y of the wheel on the rail there, outwards", "kN", "Y", 3),
-    Quantity("supports.*.wheels.*.longitudinal_creep_force_n", "creep force there", "N", "longitudinal creep force", 3),
-    Quantity("supports.*.wheels.*.patches", "number of its contact patches", "", "patches"),
-    Quantity("supports.*.wheels.*.approach_um", "of the deepest patch", "µm", "deepest approach"),
-    Quantity("supports.*.wheels.*.patch_ab_mm2", "largest product of a patch's semi-axes", "mm²", "largest a × b"),
-    Quantity("supports.*.wheels.*.creep_stiffness_mn", "sum of f₁₁ over its patches", "MN", "Σ f₁₁"),
-)
 DISTURBED = {
     "guiding_force": 1e-3,
     "guiding_force_sum": 1e-3,
@@ -149,21 +139,20 @@ def disturbed(case: Case, speed: float, settings: HuntingSettings, progress: Pro
 
 
 def wheel_numbers(state: RollingState) -> dict[str, dict[str, float]]:
-    """Per wheel the numbers of WHEELS."""
+    """Per wheel the numbers of `supports.*.wheels`."""
     found = {}
     for wheel in map(str, state.wheels["wheel"].to_numpy()):
         own = state.wheels.sel(wheel=wheel)
         outwards = -1.0 if wheel.endswith("left") else 1.0
-        values = (
-            1e-3 * float(own["vertical_force"]),
-            outwards * 1e-3 * float(own["lateral_force"]),
-            float(own["longitudinal_creep_force"]),
-            int(own["patch_count"]),
-            1e6 * float(own["patch_approach"].max()),
-            1e6 * float((own["patch_a"] * own["patch_b"]).max()),
-            1e-6 * state.creep_stiffness[wheel],
-        )
-        found[wheel] = {quantity.name: value for quantity, value in zip(WHEELS, values, strict=True)}
+        found[wheel] = {
+            "vertical_force_kn": 1e-3 * float(own["vertical_force"]),
+            "lateral_force_kn": outwards * 1e-3 * float(own["lateral_force"]),
+            "longitudinal_creep_force_n": float(own["longitudinal_creep_force"]),
+            "patches": int(own["patch_count"]),
+            "approach_um": 1e6 * float(own["patch_approach"].max()),
+            "patch_ab_mm2": 1e6 * float((own["patch_a"] * own["patch_b"]).max()),
+            "creep_stiffness_mn": 1e-6 * state.creep_stiffness[wheel],
+        }
     return found
 
 
