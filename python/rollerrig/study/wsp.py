@@ -42,7 +42,7 @@ from rollerrig.study.runs.wsp import (
     stop_record,
     verdict_of,
 )
-from rollerrig.study.variants import start_jobs, started
+from rollerrig.study.variants import start_jobs, start_name
 from rollerrig.wording import number
 
 Tests = Mapping[Support, StopTests]
@@ -155,7 +155,8 @@ class WspStudy(Study[Results]):
 
     def _result(self, stop: BrakedRun, done: Done) -> StopResult:
         made: dict[Support, list[StopRecord]] = {
-            on: started(done, f"{stop.name}, {on}")[: self.count] for on in SUPPORTS
+            on: [done[name] for k in range(self.count) if (name := start_name(f"{stop.name}, {on}", k)) in done]
+            for on in SUPPORTS
         }
         needed, case = max(self.programme.starts, self.count), self.stop_cases[stop.name]
         tests: dict[Support, StopTests] = {}
