@@ -48,6 +48,18 @@ def coulomb(case: Case) -> Case:
 SPEED, RADIUS, GRIPS = 30.0, 0.46, 0.03
 
 
+def test_the_creep_curve_of_low_peaks_where_the_pages_say(case: Case) -> None:
+    """docs/theory/adhesion.md and docs/studies/adhesion.md: 0.068 of the load at 2.2 % slip, 98 % of it from 1.4 to 3.7 %."""
+    slip = np.linspace(1e-3, 0.06, 5901)
+    for law, peak, at in (("polach", 0.068, 0.022), ("kalker_saturated", 0.079, 0.005)):
+        one = case if law == case.contact.creep.kind else case.with_changes({"contact.creep": law})
+        force = creep_curve(one, patch_of(assemble(one)), 0.08, slip)[1]
+        assert (round(float(force.max()), 3), round(float(slip[force.argmax()]), 3)) == (peak, at)
+        if law == "polach":
+            near = slip[force >= 0.98 * force.max()]
+            assert [round(float(end), 3) for end in near[[0, -1]]] == [0.014, 0.037]
+
+
 def made_up_run(status: str = "ok", **values: object) -> xr.Dataset:
     """A run of 1 s that does nothing but what is given: a number, or a function of time, for the leading axle."""
     t = np.arange(0.0, 1.0001, 0.005)

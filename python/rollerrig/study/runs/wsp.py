@@ -218,7 +218,7 @@ Support = Literal["track", "rig"]
 SUPPORTS: tuple[Support, ...] = ("track", "rig")
 
 SLID = 0.03
-"""An axle has slid whose slip passed this: beyond the peak of the creep curve on low adhesion, 2.6 % [-]."""
+"""An axle has slid whose slip passed this: beyond the peak of the creep curve on low adhesion, 2.2 % [-]."""
 
 POWER_LIMITED = 0.01
 """Part of the time at the power limit of a roller drive from which the rig is no track, as at its torque limit [-]."""
