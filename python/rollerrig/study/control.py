@@ -158,45 +158,22 @@ def ranking(families: Sequence[Family], results: Sequence[Result]) -> list[Rank]
     return sorted(ranks, key=lambda rank: rank.worst.severity, reverse=True)
 
 
-def rank_numbers(rank: Rank) -> dict[str, Any]:
-    """Of one curve, for summary.json."""
-    return {
-        "family": rank.family.name,
-        "curve": rank.curve,
-        "worst_value": rank.worst.value,
-        "worst_tracking_rms": rank.worst.numbers["tracking_rms"],
-        "worst_ripple_nm": rank.worst.numbers["ripple_nm"],
-        "failures": [vars(failure) for failure in rank.failures],
-    }
-
-
 def failures_text(rank: Rank) -> str:
-    """All parts of a curve that fail; empty where none does."""
-    return " and ".join(_failure_text(rank, failure) for failure in rank.failures)
-
-
-def _failure_text(rank: Rank, failure: Failure) -> str:
-    known = {"tracking": TRACKING_CRITERION, "ripple": RIPPLE_CRITERION}
-    cause = known.get(failure.cause, f"{failure.cause.replace('_', ' ')}, test ends early,")
-    return f"{cause} {_where(rank, failure)}{_largest(rank, failure)}"
-
-
-def _where(rank: Rank, failure: Failure) -> str:
-    text, begin, end = rank.family.text, failure.begin, failure.end
-    if failure.throughout:
-        return f"throughout, {text(rank.points[0].value)} to {text(rank.points[-1].value)}"
-    if math.isnan(begin):
-        return f"up to {text(end)}"
-    if math.isnan(end):
-        return f"from {text(begin)} on"
-    return f"at {text(begin)}" if begin == end else f"from {text(begin)} to {text(end)}"
-
-
-def _largest(rank: Rank, failure: Failure) -> str:
-    if math.isnan(failure.largest):
-        return ""
-    scale, unit = (100.0, "%") if failure.cause == "tracking" else (1.0, "N m")
-    return f" (largest {number(scale * failure.largest, 3)} {unit} at {rank.family.text(failure.largest_at)})"
+    """All parts of a curve that fail, where, and the largest error there; empty where none does."""
+    text, parts = rank.family.text, []
+    for one in rank.failures:
+        known = {"tracking": TRACKING_CRITERION, "ripple": RIPPLE_CRITERION}
+        cause = known.get(one.cause, f"{one.cause.replace('_', ' ')}, test ends early,")
+        if one.throughout:
+            where = f"throughout, {text(rank.points[0].value)} to {text(rank.points[-1].value)}"
+        elif math.isnan(one.begin) or math.isnan(one.end):
+            where = f"up to {text(one.end)}" if math.isnan(one.begin) else f"from {text(one.begin)} on"
+        else:
+            where = f"at {text(one.begin)}" if one.begin == one.end else f"from {text(one.begin)} to {text(one.end)}"
+        scale, unit = (100.0, "%") if one.cause == "tracking" else (1.0, "N m")
+        largest = f" (largest {number(scale * one.largest, 3)} {unit} at {text(one.largest_at)})"
+        parts.append(f"{cause} {where}{'' if math.isnan(one.largest) else largest}")
+    return " and ".join(parts)
 
 
 LIMITS = f"limits of failure, {100 * TRACKING_LIMIT:g} % and {RIPPLE_LIMIT:g} N m"
@@ -364,11 +341,11 @@ class ControlStudy(Study[Found]):
         references, results = self._results(done)
         if not references or references[0].curve != next(iter(REFERENCES)):
             return None
-        base = done[_name(("references", references[0].curve, math.nan))]["course"].isel(time=slice(None, None, 50))
+        shipped = done[_name(("references", references[0].curve, math.nan))]["course"]
+        base, courses = shipped.isel(time=slice(None, None, 50)), {references[0].curve: shipped}
         references, results = (
             [replace(r, numbers=against(r.numbers, base)) for r in rs] for rs in (references, results)
         )
-        courses = {references[0].curve: done[_name(("references", references[0].curve, math.nan))]["course"]}
         for key in self._worst(done):
             family = next(f for f in FAMILIES if f.name == key[0])
             if f"course of {_name(key)}" in done:
@@ -395,7 +372,17 @@ class ControlStudy(Study[Found]):
                 {"family": r.family, "curve": r.curve, "value": r.value, "cause": r.cause, **r.numbers}
                 for r in results.results
             ],
-            "ranking": [rank_numbers(rank) for rank in self._ranking(results)],
+            "ranking": [
+                {
+                    "family": rank.family.name,
+                    "curve": rank.curve,
+                    "worst_value": rank.worst.value,
+                    "worst_tracking_rms": rank.worst.numbers["tracking_rms"],
+                    "worst_ripple_nm": rank.worst.numbers["ripple_nm"],
+                    "failures": [vars(failure) for failure in rank.failures],
+                }
+                for rank in self._ranking(results)
+            ],
             "loop": loop_numbers(self.case, results.loop) if results.loop else None,
             "compensation": results.compensation,
             "held_wheel": results.held,

@@ -144,12 +144,6 @@ def run_numbers(run: xr.Dataset, slide: float) -> dict[str, Any]:
     }
 
 
-def guidance_numbers(found: Guidance) -> dict[str, float]:
-    """Lateral creep of sliding axles of `guidance`."""
-    values = (found.slope, found.correlation, found.rolling, found.sliding)
-    return dict(zip((q.name for q in QUANTITIES.below("guidance.*")), values, strict=True))
-
-
 def control_text(numbers: Numbers) -> Iterator[str]:
     """How lateral motion disturbs the control of the rig."""
     runs, again = numbers["runs"], numbers["ensemble"]
@@ -325,6 +319,7 @@ class LateralStudy(Study[Found]):
 
     def numbers(self, results: Found) -> dict[str, Any]:
         begin = _slide(results.runs)
+        names = [q.name for q in QUANTITIES.below("guidance.*")]
         left = {key: self.guidance_of(results.runs[key]) for key in GUIDED if key in results.runs}
         runs = {key: run_numbers(run, begin) for key, run in results.runs.items()}
         one = means({key: [runs[key], *others] for key, others in results.repeated.items() if others}, CHAOTIC)
@@ -335,7 +330,11 @@ class LateralStudy(Study[Found]):
             "ensemble": {
                 str(key): {name: float(one[name].sel(variant=key)) for name in one} for key in one["variant"].to_numpy()
             },
-            "guidance": {key: guidance_numbers(found) for key, found in left.items() if found is not None},
+            "guidance": {
+                key: dict(zip(names, (one.slope, one.correlation, one.rolling, one.sliding), strict=True))
+                for key, one in left.items()
+                if one is not None
+            },
         }
 
     def guidance_of(self, run: xr.Dataset) -> Guidance | None:

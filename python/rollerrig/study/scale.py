@@ -15,6 +15,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import xarray as xr
+from numpy.typing import ArrayLike
 
 from rollerrig.analysis.scaled_model import (
     at_times_of,
@@ -49,8 +50,6 @@ from rollerrig.study.quantities import Numbers, Quantities
 from rollerrig.study.report import Picture, Section, Table
 from rollerrig.wording import number, percent
 
-HEADER = ("requirement", "quantity of the model", "needed", "is", "unit", "deviation", "effect on results")
-
 
 def deviation(value: float) -> str:
     """A deviation with its sign; what full scale does not have is new."""
@@ -70,24 +69,6 @@ def model_summary(model: Case, found: Sequence[Requirement]) -> list[str]:
         *(f"violated: {one.name} ({deviation(one.deviation)}): {one.effect}" for one in violated),
         *(["All requirements of similitude are met."] if not violated else []),
     ]
-
-
-def violations_table(found: Sequence[Requirement]) -> Table:
-    """All requirements, met or violated."""
-    rows = [
-        [one.name, one.quantity, number(one.required), number(one.actual), one.unit,
-         "met" if one.met else deviation(one.deviation), "" if one.met else one.effect]
-        for one in found
-    ]  # fmt: skip
-    return Table(HEADER, rows, "requirements, met or violated")
-
-
-def factors_table(model: Case) -> Table:
-    """Scale factors of every quantity."""
-    factors, record = factors_of(model), model.similitude
-    assert record is not None
-    table = [[name, number(factors.factor(unit)), unit] for name, unit in FACTORS]
-    return Table(("quantity", "full scale over model", "unit"), table, STRATEGIES[record.strategy].title)
 
 
 def contact_at_rest_table(model: Case, at_full_scale: ContactAtRest, own: ContactAtRest) -> Table:
@@ -113,20 +94,16 @@ def contact_at_rest_table(model: Case, at_full_scale: ContactAtRest, own: Contac
     return Table(header, rows, "where several patches share a load, sizes follow it less closely than one patch would")
 
 
-def axle_rows(full: xr.Dataset, mapped: xr.Dataset) -> list[list[object]]:
-    """axles.csv: speeds at full scale, the model's at the same times; header first."""
+def axle_columns(full: xr.Dataset, mapped: xr.Dataset) -> dict[str, ArrayLike]:
+    """axles.csv: speeds at full scale, the model's at the same times."""
     other = at_times_of(full, mapped)
     run = full.isel(time=slice(0, other.sizes["time"]))
-    columns = {
-        "time_s": run["time"],
-        "train_speed_full_mps": run["train_speed"],
-        "train_speed_model_mps": other["train_speed"],
-    }
+    both = {"full": run, "model": other}
+    columns = {"time_s": run["time"], **{f"train_speed_{label}_mps": one["train_speed"] for label, one in both.items()}}
     for axle in run["axle"].to_numpy():
-        for label, one in (("full", run), ("model", other)):
+        for label, one in both.items():
             columns[f"axle_speed_{axle}_{label}_rad_per_s"] = one["axle_speed"].sel(axle=axle)
-    values = [column.to_numpy().tolist() for column in columns.values()]
-    return [list(columns), *(list(row) for row in zip(*values, strict=True))]
+    return {name: column.to_numpy() for name, column in columns.items()}
 
 
 LABELS = {
@@ -294,29 +271,38 @@ class ScaleStudy(Study[Scaled]):
         ]
 
     def files(self, results: Scaled, numbers: Numbers) -> Mapping[str, Any]:
-        axles = {"axles.csv": axle_rows(results.full, results.mapped["model"])} if "train_speed" in results.full else {}
+        axles = (
+            {"axles.csv": axle_columns(results.full, results.mapped["model"])} if "train_speed" in results.full else {}
+        )
         runs = {"full.nc": results.full, "model.nc": results.mapped["model"]}
         return {CASE_FILE: to_short_toml(self.model), **runs, **axles}
 
     def sections(self, results: Scaled, numbers: Numbers) -> list[Section]:
         runs = {"full scale": numbers["full"], "model, mapped back": numbers["model_mapped_back"]}
         hidden = () if _moves_sideways(numbers) else ("lateral_largest_m", "lateral_rms_m")
-        shown = [
-            q.name
-            for q in QUANTITIES.below("*")
-            if not q.name.startswith("status") and q.name in numbers["full"] and q.name not in hidden
-        ]
-        compared = [
-            q.name for q in QUANTITIES.below("fidelity") if q.name in numbers["fidelity"] and q.name not in hidden
-        ]
-        tables = [
-            QUANTITIES.list_table(runs, shown),
-            QUANTITIES.list_table({"model less full scale": numbers["fidelity"]}, compared),
-        ]
+        shown, compared = (
+            [
+                q.name
+                for q in QUANTITIES.below(group)
+                if q.name in known and q.name not in (*hidden, "status", "status_message")
+            ]
+            for group, known in (("*", numbers["full"]), ("fidelity", numbers["fidelity"]))
+        )
+        violations = [
+            [one.name, one.quantity, number(one.required), number(one.actual), one.unit,
+             "met" if one.met else deviation(one.deviation), "" if one.met else one.effect]
+            for one in results.violations
+        ]  # fmt: skip
+        header = ("requirement", "quantity of the model", "needed", "is", "unit", "deviation", "effect on results")
+        factors, record = factors_of(self.model), self.model.similitude
+        assert record is not None
+        scaled = [[name, number(factors.factor(unit)), unit] for name, unit in FACTORS]
+        similitude = Table(("quantity", "full scale over model", "unit"), scaled, STRATEGIES[record.strategy].title)
+        less = QUANTITIES.list_table({"model less full scale": numbers["fidelity"]}, compared)
         sections = [
-            Section("Similitude", [factors_table(self.model), violations_table(results.violations)]),
+            Section("Similitude", [similitude, Table(header, violations, "requirements, met or violated")]),
             Section("Contact at rest", [contact_at_rest_table(self.model, *results.contact)]),
-            Section("Numbers", [*tables]),
+            Section("Numbers", [QUANTITIES.list_table(runs, shown), less]),
         ]
         sections += [Section(title, [Picture(*picture)]) for title, *picture in self._pictures(results, numbers)]
         if numbers["error_budget"]:

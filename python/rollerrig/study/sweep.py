@@ -7,6 +7,8 @@ from __future__ import annotations
 
 import math
 import pickle
+import tomllib
+from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
@@ -15,7 +17,6 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from rollerrig.config import Case, ConfigError, ConfigProblem, Plan, WholePlan, plan_of_case
 from rollerrig.config.errors import nearest, one_of, show_value
@@ -38,45 +39,8 @@ from rollerrig.study.runs.sweep import (
 )
 from rollerrig.wording import number
 
-Array = NDArray[np.float64]
-
-
-_INDICES = ("first", "first_confidence", "total", "total_confidence")
 MOST_PICTURED = 12
 """Numbers that have pictures of their own; all are in the tables and files."""
-
-
-def sections_of(data: xr.Dataset, found: Mapping[str, Statistics], points: Points) -> list[Section]:
-    """Of the report, but for its ends."""
-    rows = [[axis.name.replace("_", " "), axis.key, axis.unit if axis.unit != "1" else "", *_range(points, k)]
-            for k, axis in enumerate(points.axes)]  # fmt: skip
-    varied = Table(("varied", "key of the case", "unit", "from", "to", "values"), rows)
-    how = f"Design: {points.design.kind.replace('_', ' ')}, {len(points)} cases" + (
-        f", seed {points.design.seed}." if points.design.samples else "."
-    )
-    sections = [Section("Overview", [Text(how), varied, *_overview(data, found)])]
-    pictured = [name for name, one in found.items() if np.isfinite(one.values).any()]
-    sections += [_of_number(data, name, found[name], points) for name in pictured[:MOST_PICTURED]]
-    if pictured[MOST_PICTURED:]:
-        sections.append(Section("Further numbers", [Text(f"Without pictures: {', '.join(pictured[MOST_PICTURED:])}.")]))
-    return sections
-
-
-def _range(points: Points, k: int) -> list[object]:
-    axis, column = points.axes[k], points.columns[k]
-    if not axis.is_number:
-        return ["", "", len(axis.values)]
-    return [min(column), max(column), len(axis.values) or ""]
-
-
-def _overview(data: xr.Dataset, found: Mapping[str, Statistics]) -> list[Block]:
-    rows: list[list[object]] = []
-    for name, one in found.items():
-        numbers, unit = one.as_dict(), data[name].attrs["units"]
-        rows.append([name.replace("_", " "), unit if unit != "1" else "", *(
-            "–" if not np.isfinite(numbers[key]) else numbers[key] for key in ("least", "median", "largest")
-        )])  # fmt: skip
-    return [Table(("number", "unit", "least", "median", "largest"), rows, "Of all finished cases.")]
 
 
 def _of_number(data: xr.Dataset, name: str, one: Statistics, points: Points) -> Section:
@@ -97,8 +61,8 @@ def _of_number(data: xr.Dataset, name: str, one: Statistics, points: Points) -> 
     if one.quantiles:
         blocks.append(Table(("of the samples are below", title), list(one.quantiles.items()), "Quantiles."))
     if one.sobol:
-        rows = [[key.replace("_", " "), *(float(f"{values[k]:.3g}") for k in _INDICES)]
-                for key, values in one.sobol.items()]  # fmt: skip
+        names = ("first", "first_confidence", "total", "total_confidence")
+        rows = [[k.replace("_", " "), *(float(f"{own[name]:.3g}") for name in names)] for k, own in one.sobol.items()]
         blocks.append(
             Table(("varied", "first order", "±", "total", "±"), rows, "Sobol indices with their intervals of 95 %.")
         )
@@ -204,7 +168,7 @@ class SweepStudy(Study[Sweep]):
     def plan(self) -> dict[str, Any]:
         own = self.whole.plan.model_dump(mode="json", exclude_none=True)
         name = {} if self.compute is None else {"compute": f"{self.compute.__module__}:{self.compute.__qualname__}"}
-        return {"plan": own, **name, "case": _tables(self.whole.case)}
+        return {"plan": own, **name, "case": tomllib.loads(self.whole.case.to_toml())}
 
     # ------------------------------------------------------------------------------------------------------ jobs
 
@@ -256,15 +220,14 @@ class SweepStudy(Study[Sweep]):
             "cases": data.attrs["cases"],
             "finished": data.attrs["finished"],
             "failed": data.attrs["failed"],
-            "failures": _reasons(data),
+            "failures": dict(Counter(filter(None, data[FAILED].to_numpy().ravel().tolist())).most_common()),
             "numbers": {
                 name: {"unit": data[name].attrs["units"], **one.as_dict()} for name, one in results.statistics.items()
             },
         }
 
     def summary(self, results: Sweep, numbers: Numbers) -> list[str]:
-        told = f"{numbers['finished']} of {numbers['cases']} cases finished, {numbers['failed']} failed."
-        lines = [told]
+        lines = [f"{numbers['finished']} of {numbers['cases']} cases finished, {numbers['failed']} failed."]
         for name, one in numbers["numbers"].items():
             if one["least"] is not None:
                 unit = "" if one["unit"] in ("1", "") else f" {one['unit']}"
@@ -279,14 +242,28 @@ class SweepStudy(Study[Sweep]):
         return {"sweep.nc": results.data, "sweep.csv": sweep_rows(results.data, self.points)}
 
     def sections(self, results: Sweep, numbers: Numbers) -> list[Section]:
-        sections = sections_of(results.data, results.statistics, self.points)
+        data, found, points = results.data, results.statistics, self.points
+        rows: list[list[object]] = []
+        for axis, column in zip(points.axes, points.columns, strict=True):
+            ends = [min(column), max(column), len(axis.values) or ""] if axis.is_number else ["", "", len(axis.values)]
+            rows.append([axis.name.replace("_", " "), axis.key, axis.unit if axis.unit != "1" else "", *ends])
+        varied = Table(("varied", "key of the case", "unit", "from", "to", "values"), rows)
+        seed = f", seed {points.design.seed}." if points.design.samples else "."
+        how = f"Design: {points.design.kind.replace('_', ' ')}, {len(points)} cases{seed}"
+        rows = []
+        for name, one in numbers["numbers"].items():
+            ends = ["–" if one[key] is None else one[key] for key in ("least", "median", "largest")]
+            rows.append([name.replace("_", " "), one["unit"] if one["unit"] != "1" else "", *ends])
+        overview = Table(("number", "unit", "least", "median", "largest"), rows, "Of all finished cases.")
+        sections = [Section("Overview", [Text(how), varied, overview])]
+        pictured = [name for name, one in found.items() if np.isfinite(one.values).any()]
+        sections += [_of_number(data, name, found[name], points) for name in pictured[:MOST_PICTURED]]
+        if more := ", ".join(pictured[MOST_PICTURED:]):
+            sections.append(Section("Further numbers", [Text(f"Without pictures: {more}.")]))
         if numbers["failures"]:
-            rows = [[reason, count] for reason, count in numbers["failures"].items()]
-            blocks: list[Block] = [
-                Text("Each failed case stands in sweep.csv with its reason."),
-                Table(("reason", "cases"), rows),
-            ]
-            sections.append(Section("Failed cases", blocks))
+            reasons = Table(("reason", "cases"), [[reason, count] for reason, count in numbers["failures"].items()])
+            note = Text("Each failed case stands in sweep.csv with its reason.")
+            sections.append(Section("Failed cases", [note, reasons]))
         return sections
 
 
@@ -317,13 +294,9 @@ def sweep_study(case: Case, vary: Mapping[str, Any], measure: Any, design: Any, 
 
 def _listed(values: Any) -> list[Any]:
     """Values as TOML has them, also those of NumPy."""
-    return (
-        list(values.tolist())
-        if hasattr(values, "tolist")
-        else list(values)
-        if isinstance(values, Iterable) and not isinstance(values, str)
-        else [values]
-    )
+    if hasattr(values, "tolist"):
+        return list(values.tolist())
+    return list(values) if isinstance(values, Iterable) and not isinstance(values, str) else [values]
 
 
 def _span(ends: Mapping[str, float | None]) -> float:
@@ -331,22 +304,8 @@ def _span(ends: Mapping[str, float | None]) -> float:
     return -math.inf if low is None or high is None else abs(high - low)
 
 
-def _tables(case: Case) -> dict[str, Any]:
-    import tomllib
-
-    return tomllib.loads(case.to_toml())
-
-
 def _name(number: int) -> str:
     return f"case {number}"
-
-
-def _reasons(data: xr.Dataset) -> dict[str, int]:
-    found: dict[str, int] = {}
-    for reason in data[FAILED].to_numpy().ravel().tolist():
-        if reason:
-            found[reason] = found.get(reason, 0) + 1
-    return dict(sorted(found.items(), key=lambda pair: -pair[1]))
 
 
 # -------------------------------------------------------------------------------------------------------------- jobs
@@ -370,7 +329,9 @@ def run_case(packed: bytes, changes: Mapping[str, Any], progress: Progress | Non
     try:
         changed = case.with_changes(changes)
         for measure in measures:
-            found = call(job(MEASURES[measure.kind].measure, changed, measure), progress or _silent)
+            found = call(
+                job(MEASURES[measure.kind].measure, changed, measure), progress or (lambda _fraction, _text: None)
+            )
             numbers |= {name: float(found[name]) for name in measure.keep or found}
         if compute is not None:
             numbers |= {str(name): float(value) for name, value in compute(changed).items()}
@@ -387,7 +348,3 @@ def lost_case(_packed: bytes, changes: Mapping[str, Any]) -> Record:
 
 def _failed(changes: Mapping[str, Any], reason: str) -> Record:
     return {"changes": dict(changes), "numbers": {}, FAILED: reason}
-
-
-def _silent(_fraction: float, _text: str) -> None:
-    pass
