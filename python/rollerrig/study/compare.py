@@ -227,13 +227,9 @@ class CompareStudy(Study[Results]):
         return lines
 
     def files(self, results: Results, numbers: Numbers) -> Mapping[str, Any]:
-        on = {label: numbers["supports"][label] for label in self.supports}
-        wheels = [
-            {"on": label, "wheel": w, **row} for label, one in on.items() for w, row in one.get("wheels", {}).items()
-        ]
-        runs = [
-            {"on": label, **run} for label, one in on.items() for run in one.get("by_disturbance", {}).get("runs", [])
-        ]
+        on = {label: numbers["supports"][label] for label in self.supports}.items()
+        wheels = [{"on": n, "wheel": w, **row} for n, one in on for w, row in one.get("wheels", {}).items()]
+        runs = [{"on": n, **run} for n, one in on for run in one.get("by_disturbance", {}).get("runs", [])]
         found = {
             "modes.csv": [["on", *MODE_COLUMNS], *([n, *row] for n, m in results.modes.items() for row in mode_rows(m)[1:])],
             "runs.csv": _rows(runs),

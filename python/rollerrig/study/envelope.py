@@ -101,11 +101,9 @@ def deviations_table(found: xr.Dataset) -> Table:
 
 def _compared(row: Border) -> str:
     """The torque left in the two runs, where that is what is compared."""
-    return (
-        ""
-        if row.compared == (row.reached, row.beyond)
-        else " … ".join(torque_text(t) if math.isfinite(t) else "–" for t in row.compared)
-    )
+    if row.compared == (row.reached, row.beyond):
+        return ""
+    return " … ".join(torque_text(t) if math.isfinite(t) else "–" for t in row.compared)
 
 
 METHOD = (

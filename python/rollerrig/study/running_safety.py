@@ -37,18 +37,9 @@ QUASI_STATIC = (
 def csv_rows(rows: Sequence[Row]) -> list[list[object]]:
     """running_safety.csv, header first."""
     header: list[object] = ["quantity", "place", "section", "unit", "filter", *STATISTICS, "limit", "part_of_limit"]
+    heads = ((row.quantity, row.place, row.section, row.unit, row.filter) for row in rows)
     return [header] + [
-        [
-            row.quantity,
-            row.place,
-            row.section,
-            row.unit,
-            row.filter,
-            *row.statistics.values(),
-            row.limit,
-            row.part_of_limit,
-        ]
-        for row in rows
+        [*head, *row.statistics.values(), row.limit, row.part_of_limit] for head, row in zip(heads, rows, strict=True)
     ]
 
 
