@@ -5,7 +5,6 @@ plan -> [PaperStudy] -> modes, ramps, runs from a disturbance, traction -> numbe
 
 from __future__ import annotations
 
-import json
 import math
 import tomllib
 from collections.abc import Iterator, Mapping, Sequence
@@ -17,9 +16,8 @@ import xarray as xr
 from matplotlib.figure import Figure
 from numpy.typing import ArrayLike
 
-from rollerrig.analysis import CriticalSpeedByDisturbance, HuntingRun, end_of_hunting, hunting_table
+from rollerrig.analysis import CriticalSpeedByDisturbance, end_of_hunting, hunting_table
 from rollerrig.analysis.fits import fit
-from rollerrig.analysis.hunting import decay_frequency
 from rollerrig.config import Case, Rig
 from rollerrig.plot import amplitude_over_speed, hunting_over_time, ramp_over_speed, traction_forces, traction_sliding
 from rollerrig.plot.modes import hunting_frequencies
@@ -30,7 +28,7 @@ from rollerrig.study.frame import Study
 from rollerrig.study.jobs import Done, Round
 from rollerrig.study.quantities import Numbers, Quantities
 from rollerrig.study.report import VIEW, Block, Mark, Picture, Section, Table, Text
-from rollerrig.study.run import CONTACT
+from rollerrig.study.run import audit_tables
 from rollerrig.study.runs.paper import (
     EXACT,
     FRONT,
@@ -45,9 +43,13 @@ from rollerrig.study.runs.paper import (
     VEHICLE,
     PaperPlan,
     Results,
+    around_onset,
     asymmetry,
+    frequency_differences,
+    onset_wavelength,
     results_of,
     rig_case,
+    rig_speeds,
     rounds,
     sliding_course,
     traction_case,
@@ -212,7 +214,7 @@ class PaperStudy(Study[Results]):
             Section("Which material fits the paper", self._fit_blocks(results, numbers)),
             Section("Figure 8: traction", [Text(TEXT["traction"]), *pictures("figure_8a", "figure_8b")]),
             Section("Checks", checks),
-            Section("Solver and contact", _audit_tables(results), folded=True),
+            Section("Solver and contact", audit_tables(_audited(results)), folded=True),
             Section("Parameters", self._parameters(), folded=True),
         ]
 
@@ -260,7 +262,7 @@ class PaperStudy(Study[Results]):
         """What figure 7b says: how far the bogie on the rig and the whole vehicle on the rails are apart."""
         texts = []
         for m in MATERIALS:
-            apart = _frequency_differences(results, m)
+            apart = frequency_differences(results, m)
             if not apart:
                 continue
             text = TEXT["frequency"].format(material=NAMES[m].capitalize(), count=len(apart), apart=_percents(apart))
@@ -278,7 +280,7 @@ class PaperStudy(Study[Results]):
         """Which material fits the paper's critical speed."""
         blocks: list[Block] = [*map(Text, _fit_paragraphs(results))] or [Text("Not computed.")]
         rows: list[list[object]] = []
-        for (m, kind), speed in _rig_speeds(results).items():
+        for (m, kind), speed in rig_speeds(results).items():
             off = Interval(*(100 * (end / CRITICAL_KMH - 1) for end in (speed.low, speed.high)))
             rows.append(
                 [
@@ -359,7 +361,7 @@ def _material_numbers(results: Results, material: str) -> dict[str, Any]:
     """What is reported with the paper's contact alone."""
     found: dict[str, Any] = {
         "merging_criterion": {f"{b:g}": scan.speed_kmh for b, scan in results.merging.get(material, {}).items()},
-        "onset_wavelength_m": _onset_wavelength(results, material),
+        "onset_wavelength_m": onset_wavelength(results, material),
     }
     if material in results.contact:
         state = results.contact[material]
@@ -384,13 +386,6 @@ def _traction_numbers(study: xr.Dataset | None) -> dict[str, Any] | None:
     wheels = {wheel: end.sel(wheel=wheel) for wheel in (FRONT, REAR)}
     own = {w: {key: factor * float(one[name]) for key, name, factor in ENDS} for w, one in wheels.items()}
     return {"speed_kmh": 3.6 * float(end["speed"]), **own}
-
-
-def _onset_wavelength(results: Results, material: str) -> float:
-    """Wavelength of the limit cycle at the lowest speed at which it was found [m]; NaN if there is none."""
-    found = results.runs_of(RIG).get(material)
-    lasting = [run for run in found.runs if run.persists] if found else []
-    return lasting[0].speed / lasting[0].final.frequency if lasting else math.nan
 
 
 def _run_columns(found: CriticalSpeedByDisturbance) -> dict[str, ArrayLike]:
@@ -446,7 +441,7 @@ def _figures(results: Results) -> dict[str, Figure]:
         }
         found["figure_7a_ramp"] = ramp_over_speed({LABELS[m]: ramp for m, ramp in results.ramps.items()}, body, lines)
     for m, one in runs.items():
-        chosen = [(3.6 * run.speed, run.motion) for run in _around_onset(one.runs, one.persists)]
+        chosen = [(3.6 * run.speed, run.motion) for run in around_onset(one.runs, one.persists)]
         found[f"figure_7a_time_{m}"] = hunting_over_time(chosen, body, LABELS[m])
     if runs:
         tables = {LABELS[m]: hunting_table(one.runs, one.disturbance) for m, one in runs.items()}
@@ -469,19 +464,6 @@ def _figures(results: Results) -> dict[str, Figure]:
         found["figure_8a"] = traction_sliding(results.theory, wheels)
         found["figure_8b"] = traction_forces(results.theory, wheels)
     return found
-
-
-def _around_onset(runs: list[HuntingRun], onset: float, count: int = 6) -> list[HuntingRun]:
-    """Runs on both sides of the onset [m/s] and further away, by speed; spread evenly if there is no onset."""
-    if not math.isfinite(onset):
-        return runs[:: max(1, math.ceil(len(runs) / count))]
-    below = [run for run in runs if run.speed < onset]
-    above = [run for run in runs if run.speed >= onset]
-    far_below = [run for run in below[:-1] if run.speed < onset - 8 / 3.6]
-    far_above = [run for run in above[1:] if run.speed > onset + 8 / 3.6]
-    picked = below[-1:] + above[:1] + far_below[-1:] + far_above[:1] + far_above[2:3] + far_above[-1:]
-    unique = {run.speed: run for run in picked}
-    return [unique[speed] for speed in sorted(unique)][:count]
 
 
 # ------------------------------------------------------------------------------------------------------------ sentences
@@ -523,21 +505,6 @@ def _critical_paragraphs(results: Results) -> Iterator[str]:
         yield text + (f" On the ramp down, the hunting ends at {end:z.0f} km/h." if math.isfinite(end) else "")
 
 
-def _frequency_differences(results: Results, material: str) -> list[float]:
-    """Frequency of the bogie on the rig over that of the vehicle on track, less one, at each speed both were run at."""
-
-    def frequencies(variant: str) -> dict[float, float]:
-        found = results.runs_of(variant).get(material)
-        known = {
-            round(3.6 * run.speed, 3): run.final.frequency if run.persists else decay_frequency(run)
-            for run in (found.runs if found else [])
-        }
-        return {speed: value for speed, value in known.items() if math.isfinite(value)}
-
-    rig, vehicle = frequencies(RIG), frequencies(VEHICLE)
-    return [rig[speed] / vehicle[speed] - 1 for speed in sorted(rig.keys() & vehicle.keys())]
-
-
 def _rig_paragraphs(results: Results) -> Iterator[str]:
     """Order of the critical speeds and the split of the loss."""
     bogie, vehicle = TABLE_PARTS
@@ -556,7 +523,7 @@ def _rig_paragraphs(results: Results) -> Iterator[str]:
 def _rig_and_rails(results: Results) -> Iterator[Row]:
     """Figure 7b: bogie on the rig against the whole vehicle on the rails."""
     for m in MATERIALS:
-        apart = _frequency_differences(results, m)
+        apart = frequency_differences(results, m)
         if apart:
             what = f"frequency of hunting, rig against rails, {NAMES[m]} (figure 7b)"
             yield what, "similar", f"differs by {_percents(apart)}", TEXT["short"]
@@ -588,15 +555,6 @@ def _figure_8_rows(results: Results) -> Iterator[Row]:
 # ----------------------------------------------------------------------------------------- which material fits the paper
 
 
-def _rig_speeds(results: Results) -> dict[tuple[str, str], Interval]:
-    """Material and definition -> where the critical speed of the bogie on the rig lies [km/h]; those that are known."""
-    found = {}
-    for m in MATERIALS:
-        found[m, "linear"] = Interval(results.linear_kmh(m), results.linear_kmh(m))
-        found[m, "by disturbance"] = results.by_disturbance(m)
-    return {key: one for key, one in found.items() if one.known}
-
-
 def _fits(speed: Interval) -> bool | None:
     """Whether a critical speed [km/h] is near the paper's; None: not decided."""
     return speed.within((1 - NEAR) * CRITICAL_KMH, (1 + NEAR) * CRITICAL_KMH)
@@ -604,7 +562,7 @@ def _fits(speed: Interval) -> bool | None:
 
 def _fit_paragraphs(results: Results) -> Iterator[str]:
     """Which material the paper's critical speed fits, and why."""
-    found = _rig_speeds(results)
+    found = rig_speeds(results)
     if not found:
         return
     yield f"The paper reports growing oscillations above {CRITICAL_KMH:z.0f} km/h. {_nearest(found)}"
@@ -656,7 +614,7 @@ def _effect_of_the_material(results: Results) -> str:
     by_disturbance = results.by_disturbance(soft_name).below(results.by_disturbance(steel_name))
     if results.linear_kmh(soft_name) < results.linear_kmh(steel_name) and by_disturbance:
         text += " Both the linear critical speed and that by disturbance fall with it."
-    waves = [_onset_wavelength(results, m) for m in MATERIALS]
+    waves = [onset_wavelength(results, m) for m in MATERIALS]
     if all(math.isfinite(w) for w in waves):
         slow = [state.wavelength for state in (steel, soft)]
         factor = [(own / wave) ** 2 for own, wave in zip(slow, waves, strict=True)]
@@ -664,35 +622,12 @@ def _effect_of_the_material(results: Results) -> str:
     return text
 
 
-# ------------------------------------------------------------------------------------------------------ audit of the runs
-
-
-def _audit_tables(results: Results) -> list[Block]:
-    """Cost and energy balance of each run, and what happened in its contacts."""
-    audited: dict[str, dict[str, Any]] = {}
+def _audited(results: Results) -> dict[str, dict[str, Any]]:
+    """Attributes of the runs whose solver and contacts are shown."""
+    found: dict[str, dict[str, Any]] = {}
     for m in MATERIALS:
         if m in results.ramps:
-            audited[f"ramp, {NAMES[m]}"] = results.ramps[m].attrs
+            found[f"ramp, {NAMES[m]}"] = results.ramps[m].attrs
         for run in results.runs_of(RIG)[m].runs if m in results.runs_of(RIG) else []:
-            audited[f"{3.6 * run.speed:z.1f} km/h, {NAMES[m]}"] = run.motion.attrs
-    if results.traction is not None:
-        audited["traction"] = results.traction.attrs
-    costs, events = [], []
-    names = [quantity.name for quantity in CONTACT if quantity.name != "negative_dissipation"]
-    for name, attributes in audited.items():
-        counted = json.loads(attributes["solver_statistics"])
-        steps = int(counted["steps"]), int(counted["rejected_steps"]), number(float(counted["smallest_step"]), 2)
-        energy = f"{1e-3 * float(attributes['energy_turned_over_j']):z.1f}"
-        residual = number(float(attributes["energy_relative_residual"]), 2)
-        costs.append((name, attributes["status"], *steps, energy, residual))
-        counters = json.loads(attributes["contact_counters"])
-        events.append((name, *(int(counters.get(key, 0)) for key in names)))
-    header = ("run", "ended", "steps", "rejected", "smallest step [s]", "energy turned over [kJ]", "relative residual")
-    caption = (
-        "Integration, and the energy audit: work in - change of stored energy - heat, over the energy turned over."
-    )
-    heads = ("run", *(name.replace("_", " ") for name in names))
-    return [
-        Table(header, costs, caption),
-        Table(heads, events, "Contact model, summed over accepted steps and wheels."),
-    ]
+            found[f"{3.6 * run.speed:z.1f} km/h, {NAMES[m]}"] = run.motion.attrs
+    return found if results.traction is None else found | {"traction": results.traction.attrs}

@@ -20,6 +20,7 @@ from rollerrig.analysis import CriticalSpeedByDisturbance, HuntingSettings, Line
 from rollerrig.analysis.contact_state import ContactState, contact_state
 from rollerrig.analysis.critical_speed import scan_linear
 from rollerrig.analysis.fits import Fit, fit
+from rollerrig.analysis.hunting import HuntingRun, decay_frequency
 from rollerrig.analysis.roller_effects import RADII, CriticalSpeedOverRadius, EffectSplit
 from rollerrig.analysis.traction import with_theory
 from rollerrig.cases import restrained_along_track
@@ -416,3 +417,47 @@ def carried_weight(run: xr.Dataset, case: Case) -> float:
         if element.between[0] in part.fixed:
             load -= float(run["element_force_z"].sel(element=element.name).isel(time=0))
     return float(load)
+
+
+def onset_wavelength(results: Results, material: str) -> float:
+    """Wavelength of the limit cycle at the lowest speed at which it was found [m]; NaN if there is none."""
+    found = results.runs_of(RIG).get(material)
+    lasting = [run for run in found.runs if run.persists] if found else []
+    return lasting[0].speed / lasting[0].final.frequency if lasting else math.nan
+
+
+def around_onset(runs: list[HuntingRun], onset: float, count: int = 6) -> list[HuntingRun]:
+    """Runs on both sides of the onset [m/s] and further away, by speed; spread evenly if there is no onset."""
+    if not math.isfinite(onset):
+        return runs[:: max(1, math.ceil(len(runs) / count))]
+    below = [run for run in runs if run.speed < onset]
+    above = [run for run in runs if run.speed >= onset]
+    far_below = [run for run in below[:-1] if run.speed < onset - 8 / 3.6]
+    far_above = [run for run in above[1:] if run.speed > onset + 8 / 3.6]
+    picked = below[-1:] + above[:1] + far_below[-1:] + far_above[:1] + far_above[2:3] + far_above[-1:]
+    unique = {run.speed: run for run in picked}
+    return [unique[speed] for speed in sorted(unique)][:count]
+
+
+def frequency_differences(results: Results, material: str) -> list[float]:
+    """Frequency of the bogie on the rig over that of the vehicle on track, less one, at each speed both were run at."""
+
+    def frequencies(variant: str) -> dict[float, float]:
+        found = results.runs_of(variant).get(material)
+        known = {
+            round(3.6 * run.speed, 3): run.final.frequency if run.persists else decay_frequency(run)
+            for run in (found.runs if found else [])
+        }
+        return {speed: value for speed, value in known.items() if math.isfinite(value)}
+
+    rig, vehicle = frequencies(RIG), frequencies(VEHICLE)
+    return [rig[speed] / vehicle[speed] - 1 for speed in sorted(rig.keys() & vehicle.keys())]
+
+
+def rig_speeds(results: Results) -> dict[tuple[str, str], Interval]:
+    """Material and definition -> where the critical speed of the bogie on the rig lies [km/h]; those that are known."""
+    found = {}
+    for m in MATERIALS:
+        found[m, "linear"] = Interval(results.linear_kmh(m), results.linear_kmh(m))
+        found[m, "by disturbance"] = results.by_disturbance(m)
+    return {key: one for key, one in found.items() if one.known}
