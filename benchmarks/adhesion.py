@@ -26,7 +26,7 @@ from rollerrig.actuators import assemble_with_actuators
 from rollerrig.assembly import assemble
 from rollerrig.simulation import begin, march, prepare
 from rollerrig.starting_state import starting_state
-from rollerrig.study.adhesion_variants import track_case
+from rollerrig.study.runs.adhesion import track_case
 
 PLACES = {"rig": "adhesion_brake", "track": "adhesion_brake", "valves": "adhesion_valves"}
 """Name of a measurement -> its case."""

@@ -16,7 +16,7 @@ from pathlib import Path
 
 from rollerrig.config import load_case
 from rollerrig.study.jobs import call, job
-from rollerrig.study.measures import module_of
+from rollerrig.study.measures import MEASURES
 from rollerrig.study.sweep import SweepStudy, sweep_study
 
 
@@ -31,7 +31,7 @@ def in_a_loop(work: SweepStudy) -> float:
     cases = [work.whole.case.with_changes(changes) for changes in work.points.changes()]
     begun = time.process_time()
     for case in cases:
-        call(job(module_of("critical_speed").measure, case, measure), lambda _fraction, _text: None)
+        call(job(MEASURES["critical_speed"].measure, case, measure), lambda _fraction, _text: None)
     return time.process_time() - begun
 
 

@@ -59,8 +59,8 @@ if TYPE_CHECKING:
     from rollerrig.results.in_words import summary as summary
     from rollerrig.simulation import simulate as simulate
     from rollerrig.starting_state import StartError as StartError
-    from rollerrig.study.critical_speed import critical_speed as critical_speed
     from rollerrig.study.envelope import envelope as envelope
+    from rollerrig.study.limit_cycles import critical_speed as critical_speed
     from rollerrig.viewer import view as view
     from rollerrig.viewer.play import play as play
 
@@ -85,7 +85,7 @@ _HOME = {
     "contact": "commands",
     "control": "commands",
     "creep": "commands",
-    "critical_speed": "study.critical_speed",
+    "critical_speed": "study.limit_cycles",
     "curving": "analysis.curving",
     "envelope": "study.envelope",
     "explain": "config",

@@ -425,7 +425,7 @@ def compare(
     from rollerrig.analysis import HuntingSettings
     from rollerrig.analysis.roller_effects import RADII
     from rollerrig.study.compare import CompareStudy
-    from rollerrig.study.compared_cases import compared_cases
+    from rollerrig.study.runs.compare import compared_cases
 
     cases = compared_cases(vehicle, on, cut)
     parts = tuple(next(iter(cases.values())).vehicle.data.cut_names()[::-1])
@@ -443,6 +443,6 @@ def paper(*, quick: bool = False, processes: int = 1, progress: Progress | None 
         progress: called with the fraction done and a short text.
     """
     from rollerrig.study.paper import PaperStudy
-    from rollerrig.study.paper_plan import FULL, QUICK
+    from rollerrig.study.runs.paper import FULL, QUICK
 
     return _outcome(PaperStudy(QUICK if quick else FULL), processes, progress)

@@ -168,6 +168,8 @@ OWN_FILES = {
     "input_files.py": "the door itself",
     "memory.py": "of the kernel",
     "results/citation.py": "the sources that ship",
+    "results/quantities.py": "the registry that ships",
+    "study/paper.py": "the text of a report, which ships",
     "realtime/links.py": "the memory of the server",
     "study/report.py": "the template that ships",
     "viewer/page.py": "the page that ships",

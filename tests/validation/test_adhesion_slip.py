@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from rollerrig import load_case, simulate
 from rollerrig.config import Case
-from rollerrig.study.adhesion_variants import track_case
+from rollerrig.study.runs.adhesion import track_case
 
 Array = NDArray[np.float64]
 

@@ -18,8 +18,8 @@ from rollerrig.config.schema.contact_law import FallingFriction
 from rollerrig.mechatronics.train_axles import train_mass
 from rollerrig.mechatronics.virtual_train import load_transfer, rail_patch
 from rollerrig.simulation import simulate
-from rollerrig.study.adhesion_variants import track_case
 from rollerrig.study.ensemble import starts
+from rollerrig.study.runs.adhesion import track_case
 from validation.independent_model.brake_test import Brake, BrakeTest, Rail
 from validation.independent_model.kalker_table import AXIS_RATIO, coefficients_at_poisson
 

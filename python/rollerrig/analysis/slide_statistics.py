@@ -16,7 +16,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from rollerrig.analysis.torque_ripple import RIPPLE_ABOVE, torque_ripple
-from rollerrig.analysis.tracking import LEAST_SPEED, largest, rms, slip, tracking, under_test
+from rollerrig.analysis.tracking import LEAST_SPEED, following, largest, rms, slip, under_test
 from rollerrig.config import Case, Rig
 from rollerrig.results import COMPLETED
 
@@ -182,26 +182,21 @@ def _slip_shares(run: xr.Dataset) -> Array:
 
 def _rig(run: xr.Dataset, largest_torque: float, roller_radius: float) -> dict[str, float]:
     """Of a rig alone: how it follows its virtual train."""
-    sliding = run["real_sliding"].to_numpy()
     limits = ("drive_torque_limited", "drive_power_limited", "drive_speed_limited")
     held = sum(run[name].transpose("time", "axle").to_numpy() for name in limits)
     asked = (abs(run["roller_command"]) >= LIMITED * largest_torque).transpose("time", "axle").to_numpy()
     limited = (asked | (np.diff(held, axis=0, prepend=0.0) > 0.0)).any(axis=1)
-    error, greatest = tracking(run)
     fast = run["train_speed"].to_numpy() > LEAST_SPEED
     force, virtual = (run[name].transpose("time", "axle").to_numpy()[fast] for name in ("creep_force", "virtual_force"))
     size, gravity = rms(virtual), run["contact_force"] - run["creep_force"]
     return {
-        "tracking_rms": error,
-        "tracking_largest": greatest,
+        **following(run),
         "force_error_rms": rms(force - virtual) / size if size > 0.0 else math.nan,
         "drive_ringing_nm": ringing(run, roller_radius),
         "drive_limited_share": float(limited.mean()),
         "drive_power_wanted_kw": 1e-3 * largest(run["wanted_roller_power"]),
         "drive_power_limited_s": float(run["drive_power_limited"].isel(time=-1).max()),
         "crown_gravity_largest": largest(gravity) / axle_load(run),
-        "real_sliding_largest_mps": largest(sliding),
-        "real_sliding_rms_mps": rms(sliding),
         "roller_torque_largest_nm": largest(run["roller_torque"]),
     }
 

@@ -53,6 +53,18 @@ def tracking(run: xr.Dataset) -> tuple[float, float]:
     return rms(tracking_error(run)), largest(tracking_error(run))
 
 
+def following(run: xr.Dataset) -> dict[str, float]:
+    """How the wheels of a rig follow their virtual train and slide on their rollers, by names of the registry."""
+    error, greatest = tracking(run)
+    return {"tracking_rms": error, "tracking_largest": greatest, **real_sliding(run)}
+
+
+def real_sliding(run: xr.Dataset) -> dict[str, float]:
+    """Sliding of the wheels on rollers or rails, by names of the registry."""
+    sliding = run["real_sliding"].to_numpy()
+    return {"real_sliding_largest_mps": largest(sliding), "real_sliding_rms_mps": rms(sliding)}
+
+
 def rms(values: Any) -> float:
     """Root mean square of what is finite; NaN if nothing is."""
     finite = np.asarray(values)[np.isfinite(values)]

@@ -5,11 +5,11 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable
 from importlib import import_module
-from importlib.util import find_spec
 
 import typer
 
 from rollerrig import __version__
+from rollerrig.cli import studies
 from rollerrig.cli.termination import CLOSED, INTERRUPTED, readable_errors
 
 COMMANDS = (
@@ -45,7 +45,7 @@ COMMANDS = (
     "catalog",
     "cite",
 )
-"""Modules of this folder, each with a function `command`, or with an `app` of its own where there are subcommands."""
+"""Functions of `studies`, or modules of this folder with a function `command`, or with an `app` where there are subcommands."""
 
 HELP = """A roller rig for railway bogies, in software.
 
@@ -75,13 +75,14 @@ def build_app() -> typer.Typer:
         pass
 
     for name in COMMANDS:
-        if find_spec(f"rollerrig.cli.{name}") is not None:
+        word, command = name.replace("_", "-"), getattr(studies, name, None)
+        if command is None:
             module = import_module(f"rollerrig.cli.{name}")
-            word = name.replace("_", "-")
             if hasattr(module, "app"):
                 app.add_typer(module.app, name=word)
-            else:
-                app.command(word, short_help=first_line(module.command))(readable_errors(module.command))
+                continue
+            command = module.command
+        app.command(word, short_help=first_line(command))(readable_errors(command))
     return app
 
 

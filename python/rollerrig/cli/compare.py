@@ -36,7 +36,7 @@ def command(
     """One vehicle on several supports side by side: modes, critical speeds, limit cycles, forces, effects of the rollers."""
     from rollerrig.analysis import HuntingSettings
     from rollerrig.study.compare import CompareStudy
-    from rollerrig.study.compared_cases import compared_cases
+    from rollerrig.study.runs.compare import compared_cases
 
     speeds, radii = read_speeds(speeds_kmh), read_range(radii_m, "--radii-m")
     if any(not 0.05 <= radius <= 1e6 for radius in radii):

@@ -17,6 +17,6 @@ def command(
 ) -> None:
     """Reproduce the paper's two studies: figures 7 and 8, checks against theory, one report."""
     from rollerrig.study.paper import PaperStudy
-    from rollerrig.study.paper_plan import FULL, QUICK
+    from rollerrig.study.runs.paper import FULL, QUICK
 
     carry_out(PaperStudy(QUICK if quick else FULL), out, processes, force=force)

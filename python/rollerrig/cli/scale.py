@@ -41,8 +41,7 @@ def command(
     from rollerrig.config.write.toml import to_short_toml
     from rollerrig.results import ResultFolder, check_folder
     from rollerrig.similitude import requirements, similitude
-    from rollerrig.study.scale import CASE_FILE, scale_study
-    from rollerrig.study.scale_tables import model_summary
+    from rollerrig.study.scale import CASE_FILE, model_summary, scale_study
 
     kept = tuple(name.strip() for name in keep.split(",") if name.strip() and keep != "none")
     factors, changes = similitude(strategy, length, time, density), changes_of(change)

@@ -35,8 +35,8 @@ def command(
     """
     from rollerrig.analysis.cluster import ClusterError, cluster
     from rollerrig.config import load_plan
+    from rollerrig.study.runs.sweep import resized
     from rollerrig.study.sweep import SweepStudy
-    from rollerrig.study.sweep_points import resized
 
     whole = load_plan(plan, allow_code=allow_code, changes=changes_of(change))
     for line in code_lines(whole.case):

@@ -1,7 +1,7 @@
 """Names of profiles, and how a configuration asks for one.
 
 To add a profile: write one file with a function that returns a ProfileTable, and add one line to SHAPES.
-Its keyword arguments become the keys of the configuration, which config/profile.py lists with their units.
+Its keyword arguments become the keys of the configuration, which config/schema/profile.py lists with their units.
 """
 
 from __future__ import annotations

@@ -3,8 +3,8 @@
 rows of the core -> [results] -> xarray.Dataset -> run.nc, summary.json, CSV
 """
 
-from rollerrig.results.citation import cite
-from rollerrig.results.dataset import COMPLETED, Draft, Outcome, run_dataset, run_draft, sources_of, variable
+from rollerrig.results.citation import cite, sources_of
+from rollerrig.results.dataset import COMPLETED, Draft, Outcome, run_dataset, run_draft, variable
 from rollerrig.results.energy import add_energy_audit
 from rollerrig.results.files import (
     OutputError,

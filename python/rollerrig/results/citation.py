@@ -1,13 +1,16 @@
 """What to cite: the program, the paper, and the sources of the models and data in a run or a case, as BibTeX.
 
 run, case or nothing, catalog/sources.bib -> [cite] -> BibTeX, an entry per source
+Case -> [sources_of] -> what -> publication in words, for runs and reports
 """
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
+from unicodedata import normalize
 
 import xarray as xr
 
@@ -65,13 +68,36 @@ def _case_of(what: xr.Dataset | Case | str | Path | None) -> Case | None:
 
 def sources(case: Case) -> Iterator[str]:
     """Keys of the entries behind a case."""
-    contact = case.contact
-    for law in (contact.normal.kind, contact.creep.kind):
-        yield from _LAWS[law]
-    if case.adhesion or contact.friction.kind == "falling":
-        yield "polach2005"
+    for keys in _keys(case).values():
+        yield from keys
     if "Iwnicki" in case.vehicle.data.source:
         yield "iwnicki1999"
+
+
+def _keys(case: Case) -> dict[str, tuple[str, ...]]:
+    """Model of the contact in a case -> keys of its entries."""
+    contact = case.contact
+    kinds = {"normal contact": contact.normal.kind, "creep law": contact.creep.kind}
+    found = {f"{what}, {kind.replace('_', ' ')}": _LAWS[kind] for what, kind in kinds.items()}
+    falling = case.adhesion or contact.friction.kind == "falling"
+    return found | ({"friction falling with sliding": ("polach2005",)} if falling else {})
+
+
+def sources_of(case: Case) -> dict[str, str]:
+    """What -> publication: of the model, the laws of its contact, the vehicle and the support."""
+    laws = {what: "; ".join(map(in_words, keys)) for what, keys in _keys(case).items()}
+    data = {"vehicle": case.vehicle.data.source, "support": case.support.data.source}
+    return {"model": in_words(ALWAYS[1]), **laws, **data}
+
+
+def in_words(key: str) -> str:
+    """An entry as a report shows it: 'O. Polach (2005), Creep forces in ...'."""
+    fields = dict(re.findall(r"^  (\w+) = \{(.*)\},$", entries()[key], re.MULTILINE))
+    people = [one.partition(", ") for one in (fields.get("author") or fields["editor"]).split(" and ")]
+    names = (" ".join([*(f"{name[0]}." for name in first.split()), last]) for last, _, first in people)
+    text = f"{', '.join(names)} ({fields['year']}), {fields['title']}".replace("\\&", "&")
+    text = re.sub(r'\{\\"(\w)\}', lambda found: normalize("NFC", f"{found[1]}\u0308"), text)
+    return text.replace("{", "").replace("}", "")
 
 
 @cache

@@ -23,8 +23,8 @@ from numpy.typing import NDArray
 
 from rollerrig import __version__, _core
 from rollerrig.assembly import AssembledModel
-from rollerrig.config import Case
 from rollerrig.results import run_info
+from rollerrig.results.citation import sources_of
 
 Field = tuple[str, str, str]
 """Name, unit, meaning."""
@@ -43,17 +43,6 @@ _RUN_NAMES = {
     "dissipated_brakes": "energy_dissipated_brakes",
     "stored_contacts": "energy_stored_contacts",
 }
-
-SOURCES = {
-    "model": "M. Malvezzi, E. Meli, L. Pugi (2010), Simulation of degraded wheel/rail adhesion conditions on a railway "
-    "roller rig for the evaluation of the effect of wheel/roller contact on control performance",
-    "normal force": "H. Hertz (1882); damping: the paper, eq. (12)",
-    "creep coefficients": "J. J. Kalker (1990), Three-Dimensional Elastic Bodies in Rolling Contact, table E.3; the paper, "
-    "eqs (20), (22)",
-    "saturation": "K. L. Johnson, P. J. Vermeulen (1964); the paper, eqs (23), (24)",
-}
-"""What the physics of every run comes from."""
-
 
 COMPLETED = ("ok", "stopped")
 """Statuses of a run that ended as asked: at its duration, or where the train had stopped."""
@@ -259,11 +248,6 @@ def _attributes(model: AssembledModel, outcome: Outcome) -> dict[str, Any]:
         "config_toml": case.to_toml(),
         "rollerrig_version": __version__,
     }
-
-
-def sources_of(case: Case) -> dict[str, str]:
-    """What -> publication, of the models, the vehicle and the support."""
-    return {**SOURCES, "vehicle": case.vehicle.data.source, "support": case.support.data.source}
 
 
 def _finite(numbers: Mapping[str, float]) -> dict[str, float | None]:

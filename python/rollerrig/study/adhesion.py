@@ -18,33 +18,65 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
+import numpy as np
 import xarray as xr
+from numpy.typing import ArrayLike
 
 from rollerrig.analysis.equivalent_dead_time import DeadTime, predicted_dead_time
 from rollerrig.analysis.rig_fidelity import by_own_motion, point_by_point
-from rollerrig.analysis.slide_statistics import TestRecord, test_record
+from rollerrig.analysis.slide_statistics import SLIP_EDGES, TestRecord, axle_load, test_record
+from rollerrig.analysis.tracking import under_test, wheel_radius
 from rollerrig.config import Case
+from rollerrig.plot import adhesion as figures
+from rollerrig.plot.causes import cause_bars, dead_time_curve, slip_histogram
+from rollerrig.results import COMPLETED
 from rollerrig.simulation import simulate
-from rollerrig.study.adhesion_causes import are_known, cause_shares
-from rollerrig.study.adhesion_figures import adhesion_sections, axle_columns
-from rollerrig.study.adhesion_laws import law_case, law_names, law_numbers
-from rollerrig.study.adhesion_numbers import (
-    QUANTITIES,
-    cause_numbers,
-    dead_time_numbers,
-    run_numbers,
-    variant_numbers,
+from rollerrig.study.assessment import SHOWN
+from rollerrig.study.ensemble import (
+    dead_times,
+    distances,
+    estimate,
+    later_protection,
+    measure,
+    measured_dead_time,
+    recorded,
+    relative,
+    starts,
+    with_error,
 )
-from rollerrig.study.adhesion_text import findings, target_lines, verdict_lines
-from rollerrig.study.adhesion_variants import STEPS, track_case, variant, variants_of
-from rollerrig.study.adhesion_verdicts import GROUPS, Row, verdict_of, verdict_rows
-from rollerrig.study.dead_time import dead_times, later_protection, measured_dead_time
-from rollerrig.study.ensemble import distances, estimate, recorded, starts
 from rollerrig.study.frame import Study
 from rollerrig.study.jobs import Done, Round, job
-from rollerrig.study.quantities import Numbers
-from rollerrig.study.report import VIEW, Mark, Section
+from rollerrig.study.quantities import Numbers, Quantities
+from rollerrig.study.report import VIEW, Mark, Picture, Section, Table, Text
+from rollerrig.study.runs.adhesion import (
+    CAUSES,
+    GROUPS,
+    LARGEST_ERROR,
+    STEPS,
+    TOGETHER,
+    VARIANTS,
+    Row,
+    are_known,
+    cause_shares,
+    is_within_error,
+    law_case,
+    law_names,
+    law_numbers,
+    law_table,
+    track_case,
+    variant,
+    variants_of,
+    verdict_of,
+    verdict_rows,
+)
+from rollerrig.study.variants import start_jobs, start_name, started
+from rollerrig.wording import number, percent
 
+QUANTITIES = Quantities("adhesion")
+RUN, RIG = ([q.key.split(".")[1] for q in QUANTITIES.below(on) if q.key.endswith(".mean")] for on in ("*", "rig"))
+"""Names of what is reported of both ensembles, and of that of the rig alone."""
+
+VARIANT = ("tracking_rms", "mean_slip", "dump_cycles", "air_litres")
 STARTS, QUICK_STARTS, MOST_STARTS = 8, 2, 40
 """Tests of an ensemble; of a quick study; and up to which they are added until the errors of the shares are small."""
 
@@ -53,6 +85,9 @@ WHOLE = ("track", "rig", "rolling")
 
 SECOND = "track, second"
 """Another start on track, kept as a whole: what it differs by is phase alone."""
+
+LATER = "track, later by "
+"""Before the additional dead time of the protection [s], in the name of an ensemble."""
 
 
 @dataclass(frozen=True)
@@ -115,29 +150,23 @@ class AdhesionStudy(Study[Runs]):
     def rounds(self, done: Done) -> Iterator[Round]:
         count = QUICK_STARTS if self.quick else STARTS
         names = ("rig", *variants_of(self.case)) if self.error_budget else ("rig",)
-        later = dead_times(self.case, self.predicted)
+        later = [f"{LATER}{delay}" for delay in dead_times(self.case, self.predicted)]
         whole = {name: job(simulate, self._case(name)) for name in WHOLE if name == "track" or name in names}
         whole[SECOND] = job(simulate, starts(self._case("track"), 2)[1])
         laws = law_names(self.case) if self.error_budget else ()
-        yield {**whole, **self._tests(("track", *names, *map(_later, later), *laws), 0, count)}
-        grown = ("track", "rig", *STEPS)
+        yield {**whole, **self._tests(("track", *names, *later, *laws), 0, count)}
         while not self.quick and count < MOST_STARTS and not are_known(cause_shares(self._records(done, names))):
-            yield self._tests(grown, count, count + STARTS)
+            yield self._tests(("track", "rig", *STEPS), count, count + STARTS)
             count += STARTS
 
     def _tests(self, names: Sequence[str], begin: int, end: int) -> Round:
         """Ensembles from one start to another; the first start of some is run as a whole."""
-        cases = {name: starts(self._case(name), end) for name in names}
-        return {
-            _test(name, k): job(recorded, found[k])
-            for name, found in cases.items()
-            for k in range(begin, end)
-            if not (k == 0 and name in WHOLE)
-        }
+        jobs = start_jobs({name: self._case(name) for name in names}, lambda one, _: job(recorded, one), end, begin)
+        return {name: one for name, one in jobs.items() if name not in [start_name(whole, 0) for whole in WHOLE]}
 
     def _case(self, name: str) -> Case:
-        if name.startswith(_later("")):
-            return later_protection(track_case(self.case), float(name.removeprefix(_later(""))))
+        if name.startswith(LATER):
+            return later_protection(track_case(self.case), float(name.removeprefix(LATER)))
         if name == "track":
             return track_case(self.case)
         if (with_law := law_case(self.case, name)) is not None:
@@ -146,13 +175,8 @@ class AdhesionStudy(Study[Runs]):
 
     def _records(self, done: Done, names: Sequence[str]) -> dict[str, list[TestRecord]]:
         """What there is of each ensemble, in the order of the starts, up to the first one that is missing."""
-        found: dict[str, list[TestRecord]] = {}
-        for name in ("track", *names):
-            first = [test_record(done[name], self._case(name))] if name in WHOLE and name in done else []
-            while (next_one := done.get(_test(name, len(first)))) is not None:
-                first.append(next_one)
-            found[name] = first
-        return found
+        whole = {name: [test_record(done[name], self._case(name))] for name in WHOLE if name in done}
+        return {name: started(done, name, whole.get(name, ())) for name in ("track", *names)}
 
     def collect(self, done: Done) -> Runs | None:
         if "track" not in done or "rig" not in done:
@@ -160,9 +184,9 @@ class AdhesionStudy(Study[Runs]):
         names = ("rig", *variants_of(self.case), *law_names(self.case))
         records = {name: found for name, found in self._records(done, names).items() if found}
         delays = dead_times(self.case, self.predicted)
-        later = self._records(done, [_later(delay) for delay in delays])
+        later = self._records(done, [f"{LATER}{delay}" for delay in delays])
         whole = {name: done[name] for name in (*WHOLE, SECOND) if name in done}
-        return Runs(whole, records, {delay: found for delay in delays if (found := later[_later(delay)])})
+        return Runs(whole, records, {delay: found for delay in delays if (found := later[f"{LATER}{delay}"])})
 
     def statuses(self, results: Runs) -> Sequence[str]:
         return [record.status for name in ("track", "rig") for record in results.records[name]]
@@ -175,52 +199,275 @@ class AdhesionStudy(Study[Runs]):
 
     def numbers(self, results: Runs) -> dict[str, Any]:
         records, whole, rows = results.records, results.whole, self.rows(results)
-        others = {name: records[name] for name in variants_of(self.case) if name in records}
-        own, on_track = (estimate(values) for values in distances((records["rig"], records["track"])))
-        curve = {delay: estimate(values) for delay, (values, _) in _beside(results).items()}
-        measured = measured_dead_time(own, {0.0: on_track, **curve}) if curve else None
-        compared = {name: whole[name] for name in ("rig", SECOND) if name in whole}
+        variants = [name for name in variants_of(self.case) if name in records]
+        shares = cause_shares(records) or {}
         return {
             "case": self.case.name,
             "starts": min(len(records["track"]), len(records["rig"])),
             "verdict": {group: verdict_of(rows, group) for group in GROUPS},
             "verdicts": {row.key: row.as_dict() for row in rows},
-            "track": run_numbers(records["track"], rig=False),
-            "rig": run_numbers(records["rig"], rig=True),
-            "variants": {name: variant_numbers(records["track"], found) for name, found in others.items()},
-            "causes": cause_numbers(cause_shares(records)),
+            "track": _run_numbers(records["track"], RUN),
+            "rig": _run_numbers(records["rig"], [*RUN, *RIG]),
+            "variants": {name: _variant_numbers(records["track"], records[name]) for name in variants},
+            "causes": {name: {"share": share.mean, "standard_error": share.standard_error, **vars(share.interval),
+                              "within_its_error": is_within_error(share)} for name, share in shares.items()},
             "creep_laws": law_numbers(self.case, records),
-            "dead_time": dead_time_numbers(self.predicted, measured, results.later),
-            "point_by_point": {name: point_by_point(whole["track"], run) for name, run in compared.items()},
+            "dead_time": self._dead_time_numbers(results),
+            "point_by_point": {name: point_by_point(whole["track"], whole[name]) for name in ("rig", SECOND) if name in whole},
             "tracking_by_own_motion": by_own_motion(whole["rig"]),
+        }  # fmt: skip
+
+    def _dead_time_numbers(self, results: Runs) -> dict[str, Any]:
+        """Of the equivalent dead time; empty where nothing is predicted."""
+        predicted, records = self.predicted, results.records
+        if predicted is None:
+            return {}
+        found: dict[str, Any] = {
+            "predicted_s": predicted.total,
+            "torque_s": predicted.torque,
+            "drive_s": predicted.drive,
+            "least_s": predicted.least,
         }
+        if results.later:
+            own, on_track = (estimate(values) for values in distances((records["rig"], records["track"])))
+            curve = {d: estimate(distances((one, records["rig"]))[0]) for d, one in results.later.items()}
+            measured = measured_dead_time(own, {0.0: on_track, **curve})
+            found |= {"measured_s": measured.mean, "standard_error_s": measured.standard_error}
+            found |= {"low_s": measured.interval.low, "high_s": measured.interval.high}
+        for delay, tests in results.later.items():
+            one = measure(tests, "distance_m")
+            found.setdefault("track", {})[f"{1e3 * delay:g}"] = {
+                "distance_m": one.mean,
+                "standard_error_m": one.standard_error,
+                "dump_cycles": measure(tests, "dump_cycles").mean,
+            }
+        return found
 
     def summary(self, results: Runs, numbers: Numbers) -> list[str]:
-        return [
-            *verdict_lines(self.rows(results)),
-            *findings(numbers),
-            *target_lines(self.rows(results)),
-        ]
+        rows = self.rows(results)
+        lines = [f"{SHOWN[row.verdict]}, {row.group}: {row.told}" for row in rows]
+        return [*_verdict_lines(rows), *findings(numbers), *lines]
 
     def files(self, results: Runs, numbers: Numbers) -> Mapping[str, Any]:
         track, rig = results.whole["track"], results.whole["rig"]
-        return {"track.nc": track, "rig.nc": rig, "axles.csv": axle_columns(track, rig)}
+        return {"track.nc": track, "rig.nc": rig, "axles.csv": _axle_columns(track, rig)}
 
     def shown(self, results: Runs) -> Mapping[str, xr.Dataset]:
         return {"degraded track": results.whole["track"], "rig": results.whole["rig"]}
 
     def sections(self, results: Runs, numbers: Numbers) -> list[Section]:
-        return adhesion_sections(self.case, self.rows(results), results.whole, results.records, numbers)
+        lines = [(SHOWN[r.verdict], r.group, r.text, r.value_text, r.target_text, r.origin) for r in self.rows(results)]
+        header = ("", "", "what", "mean of all starts (95 % interval)", "target", "where the target comes from")
+        sections = [Section("Verdict", [Table(header, lines), Text(PHASE)])]
+        if numbers["causes"]:
+            sections.append(_causes(numbers))
+        if numbers["dead_time"]:
+            sections.append(_dead_time(numbers))
+        if numbers["creep_laws"]:
+            sections.append(Section("Creep laws", [law_table(numbers["creep_laws"])]))
+        shares = {on: np.mean([one.slip_shares for one in results.records[on]], axis=0) for on in ("track", "rig")}
+        caption = "Part of the time that the axles spent at a slip, mean of all starts, while brake or traction act."
+        histogram = Picture("slip_histogram", slip_histogram(SLIP_EDGES, shares), caption)
+        pictures = _signals(self.case, results.whole)
+        return [
+            *sections,
+            Section("Slip", [histogram]),
+            _numbers(numbers),
+            *(Section(picture.name.replace("_", " ").capitalize(), [picture]) for picture in pictures),
+        ]
 
 
-def _test(name: str, number: int) -> str:
-    return f"{name}, start {number + 1}"
+def _run_numbers(records: Sequence[TestRecord], names: Sequence[str]) -> dict[str, Any]:
+    """Of the ensemble of track or rig."""
+    return {
+        "status": records[0].status,
+        "status_message": records[0].message,
+        "completed": sum(record.completed for record in records),
+        "stopped": sum(record.stopped for record in records),
+        **{name: measure(records, name).as_dict() for name in names},
+    }
 
 
-def _later(delay: float | str) -> str:
-    return f"track, later by {delay}"
+def _variant_numbers(track: Sequence[TestRecord], records: Sequence[TestRecord]) -> dict[str, Any]:
+    """Of the ensemble of a variant of the rig."""
+    on_track, own = (estimate(values) for values in distances((track, records)))
+    found = {name: measure(records, name).as_dict() for name in VARIANT}
+    return {"tests": len(records), "distance_relative": relative(own, on_track).as_dict(), **found}
 
 
-def _beside(results: Runs) -> dict[float, tuple[list[float], list[float]]]:
-    """Additional dead time -> distances on track with it, and on the rig, as far as all ran."""
-    return {delay: tuple(distances((found, results.records["rig"]))) for delay, found in results.later.items()}  # type: ignore[misc]
+def _axle_columns(track: xr.Dataset, rig: xr.Dataset) -> dict[str, ArrayLike]:
+    """Speeds and forces of each axle, rig beside track, as long as both ran."""
+    count = min(track.sizes["time"], rig.sizes["time"])
+    both = ("axle_speed", "cylinder_pressure", "contact_force", "creep_force", "brake_torque", "traction_torque")
+    columns = {"time_s": rig["time"], "train_speed_track": track["train_speed"], "train_speed_rig": rig["train_speed"]}
+    for name in (*both, "virtual_speed", "real_sliding", "roller_torque"):
+        for axle in rig["axle"].to_numpy():
+            for label, run in (("track", track), ("rig", rig)):
+                if label == "rig" or name in both:
+                    columns[f"{name}_{axle}_{label}"] = run[name].sel(axle=axle)
+    return {name: column.to_numpy()[:count] for name, column in columns.items()}
+
+
+# ------------------------------------------------------------------------------------------------------------ sentences
+
+
+def _verdict_lines(rows: Sequence[Row]) -> Iterator[str]:
+    """The verdict of each group, and what is not met or not decided."""
+    for group, title in GROUPS.items():
+        own, word = [row for row in rows if row.group == group], verdict_of(rows, group)
+        met = sum(row.verdict == "met" for row in own)
+        open_ones = sorted((row for row in own if row.verdict != "met"), key=lambda row: row.verdict != "not met")
+        yield f"{title}: {word.upper() if word == 'not met' else word}; {met} of {len(own)} targets met." + "".join(
+            f" {SHOWN[row.verdict]}: {row.told}." for row in open_ones
+        )
+
+
+def findings(numbers: Numbers) -> Iterator[str]:
+    """Sentences after the verdict."""
+    yield (
+        f"The protection's limit cycle has another phase in every test: rig and track are compared by means over "
+        f"{numbers['starts']} starts each, with intervals of 95 %, and not point by point."
+    )
+    row = numbers["verdicts"].get("regrip_adhesion")
+    if row is not None and row["verdict"] == "not met":
+        track, rig = (number(numbers[where]["regrip_adhesion"]["mean"], 3) for where in ("track", "rig"))
+        force = f"the largest force on an axle that has slid is {track} of its load on track, {rig} on the rig"
+        yield f"Regripping is not reproduced: {force}."
+    if numbers["causes"]:
+        yield from _cause_lines(numbers)
+    if numbers["dead_time"]:
+        yield _dead_time_line(numbers["dead_time"])
+    for label in ("track", "rig"):
+        if numbers[label]["status"] not in COMPLETED:
+            yield f"{label}: {numbers[label]['status_message']}"
+
+
+def _cause_lines(numbers: Numbers) -> Iterator[str]:
+    causes = numbers["causes"]
+    known = sorted((n for n in CAUSES if not causes[n]["within_its_error"]), key=lambda n: -abs(causes[n]["share"]))
+    hidden = [name for name in CAUSES if causes[name]["within_its_error"]]
+    text = ", ".join(f"{CAUSES[name]} {_share_text(causes[name])}" for name in known) or "none is larger than its error"
+    text += f"; not told from zero: {', '.join(CAUSES[name] for name in hidden)}" if hidden else ""
+    yield f"Causes of the difference of {_share_text(causes[TOGETHER])} in distance: {text}."
+    rough = max(one["standard_error"] or 0.0 for one in causes.values())
+    if rough >= LARGEST_ERROR:
+        yield f"The shares are rough: standard errors up to {percent(rough)} of the distance, aimed at {percent(LARGEST_ERROR)}."
+    sliding = causes["rolling"]
+    ends = f"between {percent(sliding['low'], signed=True)} and {percent(sliding['high'], signed=True)}"
+    yield (
+        f"The real sliding of the wheels on the rollers, {1e3 * numbers['rig']['real_sliding_largest_mps']['mean']:.3g} mm/s at "
+        f"most, changes the distance by {ends}" + (": not told from zero." if sliding["within_its_error"] else ".")
+    )
+
+
+def _share_text(one: Numbers) -> str:
+    """A share with its standard error."""
+    if one["standard_error"] is None:
+        return percent(one["share"], signed=True)
+    return f"{100.0 * one['share']:+.2f} ± {100.0 * one['standard_error']:.2f} %"
+
+
+def _dead_time_line(found: Numbers) -> str:
+    parts = f"{1e3 * found['torque_s']:z.1f} ms of the axle's torque, {1e3 * found['drive_s']:z.1f} ms of the drives"
+    more = f"{1e3 * found['predicted_s']:z.1f} ms more ({parts})"
+    text = f"Equivalent dead time: the rig acts like a track whose protection has {more}"
+    measured = found.get("measured_s")
+    if measured is not None:
+        text += f"; measured: {1e3 * measured:z.1f} ms"
+        if found["low_s"] is not None:
+            text += f", between {1e3 * found['low_s']:.1f} and {1e3 * found['high_s']:.1f} ms"
+    elif found.get("track"):
+        most = max(0.0, *(float(delay) for delay in found["track"]))
+        text += f"; measured: none, no dead time from 0 to {most:g} ms gives the track the rig's distance"
+    return f"{text}."
+
+
+# --------------------------------------------------------------------------------------------------- tables and figures
+
+PHASE = (
+    "Both are first tests of their ensembles. From the first slides on their limit cycles have different phases: what differs at "
+    "one instant is no error of the rig, and nothing of the verdict is taken from it."
+)
+
+
+def _causes(numbers: Numbers) -> Section:
+    causes = {CAUSES.get(name, name): one for name, one in numbers["causes"].items()}
+    bars = {text: (one["share"], one["standard_error"] or 0.0, one["within_its_error"]) for text, one in causes.items()}
+    caption = (
+        "Part of the difference in mean distance that goes away with each imperfection, one after the other; standard errors. "
+        "Hollow: inside its error of 95 %, not told from zero."
+    )
+    names = ("share", "causes.*.standard_error", "causes.*.low", "causes.*.high", "within_its_error")
+    found = {text: numbers["variants"][name] for name, text in VARIANTS.items() if name in numbers["variants"]}
+    rows = [(text, *(with_error(one[name]) for name in ("distance_relative", *VARIANT))) for text, one in found.items()]
+    header = ("run", "distance over track, less 1", "tracking RMS", "mean slip", "ventings", "air [l]")
+    more = "Each of the lines after the first takes one more imperfection away; ± standard error."
+    return Section(
+        "Why rig and track differ",
+        [
+            Picture("causes", cause_bars(bars), caption),
+            QUANTITIES.table(causes, names, "Shares of the distance on track.", "cause"),
+            Table(header, rows, more),
+        ],
+    )
+
+
+def _dead_time(numbers: Numbers) -> Section:
+    found, blocks = numbers["dead_time"], list[Picture | Table]()
+    if found.get("track"):
+        own, rig = numbers["track"]["distance_m"], numbers["rig"]["distance_m"]
+        curve = {0.0: (own["mean"], own["standard_error"] or 0.0)}
+        curve |= {float(d): (one["distance_m"], one["standard_error_m"] or 0.0) for d, one in found["track"].items()}
+        caption = (
+            "Mean distance on track with more dead time of the protection, on the rig: where the curve has the rig's distance "
+            "is its equivalent dead time. Dashed: in closed form, (D17); dotted: (Q8). Standard errors."
+        )
+        ends = (1e3 * found["predicted_s"], 1e3 * found["least_s"])
+        drawn = dead_time_curve(curve, (rig["mean"], rig["standard_error"] or 0.0), ends)
+        blocks.append(Picture("dead_time", drawn, caption))
+    times = {QUANTITIES[f"dead_time.{name}"].in_words: found[name] for name in found if name.endswith("_s")}
+    rows = [(text, "–" if value is None else round(1e3 * value, 2)) for text, value in times.items()]
+    return Section("Equivalent dead time", [*blocks, Table(("", "ms"), rows, "Equivalent dead time.")])
+
+
+def _numbers(numbers: Numbers) -> Section:
+    rows = []
+    for name in (*RUN, *RIG):
+        quantity = QUANTITIES[f"{'*' if name in RUN else 'rig'}.{name}.mean"]
+        both = [numbers[on].get(name) for on in ("track", "rig")]
+        factor = quantity.in_shown_unit(1.0)
+        rows.append((quantity.heading, *("–" if one is None else with_error(one, factor) for one in both)))
+    names = ("wheel_speed_rms", "wheel_speed_largest", "slip_difference_rms")
+    labels = {"rig": "the rig", SECOND: "another start on the same track"}
+    points = {labels[name]: one for name, one in numbers["point_by_point"].items()}
+    caption = (
+        "Against the first test on track at the same time, point by point: mostly phase, as the second line shows."
+    )
+    table = Table(("", "track", "rig"), rows, "Means of all starts ± standard error.")
+    return Section("Numbers", [table, QUANTITIES.table(points, names, caption, "run")])
+
+
+def _signals(case: Case, whole: Mapping[str, xr.Dataset]) -> Iterator[Picture]:
+    """Of the first tests."""
+    track, rig, ideal = whole["track"], whole["rig"], whole.get("rolling")
+    radius = wheel_radius(rig)
+    yield Picture("speeds", figures.speeds(track, rig, radius), "Train and wheels: rig, virtual train, track.")
+    track, rig, ideal = under_test(track), under_test(rig), None if ideal is None else under_test(ideal)
+    yield Picture("first_slide", figures.first_slide(track, rig, radius), "Slip, and the response to it.")
+    if case.brake is not None:
+        yield Picture("brakes", figures.brakes(track, rig), "Cylinder pressure, ventings, air taken.")
+    if case.traction is not None:
+        text = "Torque of the motors, and the part of the demand that is left."
+        yield Picture("traction", figures.tractions(track, rig), text)
+    yield Picture("adhesion", figures.forces(track, rig, axle_load(rig)), "Force on each axle over its static load.")
+    yield Picture("roller_drives", figures.rollers(rig), "Torque of the roller drives, positive forward.")
+    sliding = (
+        "Full: the rig with its contact model; dashed: wheels that roll on the rollers without sliding. Below, the wheelsets' "
+        "own motion along the track: the bogie swings on its traction rod, which the control law does not know, and the wheels "
+        "turn by it (D14)."
+    )
+    yield Picture("sliding", figures.sliding(rig, ideal, radius), sliding)
+    text = (
+        "Rig less track at the same time. Once the wheels slide, the wheels' lines show two phases of one limit cycle."
+    )
+    yield Picture("differences", figures.errors(track, rig, radius), text)

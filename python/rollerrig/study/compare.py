@@ -24,14 +24,14 @@ from rollerrig.plot import amplitude_over_speed
 from rollerrig.plot.characteristics import characteristics_figure
 from rollerrig.plot.compare import disturbed_over_time, modes_side_by_side
 from rollerrig.plot.modes import hunting_frequencies
-from rollerrig.study import compared_forces as forces
 from rollerrig.study import critical_speeds as speeds
+from rollerrig.study.assessment import Interval, change_in_words
 from rollerrig.study.frame import Study
-from rollerrig.study.interval import Interval, change_in_words
 from rollerrig.study.jobs import Done, Round, job, whole_modes
-from rollerrig.study.mode_tables import MODE_COLUMNS, mode_rows
-from rollerrig.study.quantities import Numbers, Quantities, Quantity
+from rollerrig.study.quantities import Numbers, Quantities
 from rollerrig.study.report import Block, Picture, Section, Table, Text
+from rollerrig.study.runs import compare as forces
+from rollerrig.study.stability import MODE_COLUMNS, mode_rows
 
 LEAST_RUN_STEP = 20.0
 """Runs are made at speeds at least this far apart [km/h]; further runs narrow the critical speeds down."""
@@ -48,21 +48,7 @@ SHIFT, AMPLITUDES = 8e-3, tuple(1e-4 * k for k in range(5, 71))
 AT_MM = (1.0, 2.0, 3.0, 4.0, 5.0)
 """Amplitudes at which conicities are reported [mm]."""
 
-QUANTITIES = Quantities(
-    Quantity("vehicle", "name of the vehicle"),
-    Quantity("cut", "part of it that was compared"),
-    Quantity("supports.*.support", "name of the rig or track"),
-    Quantity("supports.*.roller_radius_m", "radius of its rollers; null: a track", "m"),
-    Quantity("supports.*.linear_critical_speed_kmh", "speed above which an oscillation grows; null: none to 600", "km/h"),
-    Quantity("supports.*.linear_critical_frequency_hz", "its frequency", "Hz"),
-    Quantity("supports.*.linear_critical_mode", "name of the mode"),
-    speeds.by_disturbance_quantities("supports.*.by_disturbance"),
-    forces.WHEELS,
-    [Quantity(f"supports.*.conicity_{mm:g}mm", "equivalent (EN 15302), with rollers' radii", "1", f"{mm:g} mm") for mm in AT_MM],
-    [quantity for quantity, _ in forces.DISTURBED.values()],
-    Quantity("disturbed_kmh", "speed of the disturbed run", "km/h"),
-    speeds.roller_quantities("critical_speed_over_radius_kmh", "roller_effects"),
-)  # fmt: skip
+QUANTITIES = Quantities("compare")
 
 
 @dataclass
@@ -241,13 +227,9 @@ class CompareStudy(Study[Results]):
         return lines
 
     def files(self, results: Results, numbers: Numbers) -> Mapping[str, Any]:
-        on = {label: numbers["supports"][label] for label in self.supports}
-        wheels = [
-            {"on": label, "wheel": w, **row} for label, one in on.items() for w, row in one.get("wheels", {}).items()
-        ]
-        runs = [
-            {"on": label, **run} for label, one in on.items() for run in one.get("by_disturbance", {}).get("runs", [])
-        ]
+        on = {label: numbers["supports"][label] for label in self.supports}.items()
+        wheels = [{"on": n, "wheel": w, **row} for n, one in on for w, row in one.get("wheels", {}).items()]
+        runs = [{"on": n, **run} for n, one in on for run in one.get("by_disturbance", {}).get("runs", [])]
         found = {
             "modes.csv": [["on", *MODE_COLUMNS], *([n, *row] for n, m in results.modes.items() for row in mode_rows(m)[1:])],
             "runs.csv": _rows(runs),
@@ -326,7 +308,7 @@ class CompareStudy(Study[Results]):
         if results.states:
             names = next(iter(results.states.values())).creep_stiffness
             entries = {f"{wheel}, {on}": supports[on]["wheels"][wheel] for wheel in names for on in results.states}
-            columns = [quantity.name for quantity in forces.WHEELS]
+            columns = [q.name for q in QUANTITIES.below("supports.*.wheels.*")]
             blocks.append(
                 QUANTITIES.table(entries, columns, f"Steady rolling at {self.speeds_kmh[0]:g} km/h.", "wheel, on")
             )

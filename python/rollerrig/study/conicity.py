@@ -18,7 +18,7 @@ from rollerrig.contact_analysis import conicity_table, pair_case, shift_table
 from rollerrig.plot.characteristics import characteristics_figure
 from rollerrig.study.frame import Study
 from rollerrig.study.jobs import Done, Round, job
-from rollerrig.study.quantities import Numbers, Quantities, Quantity
+from rollerrig.study.quantities import Numbers, Quantities
 from rollerrig.study.report import Block, Picture, Section, Table, Text
 
 REFERENCE_AMPLITUDE = 3e-3
@@ -36,31 +36,7 @@ ROLLERS = (
     "radius difference includes the rollers' radii, Δr - (r0/R0) ΔR, and the wavelength is measured along the rollers' surface. "
     "The contribution of the rollers to the conicity stands beside that of the wheels."
 )
-QUANTITIES = Quantities(
-    Quantity("wheel", "wheel profile as asked for"),
-    Quantity("rail", "rail profile as asked for"),
-    Quantity("gauge_mm", "distance between the gauge sides", "mm"),
-    Quantity("back_to_back_mm", "distance between the flange backs", "mm"),
-    Quantity("wheel_radius_mm", "radius at the tape circle", "mm"),
-    Quantity(
-        "roll", "'neglected': each wheel is lowered on its own; 'free': the wheelset rolls until both wheels touch"
-    ),
-    Quantity("yaw_mrad", "yaw angle at which the wheelset is shifted", "mrad"),
-    Quantity("method", "how the conicity is computed, and after which standard"),
-    Quantity("supports.*.roller_radius_mm", "radius at the crown; null: a rail", "mm"),
-    Quantity(
-        "supports.*.conicity_3mm", "equivalent conicity at 3 mm of amplitude; null: none, or out of the range", "1"
-    ),
-    Quantity("supports.*.conicity_of_wheels_3mm", "its part from the radii of the wheels; null: none", "1"),
-    Quantity(
-        "supports.*.conicity_of_rollers_3mm", "its part from the radii of the rollers, 0 on rails; null: none", "1"
-    ),
-    Quantity("supports.*.wavelength_3mm_m", "wavelength of the kinematic motion there", "m"),
-    Quantity("supports.*.nonlinearity_per_mm", "change of the conicity from 2 to 4 mm, per millimetre", "1/mm"),
-    Quantity("supports.*.largest_shift_mm", "end of the table of lateral shifts", "mm"),
-    Quantity("supports.*.ended", "why the table ends earlier than asked, empty if it does not"),
-    Quantity("supports.*.jumps_mm", "lateral shifts to the left at which a contact jumps by more than 1 mm", "mm"),
-)
+QUANTITIES = Quantities("conicity")
 
 PARTS = {"of_wheels": "of the wheels", "of_rollers": "of the rollers", "conicity": "together"}
 SIDE_COLUMNS = {

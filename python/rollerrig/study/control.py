@@ -8,6 +8,7 @@ Tracking is the wheel's speed less the virtual wheel's, over the train's speed (
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -20,32 +21,210 @@ from rollerrig.config import Case, ConfigError, ConfigProblem, Rig
 from rollerrig.config.errors import nearest
 from rollerrig.mechatronics import users_controllers
 from rollerrig.plot import control as figures
-from rollerrig.study.control_blocks import family_picture, range_chart, ranking_table
-from rollerrig.study.control_compensation import (
+from rollerrig.study.frame import Study
+from rollerrig.study.jobs import Done, Round, job
+from rollerrig.study.lag_compensation import (
     compensation_blocks,
     compensation_jobs,
     compensation_numbers,
     compensation_text,
 )
-from rollerrig.study.control_held import held_blocks, held_jobs, held_numbers
-from rollerrig.study.control_ranking import (
+from rollerrig.study.loop_stability import (
+    held_blocks,
+    held_jobs,
+    held_numbers,
+    loop_blocks,
+    loop_jobs,
+    loop_numbers,
+)
+from rollerrig.study.quantities import Numbers, Quantities
+from rollerrig.study.report import Picture, Section, Table
+from rollerrig.study.runs.control import (
+    FAMILIES,
+    MEASURED,
+    OUTPUT_STEP,
+    REFERENCES,
     RIPPLE_CRITERION,
     RIPPLE_LIMIT,
     TRACKING_CRITERION,
     TRACKING_LIMIT,
-    Rank,
+    USER,
+    Family,
     Result,
-    ranking,
+    against,
+    references,
+    run_variant,
 )
-from rollerrig.study.control_runs import OUTPUT_STEP, QUANTITIES, REFERENCE_COLUMNS, RUN, against, run_variant
-from rollerrig.study.control_stability import loop_blocks, loop_jobs, loop_numbers
-from rollerrig.study.control_text import failures_text, rank_numbers
-from rollerrig.study.control_variants import FAMILIES, REFERENCES, USER, Family, references
-from rollerrig.study.frame import Study
-from rollerrig.study.jobs import Done, Round, job
-from rollerrig.study.quantities import Numbers
-from rollerrig.study.report import Picture, Section
-from rollerrig.wording import percent
+from rollerrig.wording import number, percent
+
+QUANTITIES = Quantities("control")
+
+
+REFERENCE_COLUMNS = ("status", "tracking_rms", "tracking_largest", "real_sliding_largest_mps", "roller_torque_largest_nm",
+                     "ripple_nm", "distance_relative", "dump_cycles", "air_litres")  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Failure:
+    """A part of a curve in which every value tried fails of one cause.
+
+    Attributes:
+        cause: as of Result.
+        begin, end: of the part, ascending; where a value without a failure is next to it, interpolated to where tracking or
+            ripple passes its limit. NaN: it goes on to the end of the values tried.
+        largest: tracking RMS [-] or ripple [N m], the largest there; NaN where the tests ended early.
+        largest_at: value that has it, or whose test ended first.
+    """
+
+    cause: str
+    begin: float
+    end: float
+    largest: float
+    largest_at: float
+
+    @property
+    def throughout(self) -> bool:
+        """Whether it goes on to both ends of the values tried."""
+        return math.isnan(self.begin) and math.isnan(self.end)
+
+
+@dataclass(frozen=True)
+class Rank:
+    """One curve in the order of how badly it fares.
+
+    Attributes:
+        family: of FAMILIES.
+        points: its results along the axis.
+        worst: the result of most severity.
+        failures: the parts of the axis in which it fails.
+    """
+
+    family: Family
+    points: list[Result]
+    worst: Result
+    failures: list[Failure]
+
+    @property
+    def curve(self) -> str:
+        """Its label."""
+        return self.worst.curve
+
+
+def failures(family: Family, points: Sequence[Result]) -> list[Failure]:
+    """All parts of a curve that fail: a curve may pass again beyond one.
+
+    Args:
+        family: of the curve.
+        points: of one curve, in the order of the axis.
+    """
+    found, last = [], len(points) - 1
+    for cause, group in itertools.groupby(range(len(points)), key=lambda k: points[k].cause):
+        if not cause:
+            continue
+        places = list(group)
+        worst = points[max(places, key=lambda k: points[k].severity)]
+        largest = float(worst.numbers[MEASURED[cause][0]]) if cause in MEASURED else math.nan
+        low, high = places[0], places[-1]
+        begin = _border(family, points[low], points[low - 1]) if low > 0 else math.nan
+        end = _border(family, points[high], points[high + 1]) if high < last else math.nan
+        found.append(Failure(cause, begin, end, largest, worst.value))
+    return found
+
+
+def _along(family: Family, value: float) -> float:
+    return math.log(value) if family.scale == "log" else value
+
+
+def _border(family: Family, bad: Result, other: Result) -> float:
+    """Where the failure begins, in the logarithm of the error; the value itself where the neighbour fails too, or tests end."""
+    if other.cause or bad.cause not in MEASURED:
+        return bad.value
+    key, limit = MEASURED[bad.cause]
+    low, high = (math.log(r.numbers[key]) for r in (other, bad))
+    a, b = _along(family, other.value), _along(family, bad.value)
+    value = a + (math.log(limit) - low) / (high - low) * (b - a)
+    return math.exp(value) if family.scale == "log" else value
+
+
+def ranking(families: Sequence[Family], results: Sequence[Result]) -> list[Rank]:
+    """All curves, the most severe result within the range tried first."""
+    ranks = []
+    for family in families:
+        mine = [r for r in results if r.family == family.name]
+        for curve in dict.fromkeys(r.curve for r in mine):
+            points = sorted((r for r in mine if r.curve == curve), key=lambda r: r.value)
+            worst = max(points, key=lambda r: r.severity)
+            ranks.append(Rank(family, points, worst, failures(family, points)))
+    return sorted(ranks, key=lambda rank: rank.worst.severity, reverse=True)
+
+
+def failures_text(rank: Rank) -> str:
+    """All parts of a curve that fail, where, and the largest error there; empty where none does."""
+    text, parts = rank.family.text, []
+    for one in rank.failures:
+        known = {"tracking": TRACKING_CRITERION, "ripple": RIPPLE_CRITERION}
+        cause = known.get(one.cause, f"{one.cause.replace('_', ' ')}, test ends early,")
+        if one.throughout:
+            where = f"throughout, {text(rank.points[0].value)} to {text(rank.points[-1].value)}"
+        elif math.isnan(one.begin) or math.isnan(one.end):
+            where = f"up to {text(one.end)}" if math.isnan(one.begin) else f"from {text(one.begin)} on"
+        else:
+            where = f"at {text(one.begin)}" if one.begin == one.end else f"from {text(one.begin)} to {text(one.end)}"
+        scale, unit = (100.0, "%") if one.cause == "tracking" else (1.0, "N m")
+        largest = f" (largest {number(scale * one.largest, 3)} {unit} at {text(one.largest_at)})"
+        parts.append(f"{cause} {where}{'' if math.isnan(one.largest) else largest}")
+    return " and ".join(parts)
+
+
+LIMITS = f"limits of failure, {100 * TRACKING_LIMIT:g} % and {RIPPLE_LIMIT:g} N m"
+
+
+def range_chart(ranked: Sequence[Rank], shipped: Result) -> Picture:
+    """Range of the errors of every curve beside the limits."""
+    bars = []
+    for rank in ranked:
+        points = [p.numbers for p in rank.points if p.completed] or [rank.worst.numbers]
+        error = [max(100.0 * n["tracking_rms"], 1e-4) for n in points]
+        ripple = [max(n["ripple_nm"], 0.1) for n in points if math.isfinite(n["ripple_nm"])] or [math.nan]
+        label = f"{rank.family.name.replace('_', ' ')}, {rank.curve}"
+        bars.append(figures.Bar(label, (min(error), max(error)), (min(ripple), max(ripple)), not rank.worst.completed))
+    base = shipped.numbers
+    picture = figures.ranges(
+        bars, (100.0 * base["tracking_rms"], base["ripple_nm"]), (100.0 * TRACKING_LIMIT, RIPPLE_LIMIT)
+    )
+    caption = (
+        f"Range of the errors along each axis, the worst on top. Dashed: {LIMITS}; red: above it; dotted: shipped."
+    )
+    return Picture("ranges", picture, caption)
+
+
+def ranking_table(case: Case, ranked: Sequence[Rank]) -> Table:
+    """Where every curve fails, and its worst run."""
+    rows = []
+    for rank in ranked:
+        worst, family = rank.worst, rank.family
+        shipped = family.text(family.base(case)) if family.base is not None else "–"
+        cells = [QUANTITIES[name].cell(worst.numbers[name]) for name in ("tracking_rms", "ripple_nm")]
+        error = cells[0] if worst.completed else "ended early"
+        fails = failures_text(rank) or "no failure"
+        rows.append([family.title, rank.curve, fails, shipped, family.text(worst.value), error, cells[1]])
+    header = ("varied", "curve", "fails", "shipped", "worst at", "tracking RMS [%]", "ripple [N m]")
+    return Table(header, rows, "every curve, the worst first")
+
+
+def family_picture(case: Case, family: Family, results: Sequence[Result]) -> Picture:
+    """Errors over the axis of a family, a line per curve."""
+    curves = []
+    for label in dict.fromkeys(r.curve for r in results if r.family == family.name):
+        points = sorted((r for r in results if (r.family, r.curve) == (family.name, label)), key=lambda r: r.value)
+        values = {key: [p.numbers[key] for p in points] for key in ("tracking_rms", "ripple_nm")}
+        tracking_percent = [100.0 * value for value in values["tracking_rms"]]
+        ended = [not p.completed for p in points]
+        curves.append(figures.Curve(label, [p.value for p in points], tracking_percent, values["ripple_nm"], ended))
+    base = family.base(case) if family.base is not None else None
+    limits = (100.0 * TRACKING_LIMIT, RIPPLE_LIMIT)
+    picture = figures.over_parameter(curves, family.axis, family.scale, base, limits)
+    return Picture(family.name, picture, f"{family.title}. Dashed: {LIMITS}; dotted: the case as shipped.")
 
 
 @dataclass(frozen=True)
@@ -162,11 +341,11 @@ class ControlStudy(Study[Found]):
         references, results = self._results(done)
         if not references or references[0].curve != next(iter(REFERENCES)):
             return None
-        base = done[_name(("references", references[0].curve, math.nan))]["course"].isel(time=slice(None, None, 50))
+        shipped = done[_name(("references", references[0].curve, math.nan))]["course"]
+        base, courses = shipped.isel(time=slice(None, None, 50)), {references[0].curve: shipped}
         references, results = (
             [replace(r, numbers=against(r.numbers, base)) for r in rs] for rs in (references, results)
         )
-        courses = {references[0].curve: done[_name(("references", references[0].curve, math.nan))]["course"]}
         for key in self._worst(done):
             family = next(f for f in FAMILIES if f.name == key[0])
             if f"course of {_name(key)}" in done:
@@ -193,7 +372,17 @@ class ControlStudy(Study[Found]):
                 {"family": r.family, "curve": r.curve, "value": r.value, "cause": r.cause, **r.numbers}
                 for r in results.results
             ],
-            "ranking": [rank_numbers(rank) for rank in self._ranking(results)],
+            "ranking": [
+                {
+                    "family": rank.family.name,
+                    "curve": rank.curve,
+                    "worst_value": rank.worst.value,
+                    "worst_tracking_rms": rank.worst.numbers["tracking_rms"],
+                    "worst_ripple_nm": rank.worst.numbers["ripple_nm"],
+                    "failures": [vars(failure) for failure in rank.failures],
+                }
+                for rank in self._ranking(results)
+            ],
             "loop": loop_numbers(self.case, results.loop) if results.loop else None,
             "compensation": results.compensation,
             "held_wheel": results.held,
@@ -223,7 +412,7 @@ class ControlStudy(Study[Found]):
         return f"{family.title}{base} – {'; '.join(f'{rank.curve}: {failures_text(rank)}' for rank in ranks)}."
 
     def files(self, results: Found, numbers: Numbers) -> Mapping[str, Any]:
-        names = ("family", "curve", "value", "cause", *(q.key for q in RUN))
+        names = ("family", "curve", "value", "cause", *(q.key for q in QUANTITIES.below("*.*")))
         rows = [{"family": r.family, "curve": r.curve, "value": r.value, "cause": r.cause, **r.numbers}
                 for r in (*results.references, *results.results)]  # fmt: skip
         loop = {"loop.csv": [list(results.loop[0]), *(list(p.values()) for p in results.loop)]} if results.loop else {}

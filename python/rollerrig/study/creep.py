@@ -16,20 +16,10 @@ from rollerrig.contact_laws import creep_law
 from rollerrig.plot.creep import creep_figure
 from rollerrig.study.frame import Study
 from rollerrig.study.jobs import Done, Round, job
-from rollerrig.study.quantities import Numbers, Quantities, Quantity
+from rollerrig.study.quantities import Numbers, Quantities
 from rollerrig.study.report import Picture, Section, Text
 
-ERRORS = tuple(
-    Quantity(f"laws.*.*.{part}.{which}", f"{words} error of the {what} against the exact theory", unit, f"{part}, {words}", 3)
-    for part, what, unit in (("force", "force", "% of μN"), ("moment", "spin moment", "% of μN√(ab)"))
-    for which, words in (("median", "median"), ("percentile_95", "95th percentile"), ("worst", "worst"))
-)  # fmt: skip
-QUANTITIES = Quantities(
-    Quantity("a_over_b", "ratio of the semi-axes of the contact ellipse, a along the rolling direction", "1"),
-    Quantity("poisson_ratio", "of both bodies", "1"),
-    ERRORS,
-    Quantity("grid_error", "largest difference of the exact theory to its solution on a coarser grid", "% of μN"),
-)
+QUANTITIES = Quantities("creep")
 
 
 @dataclass(frozen=True)
@@ -82,7 +72,7 @@ class CreepStudy(Study[xr.Dataset]):
             entry = laws.setdefault(law, {})
             parts: dict[str, dict[str, float]] = {"force": {}, "moment": {}}
             entry[kind.replace(" ", "_")] = parts
-            for quantity, value in zip(ERRORS, errors, strict=True):
+            for quantity, value in zip(QUANTITIES.below("laws.*.*"), errors, strict=True):
                 parts[quantity.key.split(".")[3]][quantity.name] = round(value, 3)
         grid_error = round(100 * float(results["grid_error"].max()), 3)
         return {"a_over_b": self.a_over_b, "poisson_ratio": self.poisson_ratio, "laws": laws, "grid_error": grid_error}
@@ -113,12 +103,12 @@ class CreepStudy(Study[xr.Dataset]):
         )
         entries = {
             f"{law}, {kind.replace('_', ' ')}": {
-                **{q.key: entry[kind][q.key.split(".")[3]][q.name] for q in ERRORS},
+                **{q.key: entry[kind][q.key.split(".")[3]][q.name] for q in QUANTITIES.below("laws.*.*")},
             }
             for law, entry in numbers["laws"].items()
             for kind in ("no_spin", "spin")
         }
-        names = [quantity.key for quantity in ERRORS]
+        names = [quantity.key for quantity in QUANTITIES.below("laws.*.*")]
         note = "Against the exact theory. What a call costs on this machine is in timing.json."
         return [
             Section("Forces", [Picture("creep", creep_figure(results), caption)]),

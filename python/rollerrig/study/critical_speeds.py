@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from typing import Any
+from typing import Any, Literal
 
 from rollerrig.analysis import CriticalSpeedByDisturbance, HuntingSettings, LinearCriticalSpeed
 from rollerrig.analysis.critical_speed import bracket, rounds_by_disturbance, scan_linear
@@ -25,7 +25,6 @@ from rollerrig.analysis.roller_effects import (
 from rollerrig.config import Case
 from rollerrig.plot.compare import critical_over_radius, effect_bars
 from rollerrig.study.jobs import Done, Job, Round, job
-from rollerrig.study.quantities import Quantity
 from rollerrig.study.report import Block, Picture, Table, Text
 
 EFFECT_LABELS = {
@@ -34,40 +33,6 @@ EFFECT_LABELS = {
     "spin": "spin of the roller",
     "yaw": "yawed wheel leaves the crown",
 }
-
-
-def by_disturbance_quantities(prefix: str) -> list[Quantity]:
-    """What is reported of runs from a disturbance, below a key."""
-    run = f"{prefix}.runs.*"
-    return [
-        Quantity(f"{prefix}.disturbance_mm", "lateral offset of the leading wheelset at the start of the runs", "mm"),
-        Quantity(
-            f"{prefix}.decays_kmh", "highest speed below the onset at which the motion decays; null: none", "km/h"
-        ),
-        Quantity(f"{prefix}.persists_kmh", "lowest speed at which it persists; null: none", "km/h"),
-        Quantity(f"{run}.speed_kmh", "of a run", "km/h"),
-        Quantity(f"{run}.amplitude_mm", "lateral, at its end", "mm"),
-        Quantity(f"{run}.frequency_hz", "at its end", "Hz"),
-        Quantity(f"{run}.growth_rate_at_end_per_s", "at its end", "1/s"),
-        Quantity(f"{run}.persists", "whether it came to its end with a motion that persists"),
-        Quantity(f"{run}.decays", "whether it came to its end with a motion that decays; neither: it ended early"),
-        Quantity(f"{run}.status", "how the run ended"),
-        Quantity(f"{run}.energy_relative_residual", "energy audit", "1"),
-    ]
-
-
-def roller_quantities(over_radius: str, effects: str) -> list[Quantity]:
-    """What is reported of the rollers' radius and effects, below two keys."""
-    return [
-        Quantity(f"{over_radius}.*.*", "linear, per part of the vehicle and roller radius [m] or 'track'; null: none", "km/h"),
-        Quantity(effects, "null: not computed"),
-        Quantity(f"{effects}.track_kmh", "linear critical speed on track, all effects off", "km/h"),
-        Quantity(f"{effects}.rig_kmh", "on the rig, all effects on", "km/h"),
-        Quantity(f"{effects}.gain_switched_off_kmh.*", "rig without one effect, less rig", "km/h"),
-        Quantity(f"{effects}.loss_alone_kmh.*", "track less track with one effect alone", "km/h"),
-        Quantity(f"{effects}.interaction_switched_off_kmh", "loss less the sum of the gains", "km/h"),
-        Quantity(f"{effects}.interaction_alone_kmh", "loss less the sum of the single losses", "km/h"),
-    ]  # fmt: skip
 
 
 def words(name: str) -> str:
@@ -365,3 +330,6 @@ def effects_blocks(split: EffectSplit | None, caption: str) -> list[Block]:
     )
     picture = effects_picture("roller_effects", split, caption)
     return [Text(effects_sentence(split)), picture, effects_table(split, table), Text(interaction)]
+
+
+Method = Literal["linear", "disturbance", "continuation"]

@@ -10,16 +10,18 @@ phase is left: the numbers of two such tests are independent, their means are th
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from scipy.special import stdtrit
 
+from rollerrig.analysis.equivalent_dead_time import DeadTime, at_track_of
 from rollerrig.analysis.slide_statistics import TestRecord, test_record
 from rollerrig.config import Case
-from rollerrig.study.interval import Interval
+from rollerrig.study.assessment import Interval
 from rollerrig.study.jobs import Progress, whole_run
+from rollerrig.wording import number
 
 SPEED = 3e-3
 """The start is faster or slower by up to this [m/s]: 0.01 % of 120 km/h."""
@@ -84,15 +86,27 @@ def estimate(values: Sequence[float]) -> Estimate:
     return Estimate(float(np.mean(values)), spread / math.sqrt(count) if count else math.nan, count - 1.0)
 
 
+def with_error(one: Mapping[str, float | None], factor: float = 1.0, digits: int = 4, error_digits: int = 2) -> str:
+    """A mean of `as_dict` and its standard error as tables show them, times a factor; a dash where there is none."""
+    mean, error = one["mean"], one["standard_error"]
+    if mean is None or math.isnan(mean):
+        return "–"
+    known = error is not None and not math.isnan(error)
+    return number(factor * mean, digits) + (f" ± {number(factor * (error or 0.0), error_digits)}" if known else "")
+
+
 def difference(a: Estimate, b: Estimate) -> Estimate:
     """A - b of two ensembles, degrees of freedom by Welch and Satterthwaite."""
     return _combined(a.mean - b.mean, (a.standard_error, a.freedom), (b.standard_error, b.freedom))
 
 
 def relative(a: Estimate, b: Estimate) -> Estimate:
-    """A / b - 1 of two ensembles, to first order in their errors."""
+    """A / b - 1 of two ensembles, to first order in their errors; infinite where b alone is zero, NaN where both are."""
     if not b.mean:
-        return Estimate(math.nan, math.nan, 0.0)
+        if not a.mean:
+            return Estimate(math.nan, math.nan, 0.0)
+        above = a.interval.low > 0.0 or a.interval.high < 0.0
+        return Estimate(math.copysign(math.inf, a.mean), 0.0 if above else math.nan, math.inf)
     errors = (a.standard_error / abs(b.mean), a.freedom), (abs(a.mean) * b.standard_error / b.mean**2, b.freedom)
     return _combined(a.mean / b.mean - 1.0, *errors)
 
@@ -115,3 +129,54 @@ def distances(groups: Sequence[Sequence[TestRecord]]) -> list[list[float]]:
 def measure(records: Sequence[TestRecord], name: str) -> Estimate:
     """Of one measure; tests without it leave no mean."""
     return estimate([record.measures.get(name, math.nan) for record in records])
+
+
+SHARES = (0.5, 1.0, 1.5)
+"""Of the predicted dead time, at which the track is run."""
+
+LEAST_STEP = 2e-3
+"""Between them at least [s]: less is not seen beside the scatter of the distance."""
+
+
+def protection_of(case: Case) -> str | None:
+    """Table of what protects the axles of this test, whose `delay` is the dead time; None: nothing of ours does."""
+    name = "slide_protection" if case.brake is not None else "wheel_slip_control"
+    table = getattr(case, name)
+    return name if table is not None and table.is_ours else None
+
+
+def later_protection(case: Case, dead_time: float) -> Case:
+    """The same test with so much more dead time of the protection [s], a multiple of the sampling step."""
+    name = protection_of(case)
+    assert name is not None
+    table = getattr(case, name)
+    return case.model_copy(update={name: table.model_copy(update={"delay": table.delay + dead_time})})
+
+
+def dead_times(case: Case, predicted: DeadTime | None) -> tuple[float, ...]:
+    """Additional dead times at which to run the track [s], ascending, multiples of the sampling step."""
+    if predicted is None or protection_of(case) is None:
+        return ()
+    step, reach = case.time.sampling_step, max(predicted.total, LEAST_STEP / SHARES[0])
+    return tuple(sorted({max(1, round(share * reach / step)) * step for share in SHARES}))
+
+
+def measured_dead_time(rig: Estimate, track: Mapping[float, Estimate]) -> Estimate:
+    """Additional dead time [s] with which the track has the rig's mean number: its distance, or its ventings.
+
+    Args:
+        rig: that number of the rig.
+        track: additional dead time [s] -> the same on track, 0 among them.
+
+    Returns:
+        By linear interpolation between two ensembles; NaN where the rig's number is outside all of the track's.
+    """
+    found, slope = at_track_of(rig.mean, {delay: one.mean for delay, one in track.items()})
+    if not math.isfinite(found):
+        return Estimate(math.nan, math.nan, 0.0)
+    delays = sorted(track)
+    k = next((k for k, delay in enumerate(delays[1:]) if found <= delay), 0)
+    low, high = delays[k], delays[k + 1]
+    part = (found - low) / (high - low)
+    errors = (rig.standard_error, (1.0 - part) * track[low].standard_error, part * track[high].standard_error)
+    return Estimate(found, math.hypot(*errors) / abs(slope), min(rig.freedom, track[low].freedom, track[high].freedom))

@@ -7,6 +7,7 @@ Case of a rig with [rig_control] -> runs over torque, adhesion and load, refined
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -18,13 +19,16 @@ import xarray as xr
 
 from rollerrig.analysis.envelope_borders import Border, borders, slides
 from rollerrig.analysis.rig_limits import FULL_SLIDING, LINES, SLIDES
-from rollerrig.analysis.run_limits import LEAST_DURATION, REGIONS, REPRODUCED, TRACKING_LIMIT
+from rollerrig.analysis.run_limits import LEAST_DURATION, NUMBERS, REGIONS, REPRODUCED, TRACKING_LIMIT
 from rollerrig.cases import as_case
 from rollerrig.config import Case, ConfigError, ConfigProblem, Rig
 from rollerrig.config.validate.simulated_axles import simulated_axles
 from rollerrig.plot import envelope as figures
-from rollerrig.study.envelope_map import map_dataset, middles
-from rollerrig.study.envelope_points import (
+from rollerrig.study.frame import Study
+from rollerrig.study.jobs import Done, Progress, Round, job, whole_run
+from rollerrig.study.quantities import Numbers, Quantities, Quantity
+from rollerrig.study.report import Block, Picture, Section, Table, Text
+from rollerrig.study.runs.envelope import (
     ADHESIONS,
     BEGIN,
     LOADS,
@@ -35,15 +39,72 @@ from rollerrig.study.envelope_points import (
     check,
     default_torques,
     find_on_track,
+    map_dataset,
+    middles,
     point_case,
     run_point,
     torque_text,
 )
-from rollerrig.study.envelope_tables import deviations_table, reach_table, run_rows
-from rollerrig.study.frame import Study
-from rollerrig.study.jobs import Done, Progress, Round, job, whole_run
-from rollerrig.study.quantities import Numbers, Quantities, Quantity
-from rollerrig.study.report import Block, Picture, Section, Table, Text
+from rollerrig.wording import number
+
+
+def run_rows(found: xr.Dataset) -> list[list[object]]:
+    """envelope.csv: a row per run, header first."""
+    texts, places = ("region", "limits", "status"), ("load", "axle_load", "torque", "adhesion")
+    rows: list[list[object]] = [["load", "axle_load_n", "torque_nm", "adhesion", *texts, *NUMBERS]]
+    for load, adhesion, torque in np.argwhere(found["region"].to_numpy() != ""):
+        here = found.isel(load=load, adhesion=adhesion, torque=torque)
+        rows.append([*(float(here[name]) for name in places), *(str(here[name].item()) for name in texts),
+                     *(float(here[name]) for name in NUMBERS)])  # fmt: skip
+    return rows
+
+
+def reach_table(found: xr.Dataset) -> Table:
+    """Largest reproduced torque over adhesion, a column per side and load."""
+    rows = borders(found)
+    columns = list(dict.fromkeys((row.side, row.load) for row in rows))
+    cells = {(row.side, row.load, row.adhesion): f"{torque_text(row.reached)}; {REGIONS.get(row.limit, 'the whole map')}"
+             for row in rows}  # fmt: skip
+    table = [
+        [number(adhesion), *(cells.get((side, load, adhesion), "–") for side, load in columns)]
+        for adhesion in sorted({row.adhesion for row in rows})
+    ]
+    names = dict(zip(found["load"].to_numpy().tolist(), 1e-3 * found["axle_load"].to_numpy(), strict=True))
+    header = ("adhesion", *(f"{side}, axle load {names[load]:.4g} kN" for side, load in columns))
+    return Table(
+        header, table, "largest torque on an axle up to which every run reproduces the rail, and the limit of the next"
+    )
+
+
+def deviations_table(found: xr.Dataset) -> Table:
+    """Closed form against the two runs on either side of each border."""
+    kinds = [(REGIONS.get(row.limit, ""), row) for row in borders(found)] + [
+        ("slide, (V2)", row) for row in slides(found)
+    ]
+    rows = [
+        [row.side, row.load, row.adhesion, name, f"{torque_text(row.reached)} … {torque_text(row.beyond)}", _compared(row),
+         torque_text(row.predicted), "✔" if row.agrees else "✘"]
+        for name, row in kinds if row.agrees is not None
+    ]  # fmt: skip
+    header = (
+        "side",
+        "load",
+        "adhesion",
+        "border of",
+        "runs on either side",
+        "left on the axles",
+        "closed form",
+        "agree",
+    )
+    return Table(header, rows)
+
+
+def _compared(row: Border) -> str:
+    """The torque left in the two runs, where that is what is compared."""
+    if row.compared == (row.reached, row.beyond):
+        return ""
+    return " … ".join(torque_text(t) if math.isfinite(t) else "–" for t in row.compared)
+
 
 METHOD = (
     f"Each point is a run of the whole rig, {{duration:g}} s long, from {{speed:.4g}} km/h: the torque rises from {BEGIN:g} s to "
@@ -69,27 +130,9 @@ LEFT_OUT = (
     "short: heat and wear of rollers and drives do not limit them. The rail does not change along the way."
 )
 QUANTITIES = Quantities(
-    Quantity("case", "name of the case"),
-    Quantity("speed_kmh", "of the train at the start of each run", "km/h"),
-    Quantity("runs", "on the map"),
-    *(Quantity(f"regions.{name}", f"number of runs: {meaning}", "", meaning) for name, meaning in REGIONS.items()),
-    Quantity("reproduced", "part of the runs in which the rig reproduces the rail: no limit reached, RMS below 1 %", "1"),
-    Quantity("vehicle_torque_nm.*", "largest torque of the vehicle's own brake or motor; null: no limit is known", "N m"),
-    Quantity("vehicle_reproduced.*", "whether all runs up to that torque reproduce the rail; null: no limit is known"),
-    Quantity("borders.*.side", "brake or traction"),
-    Quantity("borders.*.load", "axle load over the case's own", "1"),
-    Quantity("borders.*.adhesion", "of the rail", "1"),
-    Quantity("borders.*.reproduced_up_to_nm", "largest torque up to which every run reproduces the rail", "N m"),
-    Quantity("borders.*.beyond_nm", "the next torque run; null: the map ends", "N m"),
-    Quantity("borders.*.limit", "reached there; null: none"),
-    Quantity("borders.*.predicted_nm", "where the closed forms put the border; null: not predicted", "N m"),
-    Quantity("borders.*.compared_low_nm", "least torque that the prediction is compared with: reproduced_up_to_nm, or, of a "
-             "recovery, what was left on the axles over (V6)", "N m"),
-    Quantity("borders.*.compared_high_nm", "largest torque: beyond_nm, or what was left", "N m"),
-    Quantity("borders.*.agrees", "whether the torques agree within a step of torque; null: no limit reached, none predicted"),
-    Quantity("agreement.*.agree", "borders of the limits, and of sliding (V2), at which closed form and runs agree in torque"),
-    Quantity("agreement.*.of", "how many there are"),
-)  # fmt: skip
+    "envelope",
+    (Quantity(f"regions.{name}", f"number of runs: {meaning}", "", meaning) for name, meaning in REGIONS.items()),
+)
 
 
 @dataclass(frozen=True)

@@ -13,6 +13,7 @@ import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import xarray as xr
@@ -20,6 +21,7 @@ import xarray as xr
 from rollerrig.analysis import stability
 from rollerrig.analysis.parallel import run_jobs
 from rollerrig.config import Case
+from rollerrig.results import output_folder
 from rollerrig.simulation import simulate
 from rollerrig.study.journal import Journal
 
@@ -246,3 +248,38 @@ def _lost(work: Job) -> Any:
 
 def _part(report: Progress, begin: float, end: float) -> Progress:
     return lambda fraction, text: report(begin + (end - begin) * fraction, text)
+
+
+FIRST_ROUND = 0.75
+"""Fraction of the whole at which the first of several rounds ends."""
+
+
+def kept_rounds(
+    rounds: Callable[[Done], Iterator[Round | Chains]],
+    folder: str | Path | None,
+    what: str,
+    plan: Mapping[str, Any],
+    processes: int,
+    progress: Progress | None,
+) -> tuple[Done, bool]:
+    """Do all rounds of jobs, those that the folder has not again.
+
+    Args:
+        rounds: called with the results so far.
+        folder: made if need be; None: nothing is kept.
+        what: is computed, as messages call it.
+        plan: all that decides the results, as JSON takes it.
+        processes: jobs at a time.
+        progress: called with the fraction done and a short text.
+
+    Returns:
+        Results by name, and whether Ctrl-C ended it early.
+
+    Raises:
+        ConfigError: the folder has the jobs of another plan.
+        OutputError: the folder takes no files.
+    """
+    if folder is None:
+        return run_rounds(rounds, None, (FIRST_ROUND,), processes, progress)
+    with Journal(output_folder(folder), what, plan) as journal:
+        return run_rounds(rounds, journal, (FIRST_ROUND,), processes, progress)

@@ -96,7 +96,7 @@ class Journal:
             if line is not None and line.keys() == {"job", "result"}:
                 try:
                     self.done[line["job"]] = _decoded(line["result"], self.folder)
-                except (FileNotFoundError, KeyError, TypeError, ValueError):
+                except (FileNotFoundError, ImportError, KeyError, TypeError, ValueError):
                     continue  # its Dataset is missing, or an older version wrote it: the job is done again
         if len(whole) < len(content):
             os.truncate(self.path, len(whole))
@@ -218,7 +218,7 @@ def _decoded(value: Any, folder: Path) -> Any:
     """The result of `_encoded`.
 
     Raises:
-        FileNotFoundError, KeyError, TypeError, ValueError: it is not what `_encoded` wrote.
+        FileNotFoundError, ImportError, KeyError, TypeError, ValueError: it is not what `_encoded` wrote.
     """
     if isinstance(value, list):
         return [_decoded(item, folder) for item in value]

@@ -6,48 +6,223 @@ Case on elastic rollers with a disturbance -> [LateralStudy] -> runs displaced a
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import partial
 from typing import Any
 
+import numpy as np
 import xarray as xr
 
 from rollerrig.analysis.lateral_guidance import (
     Guidance,
+    amplitude,
     amplitudes_over_time,
     creep_force,
     guidance,
+    hunting_frequency,
     lateral_creep_coefficient,
     leading_lateral,
+    on_rig,
     slide_begins,
     train_slip,
 )
-from rollerrig.analysis.tracking import wheel_radius
-from rollerrig.config import Case, ConfigError, ConfigProblem, Rig
+from rollerrig.analysis.tracking import following, largest, real_sliding, wheel_radius
+from rollerrig.config import Case, Condition, ConfigError, ConfigProblem, Rig
 from rollerrig.config.validate.simulated_axles import simulated_axles
 from rollerrig.plot import lateral as figures
 from rollerrig.results import COMPLETED
-from rollerrig.study.adhesion_variants import track_case
 from rollerrig.study.frame import Study
-from rollerrig.study.jobs import Done, Round, job, whole_run
-from rollerrig.study.lateral_cases import CLEAN_POLACH, MEMBERS, nearly_the_same, unbraked, whole_creep_slope
-from rollerrig.study.lateral_numbers import (
-    ENSEMBLE,
-    GUIDANCE,
-    GUIDED,
-    LABELS,
-    QUANTITIES,
-    REPEATED,
-    RUN,
-    ensemble_numbers,
-    guidance_numbers,
-    run_measured,
-    run_numbers,
-)
-from rollerrig.study.lateral_text import control_text, guidance_text, hunting_text
-from rollerrig.study.quantities import Numbers
+from rollerrig.study.jobs import Done, Progress, Round, job, whole_run
+from rollerrig.study.quantities import Numbers, Quantities
 from rollerrig.study.report import VIEW, Block, Picture, Section, Text
+from rollerrig.study.runs.adhesion import track_case
+from rollerrig.study.variants import means, start_jobs, started
+from rollerrig.wording import number, percent
+
+MEMBERS = 8
+"""Runs of an ensemble, the case itself included."""
+
+NEARLY = 1e-9
+"""Relative change of the disturbance from one member to the next: below what any measurement could tell."""
+
+CLEAN_POLACH = {"kind": "polach", "k_A": 1.0, "k_S": 1.0}
+"""Polach's creep law on a clean surface."""
+
+
+def unbraked(case: Case) -> Case:
+    """The same run without brake and traction: no wheel slides."""
+    tables = {name: table for name in ("brake", "traction") if (table := getattr(case, name)) is not None}
+    none = {name: table.model_copy(update={"demand": ((0.0, 0.0), (1.0, 0.0))}) for name, table in tables.items()}
+    return case.model_copy(update=none)
+
+
+def whole_creep_slope(case: Case) -> Case:
+    """The same rail with k_A = k_S = 1: as little friction, but a creep curve as steep as on a clean rail."""
+    assert case.adhesion is not None
+
+    def steep(rail: Condition) -> Condition:
+        return rail.model_copy(update={"k_A": 1.0, "k_S": 1.0})
+
+    pieces = tuple(piece.model_copy(update={"rail": steep(piece.rail)}) for piece in case.adhesion.piece)
+    adhesion = case.adhesion.model_copy(update={"rail": steep(case.adhesion.rail), "piece": pieces})
+    return case.model_copy(update={"adhesion": adhesion})
+
+
+def nearly_the_same(case: Case, count: int) -> list[Case]:
+    """An ensemble: the case, and others of which each is displaced by 1e-9 more than the one before."""
+    members = []
+    for larger in (1.0 + NEARLY * k for k in range(count)):
+        disturbance = tuple(
+            one.model_copy(update={"lateral": larger * one.lateral, "yaw": larger * one.yaw})
+            for one in case.disturbance
+        )
+        members.append(case.model_copy(update={"disturbance": disturbance}))
+    return members
+
+
+LABELS = {
+    "rig": "rig as it is, displaced",
+    "rig_centred": "rig as it is, centred",
+    "rig_rigid": "rigid rollers, displaced",
+    "rig_rigid_centred": "rigid rollers, centred",
+    "rig_dry": "rig as it is, displaced, dry virtual rail",
+    "track": "track, displaced",
+    "track_dry": "track, displaced, dry rail",
+    "track_paper": "track, displaced, the paper's creep law",
+    "track_unbraked": "track, displaced, unbraked",
+    "track_stiff": "track, displaced, k_A = k_S = 1",
+    "track_stiff_unbraked": "track, displaced, k_A = k_S = 1, unbraked",
+    "track_polach_stiff_unbraked": "track, displaced, k_A = k_S = 1, unbraked, Polach's creep law",
+}
+"""Key of a run -> its label; displaced: by the case's disturbance."""
+
+GUIDED = ("track", "track_paper")
+"""Runs whose lateral creep is compared with the closed form."""
+
+REPEATED = ("rig", "rig_rigid")
+"""Runs in which flanges strike: repeated with a disturbance that differs by 1e-9, since no single figure of theirs is certain."""
+
+
+CHAOTIC = ("tracking_rms", "real_sliding_largest_mps", "amplitude_before_mm", "amplitude_in_slide_mm")
+"""Quantities of a run that the smallest change moves."""
+
+QUANTITIES = Quantities("lateral")
+
+
+def run_measured(case: Case, slide: float, progress: Progress | None = None) -> dict[str, Any]:
+    """The numbers of one more member of an ensemble."""
+    return run_numbers(whole_run(case, progress), slide)
+
+
+def run_numbers(run: xr.Dataset, slide: float) -> dict[str, Any]:
+    """The numbers of one run of `runs`; NaN where not defined.
+
+    Args:
+        run: of the study.
+        slide: when the wheels begin to slide, the same for all runs [s]; NaN: they do not.
+    """
+    time, lateral = run["time"].to_numpy(), leading_lateral(run)
+    begin = slide if math.isfinite(slide) else float(time[-1])
+    later = [amplitude(time, lateral, t, t + 1.0) for t in np.arange(begin + 1.0, time[-1] - 0.999)]
+    rollers = [body for body in map(str, run["body"].to_numpy()) if "roller" in body]
+    return {
+        "status": run.attrs["status"],
+        **(
+            following(run)
+            if on_rig(run)
+            else {"tracking_rms": math.nan, "tracking_largest": math.nan, **real_sliding(run)}
+        ),
+        "largest_slip": largest(train_slip(run)),
+        "amplitude_before_mm": amplitude(time, lateral, begin - 1.0, begin),
+        "amplitude_in_slide_mm": max(later, default=math.nan),
+        "amplitude_end_mm": amplitude(time, lateral, time[-1] - 1.0, time[-1]),
+        "frequency_hz": hunting_frequency(time, lateral, begin - 1.0, begin),
+        "largest_lateral_mm": float(np.abs(lateral).max()),
+        "roller_lateral_mm": 1e3 * float(np.abs(run["lateral"].sel(body=rollers)).max()) if rollers else math.nan,
+        "lateral_creep_largest_kn": 1e-3 * float(np.abs(creep_force(run, "y")).max()),
+    }
+
+
+def control_text(numbers: Numbers) -> Iterator[str]:
+    """How lateral motion disturbs the control of the rig."""
+    runs, again = numbers["runs"], numbers["ensemble"]
+    means = {"rig_centred": runs.get("rig_centred"), **{key: again.get(key) for key in ("rig", "rig_rigid")}}
+    if not all(one and one["tracking_rms"] for one in means.values()):
+        return
+    errors = {key: one["tracking_rms"] for key, one in means.items() if one}
+    yield (
+        f"Tracking error, RMS of train speed: {percent(errors['rig_centred'])} while the bogie stays centred, "
+        f"{percent(errors['rig_rigid'])} where it hunts on rigid rollers, {percent(errors['rig'])} on elastic ones "
+        f"({number(errors['rig'] / errors['rig_centred'], 2)} times as much). Wheels then slide on the rollers at up to "
+        f"{_interval(again['rig'])} m/s, rigid {_interval(again['rig_rigid'])} m/s, centred "
+        f"{number(runs['rig_centred']['real_sliding_largest_mps'], 2)} m/s: means of runs whose disturbances differ by 10⁻⁹, and "
+        "their standard errors, as flanges that strike move every single figure."
+    )
+
+
+def hunting_text(numbers: Numbers) -> Iterator[str]:
+    """What becomes of hunting in a slide, on track and on the rig, and which of its causes ends it."""
+    runs = numbers["runs"]
+
+    def sizes(key: str) -> str:
+        run = runs[key]
+        return f"{number(run['amplitude_before_mm'], 2)} and {number(run['amplitude_in_slide_mm'], 2)} mm"
+
+    def known(*keys: str) -> bool:
+        return all(key in runs and runs[key]["amplitude_in_slide_mm"] is not None for key in keys)
+
+    if known("track", "rig"):
+        yield (
+            "Hunting, amplitude of the leading wheelset before the slide and later than 1 s into it: on track "
+            f"{sizes('track')}, on the rig {sizes('rig')}: its real wheels keep rolling on dry rollers."
+        )
+    if known("track_unbraked"):
+        dies = runs["track_unbraked"]["amplitude_in_slide_mm"] < LEFT * runs["track_unbraked"]["amplitude_before_mm"]
+        yield (
+            f"On the same rail without braking it is {sizes('track_unbraked')} at these times: "
+            + (
+                "hunting dies there too, of the flatter creep curve of the contaminated rail (k_A, k_S) alone, and the run with "
+                "braking does not show what sliding does."
+                if dies
+                else "it goes on, and the slide is what ends it."
+            )
+        )
+    if known("track_stiff", "track_stiff_unbraked"):
+        yield (
+            f"With k_A = k_S = 1, where only friction is low, it is {sizes('track_stiff_unbraked')} unbraked and "
+            f"{sizes('track_stiff')} braked: this pair separates the slide from the rail."
+            + (
+                f" With Polach's creep law it is {sizes('track_polach_stiff_unbraked')} unbraked: near the limit of friction it "
+                "is softer."
+                if known("track_polach_stiff_unbraked")
+                else ""
+            )
+        )
+
+
+def guidance_text(numbers: Numbers) -> Iterator[str]:
+    """What is left of lateral creep on a sliding wheel, with which creep law."""
+    laws = {"track": "the case's creep law", "track_paper": "the paper's law"}
+    found = {law: numbers["guidance"][key] for key, law in laws.items() if key in numbers["guidance"]}
+    if laws["track"] not in found:
+        return
+    own = found[laws["track"]]
+    slopes = ", ".join(f"{one['slope']:z.2f} with {law}" for law, one in found.items())
+    yield (
+        f"What remains of lateral creep on a sliding wheel is viscous, {number(own['sliding_ns_per_m'], 3)} N s/m instead of "
+        f"{number(own['rolling_ns_per_m'], 3)}. Against −F v_y/v_s its slope is {slopes}."
+    )
+
+
+LEFT = 0.2
+"""Hunting of which less than this part is left has died [-]."""
+
+
+def _interval(one: Numbers) -> str:
+    """Largest sliding of an ensemble [m/s]; without an error where that is round-off."""
+    mean, error = one["real_sliding_largest_mps"], one["real_sliding_largest_mps_standard_error"]
+    return number(mean, 2) + (f" ± {number(error, 1)}" if error > 1e-3 * mean else "")
 
 
 @dataclass(frozen=True)
@@ -106,11 +281,8 @@ class LateralStudy(Study[Found]):
         if LABELS["rig"] not in done:
             return
         begin = _slide({key: done[label] for key, label in LABELS.items() if label in done})
-        yield {
-            _repeated(key, number): job(run_measured, case, begin)
-            for key in REPEATED
-            for number, case in enumerate(nearly_the_same(runs[key]), 1)
-        }
+        again = {LABELS[key]: runs[key] for key in REPEATED}
+        yield start_jobs(again, lambda one, _: job(run_measured, one, begin), MEMBERS, 1, nearly_the_same)
 
     def runs(self) -> dict[str, Case]:
         """The cases that are run, by key of LABELS."""
@@ -137,8 +309,7 @@ class LateralStudy(Study[Found]):
     def collect(self, done: Done) -> Found | None:
         if LABELS["rig"] not in done:
             return None
-        again = {key: [done[name] for name in map(partial(_repeated, key), range(1, MEMBERS)) if name in done]
-                 for key in REPEATED}  # fmt: skip
+        again = {key: started(done, LABELS[key], [None])[1:] for key in REPEATED}
         return Found({key: done[label] for key, label in LABELS.items() if label in done}, again)
 
     def statuses(self, results: Found) -> Sequence[str]:
@@ -148,16 +319,22 @@ class LateralStudy(Study[Found]):
 
     def numbers(self, results: Found) -> dict[str, Any]:
         begin = _slide(results.runs)
+        names = [q.name for q in QUANTITIES.below("guidance.*")]
         left = {key: self.guidance_of(results.runs[key]) for key in GUIDED if key in results.runs}
         runs = {key: run_numbers(run, begin) for key, run in results.runs.items()}
+        one = means({key: [runs[key], *others] for key, others in results.repeated.items() if others}, CHAOTIC)
         return {
             "case": self.case.name,
             "slide_begins_s": begin,
             "runs": runs,
             "ensemble": {
-                key: ensemble_numbers([runs[key], *others]) for key, others in results.repeated.items() if others
+                str(key): {name: float(one[name].sel(variant=key)) for name in one} for key in one["variant"].to_numpy()
             },
-            "guidance": {key: guidance_numbers(found) for key, found in left.items() if found is not None},
+            "guidance": {
+                key: dict(zip(names, (one.slope, one.correlation, one.rolling, one.sliding), strict=True))
+                for key, one in left.items()
+                if one is not None
+            },
         }
 
     def guidance_of(self, run: xr.Dataset) -> Guidance | None:
@@ -178,10 +355,12 @@ class LateralStudy(Study[Found]):
 
     def sections(self, results: Found, numbers: Numbers) -> list[Section]:
         shown = {LABELS[key]: run for key, run in numbers["runs"].items()}
-        table = QUANTITIES.list_table(shown, [quantity.name for quantity in RUN])
+        table = QUANTITIES.list_table(shown, [q.key for q in QUANTITIES.below("runs.*")])
         again = {LABELS[key]: one for key, one in numbers["ensemble"].items()}
         caption = f"mean of {MEMBERS} runs whose disturbances differ by 10⁻⁹, and its standard error"
-        repeated = [QUANTITIES.list_table(again, [q.name for q in ENSEMBLE], caption)] if again else []
+        repeated = (
+            [QUANTITIES.list_table(again, [q.key for q in QUANTITIES.below("ensemble.*")], caption)] if again else []
+        )
         sections = [Section("Numbers", [table, *repeated])]
         sections += [Section(title, [Picture(*picture)]) for title, *picture in _pictures(results.runs)]
         return [*sections, Section("Lateral guidance of a sliding wheel", self._guidance_blocks(results, numbers))]
@@ -202,12 +381,11 @@ class LateralStudy(Study[Found]):
                     f"{LABELS[key]}: axles whose wheels slide faster than 1 m/s, each sample.")
             for key, one in found.items() if one is not None
         ]  # fmt: skip
-        return [Text(text), QUANTITIES.table(entries, [q.name for q in GUIDANCE], head="run"), *pictures]
-
-
-def _repeated(key: str, number: int) -> str:
-    """Name of the job of another member of an ensemble."""
-    return f"{LABELS[key]}, again {number}"
+        return [
+            Text(text),
+            QUANTITIES.table(entries, [q.key for q in QUANTITIES.below("guidance.*")], head="run"),
+            *pictures,
+        ]
 
 
 def _slide(results: Mapping[str, xr.Dataset]) -> float:

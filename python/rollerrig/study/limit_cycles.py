@@ -1,23 +1,35 @@
-"""The limit-cycle diagram of a case as two chains of runs, of which each is kept as soon as it has settled.
+"""The limit-cycle diagram of a case: two chains of runs, each kept as soon as it has settled; how reports show it.
 
-Case, speeds -> [cycle_chains] -> jobs, results by name -> [cycle_diagram] -> Diagram
+Case, speeds -> [cycle_chains] -> jobs, results by name -> [cycle_diagram] -> Diagram -> numbers, rows, sentences, figures
 """
 
 from __future__ import annotations
 
 import math
 import tomllib
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any, Literal
 
-from rollerrig.analysis import Diagram, LimitCycleSettings
-from rollerrig.analysis.limit_cycle import Branch, CyclePoint, NotMadeError, diagram, trace
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from rollerrig.analysis import Diagram, LimitCycleSettings, limit_cycle_table
+from rollerrig.analysis.critical_speed import onset_from
+from rollerrig.analysis.hunting import HuntingSettings
+from rollerrig.analysis.limit_cycle import KIND_SENTENCES, Branch, CyclePoint, NotMadeError, diagram, trace
 from rollerrig.analysis.limit_cycle_runs import LastState, settling_run
+from rollerrig.analysis.speed_map import SPEEDS_KMH
+from rollerrig.cases import as_case
 from rollerrig.config import Case
-from rollerrig.study.jobs import Chain, Chains, Done, Job, Progress, job
-from rollerrig.study.kept import kept_rounds
+from rollerrig.plot import limit_cycle_diagram
+from rollerrig.results.dataset import variable
+from rollerrig.study.critical_speeds import Method, brackets, disturbance_rounds, ended_early
+from rollerrig.study.jobs import Chain, Chains, Done, Job, Progress, Round, job, kept_rounds
+from rollerrig.study.quantities import Quantities
+from rollerrig.study.report import Block, Picture, Text
 
 Sweep = Literal["up", "down"]
 Missing = Callable[[str, float, LastState | None], None]
@@ -123,3 +135,181 @@ def _branch(
 
     tolerance = settings.tolerance_kmh / 3.6 if sweep == "down" else None
     return trace(settle, sweep, tuple(float(v) / 3.6 for v in speeds_kmh), tolerance=tolerance)
+
+
+def cycle_numbers(found: Diagram, settings: LimitCycleSettings) -> dict[str, Any]:
+    """The diagram and what follows from it."""
+    sweeps: tuple[tuple[str, list[CyclePoint]], ...] = (("up", found.up), ("down", found.down))
+    return {
+        "bifurcation": found.kind,
+        "critical_speed_by_continuation_kmh": 3.6 * found.lowest_cycle,
+        "decays_kmh": 3.6 * found.decays,
+        "jump_up_kmh": 3.6 * found.jumps,
+        "hysteresis_kmh": None if found.hysteresis is None else [3.6 * v for v in found.hysteresis],
+        "tolerance_kmh": settings.tolerance_kmh,
+        "disturbance_mm": 1e3 * settings.disturbance,
+        "perturbation_mm": 1e3 * settings.perturbation,
+        "ended_early": len(found.ended_early),
+        "points": [
+            {
+                "sweep": sweep,
+                "speed_kmh": round(3.6 * point.speed, 6),
+                "amplitude_mm": 1e3 * point.amplitude,
+                "peak_mm": 1e3 * point.peak,
+                "frequency_hz": point.frequency,
+                "guiding_force_n": point.guiding_force,
+                "growth_rate_at_end_per_s": point.rate,
+                "settled": point.settled,
+                "duration_s": point.duration,
+                "status": point.status,
+            }
+            for sweep, points in sweeps
+            for point in points
+        ],
+    }
+
+
+def continuation_sentences(found: Diagram) -> list[str]:
+    """The critical speed by continuation, the kind of bifurcation, and which runs did not come to their end."""
+    runs = [*found.up, *found.down]
+    if not runs:
+        return ["Limit cycles: no run was finished."]
+    early = ended_early([(p.speed, p.message) for p in found.ended_early], len(runs))
+    return [_continuation(found), early] if early else [_continuation(found)]
+
+
+def _continuation(found: Diagram) -> str:
+    if not math.isfinite(found.lowest_cycle):
+        decaying = [p.speed for p in (*found.up, *found.down) if p.decays]
+        if not decaying:
+            return "Critical speed by continuation: not found, no run came to its end."
+        if found.ended_early:
+            return (
+                f"No limit cycle was found; the disturbance decays in the {len(decaying)} runs that came to their end."
+            )
+        return f"No limit cycle up to {3.6 * max(decaying):.1f} km/h: every disturbance decays."
+    text = f"Critical speed by continuation: {3.6 * found.lowest_cycle:.1f} km/h, the lowest with a limit cycle"
+    rest = (
+        f"; at {3.6 * found.decays:.1f} km/h every motion comes to rest"
+        if math.isfinite(found.decays)
+        else " and the lowest run that came to its end"
+    )
+    text += f"{rest}. {KIND_SENTENCES[found.kind]}"
+    if found.hysteresis is not None:
+        low, high = (f"{3.6 * v:.1f}" for v in found.hysteresis)
+        where = f"At {low} km/h" if low == high else f"From {low} to {high} km/h"
+        text += f" {where} the upward and the downward sweep end differently."
+    return text
+
+
+def cycle_blocks(
+    found: Diagram, modes: xr.Dataset, settings: LimitCycleSettings, points: Sequence[Mapping[str, Any]]
+) -> list[Block]:
+    """The section of a report.
+
+    Args:
+        found: the diagram.
+        modes: Dataset of `stability`.
+        settings: of the runs.
+        points: of `cycle_numbers`.
+    """
+    blocks: list[Block] = [Text(sentence) for sentence in continuation_sentences(found)]
+    if points:
+        caption = (
+            "What each run ends in, with the speed stepped up and stepped down. Amplitude: half the range of the lateral "
+            "displacement of the wheelset that moves most. |Y|: unfiltered; where flanges strike rigid rails it is short and "
+            "very high. A run that did not come to its end has no point; how it ended is written in its place."
+        )
+        blocks.append(Picture("limit_cycles", limit_cycle_diagram(limit_cycle_table(found), modes), caption))
+    method = (
+        f"Way up: from a lateral offset of the leading wheelset of {1e3 * settings.perturbation:g} mm until a limit "
+        f"cycle is reached. Way down: from {1e3 * settings.disturbance:g} mm at the highest speed, then from the "
+        "limit cycle of the speed above; where that has decayed, from the same offset again. Each run lasts until its "
+        f"amplitude has settled, or {settings.longest:g} s. The perturbation need not grow or decay as the linear "
+        "model predicts: that is exact only as long as the contact stays on the smooth piece of the profiles around its "
+        "position, often less than a tenth of a millimetre."
+    )
+    registry = Quantities("stability")
+    table = registry.table(points, [q.key for q in registry.below("limit_cycles.points.*")], "All runs.")
+    return [*blocks, Text(method), table]
+
+
+_LINEAR = "linear critical speed"
+
+
+def critical_speed(
+    case: Case | str,
+    *,
+    methods: Sequence[Method] = ("linear",),
+    speeds_kmh: Sequence[float] = SPEEDS_KMH,
+    bracket_kmh: float = 3.0,
+    processes: int = 1,
+    folder: str | Path | None = None,
+    progress: Progress | None = None,
+) -> xr.Dataset:
+    """Critical speed of a case by one or several definitions.
+
+    Args:
+        case: the case, or its name in the catalogue.
+        methods: of 'linear', 'disturbance', 'continuation'.
+        speeds_kmh: range of speeds [km/h], rising; runs are made at each of them.
+        bracket_kmh: to which those by disturbance and by continuation are found [km/h].
+        processes: runs at a time.
+        folder: where each finished run is kept: after Ctrl-C or a killed program the same call goes on; None: nowhere.
+        progress: called with the fraction done and a short text.
+
+    Returns:
+        `linear_critical_speed`, `critical_speed_by_disturbance`, `critical_speed_by_continuation` [km/h], those asked for. The
+        latter two are known between two speeds and have the dimension `end`: 'decays', the highest one below at which the motion
+        comes to rest, and 'persists', the lowest at which it does not; NaN where there is none. The linear one is looked for up
+        to HIGHEST_KMH where the range has none; the attribute `linear_searched_to_kmh` says how far.
+
+    Raises:
+        ConfigError: the folder has runs of another case or range; or runs are asked for, and nothing holds the
+            vehicle along the track on its rollers.
+        ValueError: an unknown method, or speeds not positive and rising.
+        OutputError: the folder takes no files, or holds those of another study.
+        StartError: no rolling equilibrium at one of the speeds.
+        KeyboardInterrupt: Ctrl-C; finished runs are in `folder`.
+
+    Example:
+        >>> import rollerrig as rr
+        >>> found = rr.critical_speed("bogie_rollers_constant", speeds_kmh=[200, 300])
+        >>> round(float(found["linear_critical_speed"]))
+        224
+    """
+    unknown = set(methods) - {"linear", "disturbance", "continuation"}
+    if unknown:
+        raise ValueError(f"methods: {', '.join(sorted(unknown))}; allowed: linear, disturbance, continuation")
+    chosen, asked = as_case(case), tuple(dict.fromkeys(methods))
+    speeds = [float(v) for v in speeds_kmh]
+    runs, cycles = HuntingSettings(), LimitCycleSettings(tolerance_kmh=bracket_kmh)
+
+    def rounds(done: Done) -> Iterator[Round | Chains]:
+        if "linear" in asked:
+            yield {_LINEAR: job(onset_from, chosen, speeds)}
+        if "disturbance" in asked:
+            yield from disturbance_rounds({"": chosen}, {"": speeds}, bracket_kmh, runs, done)
+        if "continuation" in asked:
+            yield cycle_chains(chosen, speeds, cycles)
+
+    plan = {"speeds_kmh": speeds, "bracket_kmh": bracket_kmh, "case": tomllib.loads(chosen.to_toml())}
+    done, interrupted = kept_rounds(rounds, folder, "critical_speed", plan, processes, progress)
+    if interrupted:
+        raise KeyboardInterrupt
+    found: dict[str, float | NDArray[np.float64]] = {}
+    searched_to = math.nan
+    if _LINEAR in done:
+        onset, searched_to = done[_LINEAR]
+        found["linear_critical_speed"] = math.nan if onset is None else onset.speed
+    if by := brackets([""], runs, done):
+        found["critical_speed_by_disturbance"] = np.array([by[""].decays, by[""].persists])
+    if "continuation" in asked:
+        diagram = cycle_diagram(speeds, math.nan, cycles, done)
+        found["critical_speed_by_continuation"] = np.array([diagram.decays, diagram.lowest_cycle])
+    variables = {
+        name: variable(("end",)[: np.ndim(v)], 3.6 * v, "km/h", name.replace("_", " ")) for name, v in found.items()
+    }
+    ends = {"end": ["decays", "persists"]} if any(np.ndim(v) for v in found.values()) else {}
+    attributes = {"case": chosen.name, "title": f"Critical speed of {chosen.name}"}
+    return xr.Dataset(variables, ends, attributes | {"linear_searched_to_kmh": searched_to})

@@ -1,48 +1,83 @@
 """The paper's two studies: critical speed of a bogie on rollers (figure 7) and traction (figure 8).
 
-plan -> [PaperStudy] -> modes, ramps, runs from a disturbance, traction -> figures, checks against theory, report
+plan -> [PaperStudy] -> modes, ramps, runs from a disturbance, traction -> numbers, figures, checks against theory, report
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+import math
+import tomllib
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from importlib.resources import files
 from typing import Any
 
 import xarray as xr
+from matplotlib.figure import Figure
+from numpy.typing import ArrayLike
 
-from rollerrig.analysis import ramp_run
-from rollerrig.analysis.contact_state import contact_state
-from rollerrig.analysis.critical_speed import scan_linear
-from rollerrig.config import Case
+from rollerrig.analysis import CriticalSpeedByDisturbance, end_of_hunting, hunting_table
+from rollerrig.analysis.fits import fit
+from rollerrig.config import Case, Rig
+from rollerrig.plot import amplitude_over_speed, hunting_over_time, ramp_over_speed, traction_forces, traction_sliding
+from rollerrig.plot.modes import hunting_frequencies
 from rollerrig.study import critical_speeds as speeds
-from rollerrig.study import paper_tables as tables
-from rollerrig.study import paper_text as text
-from rollerrig.study.checks import check_table, counts_text
+from rollerrig.study.assessment import NOT_DECIDED, Interval, check_table, counts, counts_text
+from rollerrig.study.contact_models import sensitivity_numbers, sensitivity_table
 from rollerrig.study.frame import Study
-from rollerrig.study.jobs import Done, Round, job, whole_modes, whole_run
-from rollerrig.study.paper_compared import compared
-from rollerrig.study.paper_contacts import exact_cases, exact_jobs
-from rollerrig.study.paper_figures import CAPTIONS, figures
-from rollerrig.study.paper_fit import fit_blocks
-from rollerrig.study.paper_numbers import QUANTITIES, numbers_of
-from rollerrig.study.paper_plan import (
+from rollerrig.study.jobs import Done, Round
+from rollerrig.study.quantities import Numbers, Quantities
+from rollerrig.study.report import VIEW, Block, Mark, Picture, Section, Table, Text
+from rollerrig.study.run import audit_tables
+from rollerrig.study.runs.paper import (
+    EXACT,
+    FRONT,
     FULL,
     MATERIALS,
     NAMES,
+    OWN,
+    REAR,
     RIG,
     TABLE_PARTS,
     VARIANTS,
     VEHICLE,
     PaperPlan,
-    case_of,
-    contact_model_cases,
+    Results,
+    around_onset,
+    asymmetry,
+    frequency_differences,
+    onset_wavelength,
+    results_of,
     rig_case,
+    rig_speeds,
+    rounds,
+    sliding_course,
     traction_case,
 )
-from rollerrig.study.paper_results import Results, results_of
-from rollerrig.study.quantities import Numbers
-from rollerrig.study.report import VIEW, Block, Mark, Picture, Section, Text
+from rollerrig.wording import number, percent
+
+TEXT = tomllib.loads(files("rollerrig.study").joinpath("paper.toml").read_text(encoding="utf-8"))
+CAPTIONS: Mapping[str, str] = TEXT["captions"]
+"""Picture -> what it shows."""
+
+NAMELESS: str = TEXT["nameless"]
+PAPER = (
+    "M. Malvezzi, E. Meli, L. Pugi, Simulation of degraded wheel/rail adhesion conditions on a railway roller rig for the "
+    "evaluation of the effect of wheel/roller contact on control performance, 2010."
+)
+CRITICAL_KMH, NEAR = 100.0, 0.1
+"""Speed above which the paper's figure 7a grows [km/h]; a critical speed within this share of it fits it [1]."""
+
+ENDS = (
+    ("sliding_mmps", "sliding", 1e3),
+    ("longitudinal_creep_force_n", "longitudinal_creep_force", 1.0),
+    ("longitudinal_force_n", "longitudinal_force", 1.0),
+    ("vertical_force_n", "vertical_force", 1.0),
+)
+"""Key, variable and factor of what is reported of figure 8 at its end."""
+
+
+QUANTITIES = Quantities("paper")
 
 
 @dataclass(frozen=True)
@@ -73,55 +108,50 @@ class PaperStudy(Study[Results]):
         return {"figure 7 (steel)": rig_case("steel"), "figure 8": traction_case(self.chosen)}
 
     def rounds(self, done: Done) -> Iterator[Round]:
-        plan, jobs, first = self.chosen, {}, {}
-        scanned = [v / 3.6 for v in plan.linear_kmh]
-        cases, started = {}, {}
-        for material in MATERIALS:
-            rig = rig_case(material)
-            for variant in VARIANTS:
-                jobs[f"modes {material}, {variant}"] = job(whole_modes, case_of(variant, material), plan.linear_kmh)
-            jobs[f"contact {material}"] = job(contact_state, rig)
-            for value in plan.criteria:
-                changed = rig.with_changes({"contact.normal.merging_criterion": value})
-                jobs[f"merging {material} {value:g}"] = job(scan_linear, (changed, scanned))
-            jobs |= speeds.roller_jobs(rig, TABLE_PARTS, plan.radii, plan.linear_kmh, f" {material}")
-            first[f"ramp {material}"] = job(ramp_run, (rig, plan.ramps[material], plan.hunting))
-            for variant, case in ((VEHICLE, case_of(VEHICLE, material)), (RIG, rig)):
-                cases[f"{variant} {material}"], started[f"{variant} {material}"] = case, plan.runs_kmh[material]
-        beside, begun = exact_cases(plan)
-        cases, started = cases | beside, started | begun
-        first |= exact_jobs(plan)
-        models = contact_model_cases(plan)
-        cases, started = cases | models, started | dict.fromkeys(models, plan.sensitivity_kmh)
-        yield jobs
-        first["traction"] = job(whole_run, traction_case(plan))
-        for more in speeds.disturbance_rounds(cases, started, plan.bracket_kmh, plan.hunting, done):
-            yield {**first, **more}
-            first = {}
+        return rounds(self.chosen, done)
 
     def collect(self, done: Done) -> Results | None:
         return results_of(self.chosen, done)
 
     def limitations(self) -> list[str]:
-        fixed = (
-            "The frame settles on the contacts while the car body is fixed, as in the paper: the wheel loads are about 0.1 % "
-            "below their static values."
-        )
-        return [fixed, *super().limitations()]
+        return [TEXT["limitation"], *super().limitations()]
 
     def sources(self, results: Results) -> Mapping[str, str]:
-        return {
-            "paper": "M. Malvezzi, E. Meli, L. Pugi: Simulation of degraded wheel/rail adhesion conditions on a railway roller "
-            "rig for the evaluation of the effect of wheel/roller contact on control performance, 2010"
-        }
-
-    # --------------------------------------------------------------------------------------------------- numbers
+        return {"paper": PAPER.replace("Pugi, Sim", "Pugi: Sim").removesuffix(".")}
 
     def numbers(self, results: Results) -> dict[str, Any]:
-        return numbers_of(results)
+        found = {m: _contact_numbers(results, OWN, m) | _material_numbers(results, m) for m in results.modes}
+        exact = {m: one for m in MATERIALS if (one := _contact_numbers(results, EXACT, m))}
+        return {
+            "materials": found,
+            "exact_contact": {"materials": exact, "traction": _traction_numbers(results.exact_theory)},
+            "critical_speed_by_contact_model": sensitivity_numbers(results.sensitivity),
+            "traction": _traction_numbers(results.theory),
+            "checks": [check.as_dict() for check in results.checks],
+            **counts(results.checks),
+        }
 
     def summary(self, results: Results, numbers: Numbers) -> list[str]:
-        return text.summary(results, numbers, self.chosen)
+        size = 1e3 * self.chosen.hunting.disturbance
+        lines = [
+            f"{NAMES[m].capitalize()}: critical speed on the rig, linear: {self._linear(results.linear_kmh(m))}; by disturbance "
+            f"(from {size:g} mm): {results.by_disturbance(m).text('km/h', 1)}."
+            for m in results.modes
+        ]
+        lines += _contact_sentences(results)
+        by = [one for variant in (RIG, VEHICLE) for one in results.runs_of(variant).values()]
+        lines += [sentence for one in by if (sentence := speeds.ended_early_sentence(one))]
+        end = numbers["traction"]
+        if end is not None:
+            front, rear = (end[wheel]["sliding_mmps"] for wheel in (FRONT, REAR))
+            lines.append(TEXT["traction_end"].format(front=front, rear=rear, speed=end["speed_kmh"]))
+        return [*lines, counts_text(results.checks)] if results.checks else lines
+
+    def _linear(self, value: float) -> str:
+        """A linear critical speed [km/h] as text; where there is none, the range that was looked at."""
+        if math.isfinite(value):
+            return f"{value:z.1f} km/h"
+        return f"none from {self.chosen.linear_kmh[0]:g} to {self.chosen.linear_kmh[-1]:g} km/h"
 
     def files(self, results: Results, numbers: Numbers) -> Mapping[str, Any]:
         found: dict[str, Any] = {}
@@ -129,62 +159,475 @@ class PaperStudy(Study[Results]):
             for variant, modes in variants.items():
                 found[f"data/modes_{material}_{variant.replace(' ', '_')}.nc"] = modes
         found |= {f"data/ramp_{material}.nc": ramp for material, ramp in results.ramps.items()}
-        for material, one in results.runs.items():
+        for material, one in results.runs_of(RIG).items():
             found |= {f"data/run_{material}_{3.6 * run.speed:.2f}_kmh.nc": run.motion for run in one.runs}
-            found[f"data/figure_7_runs_{material}.csv"] = tables.run_columns(one)
-        for material, one in results.vehicle_runs.items():
-            found[f"data/figure_7b_vehicle_runs_{material}.csv"] = tables.run_columns(one)
+            found[f"data/figure_7_runs_{material}.csv"] = _run_columns(one)
+        for material, one in results.runs_of(VEHICLE).items():
+            found[f"data/figure_7b_vehicle_runs_{material}.csv"] = _run_columns(one)
         if results.modes:
-            found["data/figure_7b_linear.csv"] = tables.frequency_rows(results)
+            found["data/figure_7b_linear.csv"] = _frequency_rows(results)
         if results.traction is not None and results.theory is not None:
             found["data/traction.nc"] = results.traction
-            found["data/figure_8.csv"] = tables.traction_columns(results.theory)
+            found["data/figure_8.csv"] = _traction_columns(results.theory)
         return found
 
     def shown(self, results: Results) -> Mapping[str, xr.Dataset]:
-        return (
-            {} if results.traction is None else {"the bogie on free rollers under traction, figure 8": results.traction}
-        )
+        run = results.traction
+        return {} if run is None else {"the bogie on free rollers under traction, figure 8": run}
 
     # ---------------------------------------------------------------------------------------------------- report
 
     def sections(self, results: Results, numbers: Numbers) -> list[Section]:
-        drawn = {name: Picture(name, figure, CAPTIONS[name]) for name, figure in figures(results).items()}
+        drawn = {name: Picture(name, figure, CAPTIONS[name]) for name, figure in _figures(results).items()}
 
         def pictures(*names: str) -> list[Block]:
             return [drawn[name] for name in names if name in drawn] or [Text("Not computed.")]
 
-        def texts(lines: list[str]) -> list[Block]:
-            return [Text(line) for line in lines]
-
-        radii, effects = results.over_radius, results.effects
-        changes = [
+        radii = [
             speeds.radius_table(table, f"Linear critical speeds, {NAMES[m]}: bogie (car body fixed) and vehicle.")
-            for m, table in radii.items()
+            for m, table in results.over_radius.items()
         ]
         splits = [
             speeds.effects_table(split, f"Track less rig, {NAMES[m]}, bogie: effects of the rollers switched.")
-            for m, split in effects.items()
+            for m, split in results.effects.items()
         ]
-        passed = counts_text(results.checks)
+        ramp = self.chosen.ramps[MATERIALS[0]]
+        every, rate = (round(3.6 * value, 6) for value in (ramp.perturbation_every, ramp.acceleration))
         stability: list[Block] = [
-            *tables.critical(results, self.chosen),
-            *texts([*text.contact_sentences(results), *text.critical_paragraphs(results)]),
-            Text(text.ramp_text(self.chosen)),
+            *self._critical_table(results),
+            *map(Text, [*_contact_sentences(results), *_critical_paragraphs(results)]),
+            Text(TEXT["ramp"].format(every=every, perturbation=1e3 * ramp.perturbation, rate=rate)),
             *pictures("figure_7a_ramp"),
-            Text(text.CONSTANT_SPEED),
+            Text(TEXT["constant_speed"]),
             *pictures("figure_7a_time_steel", "figure_7a_time_paper", "figure_7a_amplitude"),
-            *texts(text.frequency_paragraphs(results, self.chosen)),
+            *map(Text, self._frequency_paragraphs(results)),
             *pictures("figure_7b_steel", "figure_7b_paper"),
         ]
-        rig = [*texts(text.rig_paragraphs(results)), *changes, *pictures("radius_steel", "radius_paper"), *splits]
+        rig = [*map(Text, _rig_paragraphs(results)), *radii, *pictures("radius_steel", "radius_paper"), *splits]
+        checks: list[Block] = [Text("No checks.")]
+        if results.checks:
+            checks = [Text(counts_text(results.checks)), check_table(results.checks)]
         return [
-            compared(results, numbers, self.chosen),
+            self._compared(results, numbers),
             Section("Figure 7: stability", stability),
             Section("What the rig changes", [*rig, *pictures("roller_effects")]),
-            Section("Which material fits the paper", fit_blocks(results, numbers, self.chosen)),
-            Section("Figure 8: traction", [Text(text.TRACTION), *pictures("figure_8a", "figure_8b")]),
-            Section("Checks", [Text(passed), check_table(results.checks)] if results.checks else [Text("No checks.")]),
-            Section("Solver and contact", [tables.solver_table(results), tables.counter_table(results)], folded=True),
-            Section("Parameters", tables.parameters(self.chosen), folded=True),
+            Section("Which material fits the paper", self._fit_blocks(results, numbers)),
+            Section("Figure 8: traction", [Text(TEXT["traction"]), *pictures("figure_8a", "figure_8b")]),
+            Section("Checks", checks),
+            Section("Solver and contact", audit_tables(_audited(results)), folded=True),
+            Section("Parameters", self._parameters(), folded=True),
         ]
+
+    def _compared(self, results: Results, numbers: Numbers) -> Section:
+        """What the paper says, what is found here, and why they differ."""
+        rows = [*self._critical_rows(results), *_rig_and_rails(results), *_figure_8_rows(results)]
+        header = ("of", "paper", "here", "why they differ")
+        table = Table(header, rows, "Statements of the paper beside what is computed here; nothing was tuned.")
+        found: list[Block] = [table, Text(TEXT["not_read"])] if rows else [Text("Not computed.")]
+        return Section("The paper and this computation", [Text(f"The paper: {PAPER}"), *found])
+
+    def _critical_rows(self, results: Results) -> Iterator[Row]:
+        for m in results.modes:
+            size = f"{1e3 * self.chosen.hunting.disturbance:g} mm"
+            words = []
+            for contact, whose, offset in ((OWN, "the paper's contact", size), (EXACT, "the exact one", "the offset")):
+                if (contact, m, RIG) in results.linear:
+                    words.append(f"with {whose}: linear {self._linear(results.linear_kmh(m, RIG, contact))}")
+                    by = results.by_disturbance(m, RIG, contact)
+                    words += [f"from {offset} {by.text('km/h', 1)}"] if by.known else []
+            title = f"critical speed on the rig, {NAMES[m]} (figure 7a)"
+            yield title, f"{CRITICAL_KMH:g} km/h", "; ".join(words), TEXT["nameless"]
+
+    def _critical_table(self, results: Results) -> list[Block]:
+        """Critical speeds with the paper's own contact and with the exact one; nothing where none was computed."""
+        called = {OWN: "the paper's: hertz, kalker saturated", EXACT: "exact: strips, table"}
+        rows = []
+        for m, variant, contact in ((m, v, c) for m in results.modes for v in VARIANTS for c in called):
+            if (contact, m, variant) not in results.linear:
+                continue
+            value, frequency = results.linear[contact, m, variant]
+            shown = f"{number(frequency, 3)} Hz" if math.isfinite(frequency) else ""
+            by = (
+                results.by_disturbance(m, variant, contact).text("km/h", 1)
+                if (contact, m, variant) in results.runs
+                else ""
+            )
+            rows.append((NAMES[m], variant, called[contact], self._linear(value), shown, by))
+        header = ("material", "vehicle and support", "contact", "linear critical speed", "its frequency",
+                  "by disturbance: decays … persists")  # fmt: skip
+        caption = TEXT["side_by_side"].format(offset=1e3 * self.chosen.hunting.disturbance)
+        return [Table(header, rows, caption)] if rows else []
+
+    def _frequency_paragraphs(self, results: Results) -> list[str]:
+        """What figure 7b says: how far the bogie on the rig and the whole vehicle on the rails are apart."""
+        texts = []
+        for m in MATERIALS:
+            apart = frequency_differences(results, m)
+            if not apart:
+                continue
+            text = TEXT["frequency"].format(material=NAMES[m].capitalize(), count=len(apart), apart=_percents(apart))
+            rig, vehicle = results.by_disturbance(m), results.by_disturbance(m, VEHICLE)
+            if rig.known and vehicle.known:
+                ratio, offset = rig.over(vehicle), 1e3 * self.chosen.hunting.disturbance
+                lower = Interval(100 * (1 - ratio.high), 100 * (1 - ratio.low))
+                on = (one.text("km/h") for one in (rig, vehicle))
+                text += TEXT["on_rig_and_rails"].format(offset=offset, rig=next(on), rails=next(on))
+                text += f", lower on the rig by {lower.text('%')}." if lower.bounded else "."
+            texts.append(text)
+        return [TEXT["frequencies"], *texts] if texts else []
+
+    def _fit_blocks(self, results: Results, numbers: Numbers) -> list[Block]:
+        """Which material fits the paper's critical speed."""
+        blocks: list[Block] = [*map(Text, _fit_paragraphs(results))] or [Text("Not computed.")]
+        rows: list[list[object]] = []
+        for (m, kind), speed in rig_speeds(results).items():
+            off = Interval(*(100 * (end / CRITICAL_KMH - 1) for end in (speed.low, speed.high)))
+            rows.append(
+                [
+                    NAMES[m],
+                    kind,
+                    speed.text("km/h", 1),
+                    off.text("%"),
+                    {True: "yes", False: "no", None: NOT_DECIDED}[_fits(speed)],
+                ]
+            )
+        if rows:
+            header = ("material", "critical speed", "computed", f"less {CRITICAL_KMH:g} km/h", "within a tenth of it")
+            blocks.append(Table(header, rows, "Bogie on the rig against the paper's critical speed."))
+        if results.contact:
+            entries = {NAMES[m]: numbers["materials"][m]["contact"] for m in results.contact if m in results.modes}
+            names = ("patches", "approach_um", "creep_stiffness_n", "wavelength_m")
+            blocks.append(QUANTITIES.table(entries, names, "Steady rolling on the rig, small motions.", "material"))
+        if any(results.merging.values()):
+            cells = {
+                b: [speeds.linear_cell(results.merging[m].get(b)) for m in MATERIALS] for b in self.chosen.criteria
+            }
+            caption = (
+                "Linear critical speed [km/h] of the bogie on the rig over the merging criterion of adjacent patches."
+            )
+            heads = ("merging criterion", *(NAMES[m] for m in MATERIALS))
+            blocks.append(Table(heads, [[f"{b:g}", *found] for b, found in cells.items()], caption))
+        if results.sensitivity:
+            blocks.append(sensitivity_table(results.sensitivity))
+        return blocks
+
+    def _parameters(self) -> list[Block]:
+        """What was assumed."""
+        case, traction, soft = rig_case("steel"), traction_case(self.chosen), rig_case("paper").contact.material
+        rig, vehicle, steel, hunting = case.support.data, case.vehicle.data, case.contact.material, self.chosen.hunting
+        assert isinstance(rig, Rig)
+        wheel, inertia = vehicle.wheel, f"{rig.roller_inertia[1]:g} kg m²"
+        rows = [
+            ("vehicle", vehicle.description),
+            ("its source", vehicle.source),
+            ("wheel", f"S1002, radius {1e3 * wheel.radius:g} mm, back to back {1e3 * wheel.back_to_back:g} mm"),
+            ("rig", rig.description),
+            ("its source", rig.source),
+            ("roller", f"radius {1e3 * rig.roller_radius:g} mm, spin inertia of a pair {inertia}, {rig.coupling}"),
+            ("steel", f"G = {1e-9 * steel.shear_modulus:z.2f} GPa, ν = {steel.poisson_ratio:g}"),
+            ("paper's material", f"G = {1e-9 * soft.shear_modulus:z.2f} GPa, ν = {soft.poisson_ratio:g}; {soft.source}"),
+            ("friction", f"{case.contact.friction.mu_0:g}"),
+            ("creep law, normal law", f"{case.contact.creep.kind}, {case.contact.normal.kind}".replace("_", " ")),
+            ("merging criterion", f"{getattr(case.contact.normal, 'merging_criterion', 0.0):g}"),
+            ("runs of figure 7", f"rodas4, tolerance {hunting.relative_tolerance:g} relative, {hunting.absolute_tolerance:g} m, "
+             f"{hunting.duration:g} s"),
+            ("run of figure 8", f"{traction.time.method}, tolerance {traction.time.relative_tolerance:g} relative, from "
+             f"{3.6 * traction.motion.speed:g} km/h"),
+        ]  # fmt: skip
+        bodies = [(b.name.replace("_", " "), b.mass, *b.inertia) for b in vehicle.bodies_in(case.vehicle.part)]
+        header = ("body", "mass [kg]", "Ixx [kg m²]", "Iyy [kg m²]", "Izz [kg m²]")
+        return [Table(("parameter", "value"), rows), Table(header, bodies, "Bodies; the car body is fixed.")]
+
+
+# ------------------------------------------------------------------------------------------------------ numbers and rows
+
+
+def _contact_numbers(results: Results, contact: str, material: str) -> dict[str, Any]:
+    """What is reported with either contact; empty where nothing was computed."""
+    places = {v: place for v in VARIANTS if (place := (contact, material, v)) in results.linear}
+    if not places and contact == EXACT and (EXACT, material, RIG) not in results.runs:
+        return {}
+    pairs = {v: results.linear[place] for v, place in places.items()}
+    found: dict[str, Any] = {}
+    if places:
+        found["linear"] = {v: {"critical_speed_kmh": value, "frequency_hz": hz} for v, (value, hz) in pairs.items()}
+    for key, variant in (("by_disturbance", RIG), ("vehicle_on_track", VEHICLE)):
+        if (contact, material, variant) in results.runs:
+            found[key] = speeds.disturbance_numbers(results.runs[contact, material, variant])
+    return found
+
+
+def _material_numbers(results: Results, material: str) -> dict[str, Any]:
+    """What is reported with the paper's contact alone."""
+    found: dict[str, Any] = {
+        "merging_criterion": {f"{b:g}": scan.speed_kmh for b, scan in results.merging.get(material, {}).items()},
+        "onset_wavelength_m": onset_wavelength(results, material),
+    }
+    if material in results.contact:
+        state = results.contact[material]
+        found["contact"] = {
+            "patches": state.patches,
+            "approach_um": 1e6 * state.approach,
+            "creep_stiffness_n": state.creep_stiffness,
+            "wavelength_m": state.wavelength,
+        }
+    if material in results.over_radius:
+        found["critical_speed_over_radius_kmh"] = speeds.radius_numbers(results.over_radius[material])
+    if material in results.effects:
+        found["roller_effects"] = speeds.effect_numbers(results.effects[material])
+    return found
+
+
+def _traction_numbers(study: xr.Dataset | None) -> dict[str, Any] | None:
+    """Figure 8 at its end."""
+    if study is None:
+        return None
+    end = study.isel(time=-1)
+    wheels = {wheel: end.sel(wheel=wheel) for wheel in (FRONT, REAR)}
+    own = {w: {key: factor * float(one[name]) for key, name, factor in ENDS} for w, one in wheels.items()}
+    return {"speed_kmh": 3.6 * float(end["speed"]), **own}
+
+
+def _run_columns(found: CriticalSpeedByDisturbance) -> dict[str, ArrayLike]:
+    """Runs at constant speed."""
+    table = hunting_table(found.runs, found.disturbance)
+    columns = {
+        "speed_kmh": "speed",
+        "amplitude_m": "amplitude",
+        "frequency_hz": "oscillation_frequency",
+        "decay_frequency_hz": "decay_frequency",
+        "rate_at_end_per_s": "rate_at_end",
+        "persists": "persists",
+    }
+    return {column: table[name].to_numpy() for column, name in columns.items()}
+
+
+def _frequency_rows(results: Results) -> list[list[object]]:
+    """Frequency and damping of hunting over speed, header first."""
+    rows: list[list[object]] = [["material", "variant", "speed_kmh", "hunting_frequency_hz", "hunting_damping"]]
+    for material, variants in results.modes.items():
+        for variant, modes in variants.items():
+            columns = (modes[name].to_numpy().tolist() for name in ("speed", "hunting_frequency", "hunting_damping"))
+            rows += [[material, variant, *values] for values in zip(*columns, strict=True)]
+    return rows
+
+
+def _traction_columns(study: xr.Dataset) -> dict[str, ArrayLike]:
+    """Sliding and forces of all wheels beside the closed forms over time."""
+    columns = {"time_s": study["time"], "speed_mps": study["speed"], "torque_nm": study["torque"]}
+    for wheel in map(str, study["wheel"].to_numpy()):
+        for _, name, _ in ENDS:
+            for kind in ("", "_theory"):
+                unit = "mps" if name == "sliding" else "n"
+                columns[f"{wheel}.{name}{kind}_{unit}"] = study[f"{name}{kind}"].sel(wheel=wheel)
+    return {name: column.to_numpy() for name, column in columns.items()}
+
+
+# -------------------------------------------------------------------------------------------------------------- figures
+
+LABELS = {"steel": "Steel", "paper": "Paper's material, G = 10 GPa"}
+
+
+def _figures(results: Results) -> dict[str, Figure]:
+    """All figures for which something was computed, by name."""
+    found: dict[str, Figure] = {}
+    body, stated = "front_frame", {"the paper": CRITICAL_KMH}  # the one number that the paper states of its figure 7
+    runs = results.runs_of(RIG)
+    if results.ramps:
+        lines: dict[str, dict[str, float | tuple[float, float]]] = {
+            LABELS[m]: {**stated, "linear": results.linear_kmh(m), "by disturbance": (by.low, by.high)}
+            for m in results.ramps
+            for by in [results.by_disturbance(m)]
+        }
+        found["figure_7a_ramp"] = ramp_over_speed({LABELS[m]: ramp for m, ramp in results.ramps.items()}, body, lines)
+    for m, one in runs.items():
+        chosen = [(3.6 * run.speed, run.motion) for run in around_onset(one.runs, one.persists)]
+        found[f"figure_7a_time_{m}"] = hunting_over_time(chosen, body, LABELS[m])
+    if runs:
+        tables = {LABELS[m]: hunting_table(one.runs, one.disturbance) for m, one in runs.items()}
+        for m, one in results.runs_of(RIG, EXACT).items():
+            tables[f"{LABELS[m]}, exact contact"] = hunting_table(one.runs, one.disturbance)
+        critical = {**stated, **{f"linear, {m}": results.linear_kmh(m) for m in runs}}
+        found["figure_7a_amplitude"] = amplitude_over_speed(tables, critical)
+    for m, modes in results.modes.items():
+        both = {v: results.runs_of(v)[m] for v in (RIG, VEHICLE) if m in results.runs_of(v)}
+        points = {v: hunting_table(one.runs, one.disturbance) for v, one in both.items()}
+        found[f"figure_7b_{m}"] = hunting_frequencies(modes, points, LABELS[m])
+    rig = rig_case(MATERIALS[0]).support.data
+    assert isinstance(rig, Rig)
+    for m, table in results.over_radius.items():
+        found[f"radius_{m}"] = speeds.radius_picture("", table, rig.roller_radius, "").figure
+    if MATERIALS[0] in results.effects:
+        found["roller_effects"] = speeds.effects_picture("", results.effects[MATERIALS[0]], "").figure
+    if results.theory is not None:
+        wheels = {FRONT: "front right wheel", REAR: "rear right wheel"}
+        found["figure_8a"] = traction_sliding(results.theory, wheels)
+        found["figure_8b"] = traction_forces(results.theory, wheels)
+    return found
+
+
+# ------------------------------------------------------------------------------------------------------------ sentences
+
+Row = Sequence[str]
+
+
+def _percents(values: list[float]) -> str:
+    return f"{100 * min(values):+z.0f} to {100 * max(values):+z.0f} %"
+
+
+def _contact_sentences(results: Results) -> list[str]:
+    """What the paper's critical speed is with its own contact and with the exact one, by material."""
+
+    def one(material: str, contact: str) -> str:
+        linear, by = results.linear_kmh(material, RIG, contact), results.by_disturbance(material, RIG, contact)
+        small = f"{linear:z.1f} km/h" if math.isfinite(linear) else "none in the range"
+        return f"{small} for small motions and {by.text('km/h', 1) if by.known else 'not computed'} from the offset"
+
+    return [
+        TEXT["contact"].format(paper=CRITICAL_KMH, material=NAMES[m], own=one(m, OWN), exact=one(m, EXACT))
+        for m in results.modes
+        if any(place[:2] == (EXACT, m) for place in results.linear)
+    ]
+
+
+def _critical_paragraphs(results: Results) -> Iterator[str]:
+    """What figure 7 says about the critical speed."""
+    for material, found in results.runs_of(RIG).items():
+        small, large = results.linear_kmh(material), results.by_disturbance(material)
+        if not (math.isfinite(small) and large.known):
+            continue
+        offset, words = 1e3 * found.disturbance, large.text("km/h", 1)
+        text = TEXT["critical"].format(material=NAMES[material].capitalize(), small=small, offset=offset, large=words)
+        if large.high < small - 5:
+            text += TEXT["hysteresis"].format(high=large.high, small=small)
+        ramp = results.ramps.get(material)
+        end = 3.6 * end_of_hunting(ramp, "front_frame") if ramp is not None else math.nan
+        yield text + (f" On the ramp down, the hunting ends at {end:z.0f} km/h." if math.isfinite(end) else "")
+
+
+def _rig_paragraphs(results: Results) -> Iterator[str]:
+    """Order of the critical speeds and the split of the loss."""
+    bogie, vehicle = TABLE_PARTS
+    for material, table in results.over_radius.items():
+        apart = [table.kmh(bogie, radius) / table.kmh(vehicle, radius) - 1 for radius in table.radii]
+        known = [100 * value for value in apart if math.isfinite(value)]
+        text = f"{NAMES[material].capitalize()}. {' '.join(speeds.radius_sentences(table))}"
+        if known:
+            ends = f"{min(known):+z.1f} to {max(known):+z.1f} %"
+            text += f" The bogie with fixed car body differs by {ends} from the whole vehicle."
+        yield text
+    for material, split in results.effects.items():
+        yield f"{NAMES[material].capitalize()}, bogie. {speeds.effects_sentence(split)}"
+
+
+def _rig_and_rails(results: Results) -> Iterator[Row]:
+    """Figure 7b: bogie on the rig against the whole vehicle on the rails."""
+    for m in MATERIALS:
+        apart = frequency_differences(results, m)
+        if apart:
+            what = f"frequency of hunting, rig against rails, {NAMES[m]} (figure 7b)"
+            yield what, "similar", f"differs by {_percents(apart)}", TEXT["short"]
+        rig, rails = results.by_disturbance(m), results.by_disturbance(m, VEHICLE)
+        if rig.known and rails.known:
+            here = f"{rig.text('km/h')} on the rig, {rails.text('km/h')} on the rails"
+            yield f"critical speed, rig against rails, {NAMES[m]}", "similar", here, TEXT["short"]
+
+
+def _figure_8_rows(results: Results) -> Iterator[Row]:
+    """Figure 8: sliding and forces of the right wheels."""
+    run, study = results.traction, results.theory
+    if run is None or study is None:
+        return
+    wheels = [study.sel(wheel=wheel) for wheel in (FRONT, REAR)]
+    first, last = ([1e3 * float(own["sliding"].isel(time=k)) for own in wheels] for k in (0, -1))
+    curved, straight = (percent(max(sliding_course(own)[k].largest for own in wheels)) for k in (1, 2))
+    torque = study["torque"].to_numpy()
+    off = max(fit(own["longitudinal_creep_force"].to_numpy(), torque).largest for own in wheels)
+    loads = [number(1e-3 * float(own["vertical_force"].isel(time=k)), 4) for k in (0, -1) for own in wheels]
+    static = "agrees but for the static loads, which differ here"
+    why = "agrees: the motors' reaction turns the frame" if loads[0] == loads[1] else static
+    values = {"first": first, "last": last, "curved": curved, "straight": straight, "off": percent(off), "loads": loads}
+    unlike = number(asymmetry(run, "longitudinal_sliding"), 1)
+    for row in TEXT["rows"].values():
+        yield [cell.format(**values, why=why, unlike=unlike) for cell in row]
+
+
+# ----------------------------------------------------------------------------------------- which material fits the paper
+
+
+def _fits(speed: Interval) -> bool | None:
+    """Whether a critical speed [km/h] is near the paper's; None: not decided."""
+    return speed.within((1 - NEAR) * CRITICAL_KMH, (1 + NEAR) * CRITICAL_KMH)
+
+
+def _fit_paragraphs(results: Results) -> Iterator[str]:
+    """Which material the paper's critical speed fits, and why."""
+    found = rig_speeds(results)
+    if not found:
+        return
+    yield f"The paper reports growing oscillations above {CRITICAL_KMH:z.0f} km/h. {_nearest(found)}"
+    if all(m in results.contact for m in MATERIALS):
+        yield _effect_of_the_material(results)
+    parts = []
+    for m in MATERIALS:
+        known = [v for scan in results.merging.get(m, {}).values() if math.isfinite(v := scan.speed_kmh)]
+        if len(known) > 1:
+            parts.append(f"{NAMES[m]} {min(known):z.0f} to {max(known):z.0f} km/h")
+    if parts:
+        yield TEXT["accuracy"].format(ranges=" and ".join(parts))
+
+
+def _nearest(found: dict[tuple[str, str], Interval]) -> str:
+    """The nearest critical speed, where the intervals tell which it is."""
+    distances = {key: one.distance(CRITICAL_KMH) for key, one in found.items()}
+    nearest = min(distances, key=lambda key: distances[key].high)
+    if any(other.low < distances[nearest].high for key, other in distances.items() if key != nearest):
+        return (
+            f"Which critical speed is nearest to that is {NOT_DECIDED} at the width of the intervals below. {NAMELESS}"
+        )
+    (material, kind), speed = nearest, found[nearest]
+    text = f"The nearest critical speed is that of {NAMES[material]} ({kind}), {speed.text('km/h', 1)}"
+    others = [distance.low for (other, _), distance in distances.items() if other != material]
+    text += f"; the other material differs from the paper by at least {min(others):z.0f} km/h. " if others else ". "
+    verdict = _fits(speed)
+    if verdict:
+        return f"{text}That is within a tenth of the paper's value."
+    if verdict is None:
+        return f"{text}Whether that is within a tenth of the paper's value is {NOT_DECIDED}. {NAMELESS}"
+    off = Interval(100 * (speed.low / CRITICAL_KMH - 1), 100 * (speed.high / CRITICAL_KMH - 1))
+    apart = f"{off.text('%')} above" if off.low > 0 else f"{Interval(-off.high, -off.low).text('%')} below"
+    return f"{text}That is {apart} the paper's value: neither reproduces it. {NAMELESS}"
+
+
+def _effect_of_the_material(results: Results) -> str:
+    steel, soft = (results.contact[m] for m in MATERIALS)
+    moduli = [rig_case(m).contact.material.shear_modulus for m in MATERIALS]
+    text: str = TEXT["material"].format(
+        modulus=1e-9 * moduli[1],
+        deeper=soft.approach / steel.approach,
+        soft=1e6 * soft.approach,
+        steel=1e6 * steel.approach,
+        stiffness=100 * soft.creep_stiffness / steel.creep_stiffness,
+        cube_root=100 * (moduli[1] / moduli[0]) ** (1 / 3),
+    )
+    steel_name, soft_name = MATERIALS
+    by_disturbance = results.by_disturbance(soft_name).below(results.by_disturbance(steel_name))
+    if results.linear_kmh(soft_name) < results.linear_kmh(steel_name) and by_disturbance:
+        text += " Both the linear critical speed and that by disturbance fall with it."
+    waves = [onset_wavelength(results, m) for m in MATERIALS]
+    if all(math.isfinite(w) for w in waves):
+        slow = [state.wavelength for state in (steel, soft)]
+        factor = [(own / wave) ** 2 for own, wave in zip(slow, waves, strict=True)]
+        text += TEXT["steeper"].format(onset=waves, slow=slow, factor=factor)
+    return text
+
+
+def _audited(results: Results) -> dict[str, dict[str, Any]]:
+    """Attributes of the runs whose solver and contacts are shown."""
+    found: dict[str, dict[str, Any]] = {}
+    for m in MATERIALS:
+        if m in results.ramps:
+            found[f"ramp, {NAMES[m]}"] = results.ramps[m].attrs
+        for run in results.runs_of(RIG)[m].runs if m in results.runs_of(RIG) else []:
+            found[f"{3.6 * run.speed:z.1f} km/h, {NAMES[m]}"] = run.motion.attrs
+    return found if results.traction is None else found | {"traction": results.traction.attrs}

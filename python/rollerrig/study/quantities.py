@@ -7,98 +7,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
+from rollerrig.results.quantities import Quantity as Quantity
+from rollerrig.results.quantities import registered
 from rollerrig.study.report import Table
-from rollerrig.wording import number
 
 Numbers = Mapping[str, Any]
-
-
-@dataclass(frozen=True)
-class Quantity:
-    """One reported quantity.
-
-    Attributes:
-        key: its place in summary.json, names joined by dots; `*` stands for one name, a final `**` for all below.
-        meaning: a sentence fragment.
-        unit: of the number in summary.json; "": text or a flag, "1": a ratio.
-        label: in tables; absent: the last name of the key.
-        digits: significant digits in tables.
-        shown: unit and factor in tables where another unit reads better, e.g. ("%", 100.0).
-        least: what is smaller is round-off, zero in tables; in `unit`.
-    """
-
-    key: str
-    meaning: str
-    unit: str = ""
-    label: str = ""
-    digits: int = 4
-    shown: tuple[str, float] | None = None
-    least: float = 0.0
-
-    @property
-    def name(self) -> str:
-        """Last name of the key."""
-        return self.key.rpartition(".")[2]
-
-    @property
-    def heading(self) -> str:
-        """Label with the unit that tables show."""
-        unit = {"": "", "1": " [-]"}.get(self.shown_unit, f" [{self.shown_unit}]").replace("^2", "²").replace("^3", "³")
-        return (self.label or self.in_words) + unit
-
-    @property
-    def in_words(self) -> str:
-        """Last name of the key without the unit that it ends in."""
-        name = self.name.removesuffix(f"_{_in_a_key(self.unit)}") if self.unit not in ("", "1") else self.name
-        return " ".join(_CAPITALS.get(word, word) for word in name.split("_"))
-
-    @property
-    def shown_unit(self) -> str:
-        """Unit in tables."""
-        return self.shown[0] if self.shown else self.unit
-
-    @property
-    def description(self) -> str:
-        """Meaning with the unit of summary.json."""
-        return f"{self.meaning} [{'-' if self.unit == '1' else self.unit}]" if self.unit else self.meaning
-
-    def cell(self, value: Any) -> object:
-        """A value as tables show it; a dash where there is none."""
-        if value is None:
-            return "–"
-        if isinstance(value, bool | np.bool_):
-            return "yes" if value else "no"
-        if isinstance(value, str):
-            return value.replace("_", " ")
-        if isinstance(value, int | np.integer) and self.shown is None:
-            return number(int(value))
-        size = 0.0 if abs(value) < self.least else float(value)
-        return number((self.shown[1] if self.shown else 1.0) * size, self.digits)
-
-    def matches(self, path: Sequence[str]) -> bool:
-        """Whether a place in summary.json is this quantity's."""
-        pattern = self.key.split(".")
-        if pattern[-1] == "**":
-            pattern, path = pattern[:-1], path[: len(pattern) - 1]
-        return len(pattern) == len(path) and all(p in ("*", name) for p, name in zip(pattern, path, strict=True))
-
-
-_CAPITALS = {"rms": "RMS", "q": "Q", "y": "Y"}
-_KEY_UNITS = {"°": "deg", "%": "percent", "l": "litres", "1/s": "per_s", "1/mm": "per_mm"}
-
-
-def _in_a_key(unit: str) -> str:
-    """A unit as keys spell it: 'N m' is nm, 'km/h' kmh, 'm/s' mps, 'rad/s' rad_per_s, 'N s/m' ns_per_m."""
-    plain = _KEY_UNITS.get(unit, unit.replace("µ", "u").replace(" ", "").lower())
-    if plain == "km/h":
-        return "kmh"
-    over = "p" if plain in ("m/s", "mm/s") else "_per_"
-    return plain.replace("/", over)
 
 
 COMMON = (
@@ -112,11 +29,11 @@ COMMON = (
 class Quantities:
     """The registry of a study."""
 
-    def __init__(self, *quantities: Quantity | Iterable[Quantity]) -> None:
-        """Collect quantities, or groups of them, in the order of the reference page."""
+    def __init__(self, *quantities: str | Quantity | Iterable[Quantity]) -> None:
+        """Collect quantities, groups of them, or all that are registered for a command, in the order of the reference."""
         self._all: list[Quantity] = []
         for one in quantities:
-            self._all += [one] if isinstance(one, Quantity) else list(one)
+            self._all += [one] if isinstance(one, Quantity) else registered(one) if isinstance(one, str) else one
 
     def __iter__(self) -> Iterator[Quantity]:
         """The quantities in order."""
@@ -131,6 +48,10 @@ class Quantities:
         for found in (*(q for q in self._all if q.key == key), *(q for q in self._all if q.name == key)):
             return found
         raise KeyError(key)
+
+    def below(self, prefix: str) -> list[Quantity]:
+        """Those whose key begins with this and a dot."""
+        return [quantity for quantity in self._all if quantity.key.startswith(f"{prefix}.")]
 
     def described(self) -> dict[str, str]:
         """Key -> meaning and unit, for summary.json and the reference page."""

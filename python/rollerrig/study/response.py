@@ -14,41 +14,85 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rollerrig.analysis.linear_bench import LinearBench
-from rollerrig.analysis.linear_system import margins_of
-from rollerrig.analysis.measured_response import measured_response
+from rollerrig.analysis.linear_system import LinearSystem, margins_of
+from rollerrig.analysis.measured_response import MeasuredResponse, measured_response
 from rollerrig.config import Case, ConfigError, ConfigProblem
 from rollerrig.plot.response import bode_figure, nyquist_figure, poles_and_zeros_figure
 from rollerrig.study.frame import Study
 from rollerrig.study.jobs import Done, Progress, Round, job
-from rollerrig.study.quantities import Numbers, Quantities, Quantity
+from rollerrig.study.quantities import Numbers, Quantities
 from rollerrig.study.report import Block, Picture, Section, Table, Text
-from rollerrig.study.response_tables import AtSpeed, measured_error, pole_rows, response_rows
 
-CHANNEL = tuple(
-    Quantity(f"channels.*.*.{key}", meaning, unit, label, 3)
-    for key, meaning, unit, label in (
-        ("bandwidth_hz", "where the magnitude is first 3 dB below that at the lowest frequency", "Hz", "bandwidth"),
-        ("gain_margin_db", "of the loop that negative feedback closes over this response", "dB", "gain margin"),
-        ("gain_margin_frequency_hz", "where its phase is -180°", "Hz", "at"),
-        ("phase_margin_deg", "of the same loop", "°", "phase margin"),
-        ("phase_margin_frequency_hz", "where its magnitude is 1", "Hz", "where |L| = 1"),
-        (
-            "measured_error_db",
-            "largest difference of the measured magnitude, up to half the bandwidth of the command's drive",
-            "dB",
-            "measured",
-        ),
-    )
-)
-QUANTITIES = Quantities(
-    Quantity("case", "its name"),
-    Quantity("speeds_kmh", "speeds of the linear bench", "km/h"),
-    Quantity("sampling_step_ms", "from sample to sample of a case that has samples; else none", "ms"),
-    Quantity("amplitude", "of the measuring sine, in the command's unit"),
-    Quantity("brake_pressure_bar", "in all brake cylinders", "bar"),
-    Quantity("growing_poles.*", "poles in the right half plane, 1e-6 1/s from its border, at a speed"),
-    CHANNEL,
-)
+Rows = list[list[object]]
+
+
+@dataclass(frozen=True)
+class AtSpeed:
+    """What is found at one speed.
+
+    Attributes:
+        system: the linear bench.
+        measured: per input what was measured, if anything.
+        drives: bandwidth of the drives that follow inputs [Hz].
+    """
+
+    system: LinearSystem
+    measured: Mapping[str, MeasuredResponse]
+    drives: Mapping[str, float]
+
+
+def measured_error(found: AtSpeed, output: int, source: int) -> float:
+    """Largest difference of measured and linear magnitude up to half the bandwidth of the command's drive [dB].
+
+    Returns:
+        The difference; NaN where nothing was measured.
+    """
+    name = found.system.inputs[source]
+    measured = found.measured.get(name)
+    if measured is None:
+        return math.nan
+    inside = measured.frequencies <= 0.5 * found.drives.get(name, math.inf) * (1.0 + 1e-9)
+    inside &= np.isfinite(measured.values[:, output])
+    if not inside.any():
+        return math.nan
+    linear = found.system.response(measured.frequencies[inside])[:, output, source]
+    return float(np.abs(20 * np.log10(np.abs(measured.values[inside, output] / linear))).max())
+
+
+def response_rows(results: Mapping[str, AtSpeed], frequencies: NDArray[np.float64]) -> Rows:
+    """Every response, linear and measured, header first."""
+    rows: Rows = [["speed_kmh", "input", "output", "frequency_hz", "real", "imaginary", "measured"]]
+    for found in results.values():
+        system = found.system
+        response = system.response(frequencies)
+        for k, source in enumerate(system.inputs):
+            for i, output in enumerate(system.outputs):
+                curves = [(frequencies, response[:, i, k], 0)]
+                if source in found.measured:
+                    curves.append((found.measured[source].frequencies, found.measured[source].values[:, i], 1))
+                for at, values, kind in curves:
+                    head = [3.6 * system.speed, source, output]
+                    rows += [
+                        [*head, float(f), float(value.real), float(value.imag), kind]
+                        for f, value in zip(at, values, strict=True)
+                    ]
+    return rows
+
+
+def pole_rows(results: Mapping[str, AtSpeed]) -> Rows:
+    """Poles and zeros of every channel, header first."""
+    rows: Rows = [["at", "kind", "growth_rate_per_s", "frequency_hz"]]
+    for label, found in results.items():
+        kinds = {"pole": found.system.poles()}
+        for k, source in enumerate(found.system.inputs):
+            for i, output in enumerate(found.system.outputs):
+                kinds[f"zero of {source} to {output}"] = found.system.zeros(i, k)
+        for kind, values in kinds.items():
+            rows += [[label, kind, float(one.real), float(one.imag) / (2 * math.pi)] for one in values]
+    return rows
+
+
+QUANTITIES = Quantities("response")
 
 
 @dataclass(frozen=True)
@@ -201,7 +245,12 @@ class ResponseStudy(Study[dict[str, AtSpeed]]):
             zeros = {label: found.system.zeros(i, k) for label, found in results.items()}
             blocks: list[Block] = [
                 Picture(f"bode_{number}", bode_figure(lines, points, unit), f"{name}: magnitude and phase."),
-                QUANTITIES.table(numbers["channels"][name], [q.key for q in CHANNEL], "Bandwidth and margins.", "at"),
+                QUANTITIES.table(
+                    numbers["channels"][name],
+                    [q.key for q in QUANTITIES.below("channels.*.*")],
+                    "Bandwidth and margins.",
+                    "at",
+                ),
                 Picture(f"nyquist_{number}", nyquist_figure(lines, unit), f"{name} in the complex plane."),
                 Picture(
                     f"poles_{number}",

@@ -5,6 +5,8 @@ Case -> [RunStudy] -> run.nc, motion.csv, wheels.csv, running_safety.csv, summar
 
 from __future__ import annotations
 
+import json
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -14,94 +16,92 @@ import xarray as xr
 from rollerrig.analysis.assessment import Assessment, Row, assess, table
 from rollerrig.analysis.lateral_rest import LateralRest, lateral_rest
 from rollerrig.analysis.track_sections import curved, irregular
+from rollerrig.analysis.wheel_rail_forces import STATISTICS
 from rollerrig.config import Case
 from rollerrig.plot.run import energy_over_time, motion_over_time, sliding_over_time
 from rollerrig.plot.wheel_rail_forces import line_and_response
 from rollerrig.results import motion_table, summarise, wheel_table
 from rollerrig.simulation import simulate
-from rollerrig.study import run_text, running_safety
+from rollerrig.study import running_safety
 from rollerrig.study.frame import Study
 from rollerrig.study.jobs import Done, Round, job
 from rollerrig.study.quantities import Numbers, Quantities, Quantity
-from rollerrig.study.report import VIEW, Picture, Section, Table
+from rollerrig.study.report import VIEW, Block, Picture, Section, Table
+from rollerrig.wording import number
 
-TERMINATION = (
-    Quantity("case", "name of the case"),
-    Quantity("status", "'ok', 'stopped' (the train has), 'interrupted', or why the run ended early"),
-    Quantity("status_message", "the same as a sentence, with time, wheel and remedy"),
-    Quantity("stopped_at_s", "time that the integration reached", "s"),
-    Quantity("stopped_wheel", "wheel at which the run stopped, empty if none"),
-    Quantity("stopped_at_m", "distance at the last output time", "m"),
-    Quantity("stopped_segment", "segment of the track there, empty if it has none"),
-    Quantity(
-        "stopped_quotient",
-        "largest unfiltered |Y|/Q of the wheelset that stopped the run in the half second before",
-        "1",
-    ),
-    Quantity("stopped_quotient_wheel", "wheel that had it, empty if none"),
-    Quantity("samples", "number of output times"),
-    Quantity("speed_start_kmh", "running speed at the first output time", "km/h"),
-    Quantity("speed_end_kmh", "running speed at the last output time", "km/h"),
-    Quantity("energy_turned_over_j", "half the sum of the total variations of all energy accounts", "J"),
-    Quantity("energy_relative_residual", "largest energy residual over the energy turned over", "1"),
-    Quantity(
-        "lateral_rest", "null: not asked, something else than the start disturbs the vehicle, or too short to tell"
-    ),
-    Quantity("lateral_rest.body", "body that moves most sideways in the last third of the run"),
-    Quantity("lateral_rest.amplitude_mm", "half the range of its motion there; 0: decayed", "mm"),
-    Quantity("lateral_rest.frequency_hz", "of that motion; null: decayed", "Hz"),
-    Quantity("lateral_rest.growth_rate_per_s", "of it, negative where it decays; null: decayed", "1/s"),
-    Quantity("lateral_rest.persists", "whether the motion goes on: it hunts"),
-    Quantity("warnings", "what to know before using the results, one line each; empty if nothing"),
+_LIMITED = {"derailment_quotient": "Y/Q", "guiding_force_sum": "ΣY"}
+"""Quantities with a limit."""
+
+
+def rest_numbers(rest: LateralRest) -> dict[str, Any]:
+    """As they stand in summary.json."""
+    final = rest.final
+    return {
+        "body": rest.body,
+        "amplitude_mm": 1e3 * final.amplitude,
+        "frequency_hz": final.frequency,
+        "growth_rate_per_s": final.rate,
+        "persists": rest.persists,
+    }
+
+
+def answer(numbers: Numbers, rest: LateralRest | None, rows: Sequence[Row]) -> list[str]:
+    """The findings, the one that the run was made for first."""
+    lines = [] if rest is None else [_rest(rest)]
+    if safe := _safety(rows):
+        lines.append(safe)
+    lines.append(f"{numbers['case']}: {numbers['stopped_at_s']:g} s computed. {numbers['status_message']}")
+    speeds = ""
+    if numbers["samples"]:
+        speeds = f"Speed {numbers['speed_start_kmh']:.4g} km/h at the start, {numbers['speed_end_kmh']:.4g} km/h at the end. "
+    lines.append(
+        f"{speeds}Energy balance closed to {number(numbers['energy_relative_residual'], 2)} of the "
+        f"{number(numbers['energy_turned_over_j'] / 1e3)} kJ turned over."
+    )
+    return [*lines, *(f"Warning: {line}." for line in numbers["warnings"].splitlines())]
+
+
+def _rest(rest: LateralRest) -> str:
+    body, final = rest.body.replace("_", " "), rest.final
+    motion = f"by ±{number(1e3 * final.amplitude, 2)} mm at {number(final.frequency, 2)} Hz"
+    if rest.persists:
+        return f"It hunts: in the last third of the run {body} still moves sideways {motion}."
+    was = f"by up to {number(1e3 * rest.largest, 2)} mm"
+    if final.amplitude == 0.0:
+        return f"It calms down: {body} moved sideways {was}, and no longer does so in the last third of the run."
+    return f"It calms down: {body} moved sideways {was}, in the last third of the run {motion}, and less and less."
+
+
+def _safety(rows: Sequence[Row]) -> str:
+    """The quantities with a limit, each where it comes nearest to it."""
+    nearest: dict[str, Row] = {}
+    for row in rows:
+        if row.quantity in _LIMITED and math.isfinite(row.part_of_limit):
+            other = nearest.get(row.quantity)
+            if other is None or row.part_of_limit > other.part_of_limit:
+                nearest[row.quantity] = row
+    if not nearest:
+        return ""
+    beyond = any(row.part_of_limit > 1.0 for row in nearest.values())
+    parts = (
+        f"{_LIMITED[name]} reaches {number(100.0 * row.part_of_limit, 2)} % ({row.place.replace('_', ' ')})"
+        for name, row in nearest.items()
+    )
+    return f"Running safety: {' and '.join(parts)} of the limit{', which it exceeds' if beyond else ''}."
+
+
+QUANTITIES = Quantities(
+    "run", (Quantity(f"running_safety.*.*.sections.*.{name}", meaning) for name, meaning in STATISTICS.items())
 )
-BODIES = (
-    Quantity("bodies.*.lateral_largest_mm", "largest lateral displacement, either side", "mm", "largest lateral"),
-    Quantity("bodies.*.lateral_end_mm", "lateral displacement at the last output time", "mm", "lateral at the end"),
-    Quantity("bodies.*.lateral_last_tenth_mm", "largest in the last tenth of the run", "mm", "largest in the last tenth"),
-    Quantity("bodies.*.yaw_largest_mrad", "largest yaw angle, either side", "mrad", "largest yaw"),
-)  # fmt: skip
-WHEELS = (
-    Quantity("wheels.*.vertical_force_start_n", "vertical contact force Q at the first output time", "N", "Q at start"),
-    Quantity("wheels.*.vertical_force_end_n", "vertical contact force Q at the last output time", "N", "Q at end"),
-    Quantity("wheels.*.wheel_load_least_n", "smallest Q through 20 Hz; null: cannot be filtered", "N", "least Q"),
-    Quantity("wheels.*.guiding_force_largest_n", "largest |Y| through 20 Hz; null: cannot be filtered", "N", "largest Y"),
-    Quantity("wheels.*.derailment_quotient_largest", "largest |Y/Q|, 20 Hz, 2 m mean; null: not filtered", "1", "largest Y/Q"),
-    Quantity("wheels.*.vertical_force_least_raw_n", "smallest Q, unfiltered", "N", "least Q, raw"),
-    Quantity("wheels.*.lateral_force_largest_raw_n", "largest |Y|, unfiltered", "N", "largest Y, raw"),
-    Quantity("wheels.*.derailment_quotient_largest_raw", "largest |Y|/Q while Q > 0, unfiltered", "1", "largest Y/Q, raw"),
-    Quantity("wheels.*.longitudinal_sliding_largest_mps", "largest longitudinal sliding speed", "m/s", "largest sliding"),
-    Quantity("wheels.*.longitudinal_sliding_end_mps", "the same at the last output time", "m/s", "sliding at end"),
-    Quantity("wheels.*.samples_with_several_patches", "output times with several patches", "", "samples in several patches"),
-    Quantity("wheels.*.without_contact_s", "time without contact", "s", "without contact"),
-    Quantity("wheels.*.without_contact_longest_s", "its longest spell", "s", "longest without"),
-)  # fmt: skip
-FIRST = tuple(q for q in WHEELS if q.name in (
+FIRST = (
     "vertical_force_start_n", "wheel_load_least_n", "guiding_force_largest_n", "derailment_quotient_largest",
     "longitudinal_sliding_largest_mps", "without_contact_s",
-))  # fmt: skip
+)  # fmt: skip
 """Numbers of the wheels that a reader sees first; the others stand with how they were computed."""
 
-MORE = tuple(q for q in WHEELS if q not in FIRST)
+MORE = tuple(q.name for q in QUANTITIES.below("wheels.*") if q.name not in FIRST)
 
-CONTACT = (
-    Quantity("contact.checked", "wheels looked at: accepted steps times wheels"),
-    Quantity("contact.several_patches", "wheels that touched in more than one patch"),
-    Quantity("contact.refined", "wheels whose contact was solved again with more strips"),
-    Quantity("contact.overlapping", "pairs of patches of one wheel whose ellipses overlap, outside Hertz' assumptions"),
-    Quantity("contact.faded", "patches with a blending weight below 1, while two neighbours merge or separate"),
-    Quantity("contact.limited_curvature", "patches whose curvatures were outside Hertz' theory and were limited"),
-    Quantity("contact.clamped_aspect", "patches more slender than Kalker's table; its last value was used"),
-    Quantity("contact.negative_dissipation", "patches in which the creep law fed energy in"),
-    Quantity("contact.lost", "wheels without contact"),
-)
-QUANTITIES = Quantities(
-    TERMINATION,
-    BODIES,
-    WHEELS,
-    Quantity("solver.*", "counts of the integrator: steps, rejected steps, evaluations, smallest and largest step [s]"),
-    CONTACT,
-    running_safety.QUANTITIES,
-)
+CONTACT = QUANTITIES.below("contact")
 
 
 SOLVER = {
@@ -159,11 +159,11 @@ class RunStudy(Study[Results]):
         found = summarise(results.run)
         for wheel, numbers in running_safety.wheel_numbers(results.assessment).items():
             found["wheels"][wheel] |= numbers
-        found["lateral_rest"] = None if results.rest is None else run_text.rest_numbers(results.rest)
+        found["lateral_rest"] = None if results.rest is None else rest_numbers(results.rest)
         return {**found, **running_safety.numbers(results.assessment, results.rows)}
 
     def summary(self, results: Results, numbers: Numbers) -> list[str]:
-        return run_text.answer(numbers, results.rest, results.rows)
+        return answer(numbers, results.rest, results.rows)
 
     def shown(self, results: Results) -> Mapping[str, xr.Dataset]:
         return {self.case.name: results.run}
@@ -179,7 +179,13 @@ class RunStudy(Study[Results]):
     def sections(self, results: Results, numbers: Numbers) -> list[Section]:
         run, along = results.run, distance_or_time(results.run)
         sections = [
-            Section("Numbers", [_entries("bodies", BODIES, numbers), _entries("wheels", FIRST, numbers)]),
+            Section(
+                "Numbers",
+                [
+                    _entries("bodies", [q.name for q in QUANTITIES.below("bodies.*")], numbers),
+                    _entries("wheels", FIRST, numbers),
+                ],
+            ),
             *running_safety.sections(results.assessment, results.rows, along),
         ]
         if run.sizes["time"] > 1:
@@ -223,7 +229,32 @@ def distance_or_time(run: xr.Dataset) -> xr.DataArray:
     return run["time"].assign_attrs(long_name="time")
 
 
-def _entries(group: str, quantities: Sequence[Quantity], numbers: Numbers) -> Table:
-    return QUANTITIES.table(
-        numbers[group], [q.name for q in quantities], head={"bodies": "body", "wheels": "wheel"}[group]
+def _entries(group: str, names: Sequence[str], numbers: Numbers) -> Table:
+    return QUANTITIES.table(numbers[group], names, head={"bodies": "body", "wheels": "wheel"}[group])
+
+
+def audit_tables(audited: Mapping[str, Mapping[str, Any]]) -> list[Block]:
+    """Cost and energy balance of several runs, and what happened in their contacts.
+
+    Args:
+        audited: label -> attributes of a run.
+    """
+    costs, events = [], []
+    names = [quantity.name for quantity in CONTACT if quantity.name != "negative_dissipation"]
+    for name, attributes in audited.items():
+        counted = json.loads(attributes["solver_statistics"])
+        steps = int(counted["steps"]), int(counted["rejected_steps"]), number(float(counted["smallest_step"]), 2)
+        energy = f"{1e-3 * float(attributes['energy_turned_over_j']):z.1f}"
+        residual = number(float(attributes["energy_relative_residual"]), 2)
+        costs.append((name, attributes["status"], *steps, energy, residual))
+        counters = json.loads(attributes["contact_counters"])
+        events.append((name, *(int(counters.get(key, 0)) for key in names)))
+    header = ("run", "ended", "steps", "rejected", "smallest step [s]", "energy turned over [kJ]", "relative residual")
+    caption = (
+        "Integration, and the energy audit: work in - change of stored energy - heat, over the energy turned over."
     )
+    heads = ("run", *(name.replace("_", " ") for name in names))
+    return [
+        Table(header, costs, caption),
+        Table(heads, events, "Contact model, summed over accepted steps and wheels."),
+    ]

@@ -20,31 +20,7 @@ from rollerrig.study.quantities import Quantities, Quantity
 from rollerrig.study.report import Picture, Section, Table, Text
 from rollerrig.wording import number
 
-QUANTITIES = Quantities(
-    Quantity("running_safety.*.*.unit", "unit of the numbers of a quantity at a wheel, wheelset or point; 1: none"),
-    Quantity("running_safety.*.*.filter", "low or band pass, mean over 2 m of distance; 'none': unfiltered"),
-    [Quantity(f"running_safety.*.*.sections.*.{name}", meaning) for name, meaning in STATISTICS.items()],
-    Quantity("running_safety.*.*.limit", "of the magnitude: Prud'homme's of ΣY, the lower of Nadal's and 0.8 of Y/Q; null: none"),
-    Quantity("running_safety.*.*.sections.*.part_of_limit", "larger outer percentile over the limit; null: none", "1"),
-    Quantity("running_safety_notes", "why a signal is not filtered, a sentence each"),
-    Quantity("nadal_limit", "(tan δ - μ) / (1 + μ tan δ), δ the steepest flange angle; null: friction suffices", "1"),
-    Quantity("flange_angle_deg", "steepest slope of the wheel profile towards the flange", "°"),
-    Quantity("distance_m", "run, on a rig by the rollers' surface; null: no output time was reached", "m"),
-    Quantity("weighted_acceleration", "null: the run cannot be filtered"),
-    Quantity("weighted_acceleration.*.*", "of the car body, r.m.s., EN 12299: lateral W_d, vertical W_b", "m/s^2"),
-)  # fmt: skip
-
-SHOWN = Quantities(
-    Quantity("guiding_force", "", "N", "guiding force Y", 3, ("kN", 1e-3)),
-    Quantity("wheel_load", "", "N", "wheel load Q", 3, ("kN", 1e-3)),
-    Quantity("derailment_quotient", "", "1", "Y/Q", 3),
-    Quantity("wheel_unloading", "", "1", "wheel unloading (Q0 - Q)/Q0", 3),
-    Quantity("guiding_force_sum", "", "N", "sum of guiding forces ΣY", 3, ("kN", 1e-3)),
-    Quantity("wear_number", "", "N", "wear number Tγ", 3),
-    Quantity("lateral_acceleration", "", "m/s²", "lateral acceleration", 3),
-    Quantity("vertical_acceleration", "", "m/s²", "vertical acceleration", 3),
-)
-"""How the report shows each quantity."""
+SHOWN = Quantities("running_safety")
 
 SIGNS = (
     "Forces are those of the wheel on the rail or roller: Y outwards, Q downwards, ΣY of a wheelset to the left. Each quantity "
@@ -61,18 +37,9 @@ QUASI_STATIC = (
 def csv_rows(rows: Sequence[Row]) -> list[list[object]]:
     """running_safety.csv, header first."""
     header: list[object] = ["quantity", "place", "section", "unit", "filter", *STATISTICS, "limit", "part_of_limit"]
+    heads = ((row.quantity, row.place, row.section, row.unit, row.filter) for row in rows)
     return [header] + [
-        [
-            row.quantity,
-            row.place,
-            row.section,
-            row.unit,
-            row.filter,
-            *row.statistics.values(),
-            row.limit,
-            row.part_of_limit,
-        ]
-        for row in rows
+        [*head, *row.statistics.values(), row.limit, row.part_of_limit] for head, row in zip(heads, rows, strict=True)
     ]
 
 

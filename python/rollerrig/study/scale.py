@@ -15,6 +15,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import xarray as xr
+from numpy.typing import ArrayLike
 
 from rollerrig.analysis.scaled_model import (
     at_times_of,
@@ -31,10 +32,13 @@ from rollerrig.config.write.toml import to_short_toml
 from rollerrig.plot import scaled as figures
 from rollerrig.results import COMPLETED
 from rollerrig.similitude import (
+    FACTORS,
+    STRATEGIES,
     ContactAtRest,
     Requirement,
     Similitude,
     contact_at_rest,
+    factors_of,
     map_back,
     requirements,
     scale_case,
@@ -42,18 +46,79 @@ from rollerrig.similitude import (
 from rollerrig.simulation import simulate
 from rollerrig.study.frame import Study
 from rollerrig.study.jobs import Done, Round, job
-from rollerrig.study.quantities import Numbers
-from rollerrig.study.report import Picture, Section
-from rollerrig.study.scale_numbers import FIDELITY, LABELS, QUANTITIES, RUN
-from rollerrig.study.scale_tables import (
-    VIOLATION,
-    axle_rows,
-    contact_at_rest_table,
-    factors_table,
-    model_summary,
-    violations_table,
-)
+from rollerrig.study.quantities import Numbers, Quantities
+from rollerrig.study.report import Picture, Section, Table
 from rollerrig.wording import number, percent
+
+
+def deviation(value: float) -> str:
+    """A deviation with its sign; what full scale does not have is new."""
+    return percent(value, 3, signed=True) if math.isfinite(value) else "new"
+
+
+def model_summary(model: Case, found: Sequence[Requirement]) -> list[str]:
+    """The model and its violations, a line each."""
+    record = model.similitude
+    assert record is not None
+    strategy = STRATEGIES[record.strategy]
+    kept = ", ".join(record.keep) or "nothing: ideal similitude"
+    violated = [one for one in found if not one.met]
+    return [
+        f"{model.name}: a 1:{record.length:g} model of {record.case}, {strategy.title} (keeps {strategy.keeps}); "
+        f"speeds 1:{record.length / record.time:.4g}, times 1:{record.time:.4g}. Not scaled: {kept}.",
+        *(f"violated: {one.name} ({deviation(one.deviation)}): {one.effect}" for one in violated),
+        *(["All requirements of similitude are met."] if not violated else []),
+    ]
+
+
+def contact_at_rest_table(model: Case, at_full_scale: ContactAtRest, own: ContactAtRest) -> Table:
+    """The contact of the first wheel of both, and what the model's stands for at full scale.
+
+    Args:
+        model: case of the model.
+        at_full_scale: of the full-scale case.
+        own: of the model, at its own scale.
+    """
+    factors = factors_of(model)
+    lines = (
+        ("wheel load [N]", 1.0, "wheel_load", factors.force),
+        ("semi-axis of the largest patch [mm]", 1e3, "semi_axis", factors.length),
+        ("largest pressure [MPa]", 1e-6, "pressure", factors.pressure),
+        ("semi-axis over the roller's radius [%]", 100.0, "roller_share", 1.0),
+    )
+    rows = []
+    for name, unit, key, factor in lines:
+        a, b = (unit * getattr(contact, key) for contact in (at_full_scale, own))
+        rows.append([name, number(a), number(b), number(b * factor), deviation(b * factor / a - 1.0)])
+    header = ("first wheel, steady running", "full scale", "model", "model, mapped back", "deviation")
+    return Table(header, rows, "where several patches share a load, sizes follow it less closely than one patch would")
+
+
+def axle_columns(full: xr.Dataset, mapped: xr.Dataset) -> dict[str, ArrayLike]:
+    """axles.csv: speeds at full scale, the model's at the same times."""
+    other = at_times_of(full, mapped)
+    run = full.isel(time=slice(0, other.sizes["time"]))
+    both = {"full": run, "model": other}
+    columns = {"time_s": run["time"], **{f"train_speed_{label}_mps": one["train_speed"] for label, one in both.items()}}
+    for axle in run["axle"].to_numpy():
+        for label, one in both.items():
+            columns[f"axle_speed_{axle}_{label}_rad_per_s"] = one["axle_speed"].sel(axle=axle)
+    return {name: column.to_numpy() for name, column in columns.items()}
+
+
+LABELS = {
+    "full": "full scale",
+    "model": "the model as it is",
+    "ideal": "ideal: everything scaled",
+    "gravity": "gravity alone not scaled",
+    "material": "material alone not scaled",
+    "clock": "controllers' clock alone not scaled",
+    "drives": "bandwidth of the drives alone not scaled",
+    "own": "the model's own actuators alone",
+}
+
+QUANTITIES = Quantities("scale")
+
 
 LEFT_OUT = (
     "The suspension of the model is built to scale: elements, bearings and play of a real model have friction and tolerances of "
@@ -162,7 +227,10 @@ class ScaleStudy(Study[Scaled]):
             "fidelity": compared.pop("model"),
             "error_budget": compared,
             "violations": [
-                {key: "" if key == "effect" and one.met else getattr(one, key) for key in VIOLATION}
+                {
+                    key: "" if key == "effect" and one.met else getattr(one, key)
+                    for key in (q.name for q in QUANTITIES.below("violations.*"))
+                }
                 for one in results.violations
             ],
             "contact": dict(zip(("full", "model"), map(vars, results.contact), strict=True)),
@@ -203,27 +271,38 @@ class ScaleStudy(Study[Scaled]):
         ]
 
     def files(self, results: Scaled, numbers: Numbers) -> Mapping[str, Any]:
-        axles = {"axles.csv": axle_rows(results.full, results.mapped["model"])} if "train_speed" in results.full else {}
+        axles = (
+            {"axles.csv": axle_columns(results.full, results.mapped["model"])} if "train_speed" in results.full else {}
+        )
         runs = {"full.nc": results.full, "model.nc": results.mapped["model"]}
         return {CASE_FILE: to_short_toml(self.model), **runs, **axles}
 
     def sections(self, results: Scaled, numbers: Numbers) -> list[Section]:
         runs = {"full scale": numbers["full"], "model, mapped back": numbers["model_mapped_back"]}
         hidden = () if _moves_sideways(numbers) else ("lateral_largest_m", "lateral_rms_m")
-        shown = [
-            q.name
-            for q in RUN
-            if not q.name.startswith("status") and q.name in numbers["full"] and q.name not in hidden
-        ]
-        compared = [q.name for q in FIDELITY if q.name in numbers["fidelity"] and q.name not in hidden]
-        tables = [
-            QUANTITIES.list_table(runs, shown),
-            QUANTITIES.list_table({"model less full scale": numbers["fidelity"]}, compared),
-        ]
+        shown, compared = (
+            [
+                q.name
+                for q in QUANTITIES.below(group)
+                if q.name in known and q.name not in (*hidden, "status", "status_message")
+            ]
+            for group, known in (("*", numbers["full"]), ("fidelity", numbers["fidelity"]))
+        )
+        violations = [
+            [one.name, one.quantity, number(one.required), number(one.actual), one.unit,
+             "met" if one.met else deviation(one.deviation), "" if one.met else one.effect]
+            for one in results.violations
+        ]  # fmt: skip
+        header = ("requirement", "quantity of the model", "needed", "is", "unit", "deviation", "effect on results")
+        factors, record = factors_of(self.model), self.model.similitude
+        assert record is not None
+        scaled = [[name, number(factors.factor(unit)), unit] for name, unit in FACTORS]
+        similitude = Table(("quantity", "full scale over model", "unit"), scaled, STRATEGIES[record.strategy].title)
+        less = QUANTITIES.list_table({"model less full scale": numbers["fidelity"]}, compared)
         sections = [
-            Section("Similitude", [factors_table(self.model), violations_table(results.violations)]),
+            Section("Similitude", [similitude, Table(header, violations, "requirements, met or violated")]),
             Section("Contact at rest", [contact_at_rest_table(self.model, *results.contact)]),
-            Section("Numbers", [*tables]),
+            Section("Numbers", [QUANTITIES.list_table(runs, shown), less]),
         ]
         sections += [Section(title, [Picture(*picture)]) for title, *picture in self._pictures(results, numbers)]
         if numbers["error_budget"]:

@@ -7,27 +7,70 @@ from __future__ import annotations
 
 import math
 import pickle
+import tomllib
+from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
 from itertools import islice
 from typing import Any
 
+import numpy as np
 import xarray as xr
 
 from rollerrig.config import Case, ConfigError, ConfigProblem, Plan, WholePlan, plan_of_case
 from rollerrig.config.errors import nearest, one_of, show_value
 from rollerrig.config.validate.messages import validate
+from rollerrig.plot import sweep as figures
 from rollerrig.study.frame import Study
 from rollerrig.study.jobs import Done, Job, Progress, Round, call, job
-from rollerrig.study.measures import KINDS, module_of, quantities_of
-from rollerrig.study.quantities import Numbers, Quantities, Quantity
-from rollerrig.study.report import Block, Section, Table, Text
-from rollerrig.study.sweep_dataset import FAILED, Record, sweep_dataset, sweep_rows
-from rollerrig.study.sweep_points import Points, number_of_cases
-from rollerrig.study.sweep_report import sections_of
-from rollerrig.study.sweep_statistics import Statistics, statistics
+from rollerrig.study.measures import KINDS, MEASURES
+from rollerrig.study.quantities import Numbers, Quantities
+from rollerrig.study.report import Block, Picture, Section, Table, Text
+from rollerrig.study.runs.sweep import (
+    FAILED,
+    Points,
+    Record,
+    Statistics,
+    number_of_cases,
+    statistics,
+    sweep_dataset,
+    sweep_rows,
+)
 from rollerrig.wording import number
+
+MOST_PICTURED = 12
+"""Numbers that have pictures of their own; all are in the tables and files."""
+
+
+def _of_number(data: xr.Dataset, name: str, one: Statistics, points: Points) -> Section:
+    """Pictures and tables of one number."""
+    meaning, title = data[name].attrs["long_name"], name.replace("_", " ")
+    blocks: list[Block] = [Text(f"{meaning[:1].upper()}{meaning[1:]}.")]
+    if points.design.kind == "grid":
+        blocks.append(Picture(f"map_{name}", figures.grid_map(data, name), f"{title} over what is varied."))
+    else:
+        blocks.append(
+            Picture(f"scatter_{name}", figures.scatter(data, name), f"{title} of each case over each varied key.")
+        )
+    ends = {key: ends for key, ends in one.tornado.items() if np.isfinite(ends).all()}
+    if len(ends) > 1:
+        what = "lowest and highest value" if not points.design.samples else "lowest and highest fifth of values"
+        picture = figures.tornado(ends, data[name].attrs, float(np.nanmean(one.values)))
+        blocks.append(Picture(f"tornado_{name}", picture, f"Mean of {title} at the {what} of each varied key."))
+    if one.quantiles:
+        blocks.append(Table(("of the samples are below", title), list(one.quantiles.items()), "Quantiles."))
+    if one.sobol:
+        names = ("first", "first_confidence", "total", "total_confidence")
+        rows = [[k.replace("_", " "), *(float(f"{own[name]:.3g}") for name in names)] for k, own in one.sobol.items()]
+        blocks.append(
+            Table(("varied", "first order", "±", "total", "±"), rows, "Sobol indices with their intervals of 95 %.")
+        )
+        blocks.append(
+            Picture(f"sobol_{name}", figures.sobol_bars(one.sobol), f"Sobol indices of {title}, intervals of 95 %.")
+        )
+    return Section(title[:1].upper() + title[1:], blocks)
+
 
 MOST_UNASKED = 100_000
 """More cases than that are probably a slip of the pen."""
@@ -38,31 +81,7 @@ MOST = 1_000_000
 Compute = Callable[[Case], Mapping[str, float]]
 """A measure of the user's own: a case -> numbers by name."""
 
-QUANTITIES = Quantities(
-    Quantity("plan", "its name"),
-    Quantity("case", "name of the case that is varied"),
-    Quantity("design", "how the cases were chosen"),
-    Quantity("cases", "of the plan"),
-    Quantity("finished", "cases with numbers"),
-    Quantity("failed", "cases without"),
-    Quantity("failures.*", "reason -> number of cases"),
-    Quantity("numbers.*.unit", "of a measured number"),
-    Quantity("numbers.*.least", "of all finished cases; null: no case has this number"),
-    Quantity("numbers.*.median", "of all finished cases"),
-    Quantity("numbers.*.largest", "of all finished cases"),
-    Quantity("numbers.*.quantiles.*", "5, 25, 50, 75 and 95 % of samples lie below"),
-    Quantity(
-        "numbers.*.tornado.*.low",
-        "mean where the varied key has its lowest values: the lowest one, or fifth of samples",
-    ),
-    Quantity("numbers.*.tornado.*.high", "mean where it has its highest ones"),
-    Quantity(
-        "numbers.*.sobol.*.first", "first-order Sobol index: part of the variance that goes with this key alone", "1"
-    ),
-    Quantity("numbers.*.sobol.*.first_confidence", "half of its interval of 95 %, by bootstrap", "1"),
-    Quantity("numbers.*.sobol.*.total", "total index: part of the variance in which the key takes part", "1"),
-    Quantity("numbers.*.sobol.*.total_confidence", "half of its interval of 95 %, by bootstrap", "1"),
-)
+QUANTITIES = Quantities("sweep")
 
 
 @dataclass(frozen=True)
@@ -112,7 +131,7 @@ class SweepStudy(Study[Sweep]):
     def _check_kept(self) -> list[ConfigProblem]:
         problems, seen = [], [axis.name for axis in self.points.axes]
         for index, measure in enumerate(self.whole.plan.measure):
-            known = quantities_of(measure.kind)
+            known = MEASURES[measure.kind].quantities
             for place, name in enumerate(measure.keep or known):
                 at = f"measure[{index}].keep" + (f"[{place}]" if measure.keep else "")
                 if name not in known:
@@ -149,7 +168,7 @@ class SweepStudy(Study[Sweep]):
     def plan(self) -> dict[str, Any]:
         own = self.whole.plan.model_dump(mode="json", exclude_none=True)
         name = {} if self.compute is None else {"compute": f"{self.compute.__module__}:{self.compute.__qualname__}"}
-        return {"plan": own, **name, "case": _tables(self.whole.case)}
+        return {"plan": own, **name, "case": tomllib.loads(self.whole.case.to_toml())}
 
     # ------------------------------------------------------------------------------------------------------ jobs
 
@@ -183,7 +202,7 @@ class SweepStudy(Study[Sweep]):
         """Name of each kept number -> unit and meaning."""
         found: dict[str, tuple[str, str]] = {}
         for measure in self.whole.plan.measure:
-            known = quantities_of(measure.kind)
+            known = MEASURES[measure.kind].quantities
             found |= {name: known[name] for name in measure.keep or known}
         for record in records:
             for name in (record or {}).get("numbers", {}):
@@ -201,15 +220,14 @@ class SweepStudy(Study[Sweep]):
             "cases": data.attrs["cases"],
             "finished": data.attrs["finished"],
             "failed": data.attrs["failed"],
-            "failures": _reasons(data),
+            "failures": dict(Counter(filter(None, data[FAILED].to_numpy().ravel().tolist())).most_common()),
             "numbers": {
                 name: {"unit": data[name].attrs["units"], **one.as_dict()} for name, one in results.statistics.items()
             },
         }
 
     def summary(self, results: Sweep, numbers: Numbers) -> list[str]:
-        told = f"{numbers['finished']} of {numbers['cases']} cases finished, {numbers['failed']} failed."
-        lines = [told]
+        lines = [f"{numbers['finished']} of {numbers['cases']} cases finished, {numbers['failed']} failed."]
         for name, one in numbers["numbers"].items():
             if one["least"] is not None:
                 unit = "" if one["unit"] in ("1", "") else f" {one['unit']}"
@@ -224,14 +242,28 @@ class SweepStudy(Study[Sweep]):
         return {"sweep.nc": results.data, "sweep.csv": sweep_rows(results.data, self.points)}
 
     def sections(self, results: Sweep, numbers: Numbers) -> list[Section]:
-        sections = sections_of(results.data, results.statistics, self.points)
+        data, found, points = results.data, results.statistics, self.points
+        rows: list[list[object]] = []
+        for axis, column in zip(points.axes, points.columns, strict=True):
+            ends = [min(column), max(column), len(axis.values) or ""] if axis.is_number else ["", "", len(axis.values)]
+            rows.append([axis.name.replace("_", " "), axis.key, axis.unit if axis.unit != "1" else "", *ends])
+        varied = Table(("varied", "key of the case", "unit", "from", "to", "values"), rows)
+        seed = f", seed {points.design.seed}." if points.design.samples else "."
+        how = f"Design: {points.design.kind.replace('_', ' ')}, {len(points)} cases{seed}"
+        rows = []
+        for name, one in numbers["numbers"].items():
+            ends = ["–" if one[key] is None else one[key] for key in ("least", "median", "largest")]
+            rows.append([name.replace("_", " "), one["unit"] if one["unit"] != "1" else "", *ends])
+        overview = Table(("number", "unit", "least", "median", "largest"), rows, "Of all finished cases.")
+        sections = [Section("Overview", [Text(how), varied, overview])]
+        pictured = [name for name, one in found.items() if np.isfinite(one.values).any()]
+        sections += [_of_number(data, name, found[name], points) for name in pictured[:MOST_PICTURED]]
+        if more := ", ".join(pictured[MOST_PICTURED:]):
+            sections.append(Section("Further numbers", [Text(f"Without pictures: {more}.")]))
         if numbers["failures"]:
-            rows = [[reason, count] for reason, count in numbers["failures"].items()]
-            blocks: list[Block] = [
-                Text("Each failed case stands in sweep.csv with its reason."),
-                Table(("reason", "cases"), rows),
-            ]
-            sections.append(Section("Failed cases", blocks))
+            reasons = Table(("reason", "cases"), [[reason, count] for reason, count in numbers["failures"].items()])
+            note = Text("Each failed case stands in sweep.csv with its reason.")
+            sections.append(Section("Failed cases", [note, reasons]))
         return sections
 
 
@@ -262,13 +294,9 @@ def sweep_study(case: Case, vary: Mapping[str, Any], measure: Any, design: Any, 
 
 def _listed(values: Any) -> list[Any]:
     """Values as TOML has them, also those of NumPy."""
-    return (
-        list(values.tolist())
-        if hasattr(values, "tolist")
-        else list(values)
-        if isinstance(values, Iterable) and not isinstance(values, str)
-        else [values]
-    )
+    if hasattr(values, "tolist"):
+        return list(values.tolist())
+    return list(values) if isinstance(values, Iterable) and not isinstance(values, str) else [values]
 
 
 def _span(ends: Mapping[str, float | None]) -> float:
@@ -276,22 +304,8 @@ def _span(ends: Mapping[str, float | None]) -> float:
     return -math.inf if low is None or high is None else abs(high - low)
 
 
-def _tables(case: Case) -> dict[str, Any]:
-    import tomllib
-
-    return tomllib.loads(case.to_toml())
-
-
 def _name(number: int) -> str:
     return f"case {number}"
-
-
-def _reasons(data: xr.Dataset) -> dict[str, int]:
-    found: dict[str, int] = {}
-    for reason in data[FAILED].to_numpy().ravel().tolist():
-        if reason:
-            found[reason] = found.get(reason, 0) + 1
-    return dict(sorted(found.items(), key=lambda pair: -pair[1]))
 
 
 # -------------------------------------------------------------------------------------------------------------- jobs
@@ -315,7 +329,9 @@ def run_case(packed: bytes, changes: Mapping[str, Any], progress: Progress | Non
     try:
         changed = case.with_changes(changes)
         for measure in measures:
-            found = call(job(module_of(measure.kind).measure, changed, measure), progress or _silent)
+            found = call(
+                job(MEASURES[measure.kind].measure, changed, measure), progress or (lambda _fraction, _text: None)
+            )
             numbers |= {name: float(found[name]) for name in measure.keep or found}
         if compute is not None:
             numbers |= {str(name): float(value) for name, value in compute(changed).items()}
@@ -332,7 +348,3 @@ def lost_case(_packed: bytes, changes: Mapping[str, Any]) -> Record:
 
 def _failed(changes: Mapping[str, Any], reason: str) -> Record:
     return {"changes": dict(changes), "numbers": {}, FAILED: reason}
-
-
-def _silent(_fraction: float, _text: str) -> None:
-    pass

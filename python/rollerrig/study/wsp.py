@@ -10,23 +10,53 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
-from rollerrig.config import Case, Programme
+import numpy as np
+from numpy.typing import NDArray
+
+from rollerrig.analysis.slide_statistics import SLIP_EDGES
+from rollerrig.config import CRITERIA, Case, Programme
 from rollerrig.config.schema.programme import BrakedRun
-from rollerrig.study.adhesion_variants import track_case
-from rollerrig.study.ensemble import starts
+from rollerrig.config.write.toml import to_toml
+from rollerrig.plot.wsp import Ends, means_with_intervals, slip_grid, stop_over_time
+from rollerrig.study.assessment import SHOWN
+from rollerrig.study.ensemble import estimate
 from rollerrig.study.frame import Content, Study
 from rollerrig.study.jobs import Done, Job, Round, job
-from rollerrig.study.quantities import Numbers
-from rollerrig.study.report import Mark, Section
-from rollerrig.study.wsp_cases import check_case, dry_case, dry_name, stop_case
-from rollerrig.study.wsp_numbers import QUANTITIES, signal_columns, stop_numbers, sum_numbers, test_rows
-from rollerrig.study.wsp_record import StopRecord, stop_record
-from rollerrig.study.wsp_report import wsp_sections
-from rollerrig.study.wsp_text import findings
-from rollerrig.study.wsp_verdicts import SUPPORTS, Judgement, StopTests, Support, judgements
+from rollerrig.study.quantities import Numbers, Quantities, Quantity
+from rollerrig.study.report import Block, Mark, Picture, Preformatted, Section, Table, Text
+from rollerrig.study.runs.adhesion import GROUPS, track_case, verdict_rows
+from rollerrig.study.runs.adhesion import verdict_of as group_verdict
+from rollerrig.study.runs.wsp import (
+    MEASURES,
+    SUPPORTS,
+    Judgement,
+    StopRecord,
+    StopTests,
+    Support,
+    check_case,
+    dry_case,
+    dry_name,
+    judgements,
+    signal_columns,
+    stop_case,
+    stop_record,
+    verdict_of,
+)
+from rollerrig.study.variants import start_jobs, start_name
+from rollerrig.wording import number
 
+Tests = Mapping[Support, StopTests]
+ON: Mapping[Support, str] = {"track": "track", "rig": "the rig"}
 QUICK_STOPS, QUICK_STARTS = 2, 2
 """Of a quick study."""
+
+QUANTITIES = Quantities("wsp")
+MEASURED = [
+    q.key.split(".")[3] for q in QUANTITIES.below("stops.*.*") if q.key.endswith(".mean") and "criteria" not in q.key
+]
+"""Names of what is reported of the tests of a stop."""
+
+WORDS = ("met", "not met", "not decided")
 
 
 @dataclass(frozen=True)
@@ -40,9 +70,9 @@ class StopResult:
         seconds: processor time of all its tests [s].
     """
 
-    tests: Mapping[Support, StopTests]
+    tests: Tests
     judged: Sequence[Judgement]
-    signals: Mapping[Support, Mapping[str, Any]]
+    signals: Mapping[str, Mapping[str, Any]]
     seconds: float
 
 
@@ -71,7 +101,7 @@ class WspStudy(Study[Results]):
     irrelevant = ("description", "source")
 
     def __post_init__(self) -> None:
-        """Refuse a case that has no slide protection to be stop_record on a rig, and stops that it cannot do."""
+        """Refuse a case that has no slide protection to be tested on a rig, and stops that it cannot do."""
         check_case(self.case, self.programme)
 
     @property
@@ -105,16 +135,12 @@ class WspStudy(Study[Results]):
     def rounds(self, done: Done) -> Iterator[Round]:
         jobs: dict[str, Job] = {}
         for stop in self.stops:
-            if stop.stops:
-                dry = dry_case(self.case, self.programme, stop)
-                jobs |= {_dry(self.case, stop, on): self._job(_on(dry, on), False) for on in SUPPORTS}
-            for on in SUPPORTS:
-                for number, case in enumerate(starts(_on(self.stop_cases[stop.name], on), self.count)):
-                    jobs[_test(stop, on, number)] = self._job(case, number == 0)
+            for on in SUPPORTS if stop.stops else ():
+                dry = _on(dry_case(self.case, self.programme, stop), on)
+                jobs[f"{dry_name(self.case, stop)}, {on}"] = job(stop_record, dry, self.programme.flat, False)
+            cases = {f"{stop.name}, {on}": _on(self.stop_cases[stop.name], on) for on in SUPPORTS}
+            jobs |= start_jobs(cases, lambda one, k: job(stop_record, one, self.programme.flat, k == 0), self.count)
         yield jobs
-
-    def _job(self, case: Case, keep: bool) -> Job:
-        return job(stop_record, case, self.programme.flat, keep)
 
     def plan(self) -> dict[str, Any]:
         """Limits and numbers of starts change no test."""
@@ -128,30 +154,26 @@ class WspStudy(Study[Results]):
         return kept or None
 
     def _result(self, stop: BrakedRun, done: Done) -> StopResult:
+        made: dict[Support, list[StopRecord]] = {
+            on: [done[name] for k in range(self.count) if (name := start_name(f"{stop.name}, {on}", k)) in done]
+            for on in SUPPORTS
+        }
+        needed, case = max(self.programme.starts, self.count), self.stop_cases[stop.name]
         tests: dict[Support, StopTests] = {}
-        signals: dict[Support, Mapping[str, Any]] = {}
-        seconds = 0.0
-        for on in SUPPORTS:
-            made = [done.get(_test(stop, on, number)) for number in range(self.count)]
-            records: list[StopRecord] = [one for one in made if one is not None]
-            dry: StopRecord | None = done.get(_dry(self.case, stop, on)) if stop.stops else None
-            tests[on] = StopTests(
-                stop,
-                on,
-                self.stop_cases[stop.name],
-                max(self.programme.starts, self.count),
-                [one.test for one in records],
-                None if dry is None else dry.test,
-            )
-            signals[on] = next((one.signals for one in records if one.signals), {})
-            seconds += sum(one.seconds for one in records)
+        for on, records in made.items():
+            dry: StopRecord | None = done.get(f"{dry_name(self.case, stop)}, {on}") if stop.stops else None
+            own = [one.test for one in records]
+            tests[on] = StopTests(stop, on, case, needed, own, None if dry is None else dry.test)
         judged = [
             one
             for on, other in zip(SUPPORTS, SUPPORTS[::-1], strict=True)
             if tests[on].tests
             for one in judgements(self.programme, tests[on], tests[other])
         ]
-        return StopResult(tests, judged, signals, seconds)
+        signals: dict[str, Mapping[str, Any]] = {
+            on: next((one.signals for one in records if one.signals), {}) for on, records in made.items()
+        }
+        return StopResult(tests, judged, signals, sum(one.seconds for records in made.values() for one in records))
 
     def statuses(self, results: Results) -> Sequence[str]:
         return [record.status for one in results.values() for tests in one.tests.values() for record in tests.tests]
@@ -159,18 +181,17 @@ class WspStudy(Study[Results]):
     # ---------------------------------------------------------------------------------------------------- numbers
 
     def numbers(self, results: Results) -> dict[str, Any]:
-        judged = [one for result in results.values() for one in result.judged]
         return {
             "case": self.case.name,
             "programme": self.programme.name,
             "starts": self.count,
             "starts_needed": self.programme.starts,
-            "stops": {name: stop_numbers(one.tests, one.judged) for name, one in results.items()},
-            "sums": sum_numbers([one.tests for one in results.values()], judged),
+            "stops": {name: _stop_numbers(one) for name, one in results.items()},
+            "sums": {on: _sum_numbers(list(results.values()), on) for on in SUPPORTS},
         }
 
     def summary(self, results: Results, numbers: Numbers) -> list[str]:
-        return list(findings(numbers, len(self.programme.limit)))
+        return [*_findings(numbers, len(self.programme.limit)), NOT_QUOTED]
 
     def timings(self, results: Results) -> Mapping[str, Mapping[str, float]]:
         each = {name: one.seconds for name, one in results.items()}
@@ -179,21 +200,299 @@ class WspStudy(Study[Results]):
     def files(self, results: Results, numbers: Numbers) -> Mapping[str, Content]:
         found: dict[str, Content] = {}
         for name, one in results.items():
-            found[f"tests_{name}.csv"] = test_rows(one.tests)
+            found[f"tests_{name}.csv"] = _test_rows(one.tests)
             found[f"signals_{name}.csv"] = signal_columns(one.signals)
         return found
 
     def sections(self, results: Results, numbers: Numbers) -> list[Section]:
-        return wsp_sections(self.programme, results, numbers)
+        programme = Preformatted(f"The whole programme: {self.programme.name}", to_toml(self.programme))
+        return [
+            Section("Verdict", [_overview(self.programme, numbers), _sums(numbers)]),
+            Section("Criteria", [_criteria_table(numbers)]),
+            Section("Stops", [*_stop_tables(numbers), *_pictures(results, numbers)]),
+            *(_stop_section(name, one, numbers["stops"][name]) for name, one in results.items()),
+            Section("What is not claimed", [Text(text) for text in CLAIMS]),
+            Section("Programme", [programme]),
+        ]
 
 
 def _on(case: Case, support: Support) -> Case:
     return track_case(case) if support == "track" else case
 
 
-def _test(stop: BrakedRun, support: Support, number: int) -> str:
-    return f"{stop.name}, {support}, start {number + 1}"
+# ------------------------------------------------------------------------------------------------------ numbers and rows
 
 
-def _dry(case: Case, stop: BrakedRun, support: Support) -> str:
-    return f"{dry_name(case, stop)}, {support}"
+def _stop_numbers(result: StopResult) -> dict[str, Any]:
+    """Of one stop."""
+    track, rig = result.tests["track"], result.tests["rig"]
+    rows = verdict_rows(rig.case, track.tests, rig.tests)
+    criteria: dict[str, Any] = {}
+    for one in result.judged:
+        limit = one.limit
+        kind = "at least" if CRITERIA[limit.criterion].least else "at most"
+        head = {"limit": limit.value, "kind": kind, "origin": limit.origin, "clause": limit.clause}
+        found = {"verdict": one.verdict, "mean": one.mean.mean, **vars(one.mean.interval)}
+        criteria.setdefault(limit.criterion, head)[one.support] = {**found, "worst": one.worst, "why": one.why}
+    return {
+        "kind": track.stop.kind,  # type: ignore[attr-defined]
+        "speed_kmh": 3.6 * track.stop.speed,
+        **{on: _support_numbers(tests, result.judged) for on, tests in result.tests.items()},
+        "criteria": criteria,
+        "rig_like_track": {group: group_verdict(rows, group) for group in GROUPS},
+    }
+
+
+def _support_numbers(found: StopTests, judged: Sequence[Judgement]) -> dict[str, Any]:
+    numbers: dict[str, Any] = {
+        "verdict": verdict_of([one for one in judged if one.support == found.support]),
+        "tests": len(found.tests),
+        "stopped": sum(one.stopped for one in found.tests),
+        "dry_distance_m": None if found.dry is None else found.dry.measures["distance_m"],
+    }
+    for name in MEASURED:
+        values = found.values(name)
+        mean, largest = estimate(values), max(values) if np.isfinite(values).all() else None
+        numbers[name] = {"mean": mean.mean, **vars(mean.interval), "largest": largest}
+    return numbers
+
+
+def _sum_numbers(results: Sequence[StopResult], on: Support) -> dict[str, Any]:
+    """Of all stops."""
+    words = [judged.verdict for one in results for judged in one.judged if judged.support == on]
+    own = [one.tests[on] for one in results]
+    means = ("distance_m", "air_litres", "dump_cycles")
+    return {
+        "criteria": {word.replace(" ", "_"): words.count(word) for word in WORDS},  # type: ignore[arg-type]
+        **{name: sum(float(np.mean(one.values(name))) for one in own) for name in means},
+        **{name: max(max(one.values(name)) for one in own) for name in ("longest_lock_s", "flat_length_m")},
+    }
+
+
+def _test_rows(tests: Tests) -> list[list[object]]:
+    """A line per test of a stop, header first."""
+    rows: list[list[object]] = [["support", "start", "status", *MEASURED]]
+    for on, found in tests.items():
+        columns = [found.values(name) for name in MEASURED]
+        rows += [[on, k + 1, one.status, *(column[k] for column in columns)] for k, one in enumerate(found.tests)]
+    return rows
+
+
+# ------------------------------------------------------------------------------------------------------------ sentences
+
+NOT_QUOTED = (
+    "Stops and limits are those of the programme file. EN 15595 and UIC 541-05 are not quoted: a verdict here is no approval, "
+    "and says only what the limits of that file say."
+)
+CLAIMS = (
+    NOT_QUOTED,
+    "K_wet is 100 / (100 + increase over dry in %). Distances run from the demand to motion.stop_speed, at which the train "
+    "counts as stationary; below 2 m/s no slip and no lock is counted.",
+    "The length of a flat is an estimate of its order, from the energy dissipated under a locked wheel, (H1) and (H2) of "
+    "docs/theory/wheel_flats.md; on the rig it is that of the train which the rig stands for, whose wheels would slide.",
+    "Intervals are of 95 %, of the mean over starts whose first speeds differ by up to 3 mm/s: the limit cycle's phase. They say "
+    "nothing of what differs from one vehicle, rail or day to another.",
+    "Eight tests out of eight within a limit say with 95 % that at least 69 % of all such tests are.",
+)
+
+
+def _findings(numbers: Numbers, limits: int) -> Iterator[str]:
+    head = f"{len(numbers['stops'])} stops of {numbers['starts']} starts each, on track and on the rig."
+    judged = [
+        (on, stop, name, one)
+        for on in SUPPORTS
+        for stop, own in numbers["stops"].items()
+        for name, one in own["criteria"].items()
+        if on in one
+    ]
+    if limits:
+        parts = []
+        for on in SUPPORTS:
+            found = numbers["sums"][on]["criteria"]
+            parts.append(
+                f"on {ON[on]} {found['met']} of {sum(found.values())} criteria are met, {found['not_met'] or 'none'} not met, "
+                f"{found['not_decided'] or 'none'} not decided"
+            )
+        yield f"O{'; '.join(parts)[1:]}. {head}"
+    else:
+        yield f"{head} The programme sets no limit: nothing is judged."
+    for on in SUPPORTS:
+        missed = [
+            f"{stop}: {label(name)} {value_text(name, one[on])}, {limit_text(name, one)}"
+            for where, stop, name, one in judged
+            if where == on and one[on]["verdict"] == "not met"
+        ]
+        if missed:
+            yield f"NOT met on {ON[on]}: {'; '.join(missed)}."
+    for on in SUPPORTS:
+        reasons: dict[str, dict[str, None]] = {}
+        for where, stop, name, one in judged:
+            if where == on and one[on]["verdict"] == "not decided":
+                why = one[on]["why"]
+                inside = why == "the limit lies within the interval"
+                reasons.setdefault(why, {})[f"{stop} ({label(name)})" if inside else stop] = None
+        for why, stops in reasons.items():
+            yield f"Not decided on {ON[on]}: {', '.join(stops).replace('_', ' ')}: {why}."
+    words = [one["rig_like_track"]["fidelity"] for one in numbers["stops"].values()]
+    differ = [
+        f"{stop} ({label(name)})"
+        for stop, own in numbers["stops"].items()
+        for name, one in own["criteria"].items()
+        if {one[on]["verdict"] for on in SUPPORTS if on in one} == {"met", "not met"}
+    ]
+    met, against, open_ = (words.count(word) for word in WORDS)
+    yield (
+        f"The rig does as the track within the targets of the command adhesion in {met} of {len(words)} stops, not in {against}, "
+        f"not decided in {open_}: a verdict on the rig is one of the test on the rig. "
+        f"Opposite verdicts on track and rig: {', '.join(differ).replace('_', ' ') or 'none'}."
+    )
+    for on in SUPPORTS:
+        one = numbers["sums"][on]
+        flat = one["flat_length_m"]
+        yield (
+            f"All stops on {ON[on]}: {number(one['distance_m'])} m, {number(one['air_litres'])} l of "
+            f"air, {number(one['dump_cycles'])} ventings; longest lock {number(one['longest_lock_s'], 3)} s, longest flat "
+            f"{number(1e3 * flat, 2) if flat is not None else '–'} mm (an estimate)."
+        )
+
+
+def _quantity(criterion: str) -> tuple[Quantity, float, str]:
+    """What a criterion is set for, the factor from the SI unit to that of tables, and that unit."""
+    name, to_si = MEASURES[criterion]
+    quantity = QUANTITIES[f"stops.*.*.{name}.mean"]
+    unit = "" if quantity.shown_unit == "1" else quantity.shown_unit.replace("^2", "²")
+    return quantity, quantity.in_shown_unit(1.0 / to_si), unit
+
+
+def label(criterion: str) -> str:
+    """What a criterion is called."""
+    return _quantity(criterion)[0].label
+
+
+def value_text(name: str, one: Numbers) -> str:
+    """Mean of a criterion, its interval, and the worst test where each counts."""
+    if one["mean"] is None:
+        return "–"
+    _, factor, unit = _quantity(name)
+    text = number(factor * one["mean"], 3)
+    if one["low"] is not None and one["high"] is not None and one["low"] != one["high"]:
+        text += f" ({number(factor * one['low'], 3)} … {number(factor * one['high'], 3)})"
+    if CRITERIA[name].every and one["worst"] is not None:  # type: ignore[index]
+        text += f", worst {number(factor * one['worst'], 3)}"
+    return f"{text} {unit}".rstrip()
+
+
+def limit_text(name: str, one: Numbers) -> str:
+    """A limit."""
+    _, factor, unit = _quantity(name)
+    each = " in each test" if CRITERIA[name].every else ""  # type: ignore[index]
+    return f"{one['kind']} {number(factor * one['limit'], 3)} {unit}".rstrip() + each
+
+
+# --------------------------------------------------------------------------------------------------- tables and figures
+
+
+def _overview(programme: Programme, numbers: Numbers) -> Table:
+    described = {stop.name: stop.description for stop in programme.stop}
+    rows = []
+    for name, one in numbers["stops"].items():
+        same = one["rig_like_track"]
+        words = [SHOWN[one[on]["verdict"]] for on in SUPPORTS]
+        text = ", ".join(filter(None, (one["kind"], f"{one['speed_kmh']:.4g} km/h", described[name])))
+        rows.append((*words, name.replace("_", " "), text, SHOWN[same["tracking"]], SHOWN[same["fidelity"]]))
+    header = ("on track", "on the rig", "stop", "", "rig follows its virtual axles", "rig as the track")
+    return Table(header, rows, "All criteria of each stop; and the verdict on the rig itself.")
+
+
+def _sums(numbers: Numbers) -> Table:
+    names = [q.key for q in QUANTITIES.below("sums.*") if q.name != "*"]
+    entries: dict[str, Numbers] = {
+        on: {name: numbers["sums"][on][name.rpartition(".")[2]] for name in names} for on in SUPPORTS
+    }
+    return QUANTITIES.table(entries, names, "All stops: sums of means; worst of all tests.", "")
+
+
+def _criteria_table(numbers: Numbers) -> Table:
+    rows = []
+    for stop, own in numbers["stops"].items():
+        for name, one in own["criteria"].items():
+            found = [one.get(on, {"verdict": None, "mean": None, "why": ""}) for on in SUPPORTS]
+            whys = dict.fromkeys(two["why"] for two in found if two["why"])
+            rows.append((
+                *(SHOWN[two["verdict"]] for two in found), stop.replace("_", " "), label(name),
+                *(value_text(name, two) for two in found), limit_text(name, one), one["clause"] or "–",
+                "; ".join((*whys, one["origin"])),
+            ))  # fmt: skip
+    header = ("on track", "on the rig", "stop", "criterion", "track", "rig", "limit", "clause",
+              "why nothing is decided; who set it")  # fmt: skip
+    caption = "Every criterion: means of all starts (intervals of 95 %)." if rows else "No limit is set."
+    return Table(header, rows, caption)
+
+
+def _stop_tables(numbers: Numbers) -> Iterator[Table]:
+    first = ("distance_m", "increase_over_dry", "k_wet", "mean_deceleration_mps2", "air_litres", "dump_cycles")
+    second = ("adhesion_utilisation", "large_slip_share", "longest_lock_s", "flat_length_m")
+    for names, caption in ((first, "Distances, air, ventings."), (second, "Sliding.")):
+        rows = [
+            (stop.replace("_", " "), on, *(_ends_text(name, own[on][name]) for name in names))
+            for stop, own in numbers["stops"].items()
+            for on in SUPPORTS
+        ]
+        header = ("stop", "on", *(QUANTITIES[f"stops.*.*.{name}.mean"].heading for name in names))
+        yield Table(header, rows, f"{caption} Means of all starts, with intervals of 95 %.")
+
+
+def _ends_text(name: str, one: Numbers) -> str:
+    factor = QUANTITIES[f"stops.*.*.{name}.mean"].in_shown_unit(1.0)
+    if one["mean"] is None:
+        return "–"
+    mean = number(factor * one["mean"])
+    if one["low"] is None or one["high"] is None or one["low"] == one["high"]:
+        return mean
+    return f"{mean} ± {number(0.5 * factor * (one['high'] - one['low']), 2)}"
+
+
+def _pictures(results: Results, numbers: Numbers) -> Iterator[Block]:
+    stops = numbers["stops"]
+    dry = [one["track"]["dry_distance_m"] for one in stops.values()]
+    caption = "Distance since the demand, mean and interval of 95 %, and the dry distance of the same speed and demand."
+    drawn = means_with_intervals(list(stops), _ends(stops, "distance_m"), "distance [m]", dry=dry)
+    yield Picture("distances", drawn, caption)
+    stopping = {name: one for name, one in stops.items() if one["track"]["k_wet"]["mean"] is not None}
+    if stopping:
+        limits = [one["criteria"].get("k_wet", {}).get("limit") for one in stopping.values()]
+        caption = (
+            "K_wet: dry distance over distance, mean and interval of 95 %; diamonds: least that the programme allows."
+        )
+        drawn = means_with_intervals(list(stopping), _ends(stopping, "k_wet"), "K_wet [-]", limits=limits)
+        yield Picture("k_wet", drawn, caption)
+    shares: dict[str, dict[str, NDArray[np.float64]]] = {
+        name: {on: np.mean([test.slip_shares for test in one.tests[on].tests], axis=0) for on in SUPPORTS}
+        for name, one in results.items()
+    }
+    caption = "Part of the time that the axles spent at a slip, mean of all starts, while the brake acts above 2 m/s."
+    yield Picture("slip_histograms", slip_grid(SLIP_EDGES, shares), caption)
+
+
+def _ends(stops: Mapping[str, Numbers], name: str) -> dict[str, list[Ends | None]]:
+    def three(one: Numbers) -> Ends | None:
+        low, high = (np.nan if one[end] is None else one[end] for end in ("low", "high"))
+        return None if one["mean"] is None else (one["mean"], low, high)
+
+    return {on: [three(one[on][name]) for one in stops.values()] for on in SUPPORTS}
+
+
+def _stop_section(name: str, one: StopResult, own: Numbers) -> Section:
+    """A stop by itself."""
+    rows = [
+        (QUANTITIES[f"stops.*.*.{key}.mean"].heading, *(_ends_text(key, own[on][key]) for on in SUPPORTS))
+        for key in MEASURED
+    ]
+    count = [own[on]["tests"] for on in SUPPORTS]
+    caption = f"Means of {count[0]} and {count[1]} tests ± half an interval of 95 %."
+    blocks: list[Block] = [Table(("", *SUPPORTS), rows, caption)]
+    title = name.replace("_", " ")
+    if all(one.signals[on] for on in SUPPORTS):
+        shown = f"{title}: the first tests on track and on the rig."
+        blocks.insert(0, Picture(f"stop_{name}", stop_over_time(one.signals), shown))
+    return Section(f"Stop {title}", blocks)

@@ -15,7 +15,7 @@ from rollerrig.analysis.linear_bench import LinearBench
 from rollerrig.analysis.measured_response import measured_response
 from rollerrig.cli.app import build_app
 from rollerrig.starting_state import StartError, starting_state
-from rollerrig.study.adhesion_variants import track_case
+from rollerrig.study.runs.adhesion import track_case
 
 PRESSURE, SPEED = 2e5, 25.0  # [Pa], [m/s]
 DEMAND, AXLE = "wheelset_1.brake_demand", "wheelset_1.axle_speed"

@@ -14,8 +14,8 @@ from rollerrig.analysis.critical_speed import HIGHEST_KMH, bracket
 from rollerrig.analysis.hunting import HuntingRun, hunting_table
 from rollerrig.analysis.linearise import DIRECTIONS, Lineariser
 from rollerrig.analysis.signals import FinalMotion
-from rollerrig.study.critical_speed import critical_speed
 from rollerrig.study.critical_speeds import between, ended_early_sentence
+from rollerrig.study.limit_cycles import critical_speed
 
 
 def run(speed: float, persists: bool, status: str = "ok") -> HuntingRun:

@@ -14,9 +14,8 @@ from rollerrig.analysis.slide_statistics import test_record as record_of
 from rollerrig.config import Case, Rig
 from rollerrig.mechatronics.lags import lags
 from rollerrig.simulation import simulate
-from rollerrig.study.adhesion_variants import track_case
-from rollerrig.study.dead_time import dead_times, later_protection, measured_dead_time
-from rollerrig.study.ensemble import Estimate, estimate, starts
+from rollerrig.study.ensemble import Estimate, dead_times, estimate, later_protection, measured_dead_time, starts
+from rollerrig.study.runs.adhesion import track_case
 
 TOLERANCE = 0.005
 """Of the distance: 4 ms of dead time, half of what the rig has."""

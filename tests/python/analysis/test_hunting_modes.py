@@ -10,7 +10,7 @@ import pytest
 from rollerrig.analysis import stability
 from rollerrig.analysis.hunting_modes import frequency_of_hunting, hunts
 from rollerrig.config import load_case
-from rollerrig.study.paper_plan import MATERIALS, VEHICLE, case_of
+from rollerrig.study.runs.paper import MATERIALS, VEHICLE, case_of
 
 KEYS = [("body", "lateral"), ("wheelset_1", "lateral"), ("wheelset_1", "yaw")]
 SPEED, OMEGA = 20.0, 2 * math.pi

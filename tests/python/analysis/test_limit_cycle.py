@@ -18,8 +18,7 @@ from rollerrig.analysis.limit_cycle import Branch, CyclePoint, NotMadeError, dia
 from rollerrig.config import Case, load_case
 from rollerrig.study.critical_speeds import brackets, disturbance_rounds
 from rollerrig.study.jobs import call
-from rollerrig.study.limit_cycle_report import continuation_sentences
-from rollerrig.study.limit_cycles import limit_cycles
+from rollerrig.study.limit_cycles import continuation_sentences, limit_cycles
 
 ONSET, WIDTH = 50.0, 20.0
 """Of the known system: linear critical speed and the speed that makes mu = 1 [m/s]."""

@@ -110,7 +110,7 @@ def test_several_processes_give_the_same() -> None:
     # a function of the package: a fresh process cannot import this test module by name
     from rollerrig.analysis.signals import half_waves  # noqa: F401 - the import that each process pays for
     from rollerrig.study.jobs import call, job, whole_run
-    from rollerrig.study.paper_plan import QUICK, traction_case
+    from rollerrig.study.runs.paper import QUICK, traction_case
 
     short = traction_case(QUICK).with_changes({"time.duration": "0.2 s"})
     jobs = [job(whole_run, short)] * 2

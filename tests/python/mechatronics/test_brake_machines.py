@@ -8,7 +8,7 @@ import xarray as xr
 
 from rollerrig import ConfigError, load_case, simulate
 from rollerrig.config import Case, case_from_toml
-from rollerrig.study.adhesion_variants import track_case
+from rollerrig.study.runs.adhesion import track_case
 
 RADIUS = 0.46  # of the wheels of vehicle 1 [m]
 MACHINE = {"largest_force": "6 kN", "largest_power": "150 kW", "blending_delay": "0.1 s"}

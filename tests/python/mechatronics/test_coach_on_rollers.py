@@ -8,9 +8,8 @@ import xarray as xr
 from rollerrig import ConfigError, load_case, simulate
 from rollerrig.analysis.slide_statistics import test_record as record_of
 from rollerrig.config import Case
-from rollerrig.study.adhesion_variants import track_case
-from rollerrig.study.adhesion_verdicts import verdict_of, verdict_rows
 from rollerrig.study.ensemble import starts
+from rollerrig.study.runs.adhesion import track_case, verdict_of, verdict_rows
 
 WHEELSETS = [f"wheelset_{k}" for k in (1, 2, 3, 4)]
 

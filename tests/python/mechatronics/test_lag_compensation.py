@@ -11,8 +11,8 @@ from rollerrig import simulate
 from rollerrig.actuators import assemble_with_actuators
 from rollerrig.config import Case, load_case
 from rollerrig.mechatronics.lags import lags
-from rollerrig.study.adhesion_variants import track_case
 from rollerrig.study.ensemble import starts
+from rollerrig.study.runs.adhesion import track_case
 
 UNCOMPENSATED: Mapping[str, object] = {
     "rig_control.axle_torque.kind": "estimated",

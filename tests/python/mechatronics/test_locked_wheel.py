@@ -9,7 +9,7 @@ from rollerrig.analysis.control_loop import creep_slope, loop_of
 from rollerrig.analysis.loop_stability import growth, rolling_plant
 from rollerrig.analysis.torque_ripple import torque_ripple
 from rollerrig.config import Case, load_case
-from rollerrig.study.control_held import held_growth
+from rollerrig.study.loop_stability import held_growth
 
 LOCKED = slice(8.0, 14.0)
 """Both wheels stand by then, and the train still runs [s]."""

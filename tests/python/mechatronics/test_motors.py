@@ -7,7 +7,7 @@ import xarray as xr
 
 from rollerrig import load_case, simulate
 from rollerrig.config import Case
-from rollerrig.study.adhesion_variants import track_case
+from rollerrig.study.runs.adhesion import track_case
 
 ROTOR = {"rotor_inertia": 3.0, "gear_ratio": -4.0}
 

@@ -8,7 +8,7 @@ import xarray as xr
 
 from rollerrig import ConfigError, load_case, simulate
 from rollerrig.config import Case, Rig
-from rollerrig.study.adhesion_variants import track_case
+from rollerrig.study.runs.adhesion import track_case
 
 IDEAL = {
     "contact.pure_rolling": True,

@@ -11,7 +11,7 @@ from rollerrig.assembly import assemble
 from rollerrig.config import Case, case_from_toml, load_case
 from rollerrig.mechatronics.virtual_train import rail_patch
 from rollerrig.similitude import scale_case, similitude
-from rollerrig.study.adhesion_variants import track_case
+from rollerrig.study.runs.adhesion import track_case
 
 RADIUS = 0.46
 

@@ -13,7 +13,7 @@ from rollerrig import ConfigError, load_case, simulate
 from rollerrig.analysis.slide_statistics import test_record as record_of
 from rollerrig.config import Case
 from rollerrig.similitude import scale_case, similitude
-from rollerrig.study.adhesion_variants import track_case
+from rollerrig.study.runs.adhesion import track_case
 
 RADIUS = 0.46  # of the wheels of vehicle 1 [m]
 SHORT = {"time.duration": "6 s", "contact.normal": "hertz"}  # sampling is none of the contact's

@@ -7,7 +7,7 @@ import pytest
 
 from rollerrig import ConfigError, load_case, simulate
 from rollerrig.mechatronics import MEASUREMENTS
-from rollerrig.study.adhesion_variants import track_case
+from rollerrig.study.runs.adhesion import track_case
 
 PULSES = {"kind": "pulse_period", "teeth": 100.0}
 

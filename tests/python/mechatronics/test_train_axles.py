@@ -12,12 +12,12 @@ from rollerrig.analysis.run_limits import friction_used
 from rollerrig.analysis.slide_statistics import test_record as record_of
 from rollerrig.analysis.tracking import slip
 from rollerrig.config import Case, load_programme
-from rollerrig.study.adhesion_variants import track_case
-from rollerrig.study.control_runs import run_numbers
 from rollerrig.study.envelope import EnvelopeStudy
 from rollerrig.study.lateral import LateralStudy
 from rollerrig.study.limitations import limitations
-from rollerrig.study.wsp_cases import check_case
+from rollerrig.study.runs.adhesion import track_case
+from rollerrig.study.runs.control import run_numbers
+from rollerrig.study.runs.wsp import check_case
 
 RADIUS, SPIN_INERTIA = 0.46, 112.0  # vehicle 1
 COACH = {"positions": [0.0, 2.56, 19.0, 21.56], "under_test": [1, 2]}

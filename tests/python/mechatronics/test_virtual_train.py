@@ -9,7 +9,7 @@ import xarray as xr
 from rollerrig import load_case, simulate
 from rollerrig.assembly import assemble
 from rollerrig.mechatronics.virtual_train import load_transfer, rail_patch
-from rollerrig.study.adhesion_variants import track_case
+from rollerrig.study.runs.adhesion import track_case
 
 RADIUS, SPIN_INERTIA, GRAVITY = 0.46, 112.0, 9.81  # vehicle 1
 NO_BRAKE = {"brake.demand": [[0.0, 0.0], [1.0, 0.0]]}

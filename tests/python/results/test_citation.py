@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 
 import pytest
@@ -9,7 +10,7 @@ import xarray as xr
 
 import rollerrig as rr
 from rollerrig.config.schema.contact_law import CREEP_LAWS, NORMAL_LAWS
-from rollerrig.results.citation import _LAWS, entries
+from rollerrig.results.citation import _LAWS, entries, sources_of
 
 
 def keys(text: str) -> list[str]:
@@ -35,6 +36,20 @@ def test_a_case_and_its_run_cite_their_models() -> None:
     assert rr.cite(rr.simulate(case)) == text
     assert "polach2005" in keys(rr.cite("adhesion_brake"))
     assert text.count("{") == text.count("}")
+
+
+def test_a_run_names_the_laws_that_it_was_made_with() -> None:
+    """What a run and a report say is from the list that BibTeX is made of."""
+    case = rr.load_case("wheelset_rollers").with_changes({"time.duration": "0.02 s"})
+    found = json.loads(rr.simulate(case).attrs["sources"])
+    assert found == sources_of(case)
+    assert found.keys() == {"model", "normal contact, strips", "creep law, table", "vehicle", "support"}
+    assert found["model"].startswith("M. Malvezzi, E. Meli, L. Pugi (2010), Simulation of degraded wheel/rail adhesion")
+    assert found["normal contact, strips"].startswith("K. L. Johnson (1985), Contact Mechanics; J. Piotrowski, W. Kik")
+    assert "Hertz (1882)" not in str(found)
+    paper = case.with_changes({"contact.normal": "hertz", "contact.creep": "kalker_saturated"})
+    assert sources_of(paper)["normal contact, hertz"] == "H. Hertz (1882), Über die Berührung fester elastischer Körper"
+    assert "Polach" in sources_of(rr.load_case("adhesion_brake"))["friction falling with sliding"]
 
 
 def test_what_is_no_run_is_refused() -> None:

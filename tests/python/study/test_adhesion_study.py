@@ -16,19 +16,32 @@ from rollerrig import ConfigError, load_case, simulate
 from rollerrig.analysis.slide_statistics import SLIP_EDGES, TestRecord, regrip_adhesion
 from rollerrig.analysis.slide_statistics import test_record as record_of
 from rollerrig.config import case_from_toml
-from rollerrig.study.adhesion import AdhesionStudy, Runs
-from rollerrig.study.adhesion_causes import CAUSES, LARGEST_ERROR, TOGETHER, are_known, cause_shares
-from rollerrig.study.adhesion_laws import LAWS, law_case, law_names, law_table
-from rollerrig.study.adhesion_numbers import QUANTITIES
-from rollerrig.study.adhesion_text import findings
-from rollerrig.study.adhesion_variants import STEPS, track_case, variant, variants_of
-from rollerrig.study.adhesion_verdicts import Row, Word, verdict_of, verdict_rows
+from rollerrig.study.adhesion import QUANTITIES, AdhesionStudy, Runs, findings
+from rollerrig.study.assessment import Outcome
 from rollerrig.study.ensemble import Estimate, difference, estimate, relative, starts
-from rollerrig.study.frame import Outcome
+from rollerrig.study.frame import Outcome as Found
+from rollerrig.study.runs.adhesion import (
+    CAUSES,
+    LARGEST_ERROR,
+    LAWS,
+    STEPS,
+    TOGETHER,
+    Row,
+    are_known,
+    cause_shares,
+    law_case,
+    law_names,
+    law_table,
+    track_case,
+    variant,
+    variants_of,
+    verdict_of,
+    verdict_rows,
+)
 
 
 @pytest.fixture(scope="module")
-def outcome() -> Outcome[Runs]:
+def outcome() -> Found[Runs]:
     """A brake test until the wheels have slid once, with two starts; what is asked of it is none of the contact's."""
     case = load_case("adhesion_brake").with_changes({"time.duration": "5 s", "contact.normal": "hertz"})
     found = AdhesionStudy(case, quick=True).run()
@@ -37,7 +50,7 @@ def outcome() -> Outcome[Runs]:
 
 
 @pytest.fixture(scope="module")
-def numbers(outcome: Outcome[Runs]) -> dict[str, Any]:
+def numbers(outcome: Found[Runs]) -> dict[str, Any]:
     return outcome.numbers
 
 
@@ -61,6 +74,20 @@ def test_intervals_hold_the_mean_of_very_many_tests_as_often_as_they_say() -> No
         for k, (one, true) in enumerate(((a, 95.0), (difference(a, b), -5.0), (relative(a, b), -0.05))):
             held[k] += one.interval.low < true < one.interval.high
     assert held / 2000 == pytest.approx(0.95, abs=3.0 * math.sqrt(0.05 * 0.95 / 2000))
+
+
+def test_zero_against_not_zero_is_infinite_and_not_met() -> None:
+    """Ventings on the rig and none on track: no ratio, and no agreement; none on both says nothing."""
+    none, some = estimate((0.0, 0.0, 0.0, 0.0)), estimate((5.0, 6.0, 5.0, 6.0))
+    assert relative(some, none).mean == math.inf
+    assert math.isnan(relative(none, none).mean)
+    row = Row("fidelity", "x", "x", relative(some, none), -0.05, 0.05, "")
+    assert (row.verdict, row.value_text) == ("not met", "not zero, against zero")
+    once = relative(estimate((0.0, 0.0, 0.0, 1.0)), none)  # whose interval reaches to zero
+    assert replace(row, value=once).verdict == "not decided"
+    assert replace(row, value=relative(none, none)).verdict == "not decided"
+    found = verdict_rows(load_case("adhesion_brake"), records(dump_cycles=0.0), records())
+    assert {one.key: one.verdict for one in found}["dump_cycles"] == "not met"
 
 
 def test_starts_are_the_case_itself_and_others_that_differ_little_and_always_by_the_same() -> None:
@@ -139,7 +166,7 @@ def records(status: str = "stopped", **changes: Any) -> list[TestRecord]:
     ]
 
 
-def verdicts(track: Sequence[TestRecord], rig: Sequence[TestRecord]) -> tuple[Word, Word, dict[str, Row]]:
+def verdicts(track: Sequence[TestRecord], rig: Sequence[TestRecord]) -> tuple[Outcome, Outcome, dict[str, Row]]:
     rows = verdict_rows(load_case("adhesion_brake"), track, rig)
     return verdict_of(rows, "tracking"), verdict_of(rows, "fidelity"), {row.key: row for row in rows}
 
@@ -248,7 +275,7 @@ def test_without_its_imperfections_the_rig_follows_better(numbers: dict[str, Any
     assert best < 0.8 * numbers["rig"]["tracking_rms"]["mean"]
 
 
-def test_real_sliding_is_gone_with_pure_rolling(outcome: Outcome[Runs]) -> None:
+def test_real_sliding_is_gone_with_pure_rolling(outcome: Found[Runs]) -> None:
     """Real sliding does not count the bogie's swinging on its traction rod; that is there in both."""
     whole = outcome.results.whole
     assert float(abs(whole["rolling"]["longitudinal_velocity"].sel(body="wheelset_1")).max()) > 1e-3
@@ -256,7 +283,7 @@ def test_real_sliding_is_gone_with_pure_rolling(outcome: Outcome[Runs]) -> None:
     assert float(abs(whole["rig"]["real_sliding"]).max()) > 5e-3
 
 
-def test_every_number_is_explained_and_written(outcome: Outcome[Runs], tmp_path: Path) -> None:
+def test_every_number_is_explained_and_written(outcome: Found[Runs], tmp_path: Path) -> None:
     written = {path.relative_to(tmp_path).as_posix() for path in outcome.write(tmp_path)}
     summary = json.loads((tmp_path / "summary.json").read_text(encoding="utf-8"))
     assert QUANTITIES.unexplained(summary) == []
@@ -279,7 +306,7 @@ def test_every_number_is_explained_and_written(outcome: Outcome[Runs], tmp_path:
     assert page.index("<h2>Verdict</h2>") < page.index("<h2>Why rig and track differ</h2>")
 
 
-def test_the_summary_begins_with_the_verdict_and_says_how_limit_cycles_are_compared(outcome: Outcome[Runs]) -> None:
+def test_the_summary_begins_with_the_verdict_and_says_how_limit_cycles_are_compared(outcome: Found[Runs]) -> None:
     lines = outcome.summary.splitlines()
     assert lines[1].startswith("Tracking, wheels of the rig against their virtual axles: ")
     assert lines[2].startswith("Fidelity, rig against track: ")
@@ -293,7 +320,7 @@ def test_the_summary_begins_with_the_verdict_and_says_how_limit_cycles_are_compa
     assert any(line.startswith("Equivalent dead time: ") for line in lines)
 
 
-def test_every_creep_law_has_a_line_for_track_and_rig(outcome: Outcome[Runs]) -> None:
+def test_every_creep_law_has_a_line_for_track_and_rig(outcome: Found[Runs]) -> None:
     laws = outcome.numbers["creep_laws"]
     assert next(iter(laws)) == "polach"  # of the case
     assert set(laws) == set(LAWS)

@@ -6,8 +6,7 @@ import math
 
 import pytest
 
-from rollerrig.study.checks import Check, check_table, counts, counts_text
-from rollerrig.study.interval import Interval
+from rollerrig.study.assessment import Check, Interval, check_table, counts, counts_text
 
 
 def test_checks_pass_and_fail() -> None:
@@ -16,7 +15,10 @@ def test_checks_pass_and_fail() -> None:
     nothing = Check("c", math.nan, 1.0, 0.02, "reason")
     unlimited = Check("d", math.nan, 1.0, 0.02, "reason", kind="at most")
     assert good.passed
-    assert [one.verdict for one in (bad, nothing, unlimited)] == ["failed"] * 3
+    assert bad.verdict == "failed"
+    assert [one.verdict for one in (nothing, unlimited)] == ["not decided"] * 2  # what is no number
+    assert not nothing.passed
+    assert Check("e", 0.3, 0.0, 0.1, "reason", relative=True).verdict == "failed"  # not zero, against zero
     rows = check_table([good, bad]).rows
     assert rows[0][0] == "✔ pass"
     assert rows[1][0] == "✘ FAIL"

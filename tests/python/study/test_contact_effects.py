@@ -8,8 +8,8 @@ import pytest
 
 from rollerrig.analysis import LimitCycleSettings, linear_critical_speed
 from rollerrig.config import load_case
-from rollerrig.study import contact_effects
-from rollerrig.study.contact_effects import COUNTERPART, contact_effect_jobs
+from rollerrig.study import contact_models as contact_effects
+from rollerrig.study.contact_models import COUNTERPART, contact_effect_jobs
 
 
 def test_jobs_are_those_of_the_cases_with_each_contact(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -11,13 +11,13 @@ import pytest
 from rollerrig.analysis import CriticalSpeedByDisturbance
 from rollerrig.analysis.hunting import hunting_run
 from rollerrig.config import load_case
-from rollerrig.study.contact_sensitivity import (
+from rollerrig.study.contact_models import (
     contact_models,
     sensitivity_cases,
     sensitivity_numbers,
     sensitivity_table,
 )
-from rollerrig.study.paper_plan import FULL, MERGING_CRITERIA, contact_model_cases
+from rollerrig.study.runs.paper import FULL, MERGING_CRITERIA, contact_model_cases
 
 FIGURES = Path(__file__).resolve().parents[3] / "docs" / "figures.toml"
 

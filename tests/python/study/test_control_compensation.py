@@ -5,11 +5,10 @@ from __future__ import annotations
 import pytest
 
 from rollerrig import load_case
-from rollerrig.study import control_compensation as module
+from rollerrig.study import lag_compensation as module
 from rollerrig.study.control import study_case
-from rollerrig.study.control_compensation import VARIANTS, compensation_cases
-from rollerrig.study.dead_time import measured_dead_time
-from rollerrig.study.ensemble import Estimate
+from rollerrig.study.ensemble import Estimate, measured_dead_time
+from rollerrig.study.lag_compensation import VARIANTS, compensation_cases
 
 
 def test_every_variant_is_a_case_and_a_case_without_slide_protection_has_none() -> None:

@@ -22,8 +22,8 @@ from rollerrig.analysis.loop_stability import (
 )
 from rollerrig.config import Case
 from rollerrig.mechatronics.setup import feedback_gains
-from rollerrig.study.control_stability import excited_case, loop_jobs
 from rollerrig.study.jobs import call
+from rollerrig.study.loop_stability import excited_case, loop_jobs
 
 WHEEL = Wheel(wheelset_inertia=112.0, roller_inertia=705.0, wheel_radius=0.46, roller_radius=0.725)
 ROLLING = 1e9  # creep so stiff that wheel and roller are one [N s/m]

@@ -17,13 +17,11 @@ from rollerrig.analysis.torque_ripple import torque_ripple
 from rollerrig.config import Case
 from rollerrig.config.schema.rig_control import ESTIMATORS, FEEDBACKS
 from rollerrig.study import control
-from rollerrig.study.control import ControlStudy, Found, run_variant, study_case
-from rollerrig.study.control_ranking import RIPPLE_LIMIT, TRACKING_LIMIT, Result, failures, ranking
-from rollerrig.study.control_text import failures_text
-from rollerrig.study.control_variants import FAMILIES, USER, Family
-from rollerrig.study.control_variants import FEEDBACKS as FEEDBACK_VARIANTS
+from rollerrig.study.control import ControlStudy, Found, failures, failures_text, ranking, run_variant, study_case
 from rollerrig.study.frame import Outcome
 from rollerrig.study.report import Table
+from rollerrig.study.runs.control import FAMILIES, RIPPLE_LIMIT, TRACKING_LIMIT, USER, Family, Result
+from rollerrig.study.runs.control import FEEDBACKS as FEEDBACK_VARIANTS
 
 MINE = """
 class FeedForward:

@@ -11,8 +11,7 @@ import pytest
 from rollerrig import ConfigError, load_case, load_run
 from rollerrig.analysis.lateral_guidance import amplitude, amplitudes_over_time, slide_begins
 from rollerrig.study.frame import Outcome
-from rollerrig.study.lateral import Found, LateralStudy
-from rollerrig.study.lateral_numbers import LABELS, run_numbers
+from rollerrig.study.lateral import LABELS, Found, LateralStudy, run_numbers
 
 Study = Outcome[Found]
 
@@ -24,7 +23,7 @@ MEMBERS = 3
 def outcome() -> Study:
     case = load_case("adhesion_lateral").with_changes({"time.duration": "6 s"})
     with pytest.MonkeyPatch.context() as patch:
-        for module in ("lateral", "lateral_cases"):
+        for module in ("lateral",):
             patch.setattr(f"rollerrig.study.{module}.MEMBERS", MEMBERS)
         found = LateralStudy(case).run()
     assert found is not None

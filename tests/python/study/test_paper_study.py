@@ -9,10 +9,8 @@ from pathlib import Path
 import pytest
 
 from rollerrig.study.frame import Outcome
-from rollerrig.study.paper import PaperStudy, Results
-from rollerrig.study.paper_figures import CAPTIONS
-from rollerrig.study.paper_numbers import QUANTITIES
-from rollerrig.study.paper_plan import EXACT, FULL, QUICK, RIG, case_of, rig_case
+from rollerrig.study.paper import CAPTIONS, QUANTITIES, PaperStudy, Results
+from rollerrig.study.runs.paper import EXACT, FULL, QUICK, RIG, case_of, rig_case
 
 
 def files(folder: Path) -> dict[str, bytes]:
@@ -120,8 +118,7 @@ def test_only_a_whole_interval_decides(outcome, folder) -> None:
 
 def test_a_wrong_run_fails_its_checks(outcome) -> None:
     """A force, an energy and a symmetry that are wrong are found."""
-    from rollerrig.study.paper_checks import traction_checks
-    from rollerrig.study.paper_plan import traction_case
+    from rollerrig.study.runs.paper import traction_case, traction_checks
 
     run, theory = outcome.results.traction, outcome.results.theory
     left = run["wheel"] == "wheelset_1_left"

@@ -17,8 +17,7 @@ from rollerrig.analysis import LimitCycleSettings
 from rollerrig.cli.app import build_app
 from rollerrig.config import ConfigError, load_case
 from rollerrig.results import load_run
-from rollerrig.study.mode_tables import line_sentences
-from rollerrig.study.stability import MOST_CYCLE_SPEEDS, QUANTITIES, StabilityStudy, cycle_speeds
+from rollerrig.study.stability import MOST_CYCLE_SPEEDS, QUANTITIES, StabilityStudy, cycle_speeds, line_sentences
 
 runner = CliRunner()
 

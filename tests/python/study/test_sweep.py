@@ -30,10 +30,8 @@ from rollerrig.config.schema.plan import CriticalSpeedMeasure
 from rollerrig.results import load_run
 from rollerrig.study import measures
 from rollerrig.study.journal import NAME
+from rollerrig.study.runs.sweep import FAILED, Axis, Points, resized, sobol_indices, sweep_rows
 from rollerrig.study.sweep import SweepStudy, sweep_study
-from rollerrig.study.sweep_dataset import FAILED, sweep_rows
-from rollerrig.study.sweep_points import Axis, Points, resized
-from rollerrig.study.sweep_statistics import sobol_indices
 
 PLAN = """
 name = "small"
@@ -183,7 +181,7 @@ def test_every_measure_gives_all_its_numbers(kind: str) -> None:
     case = load_case(name).with_changes(changes)
     found = rr.sweep(case, {"contact.friction.mu_0": [0.25]}, measure=kind)
     assert found["failed"].item() == ""
-    quantities = measures.quantities_of(kind)
+    quantities = measures.MEASURES[kind].quantities
     assert set(quantities) | {"failed"} == set(found.data_vars)
     assert not [name for name in quantities if not np.isfinite(found[name].item())]
     assert {name: found[name].attrs["units"] for name in quantities} == {n: unit for n, (unit, _) in quantities.items()}
@@ -342,7 +340,7 @@ def test_ctrl_c_within_a_case_leaves_no_line_of_it() -> None:
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        measures.module_of("critical_speed").measure(
+        measures.MEASURES["critical_speed"].measure(
             load_case("bogie_rollers_constant"), CriticalSpeedMeasure(kind="critical_speed"), progress
         )
 

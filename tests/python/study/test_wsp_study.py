@@ -17,13 +17,20 @@ from rollerrig.config import CRITERIA, Case, Programme, load_programme
 from rollerrig.config.load.resolve import resolve_programme
 from rollerrig.config.read.document import Document
 from rollerrig.config.schema.programme import CriterionName
-from rollerrig.study.adhesion_variants import track_case
 from rollerrig.study.frame import Outcome
-from rollerrig.study.wsp import Results, WspStudy
-from rollerrig.study.wsp_cases import check_case, dry_case, stop_case
-from rollerrig.study.wsp_numbers import MEASURED, QUANTITIES
-from rollerrig.study.wsp_text import NAMES
-from rollerrig.study.wsp_verdicts import MEASURES, Judgement, StopTests, Support, judgements, verdict_of
+from rollerrig.study.runs.adhesion import track_case
+from rollerrig.study.runs.wsp import (
+    MEASURES,
+    Judgement,
+    StopTests,
+    Support,
+    check_case,
+    dry_case,
+    judgements,
+    stop_case,
+    verdict_of,
+)
+from rollerrig.study.wsp import MEASURED, QUANTITIES, Results, WspStudy, label
 
 SHORT = {
     "name": "short",
@@ -103,7 +110,7 @@ def test_the_page_says_that_no_standard_is_quoted_and_the_files_are_there(
     assert "EN 15595 and UIC 541-05 are not quoted" in page
     assert page.index("Verdict</h2>") < page.index("Criteria</h2>") < page.index("Stops</h2>")
     header, *lines = (tmp_path / "tests_low_26.csv").read_text().splitlines()
-    assert header.split(",") == ["support", "start", "status", *(row[0] for row in MEASURED)]
+    assert header.split(",") == ["support", "start", "status", *MEASURED]
     assert [line.split(",")[:2] for line in lines] == [["track", "1"], ["track", "2"], ["rig", "1"], ["rig", "2"]]
 
 
@@ -200,8 +207,9 @@ def test_what_a_programme_may_not_say_is_refused_with_its_place(changes: dict[st
 
 
 def test_every_criterion_has_a_name_and_a_measure() -> None:
-    assert CRITERIA.keys() == MEASURES.keys() == NAMES.keys()
-    assert {name for name, _ in MEASURES.values()} <= {row[0] for row in MEASURED}
+    assert CRITERIA.keys() == MEASURES.keys()
+    assert all(label(name) for name in CRITERIA)
+    assert {name for name, _ in MEASURES.values()} <= set(MEASURED)
 
 
 # ---------------------------------------------------------------------------------------------------------- the verdict

@@ -1,0 +1,205 @@
+"""What a sweep computes of each case: numbers with unit, meaning and how each is read off.
+
+case, table of the plan -> [Measure.measure] -> name -> number
+
+To add one: a table in `config/schema/plan.py`, a function here that says what the numbers are read off, and a Measure of it.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from rollerrig import _core
+from rollerrig.analysis import filtered
+from rollerrig.analysis.critical_speed import onset_from
+from rollerrig.analysis.slide_statistics import TestRecord
+from rollerrig.analysis.wheel_rail_forces import wheel_forces
+from rollerrig.config import Case, case_from_toml
+from rollerrig.config.schema.plan import (
+    AdhesionMeasure,
+    ContactMeasure,
+    CreepMeasure,
+    CriticalSpeedMeasure,
+    RunMeasure,
+    StabilityMeasure,
+)
+from rollerrig.contact_analysis.static_contact import contact_table
+from rollerrig.contact_laws import core_law
+from rollerrig.results import COMPLETED, RunInfo
+from rollerrig.study.ensemble import recorded
+from rollerrig.study.jobs import Progress, whole_modes, whole_run
+from rollerrig.study.runs.adhesion import track_case
+
+
+@dataclass(frozen=True)
+class Measure:
+    """A kind of measure.
+
+    Attributes:
+        source: case, its table of the plan, progress -> what the numbers are read off.
+        numbers: name -> unit, meaning, function of the source's parts.
+    """
+
+    source: Callable[[Case, Any, Progress | None], tuple[Any, ...]]
+    numbers: Mapping[str, tuple[str, str, Callable[..., Any]]]
+
+    @property
+    def quantities(self) -> dict[str, tuple[str, str]]:
+        """Name -> unit and meaning."""
+        return {name: (unit, meaning) for name, (unit, meaning, _) in self.numbers.items()}
+
+    def measure(self, case: Case, options: Any, progress: Progress | None = None) -> dict[str, float]:
+        """The numbers of a case.
+
+        Raises:
+            ConfigError: the case is not of the kind that the measure needs.
+            KeyboardInterrupt: Ctrl-C came before the end.
+            RuntimeError: a run left the validity of its model.
+            StartError: no rolling equilibrium.
+            ValueError: nothing is left to be assessed, or a wheel does not touch.
+        """
+        parts = self.source(case, options, progress)
+        return {name: float(read(*parts)) for name, (_, _, read) in self.numbers.items()}
+
+
+def _run(case: Case, options: RunMeasure, progress: Progress | None) -> tuple[xr.Dataset, xr.DataArray, xr.Dataset]:
+    """Forces as EN 14363 assesses them, lateral motion of the wheelsets, both from `options.begin` on, and the run."""
+    run = whole_run(case, progress)
+    if run.attrs["status"] not in COMPLETED:
+        raise RuntimeError(run.attrs["status_message"])
+    late = {"time": slice(options.begin, None)}
+    forces = filtered(wheel_forces(run)).sel(late)
+    if forces.sizes["time"] < 2:
+        raise ValueError(f"measure.begin: {options.begin:g} s is beyond the run, which ended at {run['time'][-1]:g} s")
+    return forces, run["lateral"].sel(late).sel(body=[body.name for body in RunInfo.of(run).wheelsets]), run
+
+
+def _modes(case: Case, _options: StabilityMeasure, progress: Progress | None) -> tuple[xr.Dataset, xr.Dataset]:
+    """The mode that comes nearest to growing at the case's speed, and all modes there."""
+    modes = whole_modes(case, [3.6 * case.motion.speed], progress).isel(speed=0)
+    return modes.isel(mode=int(np.nanargmax(modes["growth_rate"].to_numpy()))), modes
+
+
+def _onset(case: Case, options: CriticalSpeedMeasure, progress: Progress | None) -> tuple[float]:
+    """Where an oscillatory mode begins to grow, looked for between two speeds and above them."""
+    onset, _ = onset_from(case, [3.6 * options.slowest, 3.6 * options.fastest], progress)
+    return (math.nan if onset is None else 3.6 * onset.speed,)
+
+
+def _contact(case: Case, options: ContactMeasure, _progress: Progress | None) -> tuple[xr.Dataset, dict[str, float]]:
+    """Patches of the leading wheelset at one position, and rolling radii by side."""
+    table, radii = contact_table(case, [(options.lateral, options.yaw)]), {}
+    for side in ("left", "right"):
+        own = table.isel(row=(table["side"] == side).to_numpy())
+        if not own.sizes["row"]:
+            raise ValueError(f"the {side} wheel does not touch")
+        radii[side] = float(own["rolling_radius"][int(np.argmax(own["normal"].to_numpy()))])
+    return table, radii
+
+
+def _creep(case: Case, options: CreepMeasure, _progress: Progress | None) -> tuple[Any, Any]:
+    """The patch with the largest normal force, wheelset centred, and the force of the case's creep law on it over that."""
+    table = contact_table(case, [(0.0, 0.0)])
+    patch = table.isel(row=int(np.argmax(table["normal"].to_numpy())))
+    a, b, normal = (float(patch[name]) for name in ("a", "b", "normal"))
+    creepage = np.array([[options.longitudinal, options.lateral, options.spin]])
+    elastic = case.contact.material.shear_modulus, case.contact.material.poisson_ratio
+    law, friction = core_law(case.contact.creep), case.contact.friction.mu_0
+    return patch, _core.creep_forces(creepage, a, b, normal, friction, *elastic, law)[0] / normal
+
+
+def _test(case: Case, options: AdhesionMeasure, progress: Progress | None) -> tuple[Any, Any]:
+    """Measures of the test on track and on the rig that is to reproduce it; the same track is run once per worker."""
+    if options.longest is not None:
+        case = case.with_changes({"time.duration": options.longest})
+    track, rig = _on_track(track_case(case).to_toml()), recorded(case, progress)
+    for place, record in (("track", track), ("rig", rig)):
+        if not record.completed:
+            raise RuntimeError(f"on the {place}: {record.message}")
+    return track.measures, rig.measures
+
+
+@lru_cache(maxsize=64)
+def _on_track(text: str) -> TestRecord:
+    return recorded(case_from_toml(text, allow_code=True))
+
+
+def _largest(name: str) -> Callable[..., Any]:
+    return lambda forces, *_: abs(forces[name]).max()
+
+
+MEASURES: Mapping[str, Measure] = {
+    "run": Measure(_run, {
+        "guiding_force_largest": ("N", "largest |Y| of a wheel, 20 Hz: the force of flange and tread across the rail",
+                                  _largest("guiding_force")),
+        "guiding_force_mean": ("N", "largest mean |Y| of a wheel over the assessed time",
+                               lambda forces, *_: abs(forces["guiding_force"]).mean("time").max()),
+        "guiding_force_sum_largest": ("N", "largest |sum of Y| of a wheelset, 20 Hz, mean over 2 m",
+                                      _largest("guiding_force_sum")),
+        "derailment_quotient_largest": ("1", "largest |Y/Q| of a wheel, 20 Hz, mean over 2 m", _largest("derailment_quotient")),
+        "wheel_load_least": ("N", "least wheel load Q, 20 Hz", lambda forces, *_: forces["wheel_load"].min()),
+        "wheel_load_largest": ("N", "largest wheel load Q, 20 Hz", lambda forces, *_: forces["wheel_load"].max()),
+        "wear_number_largest": ("N", "largest mean wear number of a wheel",
+                                lambda forces, *_: forces["wear_number"].mean("time").max()),
+        "lateral_largest": ("m", "largest |lateral displacement| of a wheelset", lambda _, lateral, __: abs(lateral).max()),
+        "lateral_rms": ("m", "largest RMS of the lateral displacement of a wheelset about its mean",
+                        lambda _, lateral, __: lateral.std("time").max()),
+        "energy_relative_residual": ("1", "residual of the energy audit",
+                                     lambda _, __, run: run.attrs["energy_relative_residual"]),
+    }),
+    "stability": Measure(_modes, {
+        "growth_rate": ("1/s", "largest growth rate of an oscillatory mode; negative: all decay",
+                        lambda mode, _: mode["growth_rate"]),
+        "damping": ("1", "damping of that mode over critical damping", lambda mode, _: mode["damping"]),
+        "frequency": ("Hz", "its frequency", lambda mode, _: mode["frequency"]),
+        "hunting_frequency": ("Hz", "of the least damped hunting mode", lambda _, modes: modes["hunting_frequency"]),
+        "hunting_damping": ("1", "its damping over critical damping", lambda _, modes: modes["hunting_damping"]),
+    }),
+    "critical_speed": Measure(_onset, {
+        "linear_critical_speed": (
+            "km/h", "lowest speed at which an oscillatory mode begins to grow; NaN: none up to 600 km/h", lambda speed: speed
+        ),
+    }),
+    "contact": Measure(_contact, {
+        "patches": ("1", "number of contact patches of both wheels", lambda table, _: table.sizes["row"]),
+        "peak_pressure": ("Pa", "largest pressure", lambda table, _: table["peak_pressure"].max()),
+        "contact_area": ("m^2", "loaded area of both wheels", lambda table, _: table["area"].sum()),
+        "normal_largest": ("N", "largest normal force of a patch", lambda table, _: table["normal"].max()),
+        "contact_angle_largest": ("rad", "largest |slope of the wheel profile| at a contact",
+                                  lambda table, _: abs(table["angle"]).max()),
+        "rolling_radius_difference": ("m", "left less right: of the patch with the largest normal force of each wheel",
+                                      lambda _, radii: radii["left"] - radii["right"]),
+    }),
+    "adhesion": Measure(_test, {
+        "distance_track": ("m", "run by the train on track", lambda track, _: track["distance_m"]),
+        "distance_rig": ("m", "run by the virtual train of the rig", lambda _, rig: rig["distance_m"]),
+        "distance_error": ("1", "distance on the rig over that on track, less 1",
+                           lambda track, rig: rig["distance_m"] / track["distance_m"] - 1.0),
+        "tracking_rms": ("1", "speed of the wheels less that of the virtual ones, over the train's, RMS",
+                         lambda _, rig: rig["tracking_rms"]),
+        "mean_slip_track": ("1", "mean |wheel speed - train speed| over train speed, on track",
+                            lambda track, _: track["mean_slip"]),
+        "mean_slip_rig": ("1", "the same on the rig", lambda _, rig: rig["mean_slip"]),
+        "air_track": ("m^3", "air taken by the cylinders, at ambient pressure, on track",
+                      lambda track, _: 1e-3 * track["air_litres"]),
+        "air_rig": ("m^3", "the same on the rig", lambda _, rig: 1e-3 * rig["air_litres"]),
+    }),
+    "creep": Measure(_creep, {
+        "longitudinal_force": ("1", "creep force on the wheel along the track over the normal force",
+                               lambda _, force: force[0]),
+        "lateral_force": ("1", "creep force on the wheel across the track over the normal force", lambda _, force: force[1]),
+        "semi_axis_along": ("m", "semi-axis of the patch along the rolling direction", lambda patch, _: patch["a"]),
+        "semi_axis_across": ("m", "semi-axis across it", lambda patch, _: patch["b"]),
+        "normal_force": ("N", "of the patch", lambda patch, _: patch["normal"]),
+    }),
+}  # fmt: skip
+"""Kind of a measure in a plan -> what it computes."""
+
+KINDS = tuple(MEASURES)

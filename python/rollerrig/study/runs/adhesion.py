@@ -1,0 +1,411 @@
+"""What is run and assessed in the adhesion study: the track that a rig reproduces, the rig without some of its imperfections.
+
+Case of a rig with [rig_control] -> [track_case, variant, law_case] -> ensembles of TestRecords
+    -> [cause_shares] -> shares of the distance that go away with each imperfection; they add up to the whole
+    -> [verdict_rows] -> rows: value with interval, target and where it comes from, verdict
+
+A row is met where the whole interval of its value, of many starts, is within its target, and not met where nothing of it is.
+Nothing is met by a bad run: a run that ended early, drives that ring or are at their limit, and a contact force away from the
+virtual one leave every agreement undecided, since it is then no property of the rig.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, Literal
+
+import numpy as np
+
+from rollerrig.analysis.slide_statistics import TestRecord
+from rollerrig.cases import on_track
+from rollerrig.config import Case, ConfigError, ConfigProblem, Rig
+from rollerrig.config.schema.rig_control import EstimatedTorque, ExactEstimator, LeadCommand
+from rollerrig.study.assessment import NOT_DECIDED, Outcome, outcome, overall
+from rollerrig.study.ensemble import SEED, Estimate, difference, distances, estimate, measure, relative, with_error
+from rollerrig.study.quantities import Numbers
+from rollerrig.study.report import Table
+from rollerrig.wording import number
+
+STEPS = ("rolling", "drives", "estimator")
+VARIANTS = {
+    "rig": "the rig as it is",
+    "rolling": "pure rolling of its wheels on the rollers",
+    "drives": "and roller drives without lag and torque limit",
+    "estimator": "and force and torque of the axles known exactly",
+    "static_loads": "the rig as it is, its virtual train without load transfer",
+}
+FAST_MOTOR_HZ, NO_LIMIT = 400.0, 1e7
+"""More is not to be had with samples of 1 ms; [N m]."""
+
+
+def track_case(case: Case) -> Case:
+    """The same test on straight track with the rig's rail head: what the rig is to reproduce.
+
+    Raises:
+        ConfigError: the case is not that of a rig with [rig_control].
+    """
+    if not isinstance(case.support.data, Rig) or case.rig_control is None:
+        needed = "needed: a case on rollers with [rig_control], which reproduces a track"
+        raise ConfigError([ConfigProblem(case.name, "rig_control", "missing", needed)])
+    if case.brake is None and case.traction is None:
+        needed = "needed: [brake] or [traction], the test that is done on rail and rig"
+        raise ConfigError([ConfigProblem(case.name, "brake", "missing", needed)])
+    return on_track(case).model_copy(update={"name": f"{case.name}_track"})
+
+
+def variants_of(case: Case) -> tuple[str, ...]:
+    """Names of the variants that say something about this case."""
+    assert case.rig_control is not None
+    return (*STEPS, "static_loads") if case.rig_control.load_transfer != "none" else STEPS
+
+
+def variant(case: Case, name: str) -> Case:
+    """The rig without some of its imperfections; see VARIANTS."""
+    control = case.rig_control
+    assert control is not None
+    if name == "static_loads":
+        return case.model_copy(update={"rig_control": control.model_copy(update={"load_transfer": "none"})})
+    taken = STEPS[: STEPS.index(name) + 1]
+    changes: dict[str, Any] = {}
+    if "drives" in taken:
+        fast = {"bandwidth": FAST_MOTOR_HZ, "damping_ratio": 0.0, "envelope": None}
+        changes["motor"] = control.motor.model_copy(update=fast)
+        changes["drive_command"] = LeadCommand()
+        changes["feedback"] = control.feedback.model_copy(update={"largest": NO_LIMIT})
+    if "estimator" in taken:
+        changes["estimator"] = ExactEstimator(kind="exact", torque=control.estimator.torque)
+        changes["axle_torque"] = EstimatedTorque(kind="estimated")
+    contact = case.contact.model_copy(update={"pure_rolling": True})
+    return case.model_copy(update={"rig_control": control.model_copy(update=changes), "contact": contact})
+
+
+TOGETHER = "together"
+CAUSES = {
+    "rolling": "sliding of the wheels on the rollers",
+    "drives": "lag and torque limit of the roller drives",
+    "estimator": "lag of the estimated torque",
+    "model": "simplifications of the virtual train, and sampling",
+}
+LARGEST_ERROR = 5e-4
+"""More starts are made until the standard error of every share is below this part of the distance."""
+
+
+def cause_shares(records: Mapping[str, Sequence[TestRecord]]) -> dict[str, Estimate] | None:
+    """Parts of (mean distance of the rig over that of the track, less 1) by cause, and `together` their sum.
+
+    Args:
+        records: of `track`, `rig` and each of STEPS, from several starts.
+
+    Returns:
+        None where an ensemble is missing.
+    """
+    names = ("rig", *STEPS, "track")
+    if any(not records.get(name) for name in names):
+        return None
+    found = [estimate(values) for values in distances([records[name] for name in names])]
+    on_track = found[-1].mean
+    pairs = {name: (found[k], found[k + 1]) for k, name in enumerate(CAUSES)}
+    pairs[TOGETHER] = found[0], found[-1]
+    return {name: _over(difference(a, b), on_track) for name, (a, b) in pairs.items()}
+
+
+def _over(one: Estimate, distance: float) -> Estimate:
+    return Estimate(one.mean / distance, one.standard_error / distance, one.freedom)
+
+
+def is_within_error(share: Estimate) -> bool:
+    """Whether nothing is known of a share, not even its sign."""
+    interval = share.interval
+    return interval.low <= 0.0 <= interval.high
+
+
+def are_known(shares: Mapping[str, Estimate] | None) -> bool:
+    """Whether the standard error of every share is small enough."""
+    return shares is None or all(share.standard_error < LARGEST_ERROR for share in shares.values())
+
+
+LAWS: Mapping[str, dict[str, Any]] = {
+    "kalker_saturated": {"kind": "kalker_saturated"},
+    "fastsim": {"kind": "fastsim"},
+    "table": {"kind": "table"},
+    "polach": {"kind": "polach", "k_A": 1.0, "k_S": 1.0},
+}
+SUPPORTS = ("track", "rig")
+
+
+def law_names(case: Case) -> tuple[str, ...]:
+    """Names of the ensembles beside those of the case's own law."""
+    own = case.contact.creep.kind
+    return tuple(_name(kind, support) for kind in LAWS if kind != own for support in SUPPORTS)
+
+
+def law_case(case: Case, name: str) -> Case | None:
+    """The case of one of `law_names`; None: another name."""
+    for kind, law in LAWS.items():
+        if name in (found := [_name(kind, support) for support in SUPPORTS]):
+            changed = case.with_changes({"contact.creep": law})
+            return track_case(changed) if name == found[0] else changed
+    return None
+
+
+def law_numbers(case: Case, records: Mapping[str, Sequence[TestRecord]]) -> dict[str, Any]:
+    """By kind of the law, of those whose ensembles on track and rig are there; empty where only the case's own is."""
+    own, found = case.contact.creep.kind, {}
+    for kind in dict.fromkeys((own, *LAWS)):
+        names = SUPPORTS if kind == own else [_name(kind, support) for support in SUPPORTS]
+        track, rig = (records.get(name, ()) for name in names)
+        if track and rig:
+            on_track, on_rig = (estimate(values) for values in distances((track, rig)))
+            vented = measure(track, "dump_cycles"), measure(rig, "dump_cycles")
+            found[kind] = {**_pair("distance_m", on_track, on_rig), **_pair("dump_cycles", *vented)}
+    return found if len(found) > 1 else {}
+
+
+def _name(kind: str, support: str) -> str:
+    return f"{support}, creep law {kind}"
+
+
+def _pair(key: str, track: Estimate, rig: Estimate) -> dict[str, Any]:
+    values = {f"{key}_track": track, f"{key}_rig": rig, f"{key}_difference": relative(rig, track)}
+    return {name: one.as_dict() for name, one in values.items()}
+
+
+Group = Literal["tracking", "fidelity"]
+GROUPS: Mapping[Group, str] = {
+    "tracking": "Tracking, wheels of the rig against their virtual axles",
+    "fidelity": "Fidelity, rig against track",
+}
+RESAMPLES = 400
+"""Of the starts, for the scatter of the difference of two distributions."""
+
+
+@dataclass(frozen=True)
+class Row:
+    """One row of the verdict.
+
+    Attributes:
+        group: whether it judges tracking or fidelity.
+        key: its name in summary.json.
+        text: what is compared.
+        value: of many starts, in SI units.
+        low, high: target; low = 0: of a size, at most `high`.
+        origin: where the target comes from.
+        unit, factor: in which it is shown.
+        signed: whether it is a difference, with a sign.
+        gate: whether nothing is met where this is not.
+        shown: the value in words, where it is no number.
+        bad_run: whether an agreement is left undecided because the run is bad.
+    """
+
+    group: Group
+    key: str
+    text: str
+    value: Estimate
+    low: float
+    high: float
+    origin: str
+    unit: str = "%"
+    factor: float = 100.0
+    signed: bool = False
+    gate: bool = False
+    shown: str = ""
+    bad_run: bool = False
+
+    @property
+    def verdict(self) -> Outcome:
+        """A size is never below 0, its interval may be, where starts differ by more than their mean."""
+        return outcome(self.value.interval, self.low or -math.inf, self.high, excluded=self.bad_run)
+
+    @property
+    def value_text(self) -> str:
+        """Mean and interval."""
+        if self.shown or math.isinf(self.value.mean):
+            return self.shown or "not zero, against zero"
+        if math.isnan(self.value.mean):
+            return "–"
+        interval, ends = self.value.interval, ""
+        least = interval.low if self.low else max(0.0, interval.low)
+        low, high = self._number(least), self._number(interval.high)
+        if interval.bounded and low != high:
+            ends = f" ({low} … {high})"
+        return f"{self._number(self.value.mean)}{ends} {self.unit}".strip()
+
+    @property
+    def target_text(self) -> str:
+        """The target."""
+        if self.shown:
+            return "all"
+        word = "within" if self.low == -self.high else "at most"
+        return f"{word} {self._number(self.high).lstrip('+')} {self.unit}"
+
+    @property
+    def told(self) -> str:
+        """Value and target in words."""
+        return f"{self.text} {self.value_text}, target {self.target_text}"
+
+    def _number(self, value: float) -> str:
+        text = number(self.factor * value, 2 if abs(self.factor * value) < 99.5 else 3)
+        return f"+{text}" if self.signed and value > 0.0 and text != "0" else text
+
+    def as_dict(self) -> dict[str, Any]:
+        """For summary.json."""
+        found = {"group": self.group, "verdict": self.verdict, "value": self.value.mean, **vars(self.value.interval)}
+        return found | {"target_low": self.low, "target_high": self.high, "target_from": self.origin}
+
+
+def verdict_rows(case: Case, track: Sequence[TestRecord], rig: Sequence[TestRecord]) -> list[Row]:
+    """All rows that say something about this test.
+
+    Args:
+        case: of the rig.
+        track: from several starts.
+        rig: from the same starts.
+    """
+    rows = [*_ended(track, rig), *_tracking(case, rig), *_fidelity(case, track, rig)]
+    rows = [row for row in rows if row.gate or not math.isnan(row.value.mean)]
+    return [row if row.shown else replace(row, bad_run=_is_bad(rows, row.group)) for row in rows]
+
+
+def _is_bad(rows: Sequence[Row], group: Group) -> bool:
+    """Whether a gate is not known to be met: all of them for fidelity; for tracking that the runs came to their end."""
+    asked = [row for row in rows if row.gate and (group == "fidelity" or row.shown)]
+    return any(row.verdict != "met" for row in asked)
+
+
+def verdict_of(rows: Sequence[Row], group: Group) -> Outcome:
+    """Of a group: met where all its rows are, not met where one is not, else not decided."""
+    return overall(row.verdict for row in rows if row.group == group) or NOT_DECIDED
+
+
+# --------------------------------------------------------------------------------------------------------- rows
+
+
+def _ended(track: Sequence[TestRecord], rig: Sequence[TestRecord]) -> Iterator[Row]:
+    """Whether the runs came to their end: a run that rolled off the rollers' crowns did not."""
+    tests: tuple[tuple[Group, str, Sequence[TestRecord]], ...] = (
+        ("tracking", "rig", rig),
+        ("fidelity", "track", track),
+    )
+    for group, label, records in tests:
+        count = sum(record.completed for record in records)
+        share = Estimate(count / len(records), 0.0, math.inf)
+        yield Row(
+            group, f"{label}_ended", f"runs on the {label} that came to their end", share, 1.0, 1.0,
+            "a test that ended early is none", shown=f"{count} of {len(records)}", gate=True,
+        )  # fmt: skip
+    ends = [a.stopped == b.stopped for a, b in zip(track, rig, strict=False) if a.completed and b.completed]
+    if not all(ends):
+        yield Row(
+            "fidelity", "stops", "starts with a stop on both, or on neither", Estimate(0.0, 0.0, math.inf), 1.0, 1.0,
+            "a stopping distance needs a stop", shown=f"{sum(ends)} of {len(ends)}", gate=True,
+        )  # fmt: skip
+
+
+def _tracking(case: Case, rig: Sequence[TestRecord]) -> Iterator[Row]:
+    def at_most(key: str, text: str, high: float, origin: str, **more: Any) -> Row:
+        return Row("tracking", key, text, measure(rig, key), 0.0, high, origin, **more)
+
+    slip, action = _fill_slip(case)
+    yield at_most(
+        "tracking_rms", "wheel less virtual wheel, RMS over train speed", 0.01,
+        "ours: a sixth or less of the slip at which slide protection acts",
+    )  # fmt: skip
+    yield at_most("tracking_largest", "the same, largest", slip, action)
+    yield at_most(
+        "force_error_rms", "contact force less virtual force, RMS over RMS", 0.05,
+        "ours: the force that stops the train is the virtual one", gate=True,
+    )  # fmt: skip
+    yield at_most(
+        "drive_ringing_nm", "fast torque that the virtual rail does not ask for, RMS", 100.0,
+        "ours: 1 % of the torque that brakes an axle; a loop that rings gives thousands", unit="N m", factor=1.0, gate=True,
+    )  # fmt: skip
+    yield at_most(
+        "drive_limited_share", "time with a drive's command at its limit", 0.01,
+        "ours: a drive at its limit does not reproduce the rail", gate=True,
+    )  # fmt: skip
+    yield at_most(
+        "crown_gravity_largest", "gravity on the rollers' crown over axle load, largest", 0.02,
+        "ours: a quarter of the friction of low adhesion",
+    )  # fmt: skip
+
+
+def _fill_slip(case: Case) -> tuple[float, str]:
+    """Slip at which this test's protection changes what it does, and where that stands."""
+    if case.slide_protection is not None and case.brake is not None:
+        return (
+            case.slide_protection.fill_slip,
+            "the slip at which cylinders are filled again: a larger error decides what the valves do",
+        )
+    if case.wheel_slip_control is not None:
+        return case.wheel_slip_control.slip, "wheel_slip_control.slip: a larger error decides what it does"
+    return 0.05, "ours: no protection acts in this test"
+
+
+def _fidelity(case: Case, track: Sequence[TestRecord], rig: Sequence[TestRecord]) -> Iterator[Row]:
+    def change(key: str, text: str, a: Estimate, b: Estimate, reach: float, origin: str) -> Row:
+        return Row("fidelity", key, text, relative(a, b), -reach, reach, origin, signed=True)
+
+    on_track, on_rig = (estimate(values) for values in distances((track, rig)))
+    stops = all(record.stopped for record in (*track, *rig))
+    what = "stopping distance" if stops else "distance after the same time"
+    yield change("distance", what, on_rig, on_track, 0.02, "ours: what an overestimated adhesion of 2 % does")
+    way = "deceleration" if case.brake is not None else "acceleration"
+    pairs = (
+        ("mean_deceleration_mps2", f"mean {way} since the demand", 0.02, "ours: as the distance"),
+        (
+            "dump_cycles",
+            "ventings, all axles under test",
+            0.05,
+            "ours: wear of the valves, and the first thing a supplier counts",
+        ),
+        ("air_litres", "air taken by the cylinders", 0.05, "ours: size of the reservoir"),
+        ("regrip_adhesion", "largest force on an axle that has slid (regrip)", 0.10, "ours: load on the drive line"),
+    )
+    for key, text, reach, origin in pairs:
+        yield change(key, text, measure(rig, key), measure(track, key), reach, origin)
+    yield Row(
+        "fidelity", "slip_distribution", "shares of time up to each slip, largest difference",
+        slip_difference(track, rig), 0.0, 0.05, "ours: 5 % of the time at another slip",
+    )  # fmt: skip
+    lock = difference(measure(rig, "longest_lock_s"), measure(track, "longest_lock_s"))
+    yield Row(
+        "fidelity", "longest_lock_s", "longest lock of a wheel", lock, -0.1, 0.1,
+        "ours: a flat grows with the length slid while locked", unit="s", factor=1.0, signed=True,
+    )  # fmt: skip
+
+
+def slip_difference(track: Sequence[TestRecord], rig: Sequence[TestRecord]) -> Estimate:
+    """Largest difference between the summed frequencies of |slip| of both ensembles [-], its error by resampling the starts."""
+    sums = [np.cumsum([record.slip_shares for record in records], axis=1) for records in (track, rig)]
+    if any(not (one[:, -1] > 0.5).all() for one in sums):
+        return Estimate(math.nan, math.nan, 0.0)
+    largest = float(np.abs(sums[1].mean(axis=0) - sums[0].mean(axis=0)).max())
+    generator = np.random.default_rng(SEED)
+    drawn = [one[generator.integers(0, len(one), (RESAMPLES, len(one)))].mean(axis=1) for one in sums]
+    scatter = float(np.std(np.abs(drawn[1] - drawn[0]).max(axis=1), ddof=1))
+    count = min(len(track), len(rig))
+    return Estimate(largest, scatter if count > 1 else math.nan, count - 1.0)
+
+
+def law_table(numbers: Numbers) -> Table:
+    """A line for each creep law."""
+    titles = {
+        "kalker_saturated": "the paper's law",
+        "fastsim": "FASTSIM",
+        "table": "exact theory, table",
+        "polach": "Polach",
+    }
+    header = ["creep law"]
+    for what in ("distance on track [m]", "ventings on track"):
+        header += [what, "on the rig [m]" if "[m]" in what else "on the rig", "difference"]
+    rows = []
+    for kind, one in numbers.items():
+        row = [titles.get(kind, kind)]
+        for key in ("distance_m", "dump_cycles"):
+            difference = with_error(one[f"{key}_difference"], 100.0, 2, 1)
+            row += [with_error(one[f"{key}_{on}"], 1.0, 4, 1) for on in ("track", "rig")]
+            row.append(difference if difference == "–" else f"{difference} %")
+        rows.append(row)
+    return Table(header, rows, "The same test with each creep law; the first is that of the case. ± standard error.")

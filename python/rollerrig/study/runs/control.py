@@ -1,0 +1,353 @@
+"""What is run in a comparison of controllers: FAMILIES, whose entries are data, and what is kept of a run.
+
+A family has an axis of values and one or more curves: fixed changes under which the whole axis is run. Changes are dotted keys
+of the case with their new values.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+import xarray as xr
+
+from rollerrig.actuators import assemble_with_actuators
+from rollerrig.analysis.control_loop import Wheel, wheel_of
+from rollerrig.analysis.torque_ripple import torque_ripple
+from rollerrig.analysis.tracking import following, largest, slip, under_test
+from rollerrig.config import Case
+from rollerrig.config.schema.rig_control import (
+    BandwidthEstimator,
+    Estimator,
+    ExactEstimator,
+    Feedback,
+    FilteredDerivative,
+    KalmanFilter,
+    NoFeedback,
+    Observer,
+    ProportionalIntegral,
+    SlidingMode,
+)
+from rollerrig.mechatronics.setup import feedback_gains
+from rollerrig.results.dataset import COMPLETED
+from rollerrig.similitude.scale_case import factors_of, scaled_table
+from rollerrig.study.jobs import Progress, whole_run
+
+Changes = Mapping[str, object]
+Vary = Callable[[Case, float], Changes]
+
+BENCH_STEP = 1e-3
+"""Of the plant under slow controllers [s]."""
+
+
+@dataclass(frozen=True)
+class Family:
+    """One thing that is varied.
+
+    Attributes:
+        name: for files and the command line.
+        title: for the report.
+        axis: label of the axis, with its unit.
+        unit: of a value in a text.
+        values: along the axis, in ascending order.
+        vary: changes of a case for one value.
+        curves: label -> changes that hold for all values, or a function as `vary` beside it.
+        scale: of the axis.
+        base: value of the case as it is, where it stands on the axis.
+        user: whether a user's own controller is run here too; not where the axis is a property of the built-in one.
+    """
+
+    name: str
+    title: str
+    axis: str
+    unit: str
+    values: tuple[float, ...]
+    vary: Vary
+    curves: Mapping[str, Changes | Vary]
+    scale: Literal["log", "linear"] = "log"
+    base: Callable[[Case], float] | None = None
+    user: bool = False
+
+    def changes(self, case: Case, curve: Changes | Vary, value: float) -> Changes:
+        """What one variant changes."""
+        return {**(curve(case, value) if callable(curve) else curve), **self.vary(case, value)}
+
+    def text(self, value: float) -> str:
+        """A value of the axis with its unit."""
+        if self.unit == "s":
+            return f"{1e3 * value:.3g} ms"
+        if self.unit == "%":
+            return f"{value:+.3g} %" if value else "0 %"
+        unit = self.unit if self.unit == "×" else f" {self.unit}"
+        return (f"{value:,.0f}".replace(",", "\u202f") if value >= 1000 else f"{value:.3g}") + unit
+
+
+def label(key: str) -> str:
+    """A key of the case as a label."""
+    return key.replace("_", " ")
+
+
+def _of_kind(part: Literal["estimator", "feedback"], table: Estimator | Feedback) -> Vary:
+    """An estimator or a feedback: the case's numbers where its own kind has them, for the rest the defaults at its scale."""
+
+    def changes(case: Case, _value: float) -> Changes:
+        control = case.rig_control
+        assert control is not None
+        own = getattr(control, part)
+        usual = table if case.similitude is None else scaled_table(table, factors_of(case))
+        more = {name: getattr(usual, name) for name in type(usual).model_fields if name not in type(own).model_fields}
+        key = f"rig_control.{part}"
+        return {f"{key}.kind": getattr(table, "kind", None)} | {f"{key}.{name}": value for name, value in more.items()}
+
+    return changes
+
+
+OBSERVER, PI, SLIDING_MODE = Observer(), ProportionalIntegral(), SlidingMode(kind="sliding_mode")
+
+LIMITED: dict[str, Vary] = {
+    label(table.kind): _of_kind("estimator", table)
+    for table in (OBSERVER, FilteredDerivative(kind="filtered_derivative"), KalmanFilter(kind="kalman"))
+}
+"""Estimators of limited bandwidth."""
+ESTIMATORS: dict[str, Vary] = {**LIMITED, "exact": _of_kind("estimator", ExactEstimator(kind="exact"))}
+"""Every kind of estimator that the case file knows."""
+
+FEEDBACKS: dict[str, Vary] = {
+    "PI": _of_kind("feedback", PI),
+    "sliding mode": _of_kind("feedback", SLIDING_MODE),
+    "no feedback": _of_kind("feedback", NoFeedback(kind="none")),
+}
+
+USER = "user's controller"
+"""Label of the user's own controller."""
+
+
+def _set(key: str) -> Vary:
+    return lambda _case, value: {key: value}
+
+
+def _as_it_is(key: str, otherwise: float = math.nan) -> Callable[[Case], float]:
+    """The number at a dotted key of a case, or another one where its table has no such key."""
+
+    def read(case: Case) -> float:
+        value: object = case
+        for part in key.split("."):
+            value = getattr(value, part, otherwise)
+        assert isinstance(value, int | float)
+        return float(value)
+
+    return read
+
+
+def _pi_gains(case: Case, factor: float) -> Changes:
+    """PI feedback with its gains times a factor."""
+    proportional, integral = feedback_gains(assemble_with_actuators(case))
+    gains = {"proportional": factor * proportional, "integral": factor * integral}
+    return {**FEEDBACKS["PI"](case, factor), **{f"rig_control.feedback.{key}": gain for key, gain in gains.items()}}
+
+
+def _switching(case: Case, factor: float) -> Changes:
+    """A sliding mode with its torque times a factor."""
+    key = "rig_control.feedback.switching"
+    changes = FEEDBACKS["sliding mode"](case, factor)
+    torque = _as_it_is(key, SLIDING_MODE.switching)(case.with_changes(changes))
+    return {**changes, key: factor * torque}
+
+
+def _sample_time(_case: Case, value: float) -> Changes:
+    """A fast controller needs a finer grid."""
+    return {"rig_control.sample_time": value, "time.sampling_step": min(value, BENCH_STEP)}
+
+
+def _encoders(**values: float) -> Changes:
+    """The same encoder on axles and rollers."""
+    return {f"sensors.{where}.{key}": value for where in ("axles", "rollers") for key, value in values.items()}
+
+
+def _wrong(name: str) -> Vary:
+    """A controller that assumes a number of wheelset or roller so many per cent larger than it is."""
+    return lambda case, percent: {f"rig_control.assumed.{name}": getattr(wheel_of(case), name) * (1.0 + 0.01 * percent)}
+
+
+COUNTS, WINDOW = 4096.0, 8
+"""Of an encoder where another property of it is varied."""
+
+_PERCENT = (-5.0, -4.0, -3.0, -2.0, -1.0, -0.5, 0.0, 0.5, 1.0, 2.0, 3.0, 4.0, 5.0)
+_FAST_DRIVES = {"rig_control.motor.bandwidth": 400.0}
+_FAST_ESTIMATOR = {"rig_control.estimator.bandwidth": 100.0}
+_ROLLING = {"contact.pure_rolling": True}
+
+REFERENCES: dict[str, Changes] = {
+    "as shipped": {},
+    "roller drives with 400 Hz": _FAST_DRIVES,
+    "estimator with 100 Hz": _FAST_ESTIMATOR,
+    "both": {**_FAST_DRIVES, **_FAST_ESTIMATOR},
+    "both, sampled each 0.2 ms": {
+        **_FAST_DRIVES, **_FAST_ESTIMATOR, "rig_control.sample_time": 2e-4, "time.sampling_step": 2e-4
+    },
+    "as shipped, rolling without sliding": _ROLLING,
+    "both, rolling without sliding": {**_FAST_DRIVES, **_FAST_ESTIMATOR, **_ROLLING},
+}  # fmt: skip
+"""Runs that show where the tracking error of the case itself comes from."""
+
+
+def references(case: Case) -> dict[str, Changes]:
+    """REFERENCES of a case; without the bandwidth of its estimator where that has none."""
+    assert case.rig_control is not None
+    left_out = () if isinstance(case.rig_control.estimator, BandwidthEstimator) else tuple(_FAST_ESTIMATOR)
+    return {name: {k: v for k, v in changes.items() if k not in left_out} for name, changes in REFERENCES.items()}
+
+
+def _key_family(name: str, title: str, axis: str, unit: str, key: str, values: tuple[float, ...],
+                curves: Mapping[str, Changes | Vary], *, scale: Literal["log", "linear"] = "log", user: bool = False,
+                vary: Vary | None = None, otherwise: float = math.nan) -> Family:  # fmt: skip
+    """A family along one number of the case."""
+    return Family(name, title, axis, unit, values, vary or _set(key), curves, scale, _as_it_is(key, otherwise), user)
+
+
+FAMILIES: tuple[Family, ...] = (
+    _key_family("estimator_bandwidth", "Estimators and their bandwidth", "bandwidth of the estimator [Hz]", "Hz",
+                "rig_control.estimator.bandwidth", (1, 2, 5, 10, 20, 50, 100, 200), LIMITED, otherwise=OBSERVER.bandwidth),
+    Family("feedback_gain", "Gains of the feedback", "factor on the gains [-]", "×",
+           (0.1, 0.25, 0.5, 1, 2, 4, 8, 16, 32, 64, 128, 256), lambda _case, _factor: {},
+           {"PI": _pi_gains, "sliding mode": _switching}, base=lambda _case: 1.0),
+    _key_family("feedback_bandwidth", "Bandwidth of the PI loop", "bandwidth of the loop [Hz]", "Hz",
+                "rig_control.feedback.bandwidth", (0.05, 0.1, 0.2, 0.35, 0.7, 1.4, 2.8, 5.6, 11.2), {"PI": FEEDBACKS["PI"]},
+                otherwise=PI.bandwidth),
+    _key_family("sample_time", "Sample time", "sample time of the controller [s]", "s", "rig_control.sample_time",
+                (1e-4, 2e-4, 5e-4, 1e-3, 2e-3, 5e-3, 1e-2),
+                {**FEEDBACKS, **{f"PI, {key}": fixed for key, fixed in ESTIMATORS.items() if key != "observer"}},
+                vary=_sample_time),
+    _key_family("drive_bandwidth", "Bandwidth of the roller drives", "bandwidth of the roller drives [Hz]", "Hz",
+                "rig_control.motor.bandwidth", (1, 2, 5, 10, 20, 50, 100, 200),
+                {**FEEDBACKS, "PI, torque as commanded": {"rig_control.estimator.torque": "commanded"}}, user=True),
+    _key_family("delay", "Delay of the command", "delay from sample to torque command [s]", "s", "rig_control.delay",
+                (0.0, 1e-3, 2e-3, 5e-3, 1e-2, 2e-2), FEEDBACKS, scale="linear", user=True),
+    Family("assumed_parameters", "Wrong assumed parameters", "error of the assumed parameter [%]", "%", _PERCENT,
+           lambda _case, _value: {}, {label(name): _wrong(name) for name in Wheel.__dataclass_fields__}, "linear",
+           lambda _case: 0.0),
+    Family("assumed_radii_unprotected", "Wrong assumed radii, without protection of the rollers",
+           "error of the assumed parameter [%]", "%", _PERCENT, lambda _case, _value: {"rig_control.protection.slip": 100.0},
+           {label(name): _wrong(name) for name in ("wheel_radius", "roller_radius")}, "linear", lambda _case: 0.0),
+    Family("encoder_counts", f"Counts of the encoders, differenced over {WINDOW} samples",
+           "counts per turn, axles and rollers [-]", "counts", (256, 512, 1024, 2048, 4096, 8192, 16384, 65536),
+           lambda _case, value: _encoders(counts=value, window=WINDOW), ESTIMATORS, user=True),
+    Family("encoder_window", f"Samples over which an encoder of {COUNTS:g} counts is differenced", "samples [-]", "samples",
+           (1, 2, 4, 8, 16), lambda _case, value: _encoders(counts=COUNTS, window=int(value)), ESTIMATORS),
+    Family("encoder_jitter", f"Jitter of encoders of {COUNTS:g} counts, differenced over {WINDOW} samples",
+           "standard deviation of the edges [counts]", "counts", (0.0, 0.1, 0.2, 0.5, 1.0, 2.0),
+           lambda _case, value: _encoders(counts=COUNTS, window=WINDOW, jitter=value), ESTIMATORS, "linear"),
+    Family("estimator_bandwidth_encoders",
+           f"Bandwidth of the estimators behind encoders of {COUNTS:g} counts, differenced over {WINDOW} samples",
+           "bandwidth of the estimator [Hz]", "Hz", (1, 2, 5, 10, 20, 50, 100),
+           lambda _case, value: {**_encoders(counts=COUNTS, window=WINDOW), "rig_control.estimator.bandwidth": value},
+           LIMITED),
+)  # fmt: skip
+"""Everything that `rollerrig control` varies."""
+
+
+OUTPUT_STEP = 2e-3
+"""Of the runs compared [s]; ripple is seen up to its Nyquist frequency, 250 Hz."""
+
+KEPT = ["axle_speed", "virtual_speed", "train_speed", "train_distance", "real_sliding", "roller_torque", "valve"]
+
+
+def run_variant(case: Case, with_course: bool, progress: Progress | None = None) -> dict[str, Any]:
+    """One run: its `numbers`, and where wanted its `course` over time."""
+    run = whole_run(case, progress)
+    return {"numbers": run_numbers(run), "course": run[KEPT].load() if with_course else None}
+
+
+def run_numbers(run: xr.Dataset) -> dict[str, Any]:
+    """The numbers of one run as the registry has them, of the axles under test.
+
+    As `distance_relative`, time and distance of the last instant compared.
+    """
+    run = under_test(run)
+    ripple, frequency = torque_ripple(run["time"].to_numpy(), run["roller_torque"].to_numpy())
+    last, compared = run.isel(time=-1), run.isel(time=slice(None, None, 50)).isel(time=-1)
+    return {
+        "status": run.attrs["status"],
+        "ended_s": float(run.attrs["stopped_at_s"]),
+        **following(run),
+        "largest_slip": largest(slip(run)),
+        "roller_torque_largest_nm": float(np.abs(run["roller_torque"]).max()),
+        "distance_m": float(last["train_distance"]),
+        "distance_relative": [float(compared["time"]), float(compared["train_distance"])],
+        "dump_cycles": int(last["dump_cycles"].sum()),
+        "air_litres": 1e3 * float(last["air"].sum()),
+        "ripple_nm": ripple,
+        "ripple_hz": frequency,
+    }
+
+
+def against(numbers: Mapping[str, Any], base: xr.Dataset) -> dict[str, Any]:
+    """With the distance over that of the base at the same time, less 1."""
+    time, distance = numbers["distance_relative"]
+    shipped = float(np.interp(time, base["time"], base["train_distance"]))
+    return {**numbers, "distance_relative": distance / shipped - 1.0 if shipped > 0.0 else None}
+
+
+TRACKING_LIMIT = 0.01
+"""Tracking RMS over train speed from which on a variant fails: the project's aim for the shipped cases [-]."""
+
+
+RIPPLE_LIMIT = 500.0
+"""Ripple of a roller's torque [N m] from which on a variant fails: a tenth of what low adhesion asks for, R T_v.
+
+The one criterion of a torque that does not settle; every verdict names it, see RIPPLE_CRITERION.
+"""
+
+
+RIPPLE_CRITERION = f"persistent torque ripple above {RIPPLE_LIMIT:g} N m RMS"
+
+
+TRACKING_CRITERION = f"tracking error above {100 * TRACKING_LIMIT:g} % RMS"
+
+
+@dataclass(frozen=True)
+class Result:
+    """What came out of a run.
+
+    Attributes:
+        family, curve: where it belongs.
+        value: on the family's axis; NaN for a reference.
+        numbers: of the run.
+    """
+
+    family: str
+    curve: str
+    value: float
+    numbers: dict[str, Any]
+
+    @property
+    def completed(self) -> bool:
+        """Whether the test came to its end."""
+        return bool(self.numbers["status"] in COMPLETED)
+
+    @property
+    def cause(self) -> str:
+        """Why it fails: the status of a run that ended early, 'tracking', 'ripple', or ''."""
+        if not self.completed:
+            return str(self.numbers["status"])
+        if not self.numbers["tracking_rms"] < TRACKING_LIMIT:
+            return "tracking"
+        return "ripple" if self.numbers["ripple_nm"] > RIPPLE_LIMIT else ""
+
+    @property
+    def severity(self) -> tuple[float, float]:
+        """Order of results: an ended test before any error, the earlier the worse; then the larger error over its limit.
+
+        A ripple within its limit does not count: it scatters with the switching of valves.
+        """
+        if not self.completed:
+            return math.inf, -float(self.numbers["ended_s"])
+        ripple, tracking = self.numbers["ripple_nm"] / RIPPLE_LIMIT, self.numbers["tracking_rms"] / TRACKING_LIMIT
+        return max(tracking, ripple if ripple > 1.0 else 0.0), 0.0
+
+
+MEASURED = {"tracking": ("tracking_rms", TRACKING_LIMIT), "ripple": ("ripple_nm", RIPPLE_LIMIT)}
+"""Cause -> the number that decides it, and its limit."""

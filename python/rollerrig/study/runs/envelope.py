@@ -1,0 +1,358 @@
+"""What is run for an envelope map: axle torques, adhesions of the virtual rail and axle loads, and the test at each of them.
+
+Case of a rig with [rig_control], Point -> [point_case] -> the case that is run
+
+At each point the torque rises within RISE and stays; slide protection or wheel-slip control, the case's or else one with
+default settings, lets the wheels slide and regain speed. The case's own cylinders and motors would be slower: here the torque
+is what is asked for, so that the map describes the rig.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+import xarray as xr
+
+from rollerrig import __version__
+from rollerrig.actuators import friction_brake
+from rollerrig.analysis.rig_limits import (
+    LINES,
+    Patch,
+    RigLimits,
+    closed_forms,
+    grip_slip,
+    patch_of,
+    rail_shape,
+    rig_limits,
+)
+from rollerrig.analysis.run_limits import NUMBERS, REGIONS, Record, assess_limits, failed
+from rollerrig.assembly import assemble
+from rollerrig.config import Brake, Case, ConfigError, ConfigProblem, Traction
+from rollerrig.mechatronics.setup import full_brake_torque
+from rollerrig.mechatronics.virtual_train import load_transfer
+from rollerrig.results import variable
+from rollerrig.starting_state import StartError
+from rollerrig.study.jobs import Progress, whole_run
+
+BEGIN, RISE = 0.1, 0.2
+"""The torque begins to act, and takes so long to its full value [s]."""
+
+LEAST_DURATION = round(2.0 * (BEGIN + RISE), 9)
+"""Of a run: the full torque acts for half of it [s]; rounded, since 0.1 + 0.2 is not quite 0.3."""
+
+FOLLOW = 200.0
+"""Rate of the test's control valve and cylinder [1/s]: the torque follows the ramp within a few ms."""
+
+PAD_FRICTION = 0.35
+"""Of the test's brake, constant over speed, so that its pressure gives the torque asked for [-]."""
+
+ADHESIONS = (0.02, 0.04, 0.06, 0.08, 0.12, 0.16, 0.20, 0.25, 0.30, 0.36)
+LOADS = (0.6, 1.0, 1.4)
+TORQUES = 12
+"""Torques of a default map."""
+
+MOST_RUNS = 100_000
+MOST_REFINED = 4
+
+
+def torque_text(torque: float) -> str:
+    """A torque [N m] with its unit; the blanks do not break."""
+    scaled, unit = (1e-3 * torque, "kN\u00a0m") if abs(torque) >= 500.0 else (torque, "N\u00a0m")
+    return f"{scaled:.4g}\u00a0{unit}"
+
+
+class Point(NamedTuple):
+    """A place on the map: axle load over the case's own [-], torque on each axle, positive forward [N m], adhesion [-]."""
+
+    load: float
+    torque: float
+    adhesion: float
+
+    @property
+    def label(self) -> str:
+        """For a title."""
+        return f"{torque_text(self.torque)}, adhesion\u00a0{self.adhesion:.3g}, load\u00a0{self.load:.3g}"
+
+
+def default_torques(case: Case) -> list[float]:
+    """Beyond what rollers or their drives carry, in round steps; brakes for a case with [brake], otherwise traction."""
+    rig = rig_limits(case)
+    raw = 1.3 * max(min(rig.contact(), rig.drive_grip()), 1e-6) / TORQUES
+    power = 10.0 ** math.floor(math.log10(raw))
+    step = min((1.0, 1.2, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0), key=lambda s: abs(s * power - raw)) * power
+    rising = [float(f"{step * k:.9g}") for k in range(1, TORQUES + 1)]
+    return [-torque for torque in reversed(rising)] if case.brake is not None else rising
+
+
+def vehicle_torque(case: Case, brakes: bool) -> float | None:
+    """Largest torque that the vehicle itself exerts on an axle at the start [N m]; None: no limit is known.
+
+    Of its brake at the demand's largest pressure, or of its motor's envelope.
+    """
+    if brakes and case.brake is not None:
+        return abs(full_brake_torque(case))
+    envelope = case.traction.motor.envelope if case.traction is not None else None
+    if brakes or envelope is None:
+        return None
+    return float(np.interp(case.motion.speed / case.vehicle.data.wheel.radius, *np.array(envelope).T))
+
+
+def point_case(case: Case, point: Point, duration: float) -> Case:
+    """The test at one point of the map, for a duration [s]."""
+    changes: dict[str, object] = {
+        "time.duration": duration,
+        "time.output_step": 5.0 * case.time.sampling_step,
+        "adhesion": {"rail": _rail(case, point.adhesion)},
+        **_load_changes(case, point.load),
+        **(_braking(case, -point.torque) if point.torque < 0.0 else _pulling(case, point.torque)),
+    }
+    return case.with_changes(changes)
+
+
+def _rail(case: Case, adhesion: float) -> dict[str, Any]:
+    """The case's condition of the rail with another friction at no slip."""
+    shape = _plain(rail_shape(case))
+    return {**shape, "friction": {**shape["friction"], "mu_0": adhesion}}
+
+
+def _load_changes(case: Case, load: float) -> dict[str, object]:
+    if load == 1.0:
+        return {}
+    body = max((b for b in case.vehicle.data.body if b.kind != "wheelset"), key=lambda b: b.mass)
+    mass = _loaded_mass(case, load)
+    inertia = [mass / body.mass * value for value in body.inertia]
+    return {f"vehicle.body.{body.name}.mass": mass, f"vehicle.body.{body.name}.inertia": inertia}
+
+
+def _loaded_mass(case: Case, load: float) -> float:
+    """Mass of the heaviest body where all axle loads are multiplied; not positive where the rest is too heavy already."""
+    bodies = case.vehicle.data.body
+    heaviest = max((b.mass for b in bodies if b.kind != "wheelset"), default=0.0)
+    return float(heaviest + (load - 1.0) * sum(b.mass for b in bodies)) if heaviest else 0.0
+
+
+def _braking(case: Case, torque: float) -> dict[str, object]:
+    brake = case.brake or Brake(demand=((0.0, 0.0), (1.0, 0.0)))
+    constant = {"friction": ((0.0, PAD_FRICTION), (50.0, PAD_FRICTION))}
+    pressure = brake_pressure(brake.model_copy(update=constant), torque)
+    quick = {
+        "demand": [[0.0, 0.0], [BEGIN, 0.0], [BEGIN + RISE, pressure]],
+        **constant,
+        "application_rate": 100.0 * pressure / RISE,
+        "release_rate": 100.0 * pressure / RISE,
+        "follow_rate": FOLLOW,
+        "air": {"kind": "unlimited", "fill_rate": FOLLOW},
+        "motors_stand_in": False,
+        "electrodynamic": None,
+    }
+    protection: object = {} if case.slide_protection is None else case.slide_protection
+    without = {"traction": None, "wheel_slip_control": None}
+    return {"brake": {**_plain(brake), **quick}, "slide_protection": protection, **without}
+
+
+def brake_pressure(brake: Brake, torque: float) -> float:
+    """Cylinder pressure of a brake with constant friction for a torque on the axle [Pa], from the core's brake."""
+    core, fast = friction_brake(brake), 1e9  # rad/s: far above the speed below which friction is regularised
+
+    from scipy.optimize import brentq  # slow to load, and seldom needed
+
+    def excess(pressure: float) -> float:
+        return -float(core.torque(pressure, fast)) - torque
+
+    highest = 1e6
+    while excess(highest) < 0.0:
+        highest *= 2.0
+    return float(brentq(excess, 0.0, highest, xtol=1e-9, rtol=1e-15))
+
+
+def _pulling(case: Case, torque: float) -> dict[str, object]:
+    traction = case.traction or Traction()
+    motor = traction.motor.model_copy(update={"envelope": None})
+    demand = [[0.0, 0.0], [BEGIN, 0.0], [BEGIN + RISE, torque]]
+    return {
+        "traction": {**_plain(traction), "demand": demand, "motor": _plain(motor)},
+        "wheel_slip_control": {} if case.wheel_slip_control is None else case.wheel_slip_control,
+        "brake": None,
+        "track_brake": None,
+        "sanding": None,
+        "slide_protection": None,
+    }
+
+
+def _plain(table: Any) -> dict[str, Any]:
+    values: dict[str, Any] = table.model_dump(exclude_none=True)
+    return values
+
+
+def check(case: Case, torques: Sequence[float], adhesions: Sequence[float], loads: Sequence[float], duration: float,
+          refine: int) -> None:  # fmt: skip
+    """Refuse what cannot be run; arguments as of `EnvelopeStudy`.
+
+    Raises:
+        ConfigError: all mistakes found.
+    """
+    problems = []
+
+    def refuse(key: str, value: object, allowed: str) -> None:
+        problems.append(ConfigProblem(case.name, f"envelope: {key}", str(value), f"allowed: {allowed}"))
+
+    for key, values, least in (("torques", torques, 2), ("adhesions", adhesions, 2), ("loads", loads, 1)):
+        rising = all(a < b for a, b in itertools.pairwise(values))
+        if len(values) < least or not rising or not all(map(math.isfinite, values)):
+            refuse(key, _few(values), f"at least {least} finite numbers in ascending order")
+    if not problems and (not adhesions[0] > 0.0 or not adhesions[-1] <= 1.0):
+        refuse("adhesions", _few(adhesions), "above 0 and up to 1")
+    bodies = case.vehicle.data.body
+    heaviest = max((b.mass for b in bodies if b.kind != "wheelset"), default=0.0)
+    for load in (load for load in loads if not _loaded_mass(case, load) > 0.0):
+        least_load = 1.0 - heaviest / sum(b.mass for b in bodies)
+        allowed = f"above {least_load:.2g}, where nothing is left of the heaviest body, which carries the load"
+        refuse("loads", f"{load:g}", allowed if heaviest else "1: there is no body but wheelsets to load")
+    if not LEAST_DURATION <= duration <= 60.0:
+        refuse("duration", f"{duration:g} s", f"{LEAST_DURATION:g} s to 60 s")
+    if not 0 <= refine <= MOST_REFINED:
+        refuse("refine", refine, f"0 to {MOST_REFINED}")
+    elif (count := len(loads) * len(between(torques, 2**refine)) * len(between(adhesions, 2**refine))) > MOST_RUNS:
+        refuse("torques, adhesions, loads", f"{count} points", f"at most {MOST_RUNS}")
+    if problems:
+        raise ConfigError(problems)
+
+
+def _few(values: Sequence[float]) -> str:
+    shown = ", ".join(f"{value:g}" for value in values[:6])
+    return (shown or "none") + (", ..." if len(values) > 6 else "")
+
+
+def between(values: Sequence[float], parts: int) -> tuple[float, ...]:
+    """The values, with each interval divided into so many parts."""
+    found = [a + (b - a) * k / parts for a, b in itertools.pairwise(values) for k in range(parts)]
+    return (*(float(f"{value:.9g}") for value in found), values[-1])
+
+
+# -------------------------------------------------------------------------------------------------------------- jobs
+
+
+@dataclass(frozen=True)
+class OnTrack:
+    """What the virtual train takes from the vehicle on track: the same for all runs of a load; None: no equilibrium."""
+
+    load_transfer: tuple[float, ...] | None = None
+    patch: Patch | None = None
+    limits: RigLimits | None = None
+
+
+def find_on_track(case: Case) -> OnTrack:
+    """For the load of a case."""
+    model = assemble(case)
+    try:
+        return OnTrack(tuple(load_transfer(model)), patch_of(model), rig_limits(case))
+    except StartError:  # every run of this load fails with the same error, and records it
+        return OnTrack()
+
+
+def run_point(case: Case, point: Point, known: OnTrack, progress: Progress | None = None) -> Record:
+    """Run a point and assess its limits."""
+    control = case.rig_control
+    if known.load_transfer is not None and control is not None:
+        control = control.model_copy(update={"load_transfer": known.load_transfer})
+        case = case.model_copy(update={"rig_control": control})
+    try:
+        run = whole_run(case, progress)
+    except StartError as error:
+        return failed("no_start", str(error))
+    assert known.patch is not None  # or the run would not have started
+    return assess_limits(run, case, point.torque, grip_slip(case, known.patch, point.adhesion), known.limits)
+
+
+DIMENSIONS = ("load", "adhesion", "torque")
+
+
+def map_dataset(
+    case: Case,
+    loads: Sequence[float],
+    adhesions: Sequence[float],
+    torques: Sequence[float],
+    done: Mapping[Point, Record],
+) -> xr.Dataset:
+    """The map of the records that there are; see `envelope`."""
+    shape = (len(loads), len(adhesions), len(torques))
+    texts = {name: np.full(shape, "", dtype=object) for name in ("region", "limits", "status")}
+    numbers = {name: np.full(shape, np.nan) for name in NUMBERS}
+    for place in np.ndindex(*shape):
+        record = done.get(Point(loads[place[0]], torques[place[2]], adhesions[place[1]]))
+        if record is None:
+            continue
+        texts["region"][place], texts["status"][place] = record["region"], record["status"]
+        texts["limits"][place] = ", ".join(f"{name} {since:.3g} s" for name, since in record["limits"].items())
+        for name, values in numbers.items():
+            values[place] = np.nan if record[name] is None else record[name]
+    meanings = {
+        "region": "; ".join(f"{name}: {meaning}" for name, meaning in REGIONS.items()),
+        "limits": "limits reached and when, the first one first",
+        "status": "status of the run",
+    }
+    variables: dict[str, Any] = {
+        **{name: (DIMENSIONS, texts[name].astype(str), {"long_name": text}) for name, text in meanings.items()},
+        **{name: variable(DIMENSIONS, numbers[name], u, m) for name, (u, m) in NUMBERS.items()},
+    }
+    coordinates = {
+        "load": variable("load", list(loads), "1", "axle load over the case's own"),
+        "adhesion": variable("adhesion", list(adhesions), "1", "of the virtual rail at no slip"),
+        "torque": variable("torque", list(torques), "N m", "on each axle, negative brakes"),
+    }
+    attributes = {
+        "title": f"Operating envelope of {case.name}",
+        "case": case.name,
+        "config_toml": case.to_toml(),
+        "speed_kmh": 3.6 * case.motion.speed,
+        "runs": int((texts["region"] != "").sum()),
+        "rollerrig_version": __version__,
+    }
+    return _with_lines(xr.Dataset(variables, coordinates, attributes), case)
+
+
+def _with_lines(found: xr.Dataset, case: Case) -> xr.Dataset:
+    """The map with its closed forms over `side` (brake, traction), load and adhesion."""
+    loads, adhesions = found["load"].to_numpy().tolist(), found["adhesion"].to_numpy()
+    sides = [side for side, on in (("brake", found["torque"][0] < 0), ("traction", found["torque"][-1] > 0)) if on]
+    fine = np.linspace(adhesions[0], adhesions[-1], 91)
+    lines = {name: np.full((len(sides), len(loads), len(fine)), np.nan) for name in LINES}
+    loads_n, contact = np.zeros(len(loads)), np.zeros((len(sides), len(loads)))
+    for (s, side), (k, load) in itertools.product(enumerate(sides), enumerate(loads)):
+        loaded = point_case(case, Point(load, -1.0 if side == "brake" else 1.0, float(adhesions[0])), 1.0)
+        forms = closed_forms(loaded, fine)
+        loads_n[k], contact[s, k] = forms["axle_load"], forms["contact_adhesion"]
+        for name in forms.keys() & lines.keys():
+            lines[name][s, k] = forms[name]
+        own = vehicle_torque(case, side == "brake")
+        lines["line_vehicle"][s, k] = np.nan if own is None else own
+    variables: dict[str, Any] = {
+        name: variable(("side", "load", "line_adhesion"), values, "N m", LINES[name]) for name, values in lines.items()
+    }
+    meaning = "on rails with more adhesion than this a sliding wheel slides on its roller, (V3)"
+    variables["contact_adhesion"] = variable(("side", "load"), contact, "1", meaning)
+    variables["axle_load"] = variable("load", loads_n, "N", "mean static load of an axle")
+    along = variable("line_adhesion", fine, "1", "adhesion along the closed forms")
+    return found.assign(variables).assign_coords(side=("side", sides), line_adhesion=along)
+
+
+def middles(found: xr.Dataset) -> dict[str, Point]:
+    """Region -> the run farthest from any other region and from the map's edge, counted in places of the lattice.
+
+    At the load nearest to the case's own at which the region occurs; 'failed' is left out.
+    """
+    chosen: dict[str, Point] = {}
+    for load in sorted(found["load"].to_numpy(), key=lambda value: abs(value - 1.0)):
+        regions = found["region"].sel(load=load).to_numpy()
+        for region in (r for r in REGIONS if r != "failed" and r not in chosen and (regions == r).any()):
+            own, others = np.argwhere(regions == region), np.argwhere((regions != region) & (regions != ""))
+            edge = np.minimum(own, np.array(regions.shape) - 1 - own).min(axis=1) + 1.0
+            apart = [np.inf if not len(others) else np.hypot(*(others - place).T).min() for place in own]
+            row, column = own[int(np.argmax(np.minimum(edge, apart)))]
+            chosen[region] = Point(float(load), float(found["torque"][column]), float(found["adhesion"][row]))
+    return {region: chosen[region] for region in REGIONS if region in chosen}

@@ -1,0 +1,463 @@
+"""What is computed of the paper's two studies: cases, speeds and lengths of runs, their results, checks against theory.
+
+PaperPlan -> [first_jobs, further_rounds] -> results of the jobs -> [results_of] -> Results with checks
+
+The paper's own contact is Hertz' ellipse at each minimum of the gap, with Kalker's linear theory saturated by friction. The exact
+one is a non-elliptical patch with Kalker's theory of rolling contact: `strips` and `table`, what every other study uses.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+
+import numpy as np
+import xarray as xr
+
+from rollerrig.analysis import CriticalSpeedByDisturbance, HuntingSettings, LinearCriticalSpeed, RampSettings, ramp_run
+from rollerrig.analysis.contact_state import ContactState, contact_state
+from rollerrig.analysis.critical_speed import scan_linear
+from rollerrig.analysis.fits import Fit, fit
+from rollerrig.analysis.hunting import HuntingRun, decay_frequency
+from rollerrig.analysis.roller_effects import RADII, CriticalSpeedOverRadius, EffectSplit
+from rollerrig.analysis.traction import with_theory
+from rollerrig.cases import restrained_along_track
+from rollerrig.config import Case, Rig, load_case
+from rollerrig.study import critical_speeds as speeds
+from rollerrig.study.assessment import Check, Interval
+from rollerrig.study.contact_models import sensitivity_cases
+from rollerrig.study.jobs import Done, Job, Round, job, whole_modes, whole_run
+from rollerrig.study.report import Mark
+
+MATERIALS = ("steel", "paper")
+"""Names in the catalogue; `paper` has the G = 10 GPa of the paper."""
+
+NAMES = {"steel": "steel", "paper": "the paper's material"}
+"""Material -> what it is called in sentences."""
+
+OWN, EXACT = "own contact", "exact contact"
+CONTACTS: dict[str, dict[str, object]] = {
+    OWN: {"contact.normal": {"kind": "hertz"}, "contact.creep": {"kind": "kalker_saturated"}},
+    EXACT: {"contact.normal": {"kind": "strips"}, "contact.creep": {"kind": "table"}},
+}
+"""Contact -> changes of a case."""
+
+VARIANTS = {
+    "bogie on the rig": ("bogie_rollers_constant", "leading_bogie"),
+    "bogie on track": ("bogie_track", "leading_bogie"),
+    "vehicle on track": ("bogie_track", "vehicle"),
+}
+"""What is linearised: label -> case, cut."""
+
+RIG, VEHICLE = "bogie on the rig", "vehicle on track"
+"""The variants that figure 7b compares."""
+
+TABLE_PARTS = ("leading_bogie", "vehicle")
+"""Parts in the table of critical speeds over the rollers' radius."""
+
+MERGING_CRITERIA = (0.0, 0.005, 0.01, 0.015, 0.02, 0.05)
+"""Values of contact.normal.merging_criterion for which the sensitivity of the critical speed is shown."""
+
+FRONT, REAR = "wheelset_1_right", "wheelset_2_right"
+"""The wheels of the paper's figure 8."""
+
+
+# ------------------------------------------------------------------------------------------------------------- the plan
+
+
+@dataclass(frozen=True)
+class PaperPlan:
+    """Speeds and lengths.
+
+    Attributes:
+        linear_kmh: speeds at which modes are computed [km/h].
+        runs_kmh: material -> speeds of runs at constant speed [km/h], of the bogie on the rig and of the vehicle on track.
+        bracket_kmh: width to which the critical speed by disturbance is narrowed down [km/h].
+        ramps: material -> ramp.
+        hunting: disturbance, length and tolerances of the runs.
+        traction_case: name of the case in the catalogue.
+        traction_changes: changes to it.
+        criteria: values of contact.normal.merging_criterion for the sensitivity.
+        sensitivity_kmh: first speeds of runs of the bogie, steel, with each model of normal contact [km/h].
+        radii: of the rollers in the table of critical speeds [m].
+        mark: said on every page, table and figure; None: the numbers may be relied on.
+    """
+
+    linear_kmh: tuple[float, ...]
+    runs_kmh: dict[str, tuple[float, ...]]
+    bracket_kmh: float
+    ramps: dict[str, RampSettings]
+    hunting: HuntingSettings = field(default_factory=HuntingSettings)
+    traction_case: str = "bogie_rollers_traction"
+    traction_changes: dict[str, object] = field(default_factory=dict)
+    criteria: tuple[float, ...] = MERGING_CRITERIA
+    sensitivity_kmh: tuple[float, ...] = (120.0, 160.0, 200.0, 240.0, 280.0)
+    radii: tuple[float, ...] = RADII
+    mark: Mark | None = None
+
+
+def _kmh(low: float, high: float, acceleration: float, perturbation_every: float) -> RampSettings:
+    return RampSettings(low / 3.6, high / 3.6, acceleration / 3.6, perturbation_every=perturbation_every / 3.6)
+
+
+FULL = PaperPlan(
+    linear_kmh=tuple(float(v) for v in range(20, 401, 10)),
+    runs_kmh={
+        "steel": tuple(float(v) for v in range(100, 301, 20)),
+        "paper": tuple(float(v) for v in range(80, 221, 20)),
+    },
+    bracket_kmh=2.5,
+    ramps={"steel": _kmh(60, 280, 3, 10), "paper": _kmh(40, 220, 3, 10)},
+)
+
+QUICK = PaperPlan(
+    linear_kmh=(180.0, 260.0),
+    runs_kmh={"steel": (100.0, 200.0), "paper": (100.0, 160.0)},
+    bracket_kmh=1000.0,
+    ramps={"steel": _kmh(140, 180, 40, 20), "paper": _kmh(100, 140, 40, 20)},
+    hunting=HuntingSettings(duration=1.0, output_step=1e-2),
+    criteria=(0.0, 0.01),
+    sensitivity_kmh=(100.0, 200.0),
+    radii=(0.725,),
+    mark=Mark("quick", "few and short runs, which show that everything works; no number here is a result to be quoted"),
+)
+
+
+def case_of(variant: str, material: str, contact: str = OWN) -> Case:
+    """The case of one of VARIANTS with a material of the catalogue and one of CONTACTS."""
+    name, cut = VARIANTS[variant]
+    changes = {"contact.material": material, "vehicle.cut": cut, **CONTACTS[contact]}
+    return restrained_along_track(load_case(name).with_changes(changes))
+
+
+def rig_case(material: str) -> Case:
+    """The bogie on the rig."""
+    return case_of(RIG, material)
+
+
+def contact_model_cases(plan: PaperPlan) -> dict[str, Case]:
+    """The bogie, steel, on rig and track with each model of normal contact."""
+    supports = {"rig": rig_case(MATERIALS[0]), "track": case_of("bogie on track", MATERIALS[0])}
+    return sensitivity_cases(supports, plan.criteria)
+
+
+def traction_case(plan: PaperPlan, contact: str = OWN) -> Case:
+    """The case of figure 8."""
+    return load_case(plan.traction_case).with_changes({**CONTACTS[contact], **plan.traction_changes})
+
+
+# ----------------------------------------------------------------------------------------------------------------- jobs
+
+ALL = tuple(itertools.product(CONTACTS, MATERIALS, VARIANTS))
+RUNS = tuple(key for key in ALL if key[2] in (RIG, VEHICLE))
+"""Contact, material and variant of the runs from a disturbance."""
+
+
+def _label(contact: str, material: str, variant: str) -> str:
+    """Of runs from a disturbance."""
+    return f"{variant} {material}" if contact == OWN else f"{contact} {variant} {material}"
+
+
+def rounds(plan: PaperPlan, done: Done) -> Iterator[Round]:
+    """All jobs: what is linear first, then ramps and runs."""
+    scanned = [v / 3.6 for v in plan.linear_kmh]
+    linear: dict[str, Job] = {}
+    further: dict[str, Job] = {}
+    for m in MATERIALS:
+        for variant in VARIANTS:
+            linear[f"modes {m}, {variant}"] = job(whole_modes, case_of(variant, m), plan.linear_kmh)
+            exact = case_of(variant, m, EXACT)
+            further[f"{EXACT} linear {m}, {variant}"] = job(scan_linear, (exact, scanned))
+        rig = rig_case(m)
+        linear[f"contact {m}"] = job(contact_state, rig)
+        for value in plan.criteria:
+            changed = rig.with_changes({"contact.normal.merging_criterion": value})
+            linear[f"merging {m} {value:g}"] = job(scan_linear, (changed, scanned))
+        linear |= speeds.roller_jobs(rig, TABLE_PARTS, plan.radii, plan.linear_kmh, f" {m}")
+        further[f"ramp {m}"] = job(ramp_run, (rig, plan.ramps[m], plan.hunting))
+    further[f"{EXACT} traction"] = job(whole_run, traction_case(plan, EXACT))
+    further["traction"] = job(whole_run, traction_case(plan))
+    yield linear
+    cases = {_label(*key): case_of(key[2], key[1], key[0]) for key in RUNS}
+    begun = {_label(*key): plan.runs_kmh[key[1]] for key in RUNS}
+    models = contact_model_cases(plan)
+    cases, begun = cases | models, begun | dict.fromkeys(models, plan.sensitivity_kmh)
+    for more in speeds.disturbance_rounds(cases, begun, plan.bracket_kmh, plan.hunting, done):
+        yield {**further, **more}
+        further = {}
+
+
+# -------------------------------------------------------------------------------------------------------------- results
+
+Place = tuple[str, str, str]
+"""Contact, material, variant."""
+
+
+@dataclass
+class Results:
+    """What was computed; parts that Ctrl-C cut off are missing.
+
+    Attributes:
+        modes: material -> variant -> Dataset of `stability`, with the paper's contact.
+        linear: linear critical speed [km/h] and its frequency [Hz]; NaN: none.
+        runs: critical speed by disturbance, with its runs.
+        merging: material -> merging criterion -> linear critical speed on the rig.
+        contact: the wheels' contact in steady rolling on the rig, by material.
+        ramps: Datasets of `ramp_run`, by material.
+        sensitivity: critical speed by disturbance of the bogie, steel, by label of `contact_model_cases`.
+        over_radius: critical speeds over the rollers' radius, by material.
+        effects: of the rollers on the bogie's critical speed, by material.
+        traction: the traction run, all signals.
+        theory: the same wheels beside the closed forms; those with the exact contact.
+    """
+
+    modes: dict[str, dict[str, xr.Dataset]]
+    linear: dict[Place, tuple[float, float]]
+    runs: dict[Place, CriticalSpeedByDisturbance]
+    merging: dict[str, dict[float, LinearCriticalSpeed]]
+    contact: dict[str, ContactState]
+    ramps: dict[str, xr.Dataset]
+    sensitivity: dict[str, CriticalSpeedByDisturbance]
+    over_radius: dict[str, CriticalSpeedOverRadius]
+    effects: dict[str, EffectSplit]
+    traction: xr.Dataset | None
+    theory: xr.Dataset | None
+    exact_theory: xr.Dataset | None
+    checks: list[Check] = field(default_factory=list)
+
+    def linear_kmh(self, material: str, variant: str = RIG, contact: str = OWN) -> float:
+        """Linear critical speed [km/h]; NaN if there is none or it was not computed."""
+        return self.linear.get((contact, material, variant), (math.nan, math.nan))[0]
+
+    def by_disturbance(self, material: str, variant: str = RIG, contact: str = OWN) -> Interval:
+        """Where the critical speed by disturbance lies [km/h]; without ends if it was not computed."""
+        found = self.runs.get((contact, material, variant))
+        return Interval(-math.inf, math.inf) if found is None else Interval.of_bracket(found)
+
+    def runs_of(self, variant: str = RIG, contact: str = OWN) -> dict[str, CriticalSpeedByDisturbance]:
+        """Material -> critical speed by disturbance, of the materials that have runs."""
+        return {m: self.runs[contact, m, variant] for m in MATERIALS if (contact, m, variant) in self.runs}
+
+
+def results_of(plan: PaperPlan, done: Done) -> Results:
+    """Everything that can be said from what is done."""
+    modes = {m: {v: done[n] for v in VARIANTS if (n := f"modes {m}, {v}") in done} for m in MATERIALS}
+    linear = {
+        (OWN, m, v): (float(found.attrs["linear_critical_speed_kmh"]), float(found.attrs["linear_critical_frequency_hz"]))
+        for m, variants in modes.items()
+        for v, found in variants.items()
+    }  # fmt: skip
+    for m, v in itertools.product(MATERIALS, VARIANTS):
+        if (scan := done.get(f"{EXACT} linear {m}, {v}")) is not None:
+            linear[EXACT, m, v] = scan.speed_kmh, math.nan if scan.onset is None else scan.onset.frequency
+    runs = {key: one for key in RUNS for one in speeds.brackets([_label(*key)], plan.hunting, done).values()}
+    radii = {m: speeds.over_radius(done, TABLE_PARTS, plan.radii, f" {m}") for m in MATERIALS}
+    splits = {m: speeds.effect_split(done, f" {m}") for m in MATERIALS}
+    run, exact = done.get("traction"), done.get(f"{EXACT} traction")
+    found = Results(
+        modes={m: variants for m, variants in modes.items() if variants},
+        linear=linear,
+        runs=runs,
+        merging={m: {b: done[n] for b in plan.criteria if (n := f"merging {m} {b:g}") in done} for m in MATERIALS},
+        contact={m: done[n] for m in MATERIALS if (n := f"contact {m}") in done},
+        ramps={m: done[n] for m in MATERIALS if (n := f"ramp {m}") in done},
+        sensitivity=speeds.brackets(list(contact_model_cases(plan)), plan.hunting, done),
+        over_radius={m: one for m, one in radii.items() if one is not None},
+        effects={m: one for m, one in splits.items() if one is not None},
+        traction=run,
+        theory=None if run is None else with_theory(run, traction_case(plan)),
+        exact_theory=None if exact is None else with_theory(exact, traction_case(plan, EXACT)),
+    )
+    if run is not None and found.theory is not None:
+        found.checks += traction_checks(run, found.theory, traction_case(plan))
+    found.checks += _hunting_checks(found)
+    return found
+
+
+# --------------------------------------------------------------------------------------------------------------- checks
+
+ORDER_REASON = "above the linear critical speed every disturbance grows; linear speed to 0.1 km/h"
+HUNTING_REASON = "of the energy turned over; the runs are integrated to a relative tolerance of 1e-4 per step"
+SPIN_REASON = "relative to the largest torque; the patches' mean radius is used, spin moments on the cone are left out"
+COURSE = (
+    ("what a fit c₀V + c₁ × torque × speed leaves", 0.03,
+     "of the largest sliding; saturation and load transfer bend the creep law by a few per cent"),
+    ("what a parabola leaves while the torque rises", 0.03,
+     "the speed itself rises quadratically, so torque × speed has a small cubic part"),
+    ("what a straight line leaves at constant torque", 0.005,
+     "acceleration and force are constant, 0.2 s after the corner of the torque"),
+)  # fmt: skip
+
+
+def _hunting_checks(found: Results) -> Iterator[Check]:
+    """Figure 7: energy of runs and ramps, and the order of the critical speeds where both are known."""
+    for material in MATERIALS:
+        own = found.runs.get((OWN, material, RIG))
+        audits = {
+            f"energy of the runs at constant speed, {material}: the worst": [one.motion for one in own.runs]
+            if own
+            else []
+        }
+        audits[f"energy of the ramp, {material}"] = [found.ramps[material]] if material in found.ramps else []
+        for name, runs in audits.items():
+            if runs:
+                worst = max(float(run.attrs["energy_relative_residual"]) for run in runs)
+                yield Check(name, worst, 0.0, 1e-5, HUNTING_REASON)
+    for material, variant in itertools.product(MATERIALS, (RIG, VEHICLE)):
+        by, linear = found.by_disturbance(material, variant), found.linear_kmh(material, variant)
+        if by.known and math.isfinite(linear):
+            name = f"critical speed by disturbance is not above the linear one, {NAMES[material]}, {variant}"
+            yield Check(name, by, linear, 0.1, ORDER_REASON, "km/h", kind="at most")
+
+
+def traction_checks(run: xr.Dataset, study: xr.Dataset, case: Case) -> Iterator[Check]:
+    """Figure 8 against theory; none if the run was cut off.
+
+    Args:
+        run: all signals.
+        study: the same wheels beside the closed forms, of `with_theory`.
+        case: what was run.
+    """
+    if run.attrs["status"] != "ok":
+        return
+    places = {"front": study.sel(wheel=FRONT), "rear": study.sel(wheel=REAR)}
+    for place, own in places.items():
+        for (what, tolerance, reason), fitted in zip(COURSE, sliding_course(own), strict=True):
+            yield Check(f"sliding, {place}: {what}", fitted.largest, 0.0, tolerance, reason)
+        end = own.isel(time=-1)
+        yield Check(
+            f"sliding at the end, {place}: slope of the creep law at the start × force × speed",
+            1e3 * float(end["sliding"]),
+            1e3 * float(end["sliding_theory"]),
+            0.1,
+            "the slope changes with load (load transfer) and with saturation (two patches pull against each other)",
+            "mm/s",
+            relative=True,
+        )
+    for variable in ("longitudinal_sliding", "longitudinal_creep_force", "vertical_force"):
+        name = {"longitudinal_sliding": "sliding"}.get(variable, variable.replace("_", " "))
+        reason = "relative; the model is symmetric, only the integration's error remains"
+        yield Check(f"left = right, {name}", asymmetry(run, variable), 0.0, 1e-6, reason)
+    wheelset, roller = spin_balance(run, study, case, "wheelset_1", "roller_1")
+    yield Check("torque - Σ creep force × radius = J dω/dt, front wheelset", wheelset, 0.0, 0.002, SPIN_REASON)
+    yield Check("Σ creep force × radius = J dω/dt, front roller pair", roller, 0.0, 0.002, SPIN_REASON)
+    for place, own in places.items():
+        force = [float(own[f"longitudinal_creep_force{kind}"].isel(time=-1)) for kind in ("", "_theory")]
+        reason = "closed form with the nominal radius; free rolling resistance (a few newtons) left out"
+        name = f"longitudinal creep force at the end, {place}: what accelerates wheelset and roller"
+        yield Check(name, force[0], force[1], 0.005, reason, "N", relative=True)
+    for place, own in places.items():
+        loads = [own[f"vertical_force{kind}"] for kind in ("", "_theory")]
+        change = [float(load.isel(time=-1) - load.isel(time=0)) for load in loads]
+        name = f"load transfer at the end, {place}: balance of the frame's moments"
+        reason = "closed form, small angles, springs linear"
+        yield Check(name, change[0], change[1], 0.01, reason, "N", relative=True)
+    yield Check(
+        "vertical wheel loads sum to the weight and the load of the secondary suspension on the frame",
+        float(run["vertical_force"].isel(time=0).sum()),
+        carried_weight(run, case),
+        1e-6,
+        "accuracy of the starting equilibrium",
+        "N",
+        relative=True,
+    )
+    residual, reason = (
+        float(run.attrs["energy_relative_residual"]),
+        "of the energy turned over; the error of the integration",
+    )
+    yield Check("traction: energy, work in = kinetic + potential + dissipated", residual, 0.0, 1e-6, reason)
+
+
+def sliding_course(own: xr.Dataset) -> tuple[Fit, Fit, Fit]:
+    """The sliding of a wheel fitted as COURSE says: with the torque times the speed, while it rises, at its final value."""
+    torque, speed, sliding, time = (own[name].to_numpy() for name in ("torque", "speed", "sliding", "time"))
+    final = torque >= torque.max() * (1 - 1e-12)
+    rising, steady = (torque > 0) & ~final, final & (time > time[final][0] + 0.2)
+    return (
+        fit(sliding, speed, speed * torque),
+        fit(sliding[rising], np.ones(int(rising.sum())), time[rising], time[rising] ** 2),
+        fit(sliding[steady], np.ones(int(steady.sum())), time[steady]),
+    )
+
+
+def asymmetry(run: xr.Dataset, variable: str) -> float:
+    """Largest difference between left and right wheels over the largest value [1]."""
+    values = run[variable]
+    sides = ([values.sel(wheel=f"wheelset_{k}_{side}", drop=True) for side in ("left", "right")] for k in (1, 2))
+    return max(float(abs(left - right).max()) for left, right in sides) / float(abs(values).max())
+
+
+def spin_balance(run: xr.Dataset, study: xr.Dataset, case: Case, wheelset: str, roller: str) -> tuple[float, float]:
+    """Largest imbalance about the axes of a wheelset and its roller pair, over the largest torque [1]."""
+    torque = study["torque"].to_numpy()
+    inertia = next(b.inertia[1] for b in case.vehicle.data.body if b.name == wheelset)
+    rig = case.support.data
+    assert isinstance(rig, Rig)
+    on_wheel, on_roller = np.zeros_like(torque), np.zeros_like(torque)
+    for wheel in (w for w in run["wheel"].to_numpy() if str(w).startswith(wheelset)):
+        own = run.sel(wheel=wheel)
+        force = own["patch_creep_force_x"].fillna(0.0).sum("patch").to_numpy()
+        on_wheel -= force * own["rolling_radius"].to_numpy()
+        on_roller -= force * rig.roller_radius
+    spin = run["pitch_acceleration"]
+    left = torque + on_wheel - inertia * spin.sel(body=wheelset).to_numpy()
+    left_roller = on_roller - rig.roller_inertia[1] * spin.sel(body=roller).to_numpy()
+    inside = slice(1, -1)  # at the very ends an acceleration may belong to the other side of a corner
+    scale = float(torque.max())
+    return float(np.abs(left[inside]).max()) / scale, float(np.abs(left_roller[inside]).max()) / scale
+
+
+def carried_weight(run: xr.Dataset, case: Case) -> float:
+    """Weight of frame and wheelsets and the load of the secondary suspension at the first output time [N]."""
+    part, vehicle = case.vehicle.part, case.vehicle.data
+    load = case.gravity * sum(b.mass for b in vehicle.bodies_in(part) if b.name not in part.fixed)
+    for element in vehicle.elements_in(part):
+        if element.between[0] in part.fixed:
+            load -= float(run["element_force_z"].sel(element=element.name).isel(time=0))
+    return float(load)
+
+
+def onset_wavelength(results: Results, material: str) -> float:
+    """Wavelength of the limit cycle at the lowest speed at which it was found [m]; NaN if there is none."""
+    found = results.runs_of(RIG).get(material)
+    lasting = [run for run in found.runs if run.persists] if found else []
+    return lasting[0].speed / lasting[0].final.frequency if lasting else math.nan
+
+
+def around_onset(runs: list[HuntingRun], onset: float, count: int = 6) -> list[HuntingRun]:
+    """Runs on both sides of the onset [m/s] and further away, by speed; spread evenly if there is no onset."""
+    if not math.isfinite(onset):
+        return runs[:: max(1, math.ceil(len(runs) / count))]
+    below = [run for run in runs if run.speed < onset]
+    above = [run for run in runs if run.speed >= onset]
+    far_below = [run for run in below[:-1] if run.speed < onset - 8 / 3.6]
+    far_above = [run for run in above[1:] if run.speed > onset + 8 / 3.6]
+    picked = below[-1:] + above[:1] + far_below[-1:] + far_above[:1] + far_above[2:3] + far_above[-1:]
+    unique = {run.speed: run for run in picked}
+    return [unique[speed] for speed in sorted(unique)][:count]
+
+
+def frequency_differences(results: Results, material: str) -> list[float]:
+    """Frequency of the bogie on the rig over that of the vehicle on track, less one, at each speed both were run at."""
+
+    def frequencies(variant: str) -> dict[float, float]:
+        found = results.runs_of(variant).get(material)
+        known = {
+            round(3.6 * run.speed, 3): run.final.frequency if run.persists else decay_frequency(run)
+            for run in (found.runs if found else [])
+        }
+        return {speed: value for speed, value in known.items() if math.isfinite(value)}
+
+    rig, vehicle = frequencies(RIG), frequencies(VEHICLE)
+    return [rig[speed] / vehicle[speed] - 1 for speed in sorted(rig.keys() & vehicle.keys())]
+
+
+def rig_speeds(results: Results) -> dict[tuple[str, str], Interval]:
+    """Material and definition -> where the critical speed of the bogie on the rig lies [km/h]; those that are known."""
+    found = {}
+    for m in MATERIALS:
+        found[m, "linear"] = Interval(results.linear_kmh(m), results.linear_kmh(m))
+        found[m, "by disturbance"] = results.by_disturbance(m)
+    return {key: one for key, one in found.items() if one.known}

@@ -1,0 +1,454 @@
+"""What is run in a sweep: values of the varied keys by case, all numbers as a Dataset, statistics of each number.
+
+WholePlan -> [Points] -> number of a case -> dotted key -> value; records -> [sweep_dataset] -> [statistics]
+
+Samples are points of the unit cube, the same for the same seed; a distribution turns each coordinate into a value.
+Source of the samples for Sobol indices: A. Saltelli et al., Comput. Phys. Commun. 181 (2010) 259.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from rollerrig import __version__
+from rollerrig.analysis.distributions import quantile_function
+from rollerrig.config import ConfigError, ConfigProblem, Plan, WholePlan
+from rollerrig.config.errors import show_value
+from rollerrig.config.schema.plan import Design, Lognormal, Normal, Variation
+from rollerrig.config.schema.units import Quantity
+from rollerrig.config.validate.messages import validate
+from rollerrig.results import variable
+
+Array = NDArray[np.float64]
+_EDGE = 1e-12
+"""Samples keep away from the ends of a distribution by this much probability."""
+
+
+@dataclass(frozen=True)
+class Axis:
+    """One thing that is varied.
+
+    Attributes:
+        name: in results.
+        key: dotted key of the case.
+        quantity: at the key; None where words or lists stand.
+        values: all of them, of a list or range; empty for samples of a distribution.
+        quantile: probability -> value, of samples.
+    """
+
+    name: str
+    key: str
+    quantity: Quantity | None
+    values: tuple[Any, ...] = ()
+    quantile: Callable[[Array], Array] | None = None
+
+    @property
+    def unit(self) -> str:
+        """Of its values; '' where they are no numbers."""
+        return self.quantity.unit if self.is_number and self.quantity else ""
+
+    @property
+    def is_number(self) -> bool:
+        """Whether its values are numbers."""
+        return self.quantile is not None or all(
+            isinstance(v, int | float) and not isinstance(v, bool) for v in self.values
+        )
+
+    def at(self, probability: Array) -> list[Any]:
+        """Values at probabilities, shape (case,)."""
+        if self.quantile is not None:
+            return [float(value) for value in self.quantile(np.clip(probability, _EDGE, 1.0 - _EDGE))]
+        return [self.values[min(int(p * len(self.values)), len(self.values) - 1)] for p in probability]
+
+    def written(self, value: Any) -> Any:
+        """A value as a file holds it."""
+        number = isinstance(value, float) and self.quantity is not None
+        return self.quantity.as_written(value) if number and self.quantity else value
+
+
+def number_of_cases(plan: Plan) -> int:
+    """How many cases a plan has, before any value is made."""
+    lengths = [len(one.values) if one.values is not None else one.count or 0 for one in plan.vary]
+    match plan.design.kind:
+        case "grid":
+            return math.prod(lengths)
+        case "list":
+            return lengths[0]
+        case "saltelli":
+            return (plan.design.samples or 0) * (len(lengths) + 2)
+    return plan.design.samples or 0
+
+
+class Points:
+    """All cases of a plan; sized like a list."""
+
+    def __init__(self, whole: WholePlan) -> None:
+        """Find the axes.
+
+        Raises:
+            ConfigError: a value that does not fit its key, a range or distribution without values, lists of different lengths.
+        """
+        self.design, self._count = whole.plan.design, number_of_cases(whole.plan)
+        self.axes: list[Axis] = []
+        problems: list[ConfigProblem] = []
+        for number, (variation, quantity) in enumerate(zip(whole.plan.vary, whole.quantities, strict=True)):
+            try:
+                self.axes.append(_axis(variation, quantity, whole, f"vary[{number}]"))
+            except ConfigError as error:
+                problems += error.problems
+        lengths = {axis.name: len(axis.values) for axis in self.axes}
+        if not problems and self.design.kind == "list" and len(set(lengths.values())) > 1:
+            found = ", ".join(f"{name} {count}" for name, count in lengths.items())
+            problems.append(ConfigProblem(whole.file, "vary", found, "needed by a list: as many values of each"))
+        if problems:
+            raise ConfigError(problems)
+
+    def __len__(self) -> int:
+        """Number of cases."""
+        return self._count
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Of a grid."""
+        return tuple(len(axis.values) for axis in self.axes)
+
+    @cached_property
+    def columns(self) -> list[list[Any]]:
+        """Values of each axis over all cases."""
+        if self.design.kind == "grid":
+            places = np.unravel_index(np.arange(len(self)), self.shape)
+            return [[axis.values[i] for i in place] for axis, place in zip(self.axes, places, strict=True)]
+        if self.design.kind == "list":
+            return [list(axis.values) for axis in self.axes]
+        cube = self._cube()
+        return [axis.at(cube[:, k]) for k, axis in enumerate(self.axes)]
+
+    def changes(self) -> Iterator[dict[str, Any]]:
+        """Of each case: dotted key -> value as a file holds it."""
+        keys = [axis.key for axis in self.axes]
+        for values in zip(*self.columns, strict=True):
+            yield {k: axis.written(v) for k, axis, v in zip(keys, self.axes, values, strict=True)}
+
+    def _cube(self) -> Array:
+        """Samples of the unit cube, shape (case, axis)."""
+        from scipy.stats import qmc
+
+        count, width = self.design.samples or 0, len(self.axes)
+        generator = np.random.default_rng(self.design.seed)
+        match self.design.kind:
+            case "random":
+                return generator.random((count, width))
+            case "latin_hypercube":
+                return np.asarray(qmc.LatinHypercube(width, seed=generator).random(count))
+            case "sobol":
+                return np.asarray(qmc.Sobol(width, seed=generator).random(count))
+        both = np.asarray(qmc.Sobol(2 * width, seed=generator).random(count))
+        a, b = both[:, :width], both[:, width:]
+        blocks = np.repeat(
+            a[:, None, :], width + 2, axis=1
+        )  # of each sample: A, A with one column of B after the other, B
+        for k in range(width):
+            blocks[:, k + 1, k] = b[:, k]
+        blocks[:, -1] = b
+        return blocks.reshape(-1, width)
+
+
+def _axis(variation: Variation, quantity: Quantity | None, whole: WholePlan, at: str) -> Axis:
+    """One axis from its table.
+
+    Raises:
+        ConfigError: a value does not fit its key, or the range or distribution has none.
+    """
+    file, design = whole.file, whole.plan.design
+    reader = _Reader(file, at, quantity)
+    if variation.values is not None:
+        values = reader.all(variation.values)
+        _try_out(whole, variation, values, at)
+        return Axis(variation.label, variation.key, quantity, values)
+    if quantity is None:
+        raise reader.problem("key", variation.key, "needed: `values`; this key holds no quantity that has a range")
+    in_grid = design.kind in ("grid", "list")
+    if in_grid and (variation.distribution is not None or variation.count is None):
+        needed = f"needed in a {design.kind}: `values`, or `least`, `most` and `count`"
+        raise reader.problem("distribution" if variation.distribution else "count", "missing", needed)
+    if not in_grid and variation.count is not None:
+        raise reader.problem("count", variation.count, "allowed: in a grid or list; samples have [design] samples")
+    least, most = (
+        None if v is None else reader.one(k, v) for k, v in (("least", variation.least), ("most", variation.most))
+    )
+    if least is not None and most is not None and not least < most:
+        raise reader.problem("most", variation.most, f"allowed: more than `least`, {variation.least}")
+    if variation.scale == "logarithmic" and not (least is not None and least > 0.0):
+        raise reader.problem("scale", "logarithmic", "allowed: with a positive `least`")
+    if variation.count is not None and least is not None and most is not None:
+        space = np.geomspace if variation.scale == "logarithmic" else np.linspace
+        values = tuple(float(f"{v:.12g}") for v in space(least, most, variation.count))
+        _try_out(whole, variation, (values[0], values[-1]), at)
+        return Axis(variation.label, variation.key, quantity, values)
+    spread = variation.distribution
+    numbers = {
+        key: reader.any(f"distribution.{key}", value)
+        for key in ("mean", "deviation", "median", "mode")
+        if spread is not None and (value := getattr(spread, key, None)) is not None
+        and not (isinstance(spread, Lognormal) and key == "deviation")
+    }  # fmt: skip
+    if isinstance(spread, Lognormal):
+        numbers["deviation"] = spread.deviation
+    for key in ("deviation",) if isinstance(spread, Normal) else ("median",) if isinstance(spread, Lognormal) else ():
+        if not numbers[key] > 0.0:
+            raise reader.problem(f"distribution.{key}", getattr(spread, key), "allowed: positive")
+    try:
+        quantile, ends = quantile_function(spread.kind if spread else variation.scale, numbers, least, most, quantity)
+    except ValueError as error:
+        raise reader.problem("distribution", spread.kind if spread else "range", str(error)) from None
+    _try_out(whole, variation, ends, at)
+    return Axis(variation.label, variation.key, quantity, (), quantile)
+
+
+class _Reader:
+    """Values of one table of a plan, in SI."""
+
+    def __init__(self, file: str, at: str, quantity: Quantity | None) -> None:
+        self._file, self._at, self._quantity = file, at, quantity
+
+    def problem(self, key: str, value: object, allowed: str) -> ConfigError:
+        """One mistake."""
+        shown = value if isinstance(value, str) else show_value(value)
+        return ConfigError([ConfigProblem(self._file, f"{self._at}.{key}", shown, allowed)])
+
+    def all(self, values: Sequence[Any]) -> tuple[Any, ...]:
+        """A list of values."""
+        return tuple(self.one(f"values[{number}]", value) for number, value in enumerate(values))
+
+    def one(self, key: str, value: Any) -> Any:
+        """A value that the key may have; words and lists as they are."""
+        if self._quantity is None or not isinstance(value, int | float | str) or isinstance(value, bool):
+            return value
+        try:
+            return self._quantity.parse(value)
+        except ValueError as error:
+            raise self.problem(key, show_value(value), str(error)) from None
+
+    def any(self, key: str, value: Any) -> float:
+        """A number in the unit of the key, beyond its range too."""
+        assert self._quantity is not None
+        try:
+            return Quantity(self._quantity.unit, -1e300, 1e300).parse(value)
+        except ValueError:
+            allowed = self._quantity.allowed.split(", from ")[0]
+            raise self.problem(key, show_value(value), allowed) from None
+
+
+def _try_out(whole: WholePlan, variation: Variation, values: Sequence[Any], at: str) -> None:
+    """Refuse values that the case itself refuses at this key; what only some combinations make wrong fails as a case.
+
+    Raises:
+        ConfigError: it does.
+    """
+    tried = [values[0], values[-1]] if all(isinstance(v, int | float) for v in values) else values
+    quantity = whole.quantities[whole.plan.vary.index(variation)]
+    for value in tried:
+        written = quantity.as_written(value) if quantity and isinstance(value, float) else value
+        try:
+            whole.case.with_changes({variation.key: written})
+        except ConfigError as error:
+            last = variation.key.split(".")[-1]
+            own = [problem for problem in error.problems if problem.key.split(".")[-1] == last]
+            if own:
+                raise ConfigError(
+                    [ConfigProblem(whole.file, f"{at}.values", p.value, p.allowed, p.hint) for p in own]
+                ) from None
+
+
+def resized(whole: WholePlan, samples: int) -> WholePlan:
+    """The plan with another number of samples, or of values in each range of a grid.
+
+    Raises:
+        ConfigError: the design cannot have so many.
+    """
+    plan = whole.plan
+    design = {**plan.design.model_dump(), "samples": plan.design.samples and samples}
+    found, problems = validate(Design, design, whole.file, "design")
+    if found is None:
+        raise ConfigError(problems)
+    vary = tuple(one.model_copy(update={"count": one.count and samples}) for one in plan.vary)
+    return replace(whole, plan=plan.model_copy(update={"design": found, "vary": vary}))
+
+
+FAILED = "failed"
+SAMPLE = "sample"
+Record = dict[str, Any]
+"""Of a case: its changes, its numbers, why it failed."""
+
+
+def sweep_dataset(
+    whole: WholePlan, points: Points, records: Sequence[Record | None], units: Mapping[str, tuple[str, str]]
+) -> xr.Dataset:
+    """All cases; numbers of those that failed or were not reached are NaN.
+
+    Args:
+        whole: the plan.
+        points: its cases.
+        records: one per case; None: not reached.
+        units: name of each number -> unit and meaning.
+
+    Returns:
+        The varied keys as coordinates in SI, each number with its unit, `failed` with the reason of each failed case; attributes
+        cases, finished, failed, plan, case, design.
+    """
+    grid = points.design.kind == "grid"
+    names = [axis.name for axis in points.axes]
+    dims = tuple(names) if grid else (SAMPLE,)
+    shape = points.shape if grid else (len(points),)
+    coordinates: dict[str, Any] = {}
+    for axis, column in zip(points.axes, points.columns, strict=True):
+        values = list(axis.values) if grid else column
+        coordinates[axis.name] = _coordinate(axis, values, axis.name if grid else SAMPLE)
+    variables: dict[str, Any] = {}
+    for name, (unit, meaning) in units.items():
+        values = [math.nan if one is None else one["numbers"].get(name, math.nan) for one in records]
+        variables[name] = variable(dims, np.array(values, dtype=np.float64).reshape(shape), unit, meaning)
+    reasons = ["" if one is None else one[FAILED] for one in records]
+    variables[FAILED] = variable(dims, np.array(reasons, dtype=object).reshape(shape), "", "why a case failed")
+    failed = sum(bool(reason) for reason in reasons)
+    done = sum(one is not None for one in records)
+    return xr.Dataset(
+        variables,
+        coordinates,
+        {
+            "title": f"Sweep {whole.plan.name}",
+            "plan": whole.plan.name,
+            "case": whole.case.name,
+            "design": points.design.kind,
+            "cases": len(points),
+            "finished": done - failed,
+            "failed": failed,
+            "config_toml": whole.case.to_toml(),
+            "rollerrig_version": __version__,
+        },
+    )
+
+
+def _coordinate(axis: Axis, values: Sequence[Any], dim: str) -> Any:
+    kept = np.array(values, dtype=np.float64) if axis.is_number else np.array([_text(v) for v in values], dtype=object)
+    return variable(dim, kept, axis.unit, axis.key)
+
+
+def _text(value: Any) -> str:
+    return ("true" if value else "false") if isinstance(value, bool) else str(value)
+
+
+def sweep_rows(data: xr.Dataset, points: Points) -> list[list[object]]:
+    """A row per case, header first: values of the varied keys in SI, numbers, reason of failure."""
+    numbers = [name for name in map(str, data.data_vars) if name != FAILED]
+    columns = [
+        list(column) if axis.is_number else [_text(v) for v in column]
+        for axis, column in zip(points.axes, points.columns, strict=True)
+    ]
+    columns += [data[name].to_numpy().ravel().tolist() for name in (*numbers, FAILED)]
+    header: list[object] = [
+        *(f"{axis.name} [{axis.unit}]" if axis.unit not in ("", "1") else axis.name for axis in points.axes),
+        *(f"{name} [{u}]" if (u := data[name].attrs["units"]) not in ("", "1") else name for name in numbers),
+        FAILED,
+    ]
+    return [header, *map(list, zip(*columns, strict=True))]
+
+
+QUANTILES = (0.05, 0.25, 0.5, 0.75, 0.95)
+FIFTH = 0.2
+LEAST_SAMPLES = 8
+"""Fewer whole samples give no Sobol index."""
+
+
+@dataclass(frozen=True)
+class Statistics:
+    """Of one number.
+
+    Attributes:
+        values: of all cases in their order; NaN where there is none.
+        tornado: varied key -> mean at its low and at its high end.
+        quantiles: of samples, each equally likely; empty for a grid or list.
+        sobol: varied key -> first, first_confidence, total, total_confidence.
+    """
+
+    values: Array
+    tornado: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    quantiles: Mapping[str, float] = field(default_factory=dict)
+    sobol: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+
+    def as_dict(self) -> dict[str, Any]:
+        """For summary.json."""
+        known = self.values[np.isfinite(self.values)]
+        least, median, most = (float(f(known)) if known.size else math.nan for f in (np.min, np.median, np.max))
+        ends = {key: {"low": low, "high": high} for key, (low, high) in self.tornado.items()}
+        found: dict[str, Any] = {"least": least, "median": median, "largest": most, "tornado": ends}
+        if self.quantiles:
+            found["quantiles"] = dict(self.quantiles)
+        if self.sobol:
+            found["sobol"] = {key: dict(one) for key, one in self.sobol.items()}
+        return found
+
+
+def statistics(data: xr.Dataset, points: Points) -> dict[str, Statistics]:
+    """Statistics of every number of a sweep."""
+    columns = {
+        axis.name: np.asarray(column, dtype=np.float64)
+        for axis, column in zip(points.axes, points.columns, strict=True)
+        if axis.is_number
+    }
+    found = {}
+    for name in (str(name) for name in data.data_vars if name != FAILED):
+        values = data[name].to_numpy().ravel()
+        sampled = points.design.kind not in ("grid", "list")
+        known = values[np.isfinite(values)]
+        quantiles = (
+            {f"{100 * q:g} %": float(np.quantile(known, q)) for q in QUANTILES} if sampled and known.size else {}
+        )
+        tornado = {key: _ends(column, values, sampled=sampled) for key, column in columns.items()}
+        sobol = sobol_indices(values, [axis.name for axis in points.axes]) if points.design.kind == "saltelli" else {}
+        found[name] = Statistics(values, tornado, quantiles, sobol)
+    return found
+
+
+def _ends(column: Array, values: Array, *, sampled: bool) -> tuple[float, float]:
+    """Mean of a number where a varied key is low, and where it is high."""
+    known = np.isfinite(values)
+    if not known.any():
+        return math.nan, math.nan
+    low, high = np.quantile(column, (FIFTH, 1.0 - FIFTH)) if sampled else (column.min(), column.max())
+    lower, upper = known & (column <= low), known & (column >= high)
+    return tuple(float(values[part].mean()) if part.any() else math.nan for part in (lower, upper))  # type: ignore[return-value]
+
+
+def sobol_indices(values: Array, names: list[str], seed: int = 1) -> dict[str, dict[str, float]]:
+    """First-order and total Sobol indices with half of their intervals of 95 %.
+
+    Args:
+        values: of the cases of a design `saltelli`, in its order, shape (samples * (names + 2),); NaN where one failed.
+        names: of what is varied.
+        seed: of the bootstrap.
+
+    Returns:
+        Name -> first, first_confidence, total, total_confidence; nothing where SALib is not installed, the number does not vary,
+        or fewer than LEAST_SAMPLES samples are whole.
+    """
+    try:
+        from SALib.analyze import sobol
+    except ImportError:
+        return {}
+    blocks = values.reshape(-1, len(names) + 2)
+    whole = blocks[np.isfinite(blocks).all(axis=1)]
+    if len(whole) < LEAST_SAMPLES or not np.ptp(whole) > 0.0:
+        return {}
+    problem = {"num_vars": len(names), "names": names, "bounds": [[0.0, 1.0]] * len(names)}
+    found = sobol.analyze(problem, whole.ravel(), calc_second_order=False, seed=seed)
+    keys = {"first": "S1", "first_confidence": "S1_conf", "total": "ST", "total_confidence": "ST_conf"}
+    return {name: {key: float(found[own][k]) for key, own in keys.items()} for k, name in enumerate(names)}

@@ -1,0 +1,405 @@
+"""What is run and assessed in a test programme: a case per stop and its dry reference, a record per test, criteria.
+
+Case of a rig with brake and slide protection, Programme -> [stop_case, dry_case] -> [stop_record] -> StopTests of track and rig
+    -> [judgements] -> value with interval, limit, verdict, reasons -> [verdict_of] -> of each stop
+
+A criterion is met where the whole interval of its mean is within the limit, and, where each test must keep it, each test too.
+Nothing is decided, neither met nor not met, from a bad run: fewer tests than asked, a test that ended early, lost contact or did
+not stop, wheels that never slid, an open energy balance, starts that do not differ, a dry reference that is none, and on the rig
+a drive at its limit or a contact force that is not the virtual one.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, Literal
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from rollerrig import _core
+from rollerrig.analysis.slide_statistics import SLIP_EDGES, TestRecord, axle_load, test_record
+from rollerrig.analysis.tracking import LEAST_SPEED, under_test, wheel_radius
+from rollerrig.analysis.wheel_flat import longest_flat
+from rollerrig.cases import wheelsets
+from rollerrig.config import CRITERIA, Case, ConfigError, ConfigProblem, Limit, Piece, Programme
+from rollerrig.config.schema.programme import BrakedRun, FlatWear, PatchStop
+from rollerrig.config.write.toml import plain
+from rollerrig.contact_laws import adhesion_map
+from rollerrig.results.contact_loss import LONGEST_SPELL, contact_losses
+from rollerrig.results.run_info import RunInfo
+from rollerrig.simulation import ENERGY_WARNING
+from rollerrig.study.assessment import NOT_DECIDED, Outcome, outcome, overall
+from rollerrig.study.ensemble import Estimate, estimate
+from rollerrig.study.jobs import Progress, whole_run
+from rollerrig.study.runs.adhesion import track_case, verdict_rows
+from rollerrig.wording import percent
+
+RISE = 0.1
+"""In which the demand rises; the brake is slower anyhow [s]."""
+
+
+def check_case(case: Case, programme: Programme) -> None:
+    """Refuse a case that has nothing to test, and stops that this vehicle cannot do.
+
+    Raises:
+        ConfigError: it has.
+    """
+    track_case(case)
+    for name in ("brake", "slide_protection"):
+        if getattr(case, name) is None:
+            needed = f"needed: [{name}]; a programme for wheel slide protection tests what it does to a braked axle"
+            raise ConfigError([ConfigProblem(case.name, name, "missing", needed)])
+    train = case.train.axles
+    along = train.positions if train else sorted(body.position[0] for body in wheelsets(case))
+    least = min((b - a for a, b in zip(along, along[1:], strict=False)), default=0.0)
+    for stop in programme.stop:
+        if not stop.speed > case.motion.stop_speed:
+            allowed = f"allowed: more than motion.stop_speed of {case.name}, {3.6 * case.motion.stop_speed:g} km/h"
+            problem = ConfigProblem(programme.name, f"stop.{stop.name}.speed", f"{3.6 * stop.speed:g} km/h", allowed)
+            raise ConfigError([problem])
+        if isinstance(stop, PatchStop) and not stop.length < least:
+            allowed = f"allowed: less than the least spacing of the axles, {least:g} m, so that one axle at a time is on a patch"
+            raise ConfigError([ConfigProblem(programme.name, f"stop.{stop.name}.length", f"{stop.length:g}", allowed)])
+
+
+def stop_case(case: Case, programme: Programme, stop: BrakedRun) -> Case:
+    """A stop of the programme on the rig: the case with this speed, rail and demand, all else its own.
+
+    The demand begins at the start: the distance run is that since the demand.
+
+    Raises:
+        ConfigError: the case cannot be run so.
+    """
+    rail = _plain(stop.rail)
+    pieces = [_plain(piece) for piece in stop.pieces()]
+    return _changed(case, programme, stop, f"{case.name}_{stop.name}", rail, pieces)
+
+
+def dry_case(case: Case, programme: Programme, stop: BrakedRun) -> Case:
+    """The same stop on a dry rail.
+
+    Raises:
+        ConfigError: the case cannot be run so.
+    """
+    return _changed(case, programme, stop, f"{case.name}_{stop.name}_dry", "dry", [])
+
+
+def dry_name(case: Case, stop: BrakedRun) -> str:
+    """The dry stops of one speed and demand are one."""
+    return f"dry {3.6 * stop.speed:.6g} at {1e-5 * _demanded(case, stop):.6g} bar"
+
+
+def _demanded(case: Case, stop: BrakedRun) -> float:
+    """Cylinder pressure over the ambient [Pa]."""
+    assert case.brake is not None
+    return stop.pressure if stop.pressure is not None else max(pressure for _, pressure in case.brake.demand)
+
+
+def _changed(
+    case: Case, programme: Programme, stop: BrakedRun, name: str, rail: Any, pieces: Sequence[Mapping[str, Any]]
+) -> Case:
+    blend = getattr(stop, "blend", 0.0) if pieces else 0.0
+    changes: dict[str, object] = {
+        "motion.speed": f"{stop.speed!r} m/s",
+        "brake.demand": [[0.0, 0.0], [RISE, _demanded(case, stop)]],
+        "train.gradient": stop.falls,
+        "time.duration": stop.duration,
+    }
+    if case.adhesion is None:
+        changes["adhesion"] = {"rail": rail, "piece": list(pieces), "blend": blend}
+    else:
+        changes |= {"adhesion.piece": list(pieces), "adhesion.rail": rail, "adhesion.blend": blend}
+    try:
+        changed = case.with_changes(changes)
+    except ConfigError as error:
+        raise ConfigError(
+            replace(problem, file=programme.name, key=f"stop.{stop.name}: {problem.key}") for problem in error.problems
+        ) from None
+    return changed.model_copy(update={"name": name[:60]})
+
+
+def _plain(table: Any) -> Any:
+    """As a file would give it."""
+    found = plain(table.model_dump(exclude_none=True))
+    if isinstance(table, Piece):
+        found["rail"] = _plain(table.rail)
+    return found
+
+
+Array = NDArray[np.float64]
+
+LARGE_SLIP = 0.30
+"""Beyond it slip is large [-]."""
+
+SIGNAL_STEP = 0.05
+"""Of the signals that are kept [s]."""
+
+
+@dataclass(frozen=True)
+class StopRecord:
+    """What is kept of a test.
+
+    Attributes:
+        test: its record.
+        signals: name with unit -> values over time; empty but for first tests.
+        seconds: processor time [s].
+    """
+
+    test: TestRecord
+    signals: Mapping[str, Array]
+    seconds: float
+
+
+def stop_record(case: Case, flat: FlatWear, keep: bool, progress: Progress | None = None) -> StopRecord:
+    """Run a test and keep its record: a job.
+
+    Args:
+        case: of a stop.
+        flat: numbers of the estimate of wheel flats.
+        keep: also its signals.
+        progress: called with the fraction done and a short text.
+
+    Raises:
+        KeyboardInterrupt: Ctrl-C cut it short.
+    """
+    begun = time.process_time()
+    run = whole_run(case, progress=progress)
+    record = test_record(run, case)
+    own = {
+        "large_slip_share": float(record.slip_shares[np.flatnonzero(SLIP_EDGES[:-1] > LARGE_SLIP - 1e-9)].sum()),
+        "adhesion_utilisation": adhesion_utilisation(run, case),
+        "flat_length_m": longest_flat(under_test(run), flat.wear, flat.width),
+        "contact_lost_s": max((loss.longest_s for loss in contact_losses(run)), default=0.0),
+    }
+    test = replace(record, measures={**record.measures, **own})
+    return StopRecord(test, signals(run) if keep else {}, time.process_time() - begun)
+
+
+def adhesion_utilisation(run: xr.Dataset, case: Case) -> float:
+    """Sum of the creep forces over what friction at no slip would give, of all braked axles that are bodies, and instants [-].
+
+    Friction is that of the rail under each axle, which nothing has cleaned yet: where sliding cleans it, the value may pass 1.
+    NaN where no axle is braked.
+    """
+    if case.adhesion is None:
+        return float("nan")
+    rail = adhesion_map(case.adhesion)
+    places = {body.name: body.position[0] for body in RunInfo.of(run).wheelsets}
+    way, clock = run["train_distance"].to_numpy(), run["time"].to_numpy()
+    used = offered = 0.0
+    for axle, place in places.items():
+        one = run[["brake_torque", "creep_force"]].sel(axle=axle)
+        at = clock if rail.over_time else way + place
+        braked = (abs(one["brake_torque"]).to_numpy() > 1.0) & (run["train_speed"].to_numpy() > LEAST_SPEED)
+        used += float(np.abs(one["creep_force"].to_numpy()[braked]).sum())
+        offered += float(_core.rail_friction(rail, np.ascontiguousarray(at[braked])).sum()) * axle_load(run)
+    return used / offered if offered > 0.0 else float("nan")
+
+
+def signals(run: xr.Dataset) -> dict[str, Array]:
+    """Speeds and cylinder pressures over time, every SIGNAL_STEP."""
+    clock = run["time"].to_numpy()
+    every = max(1, round(SIGNAL_STEP / (clock[1] - clock[0]))) if clock.size > 1 else 1
+    kept = slice(None, None, every)
+    found = {"time_s": clock[kept], "train_speed_kmh": 3.6 * run["train_speed"].to_numpy()[kept]}
+    for axle in run["axle"].to_numpy():
+        one = run[["axle_speed", "cylinder_pressure"]].sel(axle=axle)
+        found[f"{axle}_speed_kmh"] = 3.6 * wheel_radius(run) * one["axle_speed"].to_numpy()[kept]
+        found[f"{axle}_pressure_bar"] = 1e-5 * one["cylinder_pressure"].to_numpy()[kept]
+    return found
+
+
+Support = Literal["track", "rig"]
+SUPPORTS: tuple[Support, ...] = ("track", "rig")
+
+SLID = 0.03
+"""An axle has slid whose slip passed this: beyond the peak of the creep curve on low adhesion, 2.2 % [-]."""
+
+POWER_LIMITED = 0.01
+"""Part of the time at the power limit of a roller drive from which the rig is no track, as at its torque limit [-]."""
+
+MEASURES: Mapping[str, tuple[str, float]] = {
+    "k_wet": ("k_wet", 1.0),
+    "increase_over_dry": ("increase_over_dry", 1.0),
+    "distance": ("distance_m", 1.0),
+    "mean_deceleration": ("mean_deceleration_mps2", 1.0),
+    "adhesion_utilisation": ("adhesion_utilisation", 1.0),
+    "longest_lock": ("longest_lock_s", 1.0),
+    "flat_length": ("flat_length_m", 1.0),
+    "large_slip_share": ("large_slip_share", 1.0),
+    "air": ("air_litres", 1e-3),
+    "ventings": ("dump_cycles", 1.0),
+}
+"""Criterion -> measure of a test, and its unit in the SI unit of the criterion."""
+
+OVER_DRY = ("increase_over_dry", "k_wet")
+
+
+@dataclass(frozen=True)
+class StopTests:
+    """The tests of one stop on one support.
+
+    Attributes:
+        stop: of the programme.
+        support: track or rig.
+        case: of the rig.
+        asked: number of tests without which nothing is decided.
+        tests: those that were made.
+        dry: the same stop on a dry rail; None: not made.
+    """
+
+    stop: BrakedRun
+    support: Support
+    case: Case
+    asked: int
+    tests: Sequence[TestRecord]
+    dry: TestRecord | None
+
+    def values(self, name: str) -> list[float]:
+        """A measure of all tests; NaN where there is none."""
+        if name in OVER_DRY:
+            dry = math.nan if self.dry is None else self.dry.measures["distance_m"]
+            ratios = [one.measures["distance_m"] / dry for one in self.tests]
+            return [ratio - 1.0 if name == "increase_over_dry" else 1.0 / ratio for ratio in ratios]
+        return [one.measures.get(name, math.nan) for one in self.tests]
+
+
+@dataclass(frozen=True)
+class Judgement:
+    """A criterion of a stop on one support.
+
+    Attributes:
+        stop: name of the stop.
+        support: track or rig.
+        limit: that is held against it.
+        mean: of all tests, in the SI unit of the criterion.
+        worst: of all tests.
+        reasons: why nothing is decided, whatever the numbers are.
+    """
+
+    stop: str
+    support: Support
+    limit: Limit
+    mean: Estimate
+    worst: float
+    reasons: tuple[str, ...]
+
+    @property
+    def verdict(self) -> Outcome:
+        """'met', 'not met' or 'not decided'."""
+        if self.reasons or not (math.isfinite(self.mean.mean) and math.isfinite(self.worst)):
+            return NOT_DECIDED
+        criterion = CRITERIA[self.limit.criterion]
+        low, high = (self.limit.value, math.inf) if criterion.least else (-math.inf, self.limit.value)
+        if criterion.every and not low <= self.worst <= high:
+            return "not met"
+        return outcome(self.mean.interval, low, high)
+
+    @property
+    def why(self) -> str:
+        """Why nothing is decided; "" where something is."""
+        if self.verdict != NOT_DECIDED:
+            return ""
+        return "; ".join(self.reasons) or "the limit lies within the interval"
+
+
+def judgements(programme: Programme, found: StopTests, other: StopTests) -> list[Judgement]:
+    """All criteria of a stop on one support.
+
+    Args:
+        programme: with the limits.
+        found: the tests to be judged.
+        other: those on the other support.
+    """
+    common = (*faults(found), *(rig_faults(found, other) if found.support == "rig" else ()))
+    judged = []
+    for limit in (limit for limit in programme.limit if limit.holds_for(found.stop)):
+        name, factor = MEASURES[limit.criterion]
+        values = [factor * value for value in found.values(name)]
+        own = tuple(dry_faults(found)) if name in OVER_DRY else ()
+        worst = (min if CRITERIA[limit.criterion].least else max)(values) if np.isfinite(values).all() else math.nan
+        if not math.isfinite(worst):
+            own = (*own, "not every test has such a number")
+        judged.append(Judgement(found.stop.name, found.support, limit, estimate(values), worst, (*common, *own)))
+    return judged
+
+
+def verdict_of(found: Sequence[Judgement]) -> Outcome | None:
+    """Of several criteria: met where all are, not met where one is not, else not decided; None: nothing was judged."""
+    return overall(one.verdict for one in found)
+
+
+# ----------------------------------------------------------------------------------------------------- what is a bad run
+
+
+def faults(found: StopTests) -> Iterator[str]:
+    """Why nothing can be decided from these tests, whatever is judged."""
+    tests, count = found.tests, len(found.tests)
+    if count < found.asked:
+        yield f"{count} of {found.asked} tests were made"
+    early = [one for one in tests if not one.completed]
+    if early:
+        yield f"{len(early)} of {count} tests ended early: {early[0].message}"
+    rolling = sum(one.completed and not one.stopped for one in tests)
+    if found.stop.stops and rolling:
+        yield f"in {rolling} of {count} tests the train had not stopped after {found.stop.duration:g} s"
+    lost = sum(one.measures.get("contact_lost_s", math.nan) <= LONGEST_SPELL for one in tests)
+    if lost < count:
+        yield f"in {count - lost} of {count} tests a wheel lost contact"
+    slid = sum(one.measures.get("largest_slip", math.nan) > SLID for one in tests)
+    if slid < count:
+        yield f"in {count - slid} of {count} tests no axle slid by more than {100.0 * SLID:g} %"
+    closed = sum(one.measures.get("energy_relative_residual", math.nan) <= ENERGY_WARNING for one in tests)
+    if closed < count:
+        yield f"in {count - closed} of {count} tests the energy balance is open"
+    if count > 1 and len({one.measures.get("distance_m") for one in tests}) < count:
+        yield "starts that should differ gave the same test"
+
+
+def rig_faults(rig: StopTests, track: StopTests) -> Iterator[str]:
+    """Why the rig's tests say nothing about the vehicle: the gates of the verdict on the rig itself."""
+    if not (rig.tests and track.tests):
+        return
+    ended = ("rig_ended", "track_ended")  # said of each support's own tests
+    gates = [row for row in verdict_rows(rig.case, track.tests, rig.tests) if row.gate and row.key not in ended]
+    kept = [row.verdict == "met" or (row.low <= 0.0 and row.value.interval.high <= row.high) for row in gates]
+    shut = [row.told for row, is_open in zip(gates, kept, strict=True) if not is_open]
+    power = max(one.measures.get("drive_power_limited_s", 0.0) / one.measures["duration_s"] for one in rig.tests)
+    if not power <= POWER_LIMITED:
+        shut.append(
+            f"time at a roller drive's power limit up to {percent(power)}, target at most {percent(POWER_LIMITED)}"
+        )
+    if shut:
+        yield f"the rig is no track here: {'; '.join(shut)}"
+
+
+def dry_faults(found: StopTests) -> Iterator[str]:
+    """Why the dry stop is no reference."""
+    if found.dry is None:
+        yield "the dry reference was not made"
+        return
+    dry = found.dry.measures
+    if not (found.dry.completed and found.dry.stopped):
+        yield f"the dry reference did not come to a stop: {found.dry.message}"
+    if not dry.get("largest_slip", math.nan) <= SLID:
+        yield f"in the dry reference an axle slid by more than {100.0 * SLID:g} %"
+    if dry.get("dump_cycles", math.nan) != 0.0:
+        yield "in the dry reference the protection acted"
+    shortest = min((one.measures["distance_m"] for one in found.tests), default=math.nan)
+    if shortest < dry["distance_m"]:
+        yield "a test stopped in less than the dry distance"
+
+
+def signal_columns(signals: Mapping[str, Mapping[str, Any]]) -> Mapping[str, Any]:
+    """Signals of the first tests, rig beside track, as long as both ran."""
+    count = min((len(next(iter(one.values()))) for one in signals.values() if one), default=0)
+    found: dict[str, Any] = {}
+    for on, own in signals.items():
+        for name, values in own.items():
+            found.setdefault(name if name == "time_s" else f"{name}_{on}", values[:count])
+    return found
