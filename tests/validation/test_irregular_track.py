@@ -50,7 +50,7 @@ def run() -> xr.Dataset:
 
 def influence(assembly: Assembly, state: np.ndarray, wheel: int, rail: str, derivative: int) -> np.ndarray:
     """Change of x' per displacement (0) or slope (1) of one rail under one wheel."""
-    size, step, period = 1e-6, 0.25, 64.0
+    size, step, period = 1e-7, 0.25, 64.0  # small: profiles have knots
     tables = {name: np.zeros((int(period / step), 4)) for name in RAILS}
     along = assembly.positions[assembly.wheels[wheel].wheelset][0]
     row = int(np.mod(along, period) / step)
