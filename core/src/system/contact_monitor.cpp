@@ -6,12 +6,15 @@
 namespace rollerrig {
 namespace {
 
-constexpr double near_edge = 0.5e-3;        // of a profile: closer than this to its end counts as off it [m]
+constexpr double near_edge = 0.5e-3;        // of a profile: closer than this to its end counts as off it, along it [m]
 constexpr double near_flange_tip = 1e-3;    // [m]
 constexpr double rounding_of_power = 1e-6;  // dissipation less negative than this is round-off [W]
 
+/// Along the profile, whose last piece before an end on the side of a head or flange is millimetres high and hardly wide.
 bool is_off(UniformSpline const& profile, double abscissa, double edge) {
-  return abscissa < profile.start + edge || abscissa > profile.end() - edge;
+  double const end = 2.0 * abscissa < profile.start + profile.end() ? profile.start : profile.end();
+  return !profile.contains(abscissa) ||
+         std::hypot(end - abscissa, profile.at(end).value - profile.at(abscissa).value) < edge;
 }
 
 }  // namespace

@@ -87,7 +87,11 @@ def contact_laws(contact: Contact) -> _core.ContactLaws:
         normal=core_law(contact.normal),
         damping=_core.NormalDamping(damping=contact.normal_damping, smoothing_speed=contact.damping_onset),
         creep=core_law(contact.creep),
-        friction=_core.Friction(law=core_law(contact.friction), map=None),
+        friction=_core.Friction(
+            law=core_law(contact.friction),
+            map=None,
+            gauge_face=-1.0 if contact.gauge_face_friction is None else contact.gauge_face_friction,
+        ),
         creepage_regularisation_speed=contact.creepage_regularisation_speed,
         roller=_core.RollerEffects(**contact.roller_effects.model_dump()),
     )

@@ -96,7 +96,7 @@ class RunInfo:
         gravity: [m/s^2].
         wheel_radius: nominal [m].
         roller_radius: at the crown [m]; None on track.
-        friction: coefficient of friction of the contacts [-].
+        friction: coefficient of friction where flanges touch [-].
         flange_angle: steepest slope of the wheel profile towards the flange [rad].
         segments: of the line, in the order of the run; empty on a straight track without segments and on a rig.
 
@@ -190,7 +190,7 @@ def describe(model: AssembledModel) -> RunInfo:
         gravity=case.gravity,
         wheel_radius=case.vehicle.data.wheel.radius,
         roller_radius=support.roller_radius if isinstance(support, Rig) else None,
-        friction=case.contact.friction.mu_0,
+        friction=case.contact.flange_friction,
         flange_angle=flange_angle(model.wheel_profile),
         segments=() if model.line is None else tuple(_segment(segment) for segment in model.line.segments),
     )

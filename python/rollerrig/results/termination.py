@@ -89,9 +89,11 @@ def contact_in_words(model: AssembledModel, wheel: str, status: str, last: xr.Da
 
 
 def _end(profile: ProfileTable, places: Vector) -> tuple[Vector, ProfileTable, Vector]:
-    """How far the end of a profile is from places on it [m]."""
+    """How far the end of a profile is from places on it, along it as core/src/system/contact_monitor.cpp measures it [m]."""
     low, high = profile.domain
-    return np.minimum(places - low, high - places), profile, places
+    near = np.where(2.0 * places < low + high, low, high)
+    inside = np.nan_to_num(np.clip(places, low, high))
+    return np.hypot(near - inside, profile.evaluate(near) - profile.evaluate(inside)), profile, places
 
 
 def _reach(profile: ProfileTable, place: float) -> str:

@@ -1,6 +1,8 @@
 // What every creep law must do, and what each of them does in its limits.
 #include <doctest/doctest.h>
 
+#include <cmath>
+#include <numbers>
 #include <random>
 
 #include "explicit_real.hpp"
@@ -296,4 +298,34 @@ TEST_CASE("friction falls with slip velocity as Polach's formula says") {
   CHECK(wet(0.0, 0.0, 5.0, 0.0, 0.0).friction == doctest::Approx(0.3 * (0.6 * std::exp(-1.0) + 0.4)));
   CHECK(wet(0.0, 0.0, 1e6, 0.0, 0.0).friction == doctest::Approx(0.12));
   CHECK(Friction{ConstantFriction{0.3}}(0.0, 0.0, 7.0, 0.0, 0.0).friction == 0.3);
+}
+
+TEST_CASE("on the gauge face a contact has the friction given for it, with a smooth transition from the top") {
+  auto const share = [](double degrees) {
+    double const angle = degrees * std::numbers::pi / 180.0;
+    return share_of_gauge_face(Vec3<double>{0.01, -std::sin(angle), std::cos(angle)});
+  };
+  for (double angle : {-70.0, -30.0, 0.0, 3.0, 19.9}) CHECK(share(angle) == 0.0);  // of the field side, too
+  for (double angle : {40.1, 60.0, 70.0, 88.0}) CHECK(share(angle) == 1.0);
+  double const middle = std::asin(0.5 * (std::sin(std::numbers::pi / 9) + std::sin(2 * std::numbers::pi / 9)));
+  CHECK(share(middle * 180.0 / std::numbers::pi) == doctest::Approx(0.5).epsilon(1e-12));
+  for (double angle = 20.0; angle < 40.0; angle += 0.5) CHECK(share(angle + 0.5) > share(angle));
+  for (double border : {20.0, 40.0}) CHECK(std::abs(share(border + 0.01) - share(border - 0.01)) < 1e-5);  // no slope
+
+  using D = Dual<1>;
+  D tilted(-0.5);
+  tilted.d[0] = 1.0;
+  double const h = 1e-6;
+  auto const at = [](double y) { return share_of_gauge_face(Vec3<double>{0.0, y, 0.8}); };
+  CHECK(share_of_gauge_face(Vec3<D>{D(0.0), tilted, D(0.8)}).d[0] ==
+        doctest::Approx((at(-0.5 + h) - at(-0.5 - h)) / (2 * h)).epsilon(1e-6));
+
+  Friction lubricated{ConstantFriction{0.4}};
+  Vec3<double> const top{0.0, -0.02, 1.0}, flange{0.0, -0.94, 0.34};
+  CHECK(lubricated.where(0.4, flange) == 0.4);  // none is given
+  lubricated.gauge_face = 0.15;
+  CHECK(lubricated.where(0.4, top) == 0.4);
+  CHECK(lubricated.where(0.4, flange) == doctest::Approx(0.15));
+  lubricated.gauge_face = 0.4;
+  CHECK(lubricated.where(0.4, Vec3<double>{0.0, -0.5, 0.8}) == 0.4);
 }

@@ -174,7 +174,7 @@ struct MovingPatch {
   /// @param slip  velocity [m/s]
   RailSurface<T> surface(T const& time, T const& slip) const {
     auto rail = (*friction)(time, motion->arc_length, slip, motion->dissipated_energy, motion->sand);
-    rail.friction = motion->friction_factor * rail.friction;
+    rail.friction = motion->friction_factor * friction->where(rail.friction, patch->point.n);
     return rail;
   }
 };

@@ -13,6 +13,7 @@ from rollerrig.config.schema.contact_law import (
     AnyNormal,
     ConstantFriction,
     ExactTable,
+    Friction,
     Strips,
 )
 from rollerrig.config.schema.material import Material
@@ -92,6 +93,11 @@ class Contact(Table):
     friction: AnyFriction = Field(
         default=ConstantFriction(kind="constant", mu_0=0.3), description="a coefficient, or a law over slip velocity"
     )
+    gauge_face_friction: Friction | None = Field(
+        default=None,
+        description="coefficient on the gauge face of rail or roller, from a contact angle of 40 degrees on; up to 20 degrees "
+        "that of the top, `friction` or [adhesion]; a smooth transition between; absent: the same everywhere",
+    )
     creep: AnyCreep = Field(
         default=ExactTable(kind="table"),
         description="law of the tangential force: its name, or a table with `kind` and parameters",
@@ -117,6 +123,11 @@ class Contact(Table):
         default=RollerEffects(),
         description="which of a roller's differences from a rail count; all, unless for a study",
     )
+
+    @property
+    def flange_friction(self) -> float:
+        """Coefficient of friction where flanges touch, at no slip [-]."""
+        return self.friction.mu_0 if self.gauge_face_friction is None else self.gauge_face_friction
 
 
 class Motion(Table):

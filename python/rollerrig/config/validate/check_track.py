@@ -237,4 +237,4 @@ def lateral_force_limit(case: CaseTables) -> tuple[float, str]:
     steepest = flange_angle(profile_from_spec(vehicle.wheel.profile.arguments(), "wheel"))
     flange = steepest if steepest > FLATTEST_FLANGE else None
     base = case.support.data.cant_base if isinstance(case.support.data, Track) else 1.5
-    return limit_of_lateral_force(height, base, flange, case.contact.friction.mu_0)
+    return limit_of_lateral_force(height, base, flange, case.contact.flange_friction)

@@ -5,7 +5,7 @@ Case -> [rows] -> (what, words) -> text, HTML
 
 from html import escape
 
-from rollerrig.config.schema.case import CaseTables
+from rollerrig.config.schema.case import CaseTables, Contact
 from rollerrig.config.schema.support import Rig
 
 ACTING = (
@@ -25,7 +25,7 @@ def rows(case: CaseTables) -> list[tuple[str, str]]:
         ("vehicle", f"{vehicle.data.name}{part}: {_few(bodies)}"),
         ("support", support.name + (f", rollers of {1e3 * support.roller_radius:g} mm" if isinstance(support, Rig) else "")),
         ("motion", f"{3.6 * case.motion.speed:.4g} km/h at the start, {case.motion.drive.replace('_', ' ')}"),
-        ("contact", ", ".join((contact.material.name, f"friction {_friction(contact.friction)}", contact.normal.kind,
+        ("contact", ", ".join((contact.material.name, f"friction {_friction(contact)}", contact.normal.kind,
                                contact.creep.kind))),
         ("time", f"{time.duration:g} s, kept every {1e3 * time.output_step:g} ms; {method}"
                  + (f", step {1e3 * step:g} ms" if step else "")),
@@ -39,10 +39,10 @@ def _few(names: list[str], most: int = 4) -> str:
     )
 
 
-def _friction(law: object) -> str:
-    mu = getattr(law, "mu_0", None)
-    kind = str(getattr(law, "kind", ""))
-    return f"{mu:g}" if kind == "constant" and mu is not None else kind
+def _friction(contact: Contact) -> str:
+    law, face = contact.friction, contact.gauge_face_friction
+    top = f"{law.mu_0:g}" if law.kind == "constant" else law.kind
+    return top if face is None else f"{top} ({face:g} on the gauge face)"
 
 
 def in_words(case: CaseTables) -> str:
