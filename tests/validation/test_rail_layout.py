@@ -47,7 +47,7 @@ def test_beyond_the_transition_a_vehicle_runs_as_on_a_track_that_is_so_everywher
     assert at_end(behind) == pytest.approx(at_end(there), abs=3e-9)
     assert abs(at_end(there) - at_end(before)) > 50e-6
     load = behind["vertical_force"].isel(time=-1).to_numpy()
-    np.testing.assert_allclose(load, there["vertical_force"].isel(time=-1), rtol=1e-5)
+    np.testing.assert_allclose(load, there["vertical_force"].isel(time=-1), rtol=6e-5)  # 3 nm under 1e9 N/m
     assert behind.attrs["energy_relative_residual"] < 1e-6
 
 
@@ -96,3 +96,55 @@ def test_heads_that_change_sides_mirror_the_motion(name: str) -> None:
     np.testing.assert_allclose(runs[0]["vertical"], runs[1]["vertical"], atol=1e-9 * size)
     assert float(np.abs(runs[0]["lateral"].sel(body=WHEELSET)[-100:]).mean()) > 1e-5  # it does not stand in the middle
     assert runs[0].attrs["energy_relative_residual"] < 1e-5
+
+
+def on_arcs(radius: float, **more: object) -> Case:
+    """The bogie with cones 1:20 on round rail heads: each wheel stands where the head has the slope of the cone."""
+    arc = {"kind": "arc", "radius": radius}
+    return bogie().with_changes(
+        {"vehicle.wheel.profile": {"kind": "cone", "conicity": 0.05}, "support.profile": arc, **more}
+    )
+
+
+def test_between_two_heads_lies_the_head_of_the_mean_curvature() -> None:
+    """Heads of 300 and 150 mm: half way z is that of 200 mm, on which the wheels stand 1/20^2 R / 2 higher than on a flat one."""
+    worn = {"profile": {"kind": "arc", "radius": 0.15}}
+    case = on_arcs(0.3, **changing(worn, 60.0), **{"time.duration": "4.5 s"})
+    run = rr.simulate(case)
+    place = run["distance"].to_numpy() + 1.28  # of the leading wheelset
+    for distance, radius in ((5.0, 0.3), (40.0, 0.2), (85.0, 0.15)):
+        height = float(run["vertical"].sel(body=WHEELSET)[int(np.argmin(np.abs(place - distance)))])
+        static = rr.simulate(on_arcs(radius).with_changes({"time.duration": "10 ms"}))
+        # 3 um/s of sinking; circles against the parabola between them: y^4 / (8 R^3) = 1e-8 m; 4 mm of the output step
+        assert height == pytest.approx(float(static["vertical"].sel(body=WHEELSET)[0]), abs=1e-6), distance
+    heights = run["vertical"].sel(body=WHEELSET)
+    assert abs(float(heights[0] - heights[-1])) > 50e-6
+    assert run.attrs["energy_relative_residual"] < 1e-6
+
+
+@pytest.mark.parametrize(("name", "value"), [("profile", "en_60e1_1_20"), ("right_profile", "en_60e1_1_20")])
+def test_beyond_the_transition_to_another_head_a_vehicle_runs_as_on_that_head(name: str, value: str) -> None:
+    behind, there = (
+        rr.simulate(bogie().with_changes({**change, "time.duration": "16 s"}))
+        for change in (changing({name: value}), {f"support.{name}": value})
+    )
+    for direction in ("lateral", "vertical"):
+        # The lateral motion has decayed to 1e-4 of 3 mm.
+        assert at_end(behind, direction) == pytest.approx(at_end(there, direction), abs=1e-6)
+
+
+def test_a_spot_comes_round_once_a_turn_and_lowers_the_wheels_by_its_depth() -> None:
+    spot = {"start": 0.5, "length": 0.6, "ramp": 0.4, "depth": "0.2 mm"}
+    case = rr.load_case("bogie_rollers_constant").with_changes(
+        {"motion.speed": "2 m/s", "disturbance": [], "support.spot": spot, "time.duration": "3.2 s"}
+    )
+    run = rr.simulate(case)
+    fallen = run["vertical"].sel(body=WHEELSET) - float(run["vertical"].sel(body=WHEELSET)[0])
+    turn = 2 * np.pi * case.support.data.roller_radius  # type: ignore[union-attr]
+    for distance, depth in ((0.4, 0.0), (1.2, -0.2e-3), (2.5, 0.0), (turn + 0.4, 0.0), (turn + 1.2, -0.2e-3)):
+        now = fallen[int(np.argmin(np.abs(run["distance"].to_numpy() - distance)))]
+        assert float(now) == pytest.approx(depth, abs=2e-6)
+    left = rr.simulate(case.with_changes({"support.spot.sides": "left", "time.duration": "0.6 s"}))
+    rolled = float(left["roll"].sel(body=WHEELSET)[-1])
+    assert rolled == pytest.approx(-0.2e-3 / 1.5, rel=0.03)  # the left wheel is the lower one
+    assert run.attrs["energy_relative_residual"] < 1e-5
