@@ -88,6 +88,24 @@ void bind_model(nb::module_& m) {
           },
           "curvature"_a, "cant"_a, "cant_base"_a)
       .def(
+          "set_rails",
+          [](ModelBuilder& builder, BreakRows const& left_y, BreakRows const& left_z, BreakRows const& left_roll,
+             BreakRows const& right_y, BreakRows const& right_z, BreakRows const& right_roll) {
+            auto const rail = [](BreakRows const& y, BreakRows const& z, BreakRows const& roll) {
+              return RailLayout{piecewise_cubic(y), piecewise_cubic(z), piecewise_cubic(roll)};
+            };
+            builder.set_rails(rail(left_y, left_z, left_roll), rail(right_y, right_z, right_roll));
+          },
+          "left_y"_a, "left_z"_a, "left_roll"_a, "right_y"_a, "right_z"_a, "right_roll"_a)
+      .def(
+          "set_heads",
+          [](ModelBuilder& builder, std::vector<int> const& left, BreakRows const& left_place,
+             std::vector<int> const& right, BreakRows const& right_place, double period) {
+            builder.set_heads({left, piecewise_cubic(left_place), period},
+                              {right, piecewise_cubic(right_place), period});
+          },
+          "left"_a, "left_place"_a, "right"_a, "right_place"_a, "period"_a)
+      .def(
           "set_irregularity",
           [](ModelBuilder& builder, double period, double step, PieceRows const& left_y, PieceRows const& left_z,
              PieceRows const& right_y, PieceRows const& right_z, double fade_in, bool steered) {

@@ -10,10 +10,15 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
 
 from rollerrig import _core
 from rollerrig.config import Case, Foundation, Restraint, Rig, Track, Vehicle
 from rollerrig.config.schema.irregularity import rails_of_run
+from rollerrig.config.schema.rail_layout import NOWHERE, RAIL_CURVES, rail_heads, rail_layout
 from rollerrig.config.schema.vehicle import DIRECTIONS, Body, Element
 from rollerrig.config.validate.check_track import distance_run, foremost_wheelset
 from rollerrig.contact_laws import contact_laws
@@ -55,8 +60,11 @@ class AssembledModel:
     """Vertical preload of each element that carries load, force on its second body [N]."""
     wheel_profile: ProfileTable
     rail_profile: ProfileTable
+    right_rail_profile: ProfileTable
     rail_origin_y: float
     """Lateral position of the highest point of the left rail or roller [m]."""
+    right_rail_origin_y: float
+    """The same of the right one, to the right [m]."""
     line: Line | None
     """Curvature and cant of the track; None where it is straight, and on a rig."""
     irregularity: RailIrregularity | None
@@ -132,6 +140,7 @@ class Assembly:
         self.positions: dict[str, tuple[float, float, float]] = {}
         self.masses: dict[str, float] = {}
         self.inertias: dict[str, tuple[float, float, float]] = {}
+        self.profile_index: dict[ProfileTable, int] = {}
         self.roller_of: dict[tuple[str, str], int] = {}
         self.preloads, self.axle_loads = static_loads(self.vehicle, case.gravity)
         self._add_plant()
@@ -180,8 +189,10 @@ class Assembly:
             axle_loads={name: self.axle_loads[name] for name in self.wheelsets},
             preloads={name: self.preloads[name] for name in self.elements if name in self.preloads},
             wheel_profile=self.wheel_profile,
-            rail_profile=self.rail_profile,
-            rail_origin_y=self.rail_origin,
+            rail_profile=self.rail_profiles["left"],
+            right_rail_profile=self.rail_profiles["right"],
+            rail_origin_y=self.rail_origins["left"],
+            right_rail_origin_y=self.rail_origins["right"],
             line=self.line,
             irregularity=self.irregularity,
             breakpoints=self.breakpoints,
@@ -198,9 +209,15 @@ class Assembly:
                 self._add_vehicle_body(body)
         wheelsets = [b for b in self.vehicle.bodies_in(self.cut) if b.kind == "wheelset"]
         self.wheel_profile = profile_from_spec(self.vehicle.wheel.profile.arguments(), "wheel")
-        self.rail_profile = profile_from_spec(self.support.profile.arguments(), "rail")
-        # Lateral position of the left rail's highest point: the gauge is taken `gauge_depth` below it.
-        self.rail_origin = self.support.gauge / 2 + abs(gauge_point(self.rail_profile, self.support.gauge_depth))
+        self.rail_heads = rail_heads(self.support)
+        left, other = profile_from_spec(self.support.profile.arguments(), "rail"), self.support.right_profile
+        right = left if other is None else profile_from_spec(other.arguments(), "rail")
+        self.rail_profiles: dict[Literal["left", "right"], ProfileTable] = {"left": left, "right": right}
+        # Distance of a rail's highest point from the middle: the gauge is taken `gauge_depth` below it.
+        self.rail_origins = {
+            side: self.support.gauge / 2 + abs(gauge_point(profile, self.support.gauge_depth))
+            for side, profile in self.rail_profiles.items()
+        }
         for element in self.vehicle.elements_in(self.cut):
             self._add_element(element, preloads.get(element.name, 0.0))
         if isinstance(self.support, Rig):
@@ -214,6 +231,7 @@ class Assembly:
         self.wheelsets = [body.name for body in wheelsets]
         self.line, self.irregularity = self._add_track_geometry()
         self._add_contacts(wheelsets)
+        self._add_heads()
         self.breakpoints = self._add_motion()
 
     def _add_vehicle_body(self, body: Body) -> None:
@@ -289,7 +307,7 @@ class Assembly:
         sides = ("",) if rig.coupling == "axle" else ("_left", "_right")
         share = 1.0 / len(sides)
         for side in sides:
-            y = {"": 0.0, "_left": 1.0, "_right": -1.0}[side] * self.rail_origin
+            y = {"": 0.0, "_left": self.rail_origins["left"], "_right": -self.rail_origins["right"]}[side]
             name = f"roller_{number}{side}"
             ixx, iyy, izz = rig.roller_inertia
             mass, inertia = share * rig.roller_mass, (share * ixx, share * iyy, share * izz)
@@ -311,9 +329,9 @@ class Assembly:
         x, mass, sleeper = wheelset.position[0] - self.cut.origin_x, foundation.rail_mass, foundation.sleeper
         number = wheelset.name.removeprefix("wheelset_")
         foot = (0.0, 0.0, -foundation.centre_height)
-        for side, sign in (("left", 1.0), ("right", -1.0)):
+        for side, y in (("left", self.rail_origins["left"]), ("right", -self.rail_origins["right"])):
             load, under = 0.5 * axle_load + mass * self.case.gravity, GROUND
-            place = (x, sign * self.rail_origin, -foundation.rail_height)
+            place = (x, y, -foundation.rail_height)
             if sleeper is not None:
                 under = self._add_piece(f"sleeper_{number}_{side}", sleeper.mass, sleeper.mass, place, sleeper.laws)
                 self._mount(self.bodies[under], under, sleeper.laws, load + sleeper.mass * self.case.gravity)
@@ -368,34 +386,51 @@ class Assembly:
         self._add_support("restraint", self.index(name), {"x": restraint}, {}, point)
 
     def _add_contacts(self, wheelsets: list[Body]) -> None:
-        wheel_index, rail_index = (
-            self.builder.add_profile(profile.start, profile.step, profile.coefficients)
-            for profile in (self.wheel_profile, self.rail_profile)
-        )
+        changing = {side: heads.tables[0] for side, heads in self.rail_heads.items()}
         laws = contact_laws(self.case.contact)
         for body in wheelsets:
-            for side in ("left", "right"):
+            for side, rail in self.rail_profiles.items():
                 contact = _core.ContactDescription(
                     wheelset=self.index(body.name),
                     roller=self.roller_of.get((body.name, side), GROUND),
                     roller_radius=self.support.roller_radius if isinstance(self.support, Rig) else 0.0,
                     right=side == "right",
-                    wheel_profile=wheel_index,
-                    rail_profile=rail_index,
+                    wheel_profile=self._profile(self.wheel_profile),
+                    rail_profile=self._profile(changing.get(side, rail)),
                     wheel_radius=self.vehicle.wheel.radius,
                     tape_circle_y=self.vehicle.wheel.back_to_back / 2 + self.vehicle.wheel.tape_circle,
-                    rail_origin_y=self.rail_origin,
+                    rail_origin_y=self.rail_origins[side],
                     size=self.vehicle.wheel.profile.length_scale,
                     laws=laws,
                 )
                 index = self.builder.add_contact(contact)
                 self.wheels.append(WheelInfo(f"{body.name}_{side}", body.name, side, index))
 
+    def _add_heads(self) -> None:
+        """Heads that change along the rails or round the rollers."""
+        if not self.rail_heads:
+            return
+        arguments: list[list[int] | NDArray[np.float64]] = []
+        for side in self.rail_profiles:
+            heads = self.rail_heads.get(side)
+            tables = heads.tables if heads else ()
+            arguments += [[self._profile(table) for table in tables], (heads.place if heads else NOWHERE).rows]
+        self.builder.set_heads(*arguments, max(heads.period for heads in self.rail_heads.values()))
+
+    def _profile(self, table: ProfileTable) -> int:
+        """Index of a profile in the core, which gets it once."""
+        if table not in self.profile_index:
+            self.profile_index[table] = self.builder.add_profile(table.start, table.step, table.coefficients)
+        return self.profile_index[table]
+
     def _add_track_geometry(self) -> tuple[Line | None, RailIrregularity | None]:
         """Where the track leads, and where its rails lie."""
         line = self.support.line if isinstance(self.support, Track) else None
         if line is not None:
             self.builder.set_line(line.curvature.rows, line.cant.rows, line.cant_base)
+        rails_laid = rail_layout(self.support) if isinstance(self.support, Track) else None
+        if rails_laid is not None:
+            self.builder.set_rails(*(rails_laid[name].rows for name in RAIL_CURVES))
         chosen = self.support.irregularity
         if chosen is None:
             return line, None

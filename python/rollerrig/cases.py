@@ -80,8 +80,9 @@ def restrained_along_track(case: Case) -> Case:
 
 
 def with_head_of(support: Rig | Track, other: Rig | Track) -> Rig | Track:
-    """A support with the rail head and gauge of another."""
-    return support.model_copy(update={"profile": other.profile, "gauge": other.gauge, "gauge_depth": other.gauge_depth})
+    """A support with the rail heads and gauge of another."""
+    kept = ("profile", "right_profile", "gauge", "gauge_depth")
+    return support.model_copy(update={key: getattr(other, key) for key in kept})
 
 
 def on_track(case: Case) -> Case:

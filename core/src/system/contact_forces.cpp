@@ -7,17 +7,17 @@ template <Scalar T>
 ContactPlacement<T> ForceAssembly<T>::placement(std::size_t index) const {
   WheelContact const& contact = model_.contacts[index];
   auto const& wheelset = w_.motion[at(contact.wheelset)];
-  bool const irregular = !model_.irregularity.empty();
+  bool const displaced = model_.displaces_rails();
   BodyMotion<T> const* under = contact.roller >= 0 ? &w_.motion[at(contact.roller)] : nullptr;
   ContactPlacement<T> p;
   if (contact.rail) {
     TrackFrame<T> const* frame = w_.curved ? &w_.frame[at(contact.wheelset)] : nullptr;
-    p = under || frame || irregular ? on_rail(contact, wheelset, under, frame, w_.offset[index], w_.travel.speed)
+    p = under || frame || displaced ? on_rail(contact, wheelset, under, frame, w_.offset[index], w_.travel.speed)
                                     : on_straight_rail(contact, wheelset, w_.travel.speed);
-  } else if (!irregular && model_.bodies[at(contact.roller)].only_spins()) {
+  } else if (!displaced && model_.bodies[at(contact.roller)].only_spins()) {
     p = on_fixed_roller(contact, wheelset, *under);
   } else {
-    p = on_roller(contact, wheelset, *under, irregular ? &w_.offset[index] : nullptr, model_.irregularity.steered,
+    p = on_roller(contact, wheelset, *under, displaced ? &w_.offset[index] : nullptr, model_.irregularity.steered,
                   w_.travel.speed);
   }
   if (contact.right) mirror(p);
@@ -40,6 +40,46 @@ void ForceAssembly<T>::search_contact(std::size_t index, RelativePose<T> const& 
   }
 }
 
+/// Where the load of a wheel lies on the head, its mean [m].
+template <Scalar T>
+T loaded_abscissa(WheelPatches<T> const& patches, int count) {
+  T load(1e-9), moment(0.0);
+  for (int k = 0; k < count; ++k) {
+    auto const& patch = patches[static_cast<std::size_t>(k)];
+    load += patch.weight * patch.elastic;
+    moment += patch.weight * patch.elastic * patch.point.rail_y;
+  }
+  return moment / load;
+}
+
+/// The head on which a wheel stands where heads change.
+template <Scalar T>
+WheelRollerPair const& ForceAssembly<T>::head_under(std::size_t index) const {
+  WheelContact const& contact = model_.contacts[index];
+  RailHeads const& heads = contact.right ? model_.right_heads : model_.left_heads;
+  if (heads.empty()) return contact.pair;
+  T const place = heads.at(distance_along(contact)).value;
+  HeadUnderWheel& head = evaluation_.head[index];
+  head.move_to(value_of(place), heads, model_.profiles);
+  if constexpr (!std::same_as<T, double>) {  // of the derivative over time: the head rises under the load
+    double const y = loaded_abscissa(evaluation_.work.patches[index], evaluation_.work.patch_count[index]);
+    w_.placed[index].pose.o.z -= (place - value_of(place)) * head.rise(y);
+  }
+  return head.under(contact.pair);
+}
+
+/// A surface that changes along its way rises under the wheel: as much for all of its patches.
+template <Scalar T>
+void ForceAssembly<T>::move_head(std::size_t index) const {
+  WheelContact const& contact = model_.contacts[index];
+  RailHeads const& heads = contact.right ? model_.right_heads : model_.left_heads;
+  if (heads.empty()) return;
+  T const y = loaded_abscissa(w_.patches[index], w_.patch_count[index]);
+  T const up = w_.travel.speed * heads.at(distance_along(contact)).slope * evaluation_.head[index].rise(y);
+  w_.placed[index].motion.v_roller.z += up;
+  w_.placed[index].prescribed_v.z += up;
+}
+
 /// Patches of the wheels of one group, which have the same laws: all are placed first, then each law sees all of them at once.
 template <Scalar T>
 void ForceAssembly<T>::find_patches(T const& t, std::vector<int> const& group, Selection const* selection) const {
@@ -52,7 +92,7 @@ void ForceAssembly<T>::find_patches(T const& t, std::vector<int> const& group, S
     placed = placement(index);
     if (follows_minima(laws.normal)) search_contact(index, placed.pose);
     WheelContact const& contact = model_.contacts[index];
-    w_.wheels.push_back({{contact.pair, laws.material, contact.laws.nodes.get()},
+    w_.wheels.push_back({{head_under(index), laws.material, contact.laws.nodes.get()},
                          &placed.pose,
                          &evaluation_.search[index],
                          &w_.patches[index],
@@ -63,6 +103,7 @@ void ForceAssembly<T>::find_patches(T const& t, std::vector<int> const& group, S
   for (int i : group) {
     std::size_t const index = at(i);
     if (selection && !selection->contact[index]) continue;
+    move_head(index);
     auto const& placed = w_.placed[index];
     for (int k = 0; k < w_.patch_count[index]; ++k)
       w_.under_load.push_back(

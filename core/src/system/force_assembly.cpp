@@ -5,7 +5,7 @@ namespace rollerrig {
 template <Scalar T>
 void ForceAssembly<T>::place_track(T const& t) const {
   bool const has_line = model_.on_rails && !model_.line.empty();
-  if (!has_line && model_.irregularity.empty() && !model_.on_adhesion_map && !inputs_.frame_moves) {
+  if (!has_line && !model_.displaces_rails() && !model_.on_adhesion_map && !inputs_.frame_moves) {
     w_.travel = {T(0.0), model_.speed.at(t), T(model_.speed.rate(value_of(t)))};
     return;
   }
@@ -15,11 +15,14 @@ void ForceAssembly<T>::place_track(T const& t) const {
   if (w_.curved)
     for (std::size_t b = 0; b < model_.bodies.size(); ++b)
       w_.frame[b] = track_frame(model_.line, w_.travel, model_.bodies[b].position.x);
-  if (model_.irregularity.empty()) return;
+  if (!model_.displaces_rails()) return;
   for (std::size_t i = 0; i < model_.contacts.size(); ++i) {
     WheelContact const& contact = model_.contacts[i];
-    w_.offset[i] = model_.irregularity.at(contact.right, w_.travel.s + contact.distance_ahead,
-                                          model_.start + model_.foremost_wheel);
+    T const place = w_.travel.s + contact.distance_ahead;
+    w_.offset[i] = model_.irregularity.empty()
+                       ? RailOffset<T>{}
+                       : model_.irregularity.at(contact.right, place, model_.start + model_.foremost_wheel);
+    if (has_line) (contact.right ? model_.line.right : model_.line.left).add_to(w_.offset[i], place);
   }
 }
 

@@ -95,7 +95,7 @@ Selection JacobianSweeps::touched_by(Model const& model, Sweep const& sweep, boo
     if (own) affect({e.body_a, e.body_b});
   }
   for (auto const& c : model.contacts) {
-    bool const own = seeded(c.wheelset) || seeded(c.roller) || (time && (c.rail || !model.irregularity.empty()));
+    bool const own = seeded(c.wheelset) || seeded(c.roller) || (time && (c.rail || model.displaces_rails()));
     touched.contact.push_back(own);
     if (own) affect({c.wheelset, c.roller});
   }
@@ -199,7 +199,7 @@ void JacobianSweeps::fill_time(Model const& model, Inputs const& inputs, ForceAs
                       std::ranges::any_of(model.roller_torques, moves) || inputs.frame_moves ||
                       !inputs.axle_torque.empty() || !inputs.roller_torque.empty() || !inputs.cylinder.empty() ||
                       inputs.track_brake.slope != 0.0;
-  if (!moving && !work_.curved && model.irregularity.empty()) return;
+  if (!moving && !work_.curved && !model.displaces_rails()) return;
   forces.place_track(JacobianDual::variable(t, 0));
   if (work_.curved)
     for (std::size_t b = 0; b < model.bodies.size(); ++b) forces.see_from_common(b);

@@ -322,8 +322,44 @@ void ModelBuilder::set_line(Line const& line, double start) {
   need_curve(line.cant, "cant");
   check_value(line.cant_base, positive, "line", "cant_base");
   check_value(start, finite_number, "line", "start");
-  model_.line = line;
   model_.start = start;
+  set_rails(line.left, line.right);
+  model_.line = line;
+}
+
+void ModelBuilder::set_rails(RailLayout const& left, RailLayout const& right) {
+  auto const need_layout = [](PiecewiseCubic const& curve, std::string const& what) {
+    constexpr Range near{0.0, 1.0, "within 1 m or rad", false, false, true};
+    need_curve(curve, what);
+    for (auto const& row : curve.coefficient) check_value(row[0], near, what, "displacement");
+  };
+  for (bool const is_right : {false, true}) {
+    std::string const side = is_right ? "right rail: " : "left rail: ";
+    RailLayout const& rail = is_right ? right : left;
+    need_layout(rail.y, side + "y");
+    need_layout(rail.z, side + "z");
+    need_layout(rail.roll, side + "roll");
+  }
+  model_.line.left = left, model_.line.right = right;
+}
+
+void ModelBuilder::set_heads(RailHeads const& left, RailHeads const& right) {
+  for (RailHeads const* heads : {&left, &right}) {
+    check_value(heads->period, not_negative, "heads", "period");
+    check_value(heads->profiles, an_index, "heads", "profiles");
+    need_curve(heads->place, "heads: place");
+    auto const last = static_cast<double>(heads->profiles.size()) - 1.0;
+    for (auto const& row : heads->place.coefficient)
+      need(row[0] >= 0.0 && row[0] <= last, "heads: place must be between the first and the last of them");
+    need(heads->profiles.empty() == heads->place.empty(), "heads: place and profiles are needed together");
+    for (int const i : heads->profiles) {
+      need(i < static_cast<int>(model_.profiles.size()), "heads: there is no profile " + std::to_string(i));
+      UniformSpline const &one = *model_.profiles[at(i)], &first = *model_.profiles[at(heads->profiles.front())];
+      need(one.start == first.start && one.step == first.step && one.pieces.size() == first.pieces.size(),
+           "heads: profile " + std::to_string(i) + " must have the knots of the first");
+    }
+  }
+  model_.left_heads = left, model_.right_heads = right;
 }
 
 void ModelBuilder::set_irregularity(Irregularity const& irregularity) {
@@ -351,6 +387,8 @@ std::shared_ptr<Model const> ModelBuilder::finish() const {
     model->on_rails = model->on_rails || c.rail;
     model->on_adhesion_map = model->on_adhesion_map || c.laws.friction.map != nullptr;
     model->foremost_wheel = std::max(model->foremost_wheel, c.distance_ahead);
+    need(!model->changes_heads() || !follows_minima(c.laws.normal),
+         "heads that change need a law of normal contact that looks at the profiles in every call: elastic strips");
   }
   for (Body const& b : model->bodies) {
     model->rear = std::min(model->rear, b.position.x);

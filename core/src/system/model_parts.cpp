@@ -46,6 +46,7 @@ ModelParts parts_of(Model const& model) {
   parts.speed = model.speed;
   parts.line = model.line, parts.start = model.start;
   if (!model.irregularity.empty()) parts.irregularity = model.irregularity;
+  parts.left_heads = model.left_heads, parts.right_heads = model.right_heads;
   parts.contact_loss_limit = model.contact_loss_limit;
   return parts;
 }
@@ -65,6 +66,7 @@ std::shared_ptr<Model const> model_of(ModelParts const& parts) {
   builder.set_speed(parts.speed);
   if (!parts.line.empty() || parts.start != 0.0) builder.set_line(parts.line, parts.start);
   if (parts.irregularity) builder.set_irregularity(*parts.irregularity);
+  builder.set_heads(parts.left_heads, parts.right_heads);
   builder.set_contact_loss_limit(parts.contact_loss_limit);
   return builder.finish();
 }

@@ -6,10 +6,10 @@ A free wheelset that rolls without slip follows, over the arc length x of the tr
 
     y'' + Δr(y) / (e r0) = 0                                                       (K1)
 
-which has the first integral y'^2 / 2 = [U(ŷ) - U(y)] / (e r0), U(y) = ∫ Δr dy. A quarter of its wave is the way from
-y = 0 to the amplitude ŷ, and since both sides have the same profiles the four quarters are alike:
+which has the first integral y'^2 / 2 = [U(m + ŷ) - U(y)] / (e r0), U(y) = ∫ Δr dy. Half of its wave is the way from one
+outer position m - ŷ to the other, m + ŷ, at which U is the same; where both sides have the same profiles m is 0:
 
-    λ(ŷ) = 4 sqrt(e r0) ∫_0^ŷ dy / sqrt(2 [U(ŷ) - U(y)])                            (K2)
+    λ(ŷ) = 2 sqrt(e r0) ∫_(m-ŷ)^(m+ŷ) dy / sqrt(2 [U(m + ŷ) - U(y)])                (K2)
     tan γ_e = 2 e r0 (π / λ)^2                                                     (K3)
 
 On rollers Δr is the effective difference, which counts the rollers' radii as well, and x is the way of the surface. With
@@ -24,11 +24,12 @@ Source  EN 15302:2021, clause 9 and annex E (direct integration of the nonlinear
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
+from scipy.optimize import brentq
 
 from rollerrig.results import variable
 
@@ -45,12 +46,13 @@ def equivalent_conicity(lateral: FloatArray, difference: FloatArray, amplitudes:
     """Equivalent conicity tan γ_e over the amplitude of the kinematic motion.
 
     Args:
-        lateral: lateral shifts, increasing, 0 among them [m]; of a symmetric wheelset only those from 0 on are used.
+        lateral: lateral shifts, increasing, 0 among them [m]; only those from 0 on: the other side is their mirror image.
         difference: rolling radius difference, left less right, at these shifts [m]; straight lines between them.
         amplitudes: amplitudes ŷ, half of the distance between the outer positions [m].
 
     Returns:
-        One value per amplitude [-]: 0 where the radii do not differ, NaN where nothing drives the wheelset back.
+        One value per amplitude [-]: 0 where the radii do not differ, NaN where nothing drives the wheelset
+        back, or where the shifts given end too early.
 
     Raises:
         ValueError: an amplitude is not positive or beyond the shifts given.
@@ -60,13 +62,16 @@ def equivalent_conicity(lateral: FloatArray, difference: FloatArray, amplitudes:
         >>> equivalent_conicity(y, 2 * 0.05 * y, [3e-3]).round(6).tolist()  # a cone 1:20
         [0.05]
     """
-    y, dr = lateral[lateral >= 0], difference[lateral >= 0]
-    if len(y) < 2 or y[0] != 0.0:
+    y, dr = lateral, difference
+    if not np.any(y == 0.0) or y[-1] <= 0.0:
         raise ValueError("lateral: the shift 0 and positive ones are needed")
+    if y[0] == 0.0:
+        y, dr = np.concatenate([-y[:0:-1], y]), np.concatenate([-dr[:0:-1], dr])
     for amplitude in amplitudes:
         if not 0 < amplitude <= y[-1] * (1 + 1e-12):
             raise ValueError(f"amplitude {1e3 * amplitude:g} mm; allowed above 0 and up to {1e3 * y[-1]:g} mm")
-    potential = np.concatenate(([0.0], np.cumsum(0.5 * (dr[1:] + dr[:-1]) * np.diff(y))))
+    areas, middle = 0.5 * (dr[1:] + dr[:-1]) * np.diff(y), int(np.flatnonzero(y == 0.0)[0])
+    potential = np.concatenate((-np.cumsum(areas[:middle][::-1])[::-1], [0.0], np.cumsum(areas[middle:])))
     slope = np.diff(dr) / np.diff(y)
 
     def energy(at: FloatArray) -> FloatArray:
@@ -75,21 +80,34 @@ def equivalent_conicity(lateral: FloatArray, difference: FloatArray, amplitudes:
         t = at - y[k]
         return np.asarray(potential[k] + t * (dr[k] + 0.5 * slope[k] * t))
 
-    # y = ŷ sin θ takes the root at the turning point out of the integrand.
-    theta = (np.arange(POINTS) + 0.5) * (0.5 * math.pi / POINTS)
+    # y = m + ŷ sin θ takes the roots at the turning points out of the integrand.
+    theta = (np.arange(2 * POINTS) + 0.5) * (0.5 * math.pi / POINTS) - 0.5 * math.pi
     result = []
     for amplitude in amplitudes:
-        at = amplitude * np.sin(theta)
+        at = _middle(energy, amplitude, float(y[0]), float(y[-1])) + amplitude * np.sin(theta)
         if np.max(np.abs(np.interp(at, y, dr))) < CYLINDRICAL:
             result.append(0.0)
             continue
-        rest = energy(np.array([amplitude])) - energy(at)
-        if np.any(rest <= 0.0):
+        rest = energy(at[-1:] + amplitude * (1.0 - np.sin(theta[-1:]))) - energy(at)
+        if not np.all(rest > 0.0):
             result.append(math.nan)
             continue
-        quarter = np.sum(amplitude * np.cos(theta) / np.sqrt(2 * rest)) * (0.5 * math.pi / POINTS)
-        result.append(2 * (math.pi / (4 * quarter)) ** 2)  # (K2) in (K3)
+        half = np.sum(amplitude * np.cos(theta) / np.sqrt(2 * rest)) * (0.5 * math.pi / POINTS)
+        result.append(2 * (math.pi / (2 * half)) ** 2)  # (K2) in (K3)
     return np.array(result)
+
+
+def _middle(energy: Callable[[FloatArray], FloatArray], amplitude: float, low: float, high: float) -> float:
+    """The middle m of a motion whose outer positions have the same potential [m]; NaN if they are not between low and high."""
+
+    def surplus(middle: float) -> float:
+        left, right = energy(np.array([middle - amplitude, middle + amplitude]))
+        return float(right - left)
+
+    first, last = low + amplitude, high - amplitude
+    if abs(surplus(0.0)) <= 1e-9 * float(np.abs(energy(np.array([-amplitude, amplitude]))).max()):
+        return 0.0
+    return brentq(surplus, first, last, xtol=1e-12) if surplus(first) * surplus(last) < 0.0 else math.nan
 
 
 def conicity_table(shifts: xr.Dataset, amplitudes: Sequence[float]) -> xr.Dataset:

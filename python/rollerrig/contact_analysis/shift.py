@@ -106,10 +106,15 @@ def shift_table(
 
     touches, ended = _outward(contact, _steps(largest, step), pose)
     _refine(contact, touches, pose)
-    # Both sides have the same profiles: a mirror turns (y, yaw) into (-y, -yaw), and running backwards -yaw into yaw.
-    touches |= {-y: _Touch(-touch.roll, _swapped(touch)) for y, touch in touches.items() if y > 0.0}
+    if model.right_rail_profile is model.rail_profile:
+        # The same profiles: a mirror turns (y, yaw) into (-y, -yaw), and running backwards -yaw into yaw.
+        touches |= {-y: _Touch(-touch.roll, _swapped(touch)) for y, touch in touches.items() if y > 0.0}
+    else:
+        others, early = _outward(contact, [-y for y in _steps(largest, step)], pose)
+        _refine(contact, others, pose)
+        touches, ended = {**others, **touches}, ended or early
     roller_radius = support.roller_radius if isinstance(support, Rig) else np.inf
-    table = _dataset(touches, model.rail_profile).assign_attrs(
+    table = _dataset(touches, (model.rail_profile, model.right_rail_profile)).assign_attrs(
         title=case.description,
         support=support.kind,
         wheel_radius_m=wheel.radius,
@@ -132,11 +137,12 @@ def shift_table(
     return table
 
 
-def _dataset(touches: dict[float, _Touch], rail: ProfileTable) -> xr.Dataset:
+def _dataset(touches: dict[float, _Touch], rails: tuple[ProfileTable, ProfileTable]) -> xr.Dataset:
     """Touching points over the lateral shift; the core's height of the head at each."""
     ordered = [touches[y] for y in sorted(touches)]
     values = np.array([touch.sides for touch in ordered])  # (lateral, side, variable)
-    values[:, :, _HEIGHT] = rail.evaluate(values[:, :, _HEIGHT - 1])
+    for side, rail in enumerate(rails):
+        values[:, side, _HEIGHT] = rail.evaluate(values[:, side, _HEIGHT - 1])
     variables: dict[str, Any] = {
         name: variable(("lateral", "side"), values[:, :, k], unit, meaning)
         for k, (name, (unit, meaning)) in enumerate(_VARIABLES.items())
@@ -163,7 +169,7 @@ def _steps(largest: float, step: float) -> list[float]:
 
 
 def _outward(contact: _core.StaticWheelsetContact, shifts: list[float], pose: _Pose) -> tuple[dict[float, _Touch], str]:
-    """Rows from the middle to the left, as far as both wheels touch; why they end early, or nothing."""
+    """Rows from the middle to one side, as far as both wheels touch; why they end early, or nothing."""
     middle = _touch(contact, 0.0, pose, 0.0)
     if middle is None:
         raise ValueError("the wheels do not touch in the middle; check gauge, back-to-back distance and profiles")

@@ -19,12 +19,13 @@ from matplotlib.patches import Circle, Polygon, Rectangle
 
 from rollerrig.cases import as_case, wheelsets
 from rollerrig.config import Body, Case, Element, Rig
+from rollerrig.config.schema.support import heads
 from rollerrig.plot import vehicle_symbols as symbols
 from rollerrig.plot.callouts import callouts, room
 from rollerrig.plot.style import GREY, colour, house_style
 from rollerrig.plot.vehicle_names import legend, named_bodies, named_elements
 from rollerrig.plot.vehicle_scene import BODY, INDEX, STEEL, VIEWS, WHEELSET, Scene, bodies, box, scene_of
-from rollerrig.profiles import profile_from_spec
+from rollerrig.profiles import gauge_point, profile_from_spec
 
 _TITLES = {
     "side": "from the right: x forward, z up",
@@ -141,9 +142,6 @@ def _frame(axes: Axes, view: str) -> None:
 def _ground(axes: Axes, scene: Scene, view: str) -> None:
     """Rollers under the wheelsets, or rails."""
     support = scene.case.support.data
-    rail = profile_from_spec(support.profile.arguments(), "rail")
-    abscissa = np.linspace(*rail.domain, 120)
-    crown = rail.evaluate(abscissa)
     radius = support.roller_radius if isinstance(support, Rig) else 0.16
     steel: dict[str, Any] = {"facecolor": STEEL, "edgecolor": symbols.INK, "linewidth": 0.8, "zorder": 1.5}
     if view == "side":
@@ -155,8 +153,11 @@ def _ground(axes: Axes, scene: Scene, view: str) -> None:
             axes.add_patch(Circle((body.position[0] - scene.origin, -radius), radius, **steel))
             axes.plot(body.position[0] - scene.origin, -radius, "+", color=symbols.INK, markersize=6)
         return
-    for sign in (1.0, -1.0):
-        y = sign * (scene.rail_offset + abscissa)
+    for sign, head in zip((1.0, -1.0), heads(support).values(), strict=True):
+        rail = profile_from_spec(head.arguments(), "rail")
+        abscissa = np.linspace(*rail.domain, 120)
+        crown = rail.evaluate(abscissa)
+        y = sign * (0.5 * support.gauge - gauge_point(rail, support.gauge_depth) + abscissa)
         if view == "end":
             depth = 2 * radius if isinstance(support, Rig) else radius
             outline = np.concatenate([np.stack([y, crown], axis=1), [[y[-1], -depth], [y[0], -depth]]])

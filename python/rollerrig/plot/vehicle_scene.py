@@ -14,7 +14,6 @@ import numpy as np
 
 from rollerrig.cases import wheelsets
 from rollerrig.config import Body, Case, Element
-from rollerrig.profiles import gauge_point, profile_from_spec
 
 STEEL, BODY, HELD = "#d7dde3", "#f3efe4", "#e4e4e4"
 WHEELSET = "#b9c4cf"
@@ -33,14 +32,12 @@ class Scene:
         case: what is drawn.
         origin: of the part that is run, along the vehicle [m].
         half_base: half distance between the tape circles [m].
-        rail_offset: of the highest point of a rail or roller from the middle [m].
         families: name -> elements of that name on any side, wheelset or bogie.
     """
 
     case: Case
     origin: float
     half_base: float
-    rail_offset: float
     families: dict[str, list[Element]]
 
     def place(self, position: Sequence[float], view: str) -> np.ndarray[Any, np.dtype[np.float64]]:
@@ -62,8 +59,7 @@ class Scene:
 
 def scene_of(case: Case) -> Scene:
     """What is drawn of a case."""
-    wheel, support = case.vehicle.data.wheel, case.support.data
-    rail = profile_from_spec(support.profile.arguments(), "rail")
+    wheel = case.vehicle.data.wheel
     part = case.vehicle.part
     families: dict[str, list[Element]] = {}
     for element in case.vehicle.data.elements_in(part):
@@ -72,7 +68,6 @@ def scene_of(case: Case) -> Scene:
         case=case,
         origin=part.origin_x,
         half_base=0.5 * wheel.back_to_back + wheel.tape_circle,
-        rail_offset=0.5 * support.gauge - gauge_point(rail, support.gauge_depth),
         families=families,
     )
 

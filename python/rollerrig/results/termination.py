@@ -71,12 +71,13 @@ def contact_in_words(model: AssembledModel, wheel: str, status: str, last: xr.Da
     side, up = (float(last[name].sel(wheel=wheel).squeeze()) for name in ("lateral_force", "vertical_force"))
     parts = []
     if np.any(load > 0):
-        ends = (_end(model.wheel_profile, s), _end(model.rail_profile, y))
+        rail = model.right_rail_profile if wheel.endswith("_right") else model.rail_profile
+        ends = (_end(model.wheel_profile, s), _end(rail, y))
         left, profile, place = min(ends, key=lambda end: end[0].min(where=load > 0, initial=np.inf))
         k = int(np.argmax(load) if status == "contact_lost" else np.argmin(np.where(load > 0, left, np.inf)))
         parts.append(
             f"It touches its profile ({model.wheel_profile.name}) at S = {1e3 * s[k]:.1f} mm, the rail "
-            f"({model.rail_profile.name}) at y = {1e3 * y[k]:.1f} mm, {'flange' if s[k] < 0 else 'field'} side, contact angle "
+            f"({rail.name}) at y = {1e3 * y[k]:.1f} mm, {'flange' if s[k] < 0 else 'field'} side, contact angle "
             f"{math.degrees(abs(angle[k])):.0f} degrees, Y {1e-3 * side:.1f} kN, Q {1e-3 * up:.1f} kN, "
             f"|Y|/Q {abs(side) / max(up, 1.0):.2f}."
         )

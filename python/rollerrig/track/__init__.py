@@ -10,7 +10,7 @@ from rollerrig.track.curving import (
     nadal_limit,
     plane_acceleration,
 )
-from rollerrig.track.line import Line, Segment, build_line
+from rollerrig.track.line import Line, Segment, build_line, ramps
 from rollerrig.track.piecewise import PiecewiseCubic
 
 __all__ = [
@@ -23,4 +23,5 @@ __all__ = [
     "limit_of_lateral_force",
     "nadal_limit",
     "plane_acceleration",
+    "ramps",
 ]

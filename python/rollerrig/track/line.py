@@ -91,14 +91,15 @@ def build_line(segments: Sequence[Segment], smoothing: float, cant_base: float) 
     chain = tuple(segments)
     return Line(
         chain,
-        _smooth([(s, s.curvature) for s in chain], smoothing),
-        _smooth([(s, s.cant) for s in chain], smoothing),
+        ramps(chain, [s.curvature for s in chain], smoothing),
+        ramps(chain, [s.cant for s in chain], smoothing),
         cant_base,
     )
 
 
-def _smooth(pieces: Sequence[tuple[Segment, tuple[float, float]]], smoothing: float) -> PiecewiseCubic:
-    """The sharp ramps of all pieces, their corners rounded; once continuously differentiable."""
+def ramps(segments: Sequence[Segment], ends: Sequence[tuple[float, float]], smoothing: float) -> PiecewiseCubic:
+    """A function that goes from one value to another on each segment, its corners rounded; once continuously differentiable."""
+    pieces = list(zip(segments, ends, strict=True))
     sharp = [_ramp(segment, *ends) for segment, ends in pieces]
     end, last = pieces[-1][0].end, pieces[-1][1][1]
     rows = PiecewiseCubic(np.array([*sharp, [end, last, 0.0, 0.0, 0.0]]))

@@ -14,6 +14,8 @@ from numpy.typing import NDArray
 
 from rollerrig import _core
 from rollerrig.assembly import AssembledModel
+from rollerrig.config import Track
+from rollerrig.config.schema.rail_layout import NOWHERE, rail_layout
 
 Numbers = NDArray[np.float64]
 
@@ -60,6 +62,8 @@ def relative_pose(
     """Pose of a wheelset against what it stands on, x, y, z, roll, yaw (frames, 5); True: on the right."""
     own = _motion(run, wheelset, index)
     poses: dict[bool, Numbers] = {}
+    support = model.case.support.data
+    layout = rail_layout(support) if isinstance(support, Track) else None
     for right, side in ((False, "left"), (True, "right")):
         under = support_under(model, wheelset, side)
         moved = _motion(run, under, index) if under else np.zeros_like(own)
@@ -70,6 +74,14 @@ def relative_pose(
         poses[right][:, 1:3] = seen_from_rail(
             model, under, wheelset, poses[right][:, 1], poses[right][:, 2], moved[:, 3]
         )
+        roll = layout[f"{side}_roll"] if layout else NOWHERE
+        if len(roll.rows):
+            x, _, height = model.positions[wheelset]
+            lean = roll.evaluate(run["distance"].to_numpy()[index] + x)
+            head = -model.right_rail_origin_y if right else model.rail_origin_y
+            _, y, z, _, _ = poses[right].T
+            poses[right][:, 1:3] = _in_turned_axes(y, z, lean, (head, -height))
+            poses[right][:, 3] -= lean
     return poses
 
 
@@ -96,9 +108,16 @@ def seen_from_rail(
     if not under:
         return np.stack([y, z], axis=-1)
     (_, y_rail, z_rail), height = model.positions[under], model.positions[wheelset][2]
+    return _in_turned_axes(y, z, roll, (y_rail, z_rail - height))
+
+
+def _in_turned_axes(
+    y: Numbers | float, z: Numbers | float, roll: Numbers | float, middle: tuple[float, float]
+) -> Numbers:
+    """A displacement in axes that are turned about a point, given from the wheelset's centre [m]."""
     sine, cosine = np.sin(roll), np.cos(roll)
-    y, z = y - y_rail, z + height - z_rail  # from the centre of mass of the rail
-    return np.stack([cosine * y + sine * z + y_rail, cosine * z - sine * y + z_rail - height], axis=-1)
+    y, z = y - middle[0], z - middle[1]
+    return np.stack([cosine * y + sine * z + middle[0], cosine * z - sine * y + middle[1]], axis=-1)
 
 
 def _motion(run: xr.Dataset, body: str, index: NDArray[np.intp]) -> Numbers:

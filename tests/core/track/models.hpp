@@ -32,6 +32,18 @@ inline Line curved_line(double shift = 0.0, double side = 1.0) {
   return line;
 }
 
+/// Rails that go apart, one more than the other, rise and lean over 30 m from 20 m on, and stay so.
+inline void lay_rails(Line& line, double shift = 0.0, double side = 1.0) {
+  auto const ramp = [shift](double size) {
+    double const length = 30.0, c = size / (length * length);
+    return PiecewiseCubic{{20.0 + shift, 20.0 + length + shift},
+                          {{{0.0, 0.0, 3.0 * c, -2.0 * c / length}, {size, 0.0, 0.0, 0.0}}}};
+  };
+  line.left = {ramp(side * 4e-3), ramp(1e-3), ramp(side * 0.02)};
+  line.right = {ramp(side * -2e-3), ramp(2e-3), ramp(side * -0.01)};
+  if (side < 0.0) std::swap(line.left, line.right);
+}
+
 /// A wave of each rail, no two alike, over 60 m; right and left change places in the mirror.
 inline Irregularity waves(double side = 1.0, double fade_in = 20.0) {
   // The periodic cubic spline through a sine wave has second derivatives in proportion to it.

@@ -1,4 +1,4 @@
-// The right-hand side in curves, on irregular and on elastic rails: power, derivatives, symmetry, independence of the place.
+// The right-hand side in curves, on irregular and on elastic rails, wide, narrow and leaning: power, derivatives, symmetry, independence of the place.
 #include <doctest/doctest.h>
 
 #include <random>
@@ -17,6 +17,7 @@ constexpr double when[] = {0.6, 1.3, 2.9, 4.6, 6.5};  // [s], at 20 m/s: transit
 test::Parts everything(VehicleSetup const& setup) {
   auto model = test::vehicle_parts(setup);
   model.line = curved_line(setup.shift, setup.side);
+  test::lay_rails(model.line, setup.shift, setup.side);
   model.irregularity = test::waves(setup.side);
   // A long table: the speed changes while the power is measured.
   model.speed = {{{0.0, 10.0}, {setup.speed, setup.speed + 10.0}}};

@@ -212,6 +212,7 @@ def whole_cases() -> dict[str, Raw]:
     small["vehicle"]["data"]["wheel"]["profile"] = {"kind": "cone", "conicity": 0.025}
     ramp = plain(load_case("bogie_rollers_ramp"))
     ramp["contact"]["creep"] = {"kind": "polach", "k_A": 1.0, "k_S": 0.4}
+    ramp["support"]["data"]["spot"] = {"length": 0.1, "ramp": 0.05, "depth": 1e-4}
     ramp["disturbance"] = [{"body": "front_frame", "lateral": 1e-3}]
     torque = plain(load_case("bogie_rollers_traction"))
     torque["axle_torque"][0] = {"wheelset": "wheelset_1", "constant": 1e3}

@@ -47,9 +47,18 @@ constexpr auto fields_of(std::type_identity<UniformSpline> /*of*/) {
 constexpr auto fields_of(std::type_identity<PiecewiseCubic> /*of*/) {
   return std::tuple{Member{"start", &PiecewiseCubic::start}, Member{"coefficient", &PiecewiseCubic::coefficient}};
 }
+constexpr auto fields_of(std::type_identity<RailLayout> /*of*/) {
+  return std::tuple{Member{"y", &RailLayout::y}, Member{"z", &RailLayout::z}, Member{"roll", &RailLayout::roll}};
+}
+constexpr auto fields_of(std::type_identity<RailHeads> /*of*/) {
+  using P = RailHeads;
+  return std::tuple{Member{"profiles", &P::profiles, an_index}, Member{"place", &P::place},
+                    Member{"period", &P::period, not_negative}};
+}
 constexpr auto fields_of(std::type_identity<Line> /*of*/) {
   using P = Line;
-  return std::tuple{Member{"curvature", &P::curvature}, Member{"cant", &P::cant}, Member{"cant_base", &P::cant_base}};
+  return std::tuple{Member{"curvature", &P::curvature}, Member{"cant", &P::cant}, Member{"cant_base", &P::cant_base},
+                    Member{"left", &P::left}, Member{"right", &P::right}};
 }
 constexpr auto fields_of(std::type_identity<Irregularity> /*of*/) {
   using P = Irregularity;

@@ -32,15 +32,18 @@ void body_row(Model const& model, Workspace<T> const& work, std::size_t b, T* ou
   std::copy(std::begin(felt), std::end(felt), out + 19);
 }
 
-/// Force on a wheel in the axes of its rail as it lies without load: Y and Q stay in the plane of the track where a rail rolls.
+/// Force on a wheel along its rail as it lies without load: Y and Q stay in the plane of the track where a rail rolls or leans.
 template <Scalar T>
 Vec3<T> track_force(Model const& model, Workspace<T> const& work, std::size_t wheel) {
   WheelContact const& contact = model.contacts[wheel];
   Vec3<T> force{};
   for (int k = 0; k < work.patch_count[wheel]; ++k) force += work.patches[wheel][static_cast<std::size_t>(k)].force;
-  if (!contact.rail || contact.roller == ground) return force;
-  Rotation<T> const& R = work.motion[static_cast<std::size_t>(contact.roller)].R;
-  return contact.right ? mirrored(R * mirrored(force)) : R * force;
+  bool const moves = contact.rail && contact.roller != ground, leans = work.offset[wheel].rolled;
+  if (!moves && !leans) return force;
+  if (contact.right) force = mirrored(force);
+  if (leans) force = work.offset[wheel].lean() * force;
+  if (moves) force = work.motion[static_cast<std::size_t>(contact.roller)].R * force;
+  return contact.right ? mirrored(force) : force;
 }
 
 /// @param out  wheel_columns numbers

@@ -128,7 +128,11 @@ ContactPlacement<T> on_rail(WheelContact const& contact, BodyMotion<T> const& wh
   // Direction of this rail per metre of the line, and velocity of its material at any place X: -V (along + twist x X).
   Vec3<T> direction{T(1.0), offset.y.slope, offset.z.slope};
   if (frame) direction += frame->along - Vec3<T>{T(1.0), T(0.0), T(0.0)} + cross(frame->twist, head + irregular);
-  Rotation<T> const along = axes_along(direction);
+  Rotation<T> along = axes_along(direction);
+  if (offset.rolled) {
+    auto const lean = offset.lean();
+    along = {along.ex, along * lean.ey, along * lean.ez};
+  }
   p.R = along;
   p.turned = true;
   Vec3<T> displaced = head + irregular;
@@ -147,10 +151,15 @@ ContactPlacement<T> on_rail(WheelContact const& contact, BodyMotion<T> const& wh
   }
   p.prescribed = true;
   p.prescribed_v = to_b(material);
+  if (offset.rolled) {  // a surface that is twisted along x rises and falls under the wheel, away from its head
+    Vec3<T> const twist{speed * offset.roll.slope, T(0.0), T(0.0)};
+    p.prescribed_omega += twist;
+    p.prescribed_v -= cross(twist, head);
+  }
   p.motion = {to_b(wheelset.v), to_b(wheelset.omega), p.prescribed_v, p.prescribed_omega};
   if (rail) {
     Vec3<T> const turning = to_b(rail->omega);
-    p.motion.v_roller = to_b(material + rail->v) + cross(turning, lift<T>(contact.crown_in_roller));
+    p.motion.v_roller += to_b(rail->v) + cross(turning, lift<T>(contact.crown_in_roller));
     p.motion.omega_roller += turning;
   }
   return p;

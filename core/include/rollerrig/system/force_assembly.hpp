@@ -55,6 +55,12 @@ class ForceAssembly {
   void apply_weight(std::size_t body) const;
   void apply_element(std::size_t index) const;
   void find_patches(T const& t, std::vector<int> const& group, Selection const* selection) const;
+  /// A spot of a roller comes round under each wheel at the same time.
+  T distance_along(WheelContact const& contact) const {
+    return w_.travel.s + (contact.rail ? contact.distance_ahead : 0.0);
+  }
+  WheelRollerPair const& head_under(std::size_t index) const;
+  void move_head(std::size_t index) const;
   void apply_contact(std::size_t index) const;
   void apply_contacts(T const& t, Selection const* selection) const;
   void apply_axle_torques(T const& t) const;

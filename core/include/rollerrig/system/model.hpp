@@ -16,6 +16,7 @@
 #include "rollerrig/mechatronics/track_brake.hpp"
 #include "rollerrig/multibody/force_element.hpp"
 #include "rollerrig/system/couplings.hpp"
+#include "rollerrig/system/rail_heads.hpp"
 #include "rollerrig/track/irregularity.hpp"
 #include "rollerrig/track/line.hpp"
 
@@ -155,12 +156,17 @@ struct Model {
   std::vector<BodyTrackBrake> track_brakes;
   std::vector<RollingConstraint> rolling_constraints;
   RunningResistance resistance{};
-  TimeTable speed{};               ///< running speed V(t) [m/s] of speed-controlled rollers (at the crown) and of rails
-  double start{0.0};               ///< arc length of the vehicle's reference point at time 0 [m]
-  Line line{};                     ///< curves and cant; empty: straight and level
-  Irregularity irregularity{};     ///< of the rails, or of what rollers stand for; empty: perfect
-  double gravity{0.0};             ///< [m/s^2]
-  double contact_loss_limit{0.2};  ///< a wheel may be off its roller for this long [s]
+  TimeTable speed{};            ///< running speed V(t) [m/s] of speed-controlled rollers (at the crown) and of rails
+  double start{0.0};            ///< arc length of the vehicle's reference point at time 0 [m]
+  Line line{};                  ///< curves and cant; empty: straight and level
+  Irregularity irregularity{};  ///< of the rails, or of what rollers stand for; empty: perfect
+  RailHeads left_heads{}, right_heads{};  ///< of rails or rollers that change; empty: as the contacts have them
+  double gravity{0.0};                    ///< [m/s^2]
+  double contact_loss_limit{0.2};         ///< a wheel may be off its roller for this long [s]
+
+  bool changes_heads() const { return !left_heads.empty() || !right_heads.empty(); }
+  /// Whether rails, or the rollers that stand for them, lie elsewhere than the contacts have them, or are others.
+  bool displaces_rails() const { return !irregularity.empty() || (on_rails && line.moves_rails()) || changes_heads(); }
 
   // Derived by ModelBuilder.
   StateMap map{};

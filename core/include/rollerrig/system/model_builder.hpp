@@ -69,6 +69,10 @@ class ModelBuilder {
   void set_speed(TimeTable const& speed);
   /// @param start  arc length of the vehicle's reference point at time 0 [m]
   void set_line(Line const& line, double start = 0.0);
+  /// Of the line that was set: where its rails lie.
+  void set_rails(RailLayout const& left, RailLayout const& right);
+  /// Heads that change along the rails or round the rollers, for contacts whose law looks at the profiles in every call.
+  void set_heads(RailHeads const& left, RailHeads const& right);
   void set_irregularity(Irregularity const& irregularity);
   /// @param duration  for which a wheel may be off its roller [s]
   void set_contact_loss_limit(double duration);

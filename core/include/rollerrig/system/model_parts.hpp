@@ -27,6 +27,7 @@ struct ModelParts {
   Line line{};
   double start{};  ///< arc length of the vehicle's reference point at time 0 [m]
   std::optional<Irregularity> irregularity{};
+  RailHeads left_heads{}, right_heads{};
   double contact_loss_limit{};  ///< [s]
 
   static constexpr auto fields() {
@@ -46,6 +47,8 @@ struct ModelParts {
                       Member{"line", &P::line},
                       Member{"start", &P::start},
                       Member{"irregularity", &P::irregularity},
+                      Member{"left_heads", &P::left_heads},
+                      Member{"right_heads", &P::right_heads},
                       Member{"contact_loss_limit", &P::contact_loss_limit, positive}};
   }
 };

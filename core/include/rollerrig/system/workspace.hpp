@@ -76,6 +76,7 @@ struct Workspace {
 struct Evaluation {
   Workspace<double> work;
   std::vector<ContactSearch> search;  ///< per contact: it starts from the minima of the evaluation before
+  std::vector<HeadUnderWheel> head;   ///< per contact; follows from the time
   bool exhaustive_search{false};      ///< look at every cell in every evaluation (verification)
   std::vector<std::array<double, 6>> element_force;       ///< on body b along its direction [N, N m]
   std::vector<std::array<double, 6>> element_deflection;  ///< [m, rad]
@@ -89,7 +90,11 @@ struct Evaluation {
         element_deflection(model.elements.size()),
         brake_torque(model.brakes.size(), 0.0),
         rolling_force(model.rolling_constraints.size(), 0.0) {
-    for (auto const& c : model.contacts) search.emplace_back(c.pair);
+    for (auto const& c : model.contacts) {
+      RailHeads const& heads = c.right ? model.right_heads : model.left_heads;
+      search.emplace_back(c.pair);
+      head.emplace_back(heads.empty() ? 0 : model.profiles[static_cast<std::size_t>(heads.profiles[0])]->pieces.size());
+    }
   }
 
   template <class Archive>

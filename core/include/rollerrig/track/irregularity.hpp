@@ -5,16 +5,9 @@
 #pragma once
 #include <cmath>
 
-#include "rollerrig/math/spline.hpp"
+#include "rollerrig/track/rail_offset.hpp"
 
 namespace rollerrig {
-
-/// One rail at one arc length: displacement and its derivatives along the line.
-template <Scalar T>
-struct RailOffset {
-  CurvePoint<T> y{T(0.0), T(0.0), T(0.0)};  ///< [m], to the left
-  CurvePoint<T> z{T(0.0), T(0.0), T(0.0)};  ///< [m], up
-};
 
 struct Irregularity {
   double period{0.0};  ///< [m]; the splines start at 0 and end here

@@ -1,4 +1,5 @@
-// track/line.hpp - the line as it was laid: plan curvature and cant over arc length, and the frame that moves along it.
+// track/line.hpp - the line as it was laid: plan curvature, cant and place of the rails over arc length, and the frame that moves
+// along it.
 //
 //   curvature, cant, travel -> [track frame F at s(t) + x] -> bodies in their own frames, elements in a common one
 //
@@ -14,6 +15,7 @@
 #include "rollerrig/math/piecewise_cubic.hpp"
 #include "rollerrig/math/vector.hpp"
 #include "rollerrig/track/distance.hpp"
+#include "rollerrig/track/rail_offset.hpp"
 
 namespace rollerrig {
 
@@ -21,8 +23,10 @@ struct Line {
   PiecewiseCubic curvature{};  ///< kappa(s) of the plan [1/m]
   PiecewiseCubic cant{};       ///< h(s) [m], with a continuous slope: F turns with it
   double cant_base{1.5};       ///< distance over which cant is measured [m]
+  RailLayout left{}, right{};  ///< gauge and inclination
 
-  bool empty() const { return curvature.empty() && cant.empty(); }
+  bool empty() const { return curvature.empty() && cant.empty() && !moves_rails(); }
+  bool moves_rails() const { return !left.empty() || !right.empty(); }
   /// Straight and level everywhere from `low` to `high`.
   bool straight(double low, double high) const { return curvature.vanishes(low, high) && cant.vanishes(low, high); }
 };

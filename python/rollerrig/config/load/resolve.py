@@ -18,7 +18,7 @@ from rollerrig.config.schema.track import Track
 from rollerrig.config.schema.vehicle import Vehicle
 from rollerrig.config.validate.check_profile import check_gauge, check_profile
 from rollerrig.config.validate.check_programme import check_programme
-from rollerrig.config.validate.check_track import check_line, check_measured_file
+from rollerrig.config.validate.check_track import check_line, check_measured_file, check_spot
 from rollerrig.config.validate.check_vehicle import check_vehicle, check_vehicle_names
 from rollerrig.config.validate.messages import validate
 
@@ -48,6 +48,17 @@ def resolve_vehicle(document: Document) -> tuple[Vehicle | None, Problems]:
 def resolve_support(document: Document) -> tuple[Rig | Track | None, Problems]:
     """A rig or track from its raw tables."""
     raw, problems = _with_profile(document.raw, document, "profile")
+    raw, mistakes = _with_profile(raw, document, "right_profile")
+    problems += mistakes
+    if isinstance(raw.get("spot"), Mapping):
+        raw["spot"], mistakes = _with_profile(raw["spot"], document, "spot.profile")
+        problems += mistakes
+    if isinstance(raw.get("segment"), list):
+        raw["segment"] = list(raw["segment"])
+    for i, segment in enumerate(raw["segment"] if isinstance(raw.get("segment"), list) else ()):
+        for key in ("profile", "right_profile") if isinstance(segment, Mapping) else ():
+            raw["segment"][i], mistakes = _with_profile(raw["segment"][i], document, f"segment[{i}].{key}")
+            problems += mistakes
     if isinstance(raw.get("irregularity"), Mapping):
         raw["irregularity"] = _absolute(raw["irregularity"], document.folder)
     found, mistakes = validate(SupportRoot, raw, document.file)
@@ -58,6 +69,7 @@ def resolve_support(document: Document) -> tuple[Rig | Track | None, Problems]:
     problems += check_gauge(support, document.file)
     problems += check_line(support, document.file)
     problems += check_measured_file(support, document.file)
+    problems += check_spot(support, document.file)
     return (None if problems else support), problems
 
 
@@ -100,13 +112,14 @@ def resolve_profile(name: str, document: Document, key: str) -> tuple[dict[str, 
 
 
 def _with_profile(table: Mapping[str, Any], document: Document, key: str) -> tuple[dict[str, Any], Problems]:
-    resolved, written = dict(table), table.get("profile")
+    name = key.rpartition(".")[2]
+    resolved, written = dict(table), table.get(name)
     problems: Problems = []
     if isinstance(written, str):
         spec, problems = resolve_profile(written, document, key)
-        resolved["profile"] = written if spec is None else spec
+        resolved[name] = written if spec is None else spec
     elif isinstance(written, Mapping):
-        resolved["profile"] = _absolute(written, document.folder)
+        resolved[name] = _absolute(written, document.folder)
     return resolved, problems
 
 
@@ -124,7 +137,7 @@ def relative_to(folder: Path, key: str, value: object) -> object:
     last = key.rpartition(".")[2]
     if not isinstance(value, str) or not value or "\0" in value:
         return value
-    names_a_file = last == "profile" and Path(value).suffix.lower() in (*_POINT_FILES, ".toml")
+    names_a_file = last in ("profile", "right_profile") and Path(value).suffix.lower() in (*_POINT_FILES, ".toml")
     return str((folder / value).absolute()) if names_a_file or last == "path" else value
 
 

@@ -1,13 +1,14 @@
 """A track: rails, the line they follow, what they deviate from it, and what they lie on."""
 
-from typing import Annotated, Literal
+from collections.abc import Sequence
+from typing import Annotated, Literal, TypeVar
 
 from pydantic import Discriminator, Field, model_validator
 
 from rollerrig.config.schema.base import Table, refused
 from rollerrig.config.schema.irregularity import AnyIrregularity
 from rollerrig.config.schema.mounting import Foundation
-from rollerrig.config.schema.profile import AnyProfile
+from rollerrig.config.schema.profile import AnyProfile, Inclination
 from rollerrig.config.schema.units import Quantity
 from rollerrig.config.schema.vehicle import Name
 from rollerrig.track import Line, Segment, build_line
@@ -18,6 +19,13 @@ SegmentLength = Annotated[float, Quantity("m", 1e-3, 1e6)]
 Cant = Annotated[float, Quantity("m", -0.3, 0.3)]
 
 
+V = TypeVar("V")
+
+_GAUGE = "gauge of its rails; absent: that of the track; transitions widen or narrow between their neighbours"
+_INCLINATION = "inclination of its rails in place of that of their profiles, a number or a ratio like '1:40'"
+_PROFILE = "head of its rails; absent: as the track has them; transitions blend between their neighbours"
+_RIGHT_PROFILE = "head of its right rail, as a left one would have it; absent: that of its left one"
+
 STEEPEST_CANT = 0.25
 """Largest cant over the distance it is measured on: 14 degrees, beyond all tracks."""
 
@@ -27,6 +35,10 @@ class Straight(Table):
 
     kind: Literal["straight"] = Field(description="no curvature, no cant")
     length: SegmentLength = Field(description="length")
+    gauge: Gauge | None = Field(default=None, description=_GAUGE)
+    inclination: Inclination | None = Field(default=None, description=_INCLINATION)
+    profile: AnyProfile | None = Field(default=None, description=_PROFILE)
+    right_profile: AnyProfile | None = Field(default=None, description=_RIGHT_PROFILE)
 
 
 class Transition(Table):
@@ -47,6 +59,10 @@ class Curve(Table):
     radius: Annotated[float, Quantity("m", 20.0, 1e7)] = Field(description="radius of the track's middle")
     direction: Literal["left", "right"] = Field(default="left", description="where it leads")
     cant: Cant = Field(default=0.0, description="height of the outer rail over the inner one")
+    gauge: Gauge | None = Field(default=None, description=_GAUGE)
+    inclination: Inclination | None = Field(default=None, description=_INCLINATION)
+    profile: AnyProfile | None = Field(default=None, description=_PROFILE)
+    right_profile: AnyProfile | None = Field(default=None, description=_RIGHT_PROFILE)
 
 
 AnySegment = Annotated[Straight | Transition | Curve, Discriminator("kind")]
@@ -60,6 +76,9 @@ class Track(Table):
     description: str = Field(default="", description="one line about the track")
     source: str = Field(default="", description="where the data come from")
     profile: AnyProfile = Field(description="head of the left rail")
+    right_profile: AnyProfile | None = Field(
+        default=None, description="head of the right rail, as a left one would have it; absent: the same"
+    )
     gauge: Gauge = Field(default=1.435, description="distance between the gauge sides of the two rails")
     gauge_depth: GaugeDepth = Field(
         default=0.014, description="depth below the top of rail at which the gauge is taken"
@@ -99,15 +118,23 @@ class Track(Table):
 
 def layout(track: Track) -> list[Segment]:
     """The segments with distances, curvatures and cants; a transition takes both from its neighbours."""
-    ends = [_constant(segment) for segment in track.segment]
+    ends = at_ends([_constant(segment) for segment in track.segment], (0.0, 0.0))
     found: list[Segment] = []
     start = 0.0
-    for i, segment in enumerate(track.segment):
-        before, after = ends[i] or ends[max(i - 1, 0)], ends[i] or ends[min(i + 1, len(ends) - 1)]
-        (k0, d0), (k1, d1) = before or (0.0, 0.0), after or (0.0, 0.0)
+    for segment, ((k0, d0), (k1, d1)) in zip(track.segment, ends, strict=True):
         shape = segment.shape if isinstance(segment, Transition) else "clothoid"
         found.append(Segment(segment.kind, start, segment.length, (k0, k1), (d0, d1), shape))
         start += segment.length
+    return found
+
+
+def at_ends(constants: Sequence[V | None], otherwise: V) -> list[tuple[V, V]]:
+    """What holds at the start and at the end of each segment; a transition, None, takes it from its neighbours."""
+    last, found = len(constants) - 1, []
+    for i, own in enumerate(constants):
+        ends = (constants[max(i - 1, 0)], constants[min(i + 1, last)]) if own is None else (own, own)
+        before, after = (otherwise if end is None else end for end in ends)
+        found.append((before, after))
     return found
 
 

@@ -10,7 +10,7 @@ from rollerrig.config.validate.check_actuators import DRIVE_OF_RIG_CONTROL, chec
 from rollerrig.config.validate.check_patch import check_patch
 from rollerrig.config.validate.check_profile import check_flange_clearance, check_reach, check_scales
 from rollerrig.config.validate.check_size import check_size
-from rollerrig.config.validate.check_track import check_track
+from rollerrig.config.validate.check_track import check_heads, check_track
 from rollerrig.config.validate.check_vehicle import labelled, unknown_names
 
 _DISTURBANCES = ("longitudinal", "lateral", "vertical", "roll", "pitch", "yaw")
@@ -58,6 +58,7 @@ def check_case(case: CaseTables, file: str) -> list[ConfigProblem]:
         problems.append(ConfigProblem(file, "motion.drive", show_value(case.motion.drive), allowed))
     else:
         problems += check_track(case, file)
+    problems += check_heads(case, file)
     problems += _restraint(case, file)
     problems += check_actuators(case, file)
     problems += check_patch(case, file)

@@ -1,10 +1,11 @@
 """Checks that need the curves themselves: profiles that cannot be used, and wheels that miss the rail."""
 
+from collections.abc import Iterator
 from typing import Literal
 
 from rollerrig.config.errors import ConfigProblem, show_value
 from rollerrig.config.schema.profile import ProfileSpec
-from rollerrig.config.schema.support import Rig
+from rollerrig.config.schema.support import Rig, heads
 from rollerrig.config.schema.track import Track
 from rollerrig.config.schema.vehicle import Wheel
 from rollerrig.profiles import ProfileError, ProfileTable, gauge_point, profile_from_spec
@@ -27,68 +28,84 @@ def check_profile(
 
 
 def check_gauge(support: Rig | Track, file: str) -> list[ConfigProblem]:
-    """The profile must be usable as a rail and reach down to where the gauge is taken."""
-    table, problems = check_profile(support.profile, "rail", file, "profile")
-    if table is None:
-        return problems
-    try:
-        gauge_point(table, support.gauge_depth)
-    except ProfileError as error:
-        return [ConfigProblem(file, "gauge_depth", show_value(support.gauge_depth), str(error))]
-    return []
+    """The profiles must be usable as rails and reach down to where the gauge is taken."""
+    problems = []
+    for key in ("profile", "right_profile")[: 1 if support.right_profile is None else 2]:
+        table, mistakes = check_profile(getattr(support, key), "rail", file, key)
+        problems += mistakes
+        try:
+            if table is not None:
+                gauge_point(table, support.gauge_depth)
+        except ProfileError as error:
+            problems.append(ConfigProblem(file, "gauge_depth", show_value(support.gauge_depth), str(error)))
+    return problems
+
+
+def gauges(support: Rig | Track) -> Iterator[tuple[str, float]]:
+    """Key and value of every gauge of a support [m]."""
+    yield "support.data.gauge", support.gauge
+    for i, segment in enumerate(support.segment if isinstance(support, Track) else ()):
+        gauge = getattr(segment, "gauge", None)
+        if gauge is not None:
+            yield f"support.data.segment[{i}].gauge", gauge
 
 
 def check_reach(wheel: Wheel, support: Rig | Track, file: str) -> list[ConfigProblem]:
     """The tape circle of the centred wheel must lie over the rail or roller, and the flange beside it."""
-    wheel_table = profile_from_spec(wheel.profile.arguments(), "wheel")
-    rail_table = profile_from_spec(support.profile.arguments(), "rail")
+    half_wheel = profile_from_spec(wheel.profile.arguments(), "wheel").domain
     tape_circle = wheel.back_to_back / 2 + wheel.tape_circle
-    rail_origin = support.gauge / 2 - gauge_point(rail_table, support.gauge_depth)
-    low, high = (rail_origin + end for end in rail_table.domain)
-    if low < tape_circle < high:
-        return []
-    half_wheel = wheel_table.domain
     what = "rollers" if support.kind == "rig" else "rails"
-    allowed = (
-        f"the wheels miss the {what}: the tape circle lies {tape_circle * 1e3:.1f} mm from the middle, the running "
-        f"surface from {low * 1e3:.1f} to {high * 1e3:.1f} mm; check gauge ({support.gauge * 1e3:g} mm) and "
-        f"wheel.back_to_back ({wheel.back_to_back * 1e3:g} mm); the wheel spans "
-        f"{half_wheel[0] * 1e3:.0f} to {half_wheel[1] * 1e3:.0f} mm about its tape circle"
-    )
-    return [ConfigProblem(file, "support.data.gauge", show_value(support.gauge), allowed)]
+    for head in heads(support).values():
+        rail_table = profile_from_spec(head.arguments(), "rail")
+        for key, gauge in gauges(support):
+            rail_origin = gauge / 2 - gauge_point(rail_table, support.gauge_depth)
+            low, high = (rail_origin + end for end in rail_table.domain)
+            if low < tape_circle < high:
+                continue
+            allowed = (
+                f"the wheels miss the {what}: the tape circle lies {tape_circle * 1e3:.1f} mm from the middle, the running "
+                f"surface from {low * 1e3:.1f} to {high * 1e3:.1f} mm; check gauge ({gauge * 1e3:g} mm) and "
+                f"wheel.back_to_back ({wheel.back_to_back * 1e3:g} mm); the wheel spans "
+                f"{half_wheel[0] * 1e3:.0f} to {half_wheel[1] * 1e3:.0f} mm about its tape circle"
+            )
+            return [ConfigProblem(file, key, show_value(gauge), allowed)]
+    return []
 
 
 def check_scales(wheel: Wheel, support: Rig | Track, file: str) -> list[ConfigProblem]:
     """Wheel and rail must be of one model: the contact between them is looked for at the wheel's scale."""
-    of_wheel, of_rail = wheel.profile.length_scale, support.profile.length_scale
-    if 1.0 / WIDEST_SCALES <= of_rail / of_wheel <= WIDEST_SCALES:
-        return []
-    allowed = f"allowed: about that of the wheel, {of_wheel:g}, at most a factor of {WIDEST_SCALES:g} from it"
-    return [ConfigProblem(file, "support.data.profile.length_scale", show_value(of_rail), allowed)]
+    of_wheel = wheel.profile.length_scale
+    for key, head in zip(("profile", "right_profile"), heads(support).values(), strict=True):
+        if not 1.0 / WIDEST_SCALES <= head.length_scale / of_wheel <= WIDEST_SCALES:
+            allowed = f"allowed: about that of the wheel, {of_wheel:g}, at most a factor of {WIDEST_SCALES:g} from it"
+            return [ConfigProblem(file, f"support.data.{key}.length_scale", show_value(head.length_scale), allowed)]
+    return []
 
 
-def flange_clearance(wheel: Wheel, support: Rig | Track) -> float | None:
-    """Play of a wheelset between the rails or rollers [m]; None for wheels without a flange."""
+def flange_clearance(wheel: Wheel, gauge: float) -> float | None:
+    """Play of a wheelset between rails or rollers of a gauge [m]; None for wheels without a flange."""
     table = profile_from_spec(wheel.profile.arguments(), "wheel")
     flange, radius = table.outline[table.outline[:, 0] < 0].T
     depth = wheel.profile.length_scale * FLANGE_DEPTH
     if radius.max(initial=0.0) < depth:
         return None
     nearest_to_tread = float(flange[radius >= depth].max())
-    return support.gauge - (wheel.back_to_back + 2 * (wheel.tape_circle + nearest_to_tread))
+    return gauge - (wheel.back_to_back + 2 * (wheel.tape_circle + nearest_to_tread))
 
 
 def check_flange_clearance(wheel: Wheel, support: Rig | Track, file: str) -> list[ConfigProblem]:
     """The flanges must fit between the rails or rollers, and not stand far inside of them."""
-    clearance = flange_clearance(wheel, support)
     widest = wheel.profile.length_scale * WIDEST_CLEARANCE
-    if clearance is None or 0.0 <= clearance <= widest:
-        return []
-    across = support.gauge - clearance
-    what = "rollers" if support.kind == "rig" else "rails"
-    verb = "do not fit between" if clearance < 0 else "stand far inside of"
-    allowed = (
-        f"wheel and rail of different gauge: the flanges, {1e3 * across:.1f} mm across, {verb} the {what}; allowed: a gauge "
-        f"{across:.4g} to {across + widest:.4g} m, or another wheel.back_to_back ({1e3 * wheel.back_to_back:g} mm)"
-    )
-    return [ConfigProblem(file, "support.data.gauge", show_value(support.gauge), allowed)]
+    for key, gauge in gauges(support):
+        clearance = flange_clearance(wheel, gauge)
+        if clearance is None or 0.0 <= clearance <= widest:
+            continue
+        across = gauge - clearance
+        what = "rollers" if support.kind == "rig" else "rails"
+        verb = "do not fit between" if clearance < 0 else "stand far inside of"
+        allowed = (
+            f"wheel and rail of different gauge: the flanges, {1e3 * across:.1f} mm across, {verb} the {what}; allowed: a "
+            f"gauge {across:.4g} to {across + widest:.4g} m, or another wheel.back_to_back ({1e3 * wheel.back_to_back:g} mm)"
+        )
+        return [ConfigProblem(file, key, show_value(gauge), allowed)]
+    return []

@@ -13,12 +13,13 @@ from rollerrig.config.errors import ConfigProblem, show_value
 from rollerrig.config.schema.case import CaseTables, Motion
 from rollerrig.config.schema.irregularity import MeasuredIrregularity, rails_of_run
 from rollerrig.config.schema.mounting import AngularSupport, Foundation, LinearSupport
-from rollerrig.config.schema.support import Rig
+from rollerrig.config.schema.rail_layout import changes_rails, place, rail_heads
+from rollerrig.config.schema.support import Rig, heads
 from rollerrig.config.schema.track import Curve, Track, Transition, layout
 from rollerrig.config.schema.vehicle import Body
-from rollerrig.config.validate.check_profile import flange_clearance
+from rollerrig.config.validate.check_profile import check_profile, flange_clearance
 from rollerrig.irregularity import IrregularityError, read_measured_track
-from rollerrig.profiles import flange_angle, profile_from_spec
+from rollerrig.profiles import ProfileError, flange_angle, profile_from_spec
 from rollerrig.track import Segment, highest_speed, limit_of_lateral_force, plane_acceleration
 
 GIVE = (1e-7, 20e-3)
@@ -44,7 +45,40 @@ def check_line(support: Rig | Track, file: str) -> list[ConfigProblem]:
         chain = layout(support)
         for i, (before, after) in enumerate(zip(chain[:-1], chain[1:], strict=True)):
             problems += _joint(before, after, i + 1, file)
+        problems += _rails(support, file)
     return problems
+
+
+def _rails(track: Track, file: str) -> Iterator[ConfigProblem]:
+    """Gauge and inclination jump nowhere; only profiles that have an inclination are laid at another one."""
+    for i, segment in enumerate(track.segment):
+        before = track.segment[max(i - 1, 0)]
+        if isinstance(segment, Transition):
+            continue
+        for key, usual in (("gauge", f"{track.gauge:g} m"), ("inclination", "that of the profile")):
+            own = getattr(segment, key)
+            if not isinstance(before, Transition) and own != getattr(before, key):
+                value, last = (usual if one is None else f"{one:g}" for one in (own, getattr(before, key)))
+                allowed = (
+                    f"allowed: as on segment[{i - 1}], {last}; between two values put a transition, also on a straight"
+                )
+                yield ConfigProblem(file, f"segment[{i}].{key}", value, allowed)
+        if not isinstance(before, Transition) and heads(track, segment) != heads(track, before):
+            allowed = f"allowed: as on segment[{i - 1}]; between two heads put a transition, also on a straight"
+            yield ConfigProblem(file, f"segment[{i}].profile", "another head", allowed)
+        for side, head in heads(track, segment).items() if changes_rails(segment) else ():
+            if segment.inclination is not None and not hasattr(head, "inclination"):
+                allowed = (
+                    f"the {side} rail, of kind {head.kind!r}, has none; allowed with 'uic60' and 'file'; leave it out"
+                )
+                yield ConfigProblem(file, f"segment[{i}].inclination", f"{segment.inclination:g}", allowed)
+                break
+            try:
+                place(track, side, segment)
+            except (ProfileError, OSError, ValueError) as error:
+                key = "profile" if segment.inclination is None else "inclination"
+                yield ConfigProblem(file, f"segment[{i}].{key}", f"the {side} rail", str(error))
+                break
 
 
 def _joint(before: Segment, after: Segment, number: int, file: str) -> Iterator[ConfigProblem]:
@@ -64,6 +98,25 @@ def end_of(segment: Segment, side: int = 1) -> str:
     where = "left" if curvature > 0 else "right"
     outer = math.copysign(1e3 * cant, cant * curvature) if cant else 0.0
     return f"a radius of {1 / abs(curvature):g} m to the {where} and {outer:g} mm of cant"
+
+
+def check_spot(support: Rig | Track, file: str) -> list[ConfigProblem]:
+    """The generatrix of a spot must be usable, wherever the roller stands."""
+    if not isinstance(support, Rig) or support.spot is None or support.spot.profile is None:
+        return []
+    return check_profile(support.spot.profile, "rail", file, "spot.profile")[1]
+
+
+def check_heads(case: CaseTables, file: str) -> Iterator[ConfigProblem]:
+    """Heads that change need a contact that looks at them in every call, and on rollers a known way of the crown."""
+    support, name = case.support.data, case.contact.normal.kind
+    heads_change = bool(rail_heads(support))
+    if heads_change and name != "strips":
+        allowed = "allowed where heads change along the rails or round the rollers: 'strips'"
+        yield ConfigProblem(file, "contact.normal", show_value(name), allowed)
+    if heads_change and isinstance(support, Rig) and case.motion.drive != "speed_controlled":
+        allowed = "allowed with a spot: 'speed_controlled', which says where on the roller the wheels stand"
+        yield ConfigProblem(file, "motion.drive", show_value(case.motion.drive), allowed)
 
 
 def check_measured_file(support: Rig | Track, file: str) -> list[ConfigProblem]:
@@ -119,17 +172,20 @@ def _wheelbase_in_curves(case: CaseTables, track: Track, file: str) -> Iterator[
     """
     wheel = case.vehicle.data.wheel
     steepest = flange_angle(profile_from_spec(wheel.profile.arguments(), "wheel"))
-    play = flange_clearance(wheel, track)
-    if play is None or play <= 0.0 or steepest < FLATTEST_FLANGE:
+    if steepest < FLATTEST_FLANGE:
         return
     for frame, wheelsets in wheelsets_by_frame(case).items():
         places = [body.position[0] for body in wheelsets]
         base = max(places) - min(places)
         askew, off = (base / 2) ** 2 * wheel.radius * math.tan(steepest), base**2 / 8 if len(places) > 2 else 0.0
-        # askew / R^2 + off / R = play
-        least = (off + math.sqrt(off**2 + 4 * askew * play)) / (2 * play)
         for i, curve in enumerate(track.segment):
-            if isinstance(curve, Curve) and curve.radius < least:
+            if not isinstance(curve, Curve):
+                continue
+            play = flange_clearance(wheel, curve.gauge or track.gauge)
+            if play is None or play <= 0.0:
+                continue
+            least = (off + math.sqrt(off**2 + 4 * askew * play)) / (2 * play)  # askew / R^2 + off / R = play
+            if curve.radius < least:
                 allowed = (
                     f"tighter than the wheelbase of {case.vehicle.data.name} allows: {len(places)} wheelsets under {frame}, "
                     f"{base:.3g} m, jam in the gauge, whose play is {1e3 * play:.1f} mm; allowed: at least {least:.3g} m"

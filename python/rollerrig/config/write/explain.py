@@ -219,7 +219,7 @@ def _shorter(place: KeyPlace) -> Iterator[str]:
     """What a file may write in place of a table."""
     if not _below(place.field.annotation)[0]:
         return
-    if place.key.rpartition(".")[2] in ("profile", "material"):
+    if place.key.rpartition(".")[2] in ("profile", "right_profile", "material"):
         yield "a name of the catalogue or a file"
     types = {"string": "a text", "number": "a number"}
     for mark in _marks(place.field.annotation, place.field.metadata):

@@ -78,9 +78,11 @@ def _as_in_files(table: Schema) -> None:
     optional = {key for key, value in properties.items() if INSTEAD_OF in value}
     if "required" in table:
         table["required"] = [key for key in table["required"] if key not in optional]
-    for key in sorted(properties.keys() & {"profile", "material"}):
+    for key in sorted(properties.keys() & {"profile", "right_profile", "material"}):
         inner = {
-            name: properties[key].pop(name) for name in ("$ref", "oneOf", "discriminator") if name in properties[key]
+            name: properties[key].pop(name)
+            for name in ("$ref", "oneOf", "discriminator", "anyOf")
+            if name in properties[key]
         }
         properties[key]["anyOf"] = [{"type": "string"}, inner]
     quantities = [key for key, value in properties.items() if _is_number_with_unit(value)]

@@ -95,6 +95,8 @@ WITH_WHAT_THE_RECIPES_GIVE = (
     "set_speed",
     "set_line",
     "set_irregularity",
+    "set_rails",
+    "set_heads",
 )
 """Methods of the builder."""
 
