@@ -12,13 +12,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
-import numpy as np
-from numpy.typing import NDArray
-
 from rollerrig import _core
 from rollerrig.config import Case, Foundation, Restraint, Rig, Track, Vehicle
 from rollerrig.config.schema.irregularity import rails_of_run
-from rollerrig.config.schema.rail_layout import NOWHERE, RAIL_CURVES, rail_heads, rail_layout
+from rollerrig.config.schema.rail_layout import NOWHERE, RAIL_CURVES, RailHeads, rail_heads, rail_layout
 from rollerrig.config.schema.vehicle import DIRECTIONS, Body, Element
 from rollerrig.config.validate.check_track import distance_run, foremost_wheelset
 from rollerrig.contact_laws import contact_laws
@@ -410,12 +407,15 @@ class Assembly:
         """Heads that change along the rails or round the rollers."""
         if not self.rail_heads:
             return
-        arguments: list[list[int] | NDArray[np.float64]] = []
-        for side in self.rail_profiles:
-            heads = self.rail_heads.get(side)
-            tables = heads.tables if heads else ()
-            arguments += [[self._profile(table) for table in tables], (heads.place if heads else NOWHERE).rows]
-        self.builder.set_heads(*arguments, max(heads.period for heads in self.rail_heads.values()))
+        none = RailHeads((), NOWHERE)
+        left, right = (self.rail_heads.get(side, none) for side in self.rail_profiles)
+        self.builder.set_heads(
+            [self._profile(table) for table in left.tables],
+            left.place.rows,
+            [self._profile(table) for table in right.tables],
+            right.place.rows,
+            max(left.period, right.period),
+        )
 
     def _profile(self, table: ProfileTable) -> int:
         """Index of a profile in the core, which gets it once."""

@@ -65,7 +65,8 @@ constexpr Field wheel_table[] = {
     {"contact_abscissa", "m", "EN abscissa S of the contact on the wheel profile, weighted mean"},
     {"rolling_radius", "m", "wheel radius at the contact, weighted mean"},
     {"wear_number", "N", "heat of creep per metre: sum of its patches' wear numbers"},
-    {"rail_lateral", "m", "displacement of the rail (irregularity, gauge), or of the roller that stands for it, to the left"},
+    {"rail_lateral", "m",
+     "displacement of the rail (irregularity, gauge), or of the roller that stands for it, to the left"},
     {"rail_vertical", "m", "the same upwards"},
 };
 

@@ -334,7 +334,7 @@ void ModelBuilder::set_rails(RailLayout const& left, RailLayout const& right) {
     for (auto const& row : curve.coefficient) check_value(row[0], near, what, "displacement");
   };
   for (bool const is_right : {false, true}) {
-    std::string const side = is_right ? "right rail: " : "left rail: ";
+    std::string const side = is_right ? "rails: right_" : "rails: left_";
     RailLayout const& rail = is_right ? right : left;
     need_layout(rail.y, side + "y");
     need_layout(rail.z, side + "z");
@@ -347,7 +347,7 @@ void ModelBuilder::set_heads(RailHeads const& left, RailHeads const& right) {
   for (RailHeads const* heads : {&left, &right}) {
     check_value(heads->period, not_negative, "heads", "period");
     check_value(heads->profiles, an_index, "heads", "profiles");
-    need_curve(heads->place, "heads: place");
+    need_curve(heads->place, heads == &left ? "heads: left_place" : "heads: right_place");
     auto const last = static_cast<double>(heads->profiles.size()) - 1.0;
     for (auto const& row : heads->place.coefficient)
       need(row[0] >= 0.0 && row[0] <= last, "heads: place must be between the first and the last of them");

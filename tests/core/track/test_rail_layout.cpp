@@ -89,6 +89,38 @@ TEST_CASE("under a wheelset that stays where it is, the gap changes by the rate 
   }
 }
 
+TEST_CASE("where rails widen, rise and lean, Jacobian and time derivative are those of differences") {
+  auto parts = test::vehicle_parts({.elastic_rails = true});
+  test::lay_rails(parts.line);
+  for (auto& contact : parts.contacts) contact.laws.normal = ElasticStrips{};
+  Dynamics d(parts);
+  auto const x = solve_equilibrium(d, 20.0, 0.0).x;
+  auto const at = [&](double t, std::vector<double> const& state) {
+    std::vector<double> x_dot(x.size()), z_dot(static_cast<std::size_t>(d.sizes().quadratures));
+    REQUIRE(d.derivative(t, state.data(), x_dot.data(), z_dot.data()) == Status::ok);
+    return x_dot;
+  };
+  double const t = 1.0, h = 1e-6;  // the wheelsets at 16 and 24 m
+  JacobianData j(d.sizes());
+  REQUIRE(d.jacobian(t, x.data(), j) == Status::ok);
+  auto const up = at(t + h, x), down = at(t - h, x);
+  double const largest = j.f_t.cwiseAbs().maxCoeff();
+  REQUIRE(largest > 10.0);
+  for (std::size_t i = 0; i < x.size(); ++i)
+    CHECK(std::abs(j.f_t[static_cast<Eigen::Index>(i)] - (up[i] - down[i]) / (2 * h)) < 1e-3 * largest);
+  for (std::size_t coordinate : {coord_y, coord_roll, coord_yaw}) {
+    auto const k = static_cast<std::size_t>(d.map().coordinate[0][coordinate]);
+    double const step = 1e-8;
+    auto more = x, less = x;
+    more[k] += step, less[k] -= step;
+    auto const f = at(t, more), g = at(t, less);
+    auto const column = j.a.col(static_cast<Eigen::Index>(k));
+    for (std::size_t i = 0; i < x.size(); ++i)
+      CHECK(std::abs(column[static_cast<Eigen::Index>(i)] - (f[i] - g[i]) / (2 * step)) <
+            1e-3 * column.cwiseAbs().maxCoeff());
+  }
+}
+
 TEST_CASE("where one head becomes another, the gap changes by the rate that the forces see, and f_t by the rise") {
   auto parts = test::vehicle_parts({});
   parts.profiles.push_back(parts.profiles[1]);

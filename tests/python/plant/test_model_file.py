@@ -14,7 +14,7 @@ from rollerrig import _core, load_case
 from rollerrig.actuators import assemble_with_actuators
 from rollerrig.assembly import assemble
 from rollerrig.cli.app import build_app
-from rollerrig.config import ConfigError
+from rollerrig.config import Case, ConfigError
 from rollerrig.plant import ModelFileError, assembled_model
 from rollerrig.simulation import prepare
 
@@ -40,7 +40,19 @@ def course(simulation: _core.Simulation, until: float) -> np.ndarray:
 
 @pytest.mark.parametrize("name", RUNS)
 def test_a_run_of_the_file_is_the_run_of_the_case_bit_for_bit(name: str, tmp_path: Path) -> None:
-    case = load_case(name).with_changes({"time.duration": RUNS[name]})
+    the_file_runs_as_the_case(load_case(name).with_changes({"time.duration": RUNS[name]}), tmp_path)
+
+
+def test_rails_and_heads_that_change_are_in_the_file(tmp_path: Path) -> None:
+    other = {"gauge": 1.44, "inclination": 0.05, "profile": "en_60e1_1_40"}
+    ends = ({"kind": "straight", "length": 1.0}, {"kind": "straight", "length": 50.0, **other})
+    track = {"support.segment": [ends[0], {"kind": "transition", "length": 10.0}, ends[1]]}
+    spot = {"support.spot": {"start": 0.2, "ramp": 0.5, "length": 0.1, "depth": 1e-4}}
+    for name, change in (("bogie_track", track), ("bogie_rollers_constant", spot)):
+        the_file_runs_as_the_case(load_case(name).with_changes({**change, "time.duration": "50 ms"}), tmp_path)
+
+
+def the_file_runs_as_the_case(case: Case, tmp_path: Path) -> None:
     path = rr.assemble_file(case, tmp_path / "rig.model")
     assert rr.assemble_file(case, tmp_path / "again.model").read_bytes() == path.read_bytes()
     read = rr.read_model(path)

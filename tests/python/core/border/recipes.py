@@ -85,7 +85,7 @@ def recipes() -> dict[str, Recipe]:
     }
     found["track"].steps.append(("set_line", (curve(), 0.1 * curve(), 1.5)))
     found["track"].steps.append(("set_rails", 6 * (curve(),)))
-    found["track"].steps.append(("set_heads", ([1, 1], curve(), [], np.empty((0, 5)), 0.0)))
+    found["track"].steps.append(("set_heads", ([1, 1], curve(), [1, 1], curve(), 0.0)))
     found["track"].steps.append(("set_irregularity", (40.0, 1.0, bumps(), bumps(), bumps(), bumps(), 10.0, True)))
     found["track"].steps.append(("set_speed", ([(0.0, 30.0), (1.0, 29.0)],)))
     return found
