@@ -151,6 +151,22 @@ auto rolling_solutions(RollingReference& reference, Rows3 const& creepage) {
   return owned_array<nb::shape<-1, 6>>(std::move(out), {n, 6});
 }
 
+/// Per row: force along and across, moment about the row's x = 0, converged.
+auto bent_solution(RollingReference& reference, Rows3 const& creepage) {
+  check_value(creepage, finite_number, "RollingReference.solve_rows", "creepage");
+  std::size_t const n = reference.rows();
+  if (creepage.shape(0) != n)
+    throw std::invalid_argument("RollingReference.solve_rows: creepage must have a row for each of the patch's " +
+                                std::to_string(n) + " rows, got " + std::to_string(creepage.shape(0)));
+  std::vector<ReducedCreepage> rows;
+  for (std::size_t i = 0; i < n; ++i) rows.push_back({creepage(i, 0), creepage(i, 1), creepage(i, 2)});
+  double const converged = reference.solve(rows).converged ? 1.0 : 0.0;
+  std::vector<double> out;
+  for (auto const& row : reference.forces_of_rows())
+    out.insert(out.end(), {row.longitudinal, row.lateral, row.moment, converged});
+  return owned_array<nb::shape<-1, 4>>(std::move(out), {n, 4});
+}
+
 }  // namespace
 
 void bind_contact_laws(nb::module_& m) {
@@ -214,4 +230,6 @@ void bind_contact_laws(nb::module_& m) {
       "Force along, across, moment, fraction of the patch that sticks, steps, converged; per row of xi, eta, chi.",
       +[](RollingReference& self, Rows3 const& creepage) { return rolling_solutions(self, creepage); },
       Argument{"creepage"});
+  reference.def("solve_rows", &bent_solution, "creepage"_a,
+                "Force along, across, moment about its own x = 0, converged, per row; each with its own xi, eta, chi.");
 }

@@ -32,7 +32,7 @@ CORE_LAYERS = [
     {"track"},
     {"multibody"},
     {"geometry"},
-    {"contact/material.hpp", "contact/regularisation.hpp"},
+    {"contact/material.hpp", "contact/regularisation.hpp", "contact/patch_strips.hpp"},
     {"contact/normal", "contact/adhesion"},
     {"contact/creep"},
     {"contact"},

@@ -55,6 +55,7 @@ def add_wheels(
     normal_damping: float = 1e5,
     merging_criterion: float = 0.0,
     normal: str = "hertz",
+    creep: str = "kalker_saturated",
 ) -> tuple[int, int]:
     """Adds the left and the right contact of one wheelset; rollers -1 are rails."""
     wheel_index = builder.add_profile(wheel.start, wheel.step, wheel.coefficients)
@@ -63,7 +64,7 @@ def add_wheels(
         material=_core.Material(shear_modulus=shear_modulus, poisson_ratio=POISSON_RATIO),
         normal=_core.Hertz(merging_criterion=merging_criterion) if normal == "hertz" else _core.Strips(),
         damping=_core.NormalDamping(damping=normal_damping, smoothing_speed=1e-4),
-        creep=creep_law("kalker_saturated"),
+        creep=creep_law(creep),
         friction=_core.Friction(law=_core.Constant(mu_0=friction), map=None),
         creepage_regularisation_speed=0.1,
         roller=_core.RollerEffects(curvature=True, conicity=True, spin=True, yaw=True),
@@ -96,13 +97,30 @@ def benchmark_contact(roller_radius: float | None, normal: str = "hertz") -> _co
 
 
 def static_contact_of(
-    wheel: ProfileTable, rail: ProfileTable, roller_radius: float | None, origin: float, normal: str = "hertz"
+    wheel: ProfileTable,
+    rail: ProfileTable,
+    roller_radius: float | None,
+    origin: float,
+    normal: str = "hertz",
+    creep: str = "kalker_saturated",
+    normal_damping: float = 1e5,
 ) -> _core.StaticWheelsetContact:
     """A wheelset of radius 460 mm and these profiles, ready to be pressed down."""
     builder = _core.ModelBuilder(gravity=9.81)
     add_axisymmetric(builder, 0.46)
     roller = add_axisymmetric(builder, -roller_radius) if roller_radius else -1
-    left, right = add_wheels(builder, 0, (roller, roller), wheel, rail, roller_radius, origin, normal=normal)
+    left, right = add_wheels(
+        builder,
+        0,
+        (roller, roller),
+        wheel,
+        rail,
+        roller_radius,
+        origin,
+        normal=normal,
+        creep=creep,
+        normal_damping=normal_damping,
+    )
     return _core.StaticWheelsetContact(builder.finish(), left, right)
 
 

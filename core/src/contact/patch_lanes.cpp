@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "rollerrig/contact/bent_patch.hpp"
 #include "rollerrig/math/dual.hpp"
 
 namespace rollerrig {
@@ -94,6 +95,8 @@ void add_creep_forces(ContactLaws const& laws, T const& time, std::span<MovingPa
     }
     for (auto const& patch : some) add_creep_force(laws, time, patch);
   }
+  for (auto const& patch : patches)
+    if (patch.strips && patch.strips->count > 0) follow_strips(laws, time, patch);
 }
 
 template void add_creep_forces<double>(ContactLaws const&, double const&, std::span<MovingPatch<double> const>);

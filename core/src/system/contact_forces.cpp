@@ -84,6 +84,7 @@ void ForceAssembly<T>::move_head(std::size_t index) const {
 template <Scalar T>
 void ForceAssembly<T>::find_patches(T const& t, std::vector<int> const& group, Selection const* selection) const {
   ContactLaws const& laws = model_.contacts[at(group.front())].laws;
+  bool const with_strips = follows_strips(laws.creep);
   w_.wheels.clear();
   for (int i : group) {
     std::size_t const index = at(i);
@@ -96,7 +97,8 @@ void ForceAssembly<T>::find_patches(T const& t, std::vector<int> const& group, S
                          &placed.pose,
                          &evaluation_.search[index],
                          &w_.patches[index],
-                         &w_.patch_count[index]});
+                         &w_.patch_count[index],
+                         with_strips ? &w_.strips[index] : nullptr});
   }
   normal_patches<T, Patch<T>>(laws.normal, w_.wheels);
   w_.under_load.clear();
@@ -106,8 +108,9 @@ void ForceAssembly<T>::find_patches(T const& t, std::vector<int> const& group, S
     move_head(index);
     auto const& placed = w_.placed[index];
     for (int k = 0; k < w_.patch_count[index]; ++k)
-      w_.under_load.push_back(
-          {&w_.patches[index][at(k)], &placed.pose.o, &placed.motion, &model_.contacts[index].laws.friction});
+      w_.under_load.push_back({&w_.patches[index][at(k)], &placed.pose.o, &placed.motion,
+                               &model_.contacts[index].laws.friction,
+                               with_strips ? &w_.strips[index][at(k)] : nullptr});
   }
   add_creep_forces<T>(laws, t, w_.under_load);
 }

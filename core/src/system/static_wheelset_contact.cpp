@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "rollerrig/contact/patch_lanes.hpp"
+
 namespace rollerrig {
 namespace {
 
@@ -98,6 +100,36 @@ std::vector<StaticPatch> StaticWheelsetContact::patches(WheelsetPosition const& 
   std::vector<StaticPatch> list;
   for (int k = 0; k < count; ++k) list.push_back(seen(contact, found[static_cast<std::size_t>(k)]));
   return list;
+}
+
+Wrench3<double> StaticWheelsetContact::creep(WheelsetPosition const& p, bool right,
+                                             ContactMotion<double> const& motion) {
+  WheelContact const& contact = *contact_[right];
+  ContactLaws const& laws = contact.laws;
+  auto const at = pose(p, right);
+  if (follows_minima(laws.normal)) search_[right].find_indented(at);
+  WheelPatches<double> found;
+  auto const strips = std::make_unique<WheelStrips<double>>();
+  int count = 0;
+  std::array const wheel{NormalContact<double, Patch<double>>{{contact.pair, laws.material, laws.nodes.get()},
+                                                              &at,
+                                                              &search_[right],
+                                                              &found,
+                                                              &count,
+                                                              follows_strips(laws.creep) ? strips.get() : nullptr}};
+  normal_patches<double, Patch<double>>(laws.normal, wheel);
+  std::vector<MovingPatch<double>> moving;
+  for (std::size_t k = 0; k < static_cast<std::size_t>(count); ++k)
+    moving.push_back({&found[k], &at.o, &motion, &laws.friction, &(*strips)[k]});
+  add_creep_forces<double>(laws, 0.0, moving);
+  Wrench3<double> sum{};
+  for (auto const& m : moving) {
+    auto const& patch = *m.patch;
+    Vec3<double> const force = patch.force - patch.normal.total() * patch.point.n;
+    sum.force += force;
+    sum.moment += cross(patch.point.p, force) + patch.moment - patch.weight * patch.pressure_moment;
+  }
+  return sum;
 }
 
 std::vector<StaticPatch> StaticWheelsetContact::minima(WheelsetPosition const& position, bool right, double reach) {

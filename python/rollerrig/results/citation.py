@@ -31,6 +31,7 @@ _LAWS = {
     "modified_fastsim": ("kalker1982", "spiryagin2013"),
     "polach": ("polach1999", "polach2005"),
     "table": ("kalker1990",),
+    "strip_theory": ("kalker1990", "sichani2016"),
 }
 """Law of the contact -> its sources."""
 

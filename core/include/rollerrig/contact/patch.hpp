@@ -65,15 +65,18 @@ struct PatchForces {
   Vec3<T> force;          ///< on the wheel, b components [N]
   Vec3<T> moment;   ///< on the wheel about the point, b components [N m]: spin moment, and of the pressures' normals
   T elastic_power;  ///< of the elastic pressures on the relative motion [W]
+  T bending_power;  ///< of creep forces along n and moments along the patch, where its strips are turned [W] ...
+  T bending_work;   ///< ... and per metre [N]
 
   T creep_dissipation() const {
-    return -(creep.longitudinal * slip_longitudinal + creep.lateral * slip_lateral + creep.spin_moment * spin_rate);
+    return -(creep.longitudinal * slip_longitudinal + creep.lateral * slip_lateral + creep.spin_moment * spin_rate +
+             bending_power);
   }
 
   /// T gamma: heat of creep per metre [N]. docs/theory/wheel_rail_forces.md, (R3)
   T wear_number() const {
     return -(creep.longitudinal * creepage.longitudinal + creep.lateral * creepage.lateral +
-             creep.spin_moment * creepage.spin);
+             creep.spin_moment * creepage.spin + bending_work);
   }
 };
 
@@ -110,6 +113,37 @@ Vec3<T> moment_about_crown(RollerEffects const& effects, Vec3<T> const& p, Vec3<
   return moment;
 }
 
+/// i and t of a patch or a strip with the normal n.
+template <class T>
+struct ContactAxes {
+  Vec3<T> i, t;
+};
+template <class T>
+ContactAxes<T> contact_axes(Vec3<T> const& n) {
+  using std::sqrt;
+  T const across = 1.0 / sqrt(n.y * n.y + n.z * n.z);
+  Vec3<T> const t{T(0.0), n.z * across, -(n.y * across)};  // n x i_b, normalised
+  return {cross(t, n), t};
+}
+
+/// One over the rolling speed that creepages refer to [s/m].
+template <Scalar T>
+T inverse_rolling_speed(ContactLaws const& laws, T const& rolling_speed) {
+  using std::sqrt;
+  return 1.0 / sqrt(rolling_speed * rolling_speed + square(laws.creepage_regularisation_speed));
+}
+
+/// What the creep law is asked.
+///
+/// @param adhesion  mu N [N]
+template <Scalar T>
+CreepQuery<T> creep_query(ContactLaws const& laws, NormalPatch<T> const& patch, Creepage<T> const& creepage,
+                          T const& adhesion, T const& direction) {
+  auto const stiffness = kalker_stiffness(laws.kalker->at(patch.log_aspect), laws.material.shear_modulus, patch.a,
+                                          patch.b, direction);  // (22)
+  return {creepage, stiffness, adhesion, patch.a, patch.b, patch.log_aspect, direction};
+}
+
 /// Creepages and forces of a patch of which the normal contact is known. T: any scalar, lanes of several patches among them.
 ///
 /// @param friction  the surface at a slip velocity [m/s], RailSurface<T>
@@ -117,13 +151,10 @@ Vec3<T> moment_about_crown(RollerEffects const& effects, Vec3<T> const& p, Vec3<
 template <Scalar T, class Surface>
 PatchForces<T> patch_forces(ContactLaws const& laws, NormalPatch<T> const& patch, Vec3<T> const& wheelset,
                             ContactMotion<T> const& motion, Surface const& friction, bool on_map) {
-  using std::sqrt;
   PatchForces<T> out;
   Vec3<T> const& p = patch.point.p;
   Vec3<T> const& n = patch.point.n;
-  T const across = 1.0 / sqrt(n.y * n.y + n.z * n.z);
-  Vec3<T> const t{T(0.0), n.z * across, -(n.y * across)};  // n x i_b, normalised
-  Vec3<T> const i = cross(t, n);
+  auto const [i, t] = contact_axes(n);
 
   Vec3<T> const v_on_wheel = motion.v_wheel + cross(motion.omega_wheel, p - wheelset);
   Vec3<T> const v_on_roller = roller_surface_velocity(laws.roller, motion, p);
@@ -139,18 +170,14 @@ PatchForces<T> patch_forces(ContactLaws const& laws, NormalPatch<T> const& patch
 
   // Rolling speed: mean of wheel and roller surface speed past the contact point, which moves with the wheelset.
   out.rolling_speed = dot(motion.v_wheel - T(0.5) * (v_on_wheel + v_on_roller), i);
-  double const v_s = laws.creepage_regularisation_speed;
-  T const inverse_speed = 1.0 / sqrt(out.rolling_speed * out.rolling_speed + v_s * v_s);
+  T const inverse_speed = inverse_rolling_speed(laws, out.rolling_speed);
   out.creepage = {out.slip_longitudinal * inverse_speed, out.slip_lateral * inverse_speed,
                   out.spin_rate * inverse_speed};  // (21)
 
   T const slip = regularisation::length(out.slip_longitudinal, out.slip_lateral, regularisation::slip);
   RailSurface<T> const surface = friction(slip);
   T const adhesion = surface.friction * load + regularisation::adhesion;
-  T const direction = out.rolling_speed * inverse_speed;
-  auto const stiffness = kalker_stiffness(laws.kalker->at(patch.log_aspect), laws.material.shear_modulus, patch.a,
-                                          patch.b, direction);  // (22)
-  CreepQuery<T> const query{out.creepage, stiffness, adhesion, patch.a, patch.b, patch.log_aspect, direction};
+  auto const query = creep_query(laws, patch, out.creepage, adhesion, T(out.rolling_speed * inverse_speed));
   auto const creep =
       on_map ? creep_force(laws.creep, query, surface) : creep_force(laws.creep, query);  // (20), (23), (24)
 
@@ -160,6 +187,7 @@ PatchForces<T> patch_forces(ContactLaws const& laws, NormalPatch<T> const& patch
   out.force = w * (load * n + creep.longitudinal * i + creep.lateral * t);
   out.moment = w * (creep.spin_moment * n + patch.pressure_moment);
   out.elastic_power = w * (normal.elastic * out.gap_rate + dot(patch.pressure_moment, omega));
+  out.bending_power = out.bending_work = T(0.0);
   return out;
 }
 
@@ -170,6 +198,7 @@ struct MovingPatch {
   Vec3<T> const* wheelset;  ///< its centre, b components [m]
   ContactMotion<T> const* motion;
   Friction const* friction;
+  PatchStrips<T> const* strips{nullptr};  ///< if the creep law follows them: contact/bent_patch.hpp
 
   /// @param slip  velocity [m/s]
   RailSurface<T> surface(T const& time, T const& slip) const {

@@ -31,6 +31,7 @@ struct Workspace {
   std::vector<ContactPlacement<T>> placed;         ///< per contact
   std::vector<WheelPatches<T>> patches;            ///< per contact
   std::vector<int> patch_count;                    ///< per contact
+  std::vector<WheelStrips<T>> strips;              ///< per contact, of its patches; none if no creep law follows them
   std::vector<NormalContact<T, Patch<T>>> wheels;  ///< those of one group that are evaluated ...
   std::vector<MovingPatch<T>> under_load;          ///< ... and all their patches
 
@@ -61,6 +62,8 @@ struct Workspace {
     update_motion(Body{}, ground_motion);
     wheels.reserve(model.contacts.size());
     under_load.reserve(model.contacts.size() * ContactSearch::max_minima);
+    for (auto const& contact : model.contacts)
+      if (follows_strips(contact.laws.creep)) strips.resize(model.contacts.size());
   }
 
   /// All that outlives an evaluation, for plant/state_archive.hpp.

@@ -65,7 +65,10 @@ std::vector<PatchRow> RollingReference::ellipse_rows(double a_over_b, int rows) 
 RollingReference::RollingReference(std::vector<PatchRow> const& rows, double spacing, double nu, int elements)
     : elements_{elements} {
   std::vector<double> length;
-  for (PatchRow const& row : rows) place_elements(row, spacing, length);
+  for (PatchRow const& row : rows) {
+    across_.push_back(row.across);
+    place_elements(row, spacing, length);
+  }
   double total = 0.0;
   for (std::size_t i = 0; i < count(); ++i) total += bound[i] * area_[i];
   for (double& g : bound) g /= total;
@@ -124,7 +127,8 @@ void RollingReference::find_influences(std::vector<double> const& length, double
   }
 }
 
-void RollingReference::find_slip(ReducedCreepage const& e) {
+/// @param factor  of the rows' creepages
+void RollingReference::find_slip(double factor) {
   auto const points = static_cast<Eigen::Index>(slip_x_.size());
   auto const size = static_cast<Eigen::Index>(count());
   // Stored as [slip point][element], so the transpose is what Eigen sees.
@@ -137,9 +141,11 @@ void RollingReference::find_slip(ReducedCreepage const& e) {
   Eigen::Map<Eigen::VectorXd> vy(velocity_y_.data(), points);
   vx = xx.transpose() * px + xy.transpose() * py;
   vy = xy.transpose() * px + yy.transpose() * py;
+  auto const per_row = static_cast<std::size_t>(elements_ + 1);
   for (std::size_t p = 0; p < slip_x_.size(); ++p) {
-    velocity_x_[p] += e.longitudinal - e.spin * slip_y_[p];
-    velocity_y_[p] += e.lateral + e.spin * slip_x_[p];
+    ReducedCreepage const& e = creepage_[p / per_row];
+    velocity_x_[p] += factor * e.longitudinal;
+    velocity_y_[p] += factor * (e.lateral + e.spin * slip_x_[p]);
   }
 }
 
@@ -264,15 +270,15 @@ int RollingReference::revise(bool may_stick) {
 }
 
 /// Newton's method from the present tractions. True if it converged; counts its steps.
-bool RollingReference::iterate(ReducedCreepage const& e, int& steps) {
-  find_slip(e);
+bool RollingReference::iterate(double factor, int& steps) {
+  find_slip(factor);
   for (int step = 1; step <= max_steps; ++step) {
     ++steps;
     double const change = newton_step();
-    find_slip(e);
+    find_slip(factor);
     int const moved = revise(step < settle);
     if (moved == 0 && change < tolerance) return true;
-    if (moved) find_slip(e);
+    if (moved) find_slip(factor);
   }
   return false;
 }
@@ -284,21 +290,26 @@ void RollingReference::release() {
 }
 
 RollingSolution RollingReference::solve(ReducedCreepage const& e) {
+  std::vector<ReducedCreepage> rows;
+  for (double y : across_) rows.push_back({e.longitudinal - e.spin * y, e.lateral, e.spin});
+  return solve(rows);
+}
+
+RollingSolution RollingReference::solve(std::vector<ReducedCreepage> const& creepage) {
+  creepage_ = creepage;
   RollingSolution s;
-  s.converged = iterate(e, s.steps);
+  s.converged = iterate(1.0, s.steps);
   if (!s.converged) {  // the last solution was too far away to start from: once more from full stick
     release();
-    s.converged = iterate(e, s.steps);
+    s.converged = iterate(1.0, s.steps);
   }
   if (!s.converged) {  // ... and along creepages that fall to this one, from nearly full sliding
     release();
-    for (double factor : {16.0, 8.0, 4.0, 2.0, 1.4, 1.0})
-      s.converged = iterate({factor * e.longitudinal, factor * e.lateral, factor * e.spin}, s.steps);
+    for (double factor : {16.0, 8.0, 4.0, 2.0, 1.4, 1.0}) s.converged = iterate(factor, s.steps);
   }
   if (!s.converged) {  // ... or that rise to it, from full stick
     release();
-    for (double factor : {0.2, 0.4, 0.6, 0.8, 0.9, 1.0})
-      s.converged = iterate({factor * e.longitudinal, factor * e.lateral, factor * e.spin}, s.steps);
+    for (double factor : {0.2, 0.4, 0.6, 0.8, 0.9, 1.0}) s.converged = iterate(factor, s.steps);
   }
   double stuck = 0.0;
   double all = 0.0;
@@ -311,6 +322,17 @@ RollingSolution RollingReference::solve(ReducedCreepage const& e) {
   }
   s.adhesion = stuck / all;
   return s;
+}
+
+std::vector<RollingReference::RowForce> RollingReference::forces_of_rows() const {
+  std::vector<RowForce> rows(across_.size());
+  for (std::size_t j = 0; j < count(); ++j) {
+    RowForce& row = rows[j / static_cast<std::size_t>(elements_)];
+    row.longitudinal += area_[j] * traction_x[j];
+    row.lateral += area_[j] * traction_y[j];
+    row.moment += area_[j] * arm_[j] * traction_y[j];
+  }
+  return rows;
 }
 
 std::array<double, 4> RollingReference::kalker_coefficients() {

@@ -1,5 +1,8 @@
 #include "rollerrig/contact/normal/strip_contact.hpp"
 
+#include <vector>
+
+#include "rollerrig/contact/normal/region_strips.hpp"
 #include "rollerrig/contact/normal/strip_patch.hpp"
 
 namespace rollerrig {
@@ -39,6 +42,13 @@ struct Batch {
   std::span<StripWheel<T>> wheels;
   int count{0};
   std::array<Region<T>, most_wheels * most_readings> region;
+  std::vector<RegionStrips<T>> strips;  ///< of each region, as far as its wheel asks for them
+
+  RegionStrips<T>* strips_of(int index) {
+    if (!wheels[at(region[at(index)].wheel)].strips) return nullptr;
+    if (strips.size() <= at(index)) strips.resize(at(index) + 1);
+    return &strips[at(index)];
+  }
 };
 
 RelativePose<double> numbers(RelativePose<double> const& pose) { return pose; }
@@ -145,6 +155,7 @@ void add_region(Batch<T>& batch, int wheel, int group, GapScan const& scan, int 
   region.left = scan.region[at(from)].left;
   region.right = scan.region[at(to)].right;
   find_parts(batch.wheels[at(wheel)], scan, scan.region[at(from)].first, scan.region[at(to)].last, region);
+  if (auto* strips = batch.strips_of(batch.count - 1)) strips->count = 0;
 }
 
 template <Scalar T>
@@ -238,6 +249,8 @@ void solve_pack(Batch<T>& batch, int first, int count, int passes) {
   StripPlaces<L, n> places;
   lay_strips(tables, pack, strips, places);
   solve_strips(tables, strips, passes);
+  for (int i = 0; i < count; ++i)
+    if (auto* all = batch.strips_of(first + i)) take_strips(tables, strips, places, i, *all);
   StripRow<L, n> share;
   share.fill(L(1.0));
   for (std::size_t k = 0; k <= (parts > 1 ? parts : 0); ++k) {
@@ -289,6 +302,10 @@ void refine(Batch<T>& batch, int index) {
   region.force = few.force + s * (region.force - few.force);
   for (std::size_t k = 0; k <= (region.parts > 1 ? region.parts : 0); ++k)
     region.patch[k] = mixed(few.patch[k], region.patch[k], s);
+  if (auto* strips = batch.strips_of(index)) {
+    weigh(*strips, 0, static_cast<int>(strip_count), T(1.0 - s));
+    weigh(*strips, static_cast<int>(strip_count), strips->count, s);
+  }
   ++batch.wheels[at(region.wheel)].found.refined;
 }
 
@@ -339,7 +356,9 @@ void couple(Material const& material, std::span<Region<T>> regions) {
 }
 
 template <Scalar T>
-void add_patch(Region<T> const& region, std::size_t part, T const& weight, StripSolution<T>& found) {
+void add_patch(Region<T> const& region, std::size_t part, T const& weight, RegionStrips<T> const* strips,
+               StripWheel<T>& wheel) {
+  auto& found = wheel.found;
   if (found.count == StripSolution<T>::capacity || !(weight > 0.0)) return;
   StripPatch<T> patch = region.patch[part];
   patch.normal = region.factor * patch.normal;
@@ -351,6 +370,12 @@ void add_patch(Region<T> const& region, std::size_t part, T const& weight, Strip
   patch.peak_pressure *= value_of(region.size);
   patch.length *= value_of(region.size);
   patch.width *= value_of(region.size);
+  if (strips) {
+    double const from = part > 1 ? region.cut[part - 2] : -1e3;
+    double const to = part > 0 && part < region.parts ? region.cut[part - 1] : 1e3;
+    strips_of_part(*strips, from, to, region.factor, region.size, T(pi * patch.a * patch.b),
+                   (*wheel.strips)[at(found.count)]);
+  }
   found.patch[at(found.count++)] = patch;
 }
 
@@ -363,11 +388,13 @@ void collect(Batch<T>& batch) {
     std::span<Region<T>> const regions(&batch.region[at(first)], at(last - first));
     auto& owner = batch.wheels[at(wheel)];
     couple(owner.wheel->material, regions);
-    for (auto const& region : regions) {
-      add_patch(region, 0, T(region.weight * region.merged), owner.found);
+    for (int i = first; i < last; ++i) {
+      auto const& region = batch.region[at(i)];
+      auto const* strips = batch.strips_of(i);
+      add_patch(region, 0, T(region.weight * region.merged), strips, owner);
       if (!(region.merged < 1.0)) continue;
       T const weight = region.weight * (1.0 - region.merged);
-      for (std::size_t k = 1; k <= region.parts; ++k) add_patch(region, k, weight, owner.found);
+      for (std::size_t k = 1; k <= region.parts; ++k) add_patch(region, k, weight, strips, owner);
     }
     first = last;
   }

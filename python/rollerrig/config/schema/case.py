@@ -129,6 +129,16 @@ class Contact(Table):
         """Coefficient of friction where flanges touch, at no slip [-]."""
         return self.friction.mu_0 if self.gauge_face_friction is None else self.gauge_face_friction
 
+    @model_validator(mode="after")
+    def _strips_for_strip_theory(self) -> "Contact":
+        if self.creep.kind == "strip_theory" and self.normal.kind != "strips":
+            raise refused(
+                "creep",
+                f"allowed: strip_theory with contact.normal = 'strips', whose strips it follows; with '{self.normal.kind}' take "
+                "'table'",
+            )
+        return self
+
 
 class Motion(Table):
     """How the vehicle and the rollers are driven, and when a brake test ends."""

@@ -88,8 +88,19 @@ class ExactTable(Table):
     kind: Literal["table"] = Field(description="the exact theory as a smooth function")
 
 
+class StripTheory(Table):
+    """Creep forces strip by strip, for patches that are bent: on a flat ellipse those of the table."""
+
+    limitation: ClassVar[str] = (
+        "The creep force is that of strips with their own normals and spin, corrected by Kalker's exact theory of an ellipse."
+    )
+    kind: Literal["strip_theory"] = Field(
+        description="each strip of the patch with its own normal, creepage and spin; asks for `contact.normal = \"strips\"`"
+    )
+
+
 AnyCreep = Annotated[
-    KalkerSaturated | KalkerLinear | Fastsim | ModifiedFastsim | Polach | ExactTable,
+    KalkerSaturated | KalkerLinear | Fastsim | ModifiedFastsim | Polach | ExactTable | StripTheory,
     Discriminator("kind"),
     by_kind(),
 ]

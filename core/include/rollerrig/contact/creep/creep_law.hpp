@@ -12,6 +12,7 @@
 #include "rollerrig/contact/creep/fastsim.hpp"
 #include "rollerrig/contact/creep/kalker_laws.hpp"
 #include "rollerrig/contact/creep/polach.hpp"
+#include "rollerrig/contact/creep/strip_theory.hpp"
 
 namespace rollerrig {
 
@@ -20,7 +21,13 @@ using CreepLaw = OneOf<KalkerSaturated,  // the paper's
                        Fastsim,          //
                        ModifiedFastsim,  //
                        Polach,           //
-                       TableLaw>;
+                       TableLaw,         //
+                       StripTheory>;
+
+/// Whether the law wants the strips of a patch as well.
+inline bool follows_strips(CreepLaw const& law) {
+  return std::visit([]<class Law>(Law const&) { return requires { requires Law::follows_strips; }; }, law);
+}
 
 /// The answer of `ask` to query and rail: in one call, or lane by lane.
 template <class Law, class T, class Ask, template <class> class... In>

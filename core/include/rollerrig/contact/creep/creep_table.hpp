@@ -92,6 +92,28 @@ CreepTableValue<T> creep_table_at(CreepTable const& table, CreepTablePlace<T> co
   }
 }
 
+/// (C13), (C14)
+template <Scalar T>
+CreepForce<T> table_force(CreepTable const& table, CreepQuery<T> const& query) {
+  using std::sqrt;
+  auto const& e = query.creepage;
+  auto const& f = query.stiffness;
+  T const& adhesion = query.adhesion;
+  auto const unit = demand_per_creepage(query);
+  std::array<T, 3> const v{unit[0] * e.longitudinal, unit[1] * e.lateral, unit[2] * query.direction * e.spin};
+  T const rho = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2] + square(regularisation::demand));
+  T const shrink = 1.0 / (table.rho_0 + rho);
+  auto const d = creep_table_at<T>(table, {query.log_aspect, {v[0] * shrink, v[1] * shrink, v[2] * shrink}});
+  auto const linear = linear_creep_force(e, f);
+  T const fade = table.rho_0 * shrink;
+  T const gain = adhesion * rho * shrink;
+  T const tx = fade * linear.longitudinal + gain * d.along;
+  T const ty = fade * linear.lateral + gain * d.across;
+  T const moment = fade * linear.spin_moment + query.direction * gain * sqrt(query.a * query.b) * d.moment;
+  T const demanded = regularisation::length(linear.longitudinal, linear.lateral, regularisation::force);
+  return never_drives(query, CreepForce<T>{tx, ty, moment, saturation(tx, ty, demanded)});
+}
+
 struct TableLaw {
   static constexpr char const* name = "table";
   static constexpr bool in_lanes = true;
@@ -100,23 +122,7 @@ struct TableLaw {
 
   template <Scalar T>
   CreepForce<T> operator()(CreepQuery<T> const& query) const {
-    using std::sqrt;
-    auto const& e = query.creepage;
-    auto const& f = query.stiffness;
-    T const& adhesion = query.adhesion;
-    auto const unit = demand_per_creepage(query);
-    std::array<T, 3> const v{unit[0] * e.longitudinal, unit[1] * e.lateral, unit[2] * query.direction * e.spin};
-    T const rho = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2] + square(regularisation::demand));
-    T const shrink = 1.0 / (table->rho_0 + rho);
-    auto const d = creep_table_at<T>(*table, {query.log_aspect, {v[0] * shrink, v[1] * shrink, v[2] * shrink}});
-    auto const linear = linear_creep_force(e, f);
-    T const fade = table->rho_0 * shrink;
-    T const gain = adhesion * rho * shrink;
-    T const tx = fade * linear.longitudinal + gain * d.along;
-    T const ty = fade * linear.lateral + gain * d.across;
-    T const moment = fade * linear.spin_moment + query.direction * gain * sqrt(query.a * query.b) * d.moment;
-    T const demanded = regularisation::length(linear.longitudinal, linear.lateral, regularisation::force);
-    return never_drives(query, CreepForce<T>{tx, ty, moment, saturation(tx, ty, demanded)});
+    return table_force(*table, query);
   }
 };
 

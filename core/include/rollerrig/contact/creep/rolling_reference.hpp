@@ -69,6 +69,19 @@ class RollingReference {
   /// then along creepages in the same ratio that fall or rise to the one asked for.
   RollingSolution solve(ReducedCreepage const& creepage);
 
+  /// Rows that turn against each other, as on a bent patch: each with its own slip and spin, in its own plane. The surfaces stay
+  /// elastic as a half-space, rolled out. Of the solution the sums over the rows mean little: forces_of_rows().
+  ///
+  /// @param creepage  of each row: slip along it, slip across it at x = 0, spin
+  RollingSolution solve(std::vector<ReducedCreepage> const& creepage);
+
+  struct RowForce {
+    double longitudinal{0.0}, lateral{0.0}, moment{0.0};  ///< [mu N], [mu N c] about the row's x = 0
+  };
+  std::size_t rows() const { return across_.size(); }
+  /// Of the last solution.
+  std::vector<RowForce> forces_of_rows() const;
+
   /// C11, C22, C23, C33 of this grid: no slip anywhere, one linear system.
   std::array<double, 4> kalker_coefficients();
 
@@ -84,16 +97,18 @@ class RollingReference {
   static std::vector<PatchRow> ellipse_rows(double a_over_b, int rows);
   void place_elements(PatchRow const& row, double spacing, std::vector<double>& length);
   void find_influences(std::vector<double> const& length, double dy, double poisson_ratio);
-  void find_slip(ReducedCreepage const& creepage);
+  void find_slip(double factor);
   void fill_sticking(std::size_t element, NewtonSystem& system) const;
   void fill_slipping(std::size_t element, NewtonSystem& system) const;
   double newton_step();
-  bool iterate(ReducedCreepage const& creepage, int& steps);
+  bool iterate(double factor, int& steps);
   int revise(bool may_stick);
   void release();  ///< full stick, no traction
   std::size_t count() const { return x.size(); }
 
   int elements_;
+  std::vector<double> across_;                   // y of each row
+  std::vector<ReducedCreepage> creepage_;        // of each row
   std::vector<double> area_;                     // of an element [c^2]
   std::vector<double> arm_;                      // x of the centre of its bound [c]
   std::vector<double> slip_x_, slip_y_;          // where slip is taken

@@ -4,6 +4,7 @@
 #include <concepts>
 
 #include "rollerrig/contact/material.hpp"
+#include "rollerrig/contact/patch_strips.hpp"
 #include "rollerrig/geometry/contact_point.hpp"
 #include "rollerrig/geometry/gap_nodes.hpp"
 #include "rollerrig/geometry/search.hpp"
@@ -31,6 +32,10 @@ struct NormalPatch {
 template <class P>
 using PatchList = std::array<P, ContactSearch::max_minima>;
 
+/// Strips of the patches of one wheel.
+template <Scalar T>
+using WheelStrips = std::array<PatchStrips<T>, ContactSearch::max_minima>;
+
 /// One wheel on its roller or rail, as a law of normal contact sees it.
 struct NormalSetting {
   WheelRollerPair const& pair;
@@ -43,9 +48,10 @@ template <Scalar T, std::derived_from<NormalPatch<T>> P>
 struct NormalContact {
   NormalSetting wheel;
   RelativePose<T> const* pose;
-  ContactSearch const* search;  ///< its minima are those of the pose; not set for a law that follows none
-  PatchList<P>* patches;        ///< result
-  int* count;                   ///< result: of them
+  ContactSearch const* search;      ///< its minima are those of the pose; not set for a law that follows none
+  PatchList<P>* patches;            ///< result
+  int* count;                       ///< result: of them
+  WheelStrips<T>* strips{nullptr};  ///< result, if asked for: of each patch; of none by a law that knows no strips
 };
 
 }  // namespace rollerrig

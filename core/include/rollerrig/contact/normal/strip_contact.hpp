@@ -49,6 +49,7 @@ struct StripWheel {
   NormalSetting const* wheel{nullptr};
   RelativePose<T> pose;
   StripSolution<T> found;
+  WheelStrips<T>* strips{nullptr};  ///< of the patches found, if asked for
 };
 
 /// The contact of several wheels, solved side by side. T: double or StripDual.
@@ -90,12 +91,12 @@ class SeededPose {
   }
   RelativePose<StripDual> const& pose() const { return pose_; }
 
+  T chain(StripDual const& x) const {
+    T out(x.value);
+    for (int i = 0; i < 6; ++i) out.d += x.d[i] * motion_[static_cast<std::size_t>(i)].d;
+    return out;
+  }
   StripSolution<T> chained(StripSolution<StripDual> const& found) const {
-    auto const chain = [&](StripDual const& x) {
-      T out(x.value);
-      for (int i = 0; i < 6; ++i) out.d += x.d[i] * motion_[static_cast<std::size_t>(i)].d;
-      return out;
-    };
     auto const chain3 = [&](Vec3<StripDual> const& v) { return Vec3<T>{chain(v.x), chain(v.y), chain(v.z)}; };
     StripSolution<T> out;
     out.count = found.count;
@@ -117,15 +118,19 @@ class SeededPose {
 
 /// One wheel, for any scalar: with derivatives, by the chain rule over the pose's six directions.
 template <Scalar T>
-StripSolution<T> strip_contact(NormalSetting const& wheel, RelativePose<T> const& pose) {
+StripSolution<T> strip_contact(NormalSetting const& wheel, RelativePose<T> const& pose,
+                               WheelStrips<T>* strips = nullptr) {
   if constexpr (std::same_as<T, double>) {
-    StripWheel<double> one{&wheel, pose, {}};
+    StripWheel<double> one{&wheel, pose, {}, strips};
     strip_contacts<double>({&one, 1});
     return one.found;
   } else {
+    thread_local WheelStrips<StripDual> seeded_strips;  // scratch
     SeededPose<T> const seeded(pose);
-    StripWheel<StripDual> one{&wheel, seeded.pose(), {}};
+    StripWheel<StripDual> one{&wheel, seeded.pose(), {}, strips ? &seeded_strips : nullptr};
     strip_contacts<StripDual>({&one, 1});
+    for (std::size_t k = 0; strips && k < static_cast<std::size_t>(one.found.count); ++k)
+      convert(seeded_strips[k], (*strips)[k], [&](StripDual const& x) { return seeded.chain(x); });
     return seeded.chained(one.found);
   }
 }
@@ -146,12 +151,14 @@ struct ElasticStrips {
       thread_local std::array<StripWheel<double>, most> wheels;  // scratch, too large to be set up in every call
       for (; !contacts.empty(); contacts = contacts.subspan(std::min(most, contacts.size()))) {
         std::size_t const n = std::min(most, contacts.size());
-        for (std::size_t i = 0; i < n; ++i) wheels[i].wheel = &contacts[i].wheel, wheels[i].pose = *contacts[i].pose;
+        for (std::size_t i = 0; i < n; ++i)
+          wheels[i].wheel = &contacts[i].wheel, wheels[i].pose = *contacts[i].pose,
+          wheels[i].strips = contacts[i].strips;
         strip_contacts<double>({wheels.data(), n});
         for (std::size_t i = 0; i < n; ++i) *contacts[i].count = put(wheels[i].found, *contacts[i].patches);
       }
     } else {
-      for (auto const& c : contacts) *c.count = put(strip_contact(c.wheel, *c.pose), *c.patches);
+      for (auto const& c : contacts) *c.count = put(strip_contact(c.wheel, *c.pose, c.strips), *c.patches);
     }
   }
 

@@ -1,0 +1,94 @@
+// contact/normal/region_strips.hpp - the strips of a region handed on to a creep law that follows a bent patch.
+//
+//   strips as solved, one region per lane -> [take_strips] -> those of the region -> [strips_of_part] -> those of one patch
+//
+// Only where the creep law asks for them: contact/creep/strip_theory.hpp.
+#pragma once
+#include "rollerrig/contact/normal/strip_layout.hpp"
+#include "rollerrig/contact/patch_strips.hpp"
+
+namespace rollerrig {
+
+/// Of a region, which may be divided.
+template <Scalar T>
+struct RegionStrips : PatchStrips<T> {
+  typename PatchStrips<T>::Row position, width;  ///< along the wheel's arc [m]
+  typename PatchStrips<T>::Row
+      shift;  ///< of the strip's middle from the circle's lowest point, along rolling [m]: (S12)
+};
+
+/// Appends the strips of one lane.
+template <class L, std::size_t n, Scalar T>
+void take_strips(StripTables const& tables, Strips<L, n> const& strips, StripPlaces<L, n> const& places, int i,
+                 RegionStrips<T>& to) {
+  auto const get = [i](L const& x) {
+    if constexpr (std::same_as<L, T>)
+      return x;
+    else
+      return lane(x, i);
+  };
+  T const stretch = get(tables.at(StartFunction::half_length, strips.ellipse.place));
+  for (std::size_t k = 0; k < n; ++k) {
+    auto const at = static_cast<std::size_t>(to.count++);
+    auto const &p = places.point[k], &normal = places.normal[k];
+    to.point[0][at] = get(p.x), to.point[1][at] = get(p.y), to.point[2][at] = get(p.z);
+    to.normal[0][at] = get(normal.x), to.normal[1][at] = get(normal.y), to.normal[2][at] = get(normal.z);
+    T const half = get(strips.half_length[k]), width = get(strips.width[k]);
+    to.force[at] = get(strips.load[k]) * width;
+    to.half_length[at] = stretch * half;
+    // Strips beside the patch keep a little load and length, (S5), which would take stiffness away from those in it.
+    to.area[at] = get(strips.on[k]) * width * half;
+    to.position[at] = get(strips.position[k]), to.width[at] = width;
+    to.shift[at] = get(places.shift[k]);
+  }
+}
+
+/// Lets the strips from `first` on count with a weight.
+template <Scalar T>
+void weigh(RegionStrips<T>& strips, int first, int last, T const& weight) {
+  for (auto i = static_cast<std::size_t>(first); i < static_cast<std::size_t>(last); ++i) {
+    strips.force[i] = weight * strips.force[i];
+    strips.area[i] = weight * strips.area[i];
+  }
+}
+
+/// The strips between two places along the arc, of cut ones a share.
+///
+/// @param whole  their area together [m^2]
+/// @param factor, size  what other regions leave of forces and of lengths
+template <Scalar T>
+void strips_of_part(RegionStrips<T> const& region, double from, double to, T const& factor, T const& size,
+                    T const& whole, PatchStrips<T>& part) {
+  using std::sqrt;
+  part.count = region.count;
+  auto const n = static_cast<std::size_t>(region.count);
+  T sum(1e-60), shifted(0.0), area(1e-60);
+  for (std::size_t i = 0; i < n; ++i) {
+    auto const before = [&](double place) {
+      T const t = (place - region.position[i]) / region.width[i] + 0.5;
+      return select(t < 0.0, T(0.0), select(t > 1.0, T(1.0), t));
+    };
+    T const share = before(to) - before(from);
+    part.force[i] = factor * share * region.force[i];
+    part.area[i] = share * region.area[i];
+    part.half_length[i] = size * region.half_length[i];
+    sum += part.force[i];
+    area += part.area[i];
+    shifted += part.force[i] * region.shift[i];
+  }
+  T const mean = shifted / sum;  // the centre of the pressures stays that of the lowest points
+  T const scale = whole / area;
+  part.normal = region.normal;
+  for (std::size_t i = 0; i < n; ++i) {
+    // Along i = t x n of contact/patch.hpp.
+    T const nx = region.normal[0][i], ny = region.normal[1][i], nz = region.normal[2][i];
+    T const across = sqrt(ny * ny + nz * nz), shift = region.shift[i] - mean;
+    T const sideways = shift * nx / across;
+    part.area[i] = scale * part.area[i];
+    part.point[0][i] = region.point[0][i] + shift * across;
+    part.point[1][i] = region.point[1][i] - sideways * ny;
+    part.point[2][i] = region.point[2][i] - sideways * nz;
+  }
+}
+
+}  // namespace rollerrig

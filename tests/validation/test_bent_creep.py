@@ -1,0 +1,127 @@
+"""Creep forces of bent patches, strip by strip and by the table on the equivalent ellipse, against the exact theory along the
+rail's curved surface, in poses of half_space_pairs.csv; both as the program computes them, normal contact included.
+
+    python tests/validation/test_bent_creep.py    prints the table of docs/theory/creep_laws.md
+"""
+
+from __future__ import annotations
+
+import sys
+from functools import cache
+from pathlib import Path
+
+if __name__ == "__main__":
+    sys.path[:0] = [str(Path(__file__).parents[1])]
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from validation import bent_creep
+from validation.bent_creep import FRICTION, axes
+from validation.half_space_pairs import PairPose, contact_of, our_patches, read, surfaces_of
+from validation.reference import mm, rows
+
+Array = NDArray[np.float64]
+
+#: Classes of the spread of the normals [rad].
+SPREADS = (0.0, 0.045, 0.07, 0.1, 0.2, 0.4)
+SPEED = 20.0  # m/s
+LAWS = ("table", "strip_theory")
+
+
+def vector(row: dict, name: str) -> Array:
+    return np.array([row[f"{name}_{c}"] for c in "xyz"])
+
+
+def wrench(at: PairPose, row: dict, law: str) -> Array:
+    """Force and moment about the motion's place over mu N, N and mm; N of the scalar sum of our patches' loads."""
+    pose, place = at.pose, vector(row, "c")
+    slip, turning = vector(row, "v"), 1e3 * vector(row, "w")
+    under, rail = np.zeros(3), np.array([-1.0, 0.0, 0.0])
+    if at.roller_radius:
+        radius = mm * at.roller_radius
+        under = np.array([0.0, -1.0 / np.hypot(mm * place[0], mm * place[2] + radius), 0.0])
+        rail = np.cross(under, [0.0, 0.0, radius])  # at the crown
+    wheel = turning + under
+    centre = slip + rail + np.cross(under, mm * place) - np.cross(wheel, mm * (place - pose.centre))
+    motion = SPEED * np.array([centre, wheel, rail, under])
+    contact = contact_of(at.pair, at.roller_radius, "strips", law, 0.0)  # a slip may lift another patch
+    found = np.array(
+        contact.creep(at.x * mm, at.y * mm, at.height * mm, at.yaw, at.roll, False, tuple(map(float, motion.ravel())))
+    )
+    force, moment = found[:3], found[3:] / mm
+    load = sum(patch.normal for patch in our_patches(at, "strips"))
+    return np.array([*force, *(moment - np.cross(place, force))]) / (FRICTION * load)
+
+
+def exact_of(row: dict) -> Array:
+    return np.array([*vector(row, "f"), *vector(row, "m")])
+
+
+@cache
+def reference() -> tuple[list[dict], list[PairPose]]:
+    table = rows(bent_creep.FILE)
+    all_poses = [at for at, _ in read()]
+    return table, [all_poses[int(row["pose"])] for row in table]
+
+
+@cache
+def errors(law: str) -> Array:
+    """Error of the force over mu N, of the moment over mu N sqrt(ab); spread, whether at the pose's own yaw, pose. Shape (n, 5)"""
+    table, poses = reference()
+    found = []
+    for row, at in zip(table, poses, strict=True):
+        error = wrench(at, row, law) - exact_of(row)
+        sizes = np.linalg.norm(error.reshape(2, 3), axis=1) / [1.0, row["length"]]
+        found.append([*sizes, row["spread"], row["yawed"], row["pose"]])
+    return np.array(found)
+
+
+def classes(error: Array) -> list[Array]:
+    return [error[(error[:, 2] >= a) & (error[:, 2] < b)] for a, b in zip(SPREADS, SPREADS[1:], strict=False)]
+
+
+@pytest.mark.parametrize("spread", SPREADS[:-1])
+def test_strips_are_no_further_from_the_exact_theory_than_the_ellipse(spread: float) -> None:
+    index = SPREADS.index(spread)
+    ellipse, strips = (classes(errors(law))[index] for law in LAWS)
+    for column in (0, 1):
+        assert np.median(strips[:, column]) < 1.05 * np.median(ellipse[:, column])
+
+
+def test_of_bent_patches_the_strips_leave_less_than_half_of_the_error() -> None:
+    ellipse, strips = (np.concatenate(classes(errors(law))[2:]) for law in LAWS)
+    assert len(strips) > 300
+    assert np.median(strips[:, 0]) < 0.75 * np.median(ellipse[:, 0])
+    assert np.median(strips[:, 1]) < 0.6 * np.median(ellipse[:, 1])
+
+
+def test_a_moved_wheel_is_the_motion_it_stands_for() -> None:
+    """A slip of the reference is the velocity of the wheel's point against the rail's, whatever surface carries it."""
+    table, poses = reference()
+    for row, at in list(zip(table, poses, strict=True))[:: len(table) // 40]:
+        surface = surfaces_of(at.pair).above_rail(at.pose, vector(row, "c"))
+        assert abs(surface[0]) < 0.6  # the centre of a bent patch lies inside the rail
+        along, across = axes(surface[1] / np.linalg.norm(surface[1]))
+        pull = np.array([vector(row, "v") @ along, vector(row, "v") @ across])
+        force = np.array([exact_of(row)[:3] @ along, exact_of(row)[:3] @ across])
+        if np.linalg.norm(pull) > 0.02:  # far beyond adhesion the force opposes it
+            assert pull @ force < -0.9 * np.linalg.norm(pull) * np.linalg.norm(force)
+
+
+def main() -> None:
+    print("| spread of the normals [rad] | cases | force: `table` | `strip_theory` | moment: `table` | `strip_theory` |")
+    print("|---|---|---|---|---|---|")
+    by_class = [classes(errors(law)) for law in LAWS]
+    for a, b, ellipse, strips in zip(SPREADS, SPREADS[1:], *by_class, strict=False):
+        cells = [
+            "{:.1f} / {:.1f} / {:.0f}".format(*(100 * f for f in (np.median(e), np.percentile(e, 95), e.max())))
+            for column in (0, 1)
+            for e in (ellipse[:, column], strips[:, column])
+        ]
+        print(f"| {a:g} – {b:g} | {len(strips)} | " + " | ".join(cells) + " |")
+
+
+if __name__ == "__main__":
+    main()
