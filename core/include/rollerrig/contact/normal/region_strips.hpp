@@ -13,8 +13,23 @@ namespace rollerrig {
 template <Scalar T>
 struct RegionStrips : PatchStrips<T> {
   typename PatchStrips<T>::Row position, width;  ///< along the wheel's arc [m]
-  typename PatchStrips<T>::Row
-      shift;  ///< of the strip's middle from the circle's lowest point, along rolling [m]: (S12)
+  typename PatchStrips<T>::Row ahead, aside;  ///< of the strip's middle from the circle's lowest point, along i, t [m]
+};
+
+/// Strips lie along the wheel's circles, those of a creep law along rolling: from the chords of the region's ellipse along one to
+/// those along the other, middles on x = skew y. (S18)
+template <class T>
+struct TurnedChords {
+  T skew, wider;  ///< wider: distances across over those before, half-lengths the other way round
+
+  TurnedChords(ObliqueEllipse<T> const& e, T const& sine, T const& cosine) {
+    using std::sqrt;
+    T const across = e.half_width * e.half_width, mixed = e.skew * across;
+    T const along = e.half_length * e.half_length + e.skew * mixed;
+    T const turned = sine * sine * along + 2.0 * sine * cosine * mixed + cosine * cosine * across;
+    skew = (sine * cosine * (along - across) + (cosine * cosine - sine * sine) * mixed) / turned;
+    wider = sqrt(turned / across);
+  }
 };
 
 /// Appends the strips of one lane.
@@ -27,7 +42,11 @@ void take_strips(StripTables const& tables, Strips<L, n> const& strips, StripPla
     else
       return lane(x, i);
   };
-  T const stretch = get(tables.at(StartFunction::half_length, strips.ellipse.place));
+  TurnedChords<L> const chords(strips.ellipse, places.turn_sin, places.turn_cos);
+  T const sine = get(places.turn_sin), cosine = get(places.turn_cos), skew = get(strips.ellipse.skew);
+  T const wider = get(chords.wider), middle = get(strips.middle);
+  T const stretch = get(tables.at(StartFunction::half_length, strips.ellipse.place)) / wider;
+  T const ahead = wider * get(chords.skew) + sine - cosine * skew, aside = wider - cosine - sine * skew;
   for (std::size_t k = 0; k < n; ++k) {
     auto const at = static_cast<std::size_t>(to.count++);
     auto const &p = places.point[k], &normal = places.normal[k];
@@ -39,7 +58,9 @@ void take_strips(StripTables const& tables, Strips<L, n> const& strips, StripPla
     // Strips beside the patch keep a little load and length, (S5), which would take stiffness away from those in it.
     to.area[at] = get(strips.on[k]) * width * half;
     to.position[at] = get(strips.position[k]), to.width[at] = width;
-    to.shift[at] = get(places.shift[k]);
+    T const shift = get(places.shift[k]), across = get(places.inside[k]) * (to.position[at] - middle);
+    to.ahead[at] = across * ahead + cosine * shift;
+    to.aside[at] = across * aside + sine * shift;
   }
 }
 
@@ -62,7 +83,7 @@ void strips_of_part(RegionStrips<T> const& region, double from, double to, T con
   using std::sqrt;
   part.count = region.count;
   auto const n = static_cast<std::size_t>(region.count);
-  T sum(1e-60), shifted(0.0), area(1e-60);
+  T sum(1e-60), moved_ahead(0.0), moved_aside(0.0), area(1e-60);
   for (std::size_t i = 0; i < n; ++i) {
     auto const before = [&](double place) {
       T const t = (place - region.position[i]) / region.width[i] + 0.5;
@@ -74,20 +95,22 @@ void strips_of_part(RegionStrips<T> const& region, double from, double to, T con
     part.half_length[i] = size * region.half_length[i];
     sum += part.force[i];
     area += part.area[i];
-    shifted += part.force[i] * region.shift[i];
+    moved_ahead += part.force[i] * region.ahead[i];
+    moved_aside += part.force[i] * region.aside[i];
   }
-  T const mean = shifted / sum;  // the centre of the pressures stays that of the lowest points
-  T const scale = whole / area;
+  // The centre of the pressures stays that of the lowest points.
+  T const mean_ahead = moved_ahead / sum, mean_aside = moved_aside / sum, scale = whole / area;
   part.normal = region.normal;
   for (std::size_t i = 0; i < n; ++i) {
-    // Along i = t x n of contact/patch.hpp.
+    // Along i and t of contact/patch.hpp.
     T const nx = region.normal[0][i], ny = region.normal[1][i], nz = region.normal[2][i];
-    T const across = sqrt(ny * ny + nz * nz), shift = region.shift[i] - mean;
-    T const sideways = shift * nx / across;
+    T const across = sqrt(ny * ny + nz * nz), inverse = 1.0 / across;
+    T const ahead = region.ahead[i] - mean_ahead, aside = (region.aside[i] - mean_aside) * inverse;
+    T const sideways = ahead * nx * inverse;
     part.area[i] = scale * part.area[i];
-    part.point[0][i] = region.point[0][i] + shift * across;
-    part.point[1][i] = region.point[1][i] - sideways * ny;
-    part.point[2][i] = region.point[2][i] - sideways * nz;
+    part.point[0][i] = region.point[0][i] + ahead * across;
+    part.point[1][i] = region.point[1][i] - sideways * ny + aside * nz;
+    part.point[2][i] = region.point[2][i] - sideways * nz - aside * ny;
   }
 }
 

@@ -32,10 +32,11 @@ template <class T, std::size_t n = strip_count>
 struct StripPlaces {
   StripRow<T, n> wheel_s, rail_y;  ///< abscissae of its middle [m]
   StripRow<Vec3<T>, n> point,
-      normal;            ///< its middle on the roller [m]; the normal there, out of the roller: frame b
-  StripRow<T, n> along;  ///< its middle along the wheel's circumference [m] ...
-  StripRow<T, n> shift;  ///< ... and of that what (S12) moved it from the lowest point [m]
-  T turn_sin, turn_cos;  ///< direction of the strips: from the roller's circumference towards its left side
+      normal;             ///< its middle on the roller [m]; the normal there, out of the roller: frame b
+  StripRow<T, n> along;   ///< its middle along the wheel's circumference [m] ...
+  StripRow<T, n> shift;   ///< ... and of that what (S12) moved it from the lowest point [m]
+  StripRow<T, n> inside;  ///< how far the region's ellipse speaks for it, 0 to 1
+  T turn_sin, turn_cos;   ///< direction of the strips: from the roller's circumference towards its left side
 };
 
 namespace strip_detail {
@@ -158,6 +159,7 @@ void cut_ellipse(StripTables const& tables, Strips<T, n>& s, StripPlaces<T, n>& 
     T const inside =
         1.0 - smooth_step(T((y * y * inverse_reach2 - 1.5) / 2.5));  // far from the ellipse it says nothing
     // Points stay: the centre of the pressures is that of the lowest points, which are exact.
+    places.inside[i] = inside;
     places.shift[i] = inside * (s.ellipse.skew - skew) * y;
     places.along[i] += places.shift[i];
     s.interpenetration[i] -= inside * s.ellipse.taken * y * y;
