@@ -102,8 +102,8 @@ std::vector<StaticPatch> StaticWheelsetContact::patches(WheelsetPosition const& 
   return list;
 }
 
-Wrench3<double> StaticWheelsetContact::creep(WheelsetPosition const& p, bool right,
-                                             ContactMotion<double> const& motion) {
+PointWrench<double> StaticWheelsetContact::creep(WheelsetPosition const& p, bool right,
+                                                 ContactMotion<double> const& motion) {
   WheelContact const& contact = *contact_[right];
   ContactLaws const& laws = contact.laws;
   auto const at = pose(p, right);
@@ -122,7 +122,7 @@ Wrench3<double> StaticWheelsetContact::creep(WheelsetPosition const& p, bool rig
   for (std::size_t k = 0; k < static_cast<std::size_t>(count); ++k)
     moving.push_back({&found[k], &at.o, &motion, &laws.friction, &(*strips)[k]});
   add_creep_forces<double>(laws, 0.0, moving);
-  Wrench3<double> sum{};
+  PointWrench<double> sum{};
   for (auto const& m : moving) {
     auto const& patch = *m.patch;
     Vec3<double> const force = patch.force - patch.normal.total() * patch.point.n;

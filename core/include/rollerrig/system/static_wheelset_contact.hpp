@@ -61,7 +61,7 @@ class StaticWheelsetContact {
 
   /// Creep force on one wheel [N] and its moment about the crown point [N m], b frame, by the case's laws; of friction alone, the
   /// normal damper counts. A right wheel in its mirror image.
-  Wrench3<double> creep(WheelsetPosition const& position, bool right, ContactMotion<double> const& motion);
+  PointWrench<double> creep(WheelsetPosition const& position, bool right, ContactMotion<double> const& motion);
 
   /// All minima of the gap closer than `reach` in one side, as Hertz patches with negative approach where open.
   std::vector<StaticPatch> minima(WheelsetPosition const& position, bool right, double reach);

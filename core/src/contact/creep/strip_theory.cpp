@@ -2,7 +2,7 @@
 
 namespace rollerrig::strip_theory {
 
-/// Chebyshev's nodes of the second kind: the area is exact, the load to 1e-4.
+/// Chebyshev's nodes of the second kind: the area is exact, the load to 1e-5.
 EllipseNodes::EllipseNodes() {
   double sum = 0.0;
   for (std::size_t k = 0; k < node_count; ++k) {

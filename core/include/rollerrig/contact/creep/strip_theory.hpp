@@ -24,7 +24,7 @@ namespace strip_theory {
 /// Places along the strip over a, from the front, and their parts of the pressure: Gauss' rule for a semi-ellipse.
 inline constexpr std::array<double, 3> place{0.70710678118654752, 0.0, -0.70710678118654752}, part{0.25, 0.5, 0.25};
 /// Traction there over friction's, per demand: it grows from the front. Mean 1.
-inline constexpr std::array<double, 3> growth{0.6 / 1.15, 1.0 / 1.15, 2.0 / 1.15};
+inline constexpr std::array<double, 3> growth{4.0 / 9.0, 8.0 / 9.0, 16.0 / 9.0};
 /// Middle of what lies ahead of the place, (1 + x)/2, over the mean of that with growth.
 inline constexpr std::array<double, 3> ahead = [] {
   std::array<double, 3> middle{};
@@ -38,7 +38,7 @@ inline constexpr double rounding = 0.5;  ///< half-width of the passage from sti
 inline constexpr double fading = 0.5;    ///< of the table's correction beyond the table's end, in ln(a/b) [-]
 
 /// An ellipse across rolling: cosine and sine are y/b and the half-length over a; parts of load and area.
-inline constexpr std::size_t node_count = 8;
+inline constexpr std::size_t node_count = 16;
 struct EllipseNodes {
   std::array<double, node_count> cosine, sine, load, area;
   EllipseNodes();
@@ -79,18 +79,18 @@ struct StripTraction {
 /// @param along, across  what the creepages demand by linear theory, over the friction limit
 /// @param spin           demand across of the slip that spin makes a half-length ahead
 /// @param lagging        demand across of spin by linear theory
+/// @param ratio          stiffness along over that across: where it slides, the traction is against the slip
 template <class T>
-StripTraction<T> strip_traction(T const& along, T const& across, T const& spin, T const& lagging) {
+StripTraction<T> strip_traction(T const& along, T const& across, T const& spin, T const& lagging, T const& ratio) {
   using namespace strip_theory;
   using std::sqrt;
   StripTraction<T> sum{T(0.0), T(0.0), T(0.0)};
   for (std::size_t k = 0; k < place.size(); ++k) {
     double const x = place[k], g = growth[k];
-    T const behind = ahead[k] * lagging;
-    T const grown = across + behind;
+    T const grown = across + ahead[k] * lagging;
     T const sticks = 1.0 / sqrt(1.0 + square(g / sliding) * (along * along + grown * grown));
-    T const here = spin * x;
-    T const qx = g * along, qy = g * (across + here + sticks * (behind - here));
+    T const here = ratio * (across + x * spin);
+    T const qx = g * along, qy = g * (here + sticks * (grown - here));
     T const size = sqrt(qx * qx + qy * qy + square(regularisation::demand));
     T const inverse = 1.0 / size, over = size - (1.0 - rounding);
     T const between = 1.0 - (0.25 / rounding) * (over * over * inverse);
@@ -106,6 +106,7 @@ StripTraction<T> strip_traction(T const& along, T const& across, T const& spin, 
 template <class T>
 struct StripStiffness {
   T along, across, spin, lagging;  ///< [N/m^2]
+  T ratio;                         ///< along over across
   T direction;                     ///< of rolling
 
   explicit StripStiffness(CreepQuery<T> const& query) {
@@ -115,6 +116,7 @@ struct StripStiffness {
     across = per_area * f.f22;
     spin = query.direction * across;
     lagging = (3.0 * pi / 8.0) * per_area * f.f23 / query.a;
+    ratio = f.f11 / f.f22;
     direction = query.direction;
   }
   /// Against the slip [N], [N m].
@@ -126,7 +128,7 @@ struct StripStiffness {
     L const demand = area / limit, turning = demand * (half_length * e.spin);
     auto const q =
         strip_traction<L>(widened<L>(along) * (demand * e.longitudinal), widened<L>(across) * (demand * e.lateral),
-                          widened<L>(spin) * turning, widened<L>(lagging) * turning);
+                          widened<L>(spin) * turning, widened<L>(lagging) * turning, widened<L>(ratio));
     return {limit * q.along, limit * q.across, widened<L>(direction) * (limit * half_length * q.moment)};
   }
 };
@@ -164,7 +166,7 @@ CreepForce<T> ellipse_force(CreepQuery<T> const& query) {
 
 /// Force and moment about a point, frame b.
 template <class T>
-struct Wrench3 {
+struct PointWrench {
   Vec3<T> force, moment;
 };
 
@@ -174,8 +176,8 @@ struct Wrench3 {
 ///                       velocity over that [1/m]
 /// @param friction       mu N over the strips' pressures [-]
 template <class L, Scalar T>
-Wrench3<T> strip_wrench(CreepQuery<T> const& query, PatchStrips<T> const& strips, Vec3<T> const& point,
-                        Vec3<T> const& slip, Vec3<T> const& turning, T const& friction) {
+PointWrench<T> strip_wrench(CreepQuery<T> const& query, PatchStrips<T> const& strips, Vec3<T> const& point,
+                            Vec3<T> const& slip, Vec3<T> const& turning, T const& friction) {
   using namespace strip_theory;
   using std::sqrt;
   StripStiffness<T> const stiffness(query);
