@@ -1,10 +1,10 @@
-"""Creep forces of bent patches by the exact theory: half-space pressures on the rail's curved surface, in rows along rolling, each
-with the rigid slip and the spin of its own place and normal. Left wheel; mm, N, rad/mm.
+"""Creep forces of bent patches by the exact theory: half-space pressures on the rail's curved surface, in rows along rolling,
+each with the rigid slip and the spin of its own place and normal. Left wheel; mm, N, rad/mm.
 
-    pose -> curved half-space -> [bent_rows] -> rows -> [exact_wrench] exact solver -> wrench over rigid motions: data/bent_creep.csv
+    pose -> curved half-space -> [bent_rows] -> rows -> [exact_wrench] exact solver -> wrench over motions: data/bent_creep.csv
 
-The surfaces are those of a half-space rolled out along the rail: what bending does to their elasticity is left out, what it does to
-slip, spin and the directions of forces is exact.
+The surfaces are those of a half-space rolled out along the rail: what bending does to their elasticity is left out, what it
+does to slip, spin and the directions of forces is exact.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ COLUMNS = ("pose", "spread", "load", "yawed", "length", *(f"{v}_{c}" for v in ("
 
 @dataclass(frozen=True)
 class BentRows:
-    """Per row: place along the arc and along rolling, half-length, load, point on the rail and normal there; `spacing` of the rows."""
+    """Per row: place along the arc and along rolling, half-length, load, point on the rail, normal there; `spacing` of rows."""
 
     rows: Array
     spacing: float

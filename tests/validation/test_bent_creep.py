@@ -19,8 +19,12 @@ from numpy.typing import NDArray
 
 from validation import bent_creep
 from validation.bent_creep import FRICTION, axes
-from validation.half_space_pairs import PairPose, contact_of, our_patches, read, surfaces_of
+from validation.comparison import FILES
+from validation.half_space import Pose
+from validation.half_space_pairs import PAIRS, PairPose, contact_of, our_patches, read, surfaces_of
+from validation.poses import LoadedPose, pressed
 from validation.reference import mm, rows
+from validation.test_patch_creep import contact_creepage, contact_force
 
 Array = NDArray[np.float64]
 
@@ -68,7 +72,7 @@ def reference() -> tuple[list[dict], list[PairPose]]:
 
 @cache
 def errors(law: str) -> Array:
-    """Error of the force over mu N, of the moment over mu N sqrt(ab); spread, whether at the pose's own yaw, pose. Shape (n, 5)"""
+    """Error of the force over mu N, of the moment over mu N sqrt(ab); spread, whether at the pose's own yaw, pose: (n, 5)."""
     table, poses = reference()
     found = []
     for row, at in zip(table, poses, strict=True):
@@ -76,6 +80,35 @@ def errors(law: str) -> Array:
         sizes = np.linalg.norm(error.reshape(2, 3), axis=1) / [1.0, row["length"]]
         found.append([*sizes, row["spread"], row["yawed"], row["pose"]])
     return np.array(found)
+
+
+def contact_wrench(row: dict, law: str) -> Array:
+    """Error of the force in the plane of CONTACT's reference over mu N; the wheel rolls about its axle with CONTACT's spin."""
+    side = 1.0 if row["side"] == "right" else -1.0
+    radius = 500.0 if row["cfg"] == "roller" else 0.0
+    pose = LoadedPose("", radius, 0.0, side * row["y_ws"], side * row["yaw"], -side * row["roll"], row["Fn"])
+    height = pressed(pose).height
+    angle = abs(row["deltcp_tr"])
+    normal, t = np.array([0.0, -np.sin(angle), np.cos(angle)]), np.array([0.0, np.cos(angle), np.sin(angle)])
+    slip, lateral, spin = contact_creepage(row, side)
+    axle = Pose(pose.y, height, pose.yaw, pose.roll).rotation[:, 1]
+    steep = abs(axle @ normal) > 0.02
+    motion = {
+        **dict(zip(("c_x", "c_y", "c_z"), (row["xcp_tr"], abs(row["ycp_tr"]), -row["zcp_tr"]), strict=True)),
+        **dict(zip(("v_x", "v_y", "v_z"), np.array([slip, 0.0, 0.0]) + lateral * t, strict=True)),
+        **dict(zip(("w_x", "w_y", "w_z"), spin * (axle / (axle @ normal) if steep else normal), strict=True)),
+    }
+    at = PairPose(PAIRS[0], "", radius, 0.0, pose.y, height, pose.yaw, pose.roll)
+    force = wrench(at, motion, law)[:3]
+    expected = contact_force(row, side)
+    return np.array([np.hypot(force[0] - expected[0], force @ t - expected[1]), angle])
+
+
+@cache
+def contact_errors(law: str) -> Array:
+    """Of CONTACT's poses with one patch; error, contact angle."""
+    table = [row for file in FILES for row in rows(file) if row["npatch"] == 1]
+    return np.array([contact_wrench(row, law) for row in table])
 
 
 def classes(error: Array) -> list[Array]:
@@ -97,6 +130,14 @@ def test_of_bent_patches_the_strips_leave_less_than_half_of_the_error() -> None:
     assert np.median(strips[:, 1]) < 0.6 * np.median(ellipse[:, 1])
 
 
+def test_against_contact_strips_are_no_further_than_the_ellipse() -> None:
+    """CONTACT's half-space is flat and has one spin; on the flange root its patches are hardly bent under 10 kN."""
+    ellipse, strips = (contact_errors(law)[:, 0] for law in LAWS)
+    assert len(strips) > 90
+    assert np.median(strips) < 1.05 * np.median(ellipse)
+    assert strips.max() < 1.05 * ellipse.max()
+
+
 def test_a_moved_wheel_is_the_motion_it_stands_for() -> None:
     """A slip of the reference is the velocity of the wheel's point against the rail's, whatever surface carries it."""
     table, poses = reference()
@@ -111,7 +152,9 @@ def test_a_moved_wheel_is_the_motion_it_stands_for() -> None:
 
 
 def main() -> None:
-    print("| spread of the normals [rad] | cases | force: `table` | `strip_theory` | moment: `table` | `strip_theory` |")
+    print(
+        "| spread of the normals [rad] | cases | force: `table` | `strip_theory` | moment: `table` | `strip_theory` |"
+    )
     print("|---|---|---|---|---|---|")
     by_class = [classes(errors(law)) for law in LAWS]
     for a, b, ellipse, strips in zip(SPREADS, SPREADS[1:], *by_class, strict=False):
@@ -121,6 +164,15 @@ def main() -> None:
             for e in (ellipse[:, column], strips[:, column])
         ]
         print(f"| {a:g} – {b:g} | {len(strips)} | " + " | ".join(cells) + " |")
+    print("\n| contact angle [rad] | poses of CONTACT | force: `table` | `strip_theory` |")
+    print("|---|---|---|---|")
+    for a, b in ((0.0, 0.2), (0.2, 1.3)):
+        chosen = [error[(error[:, 1] >= a) & (error[:, 1] < b), 0] for error in map(contact_errors, LAWS)]
+        cells = [
+            "{:.1f} / {:.1f} / {:.1f}".format(*(100 * f for f in (np.median(e), np.percentile(e, 95), e.max())))
+            for e in chosen
+        ]
+        print(f"| {a:g} – {b:g} | {len(chosen[0])} | " + " | ".join(cells) + " |")
 
 
 if __name__ == "__main__":

@@ -371,8 +371,8 @@ void add_patch(Region<T> const& region, std::size_t part, T const& weight, Regio
   patch.length *= value_of(region.size);
   patch.width *= value_of(region.size);
   if (strips) {
-    double const from = part > 1 ? region.cut[part - 2] : -1e3;
-    double const to = part > 0 && part < region.parts ? region.cut[part - 1] : 1e3;
+    T const from = part > 1 ? region.cut[part - 2] : T(-1e3);
+    T const to = part > 0 && part < region.parts ? region.cut[part - 1] : T(1e3);
     strips_of_part(*strips, from, to, region.factor, region.size, T(pi * patch.a * patch.b),
                    (*wheel.strips)[at(found.count)]);
   }

@@ -95,7 +95,7 @@ class StripTheory(Table):
         "The creep force is that of strips with their own normals and spin, corrected by Kalker's exact theory of an ellipse."
     )
     kind: Literal["strip_theory"] = Field(
-        description="each strip of the patch with its own normal, creepage and spin; asks for `contact.normal = \"strips\"`"
+        description='each strip of the patch with its own normal, creepage and spin; asks for `contact.normal = "strips"`'
     )
 
 

@@ -78,14 +78,14 @@ void weigh(RegionStrips<T>& strips, int first, int last, T const& weight) {
 /// @param whole  their area together [m^2]
 /// @param factor, size  what other regions leave of forces and of lengths
 template <Scalar T>
-void strips_of_part(RegionStrips<T> const& region, double from, double to, T const& factor, T const& size,
+void strips_of_part(RegionStrips<T> const& region, T const& from, T const& to, T const& factor, T const& size,
                     T const& whole, PatchStrips<T>& part) {
   using std::sqrt;
   part.count = region.count;
   auto const n = static_cast<std::size_t>(region.count);
   T sum(1e-60), moved_ahead(0.0), moved_aside(0.0), area(1e-60);
   for (std::size_t i = 0; i < n; ++i) {
-    auto const before = [&](double place) {
+    auto const before = [&](T const& place) {
       T const t = (place - region.position[i]) / region.width[i] + 0.5;
       return select(t < 0.0, T(0.0), select(t > 1.0, T(1.0), t));
     };
