@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from validation import bent_creep
 from validation.bent_creep import FRICTION, axes
 from validation.comparison import FILES
-from validation.half_space import Pose
+from validation.half_space import WHEEL_RADIUS, Pose
 from validation.half_space_pairs import PAIRS, PairPose, contact_of, our_patches, read, surfaces_of
 from validation.poses import LoadedPose, pressed
 from validation.reference import mm, rows
@@ -92,11 +92,11 @@ def contact_wrench(row: dict, law: str) -> Array:
     normal, t = np.array([0.0, -np.sin(angle), np.cos(angle)]), np.array([0.0, np.cos(angle), np.sin(angle)])
     slip, lateral, spin = contact_creepage(row, side)
     axle = Pose(pose.y, height, pose.yaw, pose.roll).rotation[:, 1]
-    steep = abs(axle @ normal) > 0.02
+    rolling = 1 / WHEEL_RADIUS + (1 / radius if radius else 0.0)
     motion = {
         **dict(zip(("c_x", "c_y", "c_z"), (row["xcp_tr"], abs(row["ycp_tr"]), -row["zcp_tr"]), strict=True)),
         **dict(zip(("v_x", "v_y", "v_z"), np.array([slip, 0.0, 0.0]) + lateral * t, strict=True)),
-        **dict(zip(("w_x", "w_y", "w_z"), spin * (axle / (axle @ normal) if steep else normal), strict=True)),
+        **dict(zip(("w_x", "w_y", "w_z"), rolling * axle + (spin - rolling * axle @ normal) * normal, strict=True)),
     }
     at = PairPose(PAIRS[0], "", radius, 0.0, pose.y, height, pose.yaw, pose.roll)
     force = wrench(at, motion, law)[:3]
