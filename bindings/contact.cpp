@@ -59,7 +59,8 @@ void bind_contact(nb::module_& m) {
       Argument{"repeats", Range{1.0, 1e5, "between 1 and 100000"}});
   def_method(
       contact, "creep",
-      "Creep force [N] and its moment about the crown point [N m] on one wheel. Motion: velocity and angular velocity of the "
+      "Creep force [N] and its moment about the crown point [N m] on one wheel. Motion: velocity and angular velocity "
+      "of the "
       "wheelset, then of the roller's material at the crown point [m/s, rad/s].",
       +[](Contact& self, double x, double y, double z, double yaw, double roll, bool right,
           std::array<double, 12> const& motion) {

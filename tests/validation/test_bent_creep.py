@@ -18,10 +18,10 @@ import pytest
 from numpy.typing import NDArray
 
 from validation import bent_creep
-from validation.bent_creep import FRICTION, axes
+from validation.bent_creep import FRICTION
 from validation.comparison import FILES
 from validation.half_space import WHEEL_RADIUS, Pose
-from validation.half_space_pairs import PAIRS, PairPose, contact_of, our_patches, read, surfaces_of
+from validation.half_space_pairs import PAIRS, PairPose, contact_of, our_patches, read
 from validation.poses import LoadedPose, pressed
 from validation.reference import mm, rows
 from validation.test_patch_creep import contact_creepage, contact_force
@@ -115,40 +115,37 @@ def classes(error: Array) -> list[Array]:
     return [error[(error[:, 2] >= a) & (error[:, 2] < b)] for a, b in zip(SPREADS, SPREADS[1:], strict=False)]
 
 
-@pytest.mark.parametrize("spread", SPREADS[:-1])
-def test_strips_are_no_further_from_the_exact_theory_than_the_ellipse(spread: float) -> None:
-    index = SPREADS.index(spread)
-    ellipse, strips = (classes(errors(law))[index] for law in LAWS)
+@pytest.mark.parametrize(
+    ("spread", "force", "moment"),
+    # Measured by strip_theory: force 0.6, 1.5, 1.4, 1.7, 4.5 % of mu N, moment 1.1, 1.2, 1.5, 2.5, 5.4 % of mu N sqrt(ab).
+    [(0.0, 0.008, 0.015), (0.045, 0.018, 0.015), (0.07, 0.017, 0.018), (0.1, 0.02, 0.03), (0.2, 0.055, 0.065)],
+)
+def test_the_median_error_of_strips(spread: float, force: float, moment: float) -> None:
+    error = classes(errors("strip_theory"))[SPREADS.index(spread)]
+    assert len(error) > 70
+    assert np.median(error[:, 0]) < force
+    assert np.median(error[:, 1]) < moment
+
+
+def test_of_the_ellipses_error_on_bent_patches_strips_leave_three_quarters_and_on_the_most_bent_half() -> None:
+    by_class = [classes(errors(law))[2:] for law in LAWS]
+    ellipse, strips = (np.concatenate(some) for some in by_class)
+    assert len(strips) > 400
+    assert np.median(strips[:, 0]) < 0.7 * np.median(ellipse[:, 0])
+    assert np.median(strips[:, 1]) < 0.75 * np.median(ellipse[:, 1])
     for column in (0, 1):
-        assert np.median(strips[:, column]) < 1.05 * np.median(ellipse[:, column])
+        assert np.median(by_class[1][-1][:, column]) < 0.5 * np.median(by_class[0][-1][:, column])
 
 
-def test_of_bent_patches_the_strips_leave_less_than_half_of_the_error() -> None:
-    ellipse, strips = (np.concatenate(classes(errors(law))[2:]) for law in LAWS)
-    assert len(strips) > 300
-    assert np.median(strips[:, 0]) < 0.75 * np.median(ellipse[:, 0])
-    assert np.median(strips[:, 1]) < 0.6 * np.median(ellipse[:, 1])
-
-
-def test_against_contact_strips_are_no_further_than_the_ellipse() -> None:
-    """CONTACT's half-space is flat and has one spin; on the flange root its patches are hardly bent under 10 kN."""
-    ellipse, strips = (contact_errors(law)[:, 0] for law in LAWS)
-    assert len(strips) > 90
-    assert np.median(strips) < 1.05 * np.median(ellipse)
-    assert strips.max() < 1.05 * ellipse.max()
-
-
-def test_a_moved_wheel_is_the_motion_it_stands_for() -> None:
-    """A slip of the reference is the velocity of the wheel's point against the rail's, whatever surface carries it."""
-    table, poses = reference()
-    for row, at in list(zip(table, poses, strict=True))[:: len(table) // 40]:
-        surface = surfaces_of(at.pair).above_rail(at.pose, vector(row, "c"))
-        assert abs(surface[0]) < 0.6  # the centre of a bent patch lies inside the rail
-        along, across = axes(surface[1] / np.linalg.norm(surface[1]))
-        pull = np.array([vector(row, "v") @ along, vector(row, "v") @ across])
-        force = np.array([exact_of(row)[:3] @ along, exact_of(row)[:3] @ across])
-        if np.linalg.norm(pull) > 0.02:  # far beyond adhesion the force opposes it
-            assert pull @ force < -0.9 * np.linalg.norm(pull) * np.linalg.norm(force)
+def test_against_contact() -> None:
+    """CONTACT's half-space is flat and has one spin. Tread: 1.3 % (median), 9.5 % (worst); flange: 0.5 and 3.0 %."""
+    error = contact_errors("strip_theory")
+    tread = error[:, 1] < 0.2
+    assert len(error) > 100
+    assert np.median(error[tread, 0]) < 0.015
+    assert error[tread, 0].max() < 0.105
+    assert np.median(error[~tread, 0]) < 0.006
+    assert error[~tread, 0].max() < 0.035
 
 
 def main() -> None:

@@ -23,7 +23,7 @@ from rollerrig.config.schema.contact_law import (
 from rollerrig.contact_laws import creep_law
 
 POLACH = {"kind": "polach", "k_A": 0.3, "k_S": 0.1}
-FROM_PYTHON = {"table": {"table"}}
+FROM_PYTHON = {"table": {"table"}, "strip_theory": {"table"}}
 """Fields of a law that no configuration gives."""
 
 
