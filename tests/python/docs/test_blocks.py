@@ -60,6 +60,8 @@ def prepare(page: Path) -> None:
     if page.name == "track.md":
         rows = "\n".join(f"{0.5 * i}, {0.1 * (i % 7)}" for i in range(4000))
         Path("my_track.csv").write_text(f"distance [m], vertical [mm]\n{rows}\n")
+        points = (f"{1e3 * y} {1e3 * height}" for y, height in rr.profile("en_60e1_1_40").attrs["outline"])
+        Path("worn_rail.txt").write_text("\n".join(points))
 
 
 @pytest.mark.parametrize("page", with_blocks("python"))

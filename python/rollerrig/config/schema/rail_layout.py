@@ -15,7 +15,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.optimize import brentq
 
 from rollerrig.config.schema.profile import AnyProfile
 from rollerrig.config.schema.support import Rig, Side, heads
@@ -53,6 +52,8 @@ def changes_rails(segment: object) -> bool:
 def place(track: Track, side: Side, segment: Straight | Curve) -> tuple[float, float, float]:
     """Displacement of a rail on a segment, outward and up [m], and its lean inwards [rad], by (W13)."""
     usual, head = heads(track)[side], heads(track, segment)[side]
+    from scipy.optimize import brentq  # a second that a case without such rails does not wait
+
     upright = profile_from_spec(head.arguments(), "rail")
     wider = 0.0 if segment.gauge is None else (segment.gauge - track.gauge) / 2
     if head != usual:
