@@ -49,7 +49,8 @@ def compare_creep(
 
     Returns:
         Dataset: `force_x`, `force_y` on the wheel [mu N of the wheel], the sum over its patches, over `law`, `normal`,
-        `position`, `side`, NaN for `strip_theory` without strips; `exact_x`, `exact_y`, the exact solver on the same ellipses at every EXACT_EVERY-th position, NaN
+        `position`, `side`, NaN for `strip_theory` without strips; `exact_x`, `exact_y`, the exact solver on the same ellipses
+        at every EXACT_EVERY-th position, NaN
         elsewhere and where a/b leaves its range; `cost` [s] per call over `law`; `lateral` [m], `yaw` [rad] over `position`.
 
     Raises:

@@ -69,7 +69,7 @@ def test_the_mirror_image_has_mirrored_forces() -> None:
 def test_a_row_for_every_force_that_is_known(comparison: xr.Dataset) -> None:
     rows = [row.split(",") for row in creep_csv(comparison).splitlines()]
     table = {(normal, law, float(y), side): values for normal, law, y, _, side, *values in rows[1:]}
-    assert len(table) == len(rows) - 1 == 2 * (6 * len(PLACES) + 2) * 2  # the exact solver at two positions
+    assert len(table) == len(rows) - 1 == 2 * (13 * len(PLACES) + 2 * 2)  # the exact solver at two positions
     errors = creep_errors(comparison)
     for (normal, law, y, side), texts in table.items():
         at = {"normal": normal, "side": side, "position": [y for y, _ in PLACES].index(pytest.approx(1e-3 * y))}
