@@ -176,6 +176,7 @@ class Examples:
             _core.Polach(k_A=0.8, k_S=0.3),
             _core.Strips(),
             _core.Table(table=shipped_table()),
+            _core.StripTheory(table=shipped_table()),
             constant,
             _core.Falling(mu_0=0.3, A=0.4, B=0.6),
             _core.TableForceLaw(table=[(-0.01, -1e4), (0.0, 0.0), (0.01, 1e4)]),
@@ -230,6 +231,7 @@ class Examples:
         assumed, period = objects["AssumedParameters"], 1e-3
         patch = {"a": 6e-3, "b": 4e-3, "load": 5e4, "friction": 0.3, "shear_modulus": 8e10, "poisson_ratio": 0.28}
         reference = _core.RollingReference(1.5, 0.28, 0.5)
+        rows = np.array([[-0.3, 0.0, 0.5, 1.0], [0.3, 0.1, 0.6, 1.2]])
         brake = objects["FrictionBrake"]
         return {
             "CreepTable.of": Call(
@@ -265,13 +267,17 @@ class Examples:
             "RollingReference.on_rows": Call(
                 _core.RollingReference.on_rows,
                 {
-                    "rows": np.array([[-0.3, 0.0, 0.5, 1.0], [0.3, 0.1, 0.6, 1.2]]),
+                    "rows": rows,
                     "spacing": 0.6,
                     "poisson_ratio": 0.28,
                     "elements": 4,
                 },
             ),
             "RollingReference.solve": Call(reference.solve, {"creepage": np.array([[0.5, 0.1, 0.2]])}),
+            "RollingReference.solve_rows": Call(
+                _core.RollingReference.on_rows(rows=rows, spacing=0.6, poisson_ratio=0.28, elements=4).solve_rows,
+                {"creepage": np.array([[0.5, 0.1, 0.2], [0.4, 0.1, 0.2]])},
+            ),
             "RollingReference.kalker_coefficients": Call(reference.kalker_coefficients, {}),
             "reflected_inertia": Call(_core.reflected_inertia, {"rotor_inertia": 2.0, "gear_ratio": 3.0}),
             "FrictionBrake.torque": Call(brake.torque, {"cylinder_pressure": 3e5, "axle_speed": 60.0}),
@@ -353,6 +359,7 @@ class Examples:
             "StaticWheelsetContact.solve": Call(contact.solve, place | {"load": 1e5, "free_to_roll": True}),
             "StaticWheelsetContact.touch_height": Call(contact.touch_height, place | {"right": True}),
             "StaticWheelsetContact.patches": Call(contact.patches, at_height),
+            "StaticWheelsetContact.creep": Call(contact.creep, at_height | {"motion": [30.0] + 11 * [0.0]}),
             "StaticWheelsetContact.seconds_per_contact": Call(
                 contact.seconds_per_contact, at_height | {"wheels": 2, "repeats": 2}
             ),
