@@ -291,7 +291,7 @@ void RollingReference::release() {
 
 RollingSolution RollingReference::solve(ReducedCreepage const& e) {
   std::vector<ReducedCreepage> rows;
-  for (double y : across_) rows.push_back({e.longitudinal - e.spin * y, e.lateral, e.spin});
+  for (double place : across_) rows.push_back({e.longitudinal - e.spin * place, e.lateral, e.spin});
   return solve(rows);
 }
 

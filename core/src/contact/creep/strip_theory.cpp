@@ -13,7 +13,7 @@ EllipseNodes::EllipseNodes() {
     load[k] = area[k] * sine[k];
     sum += load[k];
   }
-  for (double& part : load) part /= sum;
+  for (double& of_node : load) of_node /= sum;
 }
 
 EllipseNodes const& ellipse_nodes() {
