@@ -92,14 +92,18 @@ def pushed(attack: float, friction: float) -> Case:
 
 
 def onset(attack: float, friction: float) -> tuple[float, float]:
-    """Largest Y/Q of the wheel that climbs, and the sum of both wheels' then."""
+    """Largest Y/Q of the wheel that climbs, and the sum of both wheels' then: of means over 50 ms, as the standard takes them
+    over 2 m, because a dry wheel on a rigid rail may chatter while it climbs.
+    """
     run = rr.simulate(pushed(attack, friction))
     assert run.attrs["energy_relative_residual"] < 1e-6
     assert float(run["vertical"].max()) > 5e-3  # it climbed
     np.testing.assert_allclose(run["yaw"].sel(body="wheelset_1"), attack, atol=2e-4)
-    forces = rr.wheel_forces(run)["derailment_quotient"]
-    climbing = forces.sel(wheel="wheelset_1_left")
-    then = forces.isel(time=int(climbing.argmax("time")))
+    forces = rr.wheel_forces(run)
+    mean = {name: forces[name].rolling(time=25).mean() for name in ("guiding_force", "wheel_load")}
+    quotients = mean["guiding_force"] / mean["wheel_load"]
+    climbing = quotients.sel(wheel="wheelset_1_left")
+    then = quotients.isel(time=int(climbing.argmax("time")))
     return float(climbing.max()), float(abs(then).sum())
 
 
@@ -111,7 +115,7 @@ LONG = LARGE[2:]
     ("attack", "friction"), [pytest.param(*one, marks=pytest.mark.long) if one in LONG else one for one in LARGE]
 )
 def test_at_large_angles_of_attack_a_flange_climbs_at_nadal_s_limit(attack: float, friction: float) -> None:
-    """Measured: 0.6, 2.6, -0.3 and -2.1 %, in this order; sums 1.0, -1.8, 0.3 and -2.7 %."""
+    """Measured: -0.9, 2.2, -1.3 and -2.2 %, in this order."""
     quotient, total = onset(attack, friction)
     assert quotient == pytest.approx(nadal(friction), rel=0.03)
     assert total == pytest.approx(nadal(friction) + friction, rel=0.03)
