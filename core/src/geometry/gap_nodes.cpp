@@ -75,7 +75,7 @@ class Scan {
       auto here = circle_point(lane_pair_, lane_pose_, circle, sine, cosine);
       // The lowest point of the circle lies lower by about tilt^2 / (4 curvature); twice that is sure.
       V const lowest = here.gap - 0.5 * here.tilt * here.tilt * reciprocal(here.curvature);
-      if (any(here.found && lowest < near_)) {
+      if (any(lowest < near_)) {  // found or not: the lowest point may be on the profile where the first is not
         for (int i = 0; i < 2 && any(here.tilt > settled_tilt || here.tilt < -settled_tilt); ++i) {
           turn_by(towards_lowest(here, circle), sine, cosine);
           here = circle_point(lane_pair_, lane_pose_, circle, sine, cosine);

@@ -77,6 +77,35 @@ TEST_CASE("regions are all that an exhaustive scan of fine steps finds, thin one
   CHECK(thin > 3);
 }
 
+TEST_CASE("the lowest point of a circle is found on the profile where its first guess lies beyond the end") {
+  int beyond = 0, on_it = 0;
+  for (double inverse_radius : {0.0, 2.0}) {
+    Wheel const wheel(inverse_radius);
+    auto const& arc = wheel.nodes.arc();
+    LanePair<double> pair;
+    pair.set_all(wheel.profiles.pair, arc.abscissae());
+    for (auto const& pose : loaded_poses(wheel, 300, 5, 40e-3)) {
+      for (double l = 22e-3; l < 30e-3; l += 0.1e-3) {
+        double const height = lowest_height(wheel.profiles.pair, pose, arc.abscissa(l));
+        if (std::abs(height) > 0.1e-3) continue;
+        auto const circle = wheel_circle(pair, pose, arc.abscissa(l));
+        auto const [sine, cosine] = facing_angle(pair, pose, circle);
+        bool const first = circle_point(pair, pose, circle, sine, cosine).found;
+        std::array<CirclePoint<double>, 1> at;
+        lowest_points(pair, pose, std::array{arc.abscissa(l)}, at);
+        // Places that only leave the profile between the angles of the exhaustive search are not of this test.
+        if (at[0].rail_y < wheel.profiles.rail.start + 0.1e-3) continue;
+        CHECK(at[0].found);
+        CHECK(at[0].gap == doctest::Approx(height * at[0].n.z).epsilon(0.05));
+        ++on_it;
+        beyond += !first;
+      }
+    }
+  }
+  CHECK(beyond > 5);
+  CHECK(on_it > 1000);
+}
+
 TEST_CASE("lanes and width 1 agree to round-off, and wheels do not see each other") {
   for (double inverse_radius : {0.0, 2.0}) {
     Wheel const wheel(inverse_radius);

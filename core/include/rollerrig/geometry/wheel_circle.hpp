@@ -63,6 +63,17 @@ template <class N, class Pair>
   return {(lean * w.x + w.z * root) * scale, (w.x * root - lean * w.z) * scale};
 }
 
+/// The generatrix, and beyond its ends the tangent: a search that starts or passes there comes back, none ends there.
+template <class N, class T>
+[[gnu::always_inline]] inline CurvePoint<T> generatrix_at(LaneSpline<N> const& rail, T const& y) {
+  auto const before = y<rail.start, behind = y> rail.end();
+  T const nearest = select(before, T(rail.start), select(behind, T(rail.end()), y));
+  auto out = rail.at(nearest);
+  out.value += out.slope * (y - nearest);
+  out.second = select(before || behind, T(0.0), out.second);
+  return out;
+}
+
 /// Gap, slopes and curvature at an angle of the circle. The foot on the generatrix by its osculating circle at the height of
 /// the wheel's point: exact to the third order of the gap.
 template <class T, class Pair>
@@ -82,7 +93,7 @@ template <class T, class Pair>
   T const height = (kappa * (place.x * place.x + place.z * place.z) + 2.0 * place.z) * reciprocal(T(length + 1.0));
 
   T const y = place.y - pair.rail_origin_y;
-  auto const rail = pair.rail->at(y);
+  auto const rail = generatrix_at(*pair.rail, y);
   T const rail_cosine = inverse_root(T(1.0 + rail.slope * rail.slope));
   T const rail_sine = rail.slope * rail_cosine;
   T const across = -(rail.second * rail_cosine * rail_cosine * rail_cosine);  // (15)
@@ -161,7 +172,8 @@ void lowest_points(Pair const& pair, RelativePose<T> const& pose, std::array<Whe
         turn_by(select(tilt_of(k) > level, turn, N(0.0)), angle[k][0], angle[k][1]);
       }
       point[k] = circle_point(pair, numbers, circle[k], angle[k][0], angle[k][1]);
-      steepest = select(point[k].found && tilt_of(k) > steepest, tilt_of(k), steepest);
+      // A circle whose first point is beyond the profile's end may have its lowest one on it.
+      steepest = select(tilt_of(k) > steepest, tilt_of(k), steepest);
     }
     if (!any(steepest > level)) break;
   }

@@ -198,7 +198,8 @@ struct LaneSpline {
   [[gnu::always_inline]] T value(T const& y) const {
     return piece(value_of(y)).value(y);
   }
-  auto contains(N const& y) const { return (y > start - 1e-12) && (y < start + step * (last + 1.0) + 1e-12); }
+  N end() const { return start + step * (last + 1.0); }
+  auto contains(N const& y) const { return (y > start - 1e-12) && (y < end() + 1e-12); }
 };
 
 }  // namespace rollerrig

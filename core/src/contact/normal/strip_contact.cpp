@@ -8,24 +8,25 @@
 namespace rollerrig {
 namespace {
 
-constexpr std::size_t most_wheels = 16;                 // of one batch; more come in several
-constexpr std::size_t most_parts = 4;                   // of a region
-constexpr std::size_t most_readings = 2 * max_regions;  // of a wheel
+constexpr std::size_t most_wheels = 16;                              // of one batch; more come in several
+constexpr std::size_t most_parts = 4;                                // of a region
+constexpr std::size_t most_readings = 3 * GapScan::most_minima / 2;  // of a wheel
 
 constexpr std::size_t refined_strips = 32;
 constexpr int refined_passes = 10;
 // Change of the force in the last pass from which on these count, and beyond which they alone do [-].
-constexpr double unsettled = 0.02, not_settled = 0.05;
+constexpr double unsettled = 0.01, not_settled = 0.02;
 
 constexpr std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
-/// A region to be solved, and what came out. Two regions that nearly touch are solved as one and as two, with weights.
+/// A region, or a piece of one, to be solved, and what came out. Some are solved as one and as several pieces, with weights.
 template <Scalar T>
 struct Region {
   int wheel{0}, group{0};
-  bool joined{false};  ///< several regions of the group as one
+  bool joined{false};  ///< several pieces of the group as one
   RegionEnd left, right;
-  T weight{1.0};  ///< of this reading of the group
+  std::array<T, 2> end;  ///< their places [m]
+  T weight{1.0};         ///< of this reading of the group
   std::size_t parts{1};
   std::array<T, most_parts> cut;  ///< place along the arc behind each part but the last [m]
   T merged{1.0};                  ///< weight of the whole as one patch, the rest goes to its parts (S8)
@@ -115,66 +116,117 @@ Saddle<T> saddle(StripWheel<T> const& wheel, GapScan const& scan, int i) {
           top.position};
 }
 
-/// Where a region counts as two patches: at rises between its minima that do not lie deep in the material. (S8)
+/// Rises of regions whose minima may be patches of their own, and how far they are.
 template <Scalar T>
-void find_parts(StripWheel<T> const& wheel, GapScan const& scan, int first, int last, Region<T>& region) {
-  region.parts = 1;
-  region.merged = region.factor = region.size = T(1.0);
-  for (int i = first; i < last; ++i) {
-    auto const &left = scan.minimum[at(i)], &right = scan.minimum[at(i + 1)], &top = scan.rise[at(i)];
-    constexpr double sure = 0.03;  // the nodes' estimate is closer
-    if (top.gap / std::max(left.gap, right.gap) > 0.9 + sure || region.parts == most_parts) continue;
-    auto const between = saddle(wheel, scan, i);
-    T const m = strip_detail::smooth_step(T((-between.rise - 0.7) / 0.2));
-    if (!(m < 1.0)) continue;
-    region.merged = select(m < region.merged, m, region.merged);
-    region.cut[region.parts++ - 1] = between.position;
+struct Division {
+  bool possible{false};
+  T place{0.0};   ///< of the rise, along the arc [m]
+  T joined{1.0};  ///< weight of one solution for both sides (S17)
+  T merged{1.0};  ///< weight of one patch with that solution (S8)
+};
+template <Scalar T>
+using Divisions = std::array<Division<T>, GapScan::most_minima>;
+
+/// Rises that do not lie deep in the material make two patches of a region (S8). They are solved as one, and the less so the
+/// higher the rise and the farther one lies ahead of the other: else as two that push each other as single forces do. In between
+/// both solutions count. (S17)
+template <Scalar T>
+Division<T> divide(Saddle<T> const& between) {
+  using strip_detail::smooth_step;
+  T const ahead = smooth_step(T((between.skew - 0.2) / 0.3));
+  T const joined = 1.0 - smooth_step(T((between.rise + 0.4 * ahead) / (0.2 + 0.3 * ahead) + 1.0));
+  return {true, between.position, joined, smooth_step(T((-between.rise - 0.7) / 0.2))};
+}
+
+template <Scalar T>
+void find_divisions(StripWheel<T> const& wheel, GapScan const& scan, Divisions<T>& divisions) {
+  for (int k = 0; k < scan.regions; ++k)
+    for (int i = scan.region[at(k)].first; i < scan.region[at(k)].last; ++i) {
+      auto const &left = scan.minimum[at(i)], &right = scan.minimum[at(i + 1)], &top = scan.rise[at(i)];
+      constexpr double sure = 0.03;  // the nodes' estimate is closer
+      if (top.gap / std::max(left.gap, right.gap) > 0.9 + sure)
+        divisions[at(i)].possible = false;
+      else
+        divisions[at(i)] = divide(saddle(wheel, scan, i));
+    }
+}
+
+/// A region, or what lies between two rises of one.
+template <Scalar T>
+struct Piece {
+  RegionEnd left, right;
+  std::array<T, 2> end;
+  int first, last;  ///< of its minima
+  T joined{0.0};    ///< with the next one
+};
+template <Scalar T>
+using Pieces = std::array<Piece<T>, GapScan::most_minima>;
+
+/// The regions of a wheel, divided at rises where they may be solved as two.
+template <Scalar T>
+int find_pieces(GapScan const& scan, Divisions<T> const& divisions, Pieces<T>& piece) {
+  int count = 0;
+  for (int k = 0; k < scan.regions; ++k, ++count) {
+    auto const& region = scan.region[at(k)];
+    piece[at(count)] = {region.left,  region.right, {T(region.left.position), T(region.right.position)},
+                        region.first, region.last,  T(0.0)};
+    for (int i = region.first; i < region.last; ++i) {
+      auto const& here = divisions[at(i)];
+      if (!here.possible || !(here.joined < 1.0)) continue;
+      auto &one = piece[at(count)], &next = piece[at(++count)];
+      next = one;
+      double const cut = value_of(here.place);
+      one.right = next.left = {cut, cut, cut, false};
+      one.end[1] = next.end[0] = here.place;
+      one.last = i, next.first = i + 1;
+      one.joined = here.joined;
+    }
   }
-}
-
-/// Two regions are solved as one where they lie beside each other and the rise between them is lower than half of the shallower
-/// one's depth, as two where it is higher than twice that or where one lies ahead of the other: their strips then push each
-/// other as single forces do. In between both readings count. (S17)
-template <Scalar T>
-T joined_weight(StripWheel<T> const& wheel, GapScan const& scan, int k) {
-  int const last = scan.region[at(k)].last;
-  double const shallower = -std::max(scan.minimum[at(last)].gap, scan.minimum[at(last + 1)].gap);
-  if (scan.rise[at(last)].gap > 2.1 * shallower) return T(0.0);
-  auto const between = saddle(wheel, scan, last);
-  return (1.0 - strip_detail::smooth_step(T((between.rise - 0.5) / 1.5))) *
-         (1.0 - strip_detail::smooth_step(T((between.skew - 0.4) / 0.4)));
+  return count;
 }
 
 template <Scalar T>
-void add_region(Batch<T>& batch, int wheel, int group, GapScan const& scan, int from, int to, T const& weight) {
+void add_region(Batch<T>& batch, int wheel, int group, Divisions<T> const& divisions, Piece<T> const& from,
+                Piece<T> const& to, T const& weight) {
   Region<T>& region = batch.region[at(batch.count++)];
   region.wheel = wheel;
   region.group = group;
-  region.joined = to > from;
+  region.joined = &to != &from;
   region.weight = weight;
-  region.left = scan.region[at(from)].left;
-  region.right = scan.region[at(to)].right;
-  find_parts(batch.wheels[at(wheel)], scan, scan.region[at(from)].first, scan.region[at(to)].last, region);
+  region.left = from.left;
+  region.right = to.right;
+  region.end = {from.end[0], to.end[1]};
+  region.parts = 1;
+  region.merged = region.factor = region.size = T(1.0);
+  for (int i = from.first; i < to.last; ++i) {
+    auto const& here = divisions[at(i)];
+    if (!here.possible || !(here.merged < 1.0) || region.parts == most_parts) continue;
+    region.merged = select(here.merged < region.merged, here.merged, region.merged);
+    region.cut[region.parts++ - 1] = here.place;
+  }
   if (auto* strips = batch.strips_of(batch.count - 1)) strips->count = 0;
 }
 
 template <Scalar T>
 void find_regions(Batch<T>& batch) {
   batch.count = 0;
+  Divisions<T> divisions;
+  Pieces<T> piece;
   for (std::size_t i = 0; i < batch.wheels.size(); ++i) {
     auto const& wheel = batch.wheels[i];
     auto const scan = scan_gap(wheel.wheel->pair, *wheel.wheel->nodes, numbers(wheel.pose));
-    for (int from = 0, to = 0; from < scan.regions; from = ++to) {
+    find_divisions(wheel, scan, divisions);
+    int const pieces = find_pieces(scan, divisions, piece);
+    for (int from = 0, to = 0; from < pieces; from = ++to) {
       T joined(1.0);
-      for (; to + 1 < scan.regions; ++to) {
-        T const w = joined_weight(wheel, scan, to);
-        if (!(w > 0.0)) break;
-        joined = select(w < joined, w, joined);
-      }
-      int const number = static_cast<int>(i);
-      add_region(batch, number, from, scan, from, to, from < to ? joined : T(1.0));
-      if (from < to && joined < 1.0)
-        for (int k = from; k <= to; ++k) add_region(batch, number, from, scan, k, k, T(1.0 - joined));
+      for (; piece[at(to)].joined > 0.0; ++to)
+        joined = select(piece[at(to)].joined < joined, piece[at(to)].joined, joined);
+      auto const add = [&](int first, int last, T const& weight) {
+        add_region(batch, static_cast<int>(i), from, divisions, piece[at(first)], piece[at(last)], weight);
+      };
+      add(from, to, joined);
+      if (joined < 1.0)
+        for (int k = from; k <= to; ++k) add(k, k, T(1.0 - joined));
     }
   }
 }
@@ -203,14 +255,11 @@ void take_patch(RegionPart<L> const& from, int i, StripPatch<T>& to) {
         lane(from.width, i)};
 }
 
-/// Shares of the strips in the part between two places along the wheel's arc: of strips that are cut, a fraction.
+/// Shares of the strips in the part between two places along the wheel's arc.
 template <class T, std::size_t n>
-void share_between(Strips<T, n> const& strips, T const& from, T const& to, StripRow<T, n>& share) {
-  auto const before = [&](T const& position, std::size_t i) {
-    T const t = (position - strips.position[i]) / strips.width[i] + 0.5;
-    return select(t < 0.0, T(0.0), select(t > 1.0, T(1.0), t));
-  };
-  for (std::size_t i = 0; i < n; ++i) share[i] = before(to, i) - before(from, i);
+void shares_between(Strips<T, n> const& strips, T const& from, T const& to, StripRow<T, n>& share) {
+  for (std::size_t i = 0; i < n; ++i)
+    share[i] = strip_detail::share_between(strips.position[i], strips.width[i], from, to);
 }
 
 /// Regions side by side, with n strips each. L: T, or lanes of it.
@@ -232,7 +281,10 @@ void solve_pack(Batch<T>& batch, int first, int count, int passes) {
     set_lane(pack.compliance, i, wheel.wheel->material.compliance() / pi);
     for (std::size_t k = 0; k < 2; ++k) {
       RegionEnd const& end = k == 0 ? region.left : region.right;
-      set_lane(pack.end[k].place, i, end.position);
+      if constexpr (std::same_as<L, T>)
+        pack.end[k].place = region.end[k];
+      else
+        set_lane(pack.end[k].place, i, region.end[k]);
       set_lane(pack.end[k].low, i, std::min(end.inside, end.outside));
       set_lane(pack.end[k].high, i, std::max(end.inside, end.outside));
       set_lane(pack.end[k].is_root, i, end.is_root ? 1.0 : 0.0);
@@ -254,7 +306,7 @@ void solve_pack(Batch<T>& batch, int first, int count, int passes) {
   StripRow<L, n> share;
   share.fill(L(1.0));
   for (std::size_t k = 0; k <= (parts > 1 ? parts : 0); ++k) {
-    if (k > 0) share_between(strips, cut[k - 1], k == parts ? L(1e3) : cut[k], share);
+    if (k > 0) shares_between(strips, cut[k - 1], k == parts ? L(1e3) : cut[k], share);
     RegionPart<L> const part = part_of(tables, strips, places, share);
     for (int i = 0; i < count; ++i) {
       auto& region = batch.region[at(first + i)];

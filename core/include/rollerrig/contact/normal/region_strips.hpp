@@ -85,11 +85,7 @@ void strips_of_part(RegionStrips<T> const& region, T const& from, T const& to, T
   auto const n = static_cast<std::size_t>(region.count);
   T sum(1e-60), moved_ahead(0.0), moved_aside(0.0), area(1e-60);
   for (std::size_t i = 0; i < n; ++i) {
-    auto const before = [&](T const& place) {
-      T const t = (place - region.position[i]) / region.width[i] + 0.5;
-      return select(t < 0.0, T(0.0), select(t > 1.0, T(1.0), t));
-    };
-    T const share = before(to) - before(from);
+    T const share = strip_detail::share_between(region.position[i], region.width[i], from, to);
     part.force[i] = factor * share * region.force[i];
     part.area[i] = share * region.area[i];
     part.half_length[i] = size * region.half_length[i];

@@ -21,8 +21,9 @@ struct RegionPack {
   RelativePose<T> pose;
   N compliance{1.0};  ///< Q/pi [1/Pa]
   struct End {
-    N place{0.0}, low{0.0}, high{0.0};  ///< along the arc, its bracket [m]
-    N is_root{1.0};                     ///< 1 or 0
+    T place{0.0};           ///< along the arc [m] ...
+    N low{0.0}, high{0.0};  ///< ... and, where it is a root of the gap, its bracket
+    N is_root{1.0};         ///< 1 or 0
   };
   std::array<End, 2> end;  ///< left, right
 };
@@ -114,11 +115,22 @@ std::array<T, 2> ends_of(RegionPack<T> const& r) {
       place[k] = select(end.is_root > 0.5 && at[k].found && within, next, place[k]);
     }
   };
-  std::array<N, 2> place{r.end[0].place, r.end[1].place};
+  std::array<N, 2> place{value_of(r.end[0].place), value_of(r.end[1].place)};
   for (int i = 0; i < 2; ++i) step(numbers_of(r.pose), place);
-  std::array<T, 2> ends{T(place[0]), T(place[1])};
+  std::array<T, 2> ends;
+  for (std::size_t k = 0; k < 2; ++k) ends[k] = select(r.end[k].is_root > 0.5, T(place[k]), r.end[k].place);
   step(r.pose, ends);
   return ends;
+}
+
+/// Share of a strip that lies between two places along the arc.
+template <class T>
+T share_between(T const& position, T const& width, T const& from, T const& to) {
+  auto const before = [&](T const& place) {
+    T const t = (place - position) / width + 0.5;
+    return select(t < 0.0, T(0.0), select(t > 1.0, T(1.0), t));
+  };
+  return before(to) - before(from);
 }
 
 /// The paraboloid that stands for a region, from its strips: middle, depth, and its ellipse. (S15)
