@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from typing import Literal, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -22,6 +22,7 @@ from rollerrig.analysis.wheel_rail_forces import wheel_forces
 from rollerrig.assembly import AssembledModel, assemble
 from rollerrig.cases import as_case, at_speed, on_track, without_actuators
 from rollerrig.config import Case, ConfigError, Rig
+from rollerrig.config.schema.track import Curve
 from rollerrig.eigenvalues import eigenvalues
 from rollerrig.results import Outcome, run_dataset, variable
 from rollerrig.starting_state import StartError
@@ -67,6 +68,21 @@ def curving_speed(case: Case, radius: float, cant: float, deficiency: float) -> 
     return math.sqrt(square) if square > 0.0 else math.nan
 
 
+def own_rails(case: Case) -> dict[str, Any]:
+    """Gauge, inclination and heads that the first curve has in place of those of the track, as keys of a segment."""
+    curve = next(iter(curves_of(case)), None)
+    return (
+        curve.model_dump(include={"gauge", "inclination", "profile", "right_profile"}, exclude_none=True)
+        if curve
+        else {}
+    )
+
+
+def curves_of(case: Case) -> list[Curve]:
+    """The circular curves of its track."""
+    return [segment for segment in getattr(case.support.data, "segment", ()) if segment.kind == "curve"]
+
+
 def recorded(states: Sequence[SteadyState]) -> xr.Dataset:
     """What a run records, of states in place of times."""
     rows = []
@@ -81,6 +97,7 @@ def solve(case: Case, at: Vector, direction: str, near: SteadyState | None = Non
     """The steady state near another one, or as the core finds it; what remains unbalanced where there is none [N, N m]."""
     radius = 1.0 / max(at[0], STRAIGHT)
     curve = {"kind": "curve", "length": 1.0, "radius": float(radius), "cant": float(at[1]), "direction": direction}
+    curve |= own_rails(case)
     model = assemble(case.with_changes({"support.segment": [curve], "motion.speed_mps": float(at[2])}))
     simulation = _core.Simulation(model.core)
     start = None
@@ -132,7 +149,8 @@ def curving(
     """Steady curving of the whole vehicle: wheel forces, angles of attack and wear numbers over radius and cant deficiency.
 
     Args:
-        case: a vehicle on track, or on rollers: then on rails of their profile. Actuators and irregularities are left out.
+        case: a vehicle on track, or on rollers: then on rails of their profile. Actuators and irregularities are left out; gauge,
+            inclination and heads are those of its first curve.
         radii: of the track's middle [m].
         deficiencies: cant deficiencies [m], which with the cant decide the speed; negative: cant excess.
         cant: of all curves [m]; None: that of the case's first curve, or 0.1 m.
@@ -158,8 +176,9 @@ def curving(
         True
     """
     case = as_case(case)
-    curves = [segment for segment in getattr(case.support.data, "segment", ()) if segment.kind == "curve"]
+    curves = curves_of(case)
     bare, height = curving_case(case), (curves[0].cant if curves else USUAL_CANT) if cant is None else cant
+    bare = bare.with_changes({"support.segment": [curve.model_dump(exclude_none=True) for curve in curves[:1]]})
     radii, deficiencies = sorted(set(radii), reverse=True), sorted(set(deficiencies))
     speeds = np.array([[curving_speed(bare, r, height, d) for d in deficiencies] for r in radii])
     failure = np.full(speeds.shape, "", dtype=object)

@@ -102,3 +102,12 @@ def test_the_command_writes_its_files(tmp_path: Path) -> None:
 def test_what_the_function_finds_is_drawn_with_defaults() -> None:
     figure = rr.plot.curving_over_radius(rr.curving(wagon(), [1000.0, 500.0], [0.0, 0.1]))
     assert [len(axes.lines) for axes in figure.axes] == [2] * 6  # a line per cant deficiency
+
+
+def test_a_wider_gauge_of_the_case_s_curve_is_that_of_all() -> None:
+    """By 10 mm: both wheelsets run on the same place of the outer rail, 5 mm farther out."""
+    wide = rr.load_case("vehicle_curve").with_changes({"support.use": "curved_track_190"})
+    usual = [one.model_dump(exclude={"gauge"}, exclude_none=True) for one in wide.support.data.segment]
+    cases = wide, wide.with_changes({"support.segment": usual})
+    with_it, without = (rr.curving(case, [300.0], [0.0])["lateral"] for case in cases)
+    np.testing.assert_allclose(with_it[..., ::2] - without[..., ::2], 5e-3, atol=0.1e-3)
