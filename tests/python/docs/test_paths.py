@@ -1,4 +1,4 @@
-"""Files that README, CONTRIBUTING and documentation name exist."""
+"""Files that README, CONTRIBUTING, documentation, comments and docstrings name exist."""
 
 from __future__ import annotations
 
@@ -12,6 +12,17 @@ ROOT = Path(__file__).resolve().parents[3]
 PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md"))]
 OURS = re.compile(r"`((?:core|python|bindings|tests|benchmarks|scripts|docs)/[\w./*-]+)")
 TO_BE_MADE = re.compile(r"my_\w+|mine")
+FOLDERS = ("core", "bindings", "python", "tests", "scripts", "benchmarks", "realtime", "fmu", "docs", "examples")
+COMMENTS = {
+    ".py": re.compile(r"#.*|\"{3}[\s\S]*?\"{3}"),
+    **dict.fromkeys((".hpp", ".cpp", ".h"), re.compile(r"//.*|/\*[\s\S]*?\*/")),
+}
+IN_COMMENT = re.compile(
+    r"(?<![\w./<*~-])((?:[\w-]+/)+[\w-]+\.(?:py|hpp|cpp|h|md|toml|json|js|css|npz)\b|"
+    rf"(?:{'|'.join(FOLDERS)})/[\w/-]*\w(?![\w*.]))"
+)
+NOT_IN_THE_CHECKOUT = re.compile(r"/generated/|\b[A-Z]{4}\b")
+"""Pages that the documentation's build writes; NAME and KIND in a pattern."""
 
 
 @pytest.mark.parametrize(
@@ -20,6 +31,39 @@ TO_BE_MADE = re.compile(r"my_\w+|mine")
 def test_files_named_exist(page: Path) -> None:
     named = {name for name in OURS.findall(page.read_text(encoding="utf-8")) if not TO_BE_MADE.search(name)}
     assert sorted(name for name in named if not list(ROOT.glob(name.rstrip("/")))) == []
+
+
+@pytest.fixture(scope="module")
+def ends_of_paths() -> set[str]:
+    """Each path of the checkout and its ends: comments leave out leading folders."""
+    paths = [p.relative_to(ROOT).parts for folder in FOLDERS for p in (ROOT / folder).rglob("*")]
+    return {"/".join(parts[i:]) for parts in paths for i in range(len(parts))}
+
+
+def missing(text: str, suffix: str, known: set[str]) -> list[str]:
+    named = [path for comment in COMMENTS[suffix].findall(text) for path in IN_COMMENT.findall(comment)]
+    return sorted(path for path in named if path not in known and not NOT_IN_THE_CHECKOUT.search(path))
+
+
+def test_paths_in_comments_exist(ends_of_paths: set[str]) -> None:
+    files = [
+        p for folder in FOLDERS for p in (ROOT / folder).rglob("*") if p.suffix in COMMENTS and p != Path(__file__)
+    ]
+    found = {p.relative_to(ROOT): missing(p.read_text(encoding="utf-8"), p.suffix, ends_of_paths) for p in files}
+    assert {path: lost for path, lost in found.items() if lost} == {}
+
+
+@pytest.mark.parametrize(
+    ("text", "suffix", "lost"),
+    [
+        ("x = 1  # as config/rig_control.py", ".py", ["config/rig_control.py"]),
+        ('"""Computed by `scripts/build_creep_table`."""', ".py", ["scripts/build_creep_table"]),
+        ("/// weight of normal/blending_weight.hpp, normal/blending.hpp", ".hpp", ["normal/blending.hpp"]),
+        ('path = "a/b.py"', ".py", []),
+    ],
+)
+def test_a_path_that_does_not_exist_is_found(text: str, suffix: str, lost: list[str], ends_of_paths: set[str]) -> None:
+    assert missing(text, suffix, ends_of_paths) == lost
 
 
 def test_the_top_folder_holds_what_belongs_there() -> None:
