@@ -18,7 +18,7 @@ from rollerrig.analysis.track_sections import curved, irregular
 from rollerrig.results import RunInfo
 
 CONSTANT = 0.01
-"""Of the speed: a run whose speed varies by less is one at constant speed [1]."""
+"""Share of the speed: a run whose speed varies by less is one at constant speed [1]."""
 
 
 @dataclass(frozen=True)

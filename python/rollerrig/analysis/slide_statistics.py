@@ -23,7 +23,7 @@ from rollerrig.results import COMPLETED
 Array = NDArray[np.float64]
 
 SLIP_EDGES = np.append(np.linspace(0.0, 1.0, 51), np.inf)
-"""Of the classes of |slip| [-]; the last one is open."""
+"""Edges of the classes of |slip| [-]; the last one is open."""
 
 SLIDES = 0.10
 """An axle that has slid by more than this regrips some time [-]."""
@@ -35,7 +35,7 @@ LIMITED = 0.999
 """Part of the largest torque from which a command is at its limit."""
 
 SERIES_STEP = 0.1
-"""Of the distance over time that is kept [s]."""
+"""Step of the distance over time that is kept [s]."""
 
 
 @dataclass(frozen=True)
@@ -93,7 +93,7 @@ def _kept(time: Array) -> NDArray[np.intp]:
 
 
 def _train(run: xr.Dataset) -> dict[str, float]:
-    """Of the train as a whole, which every axle brakes or pulls."""
+    """Numbers of the train as a whole, which every axle brakes or pulls."""
     speed, way = run["train_speed"].to_numpy(), run["train_distance"].to_numpy()
     acting = np.flatnonzero(_acting(run))
     begin = acting[0] if acting.size else -1
@@ -124,7 +124,7 @@ def _acting(run: xr.Dataset) -> NDArray[np.bool_]:
 
 
 def _torque(run: xr.Dataset) -> xr.DataArray:
-    """Of friction brake and motor on each axle, their magnitudes [N m]."""
+    """Torque of friction brake and motor on each axle, their magnitudes [N m]."""
     return abs(run["brake_torque"]) + abs(run["traction_torque"]) + abs(run["electrodynamic_torque"])
 
 
@@ -181,7 +181,7 @@ def _slip_shares(run: xr.Dataset) -> Array:
 
 
 def _rig(run: xr.Dataset, largest_torque: float, roller_radius: float) -> dict[str, float]:
-    """Of a rig alone: how it follows its virtual train."""
+    """Numbers of a rig alone: how it follows its virtual train."""
     limits = ("drive_torque_limited", "drive_power_limited", "drive_speed_limited")
     held = sum(run[name].transpose("time", "axle").to_numpy() for name in limits)
     asked = (abs(run["roller_command"]) >= LIMITED * largest_torque).transpose("time", "axle").to_numpy()

@@ -24,7 +24,7 @@ from rollerrig.results import variable
 Series = NDArray[np.float64]
 
 ITERATIONS = 60
-"""Of the fixed point for the shifts; each gains about a digit."""
+"""Iterations of the fixed point for the shifts; each gains about a digit."""
 
 
 @dataclass(frozen=True)

@@ -79,7 +79,7 @@ def number(value: float) -> str:
 
 
 def model_description_2(unit: Unit) -> bytes:
-    """Of FMI 2.0 (2.0.4, section 2.2).
+    """Model description of FMI 2.0 (2.0.4, section 2.2).
 
     The time is none of the variables: FMI Library 2 takes its missing start for an error (its issue 21).
     """
@@ -107,7 +107,7 @@ def model_description_2(unit: Unit) -> bytes:
 
 
 def model_description_3(unit: Unit) -> bytes:
-    """Of FMI 3.0 (3.0.2, section 2.4)."""
+    """Model description of FMI 3.0 (3.0.2, section 2.4)."""
     root = ET.Element("fmiModelDescription", fmiVersion="3.0", modelName=unit.name, instantiationToken=unit.token)
     _about(root, unit, "FMUState", "providesDirectionalDerivatives")
     variables = ET.SubElement(root, "ModelVariables")

@@ -57,7 +57,7 @@ class Requirement:
 
 @dataclass(frozen=True)
 class Distortion:
-    """By how much weight, stiffness of the material and what follows from them are wrong, 1 if right.
+    """Factors by which weight, stiffness of the material and what follows from them are wrong, 1 if right.
 
     Attributes:
         weight: of the model over what it should be [-].

@@ -194,7 +194,7 @@ class AdhesionStudy(Study[Runs]):
     # ---------------------------------------------------------------------------------------------------- numbers
 
     def rows(self, results: Runs) -> list[Row]:
-        """Of the verdict."""
+        """Rows of the verdict."""
         return verdict_rows(self.case, results.records["track"], results.records["rig"])
 
     def numbers(self, results: Runs) -> dict[str, Any]:
@@ -218,7 +218,7 @@ class AdhesionStudy(Study[Runs]):
         }  # fmt: skip
 
     def _dead_time_numbers(self, results: Runs) -> dict[str, Any]:
-        """Of the equivalent dead time; empty where nothing is predicted."""
+        """Numbers of the equivalent dead time; empty where nothing is predicted."""
         predicted, records = self.predicted, results.records
         if predicted is None:
             return {}
@@ -278,7 +278,7 @@ class AdhesionStudy(Study[Runs]):
 
 
 def _run_numbers(records: Sequence[TestRecord], names: Sequence[str]) -> dict[str, Any]:
-    """Of the ensemble of track or rig."""
+    """Numbers of the ensemble of track or rig."""
     return {
         "status": records[0].status,
         "status_message": records[0].message,
@@ -289,7 +289,7 @@ def _run_numbers(records: Sequence[TestRecord], names: Sequence[str]) -> dict[st
 
 
 def _variant_numbers(track: Sequence[TestRecord], records: Sequence[TestRecord]) -> dict[str, Any]:
-    """Of the ensemble of a variant of the rig."""
+    """Numbers of the ensemble of a variant of the rig."""
     on_track, own = (estimate(values) for values in distances((track, records)))
     found = {name: measure(records, name).as_dict() for name in VARIANT}
     return {"tests": len(records), "distance_relative": relative(own, on_track).as_dict(), **found}
@@ -448,7 +448,7 @@ def _numbers(numbers: Numbers) -> Section:
 
 
 def _signals(case: Case, whole: Mapping[str, xr.Dataset]) -> Iterator[Picture]:
-    """Of the first tests."""
+    """Signals of the first tests."""
     track, rig, ideal = whole["track"], whole["rig"], whole.get("rolling")
     radius = wheel_radius(rig)
     yield Picture("speeds", figures.speeds(track, rig, radius), "Train and wheels: rig, virtual train, track.")

@@ -470,5 +470,5 @@ def study_case(case: Case, duration: float | None) -> Case:
 
 
 def _name(key: tuple[str, str, float]) -> str:
-    """Of a variant's job."""
+    """Name of a variant's job."""
     return ", ".join(map(str, key[:2] if math.isnan(key[2]) else key))

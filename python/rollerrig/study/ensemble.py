@@ -75,7 +75,7 @@ class Estimate:
         return Interval(self.mean - reach, self.mean + reach)
 
     def as_dict(self) -> dict[str, float]:
-        """For summary.json."""
+        """Dictionary for summary.json."""
         return {"mean": self.mean, "standard_error": self.standard_error}
 
 
@@ -127,12 +127,12 @@ def distances(groups: Sequence[Sequence[TestRecord]]) -> list[list[float]]:
 
 
 def measure(records: Sequence[TestRecord], name: str) -> Estimate:
-    """Of one measure; tests without it leave no mean."""
+    """Estimate of one measure; tests without it leave no mean."""
     return estimate([record.measures.get(name, math.nan) for record in records])
 
 
 SHARES = (0.5, 1.0, 1.5)
-"""Of the predicted dead time, at which the track is run."""
+"""Shares of the predicted dead time, at which the track is run."""
 
 LEAST_STEP = 2e-3
 """Between them at least [s]: less is not seen beside the scatter of the distance."""

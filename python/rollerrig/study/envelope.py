@@ -376,7 +376,7 @@ def envelope(
 
 
 def _name(point: Point) -> str:
-    """Of a point's job."""
+    """Name of a point's job."""
     return f"load {point.load!r}, torque {point.torque!r} N m, adhesion {point.adhesion!r}"
 
 

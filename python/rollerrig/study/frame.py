@@ -48,7 +48,7 @@ SUMMARY, REPORT = "summary.json", "report.html"
 TIMING = "timing.json"
 """The one file whose bytes differ between identical runs: measured times."""
 Content = xr.Dataset | str | bytes | Mapping[str, ArrayLike] | Sequence[Sequence[object]]
-"""Of a file: a Dataset (.nc), text, bytes, or a CSV file: name of a column -> values, or rows, header first."""
+"""Content of a file: a Dataset (.nc), text, bytes, or a CSV file: name of a column -> values, or rows, header first."""
 
 
 class Study(ABC, Generic[R]):
@@ -79,7 +79,7 @@ class Study(ABC, Generic[R]):
     @property
     @abstractmethod
     def title(self) -> str:
-        """Of the report."""
+        """Title of the report."""
 
     @property
     def mark(self) -> Mark | None:
@@ -109,7 +109,7 @@ class Study(ABC, Generic[R]):
 
     @abstractmethod
     def sections(self, results: R, numbers: Numbers) -> list[Section]:
-        """Of the report, but for its ends."""
+        """Sections of the report, but for its ends."""
 
     def files(self, results: R, numbers: Numbers) -> Mapping[str, Content]:
         """File name -> content, beside report, figures and summary.json."""

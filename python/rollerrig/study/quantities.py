@@ -110,7 +110,7 @@ class Quantities:
 
 
 def _value(entry: Numbers, quantity: Quantity) -> Any:
-    """By whole key, or by last name."""
+    """Value by whole key, or by last name."""
     return entry.get(quantity.key, entry.get(quantity.name))
 
 

@@ -97,7 +97,7 @@ QUANTITIES = Quantities("response")
 
 @dataclass(frozen=True)
 class ResponseStudy(Study[dict[str, AtSpeed]]):
-    """From some commands to some outputs at some speeds.
+    """Responses from some commands to some outputs at some speeds.
 
     Attributes:
         case: the case.

@@ -48,7 +48,7 @@ from rollerrig.wording import number
 Tests = Mapping[Support, StopTests]
 ON: Mapping[Support, str] = {"track": "track", "rig": "the rig"}
 QUICK_STOPS, QUICK_STARTS = 2, 2
-"""Of a quick study."""
+"""Stops and starts of a quick study."""
 
 QUANTITIES = Quantities("wsp")
 MEASURED = [
@@ -224,7 +224,7 @@ def _on(case: Case, support: Support) -> Case:
 
 
 def _stop_numbers(result: StopResult) -> dict[str, Any]:
-    """Of one stop."""
+    """Numbers of one stop."""
     track, rig = result.tests["track"], result.tests["rig"]
     rows = verdict_rows(rig.case, track.tests, rig.tests)
     criteria: dict[str, Any] = {}
@@ -258,7 +258,7 @@ def _support_numbers(found: StopTests, judged: Sequence[Judgement]) -> dict[str,
 
 
 def _sum_numbers(results: Sequence[StopResult], on: Support) -> dict[str, Any]:
-    """Of all stops."""
+    """Numbers of all stops."""
     words = [judged.verdict for one in results for judged in one.judged if judged.support == on]
     own = [one.tests[on] for one in results]
     means = ("distance_m", "air_litres", "dump_cycles")

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 Numbers = NDArray[np.float64]
 
 MOST_FRAMES = 4000
-"""Of a page: more would make it slow to open; between them the page interpolates."""
+"""Largest number of frames of a page: more would make it slow to open; between them the page interpolates."""
 
 WHOLE = 32766
 """Steps of a column that is stored in sixteen bits, either way; one more stands for what does not exist."""

@@ -1,4 +1,4 @@
-"""From pydantic's list of errors to lines a rig engineer understands.
+"""Lines that a rig engineer understands, from pydantic's list of errors.
 
 raw table -> [validate] -> (object, no problems) or (None, one problem per mistake)
 """

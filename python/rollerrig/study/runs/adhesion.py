@@ -151,7 +151,7 @@ def law_case(case: Case, name: str) -> Case | None:
 
 
 def law_numbers(case: Case, records: Mapping[str, Sequence[TestRecord]]) -> dict[str, Any]:
-    """By kind of the law, of those whose ensembles on track and rig are there; empty where only the case's own is."""
+    """Numbers by kind of the law, of those whose ensembles on track and rig are there; empty where only the case's own is."""
     own, found = case.contact.creep.kind, {}
     for kind in dict.fromkeys((own, *LAWS)):
         names = SUPPORTS if kind == own else [_name(kind, support) for support in SUPPORTS]
@@ -178,7 +178,7 @@ GROUPS: Mapping[Group, str] = {
     "fidelity": "Fidelity, rig against track",
 }
 RESAMPLES = 400
-"""Of the starts, for the scatter of the difference of two distributions."""
+"""Resamples of the starts, for the scatter of the difference of two distributions."""
 
 
 @dataclass(frozen=True)
@@ -250,7 +250,7 @@ class Row:
         return f"+{text}" if self.signed and value > 0.0 and text != "0" else text
 
     def as_dict(self) -> dict[str, Any]:
-        """For summary.json."""
+        """Dictionary for summary.json."""
         found = {"group": self.group, "verdict": self.verdict, "value": self.value.mean, **vars(self.value.interval)}
         return found | {"target_low": self.low, "target_high": self.high, "target_from": self.origin}
 
@@ -275,7 +275,7 @@ def _is_bad(rows: Sequence[Row], group: Group) -> bool:
 
 
 def verdict_of(rows: Sequence[Row], group: Group) -> Outcome:
-    """Of a group: met where all its rows are, not met where one is not, else not decided."""
+    """Outcome of a group: met where all its rows are, not met where one is not, else not decided."""
     return overall(row.verdict for row in rows if row.group == group) or NOT_DECIDED
 
 

@@ -156,7 +156,7 @@ RUNS = tuple(key for key in ALL if key[2] in (RIG, VEHICLE))
 
 
 def _label(contact: str, material: str, variant: str) -> str:
-    """Of runs from a disturbance."""
+    """Label of runs from a disturbance."""
     return f"{variant} {material}" if contact == OWN else f"{contact} {variant} {material}"
 
 

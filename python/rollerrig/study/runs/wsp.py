@@ -137,7 +137,7 @@ LARGE_SLIP = 0.30
 """Beyond it slip is large [-]."""
 
 SIGNAL_STEP = 0.05
-"""Of the signals that are kept [s]."""
+"""Step of the signals that are kept [s]."""
 
 
 @dataclass(frozen=True)
@@ -330,7 +330,7 @@ def judgements(programme: Programme, found: StopTests, other: StopTests) -> list
 
 
 def verdict_of(found: Sequence[Judgement]) -> Outcome | None:
-    """Of several criteria: met where all are, not met where one is not, else not decided; None: nothing was judged."""
+    """Outcome of several criteria: met where all are, not met where one is not, else not decided; None: nothing was judged."""
     return overall(one.verdict for one in found)
 
 
