@@ -1,4 +1,4 @@
-"""The one door through which files of the user come in.
+"""The one reader of files of the user.
 
     path -> [read_input, open_input] -> its bytes, or InputError before anything was read
 

@@ -1,4 +1,4 @@
-"""A case as other tools drive it: assembled, at its start, with named inputs and outputs; and the file that it stands in.
+"""A case as other tools drive it: assembled, at its start, with named inputs and outputs; and its model file.
 
 Case -> [assembled_model] -> _core.AssembledModel -> _core.Plant
         [assemble_file]   -> model file -> [read_model] -> _core.AssembledModel

@@ -1,4 +1,4 @@
-"""What is left of the sideways motion of a run at constant speed: has it calmed down, or does it hunt?
+"""What is left of the sideways motion of a run at constant speed: has it decayed, or does the vehicle hunt?
 
     run -> [lateral_rest] -> the body that moves most at the end, amplitude, frequency, growth rate -> report
 

@@ -152,7 +152,7 @@ class LinearBench:
         brakes = [axle.brake for axle in self.model.axles if axle.brake >= 0]
         allowed = "" if np.isfinite(brake_pressure) and 0.0 <= brake_pressure <= 1e7 else "allowed: from 0 to 1e7 Pa"
         if brake_pressure and not brakes:
-            allowed = "allowed: 0, of a case without [brake] or with motors that stand in for it"
+            allowed = "allowed: 0, of a case without [brake] or with motors that replace it"
         if allowed:
             raise ConfigError([ConfigProblem(self.case.name, "brake_pressure", f"{brake_pressure:g} Pa", allowed)])
         return [brake_pressure] * len(brakes) if brake_pressure else []

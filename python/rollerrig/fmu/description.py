@@ -131,7 +131,7 @@ def model_description_3(unit: Unit) -> bytes:
 
 
 def _about(root: ET.Element, unit: Unit, state: str, directional: str) -> None:
-    """What stands in front of the variables, alike in both versions but for the names of two abilities."""
+    """Elements before the variables, alike in both versions but for the names of two abilities."""
     root.set("description", "roller rig, axes x forward, y to the left, z upwards; SI")
     root.set("generationTool", unit.tool)
     root.set("variableNamingConvention", "structured")

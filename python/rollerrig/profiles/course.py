@@ -1,4 +1,4 @@
-"""Measured points in the order along the profile, each with the line of the file it stands in.
+"""Measured points in the order along the profile, each with its line of the file.
 
     RawProfile, in the file's order -> [Course] -> checks, smoothing
 

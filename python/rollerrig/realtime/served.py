@@ -158,7 +158,7 @@ def _served(
 
 
 def describe(served: Served, *, session: int, lock_step: bool, patience: int) -> str:
-    """What a controller is told of the server, as JSON."""
+    """Description of the server for a controller, as JSON."""
 
     def entry(variable: _core.Variable, **more: Any) -> dict[str, Any]:
         return {"name": variable.name, "unit": variable.unit, "meaning": variable.description, **more}

@@ -191,7 +191,7 @@ def _of_actuators(full: Case, model: Case, factors: Similitude) -> Iterator[Requ
         if motor is not None:
             yield Requirement(
                 "brake torque at once",
-                "time constant of the motors that stand in for the brakes",
+                "time constant of the motors that replace the brakes",
                 "s",
                 0.0,
                 1.0 / (2.0 * math.pi * motor.bandwidth),

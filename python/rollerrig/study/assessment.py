@@ -196,7 +196,7 @@ class Check:
 
 
 def counts(checks: Sequence[Check]) -> dict[str, int]:
-    """How many there are of each verdict, by keys of summary.json."""
+    """How many there are of each outcome, by keys of summary.json."""
     found = [check.verdict for check in checks]
     return {f"checks_{word.replace(' ', '_')}": found.count(word) for word in ("passed", "failed", NOT_DECIDED)}
 

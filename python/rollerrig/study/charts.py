@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from rollerrig.viewer.columns import Columns, Numbers
 
 MOST_POINTS = 4000
-"""Largest number of points of one panel's curves; of longer ones the extremes of even parts are kept, at the samples where they lie."""
+"""Largest number of points of one panel's curves; of longer ones the extremes of even parts are kept, where they lie."""
 
 _LEAST_POINTS = 40
 """Fewer are no history."""

@@ -162,7 +162,7 @@ def dead_times(case: Case, predicted: DeadTime | None) -> tuple[float, ...]:
 
 
 def measured_dead_time(rig: Estimate, track: Mapping[float, Estimate]) -> Estimate:
-    """Additional dead time [s] with which the track has the rig's mean number: its distance, or its ventings.
+    """Additional dead time [s] with which the track has the rig's mean number: its distance, or its dump cycles.
 
     Args:
         rig: that number of the rig.

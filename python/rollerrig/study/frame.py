@@ -300,7 +300,7 @@ class Outcome(Generic[R]):
         return written
 
     def _add_data(self, folder: ResultFolder) -> list[Path]:
-        """The study's files; the name of a marked study stands in theirs."""
+        """The study's files; the name of a marked study is part of theirs."""
         mark, written = self.study.mark, []
         for name, content in self.study.files(self.results, self.numbers).items():
             path = PurePosixPath(name)

@@ -267,7 +267,7 @@ def _is_one_of(key: str, names: Sequence[str]) -> bool:
 
 
 def _differences(before: Any, after: Any, key: str) -> Iterator[tuple[str, Any, Any]]:
-    """Key, old and new value of what differs; lists are told as a whole unless their lengths agree."""
+    """Key, old and new value of what differs; lists are reported as a whole unless their lengths agree."""
     if isinstance(before, dict) and isinstance(after, dict):
         for name in [*before, *(name for name in after if name not in before)]:
             yield from _differences(before.get(name), after.get(name), f"{key}.{name}" if key else name)

@@ -209,7 +209,7 @@ def held_blocks(numbers: Numbers, quantities: Quantities) -> list[Block]:
     text = (
         "Without slide protection the brake locks the wheels. A locked wheel's estimated torque is the brake's reaction to the "
         "drive's own: through virtual train and feed-forward it would return to the drive with the gain J_r (r/R)²/J_w. The "
-        "growth rate is that of this linear loop, the torque as estimated: where it is positive the drives would ring. A "
+        "growth rate is that of this linear loop, the torque as estimated: where it is positive the drives would oscillate. A "
         "locked wheel is therefore held in the virtual train too, (D15); the ripple is that of a run so treated."
     )
     names = [q.key for q in quantities.below("held_wheel.*")]

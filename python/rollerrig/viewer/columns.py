@@ -1,6 +1,6 @@
 """Numbers on their way into a page: fewer frames, sixteen bits each, with the error that this costs.
 
-    samples over time -> [thinned] -> Frames -> [Columns] -> bytes, and where each column stands in them
+    samples over time -> [thinned] -> Frames -> [Columns] -> bytes, and the place of each column in them
 
 The page draws a cubic through neighbouring frames (Catmull and Rom); `interpolated` is the same curve here, so that the error
 which the page states is measured on what the page draws.

@@ -48,7 +48,7 @@ class Mounting(Table):
     @model_validator(mode="after")
     def _can_turn(self) -> "Mounting":
         if any(self.misalignment) and self.yaw is None:
-            raise refused("yaw", "needed: the support about z of a roller axle that is mounted askew")
+            raise refused("yaw", "needed: the support about z of a roller axle with a yaw misalignment")
         return self
 
     @property

@@ -298,7 +298,7 @@ TRACKING_LIMIT = 0.01
 RIPPLE_LIMIT = 500.0
 """Ripple of a roller's torque [N m] from which on a variant fails: a tenth of what low adhesion asks for, R T_v.
 
-The one criterion of a torque that does not settle; every verdict names it, see RIPPLE_CRITERION.
+The one criterion of a torque that does not settle; every outcome names it, see RIPPLE_CRITERION.
 """
 
 
