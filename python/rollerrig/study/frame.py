@@ -361,6 +361,12 @@ def _bytes(content: Content) -> bytes | memoryview:
     return (content if isinstance(content, str) else csv_text(content)).encode()
 
 
+def dataset_rows(data: xr.Dataset, columns: Mapping[str, str], *dims: str) -> list[list[object]]:
+    """Rows of a CSV file, header first: name of a column -> variable or coordinate, each over all of `dims`."""
+    arrays = (one.transpose(*dims) for one in xr.broadcast(*(data[name] for name in columns.values())))
+    return [list(columns), *map(list, zip(*(one.to_numpy().ravel().tolist() for one in arrays), strict=True))]
+
+
 def csv_text(rows: Sequence[Sequence[object]]) -> str:
     """Rows as CSV, header first; nine digits, nothing for what does not exist."""
     text = io.StringIO()

@@ -245,12 +245,7 @@ class ResponseStudy(Study[dict[str, AtSpeed]]):
             zeros = {label: found.system.zeros(i, k) for label, found in results.items()}
             blocks: list[Block] = [
                 Picture(f"bode_{number}", bode_figure(lines, points, unit), f"{name}: magnitude and phase."),
-                QUANTITIES.table(
-                    numbers["channels"][name],
-                    [q.key for q in QUANTITIES.below("channels.*.*")],
-                    "Bandwidth and margins.",
-                    "at",
-                ),
+                QUANTITIES.table(numbers["channels"][name], "channels.*.*", "Bandwidth and margins.", "at"),
                 Picture(f"nyquist_{number}", nyquist_figure(lines, unit), f"{name} in the complex plane."),
                 Picture(
                     f"poles_{number}",
