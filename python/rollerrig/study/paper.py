@@ -5,6 +5,7 @@ plan -> [PaperStudy] -> modes, ramps, runs from a disturbance, traction -> numbe
 
 from __future__ import annotations
 
+import itertools
 import math
 import tomllib
 from collections.abc import Iterator, Mapping, Sequence
@@ -14,17 +15,17 @@ from typing import Any
 
 import xarray as xr
 from matplotlib.figure import Figure
-from numpy.typing import ArrayLike
 
-from rollerrig.analysis import CriticalSpeedByDisturbance, end_of_hunting, hunting_table
+from rollerrig.analysis import end_of_hunting, hunting_table
 from rollerrig.analysis.fits import fit
+from rollerrig.analysis.traction import asymmetry
 from rollerrig.config import Case, Rig
 from rollerrig.plot import amplitude_over_speed, hunting_over_time, ramp_over_speed, traction_forces, traction_sliding
 from rollerrig.plot.modes import hunting_frequencies
 from rollerrig.study import critical_speeds as speeds
 from rollerrig.study.assessment import NOT_DECIDED, Interval, check_table, counts, counts_text
 from rollerrig.study.contact_models import sensitivity_numbers, sensitivity_table
-from rollerrig.study.frame import Study
+from rollerrig.study.frame import Study, dataset_rows
 from rollerrig.study.jobs import Done, Round
 from rollerrig.study.quantities import Numbers, Quantities
 from rollerrig.study.report import VIEW, Block, Mark, Picture, Section, Table, Text
@@ -44,7 +45,6 @@ from rollerrig.study.runs.paper import (
     PaperPlan,
     Results,
     around_onset,
-    asymmetry,
     frequency_differences,
     onset_wavelength,
     results_of,
@@ -155,15 +155,15 @@ class PaperStudy(Study[Results]):
 
     def files(self, results: Results, numbers: Numbers) -> Mapping[str, Any]:
         found: dict[str, Any] = {}
-        for material, variants in results.modes.items():
-            for variant, modes in variants.items():
-                found[f"data/modes_{material}_{variant.replace(' ', '_')}.nc"] = modes
-        found |= {f"data/ramp_{material}.nc": ramp for material, ramp in results.ramps.items()}
-        for material, one in results.runs_of(RIG).items():
-            found |= {f"data/run_{material}_{3.6 * run.speed:.2f}_kmh.nc": run.motion for run in one.runs}
-            found[f"data/figure_7_runs_{material}.csv"] = _run_columns(one)
-        for material, one in results.runs_of(VEHICLE).items():
-            found[f"data/figure_7b_vehicle_runs_{material}.csv"] = _run_columns(one)
+        for m, variants in results.modes.items():
+            found |= {f"data/modes_{m}_{variant.replace(' ', '_')}.nc": modes for variant, modes in variants.items()}
+        found |= {f"data/ramp_{m}.nc": ramp for m, ramp in results.ramps.items()}
+        for m, one in results.runs_of(RIG).items():
+            found |= {f"data/run_{m}_{3.6 * run.speed:.2f}_kmh.nc": run.motion for run in one.runs}
+        for variant, name in ((RIG, "figure_7_runs"), (VEHICLE, "figure_7b_vehicle_runs")):
+            for m, one in results.runs_of(variant).items():
+                table = hunting_table(one.runs, one.disturbance)
+                found[f"data/{name}_{m}.csv"] = dataset_rows(table, RUN_COLUMNS, "speed")
         if results.modes:
             found["data/figure_7b_linear.csv"] = _frequency_rows(results)
         if results.traction is not None and results.theory is not None:
@@ -242,17 +242,12 @@ class PaperStudy(Study[Results]):
         """Critical speeds with the paper's own contact and with the exact one; nothing where none was computed."""
         called = {OWN: "the paper's: hertz, kalker saturated", EXACT: "exact: strips, table"}
         rows = []
-        for m, variant, contact in ((m, v, c) for m in results.modes for v in VARIANTS for c in called):
-            if (contact, m, variant) not in results.linear:
-                continue
-            value, frequency = results.linear[contact, m, variant]
-            shown = f"{number(frequency, 3)} Hz" if math.isfinite(frequency) else ""
-            by = (
-                results.by_disturbance(m, variant, contact).text("km/h", 1)
-                if (contact, m, variant) in results.runs
-                else ""
-            )
-            rows.append((NAMES[m], variant, called[contact], self._linear(value), shown, by))
+        for m, variant, contact in itertools.product(results.modes, VARIANTS, called):
+            if (place := (contact, m, variant)) in results.linear:
+                value, frequency = results.linear[place]
+                shown = f"{number(frequency, 3)} Hz" if math.isfinite(frequency) else ""
+                by = results.by_disturbance(m, variant, contact).text("km/h", 1) if place in results.runs else ""
+                rows.append((NAMES[m], variant, called[contact], self._linear(value), shown, by))
         header = ("material", "vehicle and support", "contact", "linear critical speed", "its frequency",
                   "by disturbance: decays … persists")  # fmt: skip
         caption = TEXT["side_by_side"].format(offset=1e3 * self.chosen.hunting.disturbance)
@@ -279,18 +274,9 @@ class PaperStudy(Study[Results]):
     def _fit_blocks(self, results: Results, numbers: Numbers) -> list[Block]:
         """Which material fits the paper's critical speed."""
         blocks: list[Block] = [*map(Text, _fit_paragraphs(results))] or [Text("Not computed.")]
-        rows: list[list[object]] = []
-        for (m, kind), speed in rig_speeds(results).items():
-            off = Interval(*(100 * (end / CRITICAL_KMH - 1) for end in (speed.low, speed.high)))
-            rows.append(
-                [
-                    NAMES[m],
-                    kind,
-                    speed.text("km/h", 1),
-                    off.text("%"),
-                    {True: "yes", False: "no", None: NOT_DECIDED}[_fits(speed)],
-                ]
-            )
+        words = {True: "yes", False: "no", None: NOT_DECIDED}
+        found = {(NAMES[m], kind): speed for (m, kind), speed in rig_speeds(results).items()}
+        rows = [(*who, one.text("km/h", 1), _off(one).text("%"), words[_fits(one)]) for who, one in found.items()]
         if rows:
             header = ("material", "critical speed", "computed", f"less {CRITICAL_KMH:g} km/h", "within a tenth of it")
             blocks.append(Table(header, rows, "Bogie on the rig against the paper's critical speed."))
@@ -299,14 +285,9 @@ class PaperStudy(Study[Results]):
             names = ("patches", "approach_um", "creep_stiffness_n", "wavelength_m")
             blocks.append(QUANTITIES.table(entries, names, "Steady rolling on the rig, small motions.", "material"))
         if any(results.merging.values()):
-            cells = {
-                b: [speeds.linear_cell(results.merging[m].get(b)) for m in MATERIALS] for b in self.chosen.criteria
-            }
-            caption = (
-                "Linear critical speed [km/h] of the bogie on the rig over the merging criterion of adjacent patches."
-            )
-            heads = ("merging criterion", *(NAMES[m] for m in MATERIALS))
-            blocks.append(Table(heads, [[f"{b:g}", *found] for b, found in cells.items()], caption))
+            scans = {b: [results.merging[m].get(b) for m in MATERIALS] for b in self.chosen.criteria}
+            cells = [[f"{b:g}", *map(speeds.linear_cell, own)] for b, own in scans.items()]
+            blocks.append(Table(("merging criterion", *map(NAMES.__getitem__, MATERIALS)), cells, TEXT["merging"]))
         if results.sensitivity:
             blocks.append(sensitivity_table(results.sensitivity))
         return blocks
@@ -314,26 +295,22 @@ class PaperStudy(Study[Results]):
     def _parameters(self) -> list[Block]:
         """What was assumed."""
         case, traction, soft = rig_case("steel"), traction_case(self.chosen), rig_case("paper").contact.material
-        rig, vehicle, steel, hunting = case.support.data, case.vehicle.data, case.contact.material, self.chosen.hunting
+        rig, vehicle, steel, contact = case.support.data, case.vehicle.data, case.contact.material, case.contact
         assert isinstance(rig, Rig)
-        wheel, inertia = vehicle.wheel, f"{rig.roller_inertia[1]:g} kg m²"
-        rows = [
-            ("vehicle", vehicle.description),
-            ("its source", vehicle.source),
-            ("wheel", f"S1002, radius {1e3 * wheel.radius:g} mm, back to back {1e3 * wheel.back_to_back:g} mm"),
-            ("rig", rig.description),
-            ("its source", rig.source),
-            ("roller", f"radius {1e3 * rig.roller_radius:g} mm, spin inertia of a pair {inertia}, {rig.coupling}"),
-            ("steel", f"G = {1e-9 * steel.shear_modulus:z.2f} GPa, ν = {steel.poisson_ratio:g}"),
-            ("paper's material", f"G = {1e-9 * soft.shear_modulus:z.2f} GPa, ν = {soft.poisson_ratio:g}; {soft.source}"),
-            ("friction", f"{case.contact.friction.mu_0:g}"),
-            ("creep law, normal law", f"{case.contact.creep.kind}, {case.contact.normal.kind}".replace("_", " ")),
-            ("merging criterion", f"{getattr(case.contact.normal, 'merging_criterion', 0.0):g}"),
-            ("runs of figure 7", f"rodas4, tolerance {hunting.relative_tolerance:g} relative, {hunting.absolute_tolerance:g} m, "
-             f"{hunting.duration:g} s"),
-            ("run of figure 8", f"{traction.time.method}, tolerance {traction.time.relative_tolerance:g} relative, from "
-             f"{3.6 * traction.motion.speed:g} km/h"),
-        ]  # fmt: skip
+        values = {
+            "vehicle": vehicle,
+            "rig": rig,
+            "contact": contact,
+            "soft": soft,
+            "hunting": self.chosen.hunting,
+            "time": traction.time,
+            "mm": [1e3 * length for length in (vehicle.wheel.radius, vehicle.wheel.back_to_back, rig.roller_radius)],
+            "gpa": [1e-9 * one.shear_modulus for one in (steel, soft)],
+            "laws": f"{contact.creep.kind}, {contact.normal.kind}".replace("_", " "),
+            "merging": getattr(contact.normal, "merging_criterion", 0.0),
+            "kmh": 3.6 * traction.motion.speed,
+        }
+        rows = [(name, text.format(**values)) for name, text in TEXT["parameters"]]
         bodies = [(b.name.replace("_", " "), b.mass, *b.inertia) for b in vehicle.bodies_in(case.vehicle.part)]
         header = ("body", "mass [kg]", "Ixx [kg m²]", "Iyy [kg m²]", "Izz [kg m²]")
         return [Table(("parameter", "value"), rows), Table(header, bodies, "Bodies; the car body is fixed.")]
@@ -344,12 +321,9 @@ class PaperStudy(Study[Results]):
 
 def _contact_numbers(results: Results, contact: str, material: str) -> dict[str, Any]:
     """What is reported with either contact; empty where nothing was computed."""
-    places = {v: place for v in VARIANTS if (place := (contact, material, v)) in results.linear}
-    if not places and contact == EXACT and (EXACT, material, RIG) not in results.runs:
-        return {}
-    pairs = {v: results.linear[place] for v, place in places.items()}
+    pairs = {v: results.linear[place] for v in VARIANTS if (place := (contact, material, v)) in results.linear}
     found: dict[str, Any] = {}
-    if places:
+    if pairs:
         found["linear"] = {v: {"critical_speed_kmh": value, "frequency_hz": hz} for v, (value, hz) in pairs.items()}
     for key, variant in (("by_disturbance", RIG), ("vehicle_on_track", VEHICLE)):
         if (contact, material, variant) in results.runs:
@@ -388,39 +362,31 @@ def _traction_numbers(study: xr.Dataset | None) -> dict[str, Any] | None:
     return {"speed_kmh": 3.6 * float(end["speed"]), **own}
 
 
-def _run_columns(found: CriticalSpeedByDisturbance) -> dict[str, ArrayLike]:
-    """Runs at constant speed."""
-    table = hunting_table(found.runs, found.disturbance)
-    columns = {
-        "speed_kmh": "speed",
-        "amplitude_m": "amplitude",
-        "frequency_hz": "oscillation_frequency",
-        "decay_frequency_hz": "decay_frequency",
-        "rate_at_end_per_s": "rate_at_end",
-        "persists": "persists",
-    }
-    return {column: table[name].to_numpy() for column, name in columns.items()}
+RUN_COLUMNS = {
+    "speed_kmh": "speed",
+    "amplitude_m": "amplitude",
+    "frequency_hz": "oscillation_frequency",
+    "decay_frequency_hz": "decay_frequency",
+    "rate_at_end_per_s": "rate_at_end",
+    "persists": "persists",
+}
+"""Column of the runs' files -> variable."""
 
 
 def _frequency_rows(results: Results) -> list[list[object]]:
     """Frequency and damping of hunting over speed, header first."""
-    rows: list[list[object]] = [["material", "variant", "speed_kmh", "hunting_frequency_hz", "hunting_damping"]]
-    for material, variants in results.modes.items():
-        for variant, modes in variants.items():
-            columns = (modes[name].to_numpy().tolist() for name in ("speed", "hunting_frequency", "hunting_damping"))
-            rows += [[material, variant, *values] for values in zip(*columns, strict=True)]
-    return rows
+    columns = {"speed_kmh": "speed", "hunting_frequency_hz": "hunting_frequency", "hunting_damping": "hunting_damping"}
+    found = [([m, v], modes) for m, variants in results.modes.items() for v, modes in variants.items()]
+    rows = [[*names, *row] for names, modes in found for row in dataset_rows(modes, columns, "speed")[1:]]
+    return [["material", "variant", *columns], *rows]
 
 
-def _traction_columns(study: xr.Dataset) -> dict[str, ArrayLike]:
+def _traction_columns(study: xr.Dataset) -> dict[str, xr.DataArray]:
     """Sliding and forces of all wheels beside the closed forms over time."""
     columns = {"time_s": study["time"], "speed_mps": study["speed"], "torque_nm": study["torque"]}
-    for wheel in map(str, study["wheel"].to_numpy()):
-        for _, name, _ in ENDS:
-            for kind in ("", "_theory"):
-                unit = "mps" if name == "sliding" else "n"
-                columns[f"{wheel}.{name}{kind}_{unit}"] = study[f"{name}{kind}"].sel(wheel=wheel)
-    return {name: column.to_numpy() for name, column in columns.items()}
+    for wheel, (_, name, _), kind in itertools.product(study["wheel"].to_numpy(), ENDS, ("", "_theory")):
+        columns[f"{wheel}.{name}{kind}_{'mps' if name == 'sliding' else 'n'}"] = study[f"{name}{kind}"].sel(wheel=wheel)
+    return columns
 
 
 # -------------------------------------------------------------------------------------------------------------- figures
@@ -560,6 +526,11 @@ def _fits(speed: Interval) -> bool | None:
     return speed.within((1 - NEAR) * CRITICAL_KMH, (1 + NEAR) * CRITICAL_KMH)
 
 
+def _off(speed: Interval) -> Interval:
+    """A critical speed [km/h] less the paper's [%]."""
+    return Interval(*(100 * (end / CRITICAL_KMH - 1) for end in (speed.low, speed.high)))
+
+
 def _fit_paragraphs(results: Results) -> Iterator[str]:
     """Which material the paper's critical speed fits, and why."""
     found = rig_speeds(results)
@@ -594,7 +565,7 @@ def _nearest(found: dict[tuple[str, str], Interval]) -> str:
         return f"{text}That is within a tenth of the paper's value."
     if verdict is None:
         return f"{text}Whether that is within a tenth of the paper's value is {NOT_DECIDED}. {NAMELESS}"
-    off = Interval(100 * (speed.low / CRITICAL_KMH - 1), 100 * (speed.high / CRITICAL_KMH - 1))
+    off = _off(speed)
     apart = f"{off.text('%')} above" if off.low > 0 else f"{Interval(-off.high, -off.low).text('%')} below"
     return f"{text}That is {apart} the paper's value: neither reproduces it. {NAMELESS}"
 

@@ -22,9 +22,9 @@ from rollerrig.analysis.critical_speed import scan_linear
 from rollerrig.analysis.fits import Fit, fit
 from rollerrig.analysis.hunting import HuntingRun, decay_frequency
 from rollerrig.analysis.roller_effects import RADII, CriticalSpeedOverRadius, EffectSplit
-from rollerrig.analysis.traction import with_theory
+from rollerrig.analysis.traction import asymmetry, carried_weight, spin_balance, with_theory
 from rollerrig.cases import restrained_along_track
-from rollerrig.config import Case, Rig, load_case
+from rollerrig.config import Case, load_case
 from rollerrig.study import critical_speeds as speeds
 from rollerrig.study.assessment import Check, Interval
 from rollerrig.study.contact_models import sensitivity_cases
@@ -380,43 +380,6 @@ def sliding_course(own: xr.Dataset) -> tuple[Fit, Fit, Fit]:
         fit(sliding[rising], np.ones(int(rising.sum())), time[rising], time[rising] ** 2),
         fit(sliding[steady], np.ones(int(steady.sum())), time[steady]),
     )
-
-
-def asymmetry(run: xr.Dataset, variable: str) -> float:
-    """Largest difference between left and right wheels over the largest value [1]."""
-    values = run[variable]
-    sides = ([values.sel(wheel=f"wheelset_{k}_{side}", drop=True) for side in ("left", "right")] for k in (1, 2))
-    return max(float(abs(left - right).max()) for left, right in sides) / float(abs(values).max())
-
-
-def spin_balance(run: xr.Dataset, study: xr.Dataset, case: Case, wheelset: str, roller: str) -> tuple[float, float]:
-    """Largest imbalance about the axes of a wheelset and its roller pair, over the largest torque [1]."""
-    torque = study["torque"].to_numpy()
-    inertia = next(b.inertia[1] for b in case.vehicle.data.body if b.name == wheelset)
-    rig = case.support.data
-    assert isinstance(rig, Rig)
-    on_wheel, on_roller = np.zeros_like(torque), np.zeros_like(torque)
-    for wheel in (w for w in run["wheel"].to_numpy() if str(w).startswith(wheelset)):
-        own = run.sel(wheel=wheel)
-        force = own["patch_creep_force_x"].fillna(0.0).sum("patch").to_numpy()
-        on_wheel -= force * own["rolling_radius"].to_numpy()
-        on_roller -= force * rig.roller_radius
-    spin = run["pitch_acceleration"]
-    left = torque + on_wheel - inertia * spin.sel(body=wheelset).to_numpy()
-    left_roller = on_roller - rig.roller_inertia[1] * spin.sel(body=roller).to_numpy()
-    inside = slice(1, -1)  # at the very ends an acceleration may belong to the other side of a corner
-    scale = float(torque.max())
-    return float(np.abs(left[inside]).max()) / scale, float(np.abs(left_roller[inside]).max()) / scale
-
-
-def carried_weight(run: xr.Dataset, case: Case) -> float:
-    """Weight of frame and wheelsets and the load of the secondary suspension at the first output time [N]."""
-    part, vehicle = case.vehicle.part, case.vehicle.data
-    load = case.gravity * sum(b.mass for b in vehicle.bodies_in(part) if b.name not in part.fixed)
-    for element in vehicle.elements_in(part):
-        if element.between[0] in part.fixed:
-            load -= float(run["element_force_z"].sel(element=element.name).isel(time=0))
-    return float(load)
 
 
 def onset_wavelength(results: Results, material: str) -> float:
