@@ -23,14 +23,15 @@ from rollerrig.config import Case, Rig
 from rollerrig.plot import amplitude_over_speed, hunting_over_time, ramp_over_speed, traction_forces, traction_sliding
 from rollerrig.plot.modes import hunting_frequencies
 from rollerrig.study import critical_speeds as speeds
-from rollerrig.study.assessment import NOT_DECIDED, Interval, check_table, counts, counts_text
-from rollerrig.study.contact_models import sensitivity_numbers, sensitivity_table
+from rollerrig.study.assessment import NOT_DECIDED, Interval, check_table, counts_text
+from rollerrig.study.contact_models import sensitivity_table
 from rollerrig.study.frame import Study, dataset_rows
 from rollerrig.study.jobs import Done, Round
 from rollerrig.study.quantities import Numbers, Quantities
 from rollerrig.study.report import VIEW, Block, Mark, Picture, Section, Table, Text
 from rollerrig.study.run import audit_tables
 from rollerrig.study.runs.paper import (
+    ENDS,
     EXACT,
     FRONT,
     FULL,
@@ -46,6 +47,7 @@ from rollerrig.study.runs.paper import (
     Results,
     around_onset,
     frequency_differences,
+    numbers_of,
     onset_wavelength,
     results_of,
     rig_case,
@@ -68,15 +70,6 @@ PAPER = (
 CRITICAL_KMH, NEAR = 100.0, 0.1
 """Speed above which the paper's figure 7a grows [km/h]; a critical speed within this share of it fits it [1]."""
 
-ENDS = (
-    ("sliding_mmps", "sliding", 1e3),
-    ("longitudinal_creep_force_n", "longitudinal_creep_force", 1.0),
-    ("longitudinal_force_n", "longitudinal_force", 1.0),
-    ("vertical_force_n", "vertical_force", 1.0),
-)
-"""Key, variable and factor of what is reported of figure 8 at its end."""
-
-
 QUANTITIES = Quantities("paper")
 
 
@@ -96,9 +89,7 @@ class PaperStudy(Study[Results]):
     formats = ("svg", "png")
     round_ends = (0.2, 0.8)
 
-    @property
-    def title(self) -> str:
-        return "Malvezzi, Meli and Pugi (2010): critical speed and traction of a bogie on a roller rig"
+    title = "Malvezzi, Meli and Pugi (2010): critical speed and traction of a bogie on a roller rig"
 
     @property
     def mark(self) -> Mark | None:
@@ -120,16 +111,7 @@ class PaperStudy(Study[Results]):
         return {"paper": PAPER.replace("Pugi, Sim", "Pugi: Sim").removesuffix(".")}
 
     def numbers(self, results: Results) -> dict[str, Any]:
-        found = {m: _contact_numbers(results, OWN, m) | _material_numbers(results, m) for m in results.modes}
-        exact = {m: one for m in MATERIALS if (one := _contact_numbers(results, EXACT, m))}
-        return {
-            "materials": found,
-            "exact_contact": {"materials": exact, "traction": _traction_numbers(results.exact_theory)},
-            "critical_speed_by_contact_model": sensitivity_numbers(results.sensitivity),
-            "traction": _traction_numbers(results.theory),
-            "checks": [check.as_dict() for check in results.checks],
-            **counts(results.checks),
-        }
+        return numbers_of(results)
 
     def summary(self, results: Results, numbers: Numbers) -> list[str]:
         size = 1e3 * self.chosen.hunting.disturbance
@@ -183,14 +165,6 @@ class PaperStudy(Study[Results]):
         def pictures(*names: str) -> list[Block]:
             return [drawn[name] for name in names if name in drawn] or [Text("Not computed.")]
 
-        radii = [
-            speeds.radius_table(table, f"Linear critical speeds, {NAMES[m]}: bogie (car body fixed) and vehicle.")
-            for m, table in results.over_radius.items()
-        ]
-        splits = [
-            speeds.effects_table(split, f"Track less rig, {NAMES[m]}, bogie: effects of the rollers switched.")
-            for m, split in results.effects.items()
-        ]
         ramp = self.chosen.ramps[MATERIALS[0]]
         every, rate = (round(3.6 * value, 6) for value in (ramp.perturbation_every, ramp.acceleration))
         stability: list[Block] = [
@@ -203,17 +177,21 @@ class PaperStudy(Study[Results]):
             *map(Text, self._frequency_paragraphs(results)),
             *pictures("figure_7b_steel", "figure_7b_paper"),
         ]
-        rig = [*map(Text, _rig_paragraphs(results)), *radii, *pictures("radius_steel", "radius_paper"), *splits]
-        checks: list[Block] = [Text("No checks.")]
-        if results.checks:
-            checks = [Text(counts_text(results.checks)), check_table(results.checks)]
+        rig: list[Block] = [
+            *map(Text, _rig_paragraphs(results)),
+            *(speeds.radius_table(one, TEXT["radii"].format(NAMES[m])) for m, one in results.over_radius.items()),
+            *pictures("radius_steel", "radius_paper"),
+            *(speeds.effects_table(one, TEXT["effects"].format(NAMES[m])) for m, one in results.effects.items()),
+            *pictures("roller_effects"),
+        ]
+        checks: list[Block] = [Text(counts_text(results.checks)), check_table(results.checks)]
         return [
             self._compared(results, numbers),
             Section("Figure 7: stability", stability),
-            Section("What the rig changes", [*rig, *pictures("roller_effects")]),
+            Section("What the rig changes", rig),
             Section("Which material fits the paper", self._fit_blocks(results, numbers)),
             Section("Figure 8: traction", [Text(TEXT["traction"]), *pictures("figure_8a", "figure_8b")]),
-            Section("Checks", checks),
+            Section("Checks", checks if results.checks else [Text("No checks.")]),
             Section("Solver and contact", audit_tables(_audited(results)), folded=True),
             Section("Parameters", self._parameters(), folded=True),
         ]
@@ -316,50 +294,7 @@ class PaperStudy(Study[Results]):
         return [Table(("parameter", "value"), rows), Table(header, bodies, "Bodies; the car body is fixed.")]
 
 
-# ------------------------------------------------------------------------------------------------------ numbers and rows
-
-
-def _contact_numbers(results: Results, contact: str, material: str) -> dict[str, Any]:
-    """What is reported with either contact; empty where nothing was computed."""
-    pairs = {v: results.linear[place] for v in VARIANTS if (place := (contact, material, v)) in results.linear}
-    found: dict[str, Any] = {}
-    if pairs:
-        found["linear"] = {v: {"critical_speed_kmh": value, "frequency_hz": hz} for v, (value, hz) in pairs.items()}
-    for key, variant in (("by_disturbance", RIG), ("vehicle_on_track", VEHICLE)):
-        if (contact, material, variant) in results.runs:
-            found[key] = speeds.disturbance_numbers(results.runs[contact, material, variant])
-    return found
-
-
-def _material_numbers(results: Results, material: str) -> dict[str, Any]:
-    """What is reported with the paper's contact alone."""
-    found: dict[str, Any] = {
-        "merging_criterion": {f"{b:g}": scan.speed_kmh for b, scan in results.merging.get(material, {}).items()},
-        "onset_wavelength_m": onset_wavelength(results, material),
-    }
-    if material in results.contact:
-        state = results.contact[material]
-        found["contact"] = {
-            "patches": state.patches,
-            "approach_um": 1e6 * state.approach,
-            "creep_stiffness_n": state.creep_stiffness,
-            "wavelength_m": state.wavelength,
-        }
-    if material in results.over_radius:
-        found["critical_speed_over_radius_kmh"] = speeds.radius_numbers(results.over_radius[material])
-    if material in results.effects:
-        found["roller_effects"] = speeds.effect_numbers(results.effects[material])
-    return found
-
-
-def _traction_numbers(study: xr.Dataset | None) -> dict[str, Any] | None:
-    """Figure 8 at its end."""
-    if study is None:
-        return None
-    end = study.isel(time=-1)
-    wheels = {wheel: end.sel(wheel=wheel) for wheel in (FRONT, REAR)}
-    own = {w: {key: factor * float(one[name]) for key, name, factor in ENDS} for w, one in wheels.items()}
-    return {"speed_kmh": 3.6 * float(end["speed"]), **own}
+# ---------------------------------------------------------------------------------------------------------- rows of files
 
 
 RUN_COLUMNS = {

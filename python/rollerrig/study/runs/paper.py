@@ -12,6 +12,7 @@ import itertools
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -26,8 +27,8 @@ from rollerrig.analysis.traction import asymmetry, carried_weight, spin_balance,
 from rollerrig.cases import restrained_along_track
 from rollerrig.config import Case, load_case
 from rollerrig.study import critical_speeds as speeds
-from rollerrig.study.assessment import Check, Interval
-from rollerrig.study.contact_models import sensitivity_cases
+from rollerrig.study.assessment import Check, Interval, counts
+from rollerrig.study.contact_models import sensitivity_cases, sensitivity_numbers
 from rollerrig.study.jobs import Done, Job, Round, job, whole_modes, whole_run
 from rollerrig.study.report import Mark
 
@@ -294,13 +295,13 @@ COURSE = (
 def _hunting_checks(found: Results) -> Iterator[Check]:
     """Figure 7: energy of runs and ramps, and the order of the critical speeds where both are known."""
     for material in MATERIALS:
-        own = found.runs.get((OWN, material, RIG))
+        own, ramp = found.runs_of(RIG).get(material), found.ramps.get(material)
         audits = {
             f"energy of the runs at constant speed, {material}: the worst": [one.motion for one in own.runs]
             if own
-            else []
+            else [],
+            f"energy of the ramp, {material}": [] if ramp is None else [ramp],
         }
-        audits[f"energy of the ramp, {material}"] = [found.ramps[material]] if material in found.ramps else []
         for name, runs in audits.items():
             if runs:
                 worst = max(float(run.attrs["energy_relative_residual"]) for run in runs)
@@ -326,16 +327,10 @@ def traction_checks(run: xr.Dataset, study: xr.Dataset, case: Case) -> Iterator[
     for place, own in places.items():
         for (what, tolerance, reason), fitted in zip(COURSE, sliding_course(own), strict=True):
             yield Check(f"sliding, {place}: {what}", fitted.largest, 0.0, tolerance, reason)
-        end = own.isel(time=-1)
-        yield Check(
-            f"sliding at the end, {place}: slope of the creep law at the start × force × speed",
-            1e3 * float(end["sliding"]),
-            1e3 * float(end["sliding_theory"]),
-            0.1,
-            "the slope changes with load (load transfer) and with saturation (two patches pull against each other)",
-            "mm/s",
-            relative=True,
-        )
+        last, theory = (1e3 * float(own[name].isel(time=-1)) for name in ("sliding", "sliding_theory"))
+        name = f"sliding at the end, {place}: slope of the creep law at the start × force × speed"
+        reason = "the slope changes with load (load transfer) and with saturation (two patches pull against each other)"
+        yield Check(name, last, theory, 0.1, reason, "mm/s", relative=True)
     for variable in ("longitudinal_sliding", "longitudinal_creep_force", "vertical_force"):
         name = {"longitudinal_sliding": "sliding"}.get(variable, variable.replace("_", " "))
         reason = "relative; the model is symmetric, only the integration's error remains"
@@ -354,20 +349,11 @@ def traction_checks(run: xr.Dataset, study: xr.Dataset, case: Case) -> Iterator[
         name = f"load transfer at the end, {place}: balance of the frame's moments"
         reason = "closed form, small angles, springs linear"
         yield Check(name, change[0], change[1], 0.01, reason, "N", relative=True)
-    yield Check(
-        "vertical wheel loads sum to the weight and the load of the secondary suspension on the frame",
-        float(run["vertical_force"].isel(time=0).sum()),
-        carried_weight(run, case),
-        1e-6,
-        "accuracy of the starting equilibrium",
-        "N",
-        relative=True,
-    )
-    residual, reason = (
-        float(run.attrs["energy_relative_residual"]),
-        "of the energy turned over; the error of the integration",
-    )
-    yield Check("traction: energy, work in = kinetic + potential + dissipated", residual, 0.0, 1e-6, reason)
+    name = "vertical wheel loads sum to the weight and the load of the secondary suspension on the frame"
+    total, reason = float(run["vertical_force"].isel(time=0).sum()), "accuracy of the starting equilibrium"
+    yield Check(name, total, carried_weight(run, case), 1e-6, reason, "N", relative=True)
+    residual, reason = run.attrs["energy_relative_residual"], "of the energy turned over; the error of the integration"
+    yield Check("traction: energy, work in = kinetic + potential + dissipated", float(residual), 0.0, 1e-6, reason)
 
 
 def sliding_course(own: xr.Dataset) -> tuple[Fit, Fit, Fit]:
@@ -424,3 +410,71 @@ def rig_speeds(results: Results) -> dict[tuple[str, str], Interval]:
         found[m, "linear"] = Interval(results.linear_kmh(m), results.linear_kmh(m))
         found[m, "by disturbance"] = results.by_disturbance(m)
     return {key: one for key, one in found.items() if one.known}
+
+
+# -------------------------------------------------------------------------------------------------------------- numbers
+
+ENDS = (
+    ("sliding_mmps", "sliding", 1e3),
+    ("longitudinal_creep_force_n", "longitudinal_creep_force", 1.0),
+    ("longitudinal_force_n", "longitudinal_force", 1.0),
+    ("vertical_force_n", "vertical_force", 1.0),
+)
+"""Key, variable and factor of what is reported of figure 8 at its end."""
+
+
+def numbers_of(results: Results) -> dict[str, Any]:
+    """What goes into summary.json."""
+    found = {m: _contact_numbers(results, OWN, m) | _material_numbers(results, m) for m in results.modes}
+    exact = {m: one for m in MATERIALS if (one := _contact_numbers(results, EXACT, m))}
+    return {
+        "materials": found,
+        "exact_contact": {"materials": exact, "traction": _traction_numbers(results.exact_theory)},
+        "critical_speed_by_contact_model": sensitivity_numbers(results.sensitivity),
+        "traction": _traction_numbers(results.theory),
+        "checks": [check.as_dict() for check in results.checks],
+        **counts(results.checks),
+    }
+
+
+def _contact_numbers(results: Results, contact: str, material: str) -> dict[str, Any]:
+    """What is reported with either contact; empty where nothing was computed."""
+    pairs = {v: results.linear[place] for v in VARIANTS if (place := (contact, material, v)) in results.linear}
+    found: dict[str, Any] = {}
+    if pairs:
+        found["linear"] = {v: {"critical_speed_kmh": value, "frequency_hz": hz} for v, (value, hz) in pairs.items()}
+    for key, variant in (("by_disturbance", RIG), ("vehicle_on_track", VEHICLE)):
+        if (contact, material, variant) in results.runs:
+            found[key] = speeds.disturbance_numbers(results.runs[contact, material, variant])
+    return found
+
+
+def _material_numbers(results: Results, material: str) -> dict[str, Any]:
+    """What is reported with the paper's contact alone."""
+    found: dict[str, Any] = {
+        "merging_criterion": {f"{b:g}": scan.speed_kmh for b, scan in results.merging.get(material, {}).items()},
+        "onset_wavelength_m": onset_wavelength(results, material),
+    }
+    if material in results.contact:
+        state = results.contact[material]
+        found["contact"] = {
+            "patches": state.patches,
+            "approach_um": 1e6 * state.approach,
+            "creep_stiffness_n": state.creep_stiffness,
+            "wavelength_m": state.wavelength,
+        }
+    if material in results.over_radius:
+        found["critical_speed_over_radius_kmh"] = speeds.radius_numbers(results.over_radius[material])
+    if material in results.effects:
+        found["roller_effects"] = speeds.effect_numbers(results.effects[material])
+    return found
+
+
+def _traction_numbers(study: xr.Dataset | None) -> dict[str, Any] | None:
+    """Figure 8 at its end."""
+    if study is None:
+        return None
+    end = study.isel(time=-1)
+    wheels = {wheel: end.sel(wheel=wheel) for wheel in (FRONT, REAR)}
+    own = {w: {key: factor * float(one[name]) for key, name, factor in ENDS} for w, one in wheels.items()}
+    return {"speed_kmh": 3.6 * float(end["speed"]), **own}
