@@ -17,6 +17,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from rollerrig import _core
+from rollerrig.analysis.fits import Fit, fit
 from rollerrig.config import Case, Rig
 from rollerrig.contact_laws import core_law
 from rollerrig.results import variable
@@ -292,3 +293,15 @@ def carried_weight(run: xr.Dataset, case: Case) -> float:
         if element.between[0] in part.fixed:
             load -= float(run["element_force_z"].sel(element=element.name).isel(time=0))
     return float(load)
+
+
+def sliding_course(own: xr.Dataset) -> tuple[Fit, Fit, Fit]:
+    """The sliding of a wheel, fitted with the torque times the speed, over time while it rises, and at its final value."""
+    torque, speed, sliding, time = (own[name].to_numpy() for name in ("torque", "speed", "sliding", "time"))
+    final = torque >= torque.max() * (1 - 1e-12)
+    rising, steady = (torque > 0) & ~final, final & (time > time[final][0] + 0.2)
+    return (
+        fit(sliding, speed, speed * torque),
+        fit(sliding[rising], np.ones(int(rising.sum())), time[rising], time[rising] ** 2),
+        fit(sliding[steady], np.ones(int(steady.sum())), time[steady]),
+    )

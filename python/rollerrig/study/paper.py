@@ -18,7 +18,7 @@ from matplotlib.figure import Figure
 
 from rollerrig.analysis import end_of_hunting, hunting_table
 from rollerrig.analysis.fits import fit
-from rollerrig.analysis.traction import asymmetry
+from rollerrig.analysis.traction import asymmetry, sliding_course
 from rollerrig.config import Case, Rig
 from rollerrig.plot import amplitude_over_speed, hunting_over_time, ramp_over_speed, traction_forces, traction_sliding
 from rollerrig.plot.modes import hunting_frequencies
@@ -31,7 +31,6 @@ from rollerrig.study.quantities import Numbers, Quantities
 from rollerrig.study.report import VIEW, Block, Mark, Picture, Section, Table, Text
 from rollerrig.study.run import audit_tables
 from rollerrig.study.runs.paper import (
-    ENDS,
     EXACT,
     FRONT,
     FULL,
@@ -40,21 +39,20 @@ from rollerrig.study.runs.paper import (
     OWN,
     REAR,
     RIG,
+    RUN_COLUMNS,
     TABLE_PARTS,
     VARIANTS,
     VEHICLE,
     PaperPlan,
     Results,
     around_onset,
-    frequency_differences,
+    frequency_rows,
     numbers_of,
-    onset_wavelength,
     results_of,
     rig_case,
-    rig_speeds,
     rounds,
-    sliding_course,
     traction_case,
+    traction_columns,
 )
 from rollerrig.wording import number, percent
 
@@ -63,10 +61,7 @@ CAPTIONS: Mapping[str, str] = TEXT["captions"]
 """Picture -> what it shows."""
 
 NAMELESS: str = TEXT["nameless"]
-PAPER = (
-    "M. Malvezzi, E. Meli, L. Pugi, Simulation of degraded wheel/rail adhesion conditions on a railway roller rig for the "
-    "evaluation of the effect of wheel/roller contact on control performance, 2010."
-)
+PAPER: str = TEXT["paper"]
 CRITICAL_KMH, NEAR = 100.0, 0.1
 """Speed above which the paper's figure 7a grows [km/h]; a critical speed within this share of it fits it [1]."""
 
@@ -147,10 +142,10 @@ class PaperStudy(Study[Results]):
                 table = hunting_table(one.runs, one.disturbance)
                 found[f"data/{name}_{m}.csv"] = dataset_rows(table, RUN_COLUMNS, "speed")
         if results.modes:
-            found["data/figure_7b_linear.csv"] = _frequency_rows(results)
+            found["data/figure_7b_linear.csv"] = frequency_rows(results)
         if results.traction is not None and results.theory is not None:
             found["data/traction.nc"] = results.traction
-            found["data/figure_8.csv"] = _traction_columns(results.theory)
+            found["data/figure_8.csv"] = traction_columns(results.theory)
         return found
 
     def shown(self, results: Results) -> Mapping[str, xr.Dataset]:
@@ -235,7 +230,7 @@ class PaperStudy(Study[Results]):
         """What figure 7b says: how far the bogie on the rig and the whole vehicle on the rails are apart."""
         texts = []
         for m in MATERIALS:
-            apart = frequency_differences(results, m)
+            apart = results.frequency_differences(m)
             if not apart:
                 continue
             text = TEXT["frequency"].format(material=NAMES[m].capitalize(), count=len(apart), apart=_percents(apart))
@@ -253,7 +248,7 @@ class PaperStudy(Study[Results]):
         """Which material fits the paper's critical speed."""
         blocks: list[Block] = [*map(Text, _fit_paragraphs(results))] or [Text("Not computed.")]
         words = {True: "yes", False: "no", None: NOT_DECIDED}
-        found = {(NAMES[m], kind): speed for (m, kind), speed in rig_speeds(results).items()}
+        found = {(NAMES[m], kind): speed for (m, kind), speed in results.rig_speeds().items()}
         rows = [(*who, one.text("km/h", 1), _off(one).text("%"), words[_fits(one)]) for who, one in found.items()]
         if rows:
             header = ("material", "critical speed", "computed", f"less {CRITICAL_KMH:g} km/h", "within a tenth of it")
@@ -292,36 +287,6 @@ class PaperStudy(Study[Results]):
         bodies = [(b.name.replace("_", " "), b.mass, *b.inertia) for b in vehicle.bodies_in(case.vehicle.part)]
         header = ("body", "mass [kg]", "Ixx [kg m²]", "Iyy [kg m²]", "Izz [kg m²]")
         return [Table(("parameter", "value"), rows), Table(header, bodies, "Bodies; the car body is fixed.")]
-
-
-# ---------------------------------------------------------------------------------------------------------- rows of files
-
-
-RUN_COLUMNS = {
-    "speed_kmh": "speed",
-    "amplitude_m": "amplitude",
-    "frequency_hz": "oscillation_frequency",
-    "decay_frequency_hz": "decay_frequency",
-    "rate_at_end_per_s": "rate_at_end",
-    "persists": "persists",
-}
-"""Column of the runs' files -> variable."""
-
-
-def _frequency_rows(results: Results) -> list[list[object]]:
-    """Frequency and damping of hunting over speed, header first."""
-    columns = {"speed_kmh": "speed", "hunting_frequency_hz": "hunting_frequency", "hunting_damping": "hunting_damping"}
-    found = [([m, v], modes) for m, variants in results.modes.items() for v, modes in variants.items()]
-    rows = [[*names, *row] for names, modes in found for row in dataset_rows(modes, columns, "speed")[1:]]
-    return [["material", "variant", *columns], *rows]
-
-
-def _traction_columns(study: xr.Dataset) -> dict[str, xr.DataArray]:
-    """Sliding and forces of all wheels beside the closed forms over time."""
-    columns = {"time_s": study["time"], "speed_mps": study["speed"], "torque_nm": study["torque"]}
-    for wheel, (_, name, _), kind in itertools.product(study["wheel"].to_numpy(), ENDS, ("", "_theory")):
-        columns[f"{wheel}.{name}{kind}_{'mps' if name == 'sliding' else 'n'}"] = study[f"{name}{kind}"].sel(wheel=wheel)
-    return columns
 
 
 # -------------------------------------------------------------------------------------------------------------- figures
@@ -424,7 +389,7 @@ def _rig_paragraphs(results: Results) -> Iterator[str]:
 def _rig_and_rails(results: Results) -> Iterator[Row]:
     """Figure 7b: bogie on the rig against the whole vehicle on the rails."""
     for m in MATERIALS:
-        apart = frequency_differences(results, m)
+        apart = results.frequency_differences(m)
         if apart:
             what = f"frequency of hunting, rig against rails, {NAMES[m]} (figure 7b)"
             yield what, "similar", f"differs by {_percents(apart)}", TEXT["short"]
@@ -468,7 +433,7 @@ def _off(speed: Interval) -> Interval:
 
 def _fit_paragraphs(results: Results) -> Iterator[str]:
     """Which material the paper's critical speed fits, and why."""
-    found = rig_speeds(results)
+    found = results.rig_speeds()
     if not found:
         return
     yield f"The paper reports growing oscillations above {CRITICAL_KMH:z.0f} km/h. {_nearest(found)}"
@@ -488,9 +453,8 @@ def _nearest(found: dict[tuple[str, str], Interval]) -> str:
     distances = {key: one.distance(CRITICAL_KMH) for key, one in found.items()}
     nearest = min(distances, key=lambda key: distances[key].high)
     if any(other.low < distances[nearest].high for key, other in distances.items() if key != nearest):
-        return (
-            f"Which critical speed is nearest to that is {NOT_DECIDED} at the width of the intervals below. {NAMELESS}"
-        )
+        which = f"Which critical speed is nearest to that is {NOT_DECIDED} at the width of the intervals below."
+        return f"{which} {NAMELESS}"
     (material, kind), speed = nearest, found[nearest]
     text = f"The nearest critical speed is that of {NAMES[material]} ({kind}), {speed.text('km/h', 1)}"
     others = [distance.low for (other, _), distance in distances.items() if other != material]
@@ -520,7 +484,7 @@ def _effect_of_the_material(results: Results) -> str:
     by_disturbance = results.by_disturbance(soft_name).below(results.by_disturbance(steel_name))
     if results.linear_kmh(soft_name) < results.linear_kmh(steel_name) and by_disturbance:
         text += " Both the linear critical speed and that by disturbance fall with it."
-    waves = [onset_wavelength(results, m) for m in MATERIALS]
+    waves = [results.onset_wavelength(m) for m in MATERIALS]
     if all(math.isfinite(w) for w in waves):
         slow = [state.wavelength for state in (steel, soft)]
         factor = [(own / wave) ** 2 for own, wave in zip(slow, waves, strict=True)]

@@ -14,21 +14,27 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Any
 
-import numpy as np
 import xarray as xr
 
-from rollerrig.analysis import CriticalSpeedByDisturbance, HuntingSettings, LinearCriticalSpeed, RampSettings, ramp_run
+from rollerrig.analysis import (
+    CriticalSpeedByDisturbance,
+    HuntingSettings,
+    LinearCriticalSpeed,
+    RampSettings,
+    hunting_table,
+    ramp_run,
+)
 from rollerrig.analysis.contact_state import ContactState, contact_state
 from rollerrig.analysis.critical_speed import scan_linear
-from rollerrig.analysis.fits import Fit, fit
-from rollerrig.analysis.hunting import HuntingRun, decay_frequency
+from rollerrig.analysis.hunting import HuntingRun
 from rollerrig.analysis.roller_effects import RADII, CriticalSpeedOverRadius, EffectSplit
-from rollerrig.analysis.traction import asymmetry, carried_weight, spin_balance, with_theory
+from rollerrig.analysis.traction import asymmetry, carried_weight, sliding_course, spin_balance, with_theory
 from rollerrig.cases import restrained_along_track
 from rollerrig.config import Case, load_case
 from rollerrig.study import critical_speeds as speeds
 from rollerrig.study.assessment import Check, Interval, counts
 from rollerrig.study.contact_models import sensitivity_cases, sensitivity_numbers
+from rollerrig.study.frame import dataset_rows
 from rollerrig.study.jobs import Done, Job, Round, job, whole_modes, whole_run
 from rollerrig.study.report import Mark
 
@@ -241,6 +247,28 @@ class Results:
         """Material -> critical speed by disturbance, of the materials that have runs."""
         return {m: self.runs[contact, m, variant] for m in MATERIALS if (contact, m, variant) in self.runs}
 
+    def onset_wavelength(self, material: str) -> float:
+        """Wavelength of the limit cycle at the lowest speed at which it was found [m]; NaN if there is none."""
+        found = self.runs_of(RIG).get(material)
+        lasting = [run for run in found.runs if run.persists] if found else []
+        return lasting[0].speed / lasting[0].final.frequency if lasting else math.nan
+
+    def frequency_differences(self, material: str) -> list[float]:
+        """Frequency of the bogie on the rig over that of the vehicle on track, less one, at each speed both were run at."""
+        both = [one for variant in (RIG, VEHICLE) if (one := self.runs_of(variant).get(material))]
+        tables = [hunting_table(one.runs, one.disturbance) for one in both]
+        known = [one["oscillation_frequency"].where(one["persists"] == 1, one["decay_frequency"]) for one in tables]
+        found = [one.assign_coords(speed=one["speed"].round(3)) for one in known]
+        return (found[0] / found[1] - 1).dropna("speed").to_numpy().tolist() if len(found) == 2 else []
+
+    def rig_speeds(self) -> dict[tuple[str, str], Interval]:
+        """Material and definition -> where the critical speed of the bogie on the rig lies [km/h]; those that are known."""
+        found = {}
+        for m in MATERIALS:
+            found[m, "linear"] = Interval(self.linear_kmh(m), self.linear_kmh(m))
+            found[m, "by disturbance"] = self.by_disturbance(m)
+        return {key: one for key, one in found.items() if one.known}
+
 
 def results_of(plan: PaperPlan, done: Done) -> Results:
     """Everything that can be said from what is done."""
@@ -356,25 +384,6 @@ def traction_checks(run: xr.Dataset, study: xr.Dataset, case: Case) -> Iterator[
     yield Check("traction: energy, work in = kinetic + potential + dissipated", float(residual), 0.0, 1e-6, reason)
 
 
-def sliding_course(own: xr.Dataset) -> tuple[Fit, Fit, Fit]:
-    """The sliding of a wheel fitted as COURSE says: with the torque times the speed, while it rises, at its final value."""
-    torque, speed, sliding, time = (own[name].to_numpy() for name in ("torque", "speed", "sliding", "time"))
-    final = torque >= torque.max() * (1 - 1e-12)
-    rising, steady = (torque > 0) & ~final, final & (time > time[final][0] + 0.2)
-    return (
-        fit(sliding, speed, speed * torque),
-        fit(sliding[rising], np.ones(int(rising.sum())), time[rising], time[rising] ** 2),
-        fit(sliding[steady], np.ones(int(steady.sum())), time[steady]),
-    )
-
-
-def onset_wavelength(results: Results, material: str) -> float:
-    """Wavelength of the limit cycle at the lowest speed at which it was found [m]; NaN if there is none."""
-    found = results.runs_of(RIG).get(material)
-    lasting = [run for run in found.runs if run.persists] if found else []
-    return lasting[0].speed / lasting[0].final.frequency if lasting else math.nan
-
-
 def around_onset(runs: list[HuntingRun], onset: float, count: int = 6) -> list[HuntingRun]:
     """Runs on both sides of the onset [m/s] and further away, by speed; spread evenly if there is no onset."""
     if not math.isfinite(onset):
@@ -388,31 +397,7 @@ def around_onset(runs: list[HuntingRun], onset: float, count: int = 6) -> list[H
     return [unique[speed] for speed in sorted(unique)][:count]
 
 
-def frequency_differences(results: Results, material: str) -> list[float]:
-    """Frequency of the bogie on the rig over that of the vehicle on track, less one, at each speed both were run at."""
-
-    def frequencies(variant: str) -> dict[float, float]:
-        found = results.runs_of(variant).get(material)
-        known = {
-            round(3.6 * run.speed, 3): run.final.frequency if run.persists else decay_frequency(run)
-            for run in (found.runs if found else [])
-        }
-        return {speed: value for speed, value in known.items() if math.isfinite(value)}
-
-    rig, vehicle = frequencies(RIG), frequencies(VEHICLE)
-    return [rig[speed] / vehicle[speed] - 1 for speed in sorted(rig.keys() & vehicle.keys())]
-
-
-def rig_speeds(results: Results) -> dict[tuple[str, str], Interval]:
-    """Material and definition -> where the critical speed of the bogie on the rig lies [km/h]; those that are known."""
-    found = {}
-    for m in MATERIALS:
-        found[m, "linear"] = Interval(results.linear_kmh(m), results.linear_kmh(m))
-        found[m, "by disturbance"] = results.by_disturbance(m)
-    return {key: one for key, one in found.items() if one.known}
-
-
-# -------------------------------------------------------------------------------------------------------------- numbers
+# ----------------------------------------------------------------------------------------------------- numbers and files
 
 ENDS = (
     ("sliding_mmps", "sliding", 1e3),
@@ -453,7 +438,7 @@ def _material_numbers(results: Results, material: str) -> dict[str, Any]:
     """What is reported with the paper's contact alone."""
     found: dict[str, Any] = {
         "merging_criterion": {f"{b:g}": scan.speed_kmh for b, scan in results.merging.get(material, {}).items()},
-        "onset_wavelength_m": onset_wavelength(results, material),
+        "onset_wavelength_m": results.onset_wavelength(material),
     }
     if material in results.contact:
         state = results.contact[material]
@@ -478,3 +463,30 @@ def _traction_numbers(study: xr.Dataset | None) -> dict[str, Any] | None:
     wheels = {wheel: end.sel(wheel=wheel) for wheel in (FRONT, REAR)}
     own = {w: {key: factor * float(one[name]) for key, name, factor in ENDS} for w, one in wheels.items()}
     return {"speed_kmh": 3.6 * float(end["speed"]), **own}
+
+
+RUN_COLUMNS = {
+    "speed_kmh": "speed",
+    "amplitude_m": "amplitude",
+    "frequency_hz": "oscillation_frequency",
+    "decay_frequency_hz": "decay_frequency",
+    "rate_at_end_per_s": "rate_at_end",
+    "persists": "persists",
+}
+"""Column of the runs' files -> variable."""
+
+
+def frequency_rows(results: Results) -> list[list[object]]:
+    """Frequency and damping of hunting over speed, header first."""
+    columns = {"speed_kmh": "speed", "hunting_frequency_hz": "hunting_frequency", "hunting_damping": "hunting_damping"}
+    found = [([m, v], modes) for m, variants in results.modes.items() for v, modes in variants.items()]
+    rows = [[*names, *row] for names, modes in found for row in dataset_rows(modes, columns, "speed")[1:]]
+    return [["material", "variant", *columns], *rows]
+
+
+def traction_columns(study: xr.Dataset) -> dict[str, xr.DataArray]:
+    """Sliding and forces of all wheels beside the closed forms over time."""
+    columns = {"time_s": study["time"], "speed_mps": study["speed"], "torque_nm": study["torque"]}
+    for wheel, (_, name, _), kind in itertools.product(study["wheel"].to_numpy(), ENDS, ("", "_theory")):
+        columns[f"{wheel}.{name}{kind}_{'mps' if name == 'sliding' else 'n'}"] = study[f"{name}{kind}"].sel(wheel=wheel)
+    return columns
