@@ -230,16 +230,15 @@ class PaperStudy(Study[Results]):
         """What figure 7b says: how far the bogie on the rig and the whole vehicle on the rails are apart."""
         texts = []
         for m in MATERIALS:
-            apart = results.frequency_differences(m)
-            if not apart:
+            if not (apart := results.frequency_differences(m)):
                 continue
             text = TEXT["frequency"].format(material=NAMES[m].capitalize(), count=len(apart), apart=_percents(apart))
             rig, vehicle = results.by_disturbance(m), results.by_disturbance(m, VEHICLE)
             if rig.known and vehicle.known:
                 ratio, offset = rig.over(vehicle), 1e3 * self.chosen.hunting.disturbance
                 lower = Interval(100 * (1 - ratio.high), 100 * (1 - ratio.low))
-                on = (one.text("km/h") for one in (rig, vehicle))
-                text += TEXT["on_rig_and_rails"].format(offset=offset, rig=next(on), rails=next(on))
+                on = {"rig": rig.text("km/h"), "rails": vehicle.text("km/h")}
+                text += TEXT["on_rig_and_rails"].format(offset=offset, **on)
                 text += f", lower on the rig by {lower.text('%')}." if lower.bounded else "."
             texts.append(text)
         return [TEXT["frequencies"], *texts] if texts else []
@@ -255,8 +254,8 @@ class PaperStudy(Study[Results]):
             blocks.append(Table(header, rows, "Bogie on the rig against the paper's critical speed."))
         if results.contact:
             entries = {NAMES[m]: numbers["materials"][m]["contact"] for m in results.contact if m in results.modes}
-            names = ("patches", "approach_um", "creep_stiffness_n", "wavelength_m")
-            blocks.append(QUANTITIES.table(entries, names, "Steady rolling on the rig, small motions.", "material"))
+            caption = "Steady rolling on the rig, small motions."
+            blocks.append(QUANTITIES.table(entries, "materials.*.contact", caption, "material"))
         if any(results.merging.values()):
             scans = {b: [results.merging[m].get(b) for m in MATERIALS] for b in self.chosen.criteria}
             cells = [[f"{b:g}", *map(speeds.linear_cell, own)] for b, own in scans.items()]
@@ -311,8 +310,8 @@ def _figures(results: Results) -> dict[str, Figure]:
         found[f"figure_7a_time_{m}"] = hunting_over_time(chosen, body, LABELS[m])
     if runs:
         tables = {LABELS[m]: hunting_table(one.runs, one.disturbance) for m, one in runs.items()}
-        for m, one in results.runs_of(RIG, EXACT).items():
-            tables[f"{LABELS[m]}, exact contact"] = hunting_table(one.runs, one.disturbance)
+        exact = results.runs_of(RIG, EXACT).items()
+        tables |= {f"{LABELS[m]}, exact contact": hunting_table(one.runs, one.disturbance) for m, one in exact}
         critical = {**stated, **{f"linear, {m}": results.linear_kmh(m) for m in runs}}
         found["figure_7a_amplitude"] = amplitude_over_speed(tables, critical)
     for m, modes in results.modes.items():
@@ -389,8 +388,7 @@ def _rig_paragraphs(results: Results) -> Iterator[str]:
 def _rig_and_rails(results: Results) -> Iterator[Row]:
     """Figure 7b: bogie on the rig against the whole vehicle on the rails."""
     for m in MATERIALS:
-        apart = results.frequency_differences(m)
-        if apart:
+        if apart := results.frequency_differences(m):
             what = f"frequency of hunting, rig against rails, {NAMES[m]} (figure 7b)"
             yield what, "similar", f"differs by {_percents(apart)}", TEXT["short"]
         rig, rails = results.by_disturbance(m), results.by_disturbance(m, VEHICLE)
@@ -433,8 +431,7 @@ def _off(speed: Interval) -> Interval:
 
 def _fit_paragraphs(results: Results) -> Iterator[str]:
     """Which material the paper's critical speed fits, and why."""
-    found = results.rig_speeds()
-    if not found:
+    if not (found := results.rig_speeds()):
         return
     yield f"The paper reports growing oscillations above {CRITICAL_KMH:z.0f} km/h. {_nearest(found)}"
     if all(m in results.contact for m in MATERIALS):
@@ -480,9 +477,8 @@ def _effect_of_the_material(results: Results) -> str:
         stiffness=100 * soft.creep_stiffness / steel.creep_stiffness,
         cube_root=100 * (moduli[1] / moduli[0]) ** (1 / 3),
     )
-    steel_name, soft_name = MATERIALS
-    by_disturbance = results.by_disturbance(soft_name).below(results.by_disturbance(steel_name))
-    if results.linear_kmh(soft_name) < results.linear_kmh(steel_name) and by_disturbance:
+    linear, by = [results.linear_kmh(m) for m in MATERIALS], [results.by_disturbance(m) for m in MATERIALS]
+    if linear[1] < linear[0] and by[1].below(by[0]):
         text += " Both the linear critical speed and that by disturbance fall with it."
     waves = [results.onset_wavelength(m) for m in MATERIALS]
     if all(math.isfinite(w) for w in waves):
