@@ -41,6 +41,7 @@ class CreepStudy(Study[xr.Dataset]):
     parameters: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
 
     command = "creep"
+    heading = "Creep laws on an ellipse a/b = {a_over_b:g}"
     quantities = QUANTITIES
     writes = ("creep.csv",)
     formats = ("svg", "png")
@@ -55,10 +56,6 @@ class CreepStudy(Study[xr.Dataset]):
         repeated = sorted({name for name in self.laws if self.laws.count(name) > 1})
         if repeated:
             raise ValueError(f"{', '.join(repeated)}: asked for more than once")
-
-    @property
-    def title(self) -> str:
-        return f"Creep laws on an ellipse a/b = {self.a_over_b:g}"
 
     def rounds(self, done: Done) -> Iterator[Round]:
         yield {"creep": job(compare, self)}

@@ -161,9 +161,11 @@ class EnvelopeStudy(Study[Envelope]):
     refine: int = 1
 
     command = "envelope"
+    heading = "{case.name}: operating envelope of the rig"
     quantities = QUANTITIES
     writes = ("envelope.nc", "envelope.csv")
     keeps_jobs = True
+    leaves_out = (LEFT_OUT,)
     irrelevant = ("description", "time.duration", "time.output_step", "torques", "adhesions", "loads", "refine")
 
     def __post_init__(self) -> None:
@@ -179,13 +181,6 @@ class EnvelopeStudy(Study[Envelope]):
             raise ConfigError(others)
         object.__setattr__(self, "torques", self.torques or tuple(default_torques(self.case)))
         check(self.case, self.torques, self.adhesions, self.loads, self.duration, self.refine)
-
-    @property
-    def title(self) -> str:
-        return f"{self.case.name}: operating envelope of the rig"
-
-    def limitations(self) -> list[str]:
-        return [*super().limitations(), LEFT_OUT]
 
     # ------------------------------------------------------------------------------------------------------ jobs
 

@@ -56,6 +56,8 @@ class Study(ABC, Generic[R]):
 
     Attributes:
         command: of the command line, for messages.
+        heading: title of the report; {names} are fields of the study.
+        assumes, leaves_out: limitations that stand before and after those of the cases, a sentence each.
         quantities: what it reports.
         writes: names of its own files, with wildcards: looked for in the folder before the work begins.
         formats: of the figures' files; the first one is shown in the report.
@@ -66,6 +68,9 @@ class Study(ABC, Generic[R]):
     """
 
     command: ClassVar[str]
+    heading: ClassVar[str] = ""
+    assumes: ClassVar[tuple[str, ...]] = ()
+    leaves_out: ClassVar[tuple[str, ...]] = ()
     quantities: ClassVar[Quantities]
     writes: ClassVar[tuple[str, ...]] = ()
     formats: ClassVar[tuple[Literal["svg", "png"], ...]] = ("png",)
@@ -77,9 +82,9 @@ class Study(ABC, Generic[R]):
     # --------------------------------------------------------------------------------- what a study says of itself
 
     @property
-    @abstractmethod
     def title(self) -> str:
         """Of the report."""
+        return self.heading.format(**vars(self))
 
     @property
     def mark(self) -> Mark | None:
@@ -125,7 +130,8 @@ class Study(ABC, Generic[R]):
 
     def limitations(self) -> list[str]:
         """What the models leave out, a sentence each: of all cases, each once."""
-        return list(dict.fromkeys(line for case in self.cases().values() for line in limitations(case)))
+        of_cases = dict.fromkeys(line for case in self.cases().values() for line in limitations(case))
+        return [*self.assumes, *of_cases, *self.leaves_out]
 
     def sources(self, results: R) -> Mapping[str, str]:
         """What -> publication: of the models and data of all cases."""

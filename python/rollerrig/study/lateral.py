@@ -240,6 +240,7 @@ class LateralStudy(Study[Found]):
     case: Case
 
     command = "lateral"
+    heading = "{case.name}: lateral motion during a slide"
     quantities = QUANTITIES
     writes = ("*.nc", VIEW)
 
@@ -267,10 +268,6 @@ class LateralStudy(Study[Found]):
         problems += simulated_axles(self.case, self.command)
         if problems:
             raise ConfigError(problems)
-
-    @property
-    def title(self) -> str:
-        return f"{self.case.name}: lateral motion during a slide"
 
     def cases(self) -> Mapping[str, Case]:
         return {"rig": self.case, "track": track_case(self.case)}

@@ -83,8 +83,9 @@ class PaperStudy(Study[Results]):
     writes = ("data/*.nc", "data/*.csv", VIEW)
     formats = ("svg", "png")
     round_ends = (0.2, 0.8)
+    assumes = (TEXT["limitation"],)
 
-    title = "Malvezzi, Meli and Pugi (2010): critical speed and traction of a bogie on a roller rig"
+    heading = "Malvezzi, Meli and Pugi (2010): critical speed and traction of a bogie on a roller rig"
 
     @property
     def mark(self) -> Mark | None:
@@ -98,9 +99,6 @@ class PaperStudy(Study[Results]):
 
     def collect(self, done: Done) -> Results | None:
         return results_of(self.chosen, done)
-
-    def limitations(self) -> list[str]:
-        return [TEXT["limitation"], *super().limitations()]
 
     def sources(self, results: Results) -> Mapping[str, str]:
         return {"paper": PAPER.replace("Pugi, Sim", "Pugi: Sim").removesuffix(".")}

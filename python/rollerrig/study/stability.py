@@ -171,13 +171,15 @@ class StabilityStudy(Study[Results]):
     contacts_kmh: float | None = None
 
     command = "stability"
+    heading = "Stability: {case.name}"
+    assumes = (
+        "The linear model is exact for small motions around steady rolling; it includes neither flange contact nor "
+        "saturation beyond its slope.",
+        "Rollers or rails are speed-controlled at each speed; torques keep their value at time 0.",
+    )
     quantities = QUANTITIES
     writes = ("stability.nc", "modes.csv", "shapes.csv", "limit_cycles.csv", "contact_effects.csv", VIEW)
     formats = ("svg",)
-
-    @property
-    def title(self) -> str:
-        return f"Stability: {self.case.name}"
 
     @property
     def round_ends(self) -> tuple[float, ...]:  # type: ignore[override]
@@ -205,14 +207,6 @@ class StabilityStudy(Study[Results]):
             found = cycle_diagram(cycle_speeds(self.speeds_kmh), linear, self.settings, done)
             diagram = found if found.up or found.down else None
         return Results(done["modes"], above, diagram, contact)
-
-    def limitations(self) -> list[str]:
-        return [
-            "The linear model is exact for small motions around steady rolling; it includes neither flange contact nor "
-            "saturation beyond its slope.",
-            "Rollers or rails are speed-controlled at each speed; torques keep their value at time 0.",
-            *super().limitations(),
-        ]
 
     # --------------------------------------------------------------------------------------------------- numbers
 
