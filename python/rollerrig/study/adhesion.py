@@ -120,6 +120,7 @@ class AdhesionStudy(Study[Runs]):
     quick: bool = False
 
     command = "adhesion"
+    heading = "{case.name}: degraded track and the rig that reproduces it"
     quantities = QUANTITIES
     writes = ("track*.nc", "rig*.nc", "axles*.csv", VIEW)
     irrelevant = ("description", "error_budget")
@@ -127,10 +128,6 @@ class AdhesionStudy(Study[Runs]):
     def __post_init__(self) -> None:
         """Refuse a case that is not that of a rig which reproduces a test on track."""
         track_case(self.case)
-
-    @property
-    def title(self) -> str:
-        return f"{self.case.name}: degraded track and the rig that reproduces it"
 
     @property
     def mark(self) -> Mark | None:

@@ -212,6 +212,5 @@ def held_blocks(numbers: Numbers, quantities: Quantities) -> list[Block]:
         "growth rate is that of this linear loop, the torque as estimated: where it is positive the drives would oscillate. A "
         "locked wheel is therefore held in the virtual train too, (D15); the ripple is that of a run so treated."
     )
-    names = [q.key for q in quantities.below("held_wheel.*")]
-    table: Table = quantities.table(dict(numbers), names, "a wheel held by its brake", "estimator")
+    table: Table = quantities.table(numbers, "held_wheel.*", "a wheel held by its brake", "estimator")
     return [Text(text), table]

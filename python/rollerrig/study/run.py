@@ -134,13 +134,10 @@ class RunStudy(Study[Results]):
     case: Case
 
     command = "run"
+    heading = "{case.name}: {case.description}"
     quantities = QUANTITIES
     writes = ("run.nc", "motion.csv", "wheels.csv", "running_safety.csv", VIEW)
     resumable = False
-
-    @property
-    def title(self) -> str:
-        return f"{self.case.name}: {self.case.description}"
 
     def rounds(self, done: Done) -> Iterator[Round]:
         yield {self.case.name: job(simulate, self.case)}
