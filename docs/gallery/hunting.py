@@ -1,4 +1,4 @@
-"""A bogie on rollers released from 3 mm: at 150 km/h it calms down."""
+"""A bogie on rollers released from 3 mm: at 150 km/h its motion decays."""
 
 import rollerrig as rr
 

@@ -111,7 +111,7 @@ def _traction_motor(assembly: Assembly, name: str, frame: int, traction: Tractio
 
 
 def friction_brake(brake: Brake) -> _core.FrictionBrake:
-    """From cylinder pressure to the torque of an axle's brake."""
+    """Chain from cylinder pressure to the torque of an axle's brake."""
     return core_struct(_core.FrictionBrake, **{name: getattr(brake, name) for name in _core.FrictionBrake.fields})
 
 
@@ -145,7 +145,7 @@ def track_brake(table: AnyTrackBrake, bogies: int) -> _core.TrackBrake:
 
 
 def pneumatics(brake: Brake) -> _core.Pneumatics:
-    """From brake demand and the dump valves' commands to cylinder pressures."""
+    """Chain from brake demand and the dump valves' commands to cylinder pressures."""
     valve = core_struct(_core.ControlValve, **{name: getattr(brake, name) for name in _core.ControlValve.fields})
     given = {}
     if isinstance(brake.air, ReservoirAir) and brake.air.reservoir_pressure is None:

@@ -1,4 +1,4 @@
-"""From a checked case to the compiled model: the only caller of the core's ModelBuilder.
+"""A checked case becomes the compiled model: the only caller of the core's ModelBuilder.
 
     Case -> [assemble] -> AssembledModel -> run, analysis
             [Assembly] -> rollerrig.actuators /

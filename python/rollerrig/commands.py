@@ -201,7 +201,7 @@ def wsp(
     Args:
         case: on rollers with [brake], [slide_protection] and [rig_control].
         programme: stops and limits, or its name in the catalogue or file.
-        starts: tests of each stop on each support; 0: as many as the programme needs for a verdict.
+        starts: tests of each stop on each support; 0: as many as the programme needs for a decision.
         quick: two starts of the first two stops, to see that everything works.
         processes: runs at a time; more than 1 asks a script for `if __name__ == "__main__":`.
         progress: called with the fraction done and a short text.

@@ -30,7 +30,7 @@ LARGEST = {"rad/s": 1e3, "N m": 1e6, "N": 1e7, "m/s": 200.0}
 
 SLIP_ALLOWED, SLIP_WEIGHT = 0.1, 2.0
 TRACKING_SCALE = 0.1
-"""Of the rewards: slip without a penalty [-], weight of what is beyond; speed error that costs 1 per second [rad/s]."""
+"""Scales of the rewards: slip without a penalty [-], weight of what is beyond; speed error that costs 1 per second [rad/s]."""
 
 PENALTY = 10.0
 """Taken off where the run leaves the model's validity, or the rig's protection ends it."""

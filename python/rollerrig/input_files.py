@@ -1,4 +1,4 @@
-"""The one door through which files of the user come in.
+"""The one reader of files of the user.
 
     path -> [read_input, open_input] -> its bytes, or InputError before anything was read
 
@@ -16,9 +16,9 @@ from typing import BinaryIO
 
 MEGABYTE = 1_000_000
 LARGEST_TEXT = 4 * MEGABYTE
-"""Of a TOML file or a program: a case with everything written out has some 10 kB [bytes]."""
+"""Largest size of a TOML file or a program: a case with everything written out has some 10 kB [bytes]."""
 LARGEST_TABLE = 64 * MEGABYTE
-"""Of measured points: 200 km of track, sampled every 0.25 m, have some 50 MB [bytes]."""
+"""Largest size of a file of measured points: 200 km of track, sampled every 0.25 m, have some 50 MB [bytes]."""
 
 _KINDS = (
     (stat.S_ISDIR, "a folder"),

@@ -1,4 +1,4 @@
-"""A case as other tools drive it: assembled, at its start, with named inputs and outputs; and the file that it stands in.
+"""A case as other tools drive it: assembled, at its start, with named inputs and outputs; and its model file.
 
 Case -> [assembled_model] -> _core.AssembledModel -> _core.Plant
         [assemble_file]   -> model file -> [read_model] -> _core.AssembledModel
@@ -23,7 +23,7 @@ from rollerrig.simulation import check_fixed_step, integrator_settings
 from rollerrig.starting_state import prescribed_coordinates, starting_state
 
 LARGEST_MODEL = 256 * MEGABYTE
-"""Of a model file: 200 km of measured track have some 100 MB [bytes]."""
+"""Largest size of a model file: 200 km of measured track have some 100 MB [bytes]."""
 
 
 class ModelFileError(ValueError):

@@ -146,7 +146,7 @@ def _results(
     ended: Outcome,
     provenance: Mapping[str, str],
 ) -> xr.Dataset:
-    """The Dataset of a run with all that is told about it."""
+    """The Dataset of a run with all its attributes."""
     filled, read = recording.filled, simulation.reading_count
     draft = run_draft(model, recording.times[:filled], recording.rows[:filled], ended)
     add_readings(draft, model, recording.reading_times[:read], recording.readings[:read])

@@ -1,6 +1,6 @@
 """Numbers as people write them: the one formatter of terminal, reports, figures and messages.
 
-number, unit -> [wording] -> text without exponents of computers, negative zeros or round-off
+number, unit -> [this file] -> text without exponents of computers, negative zeros or round-off
 """
 
 from __future__ import annotations

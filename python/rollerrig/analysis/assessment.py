@@ -31,7 +31,7 @@ QUANTITIES = (
     "guiding_force_sum",
     "wear_number",
 )
-"""Of wheels and wheelsets, in the order of the tables."""
+"""Quantities of wheels and wheelsets, in the order of the tables."""
 
 UNFILTERED = "none"
 

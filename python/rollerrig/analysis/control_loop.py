@@ -105,7 +105,7 @@ class Loop:
     torque_gain: float = 0.0
 
     def scaled(self, factor: float) -> Loop:
-        """With both gains times a factor."""
+        """This loop with both gains times a factor."""
         return replace(self, proportional=factor * self.proportional, integral=factor * self.integral)
 
 

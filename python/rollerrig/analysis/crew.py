@@ -1,6 +1,6 @@
 """The workers of an executor and the jobs that they are at: handing out, Ctrl-C, and workers that die.
 
-number of a job -> [Crew] -> Future; numbers of jobs that ended their process twice
+number of a job -> Future; numbers of jobs that ended their process twice
 
 A process that is killed or runs out of memory takes the other ones of its pool with it. Those that were at work then are all
 suspect: new processes do them again, one alone at a time, so that the one which does it a second time is the one.
@@ -70,7 +70,7 @@ class Crew(Generic[R]):
 
     @property
     def is_idle(self) -> bool:
-        """Whether nothing is at work, and nothing is to be done again or to be told."""
+        """Whether nothing is at work, and nothing is to be done again or to be reported."""
         return not self.running and (self.halted or not self._given_up)
 
     def recovered(self, _waiting: deque[int]) -> list[int]:

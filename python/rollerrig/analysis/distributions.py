@@ -16,7 +16,7 @@ from rollerrig.config.schema.units import Quantity
 Array = NDArray[np.float64]
 
 LEAST_MASS = 1e-9
-"""Of the part of a distribution that is between its ends."""
+"""Least share of the part of a distribution that is between its ends."""
 
 
 MOST_LOST = 1e-6

@@ -34,12 +34,12 @@ class DeadTime:
 
     @property
     def total(self) -> float:
-        """From a brake's torque to the rail's force on the real wheel, (D17)."""
+        """Dead time from a brake's torque to the rail's force on the real wheel, (D17)."""
         return self.torque + self.drive
 
     @property
     def least(self) -> float:
-        """From a brake's torque to the speed of a wheel that slides at constant adhesion, (Q8)."""
+        """Dead time from a brake's torque to the speed of a wheel that slides at constant adhesion, (Q8)."""
         return self.late_share * self.total
 
 

@@ -29,13 +29,13 @@ SAMPLES_PER_PERIOD = 10
 """Least samples in a period of the cut-off: what the output step folds down from above must be small there."""
 
 SLIDING_LENGTH = 2.0
-"""Of the sliding mean over distance [m]: EN 14363, for the sum of guiding forces and Y/Q."""
+"""Length of the sliding mean over distance [m]: EN 14363, for the sum of guiding forces and Y/Q."""
 
 _EVEN = 1e-6
 """Steps of time may differ by this part: output times are multiples of the output step, to round-off."""
 
 _RUNS_SHIFT = (math.sqrt(2.0) - 1.0) ** 0.25
-"""By how much the corner of one run moves so that two runs have -3 dB at the cut-off."""
+"""Factor by which the corner of one run moves so that two runs have -3 dB at the cut-off."""
 
 
 def low_pass(signal: xr.DataArray, cutoff: float) -> xr.DataArray:

@@ -24,7 +24,7 @@ LEAST_PART = 0.7
 """A hunting wheelset moves sideways by at least this part of the largest lateral displacement of any body [1]."""
 
 LEAST_DISPLACEMENT = 0.3
-"""And by at least this much where the largest displacement of the mode is 1 m or rad: else it is no lateral motion."""
+"""Least such displacement where the largest displacement of the mode is 1 m or rad: else it is no lateral motion."""
 
 MOST_SLIDING = 0.5
 """|dy/dt - V psi| of a hunting wheelset is at most this part of |dy/dt| + |V psi| [1]."""

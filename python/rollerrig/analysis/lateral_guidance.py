@@ -66,7 +66,7 @@ def amplitudes_over_time(time: Array, values: Array, window: float = 0.4) -> tup
 
 
 def hunting_frequency(time: Array, values: Array, begin: float, end: float) -> float:
-    """Of the half-waves larger than LEAST_WAVE of a displacement in mm within a time [Hz]; NaN: none."""
+    """Frequency of the half-waves larger than LEAST_WAVE of a displacement in mm within a time [Hz]; NaN: none."""
     within = (time >= begin) & (time <= end)
     duration = half_waves(time[within], values[within], LEAST_WAVE).duration
     return 0.5 / float(np.median(duration)) if duration.size else math.nan

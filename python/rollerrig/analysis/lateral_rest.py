@@ -1,4 +1,4 @@
-"""What is left of the sideways motion of a run at constant speed: has it calmed down, or does it hunt?
+"""What is left of the sideways motion of a run at constant speed: has it decayed, or does the vehicle hunt?
 
     run -> [lateral_rest] -> the body that moves most at the end, amplitude, frequency, growth rate -> report
 
@@ -18,7 +18,7 @@ from rollerrig.analysis.track_sections import curved, irregular
 from rollerrig.results import RunInfo
 
 CONSTANT = 0.01
-"""Of the speed: a run whose speed varies by less is one at constant speed [1]."""
+"""Share of the speed: a run whose speed varies by less is one at constant speed [1]."""
 
 
 @dataclass(frozen=True)

@@ -124,7 +124,7 @@ class LinearBench:
         self.brake_pressure = brake_pressure
         pressures = self._pressures(brake_pressure)
         self.holding_torque: tuple[float, ...] = ()
-        """Of the rollers' drives, which hold the speed against the brakes [N m]; on track none."""
+        """Torque of the rollers' drives, which hold the speed against the brakes [N m]; on track none."""
         if pressures:
             state, torques, found = self._simulation.hold_speed(0.0, state, pressures)
             self.holding_torque = tuple(torques)
@@ -144,7 +144,7 @@ class LinearBench:
         self._a, self._b = a[np.ix_(self._kept, self._kept)], b[self._kept]
 
     def _pressures(self, brake_pressure: float) -> list[float]:
-        """Of each brake of the model [Pa]; empty: none is applied.
+        """Pressure of each brake of the model [Pa]; empty: none is applied.
 
         Raises:
             ConfigError: it is none, or the case has no brakes.
@@ -152,7 +152,7 @@ class LinearBench:
         brakes = [axle.brake for axle in self.model.axles if axle.brake >= 0]
         allowed = "" if np.isfinite(brake_pressure) and 0.0 <= brake_pressure <= 1e7 else "allowed: from 0 to 1e7 Pa"
         if brake_pressure and not brakes:
-            allowed = "allowed: 0, of a case without [brake] or with motors that stand in for it"
+            allowed = "allowed: 0, of a case without [brake] or with motors that replace it"
         if allowed:
             raise ConfigError([ConfigProblem(self.case.name, "brake_pressure", f"{brake_pressure:g} Pa", allowed)])
         return [brake_pressure] * len(brakes) if brake_pressure else []
@@ -244,7 +244,7 @@ class LinearBench:
     # ------------------------------------------------------------------------------------------------------ systems
 
     def system(self, inputs: Sequence[str], outputs: Sequence[str], *, discrete: bool = False) -> LinearSystem:
-        """From some inputs to some outputs.
+        """Linear system from some inputs to some outputs.
 
         Args:
             inputs: names of inputs.
@@ -295,7 +295,7 @@ class LinearBench:
         return system.sampled(self.case.time.sampling_step).delayed([lag.steps if lag else 0 for lag in lags])
 
     def unit_of(self, name: str) -> str:
-        """Of an input."""
+        """Unit of an input."""
         lag = self.commands.get(name)
         column = lag.column if lag else {**self.torques, **self.pressures}[name]
         return "N m" if column < len(self.torques) else "Pa"

@@ -28,7 +28,7 @@ Complex = NDArray[np.complex128]
 
 @dataclass(frozen=True)
 class Margins:
-    """Of an open loop L that is closed with negative feedback, L read from one response; NaN where there is none.
+    """Margins of an open loop L that is closed with negative feedback, L read from one response; NaN where there is none.
 
     Attributes:
         gain: factor on L at which the loop is at its limit [-].
@@ -163,7 +163,7 @@ class LinearSystem:
         )
 
     def to_control(self) -> control.StateSpace:
-        """For python-control, which allows no dots in names: wheelset_1/left/Q.
+        """State space for python-control, which allows no dots in names: wheelset_1/left/Q.
 
         Raises:
             ImportError: it is not installed.

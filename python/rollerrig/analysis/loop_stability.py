@@ -36,7 +36,7 @@ ABOVE = 10.0
 """The slow motions of bogie and loop, which are damped, stay below this frequency [Hz]."""
 
 WINDOW = 0.1
-"""Of the RMS values from which a growth rate is measured [s], and how many of them it takes at least:"""
+"""Window of the RMS values from which a growth rate is measured [s], and how many of them it takes at least:"""
 LEAST_WINDOWS = 4
 
 LINEAR_RANGE = (1e-10, 2e-2)
@@ -207,7 +207,7 @@ def _controller(loop: Loop, z: dict[str, Array]) -> Array:
 
 @one_blas_thread()
 def sampled_matrix(loop: Loop, plant: Plant) -> Array:
-    """From the state at one sample to that at the next, shape (state, state).
+    """Matrix from the state at one sample to that at the next, shape (state, state).
 
     The state is the plant's, then per axle the drive's, the controller's (_STATES), the mean torque over the last sampling step,
     and the commands still delayed.

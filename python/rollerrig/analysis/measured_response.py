@@ -19,13 +19,13 @@ from rollerrig.mechatronics import BRAKE_UNIT, roles_of
 from rollerrig.plant import assembled_model
 
 POINTS = 32
-"""Of the held sine in a period, where the plant has no samples of its own."""
+"""Points of the held sine in a period, where the plant has no samples of its own."""
 
 READINGS = 4
-"""Of the outputs between two of them: the steps of the held sine are then not taken for the sine."""
+"""Readings of the outputs between two of them: the steps of the held sine are then not taken for the sine."""
 
 SETTLING = 3.0
-"""From the first period to those that are evaluated [s]; and so many periods of each:"""
+"""Time from the first period to those that are evaluated [s]; and so many periods of each:"""
 LEAST_SETTLED, PERIODS = 4, 4
 LEAST_EVALUATED = 1.0
 """So long the evaluated periods last at least [s]."""

@@ -1,4 +1,4 @@
-"""A rig's run against the track's at the same times, where the phase of a limit cycle counts: for looking at, not for verdicts.
+"""A rig's run against the track's at the same times, where the phase of a limit cycle counts: for inspection, not for assessment.
 
 runs of `simulate` with brake or traction -> [rig_fidelity] -> numbers; NaN or None where there are none
 

@@ -85,7 +85,7 @@ class EffectSplit:
 
     @property
     def loss(self) -> float:
-        """From track to rig [km/h]."""
+        """Loss from track to rig [km/h]."""
         return self.track - self.rig
 
     @property

@@ -23,10 +23,10 @@ from rollerrig.results import COMPLETED
 Array = NDArray[np.float64]
 
 SLIP_EDGES = np.append(np.linspace(0.0, 1.0, 51), np.inf)
-"""Of the classes of |slip| [-]; the last one is open."""
+"""Edges of the classes of |slip| [-]; the last one is open."""
 
 SLIDES = 0.10
-"""An axle that has slid by more than this regrips some time [-]."""
+"""An axle that has slid by more than this regains adhesion some time [-]."""
 
 LOCKED = 0.05
 """An axle slower than this part of the train's speed is locked [-]."""
@@ -35,7 +35,7 @@ LIMITED = 0.999
 """Part of the largest torque from which a command is at its limit."""
 
 SERIES_STEP = 0.1
-"""Of the distance over time that is kept [s]."""
+"""Step of the distance over time that is kept [s]."""
 
 
 @dataclass(frozen=True)
@@ -93,7 +93,7 @@ def _kept(time: Array) -> NDArray[np.intp]:
 
 
 def _train(run: xr.Dataset) -> dict[str, float]:
-    """Of the train as a whole, which every axle brakes or pulls."""
+    """Numbers of the train as a whole, which every axle brakes or pulls."""
     speed, way = run["train_speed"].to_numpy(), run["train_distance"].to_numpy()
     acting = np.flatnonzero(_acting(run))
     begin = acting[0] if acting.size else -1
@@ -124,7 +124,7 @@ def _acting(run: xr.Dataset) -> NDArray[np.bool_]:
 
 
 def _torque(run: xr.Dataset) -> xr.DataArray:
-    """Of friction brake and motor on each axle, their magnitudes [N m]."""
+    """Torque of friction brake and motor on each axle, their magnitudes [N m]."""
     return abs(run["brake_torque"]) + abs(run["traction_torque"]) + abs(run["electrodynamic_torque"])
 
 
@@ -161,7 +161,7 @@ def longest_lock(run: xr.Dataset) -> float:
 
 
 def regrip_adhesion(slips: Array, used: Array) -> float:
-    """Largest force of an axle over its load once it has slid: what acts on it when it regrips [-].
+    """Largest force of an axle over its load once it has slid: what acts on it at its readhesion [-].
 
     Args:
         slips: |slip|, shape (time, axle); NaN: the train is too slow.
@@ -181,7 +181,7 @@ def _slip_shares(run: xr.Dataset) -> Array:
 
 
 def _rig(run: xr.Dataset, largest_torque: float, roller_radius: float) -> dict[str, float]:
-    """Of a rig alone: how it follows its virtual train."""
+    """Numbers of a rig alone: how it follows its virtual train."""
     limits = ("drive_torque_limited", "drive_power_limited", "drive_speed_limited")
     held = sum(run[name].transpose("time", "axle").to_numpy() for name in limits)
     asked = (abs(run["roller_command"]) >= LIMITED * largest_torque).transpose("time", "axle").to_numpy()
@@ -192,7 +192,7 @@ def _rig(run: xr.Dataset, largest_torque: float, roller_radius: float) -> dict[s
     return {
         **following(run),
         "force_error_rms": rms(force - virtual) / size if size > 0.0 else math.nan,
-        "drive_ringing_nm": ringing(run, roller_radius),
+        "drive_oscillation_nm": drive_oscillation(run, roller_radius),
         "drive_limited_share": float(limited.mean()),
         "drive_power_wanted_kw": 1e-3 * largest(run["wanted_roller_power"]),
         "drive_power_limited_s": float(run["drive_power_limited"].isel(time=-1).max()),
@@ -201,11 +201,11 @@ def _rig(run: xr.Dataset, largest_torque: float, roller_radius: float) -> dict[s
     }
 
 
-def ringing(run: xr.Dataset, roller_radius: float) -> float:
-    """Persistent fast torque on the rollers that the virtual rail does not ask for, RMS of the worst axle [N m].
+def drive_oscillation(run: xr.Dataset, roller_radius: float) -> float:
+    """Persistent fast torque on the rollers that the virtual rail does not demand, RMS of the worst axle [N m].
 
     The ripple of the contact's force less the virtual one, times the radius: zero for a rig that follows, also while slide
-    protection acts fast; a loop that rings on the wheel it holds is all of it. NaN where outputs are too rare to see it.
+    protection acts fast; an oscillation of the loop on a locked wheel is all of it. NaN where outputs are too rare to see it.
     """
     time = run["time"].to_numpy()
     if time.size < 2 or time[1] - time[0] > 1.0 / (4.0 * RIPPLE_ABOVE):

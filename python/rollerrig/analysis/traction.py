@@ -17,6 +17,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from rollerrig import _core
+from rollerrig.analysis.fits import Fit, fit
 from rollerrig.config import Case, Rig
 from rollerrig.contact_laws import core_law
 from rollerrig.results import variable
@@ -24,7 +25,7 @@ from rollerrig.results import variable
 Series = NDArray[np.float64]
 
 ITERATIONS = 60
-"""Of the fixed point for the shifts; each gains about a digit."""
+"""Iterations of the fixed point for the shifts; each gains about a digit."""
 
 
 @dataclass(frozen=True)
@@ -255,3 +256,52 @@ def with_theory(run: xr.Dataset, case: Case) -> xr.Dataset:
     }
     forces_of_run = ("longitudinal_creep_force", "longitudinal_force", "vertical_force")
     return run[[*forces_of_run, "longitudinal_sliding", "lateral_sliding", "speed"]].assign(both)
+
+
+def asymmetry(run: xr.Dataset, variable: str) -> float:
+    """Largest difference between left and right wheels over the largest value [1]."""
+    values = run[variable]
+    sides = ([values.sel(wheel=f"wheelset_{k}_{side}", drop=True) for side in ("left", "right")] for k in (1, 2))
+    return max(float(abs(left - right).max()) for left, right in sides) / float(abs(values).max())
+
+
+def spin_balance(run: xr.Dataset, study: xr.Dataset, case: Case, wheelset: str, roller: str) -> tuple[float, float]:
+    """Largest imbalance about the axes of a wheelset and its roller pair, over the largest torque [1]."""
+    torque = study["torque"].to_numpy()
+    inertia = next(b.inertia[1] for b in case.vehicle.data.body if b.name == wheelset)
+    rig = case.support.data
+    assert isinstance(rig, Rig)
+    on_wheel, on_roller = np.zeros_like(torque), np.zeros_like(torque)
+    for wheel in (w for w in run["wheel"].to_numpy() if str(w).startswith(wheelset)):
+        own = run.sel(wheel=wheel)
+        force = own["patch_creep_force_x"].fillna(0.0).sum("patch").to_numpy()
+        on_wheel -= force * own["rolling_radius"].to_numpy()
+        on_roller -= force * rig.roller_radius
+    spin = run["pitch_acceleration"]
+    left = torque + on_wheel - inertia * spin.sel(body=wheelset).to_numpy()
+    left_roller = on_roller - rig.roller_inertia[1] * spin.sel(body=roller).to_numpy()
+    inside = slice(1, -1)  # at the very ends an acceleration may belong to the other side of a corner
+    scale = float(torque.max())
+    return float(np.abs(left[inside]).max()) / scale, float(np.abs(left_roller[inside]).max()) / scale
+
+
+def carried_weight(run: xr.Dataset, case: Case) -> float:
+    """Weight of frame and wheelsets and the load of the secondary suspension at the first output time [N]."""
+    part, vehicle = case.vehicle.part, case.vehicle.data
+    load = case.gravity * sum(b.mass for b in vehicle.bodies_in(part) if b.name not in part.fixed)
+    for element in vehicle.elements_in(part):
+        if element.between[0] in part.fixed:
+            load -= float(run["element_force_z"].sel(element=element.name).isel(time=0))
+    return float(load)
+
+
+def sliding_course(own: xr.Dataset) -> tuple[Fit, Fit, Fit]:
+    """The sliding of a wheel, fitted with the torque times the speed, over time while it rises, and at its final value."""
+    torque, speed, sliding, time = (own[name].to_numpy() for name in ("torque", "speed", "sliding", "time"))
+    final = torque >= torque.max() * (1 - 1e-12)
+    rising, steady = (torque > 0) & ~final, final & (time > time[final][0] + 0.2)
+    return (
+        fit(sliding, speed, speed * torque),
+        fit(sliding[rising], np.ones(int(rising.sum())), time[rising], time[rising] ** 2),
+        fit(sliding[steady], np.ones(int(steady.sum())), time[steady]),
+    )

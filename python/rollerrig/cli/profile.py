@@ -16,7 +16,7 @@ def command(
         str, typer.Argument(metavar="FILE", help="File of points, TOML file, or a name of the catalogue.")
     ],
     kind: Annotated[
-        Literal["wheel", "rail"] | None, typer.Option(help="What it is for: wheel or rail; told by .prw and .prr.")
+        Literal["wheel", "rail"] | None, typer.Option(help="What it is for: wheel or rail; known from .prw and .prr.")
     ] = None,
     smoothing_mm: Annotated[
         float | None, typer.Option(min=0.01, max=50.0, help="Another cut-off wavelength of measured points [mm].")

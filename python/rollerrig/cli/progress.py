@@ -1,7 +1,7 @@
 """How far a command is: a bar on a terminal, lines now and then in a pipe; and Ctrl-C, which reaches the work through it.
 
-fraction, text -> [progress_bar] -> bar, or a line per part of the work, with the time left as soon as it can be told
-first Ctrl-C -> told at once, KeyboardInterrupt; second Ctrl-C -> the command ends there and then
+fraction, text -> [progress_bar] -> bar, or a line per part of the work, with the time left as soon as it can be estimated
+first Ctrl-C -> reported at once, KeyboardInterrupt; second Ctrl-C -> the command ends there and then
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ REPORT_SHARE, PART_SHARE = 0.02, 0.05
 """The same as parts of the time so far: a log of a night has hundreds of lines, not thousands."""
 
 LEAST_GAINED, LEAST_SECONDS = 0.1, 10.0
-"""The time left is told when so much of the whole is done, and so long after the begin [s]."""
+"""The time left is shown when so much of the whole is done, and so long after the begin [s]."""
 
 JUMP = 0.02
 """More of the whole within JUMP_SECONDS was not computed now but taken over."""
@@ -70,7 +70,7 @@ class CtrlC:
 
 @contextmanager
 def heard_ctrl_c() -> Iterator[CtrlC]:
-    """Within it, Ctrl-C is heard as CtrlC says, unless this is not the main program or was told to ignore it."""
+    """Within it, Ctrl-C is handled by CtrlC, unless this is not the main program or ignores Ctrl-C."""
     ears = CtrlC()
     if signal.getsignal(signal.SIGINT) is not signal.default_int_handler:
         yield ears

@@ -90,7 +90,7 @@ def prepared(
 
 
 def opening_lines(served: Served, address: str, port: int, *, lock_step: bool) -> list[str]:
-    """What is told before a run."""
+    """Text before a run."""
     pace = "in lock-step, not in real time" if lock_step else f"{1.0 / served.period:g} Hz"
     place = f"shared memory {address}" if address.startswith("/") else f"UDP {address}:{port}"
     lines = [
@@ -176,7 +176,7 @@ def histogram_lines(bins: list[tuple[int, int, int]]) -> list[str]:
 
 
 def closing_lines(served: Served, server: Any, ended: Ended) -> list[str]:
-    """What is told after a run."""
+    """Text after a run."""
     told = server.statistics()
     endings = {
         "ran": "to its end",

@@ -210,7 +210,7 @@ def wsp(
     starts: Annotated[
         int,
         typer.Option(
-            min=0, max=100, help="Tests of each stop on each support; 0: as many as the programme needs for a verdict."
+            min=0, max=100, help="Tests of each stop on each support; 0: as many as the programme needs for a decision."
         ),
     ] = 0,
     quick: Annotated[

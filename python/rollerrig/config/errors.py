@@ -59,7 +59,7 @@ class ConfigError(Exception):
         super().__init__("\n".join(str(problem) for problem in self.problems))
 
     def __reduce__(self) -> "tuple[type[ConfigError], tuple[tuple[ConfigProblem, ...]]]":
-        """From its problems, on its way back from another process."""
+        """Copy from its problems, on its way back from another process."""
         return type(self), (self.problems,)
 
 

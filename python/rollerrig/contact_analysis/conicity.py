@@ -36,7 +36,7 @@ from rollerrig.results import variable
 FloatArray = NDArray[np.float64]
 
 POINTS = 2000
-"""Of the quadrature in (K2); the kink that a jump of the contact leaves in U costs 1e-6 of the conicity."""
+"""Points of the quadrature in (K2); the kink that a jump of the contact leaves in U costs 1e-6 of the conicity."""
 
 CYLINDRICAL = 1e-7
 """Rolling radius differences up to this one count as none [m]: profile files print no more digits."""

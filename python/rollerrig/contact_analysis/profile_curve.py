@@ -18,7 +18,7 @@ COLUMNS = "abscissa_mm,height_mm,slope,curvature_per_m"
 """First line of the table."""
 
 _FILE_SPACING = 0.2e-3
-"""Of the points of a Simpack file, along the profile [m]."""
+"""Spacing of the points of a Simpack file, along the profile [m]."""
 
 _MOST_ROWS = 4000
 
@@ -106,7 +106,7 @@ def profile_csv(curve: xr.Dataset) -> str:
 
 
 FIRST_LINE = "header.begin ! written by rollerrig"
-"""Of a Simpack file."""
+"""First line of a Simpack file."""
 
 
 def simpack_text(curve: xr.Dataset) -> str:

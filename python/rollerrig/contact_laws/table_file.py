@@ -2,7 +2,7 @@
 
     creep_table.npz -> [table_file] -> CreepTable of the core
 
-The table is computed by `scripts/build_creep_table`; docs/theory/creep_laws.md says how and how accurate it is.
+The table is computed by `scripts/build_creep_table.py`; docs/theory/creep_laws.md says how and how accurate it is.
 """
 
 from __future__ import annotations

@@ -79,7 +79,7 @@ def number(value: float) -> str:
 
 
 def model_description_2(unit: Unit) -> bytes:
-    """Of FMI 2.0 (2.0.4, section 2.2).
+    """Model description of FMI 2.0 (2.0.4, section 2.2).
 
     The time is none of the variables: FMI Library 2 takes its missing start for an error (its issue 21).
     """
@@ -107,7 +107,7 @@ def model_description_2(unit: Unit) -> bytes:
 
 
 def model_description_3(unit: Unit) -> bytes:
-    """Of FMI 3.0 (3.0.2, section 2.4)."""
+    """Model description of FMI 3.0 (3.0.2, section 2.4)."""
     root = ET.Element("fmiModelDescription", fmiVersion="3.0", modelName=unit.name, instantiationToken=unit.token)
     _about(root, unit, "FMUState", "providesDirectionalDerivatives")
     variables = ET.SubElement(root, "ModelVariables")
@@ -131,7 +131,7 @@ def model_description_3(unit: Unit) -> bytes:
 
 
 def _about(root: ET.Element, unit: Unit, state: str, directional: str) -> None:
-    """What stands in front of the variables, alike in both versions but for the names of two abilities."""
+    """Elements before the variables, alike in both versions but for the names of two abilities."""
     root.set("description", "roller rig, axes x forward, y to the left, z upwards; SI")
     root.set("generationTool", unit.tool)
     root.set("variableNamingConvention", "structured")

@@ -24,7 +24,7 @@ from rollerrig.results.marks import PAGE
 STEP = 1e-3
 """At which to exchange values where nothing is sampled [s]."""
 STAMP = (1980, 1, 1, 0, 0, 0)
-"""Of every file in an FMU: the same case gives the same bytes."""
+"""Time stamp of every file in an FMU: the same case gives the same bytes."""
 KINDS = ("cs", "me", "both")
 DESCRIPTIONS = {"2": model_description_2, "3": model_description_3}
 

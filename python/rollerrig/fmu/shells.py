@@ -44,7 +44,7 @@ def shells() -> list[Shell]:
 
 
 def _needs(file: Path) -> str:
-    """Of a library that this machine can load; the others are built for every processor of their kind."""
+    """Requirements of a library that this machine can load; the others are built for every processor of their kind."""
     if file.parent.name != f"{platform.machine()}-{platform.system().lower()}":
         return ""
     ask = ctypes.CDLL(str(file)).rollerrig_needs

@@ -26,7 +26,7 @@ from rollerrig.mechatronics.fmu_file import FLOATS, FmuFile, Link, open_fmu
 _ERROR, _FATAL = 3, 4
 """Statuses of both versions of the standard."""
 _LINES = 3
-"""Of the FMU's log in a message."""
+"""Largest number of lines of the FMU's log in a message."""
 
 
 class FmuError(Exception):

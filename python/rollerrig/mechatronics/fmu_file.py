@@ -210,7 +210,7 @@ class _Matcher:
         return tuple(found)
 
     def _usual(self, signal: str) -> Link | None:
-        """By the names that our own parts have; absent ones are not driven."""
+        """Link to the variable with the name that our own FMUs use; an absent one is not driven."""
         for pattern in (f"{{axle}}.{signal}", f"train.{signal}"):
             if all(self._is_input(name) for name in self._expanded(pattern)):
                 return self._link(signal, pattern, "input", FLOATS)

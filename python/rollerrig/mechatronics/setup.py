@@ -1,4 +1,4 @@
-"""From a case to the core's sensors, controllers and actuators: names become indices, absent numbers follow from the vehicle.
+"""A case as the core's sensors, controllers and actuators: names become indices, absent numbers follow from the vehicle.
 
 Case, AssembledModel -> [setup] -> _core.MechatronicSetup
 """
@@ -318,7 +318,7 @@ def rotor_inertia(table: Motor | None) -> float:
 
 
 def wheelset_inertia(model: AssembledModel) -> float:
-    """Of a wheelset about its axle, with the rotor of its motor [kg m^2]."""
+    """Inertia of a wheelset about its axle, with the rotor of its motor [kg m^2]."""
     traction = model.case.traction
     return model.inertias[model.wheelsets[0]][1] + rotor_inertia(traction.motor if traction else None)
 

@@ -74,7 +74,7 @@ def room(rows: int = 1) -> float:
 
 
 def _widths(figure: Figure, named: Sequence[Callout]) -> list[float]:
-    """Of the names [points]."""
+    """Widths of the names [points]."""
     renderer = cast(Any, figure.canvas).get_renderer()
     found = []
     for one in named:

@@ -29,7 +29,7 @@ FILLS: Mapping[str, tuple[str, str]] = {
     "tracking": ("#a9c4e4", "++"),
     "failed": ("#555555", ""),
 }
-"""Region -> colour and hatching: told apart without colour too."""
+"""Region -> colour and hatching: distinguished without colour too."""
 
 LINES: Mapping[str, tuple[str, Any, str]] = {
     "line_grip": ("#1b5e20", "-", "rail: wheel begins to slide (V2)"),

@@ -56,7 +56,7 @@ def _look(name: str, number: int) -> dict[str, Any]:
 
 
 def _height(modes: xr.Dataset, least: float) -> float:
-    """Of a figure whose legend beside it names all modes shown [inches]."""
+    """Height of a figure whose legend beside it names all modes shown [inches]."""
     return max(least, 0.5 + 0.178 * (len(shown_modes(modes)) + 1))
 
 

@@ -125,7 +125,7 @@ def _draw(axes: Axes, mode: xr.Dataset, view: str, phase_deg: float) -> None:
 
 
 def _displacement(points: Points, motion: NDArray[np.complex128], role: str) -> NDArray[np.complex128]:
-    """Of points of a body, shape (n, 3): u + rotation x point."""
+    """Displacement of points of a body, shape (n, 3): u + rotation x point."""
     turn = motion[3:].copy()
     if role == "wheelsets":
         turn[1] = 0.0  # its spin shows in no outline

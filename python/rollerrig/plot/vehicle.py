@@ -170,7 +170,7 @@ def _ground(axes: Axes, scene: Scene, view: str) -> None:
 
 
 def _along(scene: Scene, axes: Axes) -> Iterator[tuple[float, float]]:
-    """From where to where the rollers or rails reach, seen from above [m]."""
+    """Range over which the rollers or rails reach, seen from above [m]."""
     support = scene.case.support.data
     if not isinstance(support, Rig):
         yield axes.get_xlim()

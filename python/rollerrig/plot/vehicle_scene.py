@@ -41,7 +41,7 @@ class Scene:
     families: dict[str, list[Element]]
 
     def place(self, position: Sequence[float], view: str) -> np.ndarray[Any, np.dtype[np.float64]]:
-        """Of a position of the vehicle in a view [m]."""
+        """Place of a position of the vehicle in a view [m]."""
         moved = (position[0] - self.origin, position[1], position[2])
         return np.array([moved[INDEX[axis]] for axis in VIEWS[view]])
 

@@ -1,4 +1,4 @@
-"""Measured points in the order along the profile, each with the line of the file it stands in.
+"""Measured points in the order along the profile, each with its line of the file.
 
     RawProfile, in the file's order -> [Course] -> checks, smoothing
 
@@ -21,7 +21,7 @@ from .table import FloatArray
 STRAY = 0.3e-3
 """A point farther than this from both neighbours, which lie together, is none of the profile [m]."""
 LONGEST = 2.0
-"""Of the way along the points: more has a profile of which the points are not in order [m]."""
+"""Largest length of the way along the points: more has a profile of which the points are not in order [m]."""
 MOST_POINTS = 20_000
 """More are averaged: 15 um apart on the widest profile, they say the same."""
 

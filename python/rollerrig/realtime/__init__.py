@@ -2,7 +2,7 @@
 
     case -> [server] <- UDP: commands in, sensors out -> [client] your controller
 
-`rollerrig serve` is the server's command; the frames stand in docs/how_to/real_time.md and, for C, in `c_header()`.
+`rollerrig serve` is the server's command; the frames are described in docs/how_to/real_time.md and, for C, in `c_header()`.
 """
 
 from rollerrig.realtime.client import Client as Client

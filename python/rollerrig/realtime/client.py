@@ -38,7 +38,7 @@ class Client:
     """A connection to a server; a context that closes it.
 
     Attributes:
-        description: what the server told of itself: names, units and limits.
+        description: what the server reports of itself: names, units and limits.
         inputs: names of the commands, in their order.
         outputs: names of the sensors, in their order.
 

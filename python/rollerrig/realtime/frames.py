@@ -17,7 +17,7 @@ COMMAND, SENSORS, ASK, DESCRIPTION = 1, 2, 3, 4
 REARM = 1
 """Flag of a command: take the rig up again after a safe state."""
 STATES = ("waiting", "running", "ramping", "safe", "ended")
-"""Of the server, by number."""
+"""States of the server, by number."""
 LARGEST_FRAME = 32 + 8 * 512 + 4
 
 _HEADER = struct.Struct("<4sBBHIIqIHH")

@@ -1,4 +1,4 @@
-"""How frames travel: datagrams, or rings in shared memory (rollerrig_shm.h).
+"""How frames travel: datagrams, or ring buffers in shared memory (rollerrig_shm.h).
 
 address -> [open_link] -> send, receive
 """

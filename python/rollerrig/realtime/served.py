@@ -1,4 +1,4 @@
-"""From a case or a model file to a rig that is served: what a controller may command and sees, and at which rate.
+"""A case or a model file as a served rig: what a controller may command and sees, and at which rate.
 
 case, rate -> [serve_case] -> Served: model, inputs, outputs, description
 """
@@ -51,12 +51,12 @@ class Served:
 
     @property
     def input_indices(self) -> list[int]:
-        """Of the inputs, as the core counts its variables."""
+        """Indices of the inputs, as the core counts its variables."""
         return self._indices(self.inputs)
 
     @property
     def output_indices(self) -> list[int]:
-        """Of the outputs, as the core counts its variables."""
+        """Indices of the outputs, as the core counts its variables."""
         return self._indices(self.outputs)
 
     def _indices(self, variables: Sequence[_core.Variable]) -> list[int]:
@@ -65,7 +65,7 @@ class Served:
 
     @property
     def periods(self) -> int:
-        """Of the run."""
+        """Number of periods of the run."""
         return max(1, round(float(self.assembled.settings["final_time"]) / self.period))
 
 
@@ -158,7 +158,7 @@ def _served(
 
 
 def describe(served: Served, *, session: int, lock_step: bool, patience: int) -> str:
-    """What a controller is told of the server, as JSON."""
+    """Description of the server for a controller, as JSON."""
 
     def entry(variable: _core.Variable, **more: Any) -> dict[str, Any]:
         return {"name": variable.name, "unit": variable.unit, "meaning": variable.description, **more}

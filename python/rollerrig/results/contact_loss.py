@@ -47,7 +47,7 @@ class ContactLoss:
     longest_from_m: float
 
     def in_words(self, on_rollers: bool) -> str:
-        """For a warning: the wheel, how long, when and where."""
+        """Text for a warning: the wheel, how long, when and where."""
         times = "once" if self.spells == 1 else f"{self.spells} times, {1e3 * self.total_s:.3g} ms in all"
         place = "" if on_rollers else f", {self.longest_from_m:.5g} m"
         longest = f"{1e3 * self.longest_s:.3g} ms at t = {self.longest_from_s:.4g} s{place}"
@@ -76,7 +76,7 @@ def add_contact_losses(draft: Draft, wheels: Sequence[str], spells: Sequence[Spe
 
 
 def contact_losses(run: xr.Dataset) -> list[ContactLoss]:
-    """Of every wheel that lost contact, in the order of the wheels."""
+    """Losses of every wheel that lost contact, in the order of the wheels."""
     return [ContactLoss(**loss) for loss in json.loads(run.attrs.get(ATTRIBUTE, "[]"))]
 
 

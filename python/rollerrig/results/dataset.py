@@ -73,10 +73,10 @@ Variable = tuple[Any, Any, dict[str, str]]
 """Dimensions, values, attributes."""
 
 Names = tuple[tuple[str, ...], tuple[str, ...], tuple[str, ...], tuple[str, ...]]
-"""Of bodies, wheels, elements, axles."""
+"""Names of bodies, wheels, elements, axles."""
 
 _Layout = tuple[tuple[str, Any, Any, tuple[tuple[str, str], ...]], ...]
-"""Of each variable name, dimensions, shape or the bytes of its values, attributes."""
+"""Layout of the variables: of each its name, dimensions, shape or the bytes of its values, attributes."""
 
 _SHORT = 65536
 """Bytes of the times of runs of which the empty Dataset is kept: of longer ones it costs little to make another."""

@@ -44,7 +44,7 @@ _REMEDIES = {
 
 
 FOREIGN = "not written by this program; choose another name, or replace it with --force (force=True)"
-"""Of a file that is in the way."""
+"""Message about a file that is in the way."""
 
 
 class ResultsError(ValueError):

@@ -20,7 +20,7 @@ from rollerrig.wording import number, quantity
 
 _NOT_SHOWN = {"title", "case", "config_toml", "warnings", "rollerrig_version", ATTRIBUTE}
 _LONGEST = 60
-"""Of an attribute that is shown [letters]."""
+"""Longest text of an attribute that is shown [letters]."""
 _NAMED = 8
 """Variables, of results that are no run."""
 _UNITS = {"kmh": "km/h", "hz": "Hz", "s": "s", "m": "m", "n": "N", "rad": "rad", "nm": "N m"}

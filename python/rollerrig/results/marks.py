@@ -16,7 +16,7 @@ from pathlib import Path
 from rollerrig.input_files import open_input
 
 PROGRAM = "rollerrig"
-"""Stands in the metadata of every figure and file of results."""
+"""Mark in the metadata of every figure and file of results."""
 
 MODEL = f"{PROGRAM} model\n".encode()
 """First bytes of a model file."""

@@ -145,7 +145,7 @@ class RunInfo:
         return _adapter().dump_json(self).decode()
 
     def mapped(self, factor: Callable[[str], float]) -> RunInfo:
-        """With every number times the factor of its unit."""
+        """This record with every number times the factor of its unit."""
         return _mapped(self, factor)  # type: ignore[no-any-return]
 
     def body(self, name: str) -> BodyInfo:

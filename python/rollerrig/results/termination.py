@@ -32,7 +32,7 @@ Vector = NDArray[np.float64]
 def add_termination(draft: Draft, model: AssembledModel) -> None:
     """Add the place where a run ended and the quotient of the wheelset that ended it.
 
-    The attributes `stopped_at_m`, `stopped_segment`, `stopped_quotient`, `stopped_quotient_wheel`; they stand in `status_message`
+    The attributes `stopped_at_m`, `stopped_segment`, `stopped_quotient`, `stopped_quotient_wheel`; they are in `status_message`
     too where a wheel ended the run.
 
     Args:

@@ -57,7 +57,7 @@ class Requirement:
 
 @dataclass(frozen=True)
 class Distortion:
-    """By how much weight, stiffness of the material and what follows from them are wrong, 1 if right.
+    """Factors by which weight, stiffness of the material and what follows from them are wrong, 1 if right.
 
     Attributes:
         weight: of the model over what it should be [-].
@@ -191,7 +191,7 @@ def _of_actuators(full: Case, model: Case, factors: Similitude) -> Iterator[Requ
         if motor is not None:
             yield Requirement(
                 "brake torque at once",
-                "time constant of the motors that stand in for the brakes",
+                "time constant of the motors that replace the brakes",
                 "s",
                 0.0,
                 1.0 / (2.0 * math.pi * motor.bandwidth),

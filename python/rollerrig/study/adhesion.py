@@ -1,6 +1,6 @@
 """The same brake or traction test on degraded track and on the dry rig that reproduces it, and why the two differ.
 
-Case of a rig with [rig_control] -> [AdhesionStudy] -> ensembles on track and rig, variants of the rig -> verdict, causes
+Case of a rig with [rig_control] -> [AdhesionStudy] -> ensembles on track and rig, variants of the rig -> assessment, causes
 
 Tracking compares the rig's axles with the virtual train that they follow; fidelity compares the rig with the track, which also
 contains what the virtual train leaves out. Every compared number is that of an ensemble, with its error: the limit cycle of the
@@ -120,6 +120,7 @@ class AdhesionStudy(Study[Runs]):
     quick: bool = False
 
     command = "adhesion"
+    heading = "{case.name}: degraded track and the rig that reproduces it"
     quantities = QUANTITIES
     writes = ("track*.nc", "rig*.nc", "axles*.csv", VIEW)
     irrelevant = ("description", "error_budget")
@@ -127,10 +128,6 @@ class AdhesionStudy(Study[Runs]):
     def __post_init__(self) -> None:
         """Refuse a case that is not that of a rig which reproduces a test on track."""
         track_case(self.case)
-
-    @property
-    def title(self) -> str:
-        return f"{self.case.name}: degraded track and the rig that reproduces it"
 
     @property
     def mark(self) -> Mark | None:
@@ -194,7 +191,7 @@ class AdhesionStudy(Study[Runs]):
     # ---------------------------------------------------------------------------------------------------- numbers
 
     def rows(self, results: Runs) -> list[Row]:
-        """Of the verdict."""
+        """Rows of the assessment."""
         return verdict_rows(self.case, results.records["track"], results.records["rig"])
 
     def numbers(self, results: Runs) -> dict[str, Any]:
@@ -218,7 +215,7 @@ class AdhesionStudy(Study[Runs]):
         }  # fmt: skip
 
     def _dead_time_numbers(self, results: Runs) -> dict[str, Any]:
-        """Of the equivalent dead time; empty where nothing is predicted."""
+        """Numbers of the equivalent dead time; empty where nothing is predicted."""
         predicted, records = self.predicted, results.records
         if predicted is None:
             return {}
@@ -258,7 +255,7 @@ class AdhesionStudy(Study[Runs]):
     def sections(self, results: Runs, numbers: Numbers) -> list[Section]:
         lines = [(SHOWN[r.verdict], r.group, r.text, r.value_text, r.target_text, r.origin) for r in self.rows(results)]
         header = ("", "", "what", "mean of all starts (95 % interval)", "target", "where the target comes from")
-        sections = [Section("Verdict", [Table(header, lines), Text(PHASE)])]
+        sections = [Section("Assessment", [Table(header, lines), Text(PHASE)])]
         if numbers["causes"]:
             sections.append(_causes(numbers))
         if numbers["dead_time"]:
@@ -278,7 +275,7 @@ class AdhesionStudy(Study[Runs]):
 
 
 def _run_numbers(records: Sequence[TestRecord], names: Sequence[str]) -> dict[str, Any]:
-    """Of the ensemble of track or rig."""
+    """Numbers of the ensemble of track or rig."""
     return {
         "status": records[0].status,
         "status_message": records[0].message,
@@ -289,7 +286,7 @@ def _run_numbers(records: Sequence[TestRecord], names: Sequence[str]) -> dict[st
 
 
 def _variant_numbers(track: Sequence[TestRecord], records: Sequence[TestRecord]) -> dict[str, Any]:
-    """Of the ensemble of a variant of the rig."""
+    """Numbers of the ensemble of a variant of the rig."""
     on_track, own = (estimate(values) for values in distances((track, records)))
     found = {name: measure(records, name).as_dict() for name in VARIANT}
     return {"tests": len(records), "distance_relative": relative(own, on_track).as_dict(), **found}
@@ -312,7 +309,7 @@ def _axle_columns(track: xr.Dataset, rig: xr.Dataset) -> dict[str, ArrayLike]:
 
 
 def _verdict_lines(rows: Sequence[Row]) -> Iterator[str]:
-    """The verdict of each group, and what is not met or not decided."""
+    """The outcome of each group, and what is not met or not decided."""
     for group, title in GROUPS.items():
         own, word = [row for row in rows if row.group == group], verdict_of(rows, group)
         met = sum(row.verdict == "met" for row in own)
@@ -323,7 +320,7 @@ def _verdict_lines(rows: Sequence[Row]) -> Iterator[str]:
 
 
 def findings(numbers: Numbers) -> Iterator[str]:
-    """Sentences after the verdict."""
+    """Sentences after the assessment."""
     yield (
         f"The protection's limit cycle has another phase in every test: rig and track are compared by means over "
         f"{numbers['starts']} starts each, with intervals of 95 %, and not point by point."
@@ -332,7 +329,7 @@ def findings(numbers: Numbers) -> Iterator[str]:
     if row is not None and row["verdict"] == "not met":
         track, rig = (number(numbers[where]["regrip_adhesion"]["mean"], 3) for where in ("track", "rig"))
         force = f"the largest force on an axle that has slid is {track} of its load on track, {rig} on the rig"
-        yield f"Regripping is not reproduced: {force}."
+        yield f"Readhesion is not reproduced: {force}."
     if numbers["causes"]:
         yield from _cause_lines(numbers)
     if numbers["dead_time"]:
@@ -347,7 +344,7 @@ def _cause_lines(numbers: Numbers) -> Iterator[str]:
     known = sorted((n for n in CAUSES if not causes[n]["within_its_error"]), key=lambda n: -abs(causes[n]["share"]))
     hidden = [name for name in CAUSES if causes[name]["within_its_error"]]
     text = ", ".join(f"{CAUSES[name]} {_share_text(causes[name])}" for name in known) or "none is larger than its error"
-    text += f"; not told from zero: {', '.join(CAUSES[name] for name in hidden)}" if hidden else ""
+    text += f"; not distinguishable from zero: {', '.join(CAUSES[name] for name in hidden)}" if hidden else ""
     yield f"Causes of the difference of {_share_text(causes[TOGETHER])} in distance: {text}."
     rough = max(one["standard_error"] or 0.0 for one in causes.values())
     if rough >= LARGEST_ERROR:
@@ -356,7 +353,8 @@ def _cause_lines(numbers: Numbers) -> Iterator[str]:
     ends = f"between {percent(sliding['low'], signed=True)} and {percent(sliding['high'], signed=True)}"
     yield (
         f"The real sliding of the wheels on the rollers, {1e3 * numbers['rig']['real_sliding_largest_mps']['mean']:.3g} mm/s at "
-        f"most, changes the distance by {ends}" + (": not told from zero." if sliding["within_its_error"] else ".")
+        f"most, changes the distance by {ends}"
+        + (": not distinguishable from zero." if sliding["within_its_error"] else ".")
     )
 
 
@@ -386,7 +384,7 @@ def _dead_time_line(found: Numbers) -> str:
 
 PHASE = (
     "Both are first tests of their ensembles. From the first slides on their limit cycles have different phases: what differs at "
-    "one instant is no error of the rig, and nothing of the verdict is taken from it."
+    "one instant is no error of the rig, and the assessment does not use it."
 )
 
 
@@ -395,12 +393,12 @@ def _causes(numbers: Numbers) -> Section:
     bars = {text: (one["share"], one["standard_error"] or 0.0, one["within_its_error"]) for text, one in causes.items()}
     caption = (
         "Part of the difference in mean distance that goes away with each imperfection, one after the other; standard errors. "
-        "Hollow: inside its error of 95 %, not told from zero."
+        "Hollow: inside its error of 95 %, not distinguishable from zero."
     )
     names = ("share", "causes.*.standard_error", "causes.*.low", "causes.*.high", "within_its_error")
     found = {text: numbers["variants"][name] for name, text in VARIANTS.items() if name in numbers["variants"]}
     rows = [(text, *(with_error(one[name]) for name in ("distance_relative", *VARIANT))) for text, one in found.items()]
-    header = ("run", "distance over track, less 1", "tracking RMS", "mean slip", "ventings", "air [l]")
+    header = ("run", "distance over track, less 1", "tracking RMS", "mean slip", "dump cycles", "air [l]")
     more = "Each of the lines after the first takes one more imperfection away; ± standard error."
     return Section(
         "Why rig and track differ",
@@ -448,14 +446,14 @@ def _numbers(numbers: Numbers) -> Section:
 
 
 def _signals(case: Case, whole: Mapping[str, xr.Dataset]) -> Iterator[Picture]:
-    """Of the first tests."""
+    """Signals of the first tests."""
     track, rig, ideal = whole["track"], whole["rig"], whole.get("rolling")
     radius = wheel_radius(rig)
     yield Picture("speeds", figures.speeds(track, rig, radius), "Train and wheels: rig, virtual train, track.")
     track, rig, ideal = under_test(track), under_test(rig), None if ideal is None else under_test(ideal)
     yield Picture("first_slide", figures.first_slide(track, rig, radius), "Slip, and the response to it.")
     if case.brake is not None:
-        yield Picture("brakes", figures.brakes(track, rig), "Cylinder pressure, ventings, air taken.")
+        yield Picture("brakes", figures.brakes(track, rig), "Cylinder pressure, dump cycles, air taken.")
     if case.traction is not None:
         text = "Torque of the motors, and the part of the demand that is left."
         yield Picture("traction", figures.tractions(track, rig), text)

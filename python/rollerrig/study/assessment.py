@@ -109,7 +109,7 @@ def outcome(value: Interval, low: float, high: float, *, excluded: bool = False)
 
 
 def overall(outcomes: Iterable[Outcome]) -> Outcome | None:
-    """Of several: met where all are, not met where one is not, else not decided; None: there is none."""
+    """Overall assessment of several: met where all are, not met where one is not, else not decided; None: there is none."""
     found = set(outcomes)
     if not found or "not met" in found:
         return "not met" if found else None
@@ -171,7 +171,7 @@ class Check:
         return self.verdict == "passed"
 
     def as_dict(self) -> dict[str, Any]:
-        """For summary.json; an interval as a list of its ends, null where there is none."""
+        """Dictionary for summary.json; an interval as a list of its ends, null where there is none."""
         value = [self.value.low, self.value.high] if isinstance(self.value, Interval) else self.value
         return {**vars(self), "value": value, "deviation": self.deviation, "verdict": self.verdict}
 
@@ -196,7 +196,7 @@ class Check:
 
 
 def counts(checks: Sequence[Check]) -> dict[str, int]:
-    """How many there are of each verdict, by keys of summary.json."""
+    """How many there are of each outcome, by keys of summary.json."""
     found = [check.verdict for check in checks]
     return {f"checks_{word.replace(' ', '_')}": found.count(word) for word in ("passed", "failed", NOT_DECIDED)}
 

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from rollerrig.viewer.columns import Columns, Numbers
 
 MOST_POINTS = 4000
-"""Of one panel's curves; of longer ones the extremes of even parts are kept, at the samples where they lie."""
+"""Largest number of points of one panel's curves; of longer ones the extremes of even parts are kept, where they lie."""
 
 _LEAST_POINTS = 40
 """Fewer are no history."""
@@ -43,7 +43,7 @@ class Chart:
 
     @property
     def identity(self) -> str:
-        """Of its element in the page."""
+        """Identity of its element in the page."""
         return str(self.head["id"])
 
 

@@ -308,10 +308,8 @@ class CompareStudy(Study[Results]):
         if results.states:
             names = next(iter(results.states.values())).creep_stiffness
             entries = {f"{wheel}, {on}": supports[on]["wheels"][wheel] for wheel in names for on in results.states}
-            columns = [q.name for q in QUANTITIES.below("supports.*.wheels.*")]
-            blocks.append(
-                QUANTITIES.table(entries, columns, f"Steady rolling at {self.speeds_kmh[0]:g} km/h.", "wheel, on")
-            )
+            caption = f"Steady rolling at {self.speeds_kmh[0]:g} km/h."
+            blocks.append(QUANTITIES.table(entries, "supports.*.wheels.*", caption, "wheel, on"))
         if results.disturbed:
             caption = (
                 f"The leading wheelset after a lateral offset of {1e3 * self.hunting.disturbance:g} mm at "

@@ -16,7 +16,7 @@ import xarray as xr
 from rollerrig.config import Case
 from rollerrig.contact_analysis import conicity_table, pair_case, shift_table
 from rollerrig.plot.characteristics import characteristics_figure
-from rollerrig.study.frame import Study
+from rollerrig.study.frame import Study, dataset_rows
 from rollerrig.study.jobs import Done, Round, job
 from rollerrig.study.quantities import Numbers, Quantities
 from rollerrig.study.report import Block, Picture, Section, Table, Text
@@ -247,16 +247,13 @@ def shift_rows(shifts: Mapping[str, xr.Dataset]) -> list[list[object]]:
 
 def conicity_rows(conicity: Mapping[str, xr.Dataset]) -> list[list[object]]:
     """Table over amplitude, header first."""
-    header = [
-        "support",
-        "amplitude_mm",
-        "equivalent_conicity",
-        "conicity_of_wheels",
-        "conicity_of_rollers",
-        "wavelength_m",
-    ]
-    rows: list[list[object]] = [list(header)]
-    for label, table in conicity.items():
-        columns = (1e3 * table["amplitude"], *(table[n] for n in ("conicity", "of_wheels", "of_rollers", "wavelength")))
-        rows += [[label, *map(float, values)] for values in zip(*(c.to_numpy() for c in columns), strict=True)]
-    return rows
+    columns = {
+        "amplitude_mm": "amplitude",
+        "equivalent_conicity": "conicity",
+        "conicity_of_wheels": "of_wheels",
+        "conicity_of_rollers": "of_rollers",
+        "wavelength_m": "wavelength",
+    }
+    tables = {label: table.assign_coords(amplitude=1e3 * table["amplitude"]) for label, table in conicity.items()}
+    rows = [[label, *row] for label, table in tables.items() for row in dataset_rows(table, columns, "amplitude")[1:]]
+    return [["support", *columns], *rows]

@@ -258,10 +258,15 @@ class ControlStudy(Study[Found]):
     lags: float = 0.0
 
     command = "control"
+    heading = "{case.name}: controllers of the roller drives compared"
     quantities = QUANTITIES
     writes = ("variants.csv", "loop.csv")
     irrelevant = ("description", "families", "loop", "lags")
     round_ends = (0.98, 1.0)
+    leaves_out = (
+        "One test and one course of the slide protection, whose valves switch on small differences: errors of neighbouring "
+        "values scatter by some tenths. Each variant changes one thing.",
+    )
 
     def __post_init__(self) -> None:
         """Refuse an unknown family, and a user's controller that cannot be used.
@@ -279,17 +284,6 @@ class ControlStudy(Study[Found]):
             raise ConfigError(problems)
         if self.user is not None:
             users_controllers(self.case.with_changes({"rig_control.user": self.user}), {})
-
-    @property
-    def title(self) -> str:
-        return f"{self.case.name}: controllers of the roller drives compared"
-
-    def limitations(self) -> list[str]:
-        return [
-            *super().limitations(),
-            "One test and one course of the slide protection, whose valves switch on small differences: errors of neighbouring "
-            "values scatter by some tenths. Each variant changes one thing.",
-        ]
 
     # ------------------------------------------------------------------------------------------------------ jobs
 
@@ -470,5 +464,5 @@ def study_case(case: Case, duration: float | None) -> Case:
 
 
 def _name(key: tuple[str, str, float]) -> str:
-    """Of a variant's job."""
+    """Name of a variant's job."""
     return ", ".join(map(str, key[:2] if math.isnan(key[2]) else key))

@@ -142,14 +142,14 @@ def roller_jobs(
 def over_radius(
     done: Done, parts: Sequence[str], radii: Sequence[float], label: str = ""
 ) -> CriticalSpeedOverRadius | None:
-    """From the results of `roller_jobs`; None if there are none yet."""
+    """Table from the results of `roller_jobs`; None if there are none yet."""
     places = [(part, radius) for part in parts for radius in (*sorted(radii), TRACK)]
     found = {place: done[name] for place in places if (name := _place_name(label, *place)) in done}
     return critical_speed_over_radius(places, found) if found else None
 
 
 def effect_split(done: Done, label: str = "") -> EffectSplit | None:
-    """From the results of `roller_jobs`; None if there are none yet."""
+    """Table from the results of `roller_jobs`; None if there are none yet."""
     every = frozenset(EFFECTS)
     sets = [every, frozenset[str](), *(every - {e} for e in EFFECTS), *(frozenset({e}) for e in EFFECTS)]
     found = {on: done[name] for on in sets if (name := _effects_name(label, on)) in done}

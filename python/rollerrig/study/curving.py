@@ -70,13 +70,10 @@ class CurvingStudy(Study[xr.Dataset]):
     cant: float | None = None
 
     command = "curving"
+    heading = "Steady curving of {case.name}"
     quantities = QUANTITIES
     writes = ("curving.nc",)
     resumable = False
-
-    @property
-    def title(self) -> str:
-        return f"Steady curving of {self.case.name}"
 
     def cases(self) -> Mapping[str, Case]:
         return {self.case.name: curving_case(self.case)}

@@ -75,7 +75,7 @@ class Estimate:
         return Interval(self.mean - reach, self.mean + reach)
 
     def as_dict(self) -> dict[str, float]:
-        """For summary.json."""
+        """Dictionary for summary.json."""
         return {"mean": self.mean, "standard_error": self.standard_error}
 
 
@@ -127,12 +127,12 @@ def distances(groups: Sequence[Sequence[TestRecord]]) -> list[list[float]]:
 
 
 def measure(records: Sequence[TestRecord], name: str) -> Estimate:
-    """Of one measure; tests without it leave no mean."""
+    """Estimate of one measure; tests without it leave no mean."""
     return estimate([record.measures.get(name, math.nan) for record in records])
 
 
 SHARES = (0.5, 1.0, 1.5)
-"""Of the predicted dead time, at which the track is run."""
+"""Shares of the predicted dead time, at which the track is run."""
 
 LEAST_STEP = 2e-3
 """Between them at least [s]: less is not seen beside the scatter of the distance."""
@@ -162,7 +162,7 @@ def dead_times(case: Case, predicted: DeadTime | None) -> tuple[float, ...]:
 
 
 def measured_dead_time(rig: Estimate, track: Mapping[float, Estimate]) -> Estimate:
-    """Additional dead time [s] with which the track has the rig's mean number: its distance, or its ventings.
+    """Additional dead time [s] with which the track has the rig's mean number: its distance, or its dump cycles.
 
     Args:
         rig: that number of the rig.

@@ -24,13 +24,14 @@ from rollerrig.cases import as_case
 from rollerrig.config import Case, ConfigError, ConfigProblem, Rig
 from rollerrig.config.validate.simulated_axles import simulated_axles
 from rollerrig.plot import envelope as figures
-from rollerrig.study.frame import Study
+from rollerrig.study.frame import Study, dataset_rows
 from rollerrig.study.jobs import Done, Progress, Round, job, whole_run
 from rollerrig.study.quantities import Numbers, Quantities, Quantity
 from rollerrig.study.report import Block, Picture, Section, Table, Text
 from rollerrig.study.runs.envelope import (
     ADHESIONS,
     BEGIN,
+    DIMENSIONS,
     LOADS,
     RISE,
     OnTrack,
@@ -50,13 +51,9 @@ from rollerrig.wording import number
 
 def run_rows(found: xr.Dataset) -> list[list[object]]:
     """envelope.csv: a row per run, header first."""
-    texts, places = ("region", "limits", "status"), ("load", "axle_load", "torque", "adhesion")
-    rows: list[list[object]] = [["load", "axle_load_n", "torque_nm", "adhesion", *texts, *NUMBERS]]
-    for load, adhesion, torque in np.argwhere(found["region"].to_numpy() != ""):
-        here = found.isel(load=load, adhesion=adhesion, torque=torque)
-        rows.append([*(float(here[name]) for name in places), *(str(here[name].item()) for name in texts),
-                     *(float(here[name]) for name in NUMBERS)])  # fmt: skip
-    return rows
+    same = ("adhesion", "region", "limits", "status", *NUMBERS)
+    columns = {"load": "load", "axle_load_n": "axle_load", "torque_nm": "torque", **{name: name for name in same}}
+    return [row for row in dataset_rows(found, columns, *DIMENSIONS) if row[list(columns).index("region")]]
 
 
 def reach_table(found: xr.Dataset) -> Table:
@@ -164,9 +161,11 @@ class EnvelopeStudy(Study[Envelope]):
     refine: int = 1
 
     command = "envelope"
+    heading = "{case.name}: operating envelope of the rig"
     quantities = QUANTITIES
     writes = ("envelope.nc", "envelope.csv")
     keeps_jobs = True
+    leaves_out = (LEFT_OUT,)
     irrelevant = ("description", "time.duration", "time.output_step", "torques", "adhesions", "loads", "refine")
 
     def __post_init__(self) -> None:
@@ -182,13 +181,6 @@ class EnvelopeStudy(Study[Envelope]):
             raise ConfigError(others)
         object.__setattr__(self, "torques", self.torques or tuple(default_torques(self.case)))
         check(self.case, self.torques, self.adhesions, self.loads, self.duration, self.refine)
-
-    @property
-    def title(self) -> str:
-        return f"{self.case.name}: operating envelope of the rig"
-
-    def limitations(self) -> list[str]:
-        return [*super().limitations(), LEFT_OUT]
 
     # ------------------------------------------------------------------------------------------------------ jobs
 
@@ -376,7 +368,7 @@ def envelope(
 
 
 def _name(point: Point) -> str:
-    """Of a point's job."""
+    """Name of a point's job."""
     return f"load {point.load!r}, torque {point.torque!r} N m, adhesion {point.adhesion!r}"
 
 

@@ -48,7 +48,7 @@ SUMMARY, REPORT = "summary.json", "report.html"
 TIMING = "timing.json"
 """The one file whose bytes differ between identical runs: measured times."""
 Content = xr.Dataset | str | bytes | Mapping[str, ArrayLike] | Sequence[Sequence[object]]
-"""Of a file: a Dataset (.nc), text, bytes, or a CSV file: name of a column -> values, or rows, header first."""
+"""Content of a file: a Dataset (.nc), text, bytes, or a CSV file: name of a column -> values, or rows, header first."""
 
 
 class Study(ABC, Generic[R]):
@@ -56,6 +56,8 @@ class Study(ABC, Generic[R]):
 
     Attributes:
         command: of the command line, for messages.
+        heading: title of the report; {names} are fields of the study.
+        assumes, leaves_out: limitations that stand before and after those of the cases, a sentence each.
         quantities: what it reports.
         writes: names of its own files, with wildcards: looked for in the folder before the work begins.
         formats: of the figures' files; the first one is shown in the report.
@@ -66,6 +68,9 @@ class Study(ABC, Generic[R]):
     """
 
     command: ClassVar[str]
+    heading: ClassVar[str] = ""
+    assumes: ClassVar[tuple[str, ...]] = ()
+    leaves_out: ClassVar[tuple[str, ...]] = ()
     quantities: ClassVar[Quantities]
     writes: ClassVar[tuple[str, ...]] = ()
     formats: ClassVar[tuple[Literal["svg", "png"], ...]] = ("png",)
@@ -77,9 +82,9 @@ class Study(ABC, Generic[R]):
     # --------------------------------------------------------------------------------- what a study says of itself
 
     @property
-    @abstractmethod
     def title(self) -> str:
-        """Of the report."""
+        """Title of the report."""
+        return self.heading.format(**vars(self))
 
     @property
     def mark(self) -> Mark | None:
@@ -109,7 +114,7 @@ class Study(ABC, Generic[R]):
 
     @abstractmethod
     def sections(self, results: R, numbers: Numbers) -> list[Section]:
-        """Of the report, but for its ends."""
+        """Sections of the report, but for its ends."""
 
     def files(self, results: R, numbers: Numbers) -> Mapping[str, Content]:
         """File name -> content, beside report, figures and summary.json."""
@@ -125,7 +130,8 @@ class Study(ABC, Generic[R]):
 
     def limitations(self) -> list[str]:
         """What the models leave out, a sentence each: of all cases, each once."""
-        return list(dict.fromkeys(line for case in self.cases().values() for line in limitations(case)))
+        of_cases = dict.fromkeys(line for case in self.cases().values() for line in limitations(case))
+        return [*self.assumes, *of_cases, *self.leaves_out]
 
     def sources(self, results: R) -> Mapping[str, str]:
         """What -> publication: of the models and data of all cases."""
@@ -300,7 +306,7 @@ class Outcome(Generic[R]):
         return written
 
     def _add_data(self, folder: ResultFolder) -> list[Path]:
-        """The study's files; the name of a marked study stands in theirs."""
+        """The study's files; the name of a marked study is part of theirs."""
         mark, written = self.study.mark, []
         for name, content in self.study.files(self.results, self.numbers).items():
             path = PurePosixPath(name)
@@ -359,6 +365,12 @@ def _bytes(content: Content) -> bytes | memoryview:
         columns = (np.asarray(values).tolist() for values in content.values())
         content = [list(content), *zip(*columns, strict=True)]
     return (content if isinstance(content, str) else csv_text(content)).encode()
+
+
+def dataset_rows(data: xr.Dataset, columns: Mapping[str, str], *dims: str) -> list[list[object]]:
+    """Rows of a CSV file, header first: name of a column -> variable or coordinate, each over all of `dims`."""
+    arrays = (one.transpose(*dims) for one in xr.broadcast(*(data[name] for name in columns.values())))
+    return [list(columns), *map(list, zip(*(one.to_numpy().ravel().tolist() for one in arrays), strict=True))]
 
 
 def csv_text(rows: Sequence[Sequence[object]]) -> str:

@@ -32,7 +32,7 @@ NAME, DATA = "jobs.jsonl", "jobs"
 _CURE = "allowed: what the finished jobs were made with; undo the change, choose another --out, or delete the file to begin anew"
 _MOST_DIFFERENCES = 5
 LARGEST_JOURNAL = 1000 * MEGABYTE
-"""Of the lines; a thousand runs of an envelope have some 2 MB [bytes]."""
+"""Largest size of the lines; a thousand runs of an envelope have some 2 MB [bytes]."""
 
 
 _BEGIN = b'{"study": '
@@ -186,7 +186,7 @@ def _parsed(line: bytes) -> dict[str, Any] | None:
 
 
 def _stem(job: str) -> str:
-    """Of the files of a job: the same whenever and wherever it is done; two jobs that are nearly named alike differ."""
+    """Stem of the files of a job: the same whenever and wherever it is done; two jobs that are nearly named alike differ."""
     return f"{re.sub(r'[^a-z0-9]+', '_', job.lower())[:40]}_{hashlib.sha256(job.encode()).hexdigest()[:8]}"
 
 
@@ -267,7 +267,7 @@ def _is_one_of(key: str, names: Sequence[str]) -> bool:
 
 
 def _differences(before: Any, after: Any, key: str) -> Iterator[tuple[str, Any, Any]]:
-    """Key, old and new value of what differs; lists are told as a whole unless their lengths agree."""
+    """Key, old and new value of what differs; lists are reported as a whole unless their lengths agree."""
     if isinstance(before, dict) and isinstance(after, dict):
         for name in [*before, *(name for name in after if name not in before)]:
             yield from _differences(before.get(name), after.get(name), f"{key}.{name}" if key else name)

@@ -240,6 +240,7 @@ class LateralStudy(Study[Found]):
     case: Case
 
     command = "lateral"
+    heading = "{case.name}: lateral motion during a slide"
     quantities = QUANTITIES
     writes = ("*.nc", VIEW)
 
@@ -267,10 +268,6 @@ class LateralStudy(Study[Found]):
         problems += simulated_axles(self.case, self.command)
         if problems:
             raise ConfigError(problems)
-
-    @property
-    def title(self) -> str:
-        return f"{self.case.name}: lateral motion during a slide"
 
     def cases(self) -> Mapping[str, Case]:
         return {"rig": self.case, "track": track_case(self.case)}
@@ -355,12 +352,10 @@ class LateralStudy(Study[Found]):
 
     def sections(self, results: Found, numbers: Numbers) -> list[Section]:
         shown = {LABELS[key]: run for key, run in numbers["runs"].items()}
-        table = QUANTITIES.list_table(shown, [q.key for q in QUANTITIES.below("runs.*")])
+        table = QUANTITIES.list_table(shown, "runs.*")
         again = {LABELS[key]: one for key, one in numbers["ensemble"].items()}
         caption = f"mean of {MEMBERS} runs whose disturbances differ by 10⁻⁹, and its standard error"
-        repeated = (
-            [QUANTITIES.list_table(again, [q.key for q in QUANTITIES.below("ensemble.*")], caption)] if again else []
-        )
+        repeated = [QUANTITIES.list_table(again, "ensemble.*", caption)] if again else []
         sections = [Section("Numbers", [table, *repeated])]
         sections += [Section(title, [Picture(*picture)]) for title, *picture in _pictures(results.runs)]
         return [*sections, Section("Lateral guidance of a sliding wheel", self._guidance_blocks(results, numbers))]
@@ -381,11 +376,7 @@ class LateralStudy(Study[Found]):
                     f"{LABELS[key]}: axles whose wheels slide faster than 1 m/s, each sample.")
             for key, one in found.items() if one is not None
         ]  # fmt: skip
-        return [
-            Text(text),
-            QUANTITIES.table(entries, [q.key for q in QUANTITIES.below("guidance.*")], head="run"),
-            *pictures,
-        ]
+        return [Text(text), QUANTITIES.table(entries, "guidance.*", head="run"), *pictures]
 
 
 def _slide(results: Mapping[str, xr.Dataset]) -> float:

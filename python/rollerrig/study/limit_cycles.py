@@ -120,7 +120,7 @@ def cycle_diagram(
 def _branch(
     sweep: Sweep, speeds_kmh: Sequence[float], settings: LimitCycleSettings, done: Done, missing: Missing
 ) -> Branch[Any]:
-    """One sweep as far as its runs were made; the first that was not is told to `missing`."""
+    """One sweep as far as its runs were made; the first that was not is passed to `missing`."""
     count = 0
 
     def settle(speed: float, state: LastState | None) -> tuple[CyclePoint, LastState | None]:

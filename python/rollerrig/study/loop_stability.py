@@ -137,7 +137,7 @@ def loop_blocks(loop: Numbers, points: list[dict[str, float]]) -> list[Block]:
 
 
 DURATION = 15.0
-"""Of the runs [s]: on low adhesion full service locks the wheels within some seconds."""
+"""Duration of the runs [s]: on low adhesion full service locks the wheels within some seconds."""
 
 STANDS, SETTLES = 1e-4, 0.5
 """Speed at which a brake's torque over speed is taken, within its regularisation [rad/s]; after locking the ripple of the slide
@@ -154,7 +154,7 @@ def held_jobs(case: Case) -> Round:
 
 
 def held_wheel(case: Case, progress: Progress | None = None) -> dict[str, float]:
-    """Of one estimator, by the names of `held_wheel`."""
+    """Numbers of one estimator, by the names of `held_wheel`."""
     rate, frequency = held_growth(case)
     run = whole_run(case, progress)
     held, ripple = held_ripple(run["time"].to_numpy(), wheel_radius(run) * np.abs(run["axle_speed"].to_numpy()),
@@ -178,7 +178,7 @@ def held_growth(case: Case) -> tuple[float, float]:
 def held_ripple(
     time: np.ndarray, rolling: np.ndarray, train: np.ndarray, torque: np.ndarray, case: Case
 ) -> tuple[float, float]:
-    """For how long all wheels of a run were held [s], the last time, and the ripple of the drives in it [N m].
+    """Time for which all wheels of a run were held [s], the last time, and the ripple of the drives in it [N m].
 
     Args:
         time: evenly spaced [s], shape (time,).
@@ -199,7 +199,7 @@ def held_ripple(
 
 
 def held_numbers(done: Done) -> dict[str, dict[str, float]] | None:
-    """By estimator, as far as its job is done; None where there is none."""
+    """Numbers by estimator, as far as its job is done; None where there is none."""
     found = {label: done[name] for label in ESTIMATORS if (name := f"held wheel, {label}") in done}
     return found or None
 
@@ -209,9 +209,8 @@ def held_blocks(numbers: Numbers, quantities: Quantities) -> list[Block]:
     text = (
         "Without slide protection the brake locks the wheels. A locked wheel's estimated torque is the brake's reaction to the "
         "drive's own: through virtual train and feed-forward it would return to the drive with the gain J_r (r/R)²/J_w. The "
-        "growth rate is that of this linear loop, the torque as estimated: where it is positive the drives would ring. A "
+        "growth rate is that of this linear loop, the torque as estimated: where it is positive the drives would oscillate. A "
         "locked wheel is therefore held in the virtual train too, (D15); the ripple is that of a run so treated."
     )
-    names = [q.key for q in quantities.below("held_wheel.*")]
-    table: Table = quantities.table(dict(numbers), names, "a wheel held by its brake", "estimator")
+    table: Table = quantities.table(numbers, "held_wheel.*", "a wheel held by its brake", "estimator")
     return [Text(text), table]

@@ -5,6 +5,7 @@ plan -> [PaperStudy] -> modes, ramps, runs from a disturbance, traction -> numbe
 
 from __future__ import annotations
 
+import itertools
 import math
 import tomllib
 from collections.abc import Iterator, Mapping, Sequence
@@ -14,17 +15,17 @@ from typing import Any
 
 import xarray as xr
 from matplotlib.figure import Figure
-from numpy.typing import ArrayLike
 
-from rollerrig.analysis import CriticalSpeedByDisturbance, end_of_hunting, hunting_table
+from rollerrig.analysis import end_of_hunting, hunting_table
 from rollerrig.analysis.fits import fit
+from rollerrig.analysis.traction import asymmetry, sliding_course
 from rollerrig.config import Case, Rig
 from rollerrig.plot import amplitude_over_speed, hunting_over_time, ramp_over_speed, traction_forces, traction_sliding
 from rollerrig.plot.modes import hunting_frequencies
 from rollerrig.study import critical_speeds as speeds
-from rollerrig.study.assessment import NOT_DECIDED, Interval, check_table, counts, counts_text
-from rollerrig.study.contact_models import sensitivity_numbers, sensitivity_table
-from rollerrig.study.frame import Study
+from rollerrig.study.assessment import NOT_DECIDED, Interval, check_table, counts_text
+from rollerrig.study.contact_models import sensitivity_table
+from rollerrig.study.frame import Study, dataset_rows
 from rollerrig.study.jobs import Done, Round
 from rollerrig.study.quantities import Numbers, Quantities
 from rollerrig.study.report import VIEW, Block, Mark, Picture, Section, Table, Text
@@ -38,21 +39,20 @@ from rollerrig.study.runs.paper import (
     OWN,
     REAR,
     RIG,
+    RUN_COLUMNS,
     TABLE_PARTS,
     VARIANTS,
     VEHICLE,
     PaperPlan,
     Results,
     around_onset,
-    asymmetry,
-    frequency_differences,
-    onset_wavelength,
+    frequency_rows,
+    numbers_of,
     results_of,
     rig_case,
-    rig_speeds,
     rounds,
-    sliding_course,
     traction_case,
+    traction_columns,
 )
 from rollerrig.wording import number, percent
 
@@ -61,21 +61,9 @@ CAPTIONS: Mapping[str, str] = TEXT["captions"]
 """Picture -> what it shows."""
 
 NAMELESS: str = TEXT["nameless"]
-PAPER = (
-    "M. Malvezzi, E. Meli, L. Pugi, Simulation of degraded wheel/rail adhesion conditions on a railway roller rig for the "
-    "evaluation of the effect of wheel/roller contact on control performance, 2010."
-)
+PAPER: str = TEXT["paper"]
 CRITICAL_KMH, NEAR = 100.0, 0.1
 """Speed above which the paper's figure 7a grows [km/h]; a critical speed within this share of it fits it [1]."""
-
-ENDS = (
-    ("sliding_mmps", "sliding", 1e3),
-    ("longitudinal_creep_force_n", "longitudinal_creep_force", 1.0),
-    ("longitudinal_force_n", "longitudinal_force", 1.0),
-    ("vertical_force_n", "vertical_force", 1.0),
-)
-"""Key, variable and factor of what is reported of figure 8 at its end."""
-
 
 QUANTITIES = Quantities("paper")
 
@@ -95,10 +83,9 @@ class PaperStudy(Study[Results]):
     writes = ("data/*.nc", "data/*.csv", VIEW)
     formats = ("svg", "png")
     round_ends = (0.2, 0.8)
+    assumes = (TEXT["limitation"],)
 
-    @property
-    def title(self) -> str:
-        return "Malvezzi, Meli and Pugi (2010): critical speed and traction of a bogie on a roller rig"
+    heading = "Malvezzi, Meli and Pugi (2010): critical speed and traction of a bogie on a roller rig"
 
     @property
     def mark(self) -> Mark | None:
@@ -113,23 +100,11 @@ class PaperStudy(Study[Results]):
     def collect(self, done: Done) -> Results | None:
         return results_of(self.chosen, done)
 
-    def limitations(self) -> list[str]:
-        return [TEXT["limitation"], *super().limitations()]
-
     def sources(self, results: Results) -> Mapping[str, str]:
         return {"paper": PAPER.replace("Pugi, Sim", "Pugi: Sim").removesuffix(".")}
 
     def numbers(self, results: Results) -> dict[str, Any]:
-        found = {m: _contact_numbers(results, OWN, m) | _material_numbers(results, m) for m in results.modes}
-        exact = {m: one for m in MATERIALS if (one := _contact_numbers(results, EXACT, m))}
-        return {
-            "materials": found,
-            "exact_contact": {"materials": exact, "traction": _traction_numbers(results.exact_theory)},
-            "critical_speed_by_contact_model": sensitivity_numbers(results.sensitivity),
-            "traction": _traction_numbers(results.theory),
-            "checks": [check.as_dict() for check in results.checks],
-            **counts(results.checks),
-        }
+        return numbers_of(results)
 
     def summary(self, results: Results, numbers: Numbers) -> list[str]:
         size = 1e3 * self.chosen.hunting.disturbance
@@ -155,20 +130,20 @@ class PaperStudy(Study[Results]):
 
     def files(self, results: Results, numbers: Numbers) -> Mapping[str, Any]:
         found: dict[str, Any] = {}
-        for material, variants in results.modes.items():
-            for variant, modes in variants.items():
-                found[f"data/modes_{material}_{variant.replace(' ', '_')}.nc"] = modes
-        found |= {f"data/ramp_{material}.nc": ramp for material, ramp in results.ramps.items()}
-        for material, one in results.runs_of(RIG).items():
-            found |= {f"data/run_{material}_{3.6 * run.speed:.2f}_kmh.nc": run.motion for run in one.runs}
-            found[f"data/figure_7_runs_{material}.csv"] = _run_columns(one)
-        for material, one in results.runs_of(VEHICLE).items():
-            found[f"data/figure_7b_vehicle_runs_{material}.csv"] = _run_columns(one)
+        for m, variants in results.modes.items():
+            found |= {f"data/modes_{m}_{variant.replace(' ', '_')}.nc": modes for variant, modes in variants.items()}
+        found |= {f"data/ramp_{m}.nc": ramp for m, ramp in results.ramps.items()}
+        for m, one in results.runs_of(RIG).items():
+            found |= {f"data/run_{m}_{3.6 * run.speed:.2f}_kmh.nc": run.motion for run in one.runs}
+        for variant, name in ((RIG, "figure_7_runs"), (VEHICLE, "figure_7b_vehicle_runs")):
+            for m, one in results.runs_of(variant).items():
+                table = hunting_table(one.runs, one.disturbance)
+                found[f"data/{name}_{m}.csv"] = dataset_rows(table, RUN_COLUMNS, "speed")
         if results.modes:
-            found["data/figure_7b_linear.csv"] = _frequency_rows(results)
+            found["data/figure_7b_linear.csv"] = frequency_rows(results)
         if results.traction is not None and results.theory is not None:
             found["data/traction.nc"] = results.traction
-            found["data/figure_8.csv"] = _traction_columns(results.theory)
+            found["data/figure_8.csv"] = traction_columns(results.theory)
         return found
 
     def shown(self, results: Results) -> Mapping[str, xr.Dataset]:
@@ -183,14 +158,6 @@ class PaperStudy(Study[Results]):
         def pictures(*names: str) -> list[Block]:
             return [drawn[name] for name in names if name in drawn] or [Text("Not computed.")]
 
-        radii = [
-            speeds.radius_table(table, f"Linear critical speeds, {NAMES[m]}: bogie (car body fixed) and vehicle.")
-            for m, table in results.over_radius.items()
-        ]
-        splits = [
-            speeds.effects_table(split, f"Track less rig, {NAMES[m]}, bogie: effects of the rollers switched.")
-            for m, split in results.effects.items()
-        ]
         ramp = self.chosen.ramps[MATERIALS[0]]
         every, rate = (round(3.6 * value, 6) for value in (ramp.perturbation_every, ramp.acceleration))
         stability: list[Block] = [
@@ -203,17 +170,21 @@ class PaperStudy(Study[Results]):
             *map(Text, self._frequency_paragraphs(results)),
             *pictures("figure_7b_steel", "figure_7b_paper"),
         ]
-        rig = [*map(Text, _rig_paragraphs(results)), *radii, *pictures("radius_steel", "radius_paper"), *splits]
-        checks: list[Block] = [Text("No checks.")]
-        if results.checks:
-            checks = [Text(counts_text(results.checks)), check_table(results.checks)]
+        rig: list[Block] = [
+            *map(Text, _rig_paragraphs(results)),
+            *(speeds.radius_table(one, TEXT["radii"].format(NAMES[m])) for m, one in results.over_radius.items()),
+            *pictures("radius_steel", "radius_paper"),
+            *(speeds.effects_table(one, TEXT["effects"].format(NAMES[m])) for m, one in results.effects.items()),
+            *pictures("roller_effects"),
+        ]
+        checks: list[Block] = [Text(counts_text(results.checks)), check_table(results.checks)]
         return [
             self._compared(results, numbers),
             Section("Figure 7: stability", stability),
-            Section("What the rig changes", [*rig, *pictures("roller_effects")]),
+            Section("What the rig changes", rig),
             Section("Which material fits the paper", self._fit_blocks(results, numbers)),
             Section("Figure 8: traction", [Text(TEXT["traction"]), *pictures("figure_8a", "figure_8b")]),
-            Section("Checks", checks),
+            Section("Checks", checks if results.checks else [Text("No checks.")]),
             Section("Solver and contact", audit_tables(_audited(results)), folded=True),
             Section("Parameters", self._parameters(), folded=True),
         ]
@@ -242,17 +213,12 @@ class PaperStudy(Study[Results]):
         """Critical speeds with the paper's own contact and with the exact one; nothing where none was computed."""
         called = {OWN: "the paper's: hertz, kalker saturated", EXACT: "exact: strips, table"}
         rows = []
-        for m, variant, contact in ((m, v, c) for m in results.modes for v in VARIANTS for c in called):
-            if (contact, m, variant) not in results.linear:
-                continue
-            value, frequency = results.linear[contact, m, variant]
-            shown = f"{number(frequency, 3)} Hz" if math.isfinite(frequency) else ""
-            by = (
-                results.by_disturbance(m, variant, contact).text("km/h", 1)
-                if (contact, m, variant) in results.runs
-                else ""
-            )
-            rows.append((NAMES[m], variant, called[contact], self._linear(value), shown, by))
+        for m, variant, contact in itertools.product(results.modes, VARIANTS, called):
+            if (place := (contact, m, variant)) in results.linear:
+                value, frequency = results.linear[place]
+                shown = f"{number(frequency, 3)} Hz" if math.isfinite(frequency) else ""
+                by = results.by_disturbance(m, variant, contact).text("km/h", 1) if place in results.runs else ""
+                rows.append((NAMES[m], variant, called[contact], self._linear(value), shown, by))
         header = ("material", "vehicle and support", "contact", "linear critical speed", "its frequency",
                   "by disturbance: decays … persists")  # fmt: skip
         caption = TEXT["side_by_side"].format(offset=1e3 * self.chosen.hunting.disturbance)
@@ -262,16 +228,15 @@ class PaperStudy(Study[Results]):
         """What figure 7b says: how far the bogie on the rig and the whole vehicle on the rails are apart."""
         texts = []
         for m in MATERIALS:
-            apart = frequency_differences(results, m)
-            if not apart:
+            if not (apart := results.frequency_differences(m)):
                 continue
             text = TEXT["frequency"].format(material=NAMES[m].capitalize(), count=len(apart), apart=_percents(apart))
             rig, vehicle = results.by_disturbance(m), results.by_disturbance(m, VEHICLE)
             if rig.known and vehicle.known:
                 ratio, offset = rig.over(vehicle), 1e3 * self.chosen.hunting.disturbance
                 lower = Interval(100 * (1 - ratio.high), 100 * (1 - ratio.low))
-                on = (one.text("km/h") for one in (rig, vehicle))
-                text += TEXT["on_rig_and_rails"].format(offset=offset, rig=next(on), rails=next(on))
+                on = {"rig": rig.text("km/h"), "rails": vehicle.text("km/h")}
+                text += TEXT["on_rig_and_rails"].format(offset=offset, **on)
                 text += f", lower on the rig by {lower.text('%')}." if lower.bounded else "."
             texts.append(text)
         return [TEXT["frequencies"], *texts] if texts else []
@@ -279,34 +244,20 @@ class PaperStudy(Study[Results]):
     def _fit_blocks(self, results: Results, numbers: Numbers) -> list[Block]:
         """Which material fits the paper's critical speed."""
         blocks: list[Block] = [*map(Text, _fit_paragraphs(results))] or [Text("Not computed.")]
-        rows: list[list[object]] = []
-        for (m, kind), speed in rig_speeds(results).items():
-            off = Interval(*(100 * (end / CRITICAL_KMH - 1) for end in (speed.low, speed.high)))
-            rows.append(
-                [
-                    NAMES[m],
-                    kind,
-                    speed.text("km/h", 1),
-                    off.text("%"),
-                    {True: "yes", False: "no", None: NOT_DECIDED}[_fits(speed)],
-                ]
-            )
+        words = {True: "yes", False: "no", None: NOT_DECIDED}
+        found = {(NAMES[m], kind): speed for (m, kind), speed in results.rig_speeds().items()}
+        rows = [(*who, one.text("km/h", 1), _off(one).text("%"), words[_fits(one)]) for who, one in found.items()]
         if rows:
             header = ("material", "critical speed", "computed", f"less {CRITICAL_KMH:g} km/h", "within a tenth of it")
             blocks.append(Table(header, rows, "Bogie on the rig against the paper's critical speed."))
         if results.contact:
             entries = {NAMES[m]: numbers["materials"][m]["contact"] for m in results.contact if m in results.modes}
-            names = ("patches", "approach_um", "creep_stiffness_n", "wavelength_m")
-            blocks.append(QUANTITIES.table(entries, names, "Steady rolling on the rig, small motions.", "material"))
+            caption = "Steady rolling on the rig, small motions."
+            blocks.append(QUANTITIES.table(entries, "materials.*.contact", caption, "material"))
         if any(results.merging.values()):
-            cells = {
-                b: [speeds.linear_cell(results.merging[m].get(b)) for m in MATERIALS] for b in self.chosen.criteria
-            }
-            caption = (
-                "Linear critical speed [km/h] of the bogie on the rig over the merging criterion of adjacent patches."
-            )
-            heads = ("merging criterion", *(NAMES[m] for m in MATERIALS))
-            blocks.append(Table(heads, [[f"{b:g}", *found] for b, found in cells.items()], caption))
+            scans = {b: [results.merging[m].get(b) for m in MATERIALS] for b in self.chosen.criteria}
+            cells = [[f"{b:g}", *map(speeds.linear_cell, own)] for b, own in scans.items()]
+            blocks.append(Table(("merging criterion", *map(NAMES.__getitem__, MATERIALS)), cells, TEXT["merging"]))
         if results.sensitivity:
             blocks.append(sensitivity_table(results.sensitivity))
         return blocks
@@ -314,113 +265,25 @@ class PaperStudy(Study[Results]):
     def _parameters(self) -> list[Block]:
         """What was assumed."""
         case, traction, soft = rig_case("steel"), traction_case(self.chosen), rig_case("paper").contact.material
-        rig, vehicle, steel, hunting = case.support.data, case.vehicle.data, case.contact.material, self.chosen.hunting
+        rig, vehicle, steel, contact = case.support.data, case.vehicle.data, case.contact.material, case.contact
         assert isinstance(rig, Rig)
-        wheel, inertia = vehicle.wheel, f"{rig.roller_inertia[1]:g} kg m²"
-        rows = [
-            ("vehicle", vehicle.description),
-            ("its source", vehicle.source),
-            ("wheel", f"S1002, radius {1e3 * wheel.radius:g} mm, back to back {1e3 * wheel.back_to_back:g} mm"),
-            ("rig", rig.description),
-            ("its source", rig.source),
-            ("roller", f"radius {1e3 * rig.roller_radius:g} mm, spin inertia of a pair {inertia}, {rig.coupling}"),
-            ("steel", f"G = {1e-9 * steel.shear_modulus:z.2f} GPa, ν = {steel.poisson_ratio:g}"),
-            ("paper's material", f"G = {1e-9 * soft.shear_modulus:z.2f} GPa, ν = {soft.poisson_ratio:g}; {soft.source}"),
-            ("friction", f"{case.contact.friction.mu_0:g}"),
-            ("creep law, normal law", f"{case.contact.creep.kind}, {case.contact.normal.kind}".replace("_", " ")),
-            ("merging criterion", f"{getattr(case.contact.normal, 'merging_criterion', 0.0):g}"),
-            ("runs of figure 7", f"rodas4, tolerance {hunting.relative_tolerance:g} relative, {hunting.absolute_tolerance:g} m, "
-             f"{hunting.duration:g} s"),
-            ("run of figure 8", f"{traction.time.method}, tolerance {traction.time.relative_tolerance:g} relative, from "
-             f"{3.6 * traction.motion.speed:g} km/h"),
-        ]  # fmt: skip
+        values = {
+            "vehicle": vehicle,
+            "rig": rig,
+            "contact": contact,
+            "soft": soft,
+            "hunting": self.chosen.hunting,
+            "time": traction.time,
+            "mm": [1e3 * length for length in (vehicle.wheel.radius, vehicle.wheel.back_to_back, rig.roller_radius)],
+            "gpa": [1e-9 * one.shear_modulus for one in (steel, soft)],
+            "laws": f"{contact.creep.kind}, {contact.normal.kind}".replace("_", " "),
+            "merging": getattr(contact.normal, "merging_criterion", 0.0),
+            "kmh": 3.6 * traction.motion.speed,
+        }
+        rows = [(name, text.format(**values)) for name, text in TEXT["parameters"]]
         bodies = [(b.name.replace("_", " "), b.mass, *b.inertia) for b in vehicle.bodies_in(case.vehicle.part)]
         header = ("body", "mass [kg]", "Ixx [kg m²]", "Iyy [kg m²]", "Izz [kg m²]")
         return [Table(("parameter", "value"), rows), Table(header, bodies, "Bodies; the car body is fixed.")]
-
-
-# ------------------------------------------------------------------------------------------------------ numbers and rows
-
-
-def _contact_numbers(results: Results, contact: str, material: str) -> dict[str, Any]:
-    """What is reported with either contact; empty where nothing was computed."""
-    places = {v: place for v in VARIANTS if (place := (contact, material, v)) in results.linear}
-    if not places and contact == EXACT and (EXACT, material, RIG) not in results.runs:
-        return {}
-    pairs = {v: results.linear[place] for v, place in places.items()}
-    found: dict[str, Any] = {}
-    if places:
-        found["linear"] = {v: {"critical_speed_kmh": value, "frequency_hz": hz} for v, (value, hz) in pairs.items()}
-    for key, variant in (("by_disturbance", RIG), ("vehicle_on_track", VEHICLE)):
-        if (contact, material, variant) in results.runs:
-            found[key] = speeds.disturbance_numbers(results.runs[contact, material, variant])
-    return found
-
-
-def _material_numbers(results: Results, material: str) -> dict[str, Any]:
-    """What is reported with the paper's contact alone."""
-    found: dict[str, Any] = {
-        "merging_criterion": {f"{b:g}": scan.speed_kmh for b, scan in results.merging.get(material, {}).items()},
-        "onset_wavelength_m": onset_wavelength(results, material),
-    }
-    if material in results.contact:
-        state = results.contact[material]
-        found["contact"] = {
-            "patches": state.patches,
-            "approach_um": 1e6 * state.approach,
-            "creep_stiffness_n": state.creep_stiffness,
-            "wavelength_m": state.wavelength,
-        }
-    if material in results.over_radius:
-        found["critical_speed_over_radius_kmh"] = speeds.radius_numbers(results.over_radius[material])
-    if material in results.effects:
-        found["roller_effects"] = speeds.effect_numbers(results.effects[material])
-    return found
-
-
-def _traction_numbers(study: xr.Dataset | None) -> dict[str, Any] | None:
-    """Figure 8 at its end."""
-    if study is None:
-        return None
-    end = study.isel(time=-1)
-    wheels = {wheel: end.sel(wheel=wheel) for wheel in (FRONT, REAR)}
-    own = {w: {key: factor * float(one[name]) for key, name, factor in ENDS} for w, one in wheels.items()}
-    return {"speed_kmh": 3.6 * float(end["speed"]), **own}
-
-
-def _run_columns(found: CriticalSpeedByDisturbance) -> dict[str, ArrayLike]:
-    """Runs at constant speed."""
-    table = hunting_table(found.runs, found.disturbance)
-    columns = {
-        "speed_kmh": "speed",
-        "amplitude_m": "amplitude",
-        "frequency_hz": "oscillation_frequency",
-        "decay_frequency_hz": "decay_frequency",
-        "rate_at_end_per_s": "rate_at_end",
-        "persists": "persists",
-    }
-    return {column: table[name].to_numpy() for column, name in columns.items()}
-
-
-def _frequency_rows(results: Results) -> list[list[object]]:
-    """Frequency and damping of hunting over speed, header first."""
-    rows: list[list[object]] = [["material", "variant", "speed_kmh", "hunting_frequency_hz", "hunting_damping"]]
-    for material, variants in results.modes.items():
-        for variant, modes in variants.items():
-            columns = (modes[name].to_numpy().tolist() for name in ("speed", "hunting_frequency", "hunting_damping"))
-            rows += [[material, variant, *values] for values in zip(*columns, strict=True)]
-    return rows
-
-
-def _traction_columns(study: xr.Dataset) -> dict[str, ArrayLike]:
-    """Sliding and forces of all wheels beside the closed forms over time."""
-    columns = {"time_s": study["time"], "speed_mps": study["speed"], "torque_nm": study["torque"]}
-    for wheel in map(str, study["wheel"].to_numpy()):
-        for _, name, _ in ENDS:
-            for kind in ("", "_theory"):
-                unit = "mps" if name == "sliding" else "n"
-                columns[f"{wheel}.{name}{kind}_{unit}"] = study[f"{name}{kind}"].sel(wheel=wheel)
-    return {name: column.to_numpy() for name, column in columns.items()}
 
 
 # -------------------------------------------------------------------------------------------------------------- figures
@@ -445,8 +308,8 @@ def _figures(results: Results) -> dict[str, Figure]:
         found[f"figure_7a_time_{m}"] = hunting_over_time(chosen, body, LABELS[m])
     if runs:
         tables = {LABELS[m]: hunting_table(one.runs, one.disturbance) for m, one in runs.items()}
-        for m, one in results.runs_of(RIG, EXACT).items():
-            tables[f"{LABELS[m]}, exact contact"] = hunting_table(one.runs, one.disturbance)
+        exact = results.runs_of(RIG, EXACT).items()
+        tables |= {f"{LABELS[m]}, exact contact": hunting_table(one.runs, one.disturbance) for m, one in exact}
         critical = {**stated, **{f"linear, {m}": results.linear_kmh(m) for m in runs}}
         found["figure_7a_amplitude"] = amplitude_over_speed(tables, critical)
     for m, modes in results.modes.items():
@@ -523,8 +386,7 @@ def _rig_paragraphs(results: Results) -> Iterator[str]:
 def _rig_and_rails(results: Results) -> Iterator[Row]:
     """Figure 7b: bogie on the rig against the whole vehicle on the rails."""
     for m in MATERIALS:
-        apart = frequency_differences(results, m)
-        if apart:
+        if apart := results.frequency_differences(m):
             what = f"frequency of hunting, rig against rails, {NAMES[m]} (figure 7b)"
             yield what, "similar", f"differs by {_percents(apart)}", TEXT["short"]
         rig, rails = results.by_disturbance(m), results.by_disturbance(m, VEHICLE)
@@ -560,10 +422,14 @@ def _fits(speed: Interval) -> bool | None:
     return speed.within((1 - NEAR) * CRITICAL_KMH, (1 + NEAR) * CRITICAL_KMH)
 
 
+def _off(speed: Interval) -> Interval:
+    """A critical speed [km/h] less the paper's [%]."""
+    return Interval(*(100 * (end / CRITICAL_KMH - 1) for end in (speed.low, speed.high)))
+
+
 def _fit_paragraphs(results: Results) -> Iterator[str]:
     """Which material the paper's critical speed fits, and why."""
-    found = rig_speeds(results)
-    if not found:
+    if not (found := results.rig_speeds()):
         return
     yield f"The paper reports growing oscillations above {CRITICAL_KMH:z.0f} km/h. {_nearest(found)}"
     if all(m in results.contact for m in MATERIALS):
@@ -582,9 +448,8 @@ def _nearest(found: dict[tuple[str, str], Interval]) -> str:
     distances = {key: one.distance(CRITICAL_KMH) for key, one in found.items()}
     nearest = min(distances, key=lambda key: distances[key].high)
     if any(other.low < distances[nearest].high for key, other in distances.items() if key != nearest):
-        return (
-            f"Which critical speed is nearest to that is {NOT_DECIDED} at the width of the intervals below. {NAMELESS}"
-        )
+        which = f"Which critical speed is nearest to that is {NOT_DECIDED} at the width of the intervals below."
+        return f"{which} {NAMELESS}"
     (material, kind), speed = nearest, found[nearest]
     text = f"The nearest critical speed is that of {NAMES[material]} ({kind}), {speed.text('km/h', 1)}"
     others = [distance.low for (other, _), distance in distances.items() if other != material]
@@ -594,7 +459,7 @@ def _nearest(found: dict[tuple[str, str], Interval]) -> str:
         return f"{text}That is within a tenth of the paper's value."
     if verdict is None:
         return f"{text}Whether that is within a tenth of the paper's value is {NOT_DECIDED}. {NAMELESS}"
-    off = Interval(100 * (speed.low / CRITICAL_KMH - 1), 100 * (speed.high / CRITICAL_KMH - 1))
+    off = _off(speed)
     apart = f"{off.text('%')} above" if off.low > 0 else f"{Interval(-off.high, -off.low).text('%')} below"
     return f"{text}That is {apart} the paper's value: neither reproduces it. {NAMELESS}"
 
@@ -610,11 +475,10 @@ def _effect_of_the_material(results: Results) -> str:
         stiffness=100 * soft.creep_stiffness / steel.creep_stiffness,
         cube_root=100 * (moduli[1] / moduli[0]) ** (1 / 3),
     )
-    steel_name, soft_name = MATERIALS
-    by_disturbance = results.by_disturbance(soft_name).below(results.by_disturbance(steel_name))
-    if results.linear_kmh(soft_name) < results.linear_kmh(steel_name) and by_disturbance:
+    linear, by = [results.linear_kmh(m) for m in MATERIALS], [results.by_disturbance(m) for m in MATERIALS]
+    if linear[1] < linear[0] and by[1].below(by[0]):
         text += " Both the linear critical speed and that by disturbance fall with it."
-    waves = [onset_wavelength(results, m) for m in MATERIALS]
+    waves = [results.onset_wavelength(m) for m in MATERIALS]
     if all(math.isfinite(w) for w in waves):
         slow = [state.wavelength for state in (steel, soft)]
         factor = [(own / wave) ** 2 for own, wave in zip(slow, waves, strict=True)]

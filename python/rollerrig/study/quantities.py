@@ -72,7 +72,7 @@ class Quantities:
     def table(
         self,
         entries: Mapping[str, Numbers] | Sequence[Numbers],
-        names: Sequence[str],
+        names: Sequence[str] | str,
         caption: str = "",
         head: str = "",
     ) -> Table:
@@ -80,11 +80,11 @@ class Quantities:
 
         Args:
             entries: numbers by name, or by key where several have one name; label of the row -> numbers where rows have one.
-            names: of the quantities shown; what an entry lacks is a dash.
+            names: of the quantities shown, or the prefix of all that are; what an entry lacks is a dash.
             caption: of the table.
             head: of the column of labels.
         """
-        columns = [self[name] for name in names]
+        columns = self._chosen(names)
         if not isinstance(entries, Mapping):
             return Table(
                 [q.heading for q in columns], [[q.cell(_value(one, q)) for q in columns] for one in entries], caption
@@ -95,22 +95,23 @@ class Quantities:
         ]
         return Table((head, *(q.heading for q in columns)), rows, caption)
 
-    def list_table(self, entries: Mapping[str, Numbers], names: Sequence[str], caption: str = "") -> Table:
+    def list_table(self, entries: Mapping[str, Numbers], names: Sequence[str] | str, caption: str = "") -> Table:
         """A row per quantity, a column per entry; arguments as `table`."""
-        rows = [
-            [self[name].heading, *(self[name].cell(_value(values, self[name])) for values in entries.values())]
-            for name in names
-        ]
+        chosen = self._chosen(names)
+        rows = [[q.heading, *(q.cell(_value(values, q)) for values in entries.values())] for q in chosen]
         return Table(("", *(label.replace("_", " ") for label in entries)), rows, caption)
 
-    def csv(self, rows: Iterable[Numbers], names: Sequence[str]) -> list[list[object]]:
+    def csv(self, rows: Iterable[Numbers], names: Sequence[str] | str) -> list[list[object]]:
         """Rows of a CSV file, header first; every name must be registered."""
-        header: list[object] = [self[name].name for name in names]
+        header: list[object] = [quantity.name for quantity in self._chosen(names)]
         return [header, *([row.get(str(name)) for name in header] for row in rows)]
+
+    def _chosen(self, names: Sequence[str] | str) -> list[Quantity]:
+        return self.below(names) if isinstance(names, str) else [self[name] for name in names]
 
 
 def _value(entry: Numbers, quantity: Quantity) -> Any:
-    """By whole key, or by last name."""
+    """Value by whole key, or by last name."""
     return entry.get(quantity.key, entry.get(quantity.name))
 
 

@@ -106,7 +106,7 @@ class Section:
 
     @property
     def anchor(self) -> str:
-        """For links within the page."""
+        """Anchor for links within the page."""
         return "".join(c if c.isalnum() else "-" for c in self.title.lower()).strip("-")
 
 

@@ -97,7 +97,7 @@ QUANTITIES = Quantities("response")
 
 @dataclass(frozen=True)
 class ResponseStudy(Study[dict[str, AtSpeed]]):
-    """From some commands to some outputs at some speeds.
+    """Responses from some commands to some outputs at some speeds.
 
     Attributes:
         case: the case.
@@ -121,6 +121,11 @@ class ResponseStudy(Study[dict[str, AtSpeed]]):
     brake_pressure: float = 0.0
 
     command = "response"
+    assumes = (
+        "The linear bench is exact for small motions about steady rolling: no limits of drives, no full sliding, no flange.",
+        "The controllers are outside; a delay of their commands is in the response of a case with samples.",
+    )
+    heading = "Frequency response: {case.name}"
     quantities = QUANTITIES
     writes = ("response.csv", "poles.csv", "linear_*_kmh.mat")
     formats = ("svg",)
@@ -141,22 +146,11 @@ class ResponseStudy(Study[dict[str, AtSpeed]]):
         if not (math.isfinite(self.amplitude) and self.amplitude > 0.0):
             raise ConfigError([ConfigProblem(self.case.name, "amplitude", f"{self.amplitude:g}", "allowed: positive")])
 
-    @property
-    def title(self) -> str:
-        return f"Frequency response: {self.case.name}"
-
     def rounds(self, done: Done) -> Iterator[Round]:
         yield {f"{speed:g} km/h": job(at_speed, self, speed) for speed in self.speeds_kmh}
 
     def collect(self, done: Done) -> dict[str, AtSpeed] | None:
         return dict(done) or None
-
-    def limitations(self) -> list[str]:
-        return [
-            "The linear bench is exact for small motions about steady rolling: no limits of drives, no full sliding, no flange.",
-            "The controllers are outside; a delay of their commands is in the response of a case with samples.",
-            *super().limitations(),
-        ]
 
     # --------------------------------------------------------------------------------------------------- numbers
 
@@ -245,12 +239,7 @@ class ResponseStudy(Study[dict[str, AtSpeed]]):
             zeros = {label: found.system.zeros(i, k) for label, found in results.items()}
             blocks: list[Block] = [
                 Picture(f"bode_{number}", bode_figure(lines, points, unit), f"{name}: magnitude and phase."),
-                QUANTITIES.table(
-                    numbers["channels"][name],
-                    [q.key for q in QUANTITIES.below("channels.*.*")],
-                    "Bandwidth and margins.",
-                    "at",
-                ),
+                QUANTITIES.table(numbers["channels"][name], "channels.*.*", "Bandwidth and margins.", "at"),
                 Picture(f"nyquist_{number}", nyquist_figure(lines, unit), f"{name} in the complex plane."),
                 Picture(
                     f"poles_{number}",

@@ -34,7 +34,7 @@ _LIMITED = {"derailment_quotient": "Y/Q", "guiding_force_sum": "ΣY"}
 
 
 def rest_numbers(rest: LateralRest) -> dict[str, Any]:
-    """As they stand in summary.json."""
+    """Names and values as in summary.json."""
     final = rest.final
     return {
         "body": rest.body,
@@ -68,8 +68,8 @@ def _rest(rest: LateralRest) -> str:
         return f"It hunts: in the last third of the run {body} still moves sideways {motion}."
     was = f"by up to {number(1e3 * rest.largest, 2)} mm"
     if final.amplitude == 0.0:
-        return f"It calms down: {body} moved sideways {was}, and no longer does so in the last third of the run."
-    return f"It calms down: {body} moved sideways {was}, in the last third of the run {motion}, and less and less."
+        return f"The motion decays: {body} moved sideways {was}, and no longer does so in the last third of the run."
+    return f"The motion decays: {body} moved sideways {was}, in the last third of the run {motion}, and less and less."
 
 
 def _safety(rows: Sequence[Row]) -> str:
@@ -134,13 +134,10 @@ class RunStudy(Study[Results]):
     case: Case
 
     command = "run"
+    heading = "{case.name}: {case.description}"
     quantities = QUANTITIES
     writes = ("run.nc", "motion.csv", "wheels.csv", "running_safety.csv", VIEW)
     resumable = False
-
-    @property
-    def title(self) -> str:
-        return f"{self.case.name}: {self.case.description}"
 
     def rounds(self, done: Done) -> Iterator[Round]:
         yield {self.case.name: job(simulate, self.case)}

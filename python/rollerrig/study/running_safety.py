@@ -85,7 +85,7 @@ def wheel_numbers(assessment: Assessment) -> dict[str, dict[str, float | None]]:
 
 
 def _weighted(assessment: Assessment) -> dict[str, dict[str, float]] | None:
-    """Of points in the car body; frames carry no passengers."""
+    """Weighted values of points in the car body; frames carry no passengers."""
     if assessment.weighted is None:
         return None
     passengers = assessment.weighted[~assessment.points["on_wheelsets"].to_numpy()]
@@ -134,7 +134,7 @@ def sections(assessment: Assessment, rows: Sequence[Row], along: xr.DataArray) -
 
 
 VIBRATING = 0.1
-"""Of the static wheel load: the report speaks of a larger r.m.s. of what the filter takes away."""
+"""Share of the static wheel load: the report speaks of a larger r.m.s. of what the filter takes away."""
 
 
 def vibrations(assessment: Assessment) -> list[str]:

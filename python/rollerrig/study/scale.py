@@ -165,6 +165,7 @@ class ScaleStudy(Study[Scaled]):
     quantities = QUANTITIES
     writes = (CASE_FILE, "full.nc", "model.nc", "axles.csv")
     round_ends = (0.8, 1.0)
+    leaves_out = (LEFT_OUT,)
 
     @property
     def full(self) -> Case:
@@ -184,9 +185,6 @@ class ScaleStudy(Study[Scaled]):
 
     def cases(self) -> Mapping[str, Case]:
         return {"the model's case, at its own scale": self.model}
-
-    def limitations(self) -> list[str]:
-        return [*super().limitations(), LEFT_OUT]
 
     def rounds(self, done: Done) -> Iterator[Round]:
         yield {LABELS[name]: job(simulate, case) for name, case in self.variants.items()}

@@ -24,7 +24,7 @@ from rollerrig.results.termination import in_words
 from rollerrig.study import contact_models as contact_effects
 from rollerrig.study import limit_cycles as cycles
 from rollerrig.study.contact_models import ContactEffect
-from rollerrig.study.frame import Study
+from rollerrig.study.frame import Study, dataset_rows
 from rollerrig.study.jobs import Chains, Done, Round, job
 from rollerrig.study.limit_cycles import cycle_chains, cycle_diagram
 from rollerrig.study.quantities import Numbers, Quantities
@@ -33,7 +33,24 @@ from rollerrig.study.report import VIEW, Block, Picture, Section, Table, Text
 SUSPENSION_WORDS = ("car body", "bogie", "bogies", "front bogie", "rear bogie")
 """How the names of those modes begin whose shapes are drawn together."""
 
-MODE_COLUMNS = ("speed_kmh", "mode", "growth_rate_per_s", "frequency_hz", "damping")
+MODE_COLUMNS = {
+    "speed_kmh": "speed",
+    "mode": "mode",
+    "growth_rate_per_s": "growth_rate",
+    "frequency_hz": "frequency",
+    "damping": "damping",
+}
+"""Column of modes.csv -> variable."""
+
+SHAPE_COLUMNS = {
+    **{name: MODE_COLUMNS[name] for name in ("speed_kmh", "mode")},
+    "body": "body",
+    "direction": "direction",
+    "amplitude": "shape_amplitude",
+    "phase_deg": "shape_phase",
+    "energy_share": "energy_share",
+}
+"""Column of shapes.csv -> variable."""
 
 
 def line_sentences(case: Case) -> list[str]:
@@ -50,25 +67,7 @@ def line_sentences(case: Case) -> list[str]:
 
 def mode_rows(modes: xr.Dataset) -> list[list[object]]:
     """Table of all modes over speed, header first."""
-    rows: list[list[object]] = [list(MODE_COLUMNS)]
-    speeds, names = modes["speed"].to_numpy(), modes["mode"].to_numpy()
-    values = [modes[v].transpose("speed", "mode").to_numpy() for v in ("growth_rate", "frequency", "damping")]
-    for at in np.ndindex(values[0].shape):
-        rows.append([float(speeds[at[0]]), str(names[at[1]]), *(float(v[at]) for v in values)])
-    return rows
-
-
-def shape_rows(modes: xr.Dataset) -> list[list[object]]:
-    """Table of all mode shapes over speed, header first."""
-    rows: list[list[object]] = [["speed_kmh", "mode", "body", "direction", "amplitude", "phase_deg", "energy_share"]]
-    names = ("shape_amplitude", "shape_phase", "energy_share")
-    values = [modes[name].transpose("speed", "mode", "body", "direction").to_numpy() for name in names]
-    speeds = modes["speed"].to_numpy()
-    labels = [[str(label) for label in modes[d].to_numpy()] for d in ("mode", "body", "direction")]
-    for at in np.ndindex(values[0].shape):
-        named = [float(speeds[at[0]]), *(label[k] for label, k in zip(labels, at[1:], strict=True))]
-        rows.append([*named, *(float(v[at]) for v in values)])
-    return rows
+    return dataset_rows(modes, MODE_COLUMNS, "speed", "mode")
 
 
 def mode_table(modes: xr.Dataset) -> Table:
@@ -172,13 +171,15 @@ class StabilityStudy(Study[Results]):
     contacts_kmh: float | None = None
 
     command = "stability"
+    heading = "Stability: {case.name}"
+    assumes = (
+        "The linear model is exact for small motions around steady rolling; it includes neither flange contact nor "
+        "saturation beyond its slope.",
+        "Rollers or rails are speed-controlled at each speed; torques keep their value at time 0.",
+    )
     quantities = QUANTITIES
     writes = ("stability.nc", "modes.csv", "shapes.csv", "limit_cycles.csv", "contact_effects.csv", VIEW)
     formats = ("svg",)
-
-    @property
-    def title(self) -> str:
-        return f"Stability: {self.case.name}"
 
     @property
     def round_ends(self) -> tuple[float, ...]:  # type: ignore[override]
@@ -206,14 +207,6 @@ class StabilityStudy(Study[Results]):
             found = cycle_diagram(cycle_speeds(self.speeds_kmh), linear, self.settings, done)
             diagram = found if found.up or found.down else None
         return Results(done["modes"], above, diagram, contact)
-
-    def limitations(self) -> list[str]:
-        return [
-            "The linear model is exact for small motions around steady rolling; it includes neither flange contact nor "
-            "saturation beyond its slope.",
-            "Rollers or rails are speed-controlled at each speed; torques keep their value at time 0.",
-            *super().limitations(),
-        ]
 
     # --------------------------------------------------------------------------------------------------- numbers
 
@@ -264,15 +257,13 @@ class StabilityStudy(Study[Results]):
         modes, data = results.modes, results.modes
         if results.diagram is not None:
             data = modes.merge(limit_cycle_table(results.diagram), combine_attrs="drop_conflicts")
-        found = {"stability.nc": data, "modes.csv": mode_rows(modes), "shapes.csv": shape_rows(modes)}
+        found = {"stability.nc": data, "modes.csv": mode_rows(modes)}
+        found["shapes.csv"] = dataset_rows(modes, SHAPE_COLUMNS, "speed", "mode", "body", "direction")
         if results.diagram is not None:
             points = numbers["limit_cycles"]["points"]
-            found["limit_cycles.csv"] = QUANTITIES.csv(
-                points, [q.key for q in QUANTITIES.below("limit_cycles.points.*")]
-            )
+            found["limit_cycles.csv"] = QUANTITIES.csv(points, "limit_cycles.points.*")
         if results.contact:
-            names = [q.key for q in QUANTITIES.below("contact_effects.*")]
-            found["contact_effects.csv"] = QUANTITIES.csv(numbers["contact_effects"], names)
+            found["contact_effects.csv"] = QUANTITIES.csv(numbers["contact_effects"], "contact_effects.*")
         return found
 
     # ---------------------------------------------------------------------------------------------------- report
@@ -291,8 +282,7 @@ class StabilityStudy(Study[Results]):
                 "The same vehicle with each normal contact and creep law. The limit cycle is the end of a run from a "
                 f"lateral offset of {1e3 * contact_effects.SETTINGS.disturbance:g} mm of the leading wheelset."
             )
-            names = [q.key for q in QUANTITIES.below("contact_effects.*")]
-            table = QUANTITIES.table(numbers["contact_effects"], names)
+            table = QUANTITIES.table(numbers["contact_effects"], "contact_effects.*")
             found.append(Section("Effect of the contact model", [Text(text), table]))
         return found
 

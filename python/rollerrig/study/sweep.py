@@ -262,7 +262,7 @@ class SweepStudy(Study[Sweep]):
             sections.append(Section("Further numbers", [Text(f"Without pictures: {more}.")]))
         if numbers["failures"]:
             reasons = Table(("reason", "cases"), [[reason, count] for reason, count in numbers["failures"].items()])
-            note = Text("Each failed case stands in sweep.csv with its reason.")
+            note = Text("Each failed case is in sweep.csv with its reason.")
             sections.append(Section("Failed cases", [note, reasons]))
         return sections
 

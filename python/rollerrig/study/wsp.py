@@ -1,6 +1,6 @@
 """A test programme for wheel slide protection: every stop on track and on the rig, as ensembles, judged by limits.
 
-Case of a rig with brake and slide protection, Programme -> [WspStudy] -> verdict per criterion, numbers per stop, CSV files
+Case of a rig with brake and slide protection, Programme -> [WspStudy] -> outcome per criterion, numbers per stop, CSV files
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ from rollerrig.wording import number
 Tests = Mapping[Support, StopTests]
 ON: Mapping[Support, str] = {"track": "track", "rig": "the rig"}
 QUICK_STOPS, QUICK_STARTS = 2, 2
-"""Of a quick study."""
+"""Stops and starts of a quick study."""
 
 QUANTITIES = Quantities("wsp")
 MEASURED = [
@@ -207,7 +207,7 @@ class WspStudy(Study[Results]):
     def sections(self, results: Results, numbers: Numbers) -> list[Section]:
         programme = Preformatted(f"The whole programme: {self.programme.name}", to_toml(self.programme))
         return [
-            Section("Verdict", [_overview(self.programme, numbers), _sums(numbers)]),
+            Section("Assessment", [_overview(self.programme, numbers), _sums(numbers)]),
             Section("Criteria", [_criteria_table(numbers)]),
             Section("Stops", [*_stop_tables(numbers), *_pictures(results, numbers)]),
             *(_stop_section(name, one, numbers["stops"][name]) for name, one in results.items()),
@@ -224,7 +224,7 @@ def _on(case: Case, support: Support) -> Case:
 
 
 def _stop_numbers(result: StopResult) -> dict[str, Any]:
-    """Of one stop."""
+    """Numbers of one stop."""
     track, rig = result.tests["track"], result.tests["rig"]
     rows = verdict_rows(rig.case, track.tests, rig.tests)
     criteria: dict[str, Any] = {}
@@ -258,7 +258,7 @@ def _support_numbers(found: StopTests, judged: Sequence[Judgement]) -> dict[str,
 
 
 def _sum_numbers(results: Sequence[StopResult], on: Support) -> dict[str, Any]:
-    """Of all stops."""
+    """Numbers of all stops."""
     words = [judged.verdict for one in results for judged in one.judged if judged.support == on]
     own = [one.tests[on] for one in results]
     means = ("distance_m", "air_litres", "dump_cycles")
@@ -281,7 +281,7 @@ def _test_rows(tests: Tests) -> list[list[object]]:
 # ------------------------------------------------------------------------------------------------------------ sentences
 
 NOT_QUOTED = (
-    "Stops and limits are those of the programme file. EN 15595 and UIC 541-05 are not quoted: a verdict here is no approval, "
+    "Stops and limits are those of the programme file. EN 15595 and UIC 541-05 are not quoted: an outcome here is no approval, "
     "and says only what the limits of that file say."
 )
 CLAIMS = (
@@ -343,15 +343,15 @@ def _findings(numbers: Numbers, limits: int) -> Iterator[str]:
     met, against, open_ = (words.count(word) for word in WORDS)
     yield (
         f"The rig does as the track within the targets of the command adhesion in {met} of {len(words)} stops, not in {against}, "
-        f"not decided in {open_}: a verdict on the rig is one of the test on the rig. "
-        f"Opposite verdicts on track and rig: {', '.join(differ).replace('_', ' ') or 'none'}."
+        f"not decided in {open_}: an outcome on the rig is one of the test on the rig. "
+        f"Opposite outcomes on track and rig: {', '.join(differ).replace('_', ' ') or 'none'}."
     )
     for on in SUPPORTS:
         one = numbers["sums"][on]
         flat = one["flat_length_m"]
         yield (
             f"All stops on {ON[on]}: {number(one['distance_m'])} m, {number(one['air_litres'])} l of "
-            f"air, {number(one['dump_cycles'])} ventings; longest lock {number(one['longest_lock_s'], 3)} s, longest flat "
+            f"air, {number(one['dump_cycles'])} dump cycles; longest lock {number(one['longest_lock_s'], 3)} s, longest flat "
             f"{number(1e3 * flat, 2) if flat is not None else '–'} mm (an estimate)."
         )
 
@@ -401,7 +401,7 @@ def _overview(programme: Programme, numbers: Numbers) -> Table:
         text = ", ".join(filter(None, (one["kind"], f"{one['speed_kmh']:.4g} km/h", described[name])))
         rows.append((*words, name.replace("_", " "), text, SHOWN[same["tracking"]], SHOWN[same["fidelity"]]))
     header = ("on track", "on the rig", "stop", "", "rig follows its virtual axles", "rig as the track")
-    return Table(header, rows, "All criteria of each stop; and the verdict on the rig itself.")
+    return Table(header, rows, "All criteria of each stop; and the assessment of the rig itself.")
 
 
 def _sums(numbers: Numbers) -> Table:
@@ -432,7 +432,7 @@ def _criteria_table(numbers: Numbers) -> Table:
 def _stop_tables(numbers: Numbers) -> Iterator[Table]:
     first = ("distance_m", "increase_over_dry", "k_wet", "mean_deceleration_mps2", "air_litres", "dump_cycles")
     second = ("adhesion_utilisation", "large_slip_share", "longest_lock_s", "flat_length_m")
-    for names, caption in ((first, "Distances, air, ventings."), (second, "Sliding.")):
+    for names, caption in ((first, "Distances, air, dump cycles."), (second, "Sliding.")):
         rows = [
             (stop.replace("_", " "), on, *(_ends_text(name, own[on][name]) for name in names))
             for stop, own in numbers["stops"].items()

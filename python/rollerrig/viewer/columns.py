@@ -1,6 +1,6 @@
 """Numbers on their way into a page: fewer frames, sixteen bits each, with the error that this costs.
 
-    samples over time -> [thinned] -> Frames -> [Columns] -> bytes, and where each column stands in them
+    samples over time -> [thinned] -> Frames -> [Columns] -> bytes, and the place of each column in them
 
 The page draws a cubic through neighbouring frames (Catmull and Rom); `interpolated` is the same curve here, so that the error
 which the page states is measured on what the page draws.
@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 Numbers = NDArray[np.float64]
 
 MOST_FRAMES = 4000
-"""Of a page: more would make it slow to open; between them the page interpolates."""
+"""Largest number of frames of a page: more would make it slow to open; between them the page interpolates."""
 
 WHOLE = 32766
 """Steps of a column that is stored in sixteen bits, either way; one more stands for what does not exist."""

@@ -110,7 +110,7 @@ class LiveRun:
             self.told = f"this run has ended{f' at {wheel}' if wheel else ''}; it begins again"
 
     def frame(self) -> dict[str, Any]:
-        """Time, values in the order of the scene's columns, and what is to be told; None where there is no number."""
+        """Time, values in the order of the scene's columns, and the message to show; None where there is no number."""
         own = self.plant.values(self._indices).tolist()
         own[self._forces] = [v - r for v, r in zip(own[self._forces], self._rest, strict=True)]
         found = [*own, *self._contacts.values(dict(zip(self._columns, own, strict=True)))]

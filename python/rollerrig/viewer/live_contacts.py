@@ -52,7 +52,7 @@ class LiveContacts:
         ]
 
     def values(self, frame: Mapping[str, float]) -> list[float]:
-        """Of the columns PATCH of all wheels, one after the other; NaN where a wheel does not touch."""
+        """Values of the columns PATCH of all wheels, one after the other; NaN where a wheel does not touch."""
         found: list[float] = []
         for number, (body, under, right, contact, seen) in enumerate(self._wheels):
             pose = [frame.get(f"b{body}.{name}", 0.0) for name in _POSE]

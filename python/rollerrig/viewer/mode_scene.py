@@ -21,7 +21,7 @@ from rollerrig.viewer.columns import Columns
 from rollerrig.viewer.scene import MOTION, Scene
 
 _SMALL = 1e-4
-"""Of the largest displacement or angle of a mode: less is not seen."""
+"""Share of the largest displacement or angle of a mode: less is not seen."""
 
 
 def holds_modes(results: xr.Dataset) -> bool:

@@ -27,7 +27,7 @@ _FLAT = 0.03e-3
 """A drawn profile leaves the true one by less than this [m]."""
 
 _AHEAD, _BEHIND, _LINE_STEP = 160.0, 120.0, 2.0
-"""Of the way run the page knows the line so far ahead and behind, in steps [m]."""
+"""Length of the line ahead and behind that the page knows, and its step, along the way run [m]."""
 
 
 def bodies(model: AssembledModel) -> list[Table]:

@@ -52,7 +52,7 @@ ALLOWED = {"position_mm": 0.05, "angle_mrad": 0.1}
 """Errors that a page may make to have fewer frames; that of the forces is only stated."""
 
 _MOST_PATCHES = 3
-"""Of a wheel that are drawn."""
+"""Largest number of patches of a wheel that are drawn."""
 
 _MOVES = 1e-12
 

@@ -13,7 +13,7 @@ from rollerrig import _core
 from rollerrig.config import Case, Rig
 
 _RANGE = (0.1, 4.0)
-"""Of a gain, over its own value."""
+"""Range of a gain, over its own value."""
 
 _HERTZ = 2.0 * math.pi
 
@@ -73,7 +73,7 @@ def sliders(case: Case) -> list[Slider]:
 
 
 def gains(variables: Sequence[_core.Variable]) -> list[Slider]:
-    """Of the controllers, as the plant has them: those that may change in a run and are not zero."""
+    """Gains of the controllers, as the plant has them: those that may change in a run and are not zero."""
     there = {one.name: one for one in variables if one.variability == "tunable" and one.start > 0.0}
     if all(f"{_FEEDBACK}.{name}" in there for name in _GAINS_GIVEN):  # in place of what follows from them
         there = {name: one for name, one in there.items() if not name.endswith(("feedback.bandwidth", "damping_ratio"))}

@@ -70,7 +70,7 @@ def view_text(runs: Sequence[xr.Dataset], labels: Sequence[str] = (), *, most: i
 
 
 def _names(runs: Sequence[xr.Dataset]) -> list[str]:
-    """Of the runs, told apart."""
+    """Names of the runs, each different."""
     names = [str(run.attrs.get("case", "")) for run in runs]
     if len(set(names)) == len(names):
         return names

@@ -151,7 +151,7 @@ def test_starts_are_added_until_the_shares_are_known() -> None:
 # -------------------------------------------------------------------------------------------------------- the verdict
 
 GOOD = {
-    "tracking_rms": 0.0015, "tracking_largest": 0.016, "force_error_rms": 0.04, "drive_ringing_nm": 50.0,
+    "tracking_rms": 0.0015, "tracking_largest": 0.016, "force_error_rms": 0.04, "drive_oscillation_nm": 50.0,
     "drive_limited_share": 0.005, "crown_gravity_largest": 0.005, "mean_deceleration_mps2": 0.6, "dump_cycles": 300.0,
     "air_litres": 1100.0, "regrip_adhesion": 0.083, "longest_lock_s": 0.0,
 }  # fmt: skip
@@ -180,10 +180,10 @@ def test_a_rig_that_does_as_the_track_meets_everything() -> None:
 BAD_RUNS: dict[str, dict[str, Any]] = {
     "ended early": {"status": "test_terminated"},
     "rolled off the crowns": {"status": "contact_lost"},
-    "ringing drives": {"drive_ringing_nm": 9e3},
+    "oscillating drives": {"drive_oscillation_nm": 9e3},
     "contact force away from the virtual one": {"force_error_rms": 1.5},
     "drives at their limit": {"drive_limited_share": 0.2},
-    "outputs too rare to see ringing": {"drive_ringing_nm": math.nan},
+    "outputs too rare to see oscillations": {"drive_oscillation_nm": math.nan},
 }
 
 
@@ -254,7 +254,7 @@ def test_the_regrip_force_from_low_to_dry_is_said_not_to_be_reproduced() -> None
     said = {where: {"status": "ok", "regrip_adhesion": {"mean": runs[0].measures["regrip_adhesion"]}}
             for where, runs in (("track", track), ("rig", rig))}  # fmt: skip
     numbers = {"starts": 2, "verdicts": {row.key: row.as_dict() for row in rows}, "causes": {}, "dead_time": {}, **said}
-    assert any(line.startswith("Regripping is not reproduced: the largest force") for line in findings(numbers))
+    assert any(line.startswith("Readhesion is not reproduced: the largest force") for line in findings(numbers))
 
 
 @pytest.mark.slow  # a stop and a half
@@ -303,7 +303,7 @@ def test_every_number_is_explained_and_written(outcome: Found[Runs], tmp_path: P
     last = dict(zip(rows[0].split(","), map(float, rows[-1].split(",")), strict=True))
     assert last["train_speed_rig"] == pytest.approx(float(outcome.results.whole["rig"]["train_speed"][-1]), rel=1e-8)
     page = (tmp_path / "report.html").read_text(encoding="utf-8")
-    assert page.index("<h2>Verdict</h2>") < page.index("<h2>Why rig and track differ</h2>")
+    assert page.index("<h2>Assessment</h2>") < page.index("<h2>Why rig and track differ</h2>")
 
 
 def test_the_summary_begins_with_the_verdict_and_says_how_limit_cycles_are_compared(outcome: Found[Runs]) -> None:

@@ -92,8 +92,11 @@ def test_a_report_says_first_what_the_vehicle_did(outcome: Outcome[Results]) -> 
     run, rest = outcome.results.run, FinalMotion(6.1e-3, 5.1, 0.0)
     for final, said in (
         (rest, "It hunts: in the last third of the run wheelset 1 still moves sideways by ±6.1 mm at 5.1 Hz."),
-        (replace(rest, rate=-1.0), "It calms down: wheelset 1 moved sideways by up to 7 mm, in the last third"),
-        (FinalMotion(0.0, math.nan, math.nan), "It calms down: wheelset 1 moved sideways by up to 7 mm, and no longer"),
+        (replace(rest, rate=-1.0), "The motion decays: wheelset 1 moved sideways by up to 7 mm, in the last third"),
+        (
+            FinalMotion(0.0, math.nan, math.nan),
+            "The motion decays: wheelset 1 moved sideways by up to 7 mm, and no longer",
+        ),
     ):
         results = replace(outcome.results, rest=LateralRest("wheelset_1", 7e-3, final))
         first, second, *_ = outcome.study.summary(results, outcome.study.numbers(results))

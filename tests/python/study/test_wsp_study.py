@@ -108,7 +108,7 @@ def test_the_page_says_that_no_standard_is_quoted_and_the_files_are_there(
     assert {"tests_low_26.csv", "signals_drag_30.csv", "figures/k_wet.png", "figures/stop_low_26.png"} <= written
     page = (tmp_path / "report.html").read_text(encoding="utf-8")
     assert "EN 15595 and UIC 541-05 are not quoted" in page
-    assert page.index("Verdict</h2>") < page.index("Criteria</h2>") < page.index("Stops</h2>")
+    assert page.index("Assessment</h2>") < page.index("Criteria</h2>") < page.index("Stops</h2>")
     header, *lines = (tmp_path / "tests_low_26.csv").read_text().splitlines()
     assert header.split(",") == ["support", "start", "status", *MEASURED]
     assert [line.split(",")[:2] for line in lines] == [["track", "1"], ["track", "2"], ["rig", "1"], ["rig", "2"]]
@@ -217,7 +217,7 @@ def test_every_criterion_has_a_name_and_a_measure() -> None:
 GOOD = {
     "distance_m": 900.0, "mean_deceleration_mps2": 0.6, "dump_cycles": 300.0, "air_litres": 1100.0, "longest_lock_s": 0.1,
     "largest_slip": 0.3, "flat_length_m": 0.01, "large_slip_share": 0.01, "adhesion_utilisation": 0.7,
-    "contact_lost_s": 0.0, "energy_relative_residual": 1e-6, "force_error_rms": 0.02, "drive_ringing_nm": 5.0,
+    "contact_lost_s": 0.0, "energy_relative_residual": 1e-6, "force_error_rms": 0.02, "drive_oscillation_nm": 5.0,
     "drive_limited_share": 0.001, "tracking_rms": 0.001, "duration_s": 50.0,
 }  # fmt: skip
 DRY = {**GOOD, "distance_m": 600.0, "largest_slip": 0.002, "dump_cycles": 0.0}
@@ -330,7 +330,7 @@ def test_a_run_that_says_nothing_of_itself_gets_no_verdict() -> None:
         ("force_error_rms", 0.2),
         ("drive_power_limited_s", 5.0),
         ("drive_limited_share", 0.1),
-        ("drive_ringing_nm", 5000.0),
+        ("drive_oscillation_nm", 5000.0),
     ],
 )
 def test_a_rig_that_is_no_track_gets_no_verdict_but_the_track_does(name: str, value: float) -> None:
@@ -376,5 +376,5 @@ def test_without_limits_nothing_is_judged() -> None:
 def test_the_summary_says_how_far_a_verdict_on_the_rig_is_one_on_track(outcome: Outcome[Results]) -> None:
     lines = outcome.summary.splitlines()
     assert lines[0].startswith("On track 0 of 3 criteria are met")
-    assert any("Opposite verdicts on track and rig: none." in line for line in lines)
+    assert any("Opposite outcomes on track and rig: none." in line for line in lines)
     assert "EN 15595 and UIC 541-05 are not quoted" in lines[-1]

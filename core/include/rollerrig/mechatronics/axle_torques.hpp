@@ -2,7 +2,7 @@
 //
 //   estimate, pressure in the cylinder, torque of the motor -> [axle torque] -> C of the virtual train, (D3)
 //
-// To add one: a header in axle_torque/, its line in AnyAxleTorque, its parameters in python/rollerrig/config/rig_control.py.
+// To add one: a header in axle_torque/, its line in AnyAxleTorque, its parameters in python/rollerrig/config/schema/rig_control.py.
 #pragma once
 #include <variant>
 

@@ -2,7 +2,7 @@
 //
 //   wanted torque, measured torque -> [drive command] -> command, within the largest torque
 //
-// To add one: a header in drive_command/, its line in AnyDriveCommand, its parameters in python/rollerrig/config/rig_control.py.
+// To add one: a header in drive_command/, its line in AnyDriveCommand, its parameters in python/rollerrig/config/schema/rig_control.py.
 #pragma once
 #include <variant>
 

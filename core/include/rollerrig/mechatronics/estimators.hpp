@@ -1,6 +1,6 @@
 // mechatronics/estimators.hpp - the estimators of contact force and axle torque that a case can name.
 //
-// To add one: a header in estimator/, its line in AnyEstimator, its parameters in python/rollerrig/config/rig_control.py.
+// To add one: a header in estimator/, its line in AnyEstimator, its parameters in python/rollerrig/config/schema/rig_control.py.
 #pragma once
 #include <variant>
 

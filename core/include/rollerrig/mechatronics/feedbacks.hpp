@@ -1,6 +1,6 @@
 // mechatronics/feedbacks.hpp - the feedback laws of the roller drives that a case can name.
 //
-// To add one: a header in feedback/, its line in AnyFeedback, its parameters in python/rollerrig/config/rig_control.py.
+// To add one: a header in feedback/, its line in AnyFeedback, its parameters in python/rollerrig/config/schema/rig_control.py.
 #pragma once
 #include <variant>
 

@@ -314,7 +314,7 @@ def _build_from_base(document: Document, own_folder: Path | None, *, allow_code:
 
 
 def _copied(value: Any) -> Any:
-    """Tables and lists anew; what stands in them is constant."""
+    """Tables and lists anew; their contents are constant."""
     if isinstance(value, dict):
         return {key: _copied(item) for key, item in value.items()}
     return [_copied(item) for item in value] if isinstance(value, list) else value
@@ -358,7 +358,7 @@ def _part(
 def _own_document(
     choice: dict[str, Any], key: CatalogKind, document: Document
 ) -> tuple[Document | None, Problems, str]:
-    """The tables of a part, the problems met, and the key under which they stand in the case's own file."""
+    """The tables of a part, the problems met, and their key in the case's own file."""
     data, use = choice.get("data"), choice.get("use")
     if isinstance(data, dict):
         return replace(document, raw=data), [], f"{key}.data"

@@ -20,7 +20,7 @@ from rollerrig.config.write.toml import plain
 BASE, WITHOUT = "base", "without"
 
 OWN_KEYS = {"vehicle": VehicleChoice.model_fields.keys(), "support": SupportChoice.model_fields.keys()}
-"""Of the choice of a vehicle or support; all other keys below it are those of the vehicle or support itself."""
+"""Keys of the choice of a vehicle or support; all other keys below it are those of the vehicle or support itself."""
 
 
 def whole_key(key: str) -> str:

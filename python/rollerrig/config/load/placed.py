@@ -1,4 +1,4 @@
-"""Bodies and force elements that are written once and stand in several places.
+"""Bodies and force elements that are written once and placed several times.
 
     one [[element]] with `at` and `both_sides` -> [placed] -> an [[element]] per place and side
 
@@ -21,7 +21,7 @@ _ONE_SIDED = ("y", "roll", "yaw")
 
 
 def placed(raw: Mapping[str, Any], file: str) -> tuple[Raw, Problems]:
-    """Tables of a vehicle in which every body and element stands in one place."""
+    """Tables of a vehicle in which every body and element has one place."""
     found, problems = dict(raw), Problems()
     for kind in ("body", "element"):
         items = raw.get(kind)

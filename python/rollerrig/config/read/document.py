@@ -15,7 +15,7 @@ from rollerrig.input_files import LARGEST_TEXT, read_input
 
 NO_SUCH_FILE = "no such file"
 MOST_FILES = 1000
-"""Of a folder that are looked at for a name that is near."""
+"""Largest number of files of a folder that are looked at for a name that is near."""
 
 
 @dataclass(frozen=True)

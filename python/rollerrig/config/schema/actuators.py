@@ -39,9 +39,9 @@ class Motor(Table):
         default=None,
         description="rows [speed of the driven axle, largest torque], a torque-speed table: each speed once; absent: no limit",
     )
-    bandwidth: Frequency = Field(default=50.0, description="of the torque loop")
+    bandwidth: Frequency = Field(default=50.0, description="bandwidth of the torque loop")
     damping_ratio: Annotated[float, Quantity("1", 0.0, 5.0)] = Field(
-        default=0.0, description="of a torque loop of second order; 0: first order"
+        default=0.0, description="damping ratio of a torque loop of second order; 0: first order"
     )
     largest_torque: Annotated[float, Quantity("N m", 1e-3, 1e9)] | None = Field(
         default=None, description="on the driven axle, either way; absent: no limit"
@@ -50,10 +50,11 @@ class Motor(Table):
         default=None, description="torque times speed of the driven axle, either way; absent: no limit"
     )
     largest_speed: Annotated[float, Quantity("rad/s", 1e-3, 1e5)] | None = Field(
-        default=None, description="of the driven axle: beyond it there is no torque; absent: no limit"
+        default=None, description="largest speed of the driven axle: beyond it there is no torque; absent: no limit"
     )
     rotor_inertia: Annotated[float, Quantity("kg m^2", 0.0, 1e8)] = Field(
-        default=0.0, description="of the rotor about its shaft; on the driven axle it counts times gear_ratio squared"
+        default=0.0,
+        description="inertia of the rotor about its shaft; on the driven axle it counts times gear_ratio squared",
     )
     gear_ratio: Annotated[float, Quantity("1", -20.0, 20.0)] = Field(
         default=-1.0,
@@ -71,21 +72,21 @@ class Brake(Table):
     follow_rate: Rate = Field(default=20.0, description="how fast the control valve closes in on the demand")
     air: AnyAir = Field(default=UnlimitedAir(), description="what fills and vents the cylinders: its kind, or a table")
     ambient_pressure: Annotated[float, Quantity("Pa", 1.0, 1e8)] = Field(
-        default=101325.0, description="of the air around: valves choke by ratios of absolute pressures"
+        default=101325.0, description="pressure of the air around: valves choke by ratios of absolute pressures"
     )
-    volume: Volume = Field(default=5e-3, description="of one axle's cylinders and pipes")
+    volume: Volume = Field(default=5e-3, description="volume of one axle's cylinders and pipes")
     piston_area: Annotated[float, Quantity("m^2", 1e-8, 10.0)] = Field(
         default=0.085, description="times ratio and efficiency of the rigging, one axle"
     )
     spring_force: Annotated[float, Quantity("N", 0.0, 1e7)] = Field(
-        default=500.0, description="of the retracting spring"
+        default=500.0, description="spring force of the retracting spring"
     )
     friction: FrictionOverSpeed = Field(
         default=((0.0, 0.38), (50.0, 0.30)),
         description="rows [sliding speed at the friction radius, friction of the pads]",
     )
     friction_radius: Annotated[float, Quantity("m", 1e-4, 2.0)] = Field(
-        default=0.247, description="of the disc; of a tread brake the wheel radius"
+        default=0.247, description="effective radius of the disc; of a tread brake the wheel radius"
     )
     faces: Annotated[float, Quantity("1", 0.01, 100.0)] = Field(
         default=2.0, description="friction faces that the force presses on"
@@ -117,7 +118,7 @@ class Traction(Table):
     )
     link: Annotated[float, Quantity("m", 1e-3, 20.0)] | None = Field(
         default=None,
-        description="for suspension = 'axle': distance of that link from the axle, towards the frame's middle",
+        description="distance of the link from the axle for suspension = 'axle', towards the frame's middle",
     )
 
     @model_validator(mode="after")
@@ -134,7 +135,7 @@ class Controller(Table):
 
     sample_time: SampleTime = Field(default=5e-3, description="a multiple of time.sampling_step")
     delay: Delay = Field(
-        default=1e-3, description="from the sample to the command's acting, a multiple of time.sampling_step"
+        default=1e-3, description="delay from the sample to the command's acting, a multiple of time.sampling_step"
     )
     user: str | None = Field(
         default=None,
@@ -167,7 +168,7 @@ class BrakeUnit(Controller):
 
     sample_time: SampleTime = Field(default=1e-3, description="a multiple of time.sampling_step")
     delay: Delay = Field(
-        default=0.0, description="from the sample to the pressure's acting, a multiple of time.sampling_step"
+        default=0.0, description="delay from the sample to the pressure's acting, a multiple of time.sampling_step"
     )
 
 
@@ -176,19 +177,23 @@ class WheelSlipControl(Controller):
 
     reference_acceleration: Deceleration = Field(default=1.5, description="the reference speed rises at most this fast")
     slip: Ratio = Field(default=0.04, description="relative slip above which torque is taken off")
-    slip_speed: PositiveSpeed = Field(default=0.15, description="and the least such slip as a speed")
+    slip_speed: PositiveSpeed = Field(default=0.15, description="lower limit of that slip as a speed")
     acceleration: Deceleration = Field(default=3.0, description="an axle that gains speed faster loses torque as well")
-    filter_time: Phase = Field(default=0.04, description="of the axles' acceleration")
-    reduction_rate: Rate = Field(default=4.0, description="of the factor on the torque")
-    restoring_rate: Rate = Field(default=0.35, description="of the factor on the torque")
+    filter_time: Phase = Field(default=0.04, description="filter time of the axles' acceleration")
+    reduction_rate: Rate = Field(default=4.0, description="reduction rate of the factor on the torque")
+    restoring_rate: Rate = Field(default=0.35, description="restoring rate of the factor on the torque")
     least_factor: Ratio = Field(default=0.05, description="what is always left of the torque")
     release_interval: Pause = Field(
         default=3.0, description="while axles slip one is released this often for the reference speed; 0: never"
     )
-    shortest_release: Pause = Field(default=0.4, description="of such a release: the torque needs some time to go")
-    longest_release: Phase = Field(default=1.2, description="of such a release")
+    shortest_release: Pause = Field(
+        default=0.4, description="shortest duration of such a release: the torque needs some time to go"
+    )
+    longest_release: Phase = Field(default=1.2, description="longest duration of such a release")
     release_deceleration: Deceleration = Field(
         default=0.5, description="a released axle that slows less has run down to the train's speed"
     )
-    least_acceleration: Deceleration = Field(default=0.05, description="of the reference speed between releases")
+    least_acceleration: Deceleration = Field(
+        default=0.05, description="least acceleration of the reference speed between releases"
+    )
     regained_after: Phase = Field(default=3.0, description="without slip for so long the axles count as gripping")

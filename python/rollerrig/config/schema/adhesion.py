@@ -28,7 +28,8 @@ class Condition(Table):
 
     friction: AnyFriction = Field(description="a number, or a law over slip velocity")
     k_A: Share = Field(
-        default=1.0, description="of the creep curve's stiffness on the area of adhesion, in place of [contact]'s own"
+        default=1.0,
+        description="reduction factor of the creep curve's stiffness on the area of adhesion, in place of [contact]'s own",
     )
     k_S: Share = Field(
         default=1.0, description="on the area of slip, at most k_A; laws without k_A and k_S take their mean"
@@ -67,10 +68,10 @@ AnyCondition = Annotated[Condition, BeforeValidator(_by_name), OrShort({"enum": 
 
 
 class Piece(Table):
-    """From where, or from when, the rail is another one."""
+    """Section from a place, or from a time, on which the rail is another one."""
 
     distance: Annotated[float, Quantity("m", 0.0, 1e6)] | None = Field(
-        default=None, description="of the wheel from the vehicle's place at the start, where the piece begins"
+        default=None, description="distance of the wheel from the vehicle's place at the start, where the piece begins"
     )
     time: Annotated[float, Quantity("s", 1e-6, 1e6)] | None = Field(
         default=None, description="when it begins, in its place"
@@ -115,7 +116,7 @@ class Adhesion(Table):
 
     @property
     def recovery_unit(self) -> str:
-        """Of the recovery constant."""
+        """Unit of the recovery constant."""
         return _RECOVERY[self.recovery_per].unit
 
     @property

@@ -115,7 +115,7 @@ class Contact(Table):
     )
     pure_rolling: StrictBool = Field(
         default=False,
-        description="with actuators on rollers: each axle and its rollers roll without sliding along the track, r w = R W, as "
+        description="pure rolling, with actuators on rollers: no axle slides along the track on its rollers, r w = R W, as "
         "the rig's control law assumes; one force per axle, without a limit, takes the place of the longitudinal creep forces' "
         "mean; normal forces, lateral and yaw creep stay. For studies of what real sliding does to the control",
     )
@@ -159,7 +159,8 @@ class Motion(Table):
         description="rows [time, torque per roller axle] for drive = 'torque'; positive drives forward running",
     )
     stop_speed: Annotated[float, Quantity("m/s", 1e-4, 50.0)] = Field(
-        default=1.0, description="with [brake]: a train slower than this counts as stationary, and the run ends"
+        default=1.0,
+        description="lowest speed with [brake]: a train slower than this counts as stationary, and the run ends",
     )
 
     @model_validator(mode="before")
@@ -237,7 +238,7 @@ class Integration(NamedTuple):
 
     method: str
     step: float | None
-    """Of a method with a fixed step; of an adaptive one the first step tried; None: it finds its own [s]."""
+    """Step of a method with a fixed step; of an adaptive one the first step tried; None: it finds its own [s]."""
 
     @property
     def fixed(self) -> bool:
@@ -277,8 +278,8 @@ class TimeSettings(Table):
     )
     sampling_step: Annotated[float, Quantity("s", 1e-6, 1.0)] = Field(
         default=1e-3,
-        description="with actuators or controllers: samples, delays and changes of commands are at its multiples; the method "
-        "integrates from one to the next",
+        description="period of actuators and controllers: samples, delays and changes of commands are at its multiples; the "
+        "method integrates from one to the next",
     )
     output_step: Interval = Field(default=0.01, description="interval between kept samples")
 
@@ -303,7 +304,7 @@ class CaseTables(Table):
         "loading writes that into it",
     )
     without: tuple[str, ...] | None = Field(
-        default=None, description="with `base`: dotted keys that it has and this one has not"
+        default=None, description="dotted keys that `base` has and this one has not"
     )
     name: Name = Field(description="name of the case")
     description: str = Field(default="", description="one line about the case")
@@ -317,7 +318,7 @@ class CaseTables(Table):
     axle_torque: tuple[AxleTorque, ...] = Field(default=(), description="torques on wheelsets")
     disturbance: tuple[Disturbance, ...] = Field(default=(), description="offsets at the start")
     time: TimeSettings = Field(description="the integration")
-    train: Train = Field(default=Train(), description="of which the axles under test brake or pull their part")
+    train: Train = Field(default=Train(), description="train of which the axles under test brake or pull their part")
     adhesion: Adhesion | None = Field(
         default=None, description="adhesion of the rail, real or virtual; absent: friction"
     )
@@ -331,10 +332,12 @@ class CaseTables(Table):
     slide_protection: AnySlideProtection | None = Field(
         default=None, description="wheel slide protection: its kind, or a table"
     )
-    wheel_slip_control: WheelSlipControl | None = Field(default=None, description="of the traction drives")
+    wheel_slip_control: WheelSlipControl | None = Field(
+        default=None, description="protection of the traction drives against wheel slip"
+    )
     brake_unit: BrakeUnit | None = Field(
         default=None,
-        description="for a brake unit of your own: demand and valves -> cylinder pressures; absent: that of [brake]",
+        description="brake unit of your own: demand and valves -> cylinder pressures; absent: that of [brake]",
     )
     sensors: Sensors = Field(default=Sensors(), description="what the controllers see")
     rig_control: RigControl | None = Field(default=None, description="controller of the roller drives")

@@ -9,7 +9,7 @@ from pydantic_core import PydanticCustomError
 from rollerrig.config.schema.base import OrShort, Table
 
 _LARGEST = 1e18
-"""Of a parameter: any unit has room below it."""
+"""Largest value of a parameter: any unit has room below it."""
 
 
 def _parameter(value: Any) -> Any:

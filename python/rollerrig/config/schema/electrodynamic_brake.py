@@ -20,12 +20,16 @@ class ElectrodynamicBrake(Table):
     axles: tuple[str, ...] | None = Field(
         default=None, min_length=1, description="wheelsets with a motor that brakes, by name; absent: all"
     )
-    share: Share = Field(default=1.0, description="of the torque asked of the axle, at most; friction gives the rest")
-    time_constant: Annotated[float, Quantity("s", 1e-4, 100.0)] = Field(default=0.1, description="of the torque")
+    share: Share = Field(
+        default=1.0, description="share of the torque asked of the axle, at most; friction gives the rest"
+    )
+    time_constant: Annotated[float, Quantity("s", 1e-4, 100.0)] = Field(
+        default=0.1, description="time constant of the torque"
+    )
     blending_delay: Annotated[float, Quantity("s", 0.0, 10.0)] = Field(
         default=0.2,
-        description="from the motor's torque to the pneumatic demand that allows for it, a multiple of time.sampling_step; the "
-        "control valve's rates follow",
+        description="blending delay from the motor's torque to the pneumatic demand that allows for it, a multiple of "
+        "time.sampling_step; the control valve's rates follow",
     )
     on_slide: Literal["keep", "reduce", "switch_off"] = Field(
         default="reduce",
@@ -33,9 +37,11 @@ class ElectrodynamicBrake(Table):
         "friction brake does not fill the gap; or switch off until the brake is released, and the friction brake takes over",
     )
     reduction_rate: FactorRate = Field(
-        default=5.0, description="of the factor on the torque while the cylinder is vented"
+        default=5.0, description="reduction rate of the factor on the torque while the cylinder is vented"
     )
-    restoring_rate: FactorRate = Field(default=1.0, description="of the factor on the torque while it is filled")
+    restoring_rate: FactorRate = Field(
+        default=1.0, description="restoring rate of the factor on the torque while it is filled"
+    )
 
 
 class ConstantPowerBrake(ElectrodynamicBrake):
@@ -44,8 +50,12 @@ class ConstantPowerBrake(ElectrodynamicBrake):
     kind: Literal["constant_power"] = Field(
         default="constant_power", description="constant force, constant power, fading at low speed"
     )
-    largest_force: BrakeForce = Field(default=15e3, description="of one axle at the wheels' circumference")
-    largest_power: Annotated[float, Quantity("W", 0.0, 1e9)] = Field(default=300e3, description="of one axle")
+    largest_force: BrakeForce = Field(
+        default=15e3, description="largest force of one axle at the wheels' circumference"
+    )
+    largest_power: Annotated[float, Quantity("W", 0.0, 1e9)] = Field(
+        default=300e3, description="largest power of one axle"
+    )
     fade_from: BrakeSpeed = Field(default=10.0 / 3.6, description="below this speed the force fades ...")
     fade_to: BrakeSpeed = Field(default=3.0 / 3.6, description="... along a straight line, to nothing here")
 

@@ -48,7 +48,7 @@ class Mounting(Table):
     @model_validator(mode="after")
     def _can_turn(self) -> "Mounting":
         if any(self.misalignment) and self.yaw is None:
-            raise refused("yaw", "needed: the support about z of a roller axle that is mounted askew")
+            raise refused("yaw", "needed: the support about z of a roller axle with a yaw misalignment")
         return self
 
     @property
@@ -61,16 +61,16 @@ class Mounting(Table):
 class Restraint(Table):
     """A coupler rod from a vehicle to the ground: spring and damper along the track, which hold it on top of the rollers."""
 
-    height: Position = Field(description="of the rod above the crowns")
-    stiffness: PositiveStiffness = Field(description="of the rod with its anchorage, along the track")
-    damping: Damping = Field(default=0.0, description="of the same")
+    height: Position = Field(description="height of the rod above the crowns")
+    stiffness: PositiveStiffness = Field(description="stiffness of the rod with its anchorage, along the track")
+    damping: Damping = Field(default=0.0, description="damping of the same")
     body: Name | None = Field(default=None, description="that it holds; absent: the heaviest that is no wheelset")
 
 
 class Sleeper(Table):
     """Half a sleeper under each piece of rail, on ballast; the supports of the foundation are then those of the rail pad."""
 
-    mass: Mass = Field(default=150.0, description="of what moves of the sleepers under one wheel")
+    mass: Mass = Field(default=150.0, description="mass of the moving share of the sleepers under one wheel")
     lateral: LinearSupport | None = Field(default=None, description="ballast along y; absent: rigid")
     vertical: LinearSupport | None = Field(default=None, description="ballast along z; absent: rigid")
 
@@ -123,10 +123,10 @@ class Foundation(Table):
 
     @property
     def centre_height(self) -> float:
-        """Of the rail's centre of mass over its foot [m]: 81 of 172 mm in a 60E1."""
+        """Height of the rail's centre of mass over its foot [m]: 81 of 172 mm in a 60E1."""
         return 0.47 * self.rail_height
 
     @property
     def roll_inertia(self) -> float:
-        """Of the rail about its centre of mass [kg m^2]: radius of gyration 68 of 172 mm in a 60E1."""
+        """Inertia of the rail about its centre of mass [kg m^2]: radius of gyration 68 of 172 mm in a 60E1."""
         return self.rail_mass * (0.395 * self.rail_height) ** 2

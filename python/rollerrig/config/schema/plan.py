@@ -69,7 +69,7 @@ class Variation(Table):
         default="linear", description="how a range is divided, or where in it samples are equally likely"
     )
     distribution: AnyDistribution | None = Field(
-        default=None, description="of samples; absent: all values of the range are equally likely"
+        default=None, description="distribution of the samples; absent: all values of the range are equally likely"
     )
 
     @model_validator(mode="after")
@@ -101,7 +101,7 @@ class Design(Table):
     samples: Annotated[int, Field(ge=2, le=10**12)] | None = Field(
         default=None, description="how many samples; a power of 2 for sobol and saltelli"
     )
-    seed: Annotated[int, Field(ge=0, lt=2**32)] = Field(default=1, description="of the samples")
+    seed: Annotated[int, Field(ge=0, lt=2**32)] = Field(default=1, description="seed of the samples")
 
     @model_validator(mode="after")
     def _samples_where_needed(self) -> "Design":

@@ -53,7 +53,7 @@ class ReservoirAir(Table):
     least_pulse: DeadTime = Field(
         default=0.02, description="a magnet valve's command stays at least so long: a shorter one is prolonged"
     )
-    reservoir_volume: Volume = Field(default=0.1, description="of each auxiliary reservoir")
+    reservoir_volume: Volume = Field(default=0.1, description="volume of each auxiliary reservoir")
     axles_per_reservoir: Annotated[StrictInt, Field(ge=1, le=MOST_AXLES)] | None = Field(
         default=None,
         description="axles in a row that share a reservoir, counted from the front: 4 of a coach, 2 of a bogie; absent: all",
@@ -63,7 +63,8 @@ class ReservoirAir(Table):
     )
     main_pipe_pressure: Pressure = Field(default=8.5e5, description="over the ambient")
     charging_conductance: Annotated[float, Quantity("m^3/(s Pa)", 0.0, 1e-2)] = Field(
-        default=2e-8, description="of the choke between main pipe and reservoir; 0: the reservoir is not fed"
+        default=2e-8,
+        description="conductance of the choke between main pipe and reservoir; 0: the reservoir is not fed",
     )
     reference_pressure: Annotated[float, Quantity("Pa", 1.0, 1e8)] = Field(
         default=1e5, description="at which conductances are stated, with 20 degrees C (ISO 8778)"

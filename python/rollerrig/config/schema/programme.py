@@ -20,7 +20,7 @@ Count = Annotated[int, Field(ge=4, le=100)]
 class BrakedRun(Table):
     """What every stop of a programme has."""
 
-    name: Name = Field(description="of the stop, for limits and files")
+    name: Name = Field(description="name of the stop, for limits and files")
     description: str = Field(default="", description="one line about it")
     speed: RunningSpeed = Field(description="at the demand for braking")
     pressure: Pressure | None = Field(
@@ -79,10 +79,10 @@ class PatchStop(BrakedRun):
 
     kind: Literal["patches"] = Field(description="short patches, under one axle at a time")
     patch: AnyCondition = Field(description="condition of the patches")
-    length: Length = Field(description="of a patch; less than the least spacing of the axles")
-    spacing: Length = Field(description="from the beginning of a patch to that of the next one")
+    length: Length = Field(description="length of a patch; less than the least spacing of the axles")
+    spacing: Length = Field(description="distance from the beginning of a patch to that of the next one")
     first: Length = Field(default=20.0, description="distance of the first one")
-    count: Annotated[int, Field(ge=1, le=400)] = Field(default=10, description="of patches")
+    count: Annotated[int, Field(ge=1, le=400)] = Field(default=10, description="number of patches")
 
     def pieces(self) -> tuple[Piece, ...]:
         """Where the rail changes: in and out of each patch."""
@@ -107,7 +107,7 @@ class DragBraking(BrakedRun):
     """Braking for a time on a falling line, which keeps the train running."""
 
     kind: Literal["drag"] = Field(description="braking for a time on a falling line; the train need not stop")
-    gradient: Annotated[float, Quantity("1", -0.1, 0.0)] = Field(description="of the line, negative: it falls")
+    gradient: Annotated[float, Quantity("1", -0.1, 0.0)] = Field(description="gradient of the line, negative: it falls")
 
     @property
     def stops(self) -> bool:
@@ -199,7 +199,7 @@ class Limit(Table):
     )
     origin: str = Field(min_length=1, description="who set it, and why")
     clause: str = Field(
-        default="", description="of the standard or specification that it is taken from, as you have it"
+        default="", description="clause of the standard or specification that it is taken from, as you have it"
     )
 
     _parse = field_validator("at_least", "at_most", mode="before")(_bound)
@@ -233,7 +233,7 @@ class FlatWear(Table):
         default=7e-13, description="volume worn off per energy dissipated under a locked wheel"
     )
     width: Annotated[float, Quantity("m", 1e-4, 0.2)] = Field(
-        default=0.012, description="of the flat, across the tread"
+        default=0.012, description="width of the flat, across the tread"
     )
 
 

@@ -36,7 +36,7 @@ class Estimator(Table):
 
     torque: Literal["measured", "commanded"] = Field(
         default="measured",
-        description="of a roller's drive: as [sensors.roller_torque] says, exact if absent; or what the drive was asked for",
+        description="torque of a roller's drive: as [sensors.roller_torque] says, exact if absent; or the commanded one",
     )
 
 
@@ -55,7 +55,7 @@ class Observer(BandwidthEstimator):
 
     kind: Literal["observer"] = Field(default="observer", description="observer of disturbance (Luenberger)")
     damping_ratio: Annotated[float, Quantity("1", 0.01, 2.0)] = Field(
-        default=0.8, description="of the observer's poles"
+        default=0.8, description="damping ratio of the observer's poles"
     )
 
 
@@ -103,7 +103,8 @@ class KnownTorque(Table):
     """The axle's torque from cylinder pressure and motor torque, both measured; the estimate corrects it slowly."""
 
     kind: Literal["known"] = Field(
-        default="known", description="from cylinder pressure, pad friction and motor torque; the estimate corrects it"
+        default="known",
+        description="torque from cylinder pressure, pad friction and motor torque; the estimate corrects it",
     )
     correction: Frequency = Field(default=1.0, description="bandwidth of the correction by the estimate")
     brake_friction: Annotated[float, Quantity("1", 0.0, 10.0)] = Field(
@@ -116,7 +117,7 @@ class ExtrapolatedTorque(Table):
 
     kind: Literal["extrapolated"] = Field(description="as the estimator finds it, run ahead along its slope")
     ahead: Delay = Field(default=8e-3, description="time by which it runs ahead")
-    bandwidth: Frequency = Field(default=40.0, description="of the low-pass on its slope")
+    bandwidth: Frequency = Field(default=40.0, description="bandwidth of the low-pass on its slope")
 
 
 AnyAxleTorque = Annotated[EstimatedTorque | KnownTorque | ExtrapolatedTorque, Discriminator("kind"), by_kind("known")]
@@ -134,7 +135,7 @@ class LeadCommand(Table):
 
     kind: Literal["lead"] = Field(default="lead", description="the feed-forward runs ahead along its slope")
     ahead: Delay | None = Field(
-        default=None, description="by this time; absent: by the lag of drive, delay and half a sample"
+        default=None, description="time of the lead; absent: the lag of drive, delay and half a sample"
     )
 
 
@@ -167,9 +168,11 @@ class ProportionalIntegral(Feedback):
         default="proportional_integral", description="proportional-integral feedback"
     )
     bandwidth: Frequency = Field(
-        default=0.7, description="of the loop: far below the estimator, whose errors it is to remove"
+        default=0.7, description="bandwidth of the loop: far below the estimator, whose errors it is to remove"
     )
-    damping_ratio: Annotated[float, Quantity("1", 0.01, 5.0)] = Field(default=0.7, description="of the loop")
+    damping_ratio: Annotated[float, Quantity("1", 0.01, 5.0)] = Field(
+        default=0.7, description="damping ratio of the loop"
+    )
     proportional: Annotated[float, Quantity("N m s/rad", 0.0, 1e10)] | None = Field(default=None, description="gain")
     integral: Annotated[float, Quantity("N m/rad", 0.0, 1e10)] | None = Field(default=None, description="gain")
 
@@ -182,7 +185,7 @@ class SlidingMode(Feedback):
         default=1000.0, description="torque of the sliding mode"
     )
     boundary_layer: Annotated[float, Quantity("rad/s", 1e-9, 1e3)] = Field(
-        default=0.5, description="of the sliding mode: it acts in proportion within"
+        default=0.5, description="width of the boundary layer of the sliding mode: it acts in proportion within"
     )
 
 
@@ -222,24 +225,25 @@ class RollerDrive(Motor):
         default=1e6, description="torque times speed of the roller axle, either way; ours"
     )
     largest_speed: Annotated[float, Quantity("rad/s", 1e-3, 1e5)] | None = Field(
-        default=134.0, description="of the roller axle, 350 km/h at a radius of 725 mm: beyond it there is no torque"
+        default=134.0,
+        description="largest speed of the roller axle, 350 km/h at a radius of 725 mm: beyond it there is no torque",
     )
 
 
 class Assumed(Table):
     """Numbers in the controller that may differ from the rig's; absent: right."""
 
-    roller_inertia: Inertia | None = Field(default=None, description="of a roller axle about its axis")
+    roller_inertia: Inertia | None = Field(default=None, description="inertia of a roller axle about its axis")
     wheelset_inertia: Inertia | None = Field(default=None, description="about its axis")
-    roller_radius: RollerRadius | None = Field(default=None, description="of the rollers")
-    wheel_radius: WheelRadius | None = Field(default=None, description="of the wheels")
+    roller_radius: RollerRadius | None = Field(default=None, description="radius of the rollers")
+    wheel_radius: WheelRadius | None = Field(default=None, description="radius of the wheels")
 
 
 class RigControl(Controller):
     """Controller of the roller drives: the wheels turn as those of a train on the rail of [adhesion]."""
 
     sample_time: SampleTime = Field(default=1e-3, description="a multiple of time.sampling_step")
-    delay: Delay = Field(default=0.0, description="of the command, a multiple of time.sampling_step")
+    delay: Delay = Field(default=0.0, description="delay of the command, a multiple of time.sampling_step")
     load_transfer: LoadTransfer = Field(
         default="quasi_static",
         description="how the virtual train's axle loads change with its acceleration: as geometry and masses of the vehicle "
@@ -247,14 +251,16 @@ class RigControl(Controller):
     )
     loads: Literal["computed", "measured"] = Field(
         default="computed",
-        description="of the virtual train's axles: static loads and their transfer, or what [sensors.axle_load] says",
+        description="loads of the virtual train's axles: static loads and their transfer, or what [sensors.axle_load] says",
     )
     locked_speed: Annotated[float, Quantity("m/s", 1e-9, 50.0)] = Field(
         default=0.1,
         description="a wheel that turns slower than this while its train runs faster is locked: its virtual wheel is held with "
         "it, and its brake's torque, then the reaction to the roller's, is not used",
     )
-    estimator: AnyEstimator = Field(default=Observer(), description="of the contact force: its kind, or a table")
+    estimator: AnyEstimator = Field(
+        default=Observer(), description="estimator of the contact force: its kind, or a table"
+    )
     axle_torque: AnyAxleTorque = Field(
         default=KnownTorque(), description="torque on an axle that the virtual train takes: its kind, or a table"
     )
@@ -265,5 +271,5 @@ class RigControl(Controller):
         default=LeadCommand(), description="how the drives are asked for their torque: its kind, or a table"
     )
     motor: RollerDrive = Field(default=RollerDrive(), description="drive of each roller axle, with its limits")
-    protection: Protection = Field(default=Protection(), description="of the rollers")
+    protection: Protection = Field(default=Protection(), description="limits that protect the rollers")
     assumed: Assumed = Field(default=Assumed(), description="what the controller believes in")

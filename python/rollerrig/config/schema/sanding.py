@@ -23,11 +23,11 @@ class SandOnSlide(Table):
 
 
 class SandFromDistance(Table):
-    """From a place on."""
+    """Sand from a place on."""
 
-    kind: Literal["from_distance"] = Field(description="from a place on")
+    kind: Literal["from_distance"] = Field(description="sand from a place on")
     begin: Place = Field(description="distance of the train since the start")
-    end: Place = Field(default=1e6, description="of sanding")
+    end: Place = Field(default=1e6, description="end of sanding")
 
     @model_validator(mode="after")
     def _in_order(self) -> "SandFromDistance":
@@ -37,11 +37,11 @@ class SandFromDistance(Table):
 
 
 class SandFromTime(Table):
-    """From a time on, as a driver switches it."""
+    """Sand from a time on, as a driver switches it."""
 
-    kind: Literal["from_time"] = Field(description="from a time on, as a driver switches it")
+    kind: Literal["from_time"] = Field(description="sand from a time on, as a driver switches it")
     begin: Duration = Field(description="time of the run")
-    end: Duration = Field(default=1e6, description="of sanding")
+    end: Duration = Field(default=1e6, description="end of sanding")
 
     @model_validator(mode="after")
     def _in_order(self) -> "SandFromTime":
@@ -63,7 +63,8 @@ class Sanding(Table):
         description="wheelsets in front of which sand falls, by name; absent: the leading one",
     )
     delay: Annotated[float, Quantity("s", 0.0, 10.0)] = Field(
-        default=0.5, description="from the wish to the sand on the rail, and back, a multiple of time.sampling_step"
+        default=0.5,
+        description="delay from the wish to the sand on the rail, and back, a multiple of time.sampling_step",
     )
     run_on: Duration = Field(default=1.0, description="sand is wanted for so long after its reason has gone")
     flow: Annotated[float, Quantity("kg/s", 1e-9, 100.0)] = Field(
@@ -76,7 +77,7 @@ class Sanding(Table):
         default=5e-4, description="mass per length of rail that brings 63 % of the effect, q_0 in 1 - exp(-q/q_0)"
     )
     kept: Annotated[float, Quantity("1", 0.0, 1.0)] = Field(
-        default=0.7, description="of the sand under it that a wheel leaves on the rail"
+        default=0.7, description="share of the sand under it that a wheel leaves on the rail"
     )
     rail: AnyCondition = Field(
         default=Condition(friction=FallingFriction(kind="falling", mu_0=0.25, A=0.6, B=0.2), k_A=0.3, k_S=0.1),

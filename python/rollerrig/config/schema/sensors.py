@@ -62,12 +62,12 @@ AnySpeedSensor = Annotated[Encoder | PulsePeriod | PulseFrequency, Discriminator
 class ForceSensor(Table):
     """Transducer of a force [N] or a torque [N m]: lag, then noise, resolution and range of each reading."""
 
-    bandwidth: Frequency | None = Field(default=None, description="of first order; absent: no lag")
+    bandwidth: Frequency | None = Field(default=None, description="bandwidth of first order; absent: no lag")
     noise: Annotated[float, Quantity("1", 0.0, 1e9)] = Field(
         default=0.0, description="standard deviation of a reading, in N or N m"
     )
     resolution: Annotated[float, Quantity("1", 0.0, 1e9)] = Field(
-        default=0.0, description="of a reading, in N or N m; 0: none"
+        default=0.0, description="resolution of a reading, in N or N m; 0: none"
     )
     range: Annotated[float, Quantity("1", 1e-6, 1e9)] | None = Field(
         default=None, description="largest reading, in N or N m; absent: no limit"
@@ -92,4 +92,4 @@ class Sensors(Table):
     axle_load: ForceSensor = Field(
         default=ForceSensor(), description="vertical force on the rollers (or rails) under each axle"
     )
-    seed: Annotated[int, Field(strict=True, ge=0, le=2**31)] = Field(default=1, description="of all noise")
+    seed: Annotated[int, Field(strict=True, ge=0, le=2**31)] = Field(default=1, description="seed of all noise")

@@ -1,4 +1,4 @@
-"""Of which full-scale case a case is the model; written by `rollerrig scale`, read to map its results back."""
+"""The full-scale case of which a case is the model; written by `rollerrig scale`, read to map its results back."""
 
 from typing import Annotated, Literal, get_args
 

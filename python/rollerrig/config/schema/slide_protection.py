@@ -20,13 +20,16 @@ class ReferencedProtection(Controller):
     release_interval: Pause = Field(
         default=3.0, description="while all axles slide one is released this often for the reference speed; 0: never"
     )
-    shortest_release: Pause = Field(default=0.3, description="of such a release: valve and cylinder need some time")
-    longest_release: Phase = Field(default=1.2, description="of such a release")
+    shortest_release: Pause = Field(
+        default=0.3, description="shortest duration of such a release: valve and cylinder need some time"
+    )
+    longest_release: Phase = Field(default=1.2, description="longest duration of such a release")
     least_deceleration: Deceleration = Field(
-        default=0.2, description="of the reference speed between releases: a braked train slows at least so"
+        default=0.2,
+        description="least deceleration of the reference speed between releases: a braked train slows at least so",
     )
     regained_after: Phase = Field(default=2.0, description="an axle without slip for so long counts as gripping")
-    filter_time: Phase = Field(default=0.04, description="of the axles' deceleration")
+    filter_time: Phase = Field(default=0.04, description="filter time of the axles' deceleration")
     recovery_acceleration: Deceleration = Field(
         default=0.5, description="an axle that gains speed faster is left alone"
     )
@@ -43,10 +46,10 @@ class SlideProtection(ReferencedProtection):
         default="slip_and_deceleration", description="two slips and a deceleration; written after EN 15595's principles"
     )
     vent_slip: Ratio = Field(default=0.12, description="relative slip above which a cylinder is vented")
-    vent_slip_speed: PositiveSpeed = Field(default=1.0, description="and the least such slip as a speed")
+    vent_slip_speed: PositiveSpeed = Field(default=1.0, description="lower limit of that slip as a speed")
     vent_deceleration: Deceleration = Field(default=4.0, description="a slipping axle that slows faster is vented")
     fill_slip: Ratio = Field(default=0.06, description="relative slip below which a cylinder is filled")
-    fill_slip_speed: PositiveSpeed = Field(default=0.5, description="and the least such slip as a speed")
+    fill_slip_speed: PositiveSpeed = Field(default=0.5, description="lower limit of that slip as a speed")
 
 
 class TableSlideProtection(ReferencedProtection):
@@ -62,7 +65,8 @@ class TableSlideProtection(ReferencedProtection):
         default=(0.05, 0.1, 0.2), description="relative slips between the rows of `entries`, ascending"
     )
     acceleration_thresholds: tuple[Annotated[float, Quantity("m/s^2", -1e3, 1e3)], ...] = Field(
-        default=(-4.0, -1.5, 0.5), description="of the axle, between the columns of `entries`, ascending"
+        default=(-4.0, -1.5, 0.5),
+        description="limits of the axle's acceleration, between the columns of `entries`, ascending",
     )
     entries: tuple[tuple[Entry, ...], ...] = Field(
         default=(

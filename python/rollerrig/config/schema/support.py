@@ -22,7 +22,9 @@ class Spot(Table):
     )
     length: Annotated[float, Quantity("m", 0.0, 100.0)] = Field(description="along the crown, between the ramps")
     ramp: Annotated[float, Quantity("m", 1e-3, 100.0)] = Field(description="length of each ramp")
-    depth: Annotated[float, Quantity("m", -0.01, 0.01)] = Field(default=0.0, description="by which its radius is less")
+    depth: Annotated[float, Quantity("m", -0.01, 0.01)] = Field(
+        default=0.0, description="depth by which its radius is less"
+    )
     profile: AnyProfile | None = Field(default=None, description="its generatrix; absent: that of the roller")
     sides: Literal["both", "left", "right"] = Field(default="both", description="which rollers have it")
 
@@ -61,8 +63,8 @@ class Rig(Table):
     )
     steered: StrictBool = Field(
         default=True,
-        description="with an irregularity the rollers also turn about z into the direction of the rail they stand for, as "
-        "real rails do; false: they are only moved sideways and up",
+        description="steering of the rollers: with an irregularity they also turn about z into the direction of "
+        "the rail they represent, as real rails do; false: they are only moved sideways and up",
     )
 
     spot: Spot | None = Field(default=None, description="worn or out-of-round spot; absent: rollers are round")

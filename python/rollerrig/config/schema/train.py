@@ -22,7 +22,7 @@ class TrainAxles(Table):
         description="which of them are those of [vehicle]: on rollers, or on track in the 3-D model; the first axle is 1"
     )
     loads: tuple[Annotated[float, Quantity("N", 1.0, 1e7)], ...] | None = Field(
-        default=None, description="of each simulated axle, in order; absent: the mean of the axles under test"
+        default=None, description="loads of each simulated axle, in order; absent: the mean of the axles under test"
     )
     load_transfer: tuple[Annotated[float, Quantity("kg", -1e6, 1e6)], ...] | None = Field(
         default=None,

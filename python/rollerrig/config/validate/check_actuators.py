@@ -42,7 +42,9 @@ def _tables(case: CaseTables, file: str) -> Iterator[ConfigProblem]:
         if getattr(case, key) is not None and there is None:
             yield ConfigProblem(file, key, "a table", f"allowed only with {of}, on which it acts")
     if brake is not None and brake.motors_stand_in and traction is None:
-        yield ConfigProblem(file, "brake.motors_stand_in", "true", "needed: [traction], the motors that stand in")
+        yield ConfigProblem(
+            file, "brake.motors_stand_in", "true", "needed: [traction], the motors that replace the brake"
+        )
     yield from _air(case, file)
     yield from _machines(case, file)
     vehicle = case.vehicle
@@ -74,7 +76,7 @@ def _machines(case: CaseTables, file: str) -> Iterator[ConfigProblem]:
     """Electrodynamic brake, track brake and sand: what they act on."""
     machine = case.brake.electrodynamic if case.brake else None
     if case.brake is not None and machine is not None and case.brake.motors_stand_in:
-        allowed = "allowed without brake.motors_stand_in: the motors either stand in for the brake or brake beside it"
+        allowed = "allowed without brake.motors_stand_in: the motors either replace the brake or brake beside it"
         yield ConfigProblem(file, "brake.electrodynamic", "a table", allowed)
     if case.brake_unit is not None and machine is not None:
         allowed = "allowed without brake.electrodynamic, whose torque the built-in brake unit takes off its own"

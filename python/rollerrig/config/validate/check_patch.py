@@ -13,7 +13,7 @@ from rollerrig.config.schema.case import CaseTables
 from rollerrig.config.schema.support import Rig
 
 LARGEST_SHARE = 0.1
-"""Of the radius: half of the patch's length may be at most so long [-]."""
+"""Largest share of the radius: half of the patch's length may be at most so long [-]."""
 
 
 def check_patch(case: CaseTables, file: str) -> Iterator[ConfigProblem]:

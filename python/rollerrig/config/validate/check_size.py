@@ -12,7 +12,7 @@ from rollerrig.config.schema.case import CaseTables
 MOST_NUMBERS = 2e9
 """Results of one run: 16 GB."""
 MOST_STEPS = 1e9
-"""Of a fixed-step method: hours for a wheelset, days for a vehicle."""
+"""Largest number of steps of a fixed-step method: hours for a wheelset, days for a vehicle."""
 
 
 def check_size(case: CaseTables, file: str) -> Iterator[ConfigProblem]:

@@ -167,7 +167,7 @@ def _give_way(case: CaseTables, foundation: Foundation, file: str) -> Iterator[C
 def _wheelbase_in_curves(case: CaseTables, track: Track, file: str) -> Iterator[ConfigProblem]:
     """Wheelsets under one frame must fit between the rails of a curve, by geometry.
 
-    The outermost, w apart, stand askew by alpha = w / (2 R). A flange of angle delta, a cone, then takes alpha^2 r tan(delta) / 2
+    The outermost, w apart, are yawed by alpha = w / (2 R). A flange of angle delta, a cone, then takes alpha^2 r tan(delta) / 2
     more room on each side; one in their middle is w^2 / (8 R) off. Both together may take the play between flanges and rails.
     """
     wheel = case.vehicle.data.wheel

@@ -29,7 +29,7 @@ _RENAMED: Mapping[str, tuple[str, ...]] = {
     "ultimate": ("k_inf",),
     "wsp": ("slide_protection",),
 }
-"""Former key or word -> what it may be called now; a dotted one stands in a table of that name."""
+"""Former key or word -> what it may be called now; a dotted one is in a table of that name."""
 
 _DIVIDED: Mapping[str, str] = {
     "bench": "its step is now time.sampling_step, its standstill motion.stop_speed, its pure_rolling contact.pure_rolling"

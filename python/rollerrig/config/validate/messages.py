@@ -1,4 +1,4 @@
-"""From pydantic's list of errors to lines a rig engineer understands.
+"""Lines that a rig engineer understands, from pydantic's list of errors.
 
 raw table -> [validate] -> (object, no problems) or (None, one problem per mistake)
 """
@@ -85,7 +85,7 @@ def tables_in(annotation: Any) -> tuple[type[BaseModel], ...]:
 
 
 def tables_below(root: type[BaseModel]) -> tuple[type[BaseModel], ...]:
-    """The model and all that may stand in it, at any depth."""
+    """The model and all that it may contain, at any depth."""
     found: dict[type[BaseModel], None] = {}
 
     def visit(annotation: Any) -> None:

@@ -2,7 +2,7 @@
 
     two cases -> [differences] -> {"motion.speed": (41.7, 33.3)} -> [text_from_base] -> TOML text with `base`
 
-A key that one of them does not have is None there. Items of a list are told by their names while both lists have the same
+A key that one of them does not have is None there. Items of a list are identified by their names while both lists have the same
 ones; else the whole list is one value.
 """
 
@@ -93,7 +93,7 @@ def _short_key(key: str, value: object) -> str:
 
 
 def text_from_base(name: str, changes: Differences) -> str:
-    """TOML text of the case that starts from the one called `name`; what it does not have any more stands in `without`."""
+    """TOML text of the case that starts from the one called `name`; `without` names what it does not have any more."""
     without = [key for key, (_, value) in changes.items() if value is None]
     tables: Raw = {"base": name, **({"without": without} if without else {})}
     for key, (_, value) in changes.items():

@@ -166,7 +166,7 @@ def _texts(places: list[KeyPlace]) -> list[str]:
     """What is said of each key; of one that several kinds of a table have alike it is said once."""
     same: dict[tuple[str, str, str], list[KeyPlace]] = {}
     for place in places:
-        same.setdefault((place.key, place.file, _text([place]).partition("  stands in")[0]), []).append(place)
+        same.setdefault((place.key, place.file, _text([place]).partition("  belongs to")[0]), []).append(place)
     return list(dict.fromkeys(_text(alike) for alike in same.values()))
 
 
@@ -185,7 +185,7 @@ def _text(alike: list[KeyPlace]) -> str:
         ("unit", unit or "none"),
         ("default", {"required": "none: it must be given", "": _absent(field)}.get(default, default).replace("`", "'")),
         ("allowed", _allowed(place, quantity)),
-        ("stands in", f"[{holder}]{kind} of a {place.file}{summary}" if holder else f"a {place.file}"),
+        ("belongs to", f"[{holder}]{kind} of a {place.file}{summary}" if holder else f"a {place.file}"),
         ("used by", _users(place)),
         *_keys_in(field),
     ]

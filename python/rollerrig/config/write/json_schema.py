@@ -99,7 +99,7 @@ def _is_number_with_unit(schema: Schema) -> bool:
 
 
 def _with_base(schema: Schema, tables: Schema) -> None:
-    """With `base` a case may leave out every key, and address items of lists and keys of its vehicle or support by name."""
+    """Schema of a case with `base`: keys may be absent, items of lists and keys of its vehicle or support addressed by name."""
     choices = {"vehicle": ("VehicleChoice", ("Vehicle",)), "support": ("SupportChoice", ("Rig", "Track"))}
     for choice, parts in choices.values():
         inside = {key: value for part in parts for key, value in tables[part]["properties"].items()}

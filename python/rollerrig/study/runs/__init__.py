@@ -1,1 +1,1 @@
-"""What the larger studies compute: cases, jobs and their results; what is said of them stands in `study`."""
+"""What the larger studies compute: cases, jobs and their results; their reports are in `study`."""

@@ -2,11 +2,11 @@
 
 Case of a rig with [rig_control] -> [track_case, variant, law_case] -> ensembles of TestRecords
     -> [cause_shares] -> shares of the distance that go away with each imperfection; they add up to the whole
-    -> [verdict_rows] -> rows: value with interval, target and where it comes from, verdict
+    -> [verdict_rows] -> rows: value with interval, target and where it comes from, outcome
 
 A row is met where the whole interval of its value, of many starts, is within its target, and not met where nothing of it is.
-Nothing is met by a bad run: a run that ended early, drives that ring or are at their limit, and a contact force away from the
-virtual one leave every agreement undecided, since it is then no property of the rig.
+Nothing is met by a bad run: a run that ended early, drives that oscillate or are at their limit, and a contact force away from
+the virtual one leave every agreement undecided, since it is then no property of the rig.
 """
 
 from __future__ import annotations
@@ -151,7 +151,7 @@ def law_case(case: Case, name: str) -> Case | None:
 
 
 def law_numbers(case: Case, records: Mapping[str, Sequence[TestRecord]]) -> dict[str, Any]:
-    """By kind of the law, of those whose ensembles on track and rig are there; empty where only the case's own is."""
+    """Numbers by kind of the law, of those whose ensembles on track and rig are there; empty where only the case's own is."""
     own, found = case.contact.creep.kind, {}
     for kind in dict.fromkeys((own, *LAWS)):
         names = SUPPORTS if kind == own else [_name(kind, support) for support in SUPPORTS]
@@ -178,12 +178,12 @@ GROUPS: Mapping[Group, str] = {
     "fidelity": "Fidelity, rig against track",
 }
 RESAMPLES = 400
-"""Of the starts, for the scatter of the difference of two distributions."""
+"""Resamples of the starts, for the scatter of the difference of two distributions."""
 
 
 @dataclass(frozen=True)
 class Row:
-    """One row of the verdict.
+    """One row of the assessment.
 
     Attributes:
         group: whether it judges tracking or fidelity.
@@ -250,7 +250,7 @@ class Row:
         return f"+{text}" if self.signed and value > 0.0 and text != "0" else text
 
     def as_dict(self) -> dict[str, Any]:
-        """For summary.json."""
+        """Dictionary for summary.json."""
         found = {"group": self.group, "verdict": self.verdict, "value": self.value.mean, **vars(self.value.interval)}
         return found | {"target_low": self.low, "target_high": self.high, "target_from": self.origin}
 
@@ -275,7 +275,7 @@ def _is_bad(rows: Sequence[Row], group: Group) -> bool:
 
 
 def verdict_of(rows: Sequence[Row], group: Group) -> Outcome:
-    """Of a group: met where all its rows are, not met where one is not, else not decided."""
+    """Outcome of a group: met where all its rows are, not met where one is not, else not decided."""
     return overall(row.verdict for row in rows if row.group == group) or NOT_DECIDED
 
 
@@ -318,8 +318,8 @@ def _tracking(case: Case, rig: Sequence[TestRecord]) -> Iterator[Row]:
         "ours: the force that stops the train is the virtual one", gate=True,
     )  # fmt: skip
     yield at_most(
-        "drive_ringing_nm", "fast torque that the virtual rail does not ask for, RMS", 100.0,
-        "ours: 1 % of the torque that brakes an axle; a loop that rings gives thousands", unit="N m", factor=1.0, gate=True,
+        "drive_oscillation_nm", "fast torque that the virtual rail does not ask for, RMS", 100.0,
+        "ours: 1 % of the torque that brakes an axle; an oscillating loop gives thousands", unit="N m", factor=1.0, gate=True,
     )  # fmt: skip
     yield at_most(
         "drive_limited_share", "time with a drive's command at its limit", 0.01,
@@ -356,12 +356,17 @@ def _fidelity(case: Case, track: Sequence[TestRecord], rig: Sequence[TestRecord]
         ("mean_deceleration_mps2", f"mean {way} since the demand", 0.02, "ours: as the distance"),
         (
             "dump_cycles",
-            "ventings, all axles under test",
+            "dump cycles, all axles under test",
             0.05,
             "ours: wear of the valves, and the first thing a supplier counts",
         ),
         ("air_litres", "air taken by the cylinders", 0.05, "ours: size of the reservoir"),
-        ("regrip_adhesion", "largest force on an axle that has slid (regrip)", 0.10, "ours: load on the drive line"),
+        (
+            "regrip_adhesion",
+            "largest force on an axle that has slid (readhesion)",
+            0.10,
+            "ours: load on the drive line",
+        ),
     )
     for key, text, reach, origin in pairs:
         yield change(key, text, measure(rig, key), measure(track, key), reach, origin)
@@ -398,7 +403,7 @@ def law_table(numbers: Numbers) -> Table:
         "polach": "Polach",
     }
     header = ["creep law"]
-    for what in ("distance on track [m]", "ventings on track"):
+    for what in ("distance on track [m]", "dump cycles on track"):
         header += [what, "on the rig [m]" if "[m]" in what else "on the rig", "difference"]
     rows = []
     for kind, one in numbers.items():

@@ -40,7 +40,7 @@ Changes = Mapping[str, object]
 Vary = Callable[[Case, float], Changes]
 
 BENCH_STEP = 1e-3
-"""Of the plant under slow controllers [s]."""
+"""Step of the plant under slow controllers [s]."""
 
 
 @dataclass(frozen=True)
@@ -173,7 +173,7 @@ def _wrong(name: str) -> Vary:
 
 
 COUNTS, WINDOW = 4096.0, 8
-"""Of an encoder where another property of it is varied."""
+"""Counts and window of an encoder where another property of it is varied."""
 
 _PERCENT = (-5.0, -4.0, -3.0, -2.0, -1.0, -0.5, 0.0, 0.5, 1.0, 2.0, 3.0, 4.0, 5.0)
 _FAST_DRIVES = {"rig_control.motor.bandwidth": 400.0}
@@ -250,7 +250,7 @@ FAMILIES: tuple[Family, ...] = (
 
 
 OUTPUT_STEP = 2e-3
-"""Of the runs compared [s]; ripple is seen up to its Nyquist frequency, 250 Hz."""
+"""Output step of the runs compared [s]; ripple is seen up to its Nyquist frequency, 250 Hz."""
 
 KEPT = ["axle_speed", "virtual_speed", "train_speed", "train_distance", "real_sliding", "roller_torque", "valve"]
 
@@ -285,7 +285,7 @@ def run_numbers(run: xr.Dataset) -> dict[str, Any]:
 
 
 def against(numbers: Mapping[str, Any], base: xr.Dataset) -> dict[str, Any]:
-    """With the distance over that of the base at the same time, less 1."""
+    """Numbers with the distance over that of the base at the same time, less 1."""
     time, distance = numbers["distance_relative"]
     shipped = float(np.interp(time, base["time"], base["train_distance"]))
     return {**numbers, "distance_relative": distance / shipped - 1.0 if shipped > 0.0 else None}
@@ -298,7 +298,7 @@ TRACKING_LIMIT = 0.01
 RIPPLE_LIMIT = 500.0
 """Ripple of a roller's torque [N m] from which on a variant fails: a tenth of what low adhesion asks for, R T_v.
 
-The one criterion of a torque that does not settle; every verdict names it, see RIPPLE_CRITERION.
+The one criterion of a torque that does not settle; every outcome names it, see RIPPLE_CRITERION.
 """
 
 

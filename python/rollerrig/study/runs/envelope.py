@@ -43,13 +43,13 @@ BEGIN, RISE = 0.1, 0.2
 """The torque begins to act, and takes so long to its full value [s]."""
 
 LEAST_DURATION = round(2.0 * (BEGIN + RISE), 9)
-"""Of a run: the full torque acts for half of it [s]; rounded, since 0.1 + 0.2 is not quite 0.3."""
+"""Duration of a run: the full torque acts for half of it [s]; rounded, since 0.1 + 0.2 is not quite 0.3."""
 
 FOLLOW = 200.0
 """Rate of the test's control valve and cylinder [1/s]: the torque follows the ramp within a few ms."""
 
 PAD_FRICTION = 0.35
-"""Of the test's brake, constant over speed, so that its pressure gives the torque asked for [-]."""
+"""Pad friction of the test's brake, constant over speed, so that its pressure gives the torque asked for [-]."""
 
 ADHESIONS = (0.02, 0.04, 0.06, 0.08, 0.12, 0.16, 0.20, 0.25, 0.30, 0.36)
 LOADS = (0.6, 1.0, 1.4)
@@ -75,7 +75,7 @@ class Point(NamedTuple):
 
     @property
     def label(self) -> str:
-        """For a title."""
+        """Label for a title."""
         return f"{torque_text(self.torque)}, adhesion\u00a0{self.adhesion:.3g}, load\u00a0{self.load:.3g}"
 
 
@@ -247,7 +247,7 @@ class OnTrack:
 
 
 def find_on_track(case: Case) -> OnTrack:
-    """For the load of a case."""
+    """Search on track for the load of a case."""
     model = assemble(case)
     try:
         return OnTrack(tuple(load_transfer(model)), patch_of(model), rig_limits(case))

@@ -12,22 +12,29 @@ import itertools
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from typing import Any
 
-import numpy as np
 import xarray as xr
 
-from rollerrig.analysis import CriticalSpeedByDisturbance, HuntingSettings, LinearCriticalSpeed, RampSettings, ramp_run
+from rollerrig.analysis import (
+    CriticalSpeedByDisturbance,
+    HuntingSettings,
+    LinearCriticalSpeed,
+    RampSettings,
+    hunting_table,
+    ramp_run,
+)
 from rollerrig.analysis.contact_state import ContactState, contact_state
 from rollerrig.analysis.critical_speed import scan_linear
-from rollerrig.analysis.fits import Fit, fit
-from rollerrig.analysis.hunting import HuntingRun, decay_frequency
+from rollerrig.analysis.hunting import HuntingRun
 from rollerrig.analysis.roller_effects import RADII, CriticalSpeedOverRadius, EffectSplit
-from rollerrig.analysis.traction import with_theory
+from rollerrig.analysis.traction import asymmetry, carried_weight, sliding_course, spin_balance, with_theory
 from rollerrig.cases import restrained_along_track
-from rollerrig.config import Case, Rig, load_case
+from rollerrig.config import Case, load_case
 from rollerrig.study import critical_speeds as speeds
-from rollerrig.study.assessment import Check, Interval
-from rollerrig.study.contact_models import sensitivity_cases
+from rollerrig.study.assessment import Check, Interval, counts
+from rollerrig.study.contact_models import sensitivity_cases, sensitivity_numbers
+from rollerrig.study.frame import dataset_rows
 from rollerrig.study.jobs import Done, Job, Round, job, whole_modes, whole_run
 from rollerrig.study.report import Mark
 
@@ -156,7 +163,7 @@ RUNS = tuple(key for key in ALL if key[2] in (RIG, VEHICLE))
 
 
 def _label(contact: str, material: str, variant: str) -> str:
-    """Of runs from a disturbance."""
+    """Label of runs from a disturbance."""
     return f"{variant} {material}" if contact == OWN else f"{contact} {variant} {material}"
 
 
@@ -240,6 +247,28 @@ class Results:
         """Material -> critical speed by disturbance, of the materials that have runs."""
         return {m: self.runs[contact, m, variant] for m in MATERIALS if (contact, m, variant) in self.runs}
 
+    def onset_wavelength(self, material: str) -> float:
+        """Wavelength of the limit cycle at the lowest speed at which it was found [m]; NaN if there is none."""
+        found = self.runs_of(RIG).get(material)
+        lasting = [run for run in found.runs if run.persists] if found else []
+        return lasting[0].speed / lasting[0].final.frequency if lasting else math.nan
+
+    def frequency_differences(self, material: str) -> list[float]:
+        """Frequency of the bogie on the rig over that of the vehicle on track, less one, at each speed both were run at."""
+        both = [one for variant in (RIG, VEHICLE) if (one := self.runs_of(variant).get(material))]
+        tables = [hunting_table(one.runs, one.disturbance) for one in both]
+        known = [one["oscillation_frequency"].where(one["persists"] == 1, one["decay_frequency"]) for one in tables]
+        found = [one.assign_coords(speed=one["speed"].round(3)) for one in known]
+        return (found[0] / found[1] - 1).dropna("speed").to_numpy().tolist() if len(found) == 2 else []
+
+    def rig_speeds(self) -> dict[tuple[str, str], Interval]:
+        """Material and definition -> where the critical speed of the bogie on the rig lies [km/h]; those that are known."""
+        found = {}
+        for m in MATERIALS:
+            found[m, "linear"] = Interval(self.linear_kmh(m), self.linear_kmh(m))
+            found[m, "by disturbance"] = self.by_disturbance(m)
+        return {key: one for key, one in found.items() if one.known}
+
 
 def results_of(plan: PaperPlan, done: Done) -> Results:
     """Everything that can be said from what is done."""
@@ -294,13 +323,13 @@ COURSE = (
 def _hunting_checks(found: Results) -> Iterator[Check]:
     """Figure 7: energy of runs and ramps, and the order of the critical speeds where both are known."""
     for material in MATERIALS:
-        own = found.runs.get((OWN, material, RIG))
+        own, ramp = found.runs_of(RIG).get(material), found.ramps.get(material)
         audits = {
             f"energy of the runs at constant speed, {material}: the worst": [one.motion for one in own.runs]
             if own
-            else []
+            else [],
+            f"energy of the ramp, {material}": [] if ramp is None else [ramp],
         }
-        audits[f"energy of the ramp, {material}"] = [found.ramps[material]] if material in found.ramps else []
         for name, runs in audits.items():
             if runs:
                 worst = max(float(run.attrs["energy_relative_residual"]) for run in runs)
@@ -326,16 +355,10 @@ def traction_checks(run: xr.Dataset, study: xr.Dataset, case: Case) -> Iterator[
     for place, own in places.items():
         for (what, tolerance, reason), fitted in zip(COURSE, sliding_course(own), strict=True):
             yield Check(f"sliding, {place}: {what}", fitted.largest, 0.0, tolerance, reason)
-        end = own.isel(time=-1)
-        yield Check(
-            f"sliding at the end, {place}: slope of the creep law at the start × force × speed",
-            1e3 * float(end["sliding"]),
-            1e3 * float(end["sliding_theory"]),
-            0.1,
-            "the slope changes with load (load transfer) and with saturation (two patches pull against each other)",
-            "mm/s",
-            relative=True,
-        )
+        last, theory = (1e3 * float(own[name].isel(time=-1)) for name in ("sliding", "sliding_theory"))
+        name = f"sliding at the end, {place}: slope of the creep law at the start × force × speed"
+        reason = "the slope changes with load (load transfer) and with saturation (two patches pull against each other)"
+        yield Check(name, last, theory, 0.1, reason, "mm/s", relative=True)
     for variable in ("longitudinal_sliding", "longitudinal_creep_force", "vertical_force"):
         name = {"longitudinal_sliding": "sliding"}.get(variable, variable.replace("_", " "))
         reason = "relative; the model is symmetric, only the integration's error remains"
@@ -354,76 +377,11 @@ def traction_checks(run: xr.Dataset, study: xr.Dataset, case: Case) -> Iterator[
         name = f"load transfer at the end, {place}: balance of the frame's moments"
         reason = "closed form, small angles, springs linear"
         yield Check(name, change[0], change[1], 0.01, reason, "N", relative=True)
-    yield Check(
-        "vertical wheel loads sum to the weight and the load of the secondary suspension on the frame",
-        float(run["vertical_force"].isel(time=0).sum()),
-        carried_weight(run, case),
-        1e-6,
-        "accuracy of the starting equilibrium",
-        "N",
-        relative=True,
-    )
-    residual, reason = (
-        float(run.attrs["energy_relative_residual"]),
-        "of the energy turned over; the error of the integration",
-    )
-    yield Check("traction: energy, work in = kinetic + potential + dissipated", residual, 0.0, 1e-6, reason)
-
-
-def sliding_course(own: xr.Dataset) -> tuple[Fit, Fit, Fit]:
-    """The sliding of a wheel fitted as COURSE says: with the torque times the speed, while it rises, at its final value."""
-    torque, speed, sliding, time = (own[name].to_numpy() for name in ("torque", "speed", "sliding", "time"))
-    final = torque >= torque.max() * (1 - 1e-12)
-    rising, steady = (torque > 0) & ~final, final & (time > time[final][0] + 0.2)
-    return (
-        fit(sliding, speed, speed * torque),
-        fit(sliding[rising], np.ones(int(rising.sum())), time[rising], time[rising] ** 2),
-        fit(sliding[steady], np.ones(int(steady.sum())), time[steady]),
-    )
-
-
-def asymmetry(run: xr.Dataset, variable: str) -> float:
-    """Largest difference between left and right wheels over the largest value [1]."""
-    values = run[variable]
-    sides = ([values.sel(wheel=f"wheelset_{k}_{side}", drop=True) for side in ("left", "right")] for k in (1, 2))
-    return max(float(abs(left - right).max()) for left, right in sides) / float(abs(values).max())
-
-
-def spin_balance(run: xr.Dataset, study: xr.Dataset, case: Case, wheelset: str, roller: str) -> tuple[float, float]:
-    """Largest imbalance about the axes of a wheelset and its roller pair, over the largest torque [1]."""
-    torque = study["torque"].to_numpy()
-    inertia = next(b.inertia[1] for b in case.vehicle.data.body if b.name == wheelset)
-    rig = case.support.data
-    assert isinstance(rig, Rig)
-    on_wheel, on_roller = np.zeros_like(torque), np.zeros_like(torque)
-    for wheel in (w for w in run["wheel"].to_numpy() if str(w).startswith(wheelset)):
-        own = run.sel(wheel=wheel)
-        force = own["patch_creep_force_x"].fillna(0.0).sum("patch").to_numpy()
-        on_wheel -= force * own["rolling_radius"].to_numpy()
-        on_roller -= force * rig.roller_radius
-    spin = run["pitch_acceleration"]
-    left = torque + on_wheel - inertia * spin.sel(body=wheelset).to_numpy()
-    left_roller = on_roller - rig.roller_inertia[1] * spin.sel(body=roller).to_numpy()
-    inside = slice(1, -1)  # at the very ends an acceleration may belong to the other side of a corner
-    scale = float(torque.max())
-    return float(np.abs(left[inside]).max()) / scale, float(np.abs(left_roller[inside]).max()) / scale
-
-
-def carried_weight(run: xr.Dataset, case: Case) -> float:
-    """Weight of frame and wheelsets and the load of the secondary suspension at the first output time [N]."""
-    part, vehicle = case.vehicle.part, case.vehicle.data
-    load = case.gravity * sum(b.mass for b in vehicle.bodies_in(part) if b.name not in part.fixed)
-    for element in vehicle.elements_in(part):
-        if element.between[0] in part.fixed:
-            load -= float(run["element_force_z"].sel(element=element.name).isel(time=0))
-    return float(load)
-
-
-def onset_wavelength(results: Results, material: str) -> float:
-    """Wavelength of the limit cycle at the lowest speed at which it was found [m]; NaN if there is none."""
-    found = results.runs_of(RIG).get(material)
-    lasting = [run for run in found.runs if run.persists] if found else []
-    return lasting[0].speed / lasting[0].final.frequency if lasting else math.nan
+    name = "vertical wheel loads sum to the weight and the load of the secondary suspension on the frame"
+    total, reason = float(run["vertical_force"].isel(time=0).sum()), "accuracy of the starting equilibrium"
+    yield Check(name, total, carried_weight(run, case), 1e-6, reason, "N", relative=True)
+    residual, reason = run.attrs["energy_relative_residual"], "of the energy turned over; the error of the integration"
+    yield Check("traction: energy, work in = kinetic + potential + dissipated", float(residual), 0.0, 1e-6, reason)
 
 
 def around_onset(runs: list[HuntingRun], onset: float, count: int = 6) -> list[HuntingRun]:
@@ -439,25 +397,96 @@ def around_onset(runs: list[HuntingRun], onset: float, count: int = 6) -> list[H
     return [unique[speed] for speed in sorted(unique)][:count]
 
 
-def frequency_differences(results: Results, material: str) -> list[float]:
-    """Frequency of the bogie on the rig over that of the vehicle on track, less one, at each speed both were run at."""
+# ----------------------------------------------------------------------------------------------------- numbers and files
 
-    def frequencies(variant: str) -> dict[float, float]:
-        found = results.runs_of(variant).get(material)
-        known = {
-            round(3.6 * run.speed, 3): run.final.frequency if run.persists else decay_frequency(run)
-            for run in (found.runs if found else [])
+ENDS = (
+    ("sliding_mmps", "sliding", 1e3),
+    ("longitudinal_creep_force_n", "longitudinal_creep_force", 1.0),
+    ("longitudinal_force_n", "longitudinal_force", 1.0),
+    ("vertical_force_n", "vertical_force", 1.0),
+)
+"""Key, variable and factor of what is reported of figure 8 at its end."""
+
+
+def numbers_of(results: Results) -> dict[str, Any]:
+    """What goes into summary.json."""
+    found = {m: _contact_numbers(results, OWN, m) | _material_numbers(results, m) for m in results.modes}
+    exact = {m: one for m in MATERIALS if (one := _contact_numbers(results, EXACT, m))}
+    return {
+        "materials": found,
+        "exact_contact": {"materials": exact, "traction": _traction_numbers(results.exact_theory)},
+        "critical_speed_by_contact_model": sensitivity_numbers(results.sensitivity),
+        "traction": _traction_numbers(results.theory),
+        "checks": [check.as_dict() for check in results.checks],
+        **counts(results.checks),
+    }
+
+
+def _contact_numbers(results: Results, contact: str, material: str) -> dict[str, Any]:
+    """What is reported with either contact; empty where nothing was computed."""
+    pairs = {v: results.linear[place] for v in VARIANTS if (place := (contact, material, v)) in results.linear}
+    found: dict[str, Any] = {}
+    if pairs:
+        found["linear"] = {v: {"critical_speed_kmh": value, "frequency_hz": hz} for v, (value, hz) in pairs.items()}
+    for key, variant in (("by_disturbance", RIG), ("vehicle_on_track", VEHICLE)):
+        if (contact, material, variant) in results.runs:
+            found[key] = speeds.disturbance_numbers(results.runs[contact, material, variant])
+    return found
+
+
+def _material_numbers(results: Results, material: str) -> dict[str, Any]:
+    """What is reported with the paper's contact alone."""
+    found: dict[str, Any] = {
+        "merging_criterion": {f"{b:g}": scan.speed_kmh for b, scan in results.merging.get(material, {}).items()},
+        "onset_wavelength_m": results.onset_wavelength(material),
+    }
+    if material in results.contact:
+        state = results.contact[material]
+        found["contact"] = {
+            "patches": state.patches,
+            "approach_um": 1e6 * state.approach,
+            "creep_stiffness_n": state.creep_stiffness,
+            "wavelength_m": state.wavelength,
         }
-        return {speed: value for speed, value in known.items() if math.isfinite(value)}
+    if material in results.over_radius:
+        found["critical_speed_over_radius_kmh"] = speeds.radius_numbers(results.over_radius[material])
+    if material in results.effects:
+        found["roller_effects"] = speeds.effect_numbers(results.effects[material])
+    return found
 
-    rig, vehicle = frequencies(RIG), frequencies(VEHICLE)
-    return [rig[speed] / vehicle[speed] - 1 for speed in sorted(rig.keys() & vehicle.keys())]
+
+def _traction_numbers(study: xr.Dataset | None) -> dict[str, Any] | None:
+    """Figure 8 at its end."""
+    if study is None:
+        return None
+    end = study.isel(time=-1)
+    wheels = {wheel: end.sel(wheel=wheel) for wheel in (FRONT, REAR)}
+    own = {w: {key: factor * float(one[name]) for key, name, factor in ENDS} for w, one in wheels.items()}
+    return {"speed_kmh": 3.6 * float(end["speed"]), **own}
 
 
-def rig_speeds(results: Results) -> dict[tuple[str, str], Interval]:
-    """Material and definition -> where the critical speed of the bogie on the rig lies [km/h]; those that are known."""
-    found = {}
-    for m in MATERIALS:
-        found[m, "linear"] = Interval(results.linear_kmh(m), results.linear_kmh(m))
-        found[m, "by disturbance"] = results.by_disturbance(m)
-    return {key: one for key, one in found.items() if one.known}
+RUN_COLUMNS = {
+    "speed_kmh": "speed",
+    "amplitude_m": "amplitude",
+    "frequency_hz": "oscillation_frequency",
+    "decay_frequency_hz": "decay_frequency",
+    "rate_at_end_per_s": "rate_at_end",
+    "persists": "persists",
+}
+"""Column of the runs' files -> variable."""
+
+
+def frequency_rows(results: Results) -> list[list[object]]:
+    """Frequency and damping of hunting over speed, header first."""
+    columns = {"speed_kmh": "speed", "hunting_frequency_hz": "hunting_frequency", "hunting_damping": "hunting_damping"}
+    found = [([m, v], modes) for m, variants in results.modes.items() for v, modes in variants.items()]
+    rows = [[*names, *row] for names, modes in found for row in dataset_rows(modes, columns, "speed")[1:]]
+    return [["material", "variant", *columns], *rows]
+
+
+def traction_columns(study: xr.Dataset) -> dict[str, xr.DataArray]:
+    """Sliding and forces of all wheels beside the closed forms over time."""
+    columns = {"time_s": study["time"], "speed_mps": study["speed"], "torque_nm": study["torque"]}
+    for wheel, (_, name, _), kind in itertools.product(study["wheel"].to_numpy(), ENDS, ("", "_theory")):
+        columns[f"{wheel}.{name}{kind}_{'mps' if name == 'sliding' else 'n'}"] = study[f"{name}{kind}"].sel(wheel=wheel)
+    return columns

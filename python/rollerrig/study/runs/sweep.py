@@ -52,7 +52,7 @@ class Axis:
 
     @property
     def unit(self) -> str:
-        """Of its values; '' where they are no numbers."""
+        """Unit of its values; '' where they are no numbers."""
         return self.quantity.unit if self.is_number and self.quantity else ""
 
     @property
@@ -117,7 +117,7 @@ class Points:
 
     @property
     def shape(self) -> tuple[int, ...]:
-        """Of a grid."""
+        """Shape of a grid."""
         return tuple(len(axis.values) for axis in self.axes)
 
     @cached_property
@@ -132,7 +132,7 @@ class Points:
         return [axis.at(cube[:, k]) for k, axis in enumerate(self.axes)]
 
     def changes(self) -> Iterator[dict[str, Any]]:
-        """Of each case: dotted key -> value as a file holds it."""
+        """Changes of each case: dotted key -> value as a file holds it."""
         keys = [axis.key for axis in self.axes]
         for values in zip(*self.columns, strict=True):
             yield {k: axis.written(v) for k, axis, v in zip(keys, self.axes, values, strict=True)}
@@ -286,7 +286,7 @@ def resized(whole: WholePlan, samples: int) -> WholePlan:
 FAILED = "failed"
 SAMPLE = "sample"
 Record = dict[str, Any]
-"""Of a case: its changes, its numbers, why it failed."""
+"""Record of a case: its changes, its numbers, why it failed."""
 
 
 def sweep_dataset(
@@ -370,7 +370,7 @@ LEAST_SAMPLES = 8
 
 @dataclass(frozen=True)
 class Statistics:
-    """Of one number.
+    """Statistics of one number.
 
     Attributes:
         values: of all cases in their order; NaN where there is none.
@@ -385,7 +385,7 @@ class Statistics:
     sobol: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
 
     def as_dict(self) -> dict[str, Any]:
-        """For summary.json."""
+        """Dictionary for summary.json."""
         known = self.values[np.isfinite(self.values)]
         least, median, most = (float(f(known)) if known.size else math.nan for f in (np.min, np.median, np.max))
         ends = {key: {"low": low, "high": high} for key, (low, high) in self.tornado.items()}

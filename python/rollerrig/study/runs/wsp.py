@@ -1,7 +1,7 @@
 """What is run and assessed in a test programme: a case per stop and its dry reference, a record per test, criteria.
 
 Case of a rig with brake and slide protection, Programme -> [stop_case, dry_case] -> [stop_record] -> StopTests of track and rig
-    -> [judgements] -> value with interval, limit, verdict, reasons -> [verdict_of] -> of each stop
+    -> [judgements] -> value with interval, limit, outcome, reasons -> [verdict_of] -> of each stop
 
 A criterion is met where the whole interval of its mean is within the limit, and, where each test must keep it, each test too.
 Nothing is decided, neither met nor not met, from a bad run: fewer tests than asked, a test that ended early, lost contact or did
@@ -137,7 +137,7 @@ LARGE_SLIP = 0.30
 """Beyond it slip is large [-]."""
 
 SIGNAL_STEP = 0.05
-"""Of the signals that are kept [s]."""
+"""Step of the signals that are kept [s]."""
 
 
 @dataclass(frozen=True)
@@ -330,7 +330,7 @@ def judgements(programme: Programme, found: StopTests, other: StopTests) -> list
 
 
 def verdict_of(found: Sequence[Judgement]) -> Outcome | None:
-    """Of several criteria: met where all are, not met where one is not, else not decided; None: nothing was judged."""
+    """Outcome of several criteria: met where all are, not met where one is not, else not decided; None: nothing was judged."""
     return overall(one.verdict for one in found)
 
 
@@ -362,7 +362,7 @@ def faults(found: StopTests) -> Iterator[str]:
 
 
 def rig_faults(rig: StopTests, track: StopTests) -> Iterator[str]:
-    """Why the rig's tests say nothing about the vehicle: the gates of the verdict on the rig itself."""
+    """Why the rig's tests say nothing about the vehicle: the exclusion criteria of the rig itself."""
     if not (rig.tests and track.tests):
         return
     ended = ("rig_ended", "track_ended")  # said of each support's own tests

@@ -1,0 +1,45 @@
+"""Words of pages, docstrings, messages and descriptions: a noun or a verb first, and the terms of the field."""
+
+from __future__ import annotations
+
+import ast
+import re
+from functools import cache
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+PACKAGE = ROOT / "python" / "rollerrig"
+PAGES = [ROOT / "README.md", *(p for p in (ROOT / "docs").rglob("*.md") if "generated" not in p.parts)]
+FILES = [*(PACKAGE / "catalog").rglob("*.json"), *PACKAGE.rglob("*.toml")]
+ENTRY = re.compile(r'(?:"description":|^\S+ =|\b(?:is|label) =) "([^"]+)"', re.MULTILINE)
+NO_BEGINNING = re.compile(r"\s*(?:of|and|or|but|with|by|for|from)\b", re.IGNORECASE)
+NO_TERM = re.compile(
+    r"\b(crews?|told(?!: )|loses? patience|barren|doors?|wordings?|verdicts?|ventings|regrip\w*|askew|calm\w*|ringing|"
+    r"rings?(?! buffers?)|stand(?:s|ing)? in)\b(?!_)",
+    re.IGNORECASE,
+)
+"""Better: assessment, dump cycle, readhesion, yaw misalignment, decay, oscillate, replace, is in."""
+CODE = re.compile(r"^```.*?^```|`[^`]*`|\{[^{}]*\}", re.MULTILINE | re.DOTALL)
+
+
+@cache
+def nodes() -> list[ast.AST]:
+    return [node for path in PACKAGE.rglob("*.py") for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))]
+
+
+def descriptions() -> list[str]:
+    return [text for path in FILES for text in ENTRY.findall(path.read_text(encoding="utf-8"))]
+
+
+def test_docstrings_and_descriptions_begin_with_a_noun_or_a_verb() -> None:
+    docstrings = [str(n.value.value) for n in nodes() if isinstance(n, ast.Expr) and isinstance(n.value, ast.Constant)]
+    assert min(len(docstrings), len(descriptions())) > 2000
+    assert [text for text in docstrings + descriptions() if NO_BEGINNING.match(text)] == []
+
+
+def test_pages_docstrings_and_messages_use_the_terms_of_the_field() -> None:
+    strings = [node.value for node in nodes() if isinstance(node, ast.Constant) and isinstance(node.value, str)]
+    messages = [text for text in strings if " " in text.strip()]  # a single word is a key
+    texts = messages + descriptions() + [path.read_text(encoding="utf-8") for path in PAGES]
+    assert [(word, text[:80]) for text in texts for word in NO_TERM.findall(CODE.sub("", text))] == []
+    assert NO_TERM.findall("Ventings; a loop rings: `verdict`, ring buffer") == ["Ventings", "rings", "verdict"]
