@@ -83,6 +83,10 @@ TEST_CASE("a region that has not settled is solved again with many strips, and c
   for (auto const& pose : loaded_poses(wheel, 3000, 12, 60e-3)) {
     auto const found = strip_contact(wheel.setting, pose);
     refined += found.refined;
+    for (int k = 0; k < found.count; ++k) {
+      auto const& direction = found.patch[static_cast<std::size_t>(k)].direction;
+      CHECK(dot(direction, direction) == doctest::Approx(1.0).epsilon(1e-14));
+    }
     auto const scan = scan_gap(wheel.profiles.pair, wheel.nodes, pose);
     if (scan.minima != 1) continue;
     auto const few = solved<strip_count>(wheel, pose, scan.region[0], strip_passes);

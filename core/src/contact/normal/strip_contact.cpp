@@ -324,12 +324,14 @@ void solve_pack(Batch<T>& batch, int first, int count, int passes) {
 
 template <Scalar T>
 StripPatch<T> mixed(StripPatch<T> const& a, StripPatch<T> const& b, T const& s) {
+  using std::sqrt;
   auto const mix = [&](auto const& x, auto const& y) { return x + s * (y - x); };
   double const part = value_of(s);
   auto const mix_number = [&](double x, double y) { return x + part * (y - x); };
+  Vec3<T> const direction = mix(a.direction, b.direction);
   return {T(1.0),
           mix(a.normal, b.normal),
-          mix(a.direction, b.direction),
+          (1.0 / sqrt(dot(direction, direction))) * direction,
           mix(a.point, b.point),
           mix(a.moment, b.moment),
           mix(a.wheel_s, b.wheel_s),
