@@ -5,7 +5,8 @@
 //
 // A region is one patch. Two minima of one region are one patch where the rise between them is deep in the material and two
 // where it is not; in between both readings count with smooth blending weights, because the creep forces of one wide patch
-// and of two narrow ones differ: (S8) of docs/theory/non_elliptic_contact.md. The normal force is the same in both.
+// and of two narrow ones differ: (S8) of docs/theory/non_elliptic_contact.md. Where the rise comes up to the surface the two are
+// solved by themselves, (S17): region_pieces.hpp.
 #pragma once
 #include <span>
 
