@@ -25,7 +25,7 @@ struct Content {
     using P = Content;
     return std::tuple{Member{"name", &P::name},       Member{"model", &P::model},
                       Member{"setup", &P::setup},     Member{"names", &P::names},
-                      Member{"options", &P::options}, Member{"start_time", &P::start_time},
+                      Member{"options", &P::options}, Member{"start_time", &P::start_time, "s", "time at the start"},
                       Member{"start", &P::start},     Member{"disturbed", &P::disturbed}};
   }
 };
