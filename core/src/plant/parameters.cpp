@@ -8,8 +8,7 @@
 #include <string_view>
 #include <type_traits>
 
-#include "rollerrig/system/dynamics.hpp"
-#include "rollerrig/system/equilibrium.hpp"
+#include "rollerrig/system/starting_state.hpp"
 
 namespace rollerrig {
 namespace {
@@ -35,44 +34,6 @@ constexpr bool sampled_laws = std::is_same_v<V, AnyEstimator> || std::is_same_v<
                               std::is_same_v<V, AnyFeedback> || std::is_same_v<V, AnyDriveCommand>;
 template <class Law>
 constexpr bool settled_at_start = std::is_same_v<Law, KalmanFilter>;
-
-/// What a run of a model starts from: on level track, coasting, its axles free to slip.
-class Start {
- public:
-  explicit Start(ModelParts parts) : dynamics_{start_model(parts)}, speed_{parts.speed.at(0.0)} {
-    auto found = solve_equilibrium(dynamics_, speed_, 0.0, {}, {});
-    if (!found.converged) throw std::invalid_argument("parameters: the model has no equilibrium with them");
-    rest_ = std::move(found.x);
-  }
-  std::vector<double> const& rest() const { return rest_; }
-  double& place(std::vector<double>& x, std::array<int, 2> const& of) const {
-    return x[at(dynamics_.map().coordinate[at(of[0])][at(of[1])])];
-  }
-  /// In equilibrium with the disturbed coordinates at these offsets; where there is none, nothing but them is off the rest.
-  std::vector<double> disturbed(std::vector<std::array<int, 2>> const& coordinates, std::vector<double> const& offset) {
-    std::vector<double> x = rest_;
-    std::vector<FixedCoordinate> fixed;
-    for (std::size_t i = 0; i < coordinates.size(); ++i) {
-      place(x, coordinates[i]) += offset[i];
-      fixed.push_back({coordinates[i][0], coordinates[i][1], place(x, coordinates[i])});
-    }
-    if (fixed.empty()) return rest_;
-    auto found = solve_equilibrium(dynamics_, speed_, 0.0, fixed, rest_);
-    return found.converged ? std::move(found.x) : x;
-  }
-
- private:
-  static std::shared_ptr<Model const> start_model(ModelParts parts) {
-    parts.resistance = {};
-    parts.rolling_wheelsets.clear();
-    parts.track_brakes.clear();
-    return model_of(parts);
-  }
-
-  Dynamics dynamics_;
-  double speed_;
-  std::vector<double> rest_;
-};
 
 }  // namespace
 
@@ -248,11 +209,13 @@ AssembledModel ModelParameters::assembled() const {
   }
   out.setup = setup_;
   out.model = model_of(parts);
-  Start before(parts_of(*given_.model));
-  std::vector<double> offset, start = given_.start, rest = before.rest();
-  for (auto const& coordinate : given_.disturbed)
-    offset.push_back(before.place(start, coordinate) - before.place(rest, coordinate));
-  out.start = Start(parts).disturbed(given_.disturbed, offset);
+  auto start = starting_state(out.model, out.start_time, out.disturbances);
+  if (start.found == StartingState::no_equilibrium)
+    throw std::invalid_argument("parameters: the model has no equilibrium with them");
+  if (start.found == StartingState::no_support)
+    throw std::invalid_argument("parameters: " + out.names.bodies[at(start.body)] +
+                                " finds no support at its disturbance with them");
+  out.start = std::move(start.x);
   return out;
 }
 
