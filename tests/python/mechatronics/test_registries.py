@@ -101,7 +101,9 @@ def test_a_brake_s_table_has_the_fields_of_its_parts() -> None:
 
 def test_a_field_s_unit_and_meaning_are_its_docstring() -> None:
     assert _core.KalmanFilter.force_change.__doc__ == "standard deviation of the contact force's change over 1 s [N]"
-    structs = [one for one in vars(_core).values() if isinstance(one, type) and isinstance(getattr(one, "fields", None), dict)]
+    structs = [
+        one for one in vars(_core).values() if isinstance(one, type) and isinstance(getattr(one, "fields", None), dict)
+    ]
     assert len(structs) > 40
     for struct in structs:
         for name, unit in struct.fields.items():
