@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from rollerrig import _core
 from rollerrig.analysis.contact_state import rolling_state
 from rollerrig.assembly.actuators import assemble_with_actuators
-from rollerrig.assembly.core_struct import angular
+from rollerrig.assembly.laws import angular
 from rollerrig.cases import wheelsets, without_actuators
 from rollerrig.config import Case, Rig
 from rollerrig.config.schema.rig_control import (

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rollerrig import _core
-from rollerrig.assembly.contact_laws import core_law
+from rollerrig.assembly.laws import core_law
 from rollerrig.assembly.model import AssembledModel, assemble
 from rollerrig.assembly.train_axles import train_mass
 from rollerrig.config import Case, Condition, Rig, SlideProtection, WheelSlipControl

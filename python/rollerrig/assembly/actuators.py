@@ -12,8 +12,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from rollerrig import _core
-from rollerrig.assembly.contact_laws import adhesion_map, core_law
-from rollerrig.assembly.core_struct import core_struct
+from rollerrig.assembly.laws import adhesion_map, core_law, core_struct
 from rollerrig.assembly.model import GROUND, AssembledModel, Assembly
 from rollerrig.assembly.model_parts import ABSENT, AxleActuators
 from rollerrig.config import Brake, Case, Track, Traction

@@ -17,8 +17,7 @@ from rollerrig.cli.command import read_case
 from rollerrig.cli.termination import stop
 
 if TYPE_CHECKING:
-    from rollerrig.interfaces.realtime.served import Served
-    from rollerrig.interfaces.realtime.server import Ended
+    from rollerrig.interfaces.realtime.server import Ended, Served
 
 LOOPBACK = "127.0.0.1"
 LOOK_SECONDS = 0.25
@@ -70,7 +69,7 @@ def prepared(
 ) -> Served:
     """The rig of a case or of a model file."""
     from rollerrig.interfaces.plant import ModelFileError, read_model
-    from rollerrig.interfaces.realtime.served import serve_case, serve_model
+    from rollerrig.interfaces.realtime.server import serve_case, serve_model
 
     if not case.endswith(".model"):
         roles = None if external is None else [name.strip() for name in external.split(",") if name.strip()]

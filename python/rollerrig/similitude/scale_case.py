@@ -28,8 +28,7 @@ from rollerrig.config.schema.profile import ProfileSpec
 from rollerrig.config.schema.sanding import Sanding
 from rollerrig.config.schema.similitude import KEPT, ScaledFrom
 from rollerrig.config.validate.simulated_axles import simulated_axles
-from rollerrig.similitude.factors import Similitude
-from rollerrig.similitude.units import exponents
+from rollerrig.similitude.factors import Similitude, exponents
 
 M = TypeVar("M", bound=BaseModel)
 

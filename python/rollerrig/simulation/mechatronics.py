@@ -10,7 +10,7 @@ from typing import Any
 
 from rollerrig import _core
 from rollerrig.assembly.actuators import electrodynamic_brake, friction_brake, pneumatics, track_brake
-from rollerrig.assembly.core_struct import angular, core_struct
+from rollerrig.assembly.laws import angular, core_struct
 from rollerrig.assembly.model import AssembledModel
 from rollerrig.assembly.model_parts import ABSENT
 from rollerrig.assembly.train_axles import brake_delay, reservoirs, simulated_axles, simulated_count, train_mass

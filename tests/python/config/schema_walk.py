@@ -24,7 +24,7 @@ from rollerrig.config.load.case import build_case
 from rollerrig.config.read.document import Document
 from rollerrig.config.schema.units import Quantity
 from rollerrig.config.write.toml import plain
-from rollerrig.profiles.s1002 import s1002_height
+from rollerrig.profiles.analytic import s1002_height
 
 Raw = dict[str, Any]
 

@@ -10,7 +10,7 @@ from pydantic import BaseModel
 
 import rollerrig as rr
 from rollerrig import _core
-from rollerrig.assembly.contact_laws import creep_law
+from rollerrig.assembly.laws import creep_law
 from rollerrig.config import ConfigError
 from rollerrig.config.schema.contact_law import (
     CREEP_LAWS,

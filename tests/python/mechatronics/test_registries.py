@@ -9,7 +9,7 @@ from pydantic import BaseModel
 
 from rollerrig import _core
 from rollerrig.assembly.actuators import friction_brake, pneumatics
-from rollerrig.assembly.core_struct import core_struct
+from rollerrig.assembly.laws import core_struct
 from rollerrig.config import Brake, Case, Encoder, ForceSensor, Motor, Sensors
 from rollerrig.config.schema.contact_law import kinds
 from rollerrig.config.schema.electrodynamic_brake import AnyElectrodynamicBrake

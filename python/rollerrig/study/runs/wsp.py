@@ -25,7 +25,7 @@ from rollerrig import _core
 from rollerrig.analysis.slide_statistics import SLIP_EDGES, TestRecord, axle_load, test_record
 from rollerrig.analysis.tracking import LEAST_SPEED, under_test, wheel_radius
 from rollerrig.analysis.wheel_flat import longest_flat
-from rollerrig.assembly.contact_laws import adhesion_map
+from rollerrig.assembly.laws import adhesion_map
 from rollerrig.cases import wheelsets
 from rollerrig.common.formatting import percent
 from rollerrig.config import CRITERIA, Case, ConfigError, ConfigProblem, Limit, Piece, Programme
