@@ -20,7 +20,7 @@ from rollerrig.assembly.laws import core_law
 from rollerrig.assembly.model import AssembledModel, assemble
 from rollerrig.assembly.train_axles import train_mass
 from rollerrig.config import Case, Condition, Rig, SlideProtection, WheelSlipControl
-from rollerrig.config.schema.contact_law import ConstantFriction
+from rollerrig.config.schema.contact import ConstantFriction
 from rollerrig.simulation.mechatronics import rotor_inertia, wheelset_inertia
 from rollerrig.simulation.virtual_train import load_transfer, rail_patch
 

@@ -28,8 +28,8 @@ from rollerrig import _core
 from rollerrig.assembly.creep_table import shipped_table
 from rollerrig.config import Adhesion, AngularSupport, Condition, Contact, LinearSupport, Restraint
 from rollerrig.config.schema.base import Table
-from rollerrig.config.schema.contact_law import CreepRoot
-from rollerrig.config.schema.sanding import Sanding
+from rollerrig.config.schema.brakes import Sanding
+from rollerrig.config.schema.contact import CreepRoot
 from rollerrig.config.schema.vehicle import AngularLaw, LinearLaw
 from rollerrig.config.validate.messages import validate
 

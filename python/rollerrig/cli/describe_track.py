@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from rollerrig.config import GRAVITY, Case, Rig, Track
-from rollerrig.config.schema.irregularity import SpectrumIrregularity, rails_of_run
+from rollerrig.config.schema.track import SpectrumIrregularity, rails_of_run
 from rollerrig.config.validate.check_track import highest_speed_on, speeds_on
 from rollerrig.irregularity import RailIrregularity
 from rollerrig.track import Segment, equilibrium_speed, plane_acceleration

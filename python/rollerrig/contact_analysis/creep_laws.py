@@ -28,7 +28,7 @@ from rollerrig import _core
 from rollerrig.assembly.laws import CoreLaw, core_law
 from rollerrig.assembly.model import assemble
 from rollerrig.config import Case
-from rollerrig.config.schema.contact_law import CREEP_LAWS, NORMAL_LAWS
+from rollerrig.config.schema.contact import CREEP_LAWS, NORMAL_LAWS
 from rollerrig.config.schema.vehicle import DIRECTIONS as COORDINATES
 from rollerrig.contact_analysis.static_contact import contact_table, leading_wheelset
 from rollerrig.results import variable

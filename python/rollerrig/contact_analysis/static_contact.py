@@ -28,7 +28,7 @@ from rollerrig import _core
 from rollerrig.assembly.model import AssembledModel, assemble
 from rollerrig.common.formatting import number
 from rollerrig.config import Case, load_case, load_profile
-from rollerrig.config.schema.contact_law import NORMAL_LAWS
+from rollerrig.config.schema.contact import NORMAL_LAWS
 from rollerrig.results import variable
 
 DEFAULT_GAUGE = 1.435

@@ -33,7 +33,7 @@ from rollerrig import _core
 from rollerrig.common.input_files import MEGABYTE, InputError, read_input
 from rollerrig.config import ConfigError, ConfigProblem
 from rollerrig.config.errors import nearest
-from rollerrig.config.schema.controller_fmu import ControllerFmu
+from rollerrig.config.schema.actuators import ControllerFmu
 
 LARGEST_FMU = 512 * MEGABYTE
 """Some carry tables and a library for each platform [bytes]."""

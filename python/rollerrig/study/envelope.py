@@ -23,7 +23,7 @@ from rollerrig.analysis.run_limits import LEAST_DURATION, NUMBERS, REGIONS, REPR
 from rollerrig.cases import as_case
 from rollerrig.common.formatting import number
 from rollerrig.config import Case, ConfigError, ConfigProblem, Rig
-from rollerrig.config.validate.simulated_axles import simulated_axles
+from rollerrig.config.validate.check_actuators import simulated_axles
 from rollerrig.plot import envelope as figures
 from rollerrig.study.frame import Study, dataset_rows
 from rollerrig.study.jobs import Done, Progress, Round, job, whole_run

@@ -30,7 +30,7 @@ from rollerrig.analysis.lateral_guidance import (
 from rollerrig.analysis.tracking import following, largest, real_sliding, wheel_radius
 from rollerrig.common.formatting import number, percent
 from rollerrig.config import Case, Condition, ConfigError, ConfigProblem, Rig
-from rollerrig.config.validate.simulated_axles import simulated_axles
+from rollerrig.config.validate.check_actuators import simulated_axles
 from rollerrig.plot import lateral as figures
 from rollerrig.results import COMPLETED
 from rollerrig.study.frame import Study

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from rollerrig import _core
 from rollerrig.assembly.model import AssembledModel
 from rollerrig.config import Track
-from rollerrig.config.schema.rail_layout import NOWHERE, rail_layout
+from rollerrig.config.schema.support import NOWHERE, rail_layout
 
 Numbers = NDArray[np.float64]
 

@@ -21,7 +21,7 @@ from pydantic.fields import FieldInfo
 
 from rollerrig.config import Case, load_case
 from rollerrig.config.load.case import build_case
-from rollerrig.config.read.document import Document
+from rollerrig.config.read import Document
 from rollerrig.config.schema.units import Quantity
 from rollerrig.config.write.toml import plain
 from rollerrig.profiles.analytic import s1002_height

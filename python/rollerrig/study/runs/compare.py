@@ -19,8 +19,7 @@ from rollerrig.cases import CATALOG_RIG, CATALOG_TRACK, leading_wheelset, restra
 from rollerrig.config import Case, ConfigError, ConfigProblem, Rig, Track, Vehicle, load_any, load_support
 from rollerrig.config.errors import nearest
 from rollerrig.config.load.case import build_case
-from rollerrig.config.read.document import Document
-from rollerrig.config.read.library import catalog_names
+from rollerrig.config.read import Document, catalog_names
 from rollerrig.config.write.toml import plain
 from rollerrig.study.jobs import Progress, whole_run
 

@@ -1,4 +1,8 @@
-"""The laws of a contact: creep, normal contact, friction. Names and parameters are those of the core.
+"""Tables of materials and of the laws of the contact.
+
+Elastic constants of wheel and roller, which are of the same material.
+
+The laws of a contact: creep, normal contact, friction. Names and parameters are those of the core.
 
 name, number, or table with `kind` and parameters -> [contact_law] -> one of the tables below
 
@@ -9,10 +13,53 @@ header: docs/how_to/contact_law.md.
 from collections.abc import Mapping
 from typing import Annotated, Any, ClassVar, Literal, get_args
 
-from pydantic import BeforeValidator, Discriminator, Field, RootModel, StrictBool
+from pydantic import BeforeValidator, Discriminator, Field, RootModel, StrictBool, model_validator
 
-from rollerrig.config.schema.base import OrShort, Table, by_kind
+from rollerrig.config.schema.base import OrShort, Table, by_kind, instead_of, refused
 from rollerrig.config.schema.units import Quantity
+from rollerrig.config.schema.vehicle import Name
+
+_MODULUS = Quantity("Pa", 1e5, 1e14)
+_POISSON = Quantity("1", 0.0, 0.5)
+
+
+class Material(Table):
+    """An isotropic elastic material; one of the two moduli may be left out and follows from E = 2 G (1 + nu)."""
+
+    name: Name = Field(description="name of the material")
+    description: str = Field(default="", description="one line about the material")
+    source: str = Field(default="", description="where the data come from")
+    poisson_ratio: Annotated[float, _POISSON] = Field(description="Poisson's ratio nu")
+    young_modulus: Annotated[float, _MODULUS] = Field(
+        description="Young's modulus E", json_schema_extra=instead_of("shear_modulus")
+    )
+    shear_modulus: Annotated[float, _MODULUS] = Field(
+        description="shear modulus G", json_schema_extra=instead_of("young_modulus")
+    )
+
+    @model_validator(mode="before")
+    @classmethod
+    def _other_modulus(cls, data: Any) -> Any:
+        if not isinstance(data, dict) or ("young_modulus" in data) == ("shear_modulus" in data):
+            return data
+        try:
+            factor = 2 * (1 + _POISSON.parse(data.get("poisson_ratio")))
+            if "young_modulus" in data:
+                return {**data, "shear_modulus": _MODULUS.parse(data["young_modulus"]) / factor}
+            return {**data, "young_modulus": _MODULUS.parse(data["shear_modulus"]) * factor}
+        except (ValueError, ZeroDivisionError):  # the fields themselves will say what is wrong
+            return data
+
+    @model_validator(mode="after")
+    def _consistent(self) -> "Material":
+        expected = 2 * self.shear_modulus * (1 + self.poisson_ratio)
+        if abs(self.young_modulus - expected) > 1e-3 * expected:
+            raise refused(
+                "young_modulus",
+                f"allowed: 2 G (1 + nu) = {expected:g} Pa, or leave out one of young_modulus and shear_modulus",
+            )
+        return self
+
 
 Share = Annotated[float, Quantity("1", 1e-6, 1.0)]
 Fraction = Annotated[float, Quantity("1", 0.0, 1.0)]

@@ -1,17 +1,53 @@
-"""Find and read a TOML document: a file, or an entry of the catalogue.
+"""Where the files are that ship, and TOML documents as raw tables.
+
+Where the data files that ship lie; `rollerrig.catalog` shows them to the user.
+
+Find and read a TOML document: a file, or an entry of the catalogue.
 
 name or path -> [read_document] -> raw tables + the file's label and folder, or ConfigError
 """
 
 import tomllib
 from dataclasses import dataclass
+from functools import lru_cache
 from itertools import islice
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 from rollerrig.common.input_files import LARGEST_TEXT, read_input
 from rollerrig.config.errors import ConfigError, ConfigProblem, nearest
-from rollerrig.config.read.library import CatalogKind, catalog_file, catalog_names
+
+CatalogKind = Literal["vehicle", "support", "profile", "material", "case", "programme", "plan"]
+
+CATALOG_FOLDER = Path(__file__).parents[1] / "catalog"
+
+
+@lru_cache(maxsize=8)
+def catalog_names(kind: CatalogKind) -> tuple[str, ...]:
+    """Names of one kind, in alphabetical order."""
+    return tuple(sorted(path.stem for path in (CATALOG_FOLDER / f"{kind}s").glob("*.toml")))
+
+
+def catalog_file(kind: CatalogKind, name: str) -> Path:
+    """The file of an entry.
+
+    Raises:
+        KeyError: no such entry.
+    """
+    if name not in catalog_names(kind):
+        raise KeyError(f"no {kind} '{name}' in the catalogue; it has {', '.join(catalog_names(kind))}")
+    return CATALOG_FOLDER / f"{kind}s" / f"{name}.toml"
+
+
+def schema_file(kind: CatalogKind) -> Path:
+    """JSON Schema of one kind of file, for editors; written by scripts/write_schemas.py."""
+    return CATALOG_FOLDER / "schema" / f"{kind}.json"
+
+
+def schema_uri(kind: CatalogKind) -> str:
+    """Where editors find it on this machine."""
+    return schema_file(kind).as_uri()
+
 
 NO_SUCH_FILE = "no such file"
 MOST_FILES = 1000
