@@ -1,6 +1,6 @@
-"""What `rollerrig serve` reads from its options and tells of a run.
+"""Commands for other programs: assemble, export-fmu, serve.
 
-options -> addresses, safe values;  server -> [run_watched] -> lines at its end;  record -> file -> the same run again
+options of `serve` -> addresses, safe values;  server -> [run_watched] -> lines at its end;  record -> file -> the same run again
 """
 
 from __future__ import annotations
@@ -11,13 +11,80 @@ import threading
 import zipfile
 from contextlib import ExitStack
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
-from rollerrig.cli.command import read_case
-from rollerrig.cli.termination import stop
+import typer
+
+from rollerrig.cli.command import AllowCode, CaseName, Changes, Force, read_case
+from rollerrig.cli.termination import LEFT_VALIDITY, exit_code, say, stop
 
 if TYPE_CHECKING:
     from rollerrig.interfaces.realtime.server import Ended, Served
+
+
+def assemble(
+    case: CaseName,
+    out: Annotated[Path, typer.Option(help="The model file.")],
+    external: Annotated[
+        str,
+        typer.Option(
+            metavar="TABLES", help="Controllers whose commands come from outside, with commas: slide_protection, ..."
+        ),
+    ] = "",
+    force: Force = False,
+    change: Changes = None,
+    allow_code: AllowCode = False,
+) -> None:
+    """Write everything that a run of a case needs into one file, for other tools and without Python."""
+    from rollerrig.interfaces.plant import assemble_file, contents, read_model
+
+    roles = [name.strip() for name in external.split(",") if name.strip()]
+    path = assemble_file(read_case(case, allow_code=allow_code, changes=change), out, external=roles, force=force)
+    typer.echo(path)
+    say(contents(read_model(path)))
+
+
+def export_fmu(
+    case: CaseName,
+    out: Annotated[Path, typer.Option(metavar="FILE.fmu", help="File to write.")],
+    fmi: Annotated[str, typer.Option(help="Version of the standard: 2 or 3.")] = "2",
+    kind: Annotated[str, typer.Option(help="cs: co-simulation; me: model exchange; both.")] = "cs",
+    external: Annotated[
+        str, typer.Option(help="Tables of the controllers whose commands become inputs, with commas.")
+    ] = "",
+    part: Annotated[
+        str,
+        typer.Option(
+            help="One controller of the case alone: slide_protection, wheel_slip_control, rig_control or brake_unit."
+        ),
+    ] = "",
+    force: Force = False,
+    change: Changes = None,
+    allow_code: AllowCode = False,
+) -> None:
+    """A case as an FMU (Functional Mock-up Unit) for Simulink, Dymola, FMPy and others; no compiler is needed."""
+    from rollerrig.interfaces.fmu.export import WINDOWS, ExportError, export_fmu, export_part, shells
+
+    roles = [role.strip() for role in external.split(",") if role.strip()]
+    whole = read_case(case, allow_code=allow_code, changes=change)
+    if part and roles:
+        text = "a controller alone has no others: leave out one of --part and --external"
+        raise typer.BadParameter(text, param_hint="--part")
+    if part and kind != "cs":
+        raise typer.BadParameter("a controller alone is sampled: allowed with --part: cs", param_hint="--kind")
+    try:
+        if part:
+            typer.echo(export_part(whole, part, out, fmi=fmi, force=force))
+        else:
+            typer.echo(export_fmu(whole, out, fmi=fmi, kind=kind, external=roles, force=force))
+    except ExportError as error:
+        stop(error)
+    carried = shells()
+    for shell in carried:
+        typer.echo(f"   runs on {shell.platform}" + (f", processor with {shell.needs}" if shell.needs else ""))
+    if WINDOWS not in {shell.platform for shell in carried}:
+        typer.echo("   not on Windows: this package was built without scripts/build_windows_shell")
+
 
 LOOPBACK = "127.0.0.1"
 LOOK_SECONDS = 0.25
@@ -260,3 +327,103 @@ def replayed(served: Served, kept: dict[str, Any], path: str) -> str:
         first = unlike[0] if len(unlike) else 0
         stop(f"{path}: not the same run: sensors differ from t = {first * served.period:.4f} s on", 3)
     return f"{path}: {rows - 1} periods, {found.shape[1]} sensors: the same bytes"
+
+
+Case = Annotated[
+    str,
+    typer.Argument(metavar="CASE", help="Case: a name of the catalogue or a TOML file; or a model file, rig.model."),
+]
+Rate = Annotated[str, typer.Option(help="Of commands and sensors.")]
+Udp = Annotated[
+    str | None,
+    typer.Option(
+        metavar="[ADDRESS:]PORT",
+        help="Where to listen; the loopback unless an address is given. Absent: a free port.",
+    ),
+]
+Shm = Annotated[
+    str | None, typer.Option(metavar="NAME", help="Shared memory of this name, to be made, in place of UDP.")
+]
+LockStep = Annotated[
+    bool,
+    typer.Option("--lock-step", help="Wait for the command of each step: no real time, the same run on any machine."),
+]
+AtOnce = Annotated[
+    bool,
+    typer.Option("--at-once", help="Begin without a controller, and go on without one: commands at their start."),
+]
+External = Annotated[
+    str | None,
+    typer.Option(help="Tables of the controllers that are outside, with commas; absent: all but rig_control."),
+]
+Outputs = Annotated[
+    str,
+    typer.Option(help="Names of what is sent, with commas, '*' for anything; absent: what those controllers measure."),
+]
+Safe = Annotated[str, typer.Option(help="Commands of the safe state, NAME=VALUE with commas; the others are 0.")]
+Patience = Annotated[int, typer.Option(min=1, help="Periods without a command until the watchdog acts.")]
+Ramp = Annotated[float, typer.Option(min=0.0, max=60.0, help="From there to the safe state [s].")]
+Record = Annotated[Path | None, typer.Option(help="File for what acted and what was sent in each period (.npz).")]
+Replay = Annotated[
+    Path | None,
+    typer.Option(help="Run with the commands of such a file, without a network, and compare what is sent."),
+]
+Watch = Annotated[bool, typer.Option("--watch", help="Show deadlines and frames while it runs.")]
+
+
+def serve(
+    case: Case,
+    rate: Rate = "1 kHz",
+    udp: Udp = None,
+    shm: Shm = None,
+    lock_step: LockStep = False,
+    at_once: AtOnce = False,
+    external: External = None,
+    outputs: Outputs = "",
+    safe: Safe = "",
+    patience: Patience = 10,
+    ramp: Ramp = 0.2,
+    record: Record = None,
+    replay: Replay = None,
+    watch: Watch = False,
+    allow_code: AllowCode = False,
+) -> None:
+    """The rig as a server for a controller in another process or on a test bench, in real time."""
+    from rollerrig.interfaces.realtime.server import check_rate, open_server
+
+    address, port = address_of(udp, shm, case)
+    kept = None if replay is None else read_record(replay)
+    served = prepared(
+        case,
+        rate,
+        external=external,
+        outputs=[name.strip() for name in outputs.split(",") if name.strip()],
+        safe=values_of(safe, case),
+        lock_step=lock_step if kept is None else bool(kept["lock_step"]),
+        allow_code=allow_code,
+    )
+    if kept is not None:
+        typer.echo(replayed(served, kept, str(replay)))
+        raise typer.Exit
+    check_target(record)
+    if not lock_step:
+        check_rate(served)
+    server = open_server(
+        served,
+        address,
+        port,
+        lock_step=lock_step,
+        at_once=at_once,
+        patience=patience,
+        ramp=ramp,
+        record=record is not None,
+    )
+    for line in opening_lines(served, address, server.port, lock_step=lock_step):
+        say(f"rollerrig: {line}")
+    ended = run_watched(server, live=watch)
+    if record is not None:
+        write_record(record, served, server, lock_step=lock_step)
+    typer.echo("\n".join(closing_lines(served, server, ended)))
+    if ended.ending == "controller_silent":
+        stop("in lock-step the run cannot go on without commands", LEFT_VALIDITY)
+    raise typer.Exit(exit_code("interrupted" if ended.ending == "stopped_by_caller" else ended.status))
