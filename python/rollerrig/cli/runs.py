@@ -41,7 +41,7 @@ def compare_runs(
     from rollerrig.analysis.runs_together import compare_runs
     from rollerrig.common.formatting import number
     from rollerrig.plot import figure_bytes, runs_together
-    from rollerrig.plot.runs_together import shown_unit
+    from rollerrig.plot.run import shown_unit
     from rollerrig.results import ResultsError, load_run, output_file, write_bytes
 
     output_file(out, force=force)

@@ -29,7 +29,7 @@ from rollerrig.analysis.tracking import under_test, wheel_radius
 from rollerrig.common.formatting import number, percent
 from rollerrig.config import Case
 from rollerrig.plot import adhesion as figures
-from rollerrig.plot.causes import cause_bars, dead_time_curve, slip_histogram
+from rollerrig.plot.adhesion import cause_bars, dead_time_curve, slip_histogram
 from rollerrig.results import COMPLETED
 from rollerrig.simulation.run import simulate
 from rollerrig.study.assessment import SHOWN

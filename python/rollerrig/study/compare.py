@@ -21,8 +21,8 @@ from rollerrig.cases import on_rig
 from rollerrig.config import Case, Rig
 from rollerrig.contact_analysis import conicity_table, shift_table
 from rollerrig.plot import amplitude_over_speed
-from rollerrig.plot.characteristics import characteristics_figure
 from rollerrig.plot.compare import disturbed_over_time, modes_side_by_side
+from rollerrig.plot.contact import characteristics_figure
 from rollerrig.plot.modes import hunting_frequencies
 from rollerrig.study import critical_speeds as speeds
 from rollerrig.study.assessment import Interval, change_in_words

@@ -31,7 +31,7 @@ from rollerrig.analysis.tracking import following, largest, real_sliding, wheel_
 from rollerrig.common.formatting import number, percent
 from rollerrig.config import Case, Condition, ConfigError, ConfigProblem, Rig
 from rollerrig.config.validate.check_actuators import simulated_axles
-from rollerrig.plot import lateral as figures
+from rollerrig.plot import adhesion as figures
 from rollerrig.results import COMPLETED
 from rollerrig.study.frame import Study
 from rollerrig.study.jobs import Done, Progress, Round, job, whole_run
