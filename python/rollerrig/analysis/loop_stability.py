@@ -20,7 +20,7 @@ from scipy.linalg import expm
 
 from rollerrig import _core
 from rollerrig.analysis.control_loop import Loop, Wheel
-from rollerrig.analysis.linearise import DIRECTIONS
+from rollerrig.analysis.modes import DIRECTIONS
 from rollerrig.assembly.model import assemble
 from rollerrig.cases import without_actuators
 from rollerrig.common.linear_algebra import one_blas_thread

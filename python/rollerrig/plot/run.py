@@ -32,7 +32,7 @@ from rollerrig.plot.style import (
     wheel_lines,
 )
 from rollerrig.results import COMPLETED, RunInfo
-from rollerrig.results.contact_loss import contact_losses
+from rollerrig.results.summary import contact_losses
 
 STEADY = 1e-3
 """A speed that changes by no more than this part is not worth a panel."""

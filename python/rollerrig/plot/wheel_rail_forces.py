@@ -13,7 +13,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from rollerrig.analysis.track_sections import curved, irregular
+from rollerrig.analysis.wheel_rail_forces import curved, irregular
 from rollerrig.plot.style import COLOURS, GREY, STYLES, calm, into_axes, legend_above, line, panels, wheel_lines
 
 LIMIT_IN_SIGHT = 2.5

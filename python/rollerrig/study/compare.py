@@ -14,9 +14,8 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from rollerrig.analysis import CriticalSpeedByDisturbance, HuntingSettings, LinearCriticalSpeed, hunting_table
-from rollerrig.analysis.contact_state import RollingState, rolling_state
-from rollerrig.analysis.critical_speed import scan_linear
-from rollerrig.analysis.roller_effects import RADII, RANGE_KMH, CriticalSpeedOverRadius, EffectSplit
+from rollerrig.analysis.control_loop import RollingState, rolling_state
+from rollerrig.analysis.critical_speed import RADII, RANGE_KMH, CriticalSpeedOverRadius, EffectSplit, scan_linear
 from rollerrig.cases import on_rig
 from rollerrig.config import Case, Rig
 from rollerrig.contact_analysis import conicity_table, shift_table

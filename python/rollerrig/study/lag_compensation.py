@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from rollerrig.analysis.equivalent_dead_time import lags
-from rollerrig.analysis.tracking import under_test
+from rollerrig.analysis.slide_statistics import under_test
 from rollerrig.assembly.actuators import assemble_with_actuators
 from rollerrig.common.formatting import number
 from rollerrig.config import Case

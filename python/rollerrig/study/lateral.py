@@ -27,7 +27,7 @@ from rollerrig.analysis.lateral_guidance import (
     slide_begins,
     train_slip,
 )
-from rollerrig.analysis.tracking import following, largest, real_sliding, wheel_radius
+from rollerrig.analysis.slide_statistics import following, largest, real_sliding, wheel_radius
 from rollerrig.common.formatting import number, percent
 from rollerrig.config import Case, Condition, ConfigError, ConfigProblem, Rig
 from rollerrig.config.validate.check_actuators import simulated_axles

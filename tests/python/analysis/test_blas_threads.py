@@ -12,8 +12,8 @@ from threadpoolctl import threadpool_info, threadpool_limits
 
 import rollerrig
 from rollerrig.analysis import loop_stability, modes, stability
-from rollerrig.analysis.fits import fit
 from rollerrig.analysis.parallel import run_jobs
+from rollerrig.analysis.signals import fit
 from rollerrig.common import linear_algebra
 from rollerrig.common.linear_algebra import one_blas_thread
 from rollerrig.config import load_case
@@ -134,5 +134,5 @@ def test_no_module_solves_matrices_without_it() -> None:
         "common/linear_algebra.py",
         "simulation/starting_state.py",
         "loop_stability.py",
-        "fits.py",
+        "signals.py",
     } <= set(users)

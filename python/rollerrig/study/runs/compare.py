@@ -13,7 +13,7 @@ import numpy as np
 import xarray as xr
 
 from rollerrig.analysis import HuntingSettings, filtered, wheel_forces
-from rollerrig.analysis.contact_state import RollingState
+from rollerrig.analysis.control_loop import RollingState
 from rollerrig.analysis.hunting import hunting_case
 from rollerrig.cases import CATALOG_RIG, CATALOG_TRACK, leading_wheelset, restrained_along_track, with_head_of
 from rollerrig.config import Case, ConfigError, ConfigProblem, Rig, Track, Vehicle, load_any, load_support
