@@ -61,7 +61,14 @@ def test_every_number_of_a_controller_is_a_parameter() -> None:
 AIR = ("fill_rate", "vent_rate")
 RESERVOIR = (
     *("fill_conductance", "vent_conductance", "charging_conductance", "critical_ratio", "relay_band", "opening_time"),
-    *("closing_time", "least_pulse", "reservoir_volume", "reservoir_pressure", "main_pipe_pressure", "reference_pressure"),
+    *(
+        "closing_time",
+        "least_pulse",
+        "reservoir_volume",
+        "reservoir_pressure",
+        "main_pipe_pressure",
+        "reference_pressure",
+    ),
 )
 VALVE = ("application_rate", "release_rate", "follow_rate", "ambient_pressure", "volume")
 CONDITION = ("A", "B", "mu_0", "k_A", "k_S")
