@@ -16,7 +16,7 @@ import time
 import numpy as np
 
 from rollerrig import _core, load_case
-from rollerrig.analysis.filters import low_pass
+from rollerrig.analysis.signals import low_pass
 from rollerrig.assembly.model import assemble
 from rollerrig.config import ConfigError
 from rollerrig.results import Outcome, run_dataset

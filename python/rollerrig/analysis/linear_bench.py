@@ -21,7 +21,7 @@ import xarray as xr
 from rollerrig import _core
 from rollerrig.analysis.linear_system import LinearSystem, Matrix
 from rollerrig.assembly.actuators import assemble_with_actuators
-from rollerrig.assembly.core_struct import angular
+from rollerrig.assembly.laws import angular
 from rollerrig.assembly.model import AssembledModel, assemble
 from rollerrig.cases import as_case, at_speed, wheelsets
 from rollerrig.config import Case, ConfigError, ConfigProblem, Motor

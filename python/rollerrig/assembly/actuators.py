@@ -12,13 +12,11 @@ from collections.abc import Sequence
 from typing import Any
 
 from rollerrig import _core
-from rollerrig.assembly.contact_laws import adhesion_map, core_law
-from rollerrig.assembly.core_struct import core_struct
+from rollerrig.assembly.laws import adhesion_map, core_law, core_struct
 from rollerrig.assembly.model import GROUND, AssembledModel, Assembly
 from rollerrig.assembly.model_parts import ABSENT, AxleActuators
 from rollerrig.config import Brake, Case, Track, Traction
-from rollerrig.config.schema.pneumatics import ReservoirAir
-from rollerrig.config.schema.track_brake import AnyTrackBrake, MagneticTrackBrake
+from rollerrig.config.schema.brakes import AnyTrackBrake, MagneticTrackBrake, ReservoirAir
 
 _NO_ROTOR = {"link": 0.0, "gear_ratio": 1.0, "rotor_inertia": 0.0}
 

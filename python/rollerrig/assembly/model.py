@@ -13,13 +13,11 @@ from dataclasses import dataclass
 from typing import Literal
 
 from rollerrig import _core
-from rollerrig.assembly.contact_laws import contact_laws
-from rollerrig.assembly.force_laws import Support, direction_law
-from rollerrig.assembly.model_parts import AxleActuators, WheelInfo
-from rollerrig.assembly.static_loads import static_loads
+from rollerrig.assembly.laws import Support, contact_laws, direction_law
+from rollerrig.assembly.model_parts import AxleActuators, WheelInfo, static_loads
 from rollerrig.config import Case, Foundation, Restraint, Rig, Track, Vehicle
-from rollerrig.config.schema.irregularity import rails_of_run
-from rollerrig.config.schema.rail_layout import NOWHERE, RAIL_CURVES, RailHeads, rail_heads, rail_layout
+from rollerrig.config.schema.support import NOWHERE, RAIL_CURVES, RailHeads, rail_heads, rail_layout
+from rollerrig.config.schema.track import rails_of_run
 from rollerrig.config.schema.vehicle import DIRECTIONS, Body, Element
 from rollerrig.config.validate.check_track import distance_run, foremost_wheelset
 from rollerrig.irregularity import RAILS, RailIrregularity

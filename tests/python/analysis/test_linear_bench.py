@@ -16,7 +16,7 @@ from rollerrig import _core
 from rollerrig.analysis import linear_bench
 from rollerrig.analysis.linear_bench import LinearBench
 from rollerrig.analysis.linear_system import margins_of
-from rollerrig.analysis.linearise import linearise
+from rollerrig.analysis.modes import linearise
 from rollerrig.assembly.model import assemble
 from rollerrig.config import ConfigError
 from rollerrig.simulation.starting_state import starting_state

@@ -10,17 +10,12 @@ from pydantic import BaseModel
 
 from rollerrig import _core
 from rollerrig.assembly.actuators import friction_brake, pneumatics
-from rollerrig.assembly.core_struct import core_struct
+from rollerrig.assembly.laws import core_struct
 from rollerrig.config import Brake, Case, Encoder, ForceSensor, Motor, Sensors
-from rollerrig.config.schema.contact_law import kinds
-from rollerrig.config.schema.electrodynamic_brake import AnyElectrodynamicBrake
-from rollerrig.config.schema.pneumatics import AnyAir
-from rollerrig.config.schema.rig_control import AnyEstimator, AnyFeedback, Assumed, Protection
-from rollerrig.config.schema.sanding import AnySandingStart
-from rollerrig.config.schema.sensors import AnySpeedSensor
-from rollerrig.config.schema.slide_protection import AnySlideProtection
-from rollerrig.config.schema.track_brake import AnyTrackBrake
-from rollerrig.config.schema.train import MOST_AXLES
+from rollerrig.config.schema.actuators import AnySlideProtection
+from rollerrig.config.schema.brakes import MOST_AXLES, AnyAir, AnyElectrodynamicBrake, AnySandingStart, AnyTrackBrake
+from rollerrig.config.schema.contact import kinds
+from rollerrig.config.schema.rig_control import AnyEstimator, AnyFeedback, AnySpeedSensor, Assumed, Protection
 from rollerrig.config.schema.units import Quantity
 
 TIMING = {"sample_time", "delay", "user", "fmu"}

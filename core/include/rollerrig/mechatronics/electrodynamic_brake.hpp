@@ -9,7 +9,7 @@
 // machine never drives: its torque is against the turning, and within the characteristic whatever its lag remembers.
 //
 // To add a characteristic: a header in electrodynamic_brake/, its line in AnyElectrodynamicBrake, its table in
-// python/rollerrig/config/schema/electrodynamic_brake.py. Source  ours; docs/theory/adhesion.md.
+// python/rollerrig/config/schema/brakes.py. Source  ours; docs/theory/adhesion.md.
 #pragma once
 #include <cmath>
 #include <tuple>

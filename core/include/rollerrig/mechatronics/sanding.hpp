@@ -2,7 +2,7 @@
 //
 //   time, distance, sliding axles -> [start, run-on, delay] -> flow in front of each sanding axle -> sanded_rail.hpp
 //
-// To add a start: a header in sanding_start/, its line in AnySandingStart, its table in python/rollerrig/config/schema/sanding.py.
+// To add a start: a header in sanding_start/, its line in AnySandingStart, its table in python/rollerrig/config/schema/brakes.py.
 #pragma once
 #include <cmath>
 #include <tuple>

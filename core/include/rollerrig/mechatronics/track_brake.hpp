@@ -5,7 +5,7 @@
 // On track the force acts on what carries the magnets, in the line of its centre; on a rig there is no rail beside the rollers: it
 // acts on the virtual train alone, by the same law.
 //
-// To add a law: a header in track_brake/, its line in AnyTrackBrake, its table in python/rollerrig/config/schema/track_brake.py.
+// To add a law: a header in track_brake/, its line in AnyTrackBrake, its table in python/rollerrig/config/schema/brakes.py.
 #pragma once
 #include <algorithm>
 #include <tuple>
