@@ -86,7 +86,7 @@ def vehicle_plant(case: Case) -> Plant:
     """
     model = assemble(without_actuators(case))
     simulation = _core.Simulation(model.core)
-    matrix = np.array(simulation.jacobian(0.0, np.asarray(starting_state(simulation, model)))[0])
+    matrix = np.array(simulation.jacobian(0.0, np.asarray(starting_state(model)))[0])
     spin = DIRECTIONS.index("pitch")
     rows = [simulation.rate_index[model.body_index(name)][spin] for name in (*model.wheelsets, *model.rollers)]
     reads = np.eye(len(matrix))[rows]

@@ -36,7 +36,7 @@ class AssembledModel:
     case: Case
     core: _core.Model
     start_core: _core.Model
-    """The model whose equilibrium a run starts from: `core` itself but for a train, see `rollerrig.assembly.actuators`."""
+    """The model whose equilibrium a run starts from: `core` itself but for a train, which starts on level track, coasting."""
     bodies: tuple[str, ...]
     elements: tuple[str, ...]
     wheels: tuple[WheelInfo, ...]
@@ -160,17 +160,16 @@ class Assembly:
     def finish(
         self,
         *,
-        start_core: _core.Model | None = None,
         axles: tuple[AxleActuators, ...] = (),
         adhesion: _core.AdhesionMap | None = None,
         bogies: int = 0,
     ) -> AssembledModel:
-        """The model with what has been added so far; by custom a run starts from the equilibrium of this very model."""
+        """The model with what has been added so far."""
         core = self.builder.finish()
         return AssembledModel(
             case=self.case,
             core=core,
-            start_core=start_core or core,
+            start_core=_core.coasting_model(core),
             bodies=tuple(self.bodies),
             elements=tuple(self.elements),
             wheels=tuple(self.wheels),

@@ -194,7 +194,7 @@ def prepare(
         ConfigError: the fixed step is unstable, a disturbance moves what is locked, or nothing holds the vehicle on its rollers.
         StartError: no equilibrium was found to start from.
     """
-    start = starting_state(_core.Simulation(model.start_core), model, may_drift=may_drift)
+    start = starting_state(model, may_drift=may_drift)
     simulation = _core.Simulation(model.core, mechatronic_setup(model, users))
     begin(simulation, model, start, output_step=output_step)
     return simulation

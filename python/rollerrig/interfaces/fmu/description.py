@@ -37,7 +37,7 @@ def base_units(unit: str) -> dict[str, int]:
         ValueError: a part of it is no unit of SI without a prefix.
     """
     powers = dict.fromkeys(BASE, 0)
-    above, *below = unit.split("/")
+    above, *below = unit.replace("(", "").replace(")", "").split("/")
     for sign, product in [(1, above), *((-1, part) for part in below)]:
         for factor in product.split():
             if factor == "1":

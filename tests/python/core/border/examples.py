@@ -374,7 +374,11 @@ class Examples:
         names = _core.PartNames(bodies=bodies, elements=elements, axles=["axle_1", "axle_2"])
         start = {name: value for name, value in start_arguments(brake.state, 0).items() if name != "output_step"}
         given = {"name": "brake", "model": self.models["brake"], "setup": brake.setup, "names": names}
-        return given | start | {"disturbed": [(brake.setup.axles[0].wheelset, 1)]}
+        return (
+            given
+            | start
+            | {"disturbances": [_core.Disturbance(body=brake.setup.axles[0].wheelset, coordinate=1, offset=0.0)]}
+        )
 
     def _server_calls(self) -> dict[str, Call]:
         assembled = _core.AssembledModel(**self._assembled())
