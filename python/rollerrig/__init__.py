@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from rollerrig.commands import contact as contact
     from rollerrig.commands import control as control
     from rollerrig.commands import creep as creep
+    from rollerrig.commands import envelope as envelope
     from rollerrig.commands import lateral as lateral
     from rollerrig.commands import limit_cycle as limit_cycle
     from rollerrig.commands import paper as paper
@@ -59,7 +60,6 @@ if TYPE_CHECKING:
     from rollerrig.results.in_words import summary as summary
     from rollerrig.simulation import simulate as simulate
     from rollerrig.starting_state import StartError as StartError
-    from rollerrig.study.envelope import envelope as envelope
     from rollerrig.study.limit_cycles import critical_speed as critical_speed
     from rollerrig.viewer import view as view
     from rollerrig.viewer.play import play as play
@@ -87,7 +87,7 @@ _HOME = {
     "creep": "commands",
     "critical_speed": "study.limit_cycles",
     "curving": "analysis.curving",
-    "envelope": "study.envelope",
+    "envelope": "commands",
     "explain": "config",
     "export_fmu": "fmu.export",
     "export_part": "fmu.part",

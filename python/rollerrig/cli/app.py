@@ -8,8 +8,8 @@ from importlib import import_module
 
 import typer
 
-from rollerrig import __version__
-from rollerrig.cli import studies
+from rollerrig import __version__, commands
+from rollerrig.cli.study_command import SPECIAL, study_command
 from rollerrig.cli.termination import CLOSED, INTERRUPTED, readable_errors
 
 COMMANDS = (
@@ -45,7 +45,7 @@ COMMANDS = (
     "catalog",
     "cite",
 )
-"""Functions of `studies`, or modules of this folder with a function `command`, or with an `app` where there are subcommands."""
+"""Functions of `commands.STUDIES`, or modules of this folder with a function `command`, or with an `app` of subcommands."""
 
 HELP = """A roller rig for railway bogies, in software.
 
@@ -75,8 +75,10 @@ def build_app() -> typer.Typer:
         pass
 
     for name in COMMANDS:
-        word, command = name.replace("_", "-"), getattr(studies, name, None)
-        if command is None:
+        word = name.replace("_", "-")
+        if name in commands.STUDIES:
+            command = study_command(getattr(commands, name), **SPECIAL.get(name, {}))
+        else:
             module = import_module(f"rollerrig.cli.{name}")
             if hasattr(module, "app"):
                 app.add_typer(module.app, name=word)

@@ -11,7 +11,6 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -20,12 +19,11 @@ import xarray as xr
 from rollerrig.analysis.envelope_borders import Border, borders, slides
 from rollerrig.analysis.rig_limits import FULL_SLIDING, LINES, SLIDES
 from rollerrig.analysis.run_limits import LEAST_DURATION, NUMBERS, REGIONS, REPRODUCED, TRACKING_LIMIT
-from rollerrig.cases import as_case
 from rollerrig.config import Case, ConfigError, ConfigProblem, Rig
 from rollerrig.config.validate.simulated_axles import simulated_axles
 from rollerrig.plot import envelope as figures
 from rollerrig.study.frame import Study, dataset_rows
-from rollerrig.study.jobs import Done, Progress, Round, job, whole_run
+from rollerrig.study.jobs import Done, Round, job, whole_run
 from rollerrig.study.quantities import Numbers, Quantities, Quantity
 from rollerrig.study.report import Block, Picture, Section, Table, Text
 from rollerrig.study.runs.envelope import (
@@ -313,55 +311,6 @@ class EnvelopeStudy(Study[Envelope]):
             )
             blocks.append(Picture(f"runs_{'_'.join(group)}", figures.runs_over_time(runs, radius, friction), caption))
         return blocks
-
-
-def envelope(
-    case: Case | str,
-    *,
-    torques: Sequence[float] | None = None,
-    adhesions: Sequence[float] | None = None,
-    loads: Sequence[float] | None = None,
-    duration: float = 3.0,
-    refine: int = 1,
-    folder: str | Path | None = None,
-    processes: int = 1,
-    progress: Progress | None = None,
-) -> xr.Dataset:
-    """Up to where a rig reproduces a degraded rail: regions over axle torque, adhesion and axle load.
-
-    Args:
-        case: of a rig with [rig_control]; its speed, controllers, drives and rollers are those of every run.
-        torques: on each axle, ascending, negative brakes [N m]; by default to beyond what dry rollers carry.
-        adhesions: of the virtual rail at no slip, ascending [-].
-        loads: axle loads over the case's own, ascending [-].
-        duration: of each run [s].
-        refine: how many times cells between different regions are halved.
-        folder: where finished runs are kept and looked for; None: nowhere.
-        processes: runs at a time.
-        progress: called with the fraction done and a short text.
-
-    Returns:
-        Dataset over `load`, `adhesion`, `torque`: `region` ("" where refining needed no run), the numbers of NUMBERS, the limits
-        reached as text, and the closed forms of LINES. Attribute `interrupted` says whether Ctrl-C left some undone,
-        `jobs_taken_over` how many were finished before.
-
-    Raises:
-        ConfigError: the case reproduces nothing, a range is unusable, or `folder` has the runs of another case.
-
-    Example:
-        >>> from rollerrig import envelope, load_case
-        >>> case = load_case("adhesion_brake")
-        >>> map = envelope(case, torques=[-4e3, -2e3], adhesions=[0.05, 0.3], loads=[1.0], duration=1.0, refine=0)
-        >>> map["region"].sel(load=1.0, torque=-4e3).to_numpy().tolist()
-        ['slide', 'grip']
-    """
-    ranges = {"torques": torques, "adhesions": adhesions, "loads": loads}
-    chosen = {name: tuple(map(float, values)) for name, values in ranges.items() if values is not None}
-    study = EnvelopeStudy(as_case(case), duration=duration, refine=refine, **chosen)
-    outcome = study.run(folder=folder, processes=processes, progress=progress)
-    if outcome is None:
-        raise KeyboardInterrupt
-    return outcome.results.map.assign_attrs(interrupted=int(outcome.interrupted), jobs_taken_over=outcome.taken_over)
 
 
 # -------------------------------------------------------------------------------------------------------------- jobs
