@@ -8,7 +8,8 @@ from importlib import import_module
 
 import typer
 
-from rollerrig import __version__, commands
+from rollerrig import __version__
+from rollerrig.cli import commands
 from rollerrig.cli.study_command import SPECIAL, study_command
 from rollerrig.cli.termination import CLOSED, INTERRUPTED, readable_errors
 

@@ -120,7 +120,7 @@ def carry_out(
         force: whether files that the command did not write may be replaced in the folder.
         executor: that does the jobs in place of processes of this machine.
     """
-    from rollerrig.wording import number
+    from rollerrig.common.formatting import number
 
     made = not out.exists()
     try:

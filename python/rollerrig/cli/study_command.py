@@ -1,6 +1,6 @@
 """The command of a public function: `rollerrig adhesion CASE --out DIR` and its like.
 
-function of rollerrig.commands -> [study_command] -> typer command with the options that all share -> files, summary
+function of rollerrig.cli.commands -> [study_command] -> typer command with the options that all share -> files, summary
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from rollerrig import commands
+from rollerrig.cli import commands
 from rollerrig.cli.command import AllowCode, Changes, Force, Out, carry_out, changes_of, code_lines, read_case
 from rollerrig.cli.ranges import check_finite, read_range, read_speeds
 from rollerrig.cli.termination import say, stop
@@ -35,7 +35,7 @@ def study_command(
     run: Callable[[Given], Runner] = lambda given: partial(carry_out, force=given["force"]),
     text: str = "",
 ) -> Callable[..., None]:
-    """The command of a function of `rollerrig.commands`.
+    """The command of a function of `rollerrig.cli.commands`.
 
     Args:
         function: the function.

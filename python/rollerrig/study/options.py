@@ -1,6 +1,6 @@
 """How an argument of a public function is written on the command line; its meaning is that of the docstring.
 
-function of rollerrig.commands -> [parameters] -> rollerrig.cli.study_command -> `rollerrig NAME`
+function of rollerrig.cli.commands -> [parameters] -> rollerrig.cli.study_command -> `rollerrig NAME`
 """
 
 from __future__ import annotations
