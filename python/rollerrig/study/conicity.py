@@ -72,17 +72,9 @@ class Characteristics:
 
 @dataclass(frozen=True)
 class ConicityStudy(Study[Characteristics]):
-    """Characteristics of a pair on rails, and on rollers of the same head.
+    """Characteristics of a pair on rails, and on rollers of the same head; attributes as the arguments of `rollerrig.conicity`.
 
-    Attributes:
-        wheel: wheel profile: a name of the catalogue or a file.
-        rail: rail profile, likewise.
-        amplitudes: of the conicity [m]; those beyond the end of the table of shifts are left out.
-        roller_radius: radius at the crown of the rollers [m]; None: rails only.
-        largest: lateral shift to both sides [m].
-        step: distance of the rows [m].
-        free_to_roll, yaw: see `shift_table` [-, rad].
-        lengths: gauge, gauge_depth, back_to_back, radius of `pair_case` [m].
+    Amplitudes beyond the end of the table of shifts are left out.
     """
 
     wheel: str
@@ -238,10 +230,11 @@ def shift_rows(shifts: Mapping[str, xr.Dataset]) -> list[list[object]]:
     rows: list[list[object]] = [list(header)]
     for label, table in shifts.items():
         common = ("lateral", "roll", "rolling_radius_difference", "effective_difference")
-        columns = [1e3 * table[name].to_numpy() for name in common]
-        for side in ("left", "right"):
-            columns += [factor * table[name].sel(side=side).to_numpy() for name, (_, factor) in SIDE_COLUMNS.items()]
-        rows += [[label, *(float(v) + 0.0 for v in values)] for values in zip(*columns, strict=True)]
+        columns = [1e3 * table[name] for name in common]
+        columns += [
+            table[name].sel(side=s) * factor for s in ("left", "right") for name, (_, factor) in SIDE_COLUMNS.items()
+        ]
+        rows += [[label, *values] for values in (np.stack(columns, axis=1) + 0.0).tolist()]
     return rows
 
 

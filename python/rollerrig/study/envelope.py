@@ -140,15 +140,9 @@ class Envelope:
 
 @dataclass(frozen=True)
 class EnvelopeStudy(Study[Envelope]):
-    """The map of one rig.
+    """The map of one rig; attributes as the arguments of `rollerrig.envelope`, all ranges ascending.
 
-    Attributes:
-        case: of a rig with [rig_control]; its speed, controllers, drives and rollers are those of every run.
-        torques: on each axle, ascending; negative brakes [N m]. Empty: to beyond what dry rollers carry.
-        adhesions: of the virtual rail at no slip, ascending [-].
-        loads: axle loads over the case's own, ascending [-].
-        duration: of each run [s].
-        refine: how many times cells between different regions are halved.
+    Speed, controllers, drives and rollers are those of the case in every run.
     """
 
     case: Case

@@ -29,7 +29,7 @@ class Option:
         least, most: range.
         default: its default.
         switch: whether it has no `--no-` beside it.
-        commas: whether its values stand in one text; else it is repeated.
+        commas: whether one text holds its values; else it is repeated.
         quantity: table and key of the configuration whose quantity it is, written with its unit.
         meaning: its own, where that of the argument does not fit.
     """

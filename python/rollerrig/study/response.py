@@ -97,18 +97,7 @@ QUANTITIES = Quantities("response")
 
 @dataclass(frozen=True)
 class ResponseStudy(Study[dict[str, AtSpeed]]):
-    """Responses from some commands to some outputs at some speeds.
-
-    Attributes:
-        case: the case.
-        inputs, outputs: names of the plant.
-        speeds_kmh: [km/h].
-        frequencies: lowest and highest [Hz].
-        points: frequencies between them, evenly in their logarithm.
-        measured: frequencies at which the nonlinear bench is driven; 0: none.
-        amplitude: of that sine, in the command's unit.
-        brake_pressure: in all cylinders, against which the rollers' drives hold the speed [Pa].
-    """
+    """Responses from some commands to some outputs at some speeds; attributes as the arguments of `rollerrig.response`."""
 
     case: Case
     inputs: tuple[str, ...]

@@ -154,14 +154,9 @@ class Results:
 
 @dataclass(frozen=True)
 class StabilityStudy(Study[Results]):
-    """Modes over speed, and the limit-cycle diagram.
+    """Modes over speed and the limit-cycle diagram; attributes as the arguments of `rollerrig.cli.commands.stability`.
 
-    Attributes:
-        case: the case.
-        speeds_kmh: speeds of the table [km/h]; runs are made at no more than MOST_CYCLE_SPEEDS of them.
-        with_limit_cycles: whether runs are made.
-        settings: of the runs.
-        contacts_kmh: also compare the contact models, with runs at this speed [km/h].
+    Runs are made at no more than MOST_CYCLE_SPEEDS of the speeds.
     """
 
     case: Case
