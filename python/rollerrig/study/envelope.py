@@ -66,16 +66,14 @@ def reach_table(found: xr.Dataset) -> Table:
     ]
     names = dict(zip(found["load"].to_numpy().tolist(), 1e-3 * found["axle_load"].to_numpy(), strict=True))
     header = ("adhesion", *(f"{side}, axle load {names[load]:.4g} kN" for side, load in columns))
-    return Table(
-        header, table, "largest torque on an axle up to which every run reproduces the rail, and the limit of the next"
-    )
+    caption = "largest torque on an axle up to which every run reproduces the rail, and the limit of the next"
+    return Table(header, table, caption)
 
 
 def deviations_table(found: xr.Dataset) -> Table:
     """Closed form against the two runs on either side of each border."""
-    kinds = [(REGIONS.get(row.limit, ""), row) for row in borders(found)] + [
-        ("slide, (V2)", row) for row in slides(found)
-    ]
+    kinds = [(REGIONS.get(row.limit, ""), row) for row in borders(found)]
+    kinds += [("slide, (V2)", row) for row in slides(found)]
     rows = [
         [row.side, row.load, row.adhesion, name, f"{torque_text(row.reached)} … {torque_text(row.beyond)}", _compared(row),
          torque_text(row.predicted), "✔" if row.agrees else "✘"]
@@ -250,10 +248,8 @@ class EnvelopeStudy(Study[Envelope]):
 
     def summary(self, results: Envelope, numbers: Numbers) -> list[str]:
         counts = numbers["regions"]
-        share = f"{100 * numbers['reproduced']:z.0f} %"
-        lines = [
-            f"{numbers['runs']} runs at {numbers['speed_kmh']:.4g} km/h: the rig reproduces the rail in {share} of them."
-        ]
+        share, at = f"{100 * numbers['reproduced']:z.0f} %", f"{numbers['speed_kmh']:.4g} km/h"
+        lines = [f"{numbers['runs']} runs at {at}: the rig reproduces the rail in {share} of them."]
         limits = sorted((n for n in REGIONS if counts[n] and n not in REPRODUCED), key=lambda n: -counts[n])
         if limits:
             listed = (f"{REGIONS[n]} ({counts[n]} run{'s' if counts[n] > 1 else ''})" for n in limits)
@@ -283,9 +279,8 @@ class EnvelopeStudy(Study[Envelope]):
         ]  # fmt: skip
         method = METHOD.format(duration=self.duration, speed=found.attrs["speed_kmh"])
         counts = [[meaning, numbers["regions"][name]] for name, meaning in REGIONS.items()]
-        lines = Table(
-            ("line", "meaning"), [(key.removeprefix("line_").replace("_", " "), what) for key, what in LINES.items()]
-        )
+        forms = [(key.removeprefix("line_").replace("_", " "), what) for key, what in LINES.items()]
+        lines = Table(("line", "meaning"), forms)
         return [
             Section("Map", [Text(method), *maps]),
             Section("Torque that is reproduced", [reach_table(found)]),
@@ -300,9 +295,8 @@ class EnvelopeStudy(Study[Envelope]):
         blocks: list[Block] = []
         for group in (names[begin : begin + 3] for begin in range(0, len(names), 3)):
             runs = [(f"{REGIONS[name]}: {examples[name][0].label}", examples[name][1]) for name in group]
-            caption = (
-                f"The axle that uses most friction, in a run of each region: {'; '.join(REGIONS[n] for n in group)}."
-            )
+            regions = "; ".join(REGIONS[name] for name in group)
+            caption = f"The axle that uses most friction, in a run of each region: {regions}."
             blocks.append(Picture(f"runs_{'_'.join(group)}", figures.runs_over_time(runs, radius, friction), caption))
         return blocks
 
