@@ -63,9 +63,8 @@ class Characteristics:
 
     def dataset(self) -> xr.Dataset:
         """All of it over `support`, lateral shift, side and amplitude."""
-        tables = [
-            xr.merge([self.shifts[label], self.conicity[label]], combine_attrs="override") for label in self.shifts
-        ]
+        pairs = ([self.shifts[label], self.conicity[label]] for label in self.shifts)
+        tables = [xr.merge(pair, combine_attrs="override") for pair in pairs]
         labels = xr.DataArray(list(self.shifts), dims="support", name="support")
         return xr.concat(tables, labels, join="outer", combine_attrs="override")
 
@@ -121,11 +120,11 @@ class ConicityStudy(Study[Characteristics]):
     def collect(self, done: Done) -> Characteristics | None:
         if len(done) < len(self.cases()):
             return None
-        conicity = {}
-        for label, table in done.items():
-            end = float(table["lateral"][-1]) * (1 + 1e-12)
-            conicity[label] = conicity_table(table, [a for a in self.amplitudes if a <= end])
-        return Characteristics(dict(done), conicity)
+        ends = {label: float(table["lateral"][-1]) * (1 + 1e-12) for label, table in done.items()}
+        known = {label: [a for a in self.amplitudes if a <= end] for label, end in ends.items()}
+        return Characteristics(
+            dict(done), {label: conicity_table(table, known[label]) for label, table in done.items()}
+        )
 
     def statuses(self, results: Characteristics) -> Sequence[str]:
         return ["ended early" if table.attrs["ended"] else "ok" for table in results.shifts.values()]
@@ -155,10 +154,8 @@ class ConicityStudy(Study[Characteristics]):
         caption = "Contact characteristics over lateral shift and amplitude; all supports in one picture."
         yaw = f"yaw {numbers['yaw_mrad']:g} mrad" if numbers["yaw_mrad"] else "no yaw"
         conicities = {label: table["conicity"] for label, table in results.conicity.items()}
-        parts: list[Block] = [
-            _amplitude_table(
-                {words: table[name] for name, words in PARTS.items()}, f"Parts of the conicity: {label}", "part"
-            )
+        parts = [
+            _amplitude_table({w: table[name] for name, w in PARTS.items()}, f"Parts of the conicity: {label}", "part")
             for label, table in results.conicity.items()
             if results.shifts[label].attrs["support"] != "track"
         ]

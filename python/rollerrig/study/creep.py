@@ -121,5 +121,5 @@ def force_rows(comparison: xr.Dataset) -> list[list[object]]:
     columns |= dict(zip(("force_x_over_mu_n", "force_y_over_mu_n", "spin_moment_over_mu_n_c"), COMPONENTS, strict=True))
     creepage = {name: comparison["creepage"][..., k] + 0.0 for k, name in enumerate(("xi", "eta", "chi"))}
     forces = {name: comparison[name] + 0.0 for name in COMPONENTS}
-    data = comparison.assign(**creepage, **forces, adhesion=of_reference)
+    data = comparison.assign({**creepage, **forces, "adhesion": of_reference})
     return dataset_rows(data, columns | {"adhesion": "adhesion"}, "law", "direction", "demand")

@@ -1,4 +1,4 @@
-"""Commands that follow from functions: an option has the default, meaning and unit of its argument, and is read as it is shown."""
+"""Commands that follow from functions: an option has its argument's default, meaning and unit, and is read as it is shown."""
 
 from __future__ import annotations
 
