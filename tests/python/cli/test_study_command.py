@@ -10,7 +10,7 @@ import pytest
 import typer
 from typer.testing import CliRunner
 
-from rollerrig.analysis.speed_map import SPEEDS_KMH
+from rollerrig.analysis.mode_table import SPEEDS_KMH
 from rollerrig.cli import commands
 from rollerrig.cli.app import build_app
 from rollerrig.cli.commands import STUDIES
