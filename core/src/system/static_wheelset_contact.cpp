@@ -54,9 +54,7 @@ StaticPatch seen(WheelContact const& contact, NormalPatch<double> const& patch) 
 }  // namespace
 
 StaticWheelsetContact::StaticWheelsetContact(std::shared_ptr<Model const> model, int left, int right)
-    : model_{std::move(model)},
-      contact_{&model_->contact(left, "left"), &model_->contact(right, "right")},
-      search_{ContactSearch(contact_[0]->pair), ContactSearch(contact_[1]->pair)} {
+    : model_{std::move(model)}, contact_{&model_->contact(left, "left"), &model_->contact(right, "right")} {
   if (contact_[0]->right || !contact_[1]->right || contact_[0]->wheelset != contact_[1]->wheelset)
     throw std::invalid_argument("left and right must be the two contacts of one wheelset");
 }
@@ -89,13 +87,11 @@ StaticWheelsetContact::Load StaticWheelsetContact::load_at(WheelsetPosition cons
 
 std::vector<StaticPatch> StaticWheelsetContact::patches(WheelsetPosition const& p, bool right) {
   WheelContact const& contact = *contact_[right];
-  ContactSearch& search = search_[right];
   auto const at = pose(p, right);
-  if (follows_minima(contact.laws.normal)) search.find_indented(at);
   PatchList<NormalPatch<double>> found;
   int count = 0;
   std::array const wheel{NormalContact<double, NormalPatch<double>>{
-      {contact.pair, contact.laws.material, contact.laws.nodes.get()}, &at, &search, &found, &count}};
+      {contact.pair, contact.laws.material, contact.laws.nodes.get()}, &at, &found, &count}};
   normal_patches<double, NormalPatch<double>>(contact.laws.normal, wheel);
   std::vector<StaticPatch> list;
   for (int k = 0; k < count; ++k) list.push_back(seen(contact, found[static_cast<std::size_t>(k)]));
@@ -107,13 +103,11 @@ PointWrench<double> StaticWheelsetContact::creep(WheelsetPosition const& p, bool
   WheelContact const& contact = *contact_[right];
   ContactLaws const& laws = contact.laws;
   auto const at = pose(p, right);
-  if (follows_minima(laws.normal)) search_[right].find_indented(at);
   WheelPatches<double> found;
   auto const strips = std::make_unique<WheelStrips<double>>();
   int count = 0;
   std::array const wheel{NormalContact<double, Patch<double>>{{contact.pair, laws.material, laws.nodes.get()},
                                                               &at,
-                                                              &search_[right],
                                                               &found,
                                                               &count,
                                                               follows_strips(laws.creep) ? strips.get() : nullptr}};
@@ -133,15 +127,15 @@ PointWrench<double> StaticWheelsetContact::creep(WheelsetPosition const& p, bool
 }
 
 std::vector<StaticPatch> StaticWheelsetContact::minima(WheelsetPosition const& position, bool right, double reach) {
-  ContactSearch& search = search_[right];
+  WheelContact const& contact = *contact_[right];
   auto const at = pose(position, right);
-  search.find_all(at, reach);
+  auto const minima = find_minima(contact.pair, *contact.laws.nodes, at, reach);
   std::vector<StaticPatch> list;
-  for (int k = 0; k < search.count(); ++k) {
+  for (std::size_t k = 0; k < minima.count; ++k) {
     NormalPatch<double> patch;
-    patch.point = contact_point(contact_[right]->pair, at, search[k].s, search[k].gradient);
-    hertz_patch(contact_[right]->laws.material, patch);
-    list.push_back(seen(*contact_[right], patch));
+    patch.point = contact_point(contact.pair, at, minima.minimum[k]);
+    hertz_patch(contact.laws.material, patch);
+    list.push_back(seen(contact, patch));
   }
   return list;
 }
@@ -208,27 +202,17 @@ LoadedWheelset StaticWheelsetContact::solve(WheelsetPosition p, double load, boo
 }
 
 WheelBatch::WheelBatch(StaticWheelsetContact& wheelset, WheelsetPosition position, bool right, int wheels)
-    : law_{wheelset.contact_[right]->laws.normal},
-      search_(static_cast<std::size_t>(wheels), wheelset.search_[right]),
-      patches_(search_.size()),
-      count_(search_.size()) {
+    : law_{wheelset.contact_[right]->laws.normal}, patches_(static_cast<std::size_t>(wheels)), count_(patches_.size()) {
   WheelContact const& contact = *wheelset.contact_[right];
-  for (std::size_t i = 0; i < search_.size(); ++i) {
+  for (std::size_t i = 0; i < patches_.size(); ++i) {
     pose_.push_back(wheelset.pose(position, right));
     position.y += 0.1e-3;
   }
-  for (std::size_t i = 0; i < search_.size(); ++i)
-    contacts_.push_back({{contact.pair, contact.laws.material, contact.laws.nodes.get()},
-                         &pose_[i],
-                         &search_[i],
-                         &patches_[i],
-                         &count_[i]});
+  for (std::size_t i = 0; i < patches_.size(); ++i)
+    contacts_.push_back(
+        {{contact.pair, contact.laws.material, contact.laws.nodes.get()}, &pose_[i], &patches_[i], &count_[i]});
 }
 
-void WheelBatch::evaluate() {
-  if (follows_minima(law_))
-    for (std::size_t i = 0; i < search_.size(); ++i) search_[i].find_indented(pose_[i]);
-  normal_patches<double, NormalPatch<double>>(law_, contacts_);
-}
+void WheelBatch::evaluate() { normal_patches<double, NormalPatch<double>>(law_, contacts_); }
 
 }  // namespace rollerrig

@@ -11,7 +11,6 @@
 #include <vector>
 
 #include "rollerrig/contact/patch.hpp"
-#include "rollerrig/geometry/search.hpp"
 #include "rollerrig/system/model.hpp"
 
 namespace rollerrig {
@@ -77,7 +76,6 @@ class StaticWheelsetContact {
 
   std::shared_ptr<Model const> model_;
   std::array<WheelContact const*, 2> contact_;
-  std::array<ContactSearch, 2> search_;
 };
 
 /// Wheels of one side of a wheelset, 0.1 mm apart across, whose normal contacts are evaluated in one call: for timing.
@@ -89,7 +87,6 @@ class WheelBatch {
  private:
   NormalLaw const& law_;
   std::vector<RelativePose<double>> pose_;
-  std::vector<ContactSearch> search_;
   std::vector<PatchList<NormalPatch<double>>> patches_;
   std::vector<int> count_;
   std::vector<NormalContact<double, NormalPatch<double>>> contacts_;
