@@ -17,11 +17,11 @@ from rollerrig.analysis.crew import Progress
 from rollerrig.analysis.hunting import HuntingSettings, hunting_case
 from rollerrig.analysis.limit_cycle import LEAST_AMPLITUDE, CyclePoint, Diagram, is_settled
 from rollerrig.analysis.signals import half_waves
-from rollerrig.assembly import AssembledModel, assemble
+from rollerrig.assembly.model import AssembledModel, assemble
 from rollerrig.config import Case
 from rollerrig.results import Outcome, run_dataset, variable
-from rollerrig.simulation import begin, march, outcome
-from rollerrig.starting_state import starting_state
+from rollerrig.simulation.run import begin, march, outcome
+from rollerrig.simulation.starting_state import starting_state
 
 Vector = NDArray[np.float64]
 LastState = tuple[float, Vector]
@@ -90,7 +90,7 @@ def settling_run(
     )
     model = assemble(hunting_case(case, speed, hunting))
     simulation = _core.Simulation(model.core)
-    start = starting_state(simulation, model) if state is None else at_other_speed(simulation, model, state, speed)
+    start = starting_state(model) if state is None else at_other_speed(simulation, model, state, speed)
     begin(simulation, model, start)
     run = _Windows(simulation, model, settings)
     while not run.finished:

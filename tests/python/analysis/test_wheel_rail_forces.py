@@ -12,15 +12,14 @@ import pytest
 import xarray as xr
 
 import rollerrig as rr
-from rollerrig.analysis.assessment import assess, table
-from rollerrig.analysis.ride import accelerations
+from rollerrig.analysis.assessment import accelerations, assess, table
 from rollerrig.analysis.wheel_rail_forces import (
     filtered,
     prudhomme_limit,
     statistics,
     wheel_forces,
 )
-from rollerrig.assembly import assemble
+from rollerrig.assembly.model import assemble
 from rollerrig.profiles import flange_angle, profile_from_spec
 from rollerrig.track import nadal_limit
 
