@@ -71,7 +71,7 @@ RelativePose<double> StaticWheelsetContact::pose(WheelsetPosition const& p, bool
   return {offset + m.p, m.R};
 }
 
-StaticWheelsetContact::Load StaticWheelsetContact::load_at(WheelsetPosition const& p) {
+StaticWheelsetContact::Load StaticWheelsetContact::load_at(WheelsetPosition const& p) const {
   Load load{0.0, 0.0};
   for (bool right : {false, true}) {
     auto const at = pose(p, right);
@@ -85,7 +85,7 @@ StaticWheelsetContact::Load StaticWheelsetContact::load_at(WheelsetPosition cons
   return load;
 }
 
-std::vector<StaticPatch> StaticWheelsetContact::patches(WheelsetPosition const& p, bool right) {
+std::vector<StaticPatch> StaticWheelsetContact::patches(WheelsetPosition const& p, bool right) const {
   WheelContact const& contact = *contact_[right];
   auto const at = pose(p, right);
   PatchList<NormalPatch<double>> found;
@@ -99,7 +99,7 @@ std::vector<StaticPatch> StaticWheelsetContact::patches(WheelsetPosition const& 
 }
 
 PointWrench<double> StaticWheelsetContact::creep(WheelsetPosition const& p, bool right,
-                                                 ContactMotion<double> const& motion) {
+                                                 ContactMotion<double> const& motion) const {
   WheelContact const& contact = *contact_[right];
   ContactLaws const& laws = contact.laws;
   auto const at = pose(p, right);
@@ -126,7 +126,8 @@ PointWrench<double> StaticWheelsetContact::creep(WheelsetPosition const& p, bool
   return sum;
 }
 
-std::vector<StaticPatch> StaticWheelsetContact::minima(WheelsetPosition const& position, bool right, double reach) {
+std::vector<StaticPatch> StaticWheelsetContact::minima(WheelsetPosition const& position, bool right,
+                                                       double reach) const {
   WheelContact const& contact = *contact_[right];
   auto const at = pose(position, right);
   auto const minima = find_minima(contact.pair, *contact.laws.nodes, at, reach);
@@ -140,25 +141,27 @@ std::vector<StaticPatch> StaticWheelsetContact::minima(WheelsetPosition const& p
   return list;
 }
 
-double StaticWheelsetContact::touch_height(WheelsetPosition p, bool right) {
+double StaticWheelsetContact::touch_height(WheelsetPosition p, bool right) const {
+  double reach = 1.0;  // [m]
   auto const lowest_gap = [&](double z) {
     p.z = z;
-    double gap = 1.0;
-    for (auto const& patch : minima(p, right, 1.0)) gap = std::min(gap, -patch.approach);
+    double gap = reach;
+    for (auto const& patch : minima(p, right, reach)) gap = std::min(gap, -patch.approach);
     return gap;
   };
-  // From above: lowering the wheel by d takes at most d off any gap, so a step may be as long as the lowest gap.
+  // From above: lowering the wheel by d takes at most d off any gap, so a step may be as long as the lowest gap, which only falls.
   double high = 0.05;
   double low = high;
   for (double gap = lowest_gap(low); gap >= 0.0 && low > -0.05; gap = lowest_gap(low)) {
     high = low;
-    low -= gap < 1.0 ? std::max(0.5e-3, gap) : 0.5e-3;
+    low -= gap < reach ? std::max(0.5e-3, gap) : 0.5e-3;
+    reach = std::min(reach, gap + 1e-6);
   }
   return root_between(lowest_gap, low, high, 1e-13);
 }
 
 /// Height at which the contacts carry `load`, looked for around p.z.
-double StaticWheelsetContact::height_for(WheelsetPosition p, double load) {
+double StaticWheelsetContact::height_for(WheelsetPosition p, double load) const {
   double const start = p.z;
   auto const surplus = [&](double z) {
     p.z = z;
@@ -173,7 +176,7 @@ double StaticWheelsetContact::height_for(WheelsetPosition p, double load) {
   return root_between(surplus, low, high, 1e-13);
 }
 
-LoadedWheelset StaticWheelsetContact::solve(WheelsetPosition p, double load, bool free_to_roll) {
+LoadedWheelset StaticWheelsetContact::solve(WheelsetPosition p, double load, bool free_to_roll) const {
   p.z = std::max(touch_height(p, false), touch_height(p, true));
   if (free_to_roll) {
     auto const moment = [&](double roll) {
@@ -201,7 +204,7 @@ LoadedWheelset StaticWheelsetContact::solve(WheelsetPosition p, double load, boo
   return result;
 }
 
-WheelBatch::WheelBatch(StaticWheelsetContact& wheelset, WheelsetPosition position, bool right, int wheels)
+WheelBatch::WheelBatch(StaticWheelsetContact const& wheelset, WheelsetPosition position, bool right, int wheels)
     : law_{wheelset.contact_[right]->laws.normal}, patches_(static_cast<std::size_t>(wheels)), count_(patches_.size()) {
   WheelContact const& contact = *wheelset.contact_[right];
   for (std::size_t i = 0; i < patches_.size(); ++i) {
