@@ -52,7 +52,7 @@ class Scan {
            (reach_ > 0.0 || *std::min_element(gap_.begin(), gap_.begin() + count_) < -nearly_touching * pair_.size);
     if (far_)
       for (int k = 0; k < count_; ++k) {
-        Point const p = settled(point(k));
+        Point const p = by_reduction(point(k));
         gap_[at(k)] = p.gap, slope_[at(k)] = p.slope;
       }
     if (gap_[0] < 0.0) open({place(0), place(0), place(0), false});
@@ -112,7 +112,7 @@ class Scan {
 
   /// A point so far from the other surface, or so deep in it, that the osculating circle under it is no estimate of the foot on
   /// it, and may lie beyond its end: by (G2), exactly.
-  Point settled(Point const& p) const {
+  Point by_reduction(Point const& p) const {
     if (p.found() && !(p.gap < near_ && std::abs(p.gap + reach_) > nearly_touching * pair_.size)) return p;
     using Along = Dual<1>;
     double const s = nodes_.arc().abscissa(p.position);
@@ -251,7 +251,7 @@ class Scan {
       for (int i = 0; i < native_lanes && k + i < inner; ++i) {
         Point const here{a.position + h * (k + i + 1), lane(p[0].found, i) ? lane(p[0].gap, i) - reach_ : no_gap,
                          lane(p[0].slope, i)};
-        row[at(k + i + 1)] = far_ ? settled(here) : here;
+        row[at(k + i + 1)] = far_ ? by_reduction(here) : here;
       }
     }
     for (std::size_t i = 0; i + 1 < row.size(); ++i) cell(row[i], row[i + 1], level + 1);
