@@ -532,13 +532,9 @@ class Examples:
             ),
             "Simulation.record": Call(fresh("record"), {"t": 0.0, "x": x, "z": quadratures}),
             "Simulation.derivatives": Call(fresh("derivatives"), {"t": 0.0, "states": states}),
-            "Simulation.search_along": Call(fresh("search_along"), {"t": 0.0, "states": states}),
             "Simulation.statistics": Call(fresh("statistics"), {}),
             "Simulation.counters": Call(fresh("counters"), {}),
             "Simulation.contact_losses": Call(fresh("contact_losses"), {}),
-            "Simulation.exhaustive_search": Call(
-                lambda value: setattr(self.simulation(), "exhaustive_search", value), {"value": True}
-            ),
             "status_sentence": Call(_core.status_sentence, {"status": 0}),
         }
 
