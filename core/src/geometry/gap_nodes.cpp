@@ -4,6 +4,7 @@
 #include <span>
 
 #include "rollerrig/geometry/reduction.hpp"
+#include "rollerrig/math/dual.hpp"
 
 namespace rollerrig {
 namespace {
