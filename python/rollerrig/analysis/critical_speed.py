@@ -25,12 +25,12 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from rollerrig.analysis.crew import Progress
 from rollerrig.analysis.crossings import Crossing, first_onset, growing_at_start, zero_crossings
 from rollerrig.analysis.hunting import HuntingRun
 from rollerrig.analysis.linearise import Lineariser
 from rollerrig.analysis.speed_map import modes_over_speed
 from rollerrig.config import Case
+from rollerrig.simulation.run import Progress
 from rollerrig.simulation.starting_state import StartError
 
 HIGHEST_KMH = 600.0

@@ -17,10 +17,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray as xr
 
-from rollerrig.analysis.crew import Progress
 from rollerrig.analysis.speed_map import SPEEDS_KMH
 from rollerrig.cases import as_case
 from rollerrig.config import Case, Programme, load_programme
+from rollerrig.simulation.run import Progress
 
 if TYPE_CHECKING:
     from rollerrig.study.frame import Outcome, Study
@@ -382,7 +382,7 @@ def sweep(
         >>> found["linear_critical_speed"].round().to_numpy().tolist()
         [210.0, 234.0]
     """
-    from rollerrig.analysis.cluster import cluster
+    from rollerrig.study.cluster import cluster
     from rollerrig.study.sweep import sweep_study
 
     study = sweep_study(as_case(case), vary, measure, design, many=many)

@@ -1,0 +1,419 @@
+"""Independent jobs, several at a time, each in a worker process: progress, Ctrl-C, and processes that die.
+
+    jobs by name -> [run_jobs] -> each result as soon as it is there
+
+One job at a time runs in this process. Several run in worker processes: a third to two thirds of a short run, and all of a
+linearisation, are Python, where threads wait for each other; code of a user may hold the interpreter or keep a state of its
+own; and a process that dies costs one job. A thread per worker hands over the jobs, so that it is known which job a process
+died of.
+
+Libraries in place of this file: `ProcessPoolExecutor` and loky lose all running jobs with one process, and do not say which of
+them was the cause; pebble does, but has no progress, leaves its workers where the program is killed, and is under the LGPL;
+a `LocalCluster` of dask takes seconds to start. A cluster that is there already is used (cluster.py).
+"""
+
+from __future__ import annotations
+
+import ctypes
+import inspect
+import math
+import multiprocessing
+import os
+import pickle
+import signal
+import sys
+import threading
+import time
+import traceback
+from collections import deque
+from collections.abc import Callable, Iterator, Mapping
+from concurrent.futures import CancelledError, Executor, Future, ThreadPoolExecutor
+from contextlib import contextmanager
+from dataclasses import dataclass
+from multiprocessing.connection import Connection
+from multiprocessing.process import BaseProcess
+from queue import Empty, SimpleQueue
+from types import FrameType
+from typing import Any
+
+from rollerrig.common.blas_threads import one_blas_thread
+from rollerrig.simulation.run import Progress
+
+AHEAD, ELSEWHERE_AHEAD = 4, 256
+"""Jobs per worker that are handed out before one is done; the same of an executor whose workers are not counted here."""
+
+GRACE_SECONDS = 3.0
+"""After Ctrl-C a job has so long to return what it has; then its process is killed."""
+
+POLL_SECONDS = 0.1
+"""Between two looks at the progress of the jobs, and at whether they shall stop."""
+
+_CONTEXT = multiprocessing.get_context("spawn")
+_STOP = b"stop"
+_PR_SET_PDEATHSIG = 1  # <linux/prctl.h>
+
+
+class WorkerError(RuntimeError):
+    """A worker process did not start, or ended in the middle of a job, also where the job was done once more."""
+
+    def __init__(self, job: str = "") -> None:
+        super().__init__(
+            f"a worker process ended in the middle of its job, {job}: killed, or out of memory; "
+            "the same command continues with what is finished, best on fewer processes"
+            if job
+            else "a worker process ended before its first job: out of memory, or a script without "
+            "`if __name__ == '__main__':` around what it runs"
+        )
+
+
+class _WorkerDiedError(Exception):
+    """The process of a job ended."""
+
+
+@dataclass(frozen=True)
+class Job:
+    """A call to be made on any process.
+
+    Attributes:
+        function: on the top level of a module; it gets `progress` if it has such a parameter.
+        arguments: all its other arguments.
+        lost: called with `arguments` for the result where the job ends its process again and again; None: that is an error.
+    """
+
+    function: Callable[..., Any]
+    arguments: tuple[Any, ...]
+    lost: Callable[..., Any] | None = None
+
+    def call(self, progress: Progress) -> Any:
+        """Do it."""
+        takes_progress = "progress" in inspect.signature(self.function).parameters
+        return self.function(*self.arguments, **({"progress": progress} if takes_progress else {}))
+
+
+def run_jobs(
+    jobs: Mapping[str, Job],
+    keep: Callable[[str, Any], Mapping[str, Job]],
+    report: Progress,
+    *,
+    processes: int = 1,
+    executor: Executor | None = None,
+) -> bool:
+    """Run jobs. One whose process died is run once more, alone, when all others are done.
+
+    Args:
+        jobs: by name.
+        keep: called in this thread with name and result of each job as soon as it is done; returns jobs that follow it.
+        report: called now and then with how many jobs' worth of work is done, and the name of the last finished job.
+        processes: how many at a time; 1 stays in this process. More start fresh Python processes: a script that asks for
+            them needs `if __name__ == "__main__":`.
+        executor: runs the jobs in place of processes of this machine; it stays open.
+
+    Returns:
+        Whether Ctrl-C, or a KeyboardInterrupt of `report` or of a job, ended them early.
+
+    Raises:
+        WorkerError: no worker process starts, or a job without `lost` ended two of them; what was finished has been kept.
+    """
+    several = min(processes, len(jobs))
+    pool = _Cluster(executor) if executor else _Workers(several) if several > 1 else _ThisProcess()
+    run = _Run(jobs, keep, report, pool)
+    with _interrupt_calls(run.stop), pool:
+        run.report()
+        while run.hand_out():
+            run.take_next()
+            run.report()
+        return pool.stopped
+
+
+class _Run:
+    """The jobs of one call: those that wait, those that are running, and how many are done."""
+
+    def __init__(
+        self, jobs: Mapping[str, Job], keep: Callable[[str, Any], Mapping[str, Job]], report: Progress, pool: _Pool
+    ):
+        self._keep, self._report, self._pool = keep, report, pool
+        self._waiting, self._alone, self._died = deque(jobs.items()), deque[tuple[str, Job]](), set[str]()
+        self._running: dict[Future[Any], tuple[str, Job]] = {}
+        self._finished: SimpleQueue[Future[Any]] = SimpleQueue()
+        self._count, self._last, self._shown = 0, next(iter(jobs), ""), 0.0
+        pool.report = self.report
+
+    def hand_out(self) -> bool:
+        """Give the pool what it has room for; whether jobs are running."""
+        while not self._pool.stopped:
+            if self._waiting and len(self._running) < self._pool.ahead:
+                name, job = self._waiting.popleft()
+            elif self._alone and not self._running:
+                name, job = self._alone.popleft()
+            else:
+                break
+            future = self._pool.submit(job)
+            self._running[future] = name, job
+            future.add_done_callback(self._finished.put)
+        return bool(self._running)
+
+    def take_next(self) -> None:
+        """Wait a moment for the next job that is done, and keep its result."""
+        try:
+            future = self._finished.get(timeout=POLL_SECONDS)
+        except Empty:
+            return
+        name, job = self._running.pop(future)
+        try:
+            result = future.result()
+        except (KeyboardInterrupt, CancelledError):
+            self.stop()
+            return
+        except Exception as error:
+            if isinstance(error, _WorkerDiedError) and name not in self._died:
+                self._died.add(name)
+                self._alone.append((name, job))
+                return
+            # KilledWorker: of dask, which need not be installed; its scheduler has tried the job on several workers
+            if type(error).__name__ not in (_WorkerDiedError.__name__, "KilledWorker"):
+                raise
+            if job.lost is None:
+                raise WorkerError(name) from None
+            result = job.lost(*job.arguments)
+        self._waiting.extend(self._keep(name, result).items())
+        self._count, self._last = self._count + 1, name
+
+    def report(self) -> None:
+        """Report what is done, never less than before."""
+        if not self._pool.stopped:
+            self._shown = max(self._shown, self._count + self._pool.begun())
+            try:
+                self._report(self._shown, self._last)
+            except KeyboardInterrupt:
+                self.stop()
+
+    def stop(self) -> None:
+        """Ask the jobs to end."""
+        self._pool.stop()
+        for future in list(self._running):
+            future.cancel()
+
+
+@contextmanager
+def _interrupt_calls(stop: Callable[[], None]) -> Iterator[None]:
+    """Within it the first Ctrl-C calls a function and raises nothing, so that no result is lost between two lines."""
+    before = signal.getsignal(signal.SIGINT)
+    if threading.current_thread() is not threading.main_thread() or not callable(before):
+        yield
+        return
+    pressed = 0
+
+    def handle(number: int, frame: FrameType | None) -> None:
+        nonlocal pressed
+        pressed += 1
+        stop()
+        try:
+            before(number, frame)
+        except KeyboardInterrupt:
+            if pressed > 1:
+                raise
+
+    signal.signal(signal.SIGINT, handle)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+class _Pool:
+    """What runs jobs; a context that leaves no process behind.
+
+    Attributes:
+        ahead: jobs that it takes before one of them is done.
+        stopped: whether the jobs shall end.
+        report: to be called where `submit` itself runs the job.
+    """
+
+    ahead = 1
+    report: Callable[[], None]
+
+    def __init__(self) -> None:
+        self.stopped = False
+        self._fractions: dict[int, float] = {}  # thread -> how far its job is
+
+    def __enter__(self) -> _Pool:
+        return self
+
+    def __exit__(self, *_error: object) -> None:
+        self.stop()
+
+    def submit(self, job: Job) -> Future[Any]:
+        """Run a job; KeyboardInterrupt: it was stopped."""
+        raise NotImplementedError
+
+    def begun(self) -> float:
+        """How many jobs' worth of work is done of those that are running."""
+        return sum(list(self._fractions.values()))
+
+    def stop(self) -> None:
+        """Ask the jobs to end."""
+        self.stopped = True
+
+
+class _ThisProcess(_Pool):
+    """One job after the other, here."""
+
+    def submit(self, job: Job) -> Future[Any]:
+        """Run a job to its end."""
+        future: Future[Any] = Future()
+
+        def progress(fraction: float, _text: str) -> None:
+            self._fractions[0] = fraction
+            self.report()
+            if self.stopped:
+                raise KeyboardInterrupt
+
+        try:
+            future.set_result(job.call(progress))
+        except (Exception, KeyboardInterrupt) as error:
+            future.set_exception(error)
+        self._fractions.clear()
+        return future
+
+
+class _Cluster(_Pool):
+    """An executor that leads elsewhere; its jobs hear nothing of Ctrl-C here."""
+
+    ahead = ELSEWHERE_AHEAD
+
+    def __init__(self, executor: Executor) -> None:
+        super().__init__()
+        self._executor = executor
+
+    def submit(self, job: Job) -> Future[Any]:
+        """Hand a job over."""
+        return self._executor.submit(_call_elsewhere, job)
+
+
+def _call_elsewhere(job: Job) -> Any:
+    with one_blas_thread():
+        return job.call(lambda _fraction, _text: None)
+
+
+class _Workers(_Pool):
+    """Worker processes of this machine, each with a thread of this process that gives it one job after the other."""
+
+    def __init__(self, count: int) -> None:
+        super().__init__()
+        self.ahead = AHEAD * count
+        self._threads = ThreadPoolExecutor(count, initializer=_block_interrupts)
+        self._own = threading.local()
+        self._processes: list[BaseProcess] = []
+
+    def __exit__(self, *_error: object) -> None:
+        self.stop()
+        for process in list(self._processes):
+            process.kill()
+        self._threads.shutdown()
+
+    def submit(self, job: Job) -> Future[Any]:
+        """Queue a job for the next process that has none."""
+        return self._threads.submit(self._do, job)
+
+    def _do(self, job: Job) -> Any:
+        """Let the process of this thread do a job.
+
+        Raises:
+            KeyboardInterrupt: the jobs were stopped.
+            WorkerError: the process ended before it was ready.
+            _WorkerDiedError: it ended in the middle of the job.
+        """
+        content, deadline = pickle.dumps(job), math.inf
+        try:
+            if self.stopped:
+                raise EOFError
+            pipe = self._own.__dict__.get("pipe") or self._begin()
+            pipe.send_bytes(content)
+            while True:
+                if self.stopped and deadline == math.inf:
+                    deadline = time.monotonic() + GRACE_SECONDS
+                    pipe.send_bytes(_STOP)
+                if time.monotonic() > deadline:
+                    self._own.process.kill()
+                if pipe.poll(POLL_SECONDS):
+                    kind, value = pickle.loads(pipe.recv_bytes())
+                    if kind != "progress":
+                        break
+                    self._fractions[threading.get_ident()] = value
+        except (EOFError, OSError):
+            ready = self._own.__dict__.pop("pipe", None) is not None
+            raise KeyboardInterrupt if self.stopped else _WorkerDiedError if ready else WorkerError from None
+        finally:
+            self._fractions.pop(threading.get_ident(), None)
+        if kind == "error":
+            raise value
+        return value
+
+    def _begin(self) -> Connection:
+        """Start the process of this thread; the pipe to it."""
+        pipe, other = _CONTEXT.Pipe()
+        self._own.process = _CONTEXT.Process(target=_serve, args=(other,))
+        self._own.process.start()
+        self._processes.append(self._own.process)
+        other.close()
+        while not pipe.poll(POLL_SECONDS):
+            if self.stopped:
+                self._own.process.kill()
+        pipe.recv_bytes()  # it is ready
+        self._own.pipe = pipe
+        return pipe
+
+
+def _block_interrupts() -> None:
+    """Ctrl-C in a terminal reaches every process; those that this thread starts leave it to this process."""
+    if hasattr(signal, "pthread_sigmask"):
+        signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+
+
+# ---------------------------------------------------------------------------------------- inside a worker process
+
+
+def _serve(pipe: Connection) -> None:
+    """Do the jobs that come through a pipe until its other end is closed: then the parent process has ended."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # where it could not be blocked
+    if sys.platform == "linux":  # also in the middle of a call into the core that holds the interpreter
+        ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL, 0, 0, 0)
+    jobs: SimpleQueue[bytes] = SimpleQueue()
+    stop = threading.Event()
+
+    def listen() -> None:
+        try:
+            while True:
+                message = pipe.recv_bytes()
+                stop.set() if message == _STOP else jobs.put(message)
+        except (EOFError, OSError):
+            os._exit(1)  # no cleanup: there is nobody to report it to
+
+    threading.Thread(target=listen, daemon=True).start()
+    pipe.send_bytes(b"ready")
+    while True:
+        pipe.send_bytes(_answer(jobs.get(), pipe, stop))
+
+
+def _answer(content: bytes, pipe: Connection, stop: threading.Event) -> bytes:
+    """The result of a job, or its error."""
+    sent = -math.inf
+
+    def progress(fraction: float, _text: str) -> None:
+        nonlocal sent
+        if stop.is_set():
+            raise KeyboardInterrupt
+        if time.monotonic() > sent + POLL_SECONDS:
+            sent = time.monotonic()
+            pipe.send_bytes(pickle.dumps(("progress", fraction)))
+
+    try:
+        with one_blas_thread():  # there are as many workers as cores
+            progress(0.0, "")
+            return pickle.dumps(("result", pickle.loads(content).call(progress)))
+    except BaseException as error:
+        error.add_note(f"in a worker process:\n{traceback.format_exc()}")
+        try:
+            return pickle.dumps(("error", error))
+        except Exception:
+            return pickle.dumps(("error", RuntimeError(f"{type(error).__name__}: {error}")))
