@@ -157,7 +157,7 @@ def _lines(path: Path, folder: Path | None = None) -> list[dict[str, Any] | None
     content = read_input(path, LARGEST)
     for line in content[: content.rfind(b"\n") + 1].splitlines() or [b""]:
         try:
-            value = json.loads(line, object_hook=folder and partial(_decoded, folder))
+            value = json.loads(line, object_hook=None if folder is None else partial(_decoded, folder))
         except (FileNotFoundError, ImportError, KeyError, TypeError, ValueError):
             value = None  # of a result: its job is done again
         found.append(value if isinstance(value, dict) else None)

@@ -21,9 +21,11 @@ import xarray as xr
 from rollerrig.analysis import stability
 from rollerrig.config import Case
 from rollerrig.results import output_folder
-from rollerrig.simulation.run import Progress, simulate
+from rollerrig.simulation.run import Progress as Progress
+from rollerrig.simulation.run import simulate
 from rollerrig.study.checkpoint import Checkpoint
-from rollerrig.study.workers import Job, run_jobs
+from rollerrig.study.workers import Job as Job
+from rollerrig.study.workers import run_jobs
 
 Done = dict[str, Any]
 """Name of a job -> its result."""

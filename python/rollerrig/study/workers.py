@@ -34,10 +34,12 @@ from multiprocessing.connection import Connection
 from multiprocessing.process import BaseProcess
 from queue import Empty, SimpleQueue
 from types import FrameType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from rollerrig.common.blas_threads import one_blas_thread
-from rollerrig.simulation.run import Progress
+
+if TYPE_CHECKING:  # a worker watches its parent before it imports what its jobs need
+    from rollerrig.simulation.run import Progress
 
 AHEAD, ELSEWHERE_AHEAD = 4, 256
 """Jobs per worker that are handed out before one is done; the same of an executor whose workers are not counted here."""
@@ -122,7 +124,7 @@ def run_jobs(
         while run.hand_out():
             run.take_next()
             run.report()
-        return pool.stopped
+        return pool.stopped.is_set()
 
 
 class _Run:
@@ -140,7 +142,7 @@ class _Run:
 
     def hand_out(self) -> bool:
         """Give the pool what it has room for; whether jobs are running."""
-        while not self._pool.stopped:
+        while not self._pool.stopped.is_set():
             if self._waiting and len(self._running) < self._pool.ahead:
                 name, job = self._waiting.popleft()
             elif self._alone and not self._running:
@@ -180,7 +182,7 @@ class _Run:
 
     def report(self) -> None:
         """Report what is done, never less than before."""
-        if not self._pool.stopped:
+        if not self._pool.stopped.is_set():
             self._shown = max(self._shown, self._count + self._pool.begun())
             try:
                 self._report(self._shown, self._last)
@@ -225,7 +227,7 @@ class _Pool:
 
     Attributes:
         ahead: jobs that it takes before one of them is done.
-        stopped: whether the jobs shall end.
+        stopped: set where the jobs shall end.
         report: to be called where `submit` itself runs the job.
     """
 
@@ -233,7 +235,7 @@ class _Pool:
     report: Callable[[], None]
 
     def __init__(self) -> None:
-        self.stopped = False
+        self.stopped = threading.Event()
         self._fractions: dict[int, float] = {}  # thread -> how far its job is
 
     def __enter__(self) -> _Pool:
@@ -252,7 +254,7 @@ class _Pool:
 
     def stop(self) -> None:
         """Ask the jobs to end."""
-        self.stopped = True
+        self.stopped.set()
 
 
 class _ThisProcess(_Pool):
@@ -265,7 +267,7 @@ class _ThisProcess(_Pool):
         def progress(fraction: float, _text: str) -> None:
             self._fractions[0] = fraction
             self.report()
-            if self.stopped:
+            if self.stopped.is_set():
                 raise KeyboardInterrupt
 
         try:
@@ -323,14 +325,14 @@ class _Workers(_Pool):
             WorkerError: the process ended before it was ready.
             _WorkerDiedError: it ended in the middle of the job.
         """
-        content, deadline = pickle.dumps(job), math.inf
+        content, deadline = pickle.dumps(Job(job.function, job.arguments)), math.inf
         try:
-            if self.stopped:
+            if self.stopped.is_set():
                 raise EOFError
             pipe = self._own.__dict__.get("pipe") or self._begin()
             pipe.send_bytes(content)
             while True:
-                if self.stopped and deadline == math.inf:
+                if self.stopped.is_set() and deadline == math.inf:
                     deadline = time.monotonic() + GRACE_SECONDS
                     pipe.send_bytes(_STOP)
                 if time.monotonic() > deadline:
@@ -342,7 +344,7 @@ class _Workers(_Pool):
                     self._fractions[threading.get_ident()] = value
         except (EOFError, OSError):
             ready = self._own.__dict__.pop("pipe", None) is not None
-            raise KeyboardInterrupt if self.stopped else _WorkerDiedError if ready else WorkerError from None
+            raise KeyboardInterrupt if self.stopped.is_set() else _WorkerDiedError if ready else WorkerError from None
         finally:
             self._fractions.pop(threading.get_ident(), None)
         if kind == "error":
@@ -357,7 +359,7 @@ class _Workers(_Pool):
         self._processes.append(self._own.process)
         other.close()
         while not pipe.poll(POLL_SECONDS):
-            if self.stopped:
+            if self.stopped.is_set():
                 self._own.process.kill()
         pipe.recv_bytes()  # it is ready
         self._own.pipe = pipe

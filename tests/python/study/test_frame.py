@@ -21,9 +21,9 @@ import xarray as xr
 from rollerrig.config import ConfigError
 from rollerrig.plot.style import new_figure
 from rollerrig.results import OutputError
+from rollerrig.study.checkpoint import NAME, Checkpoint
 from rollerrig.study.frame import Study
 from rollerrig.study.jobs import Done, Round, job
-from rollerrig.study.journal import NAME, Journal
 from rollerrig.study.quantities import Quantities, Quantity
 from rollerrig.study.report import Picture, Section
 
@@ -219,12 +219,12 @@ def test_files_of_the_user_that_are_called_like_ours_stay(tmp_path: Path) -> Non
     assert outcome is not None
     kept = [path.name for path in (tmp_path / "jobs").iterdir() if path.name != "mine.nc"]
     assert len(kept) == 1
-    (tmp_path / "jobs" / f".{kept[0]}.x1y2z3").write_bytes(b"torn")  # what a killed program leaves
+    (tmp_path / "jobs" / f"{Path(kept[0]).stem}.part").write_bytes(b"torn")  # what a killed program leaves
     outcome.write(tmp_path)
     assert [path.name for path in (tmp_path / "jobs").iterdir()] == ["mine.nc"]
     for text in ("my own list of jobs", "[1, 2]\n", "\n"):
         (tmp_path / NAME).write_text(text)
-        with pytest.raises(ConfigError, match="its first line is not ours"):
+        with pytest.raises(ConfigError, match="not a checkpoint file of this program"):
             Squares().run(folder=tmp_path)
         assert (tmp_path / NAME).read_text() == text
 
@@ -266,7 +266,7 @@ def test_the_jobs_of_another_study_are_refused(tmp_path: Path) -> None:
     with pytest.raises(ConfigError, match="study: 'squares' there, 'cubes' now"):
         Cubes().run(folder=tmp_path)
     (tmp_path / NAME).write_text('{"something": "else"}\n')
-    with pytest.raises(ConfigError, match="its first line is not ours"):
+    with pytest.raises(ConfigError, match="not a checkpoint file of this program"):
         Squares().run(folder=tmp_path)
 
 
@@ -293,10 +293,10 @@ def test_results_come_back_from_a_journal_as_they_were(tmp_path: Path) -> None:
         "nested": {"tuple": (1, (2.5, "x")), "list": [None, True, -math.inf]},
         "foreign": Nested(1.0),
     }
-    with Journal(tmp_path, "test", {}) as journal:
+    with Checkpoint(tmp_path, "test", {}) as checkpoint:
         for name, result in results.items():
-            journal.add(name, result)
-    found = Journal(tmp_path, "test", {}).done
+            checkpoint.add(name, result)
+    found = Checkpoint(tmp_path, "test", {}).done
     assert "foreign" not in found
     xr.testing.assert_identical(found["dataset"], run)
     xr.testing.assert_identical(found["other"], results["other"])
@@ -308,11 +308,11 @@ def test_results_come_back_from_a_journal_as_they_were(tmp_path: Path) -> None:
 
 
 def test_a_dataset_that_is_missing_is_computed_again(tmp_path: Path) -> None:
-    with Journal(tmp_path, "test", {}) as journal:
-        journal.add("run", xr.Dataset({"x": 1.0}))
+    with Checkpoint(tmp_path, "test", {}) as checkpoint:
+        checkpoint.add("run", xr.Dataset({"x": 1.0}))
     for path in (tmp_path / "jobs").iterdir():
         path.unlink()
-    assert Journal(tmp_path, "test", {}).done == {}
+    assert Checkpoint(tmp_path, "test", {}).done == {}
 
 
 def test_an_outcome_prints_what_was_found() -> None:
