@@ -11,7 +11,9 @@ import subprocess
 import sys
 import time
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 import pytest
 from typer.testing import CliRunner
 
@@ -20,6 +22,8 @@ from rollerrig.cli import termination
 from rollerrig.cli.app import build_app
 from rollerrig.results import read_manifest
 from rollerrig.results.folder import NAME, checksum
+from rollerrig.study.frame import Outcome
+from rollerrig.study.run import RunStudy
 
 ENTRY = [sys.executable, "-c", "from rollerrig.cli import main; main()"]
 ENVELOPE = (
@@ -117,6 +121,36 @@ def test_a_run_killed_while_it_writes_leaves_no_torn_file(case: Path, copied: Pa
     case.write_text(CASE)
     assert call("run", case, "--out", out)[0] == 0
     assert contents(out) == before
+
+
+@pytest.mark.parametrize("moment", ["RunStudy.collect", "Outcome.write"])
+def test_ctrl_c_after_the_last_step_keeps_the_whole_run(
+    moment: str, case: Path, whole_run: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    owner, _, name = moment.partition(".")
+    kind = {"RunStudy": RunStudy, "Outcome": Outcome}[owner]
+    whole = getattr(kind, name)
+
+    def pressed(*arguments: Any, **options: Any) -> Any:
+        os.kill(os.getpid(), signal.SIGINT)
+        return whole(*arguments, **options)
+
+    monkeypatch.setattr(kind, name, pressed)
+    assert call("run", case, "--out", tmp_path / "out")[0] == termination.INTERRUPTED
+    assert contents(tmp_path / "out") == contents(whole_run)
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+
+
+def test_a_run_that_becomes_infinite_keeps_what_was_finite(tmp_path: Path) -> None:
+    changes = ("time.step=0.5 s", "motion.speed=400 km/h", "time.duration=2 s")
+    options = [word for change in changes for word in ("--set", change)]
+    code, text = call("run", "bogie_rollers_constant", *options, "--out", tmp_path / "out")
+    assert code == termination.LEFT_VALIDITY
+    assert "nan" not in text
+    run = rr.load_run(tmp_path / "out" / "run.nc")
+    assert run.attrs["status"] == "not_finite"
+    assert run.sizes["time"] > 1
+    assert not [name for name, values in run.items() if values.dtype.kind == "f" and np.isinf(values).any()]
 
 
 def test_a_full_disk_keeps_the_results_of_before(case: Path, copied: Path) -> None:
