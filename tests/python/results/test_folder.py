@@ -13,7 +13,6 @@ from pathlib import Path
 from typing import Any
 
 import h5py
-import numpy as np
 import pytest
 import xarray as xr
 from typer.testing import CliRunner
@@ -22,7 +21,7 @@ import rollerrig as rr
 from rollerrig.cli.app import build_app
 from rollerrig.plot import figure_bytes
 from rollerrig.plot.style import new_figure
-from rollerrig.results import OutputError, ResultFolder, files, folder, read_manifest, save_run, write_bytes, write_text
+from rollerrig.results import OutputError, ResultFolder, files, read_manifest, save_run, write_bytes, write_text
 from rollerrig.results.folder import NAME, check_folder, locked
 
 NO_CASES: Mapping[str, rr.Case] = {}
@@ -416,9 +415,3 @@ def test_every_command_that_writes_has_the_option() -> None:
     for name, command in typer.main.get_command(build_app()).commands.items():  # type: ignore[attr-defined]
         options = {option for parameter in command.params for option in parameter.opts}
         assert ("--force" in options) == bool(options & {"--out", "--csv"}), name
-
-
-def test_checksums_are_those_of_the_files(tmp_path: Path) -> None:
-    content = np.random.default_rng(1).bytes(3 * folder._CHUNK + 7)
-    (tmp_path / "a").write_bytes(content)
-    assert folder.checksum(tmp_path / "a") == hashlib.sha256(content).hexdigest()
