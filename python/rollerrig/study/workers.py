@@ -116,45 +116,95 @@ def run_jobs(
     Raises:
         WorkerError: no worker process starts, or a job without `lost` ended two of them; what was finished has been kept.
     """
-    several = min(processes, len(jobs))
-    pool = _Cluster(executor) if executor else _Workers(several) if several > 1 else _ThisProcess()
-    run = _Run(jobs, keep, report, pool)
-    with _interrupt_calls(run.stop), pool:
-        run.report()
-        while run.hand_out():
-            run.take_next()
-            run.report()
-        return pool.stopped.is_set()
+    run = _Run(jobs, keep, report, min(processes, len(jobs)), executor)
+    with _interrupt_calls(run.stop):
+        return run.all_jobs()
 
 
 class _Run:
-    """The jobs of one call: those that wait, those that are running, and how many are done."""
+    """The jobs of one call: those that wait, those that are running, and what runs them.
+
+    Worker processes each have a thread of this process that gives them one job after the other.
+    """
 
     def __init__(
-        self, jobs: Mapping[str, Job], keep: Callable[[str, Any], Mapping[str, Job]], report: Progress, pool: _Pool
+        self,
+        jobs: Mapping[str, Job],
+        keep: Callable[[str, Any], Mapping[str, Job]],
+        report: Progress,
+        count: int,
+        executor: Executor | None,
     ):
-        self._keep, self._report, self._pool = keep, report, pool
+        self._keep, self._report, self._elsewhere = keep, report, executor
+        self._threads = None if executor or count < 2 else ThreadPoolExecutor(count, initializer=_block_interrupts)
+        self._room = ELSEWHERE_AHEAD if executor else AHEAD * count if self._threads else 1
+        self._own, self._processes = (
+            threading.local(),
+            list[BaseProcess](),
+        )  # pipe and process of each thread; all of these
         self._waiting, self._alone, self._died = deque(jobs.items()), deque[tuple[str, Job]](), set[str]()
         self._running: dict[Future[Any], tuple[str, Job]] = {}
         self._finished: SimpleQueue[Future[Any]] = SimpleQueue()
+        self._stopped = threading.Event()
+        self._fractions: dict[int, float] = {}  # thread -> how far its job is
         self._count, self._last, self._shown = 0, next(iter(jobs), ""), 0.0
-        pool.report = self.report
 
-    def hand_out(self) -> bool:
-        """Give the pool what it has room for; whether jobs are running."""
-        while not self._pool.stopped.is_set():
-            if self._waiting and len(self._running) < self._pool.ahead:
+    def all_jobs(self) -> bool:
+        """Run them all; whether they were stopped. No process is left behind."""
+        try:
+            self._look()
+            while self._hand_out():
+                self._take_next()
+                self._look()
+            return self._stopped.is_set()
+        finally:
+            self._stopped.set()
+            for process in list(self._processes):
+                process.kill()
+            if self._threads:
+                self._threads.shutdown()
+
+    def stop(self) -> None:
+        """Ask the jobs to end."""
+        self._stopped.set()
+        for future in list(self._running):
+            future.cancel()
+
+    def _hand_out(self) -> bool:
+        """Submit jobs as long as there is room; whether any are running."""
+        while not self._stopped.is_set():
+            if self._waiting and len(self._running) < self._room:
                 name, job = self._waiting.popleft()
             elif self._alone and not self._running:
                 name, job = self._alone.popleft()
             else:
                 break
-            future = self._pool.submit(job)
+            future = self._submit(job)
             self._running[future] = name, job
             future.add_done_callback(self._finished.put)
         return bool(self._running)
 
-    def take_next(self) -> None:
+    def _submit(self, job: Job) -> Future[Any]:
+        if self._elsewhere:
+            return self._elsewhere.submit(_call, job)
+        if self._threads:
+            return self._threads.submit(self._in_worker, job)
+        future: Future[Any] = Future()
+
+        def progress(fraction: float, _text: str) -> None:
+            self._fractions[0] = fraction
+            self._look()
+            if self._stopped.is_set():
+                raise KeyboardInterrupt
+
+        try:
+            future.set_result(job.call(progress))
+        except (Exception, KeyboardInterrupt) as error:
+            future.set_exception(error)
+        self._fractions.clear()
+        return future
+
+    def _take_next(self) -> None:
         """Wait a moment for the next job that is done, and keep its result."""
         try:
             future = self._finished.get(timeout=POLL_SECONDS)
@@ -180,20 +230,63 @@ class _Run:
         self._waiting.extend(self._keep(name, result).items())
         self._count, self._last = self._count + 1, name
 
-    def report(self) -> None:
+    def _look(self) -> None:
         """Report what is done, never less than before."""
-        if not self._pool.stopped.is_set():
-            self._shown = max(self._shown, self._count + self._pool.begun())
+        if not self._stopped.is_set():
+            self._shown = max(self._shown, self._count + sum(list(self._fractions.values())))
             try:
                 self._report(self._shown, self._last)
             except KeyboardInterrupt:
                 self.stop()
 
-    def stop(self) -> None:
-        """Ask the jobs to end."""
-        self._pool.stop()
-        for future in list(self._running):
-            future.cancel()
+    def _in_worker(self, job: Job) -> Any:
+        """Let the process of this thread do a job.
+
+        Raises:
+            KeyboardInterrupt: the jobs were stopped.
+            WorkerError: the process ended before it was ready.
+            _WorkerDiedError: it ended in the middle of the job.
+        """
+        content, deadline = pickle.dumps(Job(job.function, job.arguments)), math.inf
+        try:
+            if self._stopped.is_set():
+                raise EOFError
+            if not hasattr(self._own, "pipe"):
+                self._begin_worker()
+            pipe: Connection = self._own.pipe
+            pipe.send_bytes(content)
+            while True:
+                if self._stopped.is_set() and deadline == math.inf:
+                    deadline = time.monotonic() + GRACE_SECONDS
+                    pipe.send_bytes(_STOP)
+                if time.monotonic() > deadline:
+                    self._own.process.kill()
+                if pipe.poll(POLL_SECONDS):
+                    kind, value = pickle.loads(pipe.recv_bytes())
+                    if kind != "progress":
+                        break
+                    self._fractions[threading.get_ident()] = value
+        except (EOFError, OSError):
+            ready = self._own.__dict__.pop("pipe", None) is not None
+            raise KeyboardInterrupt if self._stopped.is_set() else _WorkerDiedError if ready else WorkerError from None
+        finally:
+            self._fractions.pop(threading.get_ident(), None)
+        if kind == "error":
+            raise value
+        return value
+
+    def _begin_worker(self) -> None:
+        """Start the process of this thread, and wait until it is ready."""
+        pipe, other = _CONTEXT.Pipe()
+        self._own.process = _CONTEXT.Process(target=_serve, args=(other,))
+        self._own.process.start()
+        self._processes.append(self._own.process)
+        other.close()
+        while not pipe.poll(POLL_SECONDS):
+            if self._stopped.is_set():
+                self._own.process.kill()
+        pipe.recv_bytes()
+        self._own.pipe = pipe
 
 
 @contextmanager
@@ -222,157 +315,18 @@ def _interrupt_calls(stop: Callable[[], None]) -> Iterator[None]:
         signal.signal(signal.SIGINT, before)
 
 
-class _Pool:
-    """What runs jobs; a context that leaves no process behind.
-
-    Attributes:
-        ahead: jobs that it takes before one of them is done.
-        stopped: set where the jobs shall end.
-        report: to be called where `submit` itself runs the job.
-    """
-
-    ahead = 1
-    report: Callable[[], None]
-
-    def __init__(self) -> None:
-        self.stopped = threading.Event()
-        self._fractions: dict[int, float] = {}  # thread -> how far its job is
-
-    def __enter__(self) -> _Pool:
-        return self
-
-    def __exit__(self, *_error: object) -> None:
-        self.stop()
-
-    def submit(self, job: Job) -> Future[Any]:
-        """Run a job; KeyboardInterrupt: it was stopped."""
-        raise NotImplementedError
-
-    def begun(self) -> float:
-        """How many jobs' worth of work is done of those that are running."""
-        return sum(list(self._fractions.values()))
-
-    def stop(self) -> None:
-        """Ask the jobs to end."""
-        self.stopped.set()
-
-
-class _ThisProcess(_Pool):
-    """One job after the other, here."""
-
-    def submit(self, job: Job) -> Future[Any]:
-        """Run a job to its end."""
-        future: Future[Any] = Future()
-
-        def progress(fraction: float, _text: str) -> None:
-            self._fractions[0] = fraction
-            self.report()
-            if self.stopped.is_set():
-                raise KeyboardInterrupt
-
-        try:
-            future.set_result(job.call(progress))
-        except (Exception, KeyboardInterrupt) as error:
-            future.set_exception(error)
-        self._fractions.clear()
-        return future
-
-
-class _Cluster(_Pool):
-    """An executor that leads elsewhere; its jobs hear nothing of Ctrl-C here."""
-
-    ahead = ELSEWHERE_AHEAD
-
-    def __init__(self, executor: Executor) -> None:
-        super().__init__()
-        self._executor = executor
-
-    def submit(self, job: Job) -> Future[Any]:
-        """Hand a job over."""
-        return self._executor.submit(_call_elsewhere, job)
-
-
-def _call_elsewhere(job: Job) -> Any:
-    with one_blas_thread():
-        return job.call(lambda _fraction, _text: None)
-
-
-class _Workers(_Pool):
-    """Worker processes of this machine, each with a thread of this process that gives it one job after the other."""
-
-    def __init__(self, count: int) -> None:
-        super().__init__()
-        self.ahead = AHEAD * count
-        self._threads = ThreadPoolExecutor(count, initializer=_block_interrupts)
-        self._own = threading.local()
-        self._processes: list[BaseProcess] = []
-
-    def __exit__(self, *_error: object) -> None:
-        self.stop()
-        for process in list(self._processes):
-            process.kill()
-        self._threads.shutdown()
-
-    def submit(self, job: Job) -> Future[Any]:
-        """Queue a job for the next process that has none."""
-        return self._threads.submit(self._do, job)
-
-    def _do(self, job: Job) -> Any:
-        """Let the process of this thread do a job.
-
-        Raises:
-            KeyboardInterrupt: the jobs were stopped.
-            WorkerError: the process ended before it was ready.
-            _WorkerDiedError: it ended in the middle of the job.
-        """
-        content, deadline = pickle.dumps(Job(job.function, job.arguments)), math.inf
-        try:
-            if self.stopped.is_set():
-                raise EOFError
-            pipe = self._own.__dict__.get("pipe") or self._begin()
-            pipe.send_bytes(content)
-            while True:
-                if self.stopped.is_set() and deadline == math.inf:
-                    deadline = time.monotonic() + GRACE_SECONDS
-                    pipe.send_bytes(_STOP)
-                if time.monotonic() > deadline:
-                    self._own.process.kill()
-                if pipe.poll(POLL_SECONDS):
-                    kind, value = pickle.loads(pipe.recv_bytes())
-                    if kind != "progress":
-                        break
-                    self._fractions[threading.get_ident()] = value
-        except (EOFError, OSError):
-            ready = self._own.__dict__.pop("pipe", None) is not None
-            raise KeyboardInterrupt if self.stopped.is_set() else _WorkerDiedError if ready else WorkerError from None
-        finally:
-            self._fractions.pop(threading.get_ident(), None)
-        if kind == "error":
-            raise value
-        return value
-
-    def _begin(self) -> Connection:
-        """Start the process of this thread; the pipe to it."""
-        pipe, other = _CONTEXT.Pipe()
-        self._own.process = _CONTEXT.Process(target=_serve, args=(other,))
-        self._own.process.start()
-        self._processes.append(self._own.process)
-        other.close()
-        while not pipe.poll(POLL_SECONDS):
-            if self.stopped.is_set():
-                self._own.process.kill()
-        pipe.recv_bytes()  # it is ready
-        self._own.pipe = pipe
-        return pipe
-
-
 def _block_interrupts() -> None:
     """Ctrl-C in a terminal reaches every process; those that this thread starts leave it to this process."""
     if hasattr(signal, "pthread_sigmask"):
         signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
 
 
-# ---------------------------------------------------------------------------------------- inside a worker process
+# ----------------------------------------------------------------------------------------- on another process
+
+
+def _call(job: Job, progress: Progress = lambda _fraction, _text: None) -> Any:
+    with one_blas_thread():  # there are as many workers as cores
+        return job.call(progress)
 
 
 def _serve(pipe: Connection) -> None:
@@ -410,9 +364,8 @@ def _answer(content: bytes, pipe: Connection, stop: threading.Event) -> bytes:
             pipe.send_bytes(pickle.dumps(("progress", fraction)))
 
     try:
-        with one_blas_thread():  # there are as many workers as cores
-            progress(0.0, "")
-            return pickle.dumps(("result", pickle.loads(content).call(progress)))
+        progress(0.0, "")
+        return pickle.dumps(("result", _call(pickle.loads(content), progress)))
     except BaseException as error:
         error.add_note(f"in a worker process:\n{traceback.format_exc()}")
         try:
