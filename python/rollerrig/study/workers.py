@@ -36,8 +36,6 @@ from queue import Empty, SimpleQueue
 from types import FrameType
 from typing import TYPE_CHECKING, Any
 
-from rollerrig.common.blas_threads import one_blas_thread
-
 if TYPE_CHECKING:  # a worker watches its parent before it imports what its jobs need
     from rollerrig.simulation.run import Progress
 
@@ -325,6 +323,8 @@ def _block_interrupts() -> None:
 
 
 def _call(job: Job, progress: Progress = lambda _fraction, _text: None) -> Any:
+    from rollerrig.common.linear_algebra import one_blas_thread
+
     with one_blas_thread():  # there are as many workers as cores
         return job.call(progress)
 
