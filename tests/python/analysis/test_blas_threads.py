@@ -132,8 +132,8 @@ def test_no_module_solves_matrices_without_it() -> None:
             assert "@one_blas_thread()" in text or "with one_blas_thread():" in text, path
     assert {
         "modes.py",
-        "common/linear_algebra.py",
-        "simulation/starting_state.py",
+        "linear_algebra.py",
+        "starting_state.py",
         "loop_stability.py",
         "signals.py",
     } <= set(users)
