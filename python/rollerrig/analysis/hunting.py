@@ -21,13 +21,12 @@ from dataclasses import dataclass
 import numpy as np
 import xarray as xr
 
-from rollerrig.analysis.crew import Progress
 from rollerrig.analysis.signals import FinalMotion, final_motion, half_waves
 from rollerrig.analysis.wheel_rail_forces import curved, irregular
 from rollerrig.cases import at_speed, displaced, leading_wheelset
 from rollerrig.config import Case
 from rollerrig.results import RunInfo, variable
-from rollerrig.simulation.run import simulate
+from rollerrig.simulation.run import Progress, simulate
 
 LEAST_AMPLITUDE = 2e-5
 """A limit cycle below 0.02 mm is not counted as one [m]."""

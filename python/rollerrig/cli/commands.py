@@ -21,8 +21,8 @@ from rollerrig.study.options import SPEEDS_KMH, OneProcess, Option, Processes, S
 if TYPE_CHECKING:
     import xarray as xr
 
-    from rollerrig.analysis.crew import Progress
     from rollerrig.config import Case, Programme
+    from rollerrig.simulation.run import Progress
     from rollerrig.study.frame import Outcome, Study
 
 
@@ -640,7 +640,7 @@ def sweep(
         >>> found["linear_critical_speed"].round().to_numpy().tolist()
         [210.0, 234.0]
     """
-    from rollerrig.analysis.cluster import cluster
+    from rollerrig.study.cluster import cluster
     from rollerrig.study.sweep import sweep_study
 
     study = sweep_study(_case(case), vary, measure, design, many=many)

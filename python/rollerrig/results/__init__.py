@@ -16,7 +16,7 @@ from rollerrig.results.files import (
     write_bytes,
     write_text,
 )
-from rollerrig.results.folder import Manifest, ResultFolder, check_folder, read_manifest
+from rollerrig.results.folder import Manifest, ResultFolder, check_folder, locked, read_manifest
 from rollerrig.results.other_formats import export, mat_bytes
 from rollerrig.results.run_info import RunInfo
 from rollerrig.results.summary import motion_table, summarise, wheel_table
@@ -37,6 +37,7 @@ __all__ = [
     "cite",
     "export",
     "load_run",
+    "locked",
     "mat_bytes",
     "motion_table",
     "netcdf_bytes",
