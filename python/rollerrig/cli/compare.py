@@ -35,6 +35,7 @@ def command(
 ) -> None:
     """One vehicle on several supports side by side: modes, critical speeds, limit cycles, forces, effects of the rollers."""
     from rollerrig.analysis import HuntingSettings
+    from rollerrig.config import code_of
     from rollerrig.study.compare import CompareStudy
     from rollerrig.study.runs.compare import compared_cases
 
@@ -45,7 +46,7 @@ def command(
     if not all(supports) or len({Path(name).name.removesuffix(".toml") for name in supports}) < len(supports):
         raise typer.BadParameter(f"'{on}': name each support once, like rig,track", param_hint="--on")
     cases = compared_cases(vehicle, supports, cut, allow_code=allow_code)
-    for line in dict.fromkeys(line for case in cases.values() for line in code_lines(case)):
+    for line in dict.fromkeys(line for case in cases.values() for line in code_lines(code_of(case))):
         say(f"rollerrig: {vehicle}: {line}")
     parts = next(iter(cases.values())).vehicle.data.cut_names()[::-1]
     settings = HuntingSettings(disturbance=1e-3 * disturbance_mm, duration=duration)

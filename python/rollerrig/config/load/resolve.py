@@ -131,14 +131,15 @@ def _absolute(spec: Mapping[str, Any], folder: Path) -> dict[str, Any]:
 
 
 def relative_to(folder: Path, key: str, value: object) -> object:
-    """A new value as the file in ``folder`` means it: a profile file that it names stands relative to that file."""
+    """A new value as the file in ``folder`` means it: a file of a profile or of code that it names stands relative to it."""
     if isinstance(value, Mapping):
         return {name: relative_to(folder, str(name), inner) for name, inner in value.items()}
     last = key.rpartition(".")[2]
     if not isinstance(value, str) or not value or "\0" in value:
         return value
     names_a_file = last in ("profile", "right_profile") and Path(value).suffix.lower() in (*_POINT_FILES, ".toml")
-    return str((folder / value).absolute()) if names_a_file or last == "path" else value
+    names_a_file |= last in ("path", "fmu", "file") or (last == "user" and ".py:" in value)
+    return str((folder / value).absolute()) if names_a_file else value
 
 
 def _new(mistakes: Problems, known: Problems) -> Problems:
