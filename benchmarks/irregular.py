@@ -17,11 +17,11 @@ import numpy as np
 
 from rollerrig import _core, load_case
 from rollerrig.analysis.filters import low_pass
-from rollerrig.assembly import assemble
+from rollerrig.assembly.model import assemble
 from rollerrig.config import ConfigError
 from rollerrig.results import Outcome, run_dataset
-from rollerrig.simulation import begin
-from rollerrig.starting_state import starting_state
+from rollerrig.simulation.run import begin
+from rollerrig.simulation.starting_state import starting_state
 
 DURATION = 4.0  # [s]
 FOUNDATION = {

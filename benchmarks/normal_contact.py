@@ -15,7 +15,7 @@ import time
 import numpy as np
 
 from rollerrig import load_case, simulate
-from rollerrig.assembly import assemble
+from rollerrig.assembly.model import assemble
 from rollerrig.config.schema.contact_law import NORMAL_LAWS
 from rollerrig.contact_analysis.static_contact import contact_table, leading_wheelset
 

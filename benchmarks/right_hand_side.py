@@ -59,9 +59,9 @@ PARTS = {
 def states_of(case_name: str, laws: str):
     """The model and its states after each millisecond, shape (STATES, n)."""
     from rollerrig import _core, load_case
-    from rollerrig.assembly import assemble
-    from rollerrig.simulation import begin
-    from rollerrig.starting_state import starting_state
+    from rollerrig.assembly.model import assemble
+    from rollerrig.simulation.run import begin
+    from rollerrig.simulation.starting_state import starting_state
 
     name, changes = CASES[case_name]
     model = assemble(load_case(name).with_changes({**changes, **LAWS[laws]}))

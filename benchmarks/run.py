@@ -176,9 +176,9 @@ def measure_numba(p, x0, repeat: int) -> tuple[Measurement, np.ndarray]:
 def states_along(case, count: int):
     """The assembled model of a fixed-step case, and its states after each of the first `count` steps, one per row."""
     from rollerrig import _core
-    from rollerrig.assembly import assemble
-    from rollerrig.simulation import begin
-    from rollerrig.starting_state import starting_state
+    from rollerrig.assembly.model import assemble
+    from rollerrig.simulation.run import begin
+    from rollerrig.simulation.starting_state import starting_state
 
     model = assemble(case)
     simulation = _core.Simulation(model.core)
@@ -194,9 +194,9 @@ def states_along(case, count: int):
 def measure_growth(repeat: int) -> list[tuple[str, str, float]]:
     """How rollerrig's cost grows: right-hand side over wheelsets [us], run over simulated time [ms of processor time]."""
     from rollerrig import _core, load_case
-    from rollerrig.assembly import assemble
-    from rollerrig.simulation import begin
-    from rollerrig.starting_state import starting_state
+    from rollerrig.assembly.model import assemble
+    from rollerrig.simulation.run import begin
+    from rollerrig.simulation.starting_state import starting_state
 
     fast = {"motion.speed": "200 km/h", "time.method": "rk4", "time.step": "0.25 ms"}
     hunting = load_case("bogie_rollers_constant").with_changes(fast)
@@ -228,9 +228,9 @@ def measure_rollerrig(repeat: int) -> Measurement | str:
     """
     try:
         from rollerrig import _core, load_case
-        from rollerrig.assembly import assemble
-        from rollerrig.simulation import begin
-        from rollerrig.starting_state import starting_state
+        from rollerrig.assembly.model import assemble
+        from rollerrig.simulation.run import begin
+        from rollerrig.simulation.starting_state import starting_state
     except ImportError as error:
         return f"rollerrig is not installed here ({error}): its column is missing."
 

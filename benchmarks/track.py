@@ -11,9 +11,9 @@ import numpy as np
 from run import best_time
 
 from rollerrig import _core, load_case
-from rollerrig.assembly import assemble
-from rollerrig.simulation import begin
-from rollerrig.starting_state import starting_state
+from rollerrig.assembly.model import assemble
+from rollerrig.simulation.run import begin
+from rollerrig.simulation.starting_state import starting_state
 
 CURVE = [
     {"kind": "straight", "length": 20.0},

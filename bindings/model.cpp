@@ -58,7 +58,7 @@ void bind_statics(nb::module_& m) {
 void bind_model(nb::module_& m) {
   bind_descriptions(m);
   bind_statics(m);
-  nb::class_<Model>(m, "Model", "Constant data of one assembled system; see rollerrig.assembly.")
+  nb::class_<Model>(m, "Model", "Constant data of one assembled system; see rollerrig.assembly.model.")
       .def_ro("gravity", &Model::gravity)
       .def("with_speed", &with_speed, "speed"_a, "The model at another running speed over time.");
   nb::class_<ModelBuilder>(m, "ModelBuilder", "Makes a model; each add_... returns an index.")

@@ -14,8 +14,8 @@ import pytest
 import xarray as xr
 
 import rollerrig as rr
+from rollerrig.common.input_files import LARGEST_TABLE, LARGEST_TEXT, InputError, read_input
 from rollerrig.config import ConfigError, load_any, load_material, load_profile, load_support, load_vehicle
-from rollerrig.input_files import LARGEST_TABLE, LARGEST_TEXT, InputError, read_input
 from rollerrig.irregularity import IrregularityError, read_measured_track
 from rollerrig.results import ResultsError, files, save_run
 from rollerrig.study.journal import NAME, Journal
@@ -163,14 +163,14 @@ OWN_FILES = {
     "catalog/starting_case.py": "a case that ships",
     "viewer/play.py": "a browser",
     "config/write/explain.py": "files that ship",
-    "contact_laws/table_file.py": "the table that ships",
-    "fmu/export.py": "the libraries that ship",
-    "input_files.py": "the door itself",
-    "memory.py": "of the kernel",
+    "assembly/creep_table.py": "the table that ships",
+    "interfaces/fmu/export.py": "the libraries that ship",
+    "common/input_files.py": "the door itself",
+    "common/memory.py": "of the kernel",
     "results/citation.py": "the sources that ship",
     "results/quantities.py": "the registry that ships",
     "study/paper.py": "the text of a report, which ships",
-    "realtime/links.py": "the memory of the server",
+    "interfaces/realtime/links.py": "the memory of the server",
     "study/report.py": "the template that ships",
     "viewer/page.py": "the page that ships",
 }

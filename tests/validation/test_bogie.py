@@ -7,7 +7,7 @@ import pytest
 from scipy.optimize import linear_sum_assignment
 
 from rollerrig import _core
-from rollerrig.assembly import AssembledModel
+from rollerrig.assembly.model import AssembledModel
 from validation.reference import Run, bogie, equilibrium, kmh, mm
 
 LATERAL, ROLL, YAW = 1, 3, 5

@@ -11,13 +11,13 @@ import numpy as np
 import pytest
 
 from rollerrig import load_case
-from rollerrig.actuators import assemble_with_actuators
 from rollerrig.analysis.slide_statistics import test_record as record_of
+from rollerrig.assembly.actuators import assemble_with_actuators
+from rollerrig.assembly.train_axles import train_mass
 from rollerrig.config import Case
 from rollerrig.config.schema.contact_law import FallingFriction
-from rollerrig.mechatronics.train_axles import train_mass
-from rollerrig.mechatronics.virtual_train import load_transfer, rail_patch
-from rollerrig.simulation import simulate
+from rollerrig.simulation.run import simulate
+from rollerrig.simulation.virtual_train import load_transfer, rail_patch
 from rollerrig.study.ensemble import starts
 from rollerrig.study.runs.adhesion import track_case
 from validation.independent_model.brake_test import Brake, BrakeTest, Rail

@@ -13,9 +13,9 @@ import numpy as np
 import pytest
 
 from rollerrig import _core
-from rollerrig.assembly import Assembly
+from rollerrig.assembly.model import Assembly
+from rollerrig.assembly.static_loads import static_loads
 from rollerrig.config import Case, Vehicle, load_case, load_vehicle
-from rollerrig.static_loads import static_loads
 
 VEHICLE = "manchester_vehicle_1"
 MOVING = ("car_body", "front_frame", "rear_frame")

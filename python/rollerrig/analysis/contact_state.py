@@ -17,7 +17,7 @@ from rollerrig.analysis.mode_names import HUNTING_SHARE, wheelset_lateral_share
 from rollerrig.analysis.modes import eigensystem, energy_shares, oscillates
 from rollerrig.cases import wheelsets
 from rollerrig.config import Case
-from rollerrig.starting_state import recorded_state
+from rollerrig.simulation.starting_state import recorded_state
 
 SLOW = 5 / 3.6
 """Speed at which the hunting mode is kinematic: inertia plays no part [m/s]."""

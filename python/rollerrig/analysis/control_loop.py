@@ -15,8 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rollerrig import _core
-from rollerrig.actuators import assemble_with_actuators
 from rollerrig.analysis.contact_state import rolling_state
+from rollerrig.assembly.actuators import assemble_with_actuators
+from rollerrig.assembly.core_struct import angular
 from rollerrig.cases import wheelsets, without_actuators
 from rollerrig.config import Case, Rig
 from rollerrig.config.schema.rig_control import (
@@ -31,8 +32,7 @@ from rollerrig.config.schema.rig_control import (
     SlidingMode,
     TorqueLoop,
 )
-from rollerrig.core_struct import angular
-from rollerrig.mechatronics.setup import (
+from rollerrig.simulation.mechatronics import (
     assumed_parameters,
     axle_torque,
     drive_command,

@@ -20,8 +20,8 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any, Generic, TypeVar
 
-from rollerrig import workers
-from rollerrig.blas_threads import one_blas_thread
+from rollerrig.common import workers
+from rollerrig.common.blas_threads import one_blas_thread
 
 A = TypeVar("A")
 R = TypeVar("R")

@@ -31,7 +31,7 @@ from rollerrig.analysis.hunting import HuntingRun
 from rollerrig.analysis.linearise import Lineariser
 from rollerrig.analysis.speed_map import modes_over_speed
 from rollerrig.config import Case
-from rollerrig.starting_state import StartError
+from rollerrig.simulation.starting_state import StartError
 
 HIGHEST_KMH = 600.0
 """Where a linear critical speed is looked for at most, unless higher speeds are asked for [km/h]: no train runs faster."""

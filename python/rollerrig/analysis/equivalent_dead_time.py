@@ -11,10 +11,10 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from rollerrig.actuators import assemble_with_actuators
+from rollerrig.assembly.actuators import assemble_with_actuators
 from rollerrig.config import Case
-from rollerrig.mechatronics.lags import lags
-from rollerrig.mechatronics.setup import assumed_parameters
+from rollerrig.simulation.lags import lags
+from rollerrig.simulation.mechatronics import assumed_parameters
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from rollerrig.blas_threads import one_blas_thread
+from rollerrig.common.blas_threads import one_blas_thread
 
 Series = NDArray[np.float64]
 

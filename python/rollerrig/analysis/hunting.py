@@ -20,7 +20,7 @@ from rollerrig.analysis.signals import FinalMotion, final_motion, half_waves
 from rollerrig.cases import at_speed, displaced, leading_wheelset
 from rollerrig.config import Case
 from rollerrig.results import RunInfo, variable
-from rollerrig.simulation import simulate
+from rollerrig.simulation.run import simulate
 
 LEAST_AMPLITUDE = 2e-5
 """A limit cycle below 0.02 mm is not counted as one [m]."""

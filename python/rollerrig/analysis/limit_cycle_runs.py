@@ -17,11 +17,11 @@ from rollerrig.analysis.crew import Progress
 from rollerrig.analysis.hunting import HuntingSettings, hunting_case
 from rollerrig.analysis.limit_cycle import LEAST_AMPLITUDE, CyclePoint, Diagram, is_settled
 from rollerrig.analysis.signals import half_waves
-from rollerrig.assembly import AssembledModel, assemble
+from rollerrig.assembly.model import AssembledModel, assemble
 from rollerrig.config import Case
 from rollerrig.results import Outcome, run_dataset, variable
-from rollerrig.simulation import begin, march, outcome
-from rollerrig.starting_state import starting_state
+from rollerrig.simulation.run import begin, march, outcome
+from rollerrig.simulation.starting_state import starting_state
 
 Vector = NDArray[np.float64]
 LastState = tuple[float, Vector]

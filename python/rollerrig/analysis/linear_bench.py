@@ -19,14 +19,14 @@ import numpy as np
 import xarray as xr
 
 from rollerrig import _core
-from rollerrig.actuators import assemble_with_actuators
 from rollerrig.analysis.linear_system import LinearSystem, Matrix
-from rollerrig.assembly import AssembledModel, assemble
+from rollerrig.assembly.actuators import assemble_with_actuators
+from rollerrig.assembly.core_struct import angular
+from rollerrig.assembly.model import AssembledModel, assemble
 from rollerrig.cases import as_case, at_speed, wheelsets
 from rollerrig.config import Case, ConfigError, ConfigProblem, Motor
 from rollerrig.config.errors import nearest
-from rollerrig.core_struct import angular
-from rollerrig.starting_state import StartError, starting_state
+from rollerrig.simulation.starting_state import StartError, starting_state
 
 if TYPE_CHECKING:
     import control

@@ -14,10 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rollerrig import _core
-from rollerrig.assembly import AssembledModel, assemble
+from rollerrig.assembly.model import AssembledModel, assemble
 from rollerrig.cases import at_speed
 from rollerrig.config import Case
-from rollerrig.starting_state import StartError
+from rollerrig.simulation.starting_state import StartError
 
 Matrix = NDArray[np.float64]
 

@@ -21,11 +21,11 @@ from scipy.linalg import expm
 from rollerrig import _core
 from rollerrig.analysis.control_loop import Loop, Wheel
 from rollerrig.analysis.linearise import DIRECTIONS
-from rollerrig.assembly import assemble
-from rollerrig.blas_threads import one_blas_thread
+from rollerrig.assembly.model import assemble
 from rollerrig.cases import without_actuators
+from rollerrig.common.blas_threads import one_blas_thread
 from rollerrig.config import Case, Rig
-from rollerrig.starting_state import starting_state
+from rollerrig.simulation.starting_state import starting_state
 
 Array = NDArray[np.float64]
 

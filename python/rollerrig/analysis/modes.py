@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from scipy.linalg import eig
 
 from rollerrig.analysis.linearise import Linearisation
-from rollerrig.blas_threads import one_blas_thread
+from rollerrig.common.blas_threads import one_blas_thread
 
 Complex = NDArray[np.complex128]
 Matrix = NDArray[np.float64]

@@ -20,11 +20,11 @@ from numpy.typing import NDArray
 
 from rollerrig import _core
 from rollerrig.analysis.hunting import HuntingSettings, hunting_case
-from rollerrig.assembly import AssembledModel, assemble
+from rollerrig.assembly.model import AssembledModel, assemble
 from rollerrig.config import Case
 from rollerrig.results import RunInfo, add_energy_audit, run_draft
-from rollerrig.simulation import begin, march, outcome
-from rollerrig.starting_state import starting_state
+from rollerrig.simulation.run import begin, march, outcome
+from rollerrig.simulation.starting_state import starting_state
 
 Vector = NDArray[np.float64]
 

@@ -16,13 +16,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rollerrig import _core
-from rollerrig.assembly import AssembledModel, assemble
+from rollerrig.assembly.contact_laws import core_law
+from rollerrig.assembly.model import AssembledModel, assemble
+from rollerrig.assembly.train_axles import train_mass
 from rollerrig.config import Case, Condition, Rig, SlideProtection, WheelSlipControl
 from rollerrig.config.schema.contact_law import ConstantFriction
-from rollerrig.contact_laws import core_law
-from rollerrig.mechatronics.setup import rotor_inertia, wheelset_inertia
-from rollerrig.mechatronics.train_axles import train_mass
-from rollerrig.mechatronics.virtual_train import load_transfer, rail_patch
+from rollerrig.simulation.mechatronics import rotor_inertia, wheelset_inertia
+from rollerrig.simulation.virtual_train import load_transfer, rail_patch
 
 Array = NDArray[np.float64]
 

@@ -18,8 +18,8 @@ from numpy.typing import NDArray
 
 from rollerrig import _core
 from rollerrig.analysis.fits import Fit, fit
+from rollerrig.assembly.contact_laws import core_law
 from rollerrig.config import Case, Rig
-from rollerrig.contact_laws import core_law
 from rollerrig.results import variable
 
 Series = NDArray[np.float64]

@@ -30,9 +30,9 @@ from numpy.typing import NDArray
 
 from rollerrig.analysis.filters import low_pass, sliding_mean
 from rollerrig.analysis.track_sections import section_names
-from rollerrig.recording import MOST_READINGS, READING_STEP
 from rollerrig.results.readings import DIMENSION, PREFIX, readings_of
 from rollerrig.results.run_info import RunInfo
+from rollerrig.simulation.recording import MOST_READINGS, READING_STEP
 from rollerrig.track import nadal_limit
 
 FORCE_CUTOFF = 20.0

@@ -25,7 +25,7 @@ def command(
     allow_code: AllowCode = False,
 ) -> None:
     """Write everything that a run of a case needs into one file, for other tools and without Python."""
-    from rollerrig.plant import assemble_file, contents, read_model
+    from rollerrig.interfaces.plant import assemble_file, contents, read_model
 
     roles = [name.strip() for name in external.split(",") if name.strip()]
     path = assemble_file(read_case(case, allow_code=allow_code, changes=change), out, external=roles, force=force)

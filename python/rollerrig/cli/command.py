@@ -127,7 +127,7 @@ def carry_out(
         refused: errors of the study that are the user's.
         executor: that does the jobs in place of processes of this machine.
     """
-    from rollerrig.wording import number
+    from rollerrig.common.formatting import number
 
     made = not out.exists()
     try:

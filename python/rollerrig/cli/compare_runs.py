@@ -23,10 +23,10 @@ def command(
     """Lay your own runs over each other: a picture, and by how much each differs from the first one."""
     kind = picture_kind(out)
     from rollerrig.analysis.runs_together import compare_runs
+    from rollerrig.common.formatting import number
     from rollerrig.plot import figure_bytes, runs_together
     from rollerrig.plot.runs_together import shown_unit
     from rollerrig.results import ResultsError, load_run, output_file, write_bytes
-    from rollerrig.wording import number
 
     output_file(out, force=force)
     try:

@@ -6,11 +6,11 @@ from collections.abc import Iterable, Sequence
 
 import xarray as xr
 
-from rollerrig.assembly import AssembledModel, assemble
+from rollerrig.assembly.model import AssembledModel, assemble
 from rollerrig.cli.describe_actuators import actuator_lines
 from rollerrig.cli.describe_track import irregularity_lines, line_rows
 from rollerrig.config import Case, Element, Material, ProfileSpec, Programme, Rig, Track, Vehicle
-from rollerrig.starting_state import degrees_of_freedom, equilibrium_dataset
+from rollerrig.simulation.starting_state import degrees_of_freedom, equilibrium_dataset
 
 Part = Vehicle | Rig | Track | Material | ProfileSpec | Programme
 

@@ -5,13 +5,13 @@ Case -> [describe_actuators] -> lines
 
 from __future__ import annotations
 
-from rollerrig.actuators import assemble_with_actuators
-from rollerrig.assembly import AssembledModel
+from rollerrig.assembly.actuators import assemble_with_actuators
+from rollerrig.assembly.model import AssembledModel
 from rollerrig.config import Case, Rig, code_of
 from rollerrig.config.schema.rig_control import BandwidthEstimator
-from rollerrig.mechatronics import COMMANDS, fmu_controller, look_at_controller, users_controllers
-from rollerrig.mechatronics.lags import lags
-from rollerrig.mechatronics.setup import estimator_response, feedback_gains, full_brake_torque, rig_controller
+from rollerrig.simulation.controllers import COMMANDS, fmu_controller, look_at_controller, users_controllers
+from rollerrig.simulation.lags import lags
+from rollerrig.simulation.mechatronics import estimator_response, feedback_gains, full_brake_torque, rig_controller
 
 _WORDS = {
     "proportional_integral": "proportional-integral feedback",

@@ -30,9 +30,9 @@ def command(
     allow_code: AllowCode = False,
 ) -> None:
     """A case as an FMU (Functional Mock-up Unit) for Simulink, Dymola, FMPy and others; no compiler is needed."""
-    from rollerrig.fmu.export import ExportError, export_fmu
-    from rollerrig.fmu.part import export_part
-    from rollerrig.fmu.shells import WINDOWS, shells
+    from rollerrig.interfaces.fmu.export import ExportError, export_fmu
+    from rollerrig.interfaces.fmu.part import export_part
+    from rollerrig.interfaces.fmu.shells import WINDOWS, shells
 
     roles = [role.strip() for role in external.split(",") if role.strip()]
     whole = read_case(case, allow_code=allow_code, changes=change)

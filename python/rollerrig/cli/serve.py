@@ -71,7 +71,7 @@ def command(
 ) -> None:
     """The rig as a server for a controller in another process or on a test bench, in real time."""
     from rollerrig.cli import serving
-    from rollerrig.realtime.server import check_rate, open_server
+    from rollerrig.interfaces.realtime.server import check_rate, open_server
 
     address, port = serving.address_of(udp, shm, case)
     kept = None if replay is None else serving.read_record(replay)

@@ -17,8 +17,8 @@ from rollerrig.cli.command import read_case
 from rollerrig.cli.termination import stop
 
 if TYPE_CHECKING:
-    from rollerrig.realtime.served import Served
-    from rollerrig.realtime.server import Ended
+    from rollerrig.interfaces.realtime.served import Served
+    from rollerrig.interfaces.realtime.server import Ended
 
 LOOPBACK = "127.0.0.1"
 LOOK_SECONDS = 0.25
@@ -69,8 +69,8 @@ def prepared(
     allow_code: bool,
 ) -> Served:
     """The rig of a case or of a model file."""
-    from rollerrig.plant import ModelFileError, read_model
-    from rollerrig.realtime.served import serve_case, serve_model
+    from rollerrig.interfaces.plant import ModelFileError, read_model
+    from rollerrig.interfaces.realtime.served import serve_case, serve_model
 
     if not case.endswith(".model"):
         roles = None if external is None else [name.strip() for name in external.split(",") if name.strip()]
@@ -104,7 +104,7 @@ def opening_lines(served: Served, address: str, port: int, *, lock_step: bool) -
 
 def run_watched(server: Any, *, live: bool) -> Ended:
     """Run a server; Ctrl-C ends it after the period at work."""
-    from rollerrig.realtime.server import run_server
+    from rollerrig.interfaces.realtime.server import run_server
 
     found: list[Ended] = []
     failed: list[BaseException] = []
@@ -145,7 +145,7 @@ def table(statistics: dict[str, Any]) -> Any:
     """State, deadlines and frames of a server as they are now."""
     from rich.table import Table
 
-    from rollerrig.realtime.frames import STATES
+    from rollerrig.interfaces.realtime.frames import STATES
 
     view = Table(title=f"{STATES[statistics['state']]}, t = {statistics['time']:.2f} s", title_justify="left")
     for heading in ("", "median", "99 %", "99.99 %", "longest"):
@@ -244,7 +244,7 @@ def replayed(served: Served, kept: dict[str, Any], path: str) -> str:
     """Run with the commands of a record; the sentence that says whether the sensors are the same, byte for byte."""
     import numpy as np
 
-    from rollerrig.realtime.server import replay
+    from rollerrig.interfaces.realtime.server import replay
 
     now = {"inputs": [v.name for v in served.inputs], "outputs": [v.name for v in served.outputs]}
     for what, names in now.items():

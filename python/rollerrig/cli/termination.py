@@ -48,7 +48,7 @@ def exit_code(status: str) -> int:
 
 def _with_file(message: str, options: Mapping[str, object]) -> str:
     """The message with the user's file in place of the name of the case in it: what is found late knows only the name."""
-    from rollerrig.input_files import LARGEST_TEXT, read_input
+    from rollerrig.common.input_files import LARGEST_TEXT, read_input
 
     source = str(options.get("case") or options.get("file") or "")
     try:
@@ -68,7 +68,7 @@ def readable_errors(command: Callable[P, R]) -> Callable[P, R]:
     def wrapped(*arguments: P.args, **options: P.kwargs) -> R:
         from rollerrig.config import ConfigError
         from rollerrig.results import OutputError
-        from rollerrig.starting_state import StartError
+        from rollerrig.simulation.starting_state import StartError
 
         try:
             return command(*arguments, **options)

@@ -13,12 +13,12 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from rollerrig.assembly import assemble
+from rollerrig.assembly.model import assemble
+from rollerrig.common.formatting import number
 from rollerrig.config import Case
 from rollerrig.config.schema.contact_law import NORMAL_LAWS
 from rollerrig.contact_analysis.static_contact import contact_table, leading_wheelset
 from rollerrig.results import variable
-from rollerrig.wording import number
 
 QUANTITIES = {
     "patches": ("1", "patches under load, each counted with its weight"),

@@ -16,15 +16,15 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from rollerrig import _core
-from rollerrig.assembly import assemble
+from rollerrig.assembly.contact_laws import core_law
+from rollerrig.assembly.model import assemble
 from rollerrig.config import Case
 from rollerrig.config.schema.contact_law import CREEP_LAWS, NORMAL_LAWS
 from rollerrig.config.schema.vehicle import DIRECTIONS
 from rollerrig.contact_analysis.creep_laws import ASPECTS, creepage_units, seconds_per_call
 from rollerrig.contact_analysis.static_contact import contact_table, leading_wheelset
-from rollerrig.contact_laws import core_law
 from rollerrig.results import variable
-from rollerrig.starting_state import equilibrium
+from rollerrig.simulation.starting_state import equilibrium
 
 Array = NDArray[np.float64]
 

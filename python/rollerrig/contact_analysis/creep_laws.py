@@ -16,7 +16,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from rollerrig import _core
-from rollerrig.contact_laws import CoreLaw
+from rollerrig.assembly.contact_laws import CoreLaw
 from rollerrig.results import variable
 
 Array = NDArray[np.float64]

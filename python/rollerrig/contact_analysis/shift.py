@@ -20,7 +20,7 @@ import numpy as np
 import xarray as xr
 
 from rollerrig import _core
-from rollerrig.assembly import assemble
+from rollerrig.assembly.model import assemble
 from rollerrig.config import Case, Rig
 from rollerrig.contact_analysis.static_contact import leading_wheelset
 from rollerrig.profiles import ProfileTable

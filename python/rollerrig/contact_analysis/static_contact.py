@@ -15,7 +15,7 @@ import numpy as np
 import xarray as xr
 
 from rollerrig import _core
-from rollerrig.assembly import AssembledModel, assemble
+from rollerrig.assembly.model import AssembledModel, assemble
 from rollerrig.config import Case
 from rollerrig.results import variable
 

@@ -15,7 +15,7 @@ from typing import Literal, get_args
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from rollerrig.splines import pieces
+from rollerrig.common.splines import pieces
 
 FloatArray = NDArray[np.float64]
 Component = Literal["alignment", "vertical", "cross_level", "gauge"]

@@ -16,7 +16,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from rollerrig.input_files import LARGEST_TABLE, read_input
+from rollerrig.common.input_files import LARGEST_TABLE, read_input
 
 from .course import Course, check_order, check_stray
 from .errors import ProfileError

@@ -22,7 +22,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from rollerrig.splines import pieces, quasi_interpolant
+from rollerrig.common.splines import pieces, quasi_interpolant
 
 from .errors import ProfileError
 

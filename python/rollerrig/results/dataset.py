@@ -22,7 +22,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from rollerrig import __version__, _core
-from rollerrig.assembly import AssembledModel
+from rollerrig.assembly.model import AssembledModel
 from rollerrig.results import run_info
 from rollerrig.results.citation import sources_of
 

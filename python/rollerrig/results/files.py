@@ -19,8 +19,8 @@ from typing import IO, Any
 import numpy as np
 import xarray as xr
 
-from rollerrig.input_files import check_input
-from rollerrig.memory import available_memory
+from rollerrig.common.input_files import check_input
+from rollerrig.common.memory import available_memory
 from rollerrig.results.marks import PROGRAM, exists, is_ours
 
 FORMAT = 2

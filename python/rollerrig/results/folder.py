@@ -21,8 +21,8 @@ from pathlib import Path, PurePosixPath, PureWindowsPath
 from types import TracebackType
 
 from rollerrig import __version__
+from rollerrig.common.input_files import MEGABYTE, open_input, read_input
 from rollerrig.config import Case
-from rollerrig.input_files import MEGABYTE, open_input, read_input
 from rollerrig.results.files import OutputError, output_folder, write_new
 from rollerrig.results.marks import PROGRAM, exists
 

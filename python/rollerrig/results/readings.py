@@ -2,7 +2,7 @@
 
     readings of the core -> Recording -> [add_readings] -> variables over `reading_time`
 
-They are what forces are filtered from: rollerrig.recording says why.
+They are what forces are filtered from: rollerrig.simulation.recording says why.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from rollerrig import _core
-from rollerrig.assembly import AssembledModel
+from rollerrig.assembly.model import AssembledModel
 from rollerrig.results.dataset import Draft, variable
 
 PREFIX = "reading_"

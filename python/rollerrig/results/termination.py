@@ -11,7 +11,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from rollerrig.assembly import AssembledModel
+from rollerrig.assembly.model import AssembledModel
 from rollerrig.config import Track
 from rollerrig.profiles.table import STEEPEST_SLOPE, ProfileTable
 from rollerrig.results.dataset import Draft

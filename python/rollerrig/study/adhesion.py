@@ -26,11 +26,12 @@ from rollerrig.analysis.equivalent_dead_time import DeadTime, predicted_dead_tim
 from rollerrig.analysis.rig_fidelity import by_own_motion, point_by_point
 from rollerrig.analysis.slide_statistics import SLIP_EDGES, TestRecord, axle_load, test_record
 from rollerrig.analysis.tracking import under_test, wheel_radius
+from rollerrig.common.formatting import number, percent
 from rollerrig.config import Case
 from rollerrig.plot import adhesion as figures
 from rollerrig.plot.causes import cause_bars, dead_time_curve, slip_histogram
 from rollerrig.results import COMPLETED
-from rollerrig.simulation import simulate
+from rollerrig.simulation.run import simulate
 from rollerrig.study.assessment import SHOWN
 from rollerrig.study.ensemble import (
     dead_times,
@@ -70,7 +71,6 @@ from rollerrig.study.runs.adhesion import (
     verdict_rows,
 )
 from rollerrig.study.variants import start_jobs, start_name, started
-from rollerrig.wording import number, percent
 
 QUANTITIES = Quantities("adhesion")
 RUN, RIG = ([q.key.split(".")[1] for q in QUANTITIES.below(on) if q.key.endswith(".mean")] for on in ("*", "rig"))

@@ -17,10 +17,11 @@ from typing import Any
 
 import xarray as xr
 
+from rollerrig.common.formatting import number, percent
 from rollerrig.config import Case, ConfigError, ConfigProblem, Rig
 from rollerrig.config.errors import nearest
-from rollerrig.mechatronics import users_controllers
 from rollerrig.plot import control as figures
+from rollerrig.simulation.controllers import users_controllers
 from rollerrig.study.frame import Study
 from rollerrig.study.jobs import Done, Round, job
 from rollerrig.study.lag_compensation import (
@@ -55,7 +56,6 @@ from rollerrig.study.runs.control import (
     references,
     run_variant,
 )
-from rollerrig.wording import number, percent
 
 QUANTITIES = Quantities("control")
 

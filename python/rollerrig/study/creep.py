@@ -11,8 +11,8 @@ from typing import Any
 
 import xarray as xr
 
+from rollerrig.assembly.contact_laws import creep_law
 from rollerrig.contact_analysis.creep_laws import COMPONENTS, DEMANDS, REFERENCE, compare_laws, error_table
-from rollerrig.contact_laws import creep_law
 from rollerrig.plot.creep import creep_figure
 from rollerrig.study.frame import Study
 from rollerrig.study.jobs import Done, Round, job

@@ -18,10 +18,10 @@ from scipy.special import stdtrit
 
 from rollerrig.analysis.equivalent_dead_time import DeadTime, at_track_of
 from rollerrig.analysis.slide_statistics import TestRecord, test_record
+from rollerrig.common.formatting import number
 from rollerrig.config import Case
 from rollerrig.study.assessment import Interval
 from rollerrig.study.jobs import Progress, whole_run
-from rollerrig.wording import number
 
 SPEED = 3e-3
 """The start is faster or slower by up to this [m/s]: 0.01 % of 120 km/h."""

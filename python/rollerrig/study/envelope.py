@@ -21,6 +21,7 @@ from rollerrig.analysis.envelope_borders import Border, borders, slides
 from rollerrig.analysis.rig_limits import FULL_SLIDING, LINES, SLIDES
 from rollerrig.analysis.run_limits import LEAST_DURATION, NUMBERS, REGIONS, REPRODUCED, TRACKING_LIMIT
 from rollerrig.cases import as_case
+from rollerrig.common.formatting import number
 from rollerrig.config import Case, ConfigError, ConfigProblem, Rig
 from rollerrig.config.validate.simulated_axles import simulated_axles
 from rollerrig.plot import envelope as figures
@@ -46,7 +47,6 @@ from rollerrig.study.runs.envelope import (
     run_point,
     torque_text,
 )
-from rollerrig.wording import number
 
 
 def run_rows(found: xr.Dataset) -> list[list[object]]:

@@ -22,7 +22,7 @@ from rollerrig.analysis import stability
 from rollerrig.analysis.parallel import run_jobs
 from rollerrig.config import Case
 from rollerrig.results import output_folder
-from rollerrig.simulation import simulate
+from rollerrig.simulation.run import simulate
 from rollerrig.study.journal import Journal
 
 Progress = Callable[[float, str], None]

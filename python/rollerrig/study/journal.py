@@ -23,9 +23,9 @@ import numpy as np
 import xarray as xr
 
 from rollerrig import __version__
+from rollerrig.common.input_files import MEGABYTE, read_input
 from rollerrig.config import ConfigError, ConfigProblem
 from rollerrig.config.errors import show_value
-from rollerrig.input_files import MEGABYTE, read_input
 from rollerrig.results import OutputError, load_run, output_folder, save_run, write_bytes
 
 NAME, DATA = "jobs.jsonl", "jobs"

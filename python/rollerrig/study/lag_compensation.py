@@ -10,11 +10,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from rollerrig.actuators import assemble_with_actuators
 from rollerrig.analysis.tracking import under_test
+from rollerrig.assembly.actuators import assemble_with_actuators
+from rollerrig.common.formatting import number
 from rollerrig.config import Case
 from rollerrig.config.schema.rig_control import BandwidthEstimator
-from rollerrig.mechatronics.lags import lags
+from rollerrig.simulation.lags import lags
 from rollerrig.study.ensemble import Estimate, measured_dead_time
 from rollerrig.study.jobs import Done, Progress, Round, job, whole_run
 from rollerrig.study.quantities import Numbers, Quantities
@@ -22,7 +23,6 @@ from rollerrig.study.report import Block, Table, Text
 from rollerrig.study.runs.adhesion import track_case
 from rollerrig.study.runs.control import Changes
 from rollerrig.study.variants import means, start_jobs, started
-from rollerrig.wording import number
 
 TRACK = "track"
 NONE: Changes = {"rig_control.axle_torque.kind": "estimated", "rig_control.drive_command.kind": "direct"}

@@ -28,6 +28,7 @@ from rollerrig.analysis.lateral_guidance import (
     train_slip,
 )
 from rollerrig.analysis.tracking import following, largest, real_sliding, wheel_radius
+from rollerrig.common.formatting import number, percent
 from rollerrig.config import Case, Condition, ConfigError, ConfigProblem, Rig
 from rollerrig.config.validate.simulated_axles import simulated_axles
 from rollerrig.plot import lateral as figures
@@ -38,7 +39,6 @@ from rollerrig.study.quantities import Numbers, Quantities
 from rollerrig.study.report import VIEW, Block, Picture, Section, Text
 from rollerrig.study.runs.adhesion import track_case
 from rollerrig.study.variants import means, start_jobs, started
-from rollerrig.wording import number, percent
 
 MEMBERS = 8
 """Runs of an ensemble, the case itself included."""

@@ -13,7 +13,6 @@ from typing import Any
 
 import numpy as np
 
-from rollerrig.actuators import friction_brake
 from rollerrig.analysis.control_loop import Loop, creep_slope, loop_of, margins
 from rollerrig.analysis.loop_stability import (
     ABOVE,
@@ -26,13 +25,14 @@ from rollerrig.analysis.loop_stability import (
 )
 from rollerrig.analysis.torque_ripple import torque_ripple
 from rollerrig.analysis.tracking import wheel_radius
+from rollerrig.assembly.actuators import friction_brake
+from rollerrig.common.formatting import number
 from rollerrig.config import Case
 from rollerrig.plot.control import loop_growth
 from rollerrig.study.jobs import Done, Progress, Round, job, whole_run
 from rollerrig.study.quantities import Numbers, Quantities
 from rollerrig.study.report import Block, Picture, Table, Text
 from rollerrig.study.runs.control import ESTIMATORS, RIPPLE_CRITERION
-from rollerrig.wording import number
 
 FACTORS = tuple(float(f) for f in np.geomspace(1.0, 256.0, 25))
 """On the gains of the PI controller, in the runs that measure its stability."""

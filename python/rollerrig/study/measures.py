@@ -21,6 +21,7 @@ from rollerrig.analysis import filtered
 from rollerrig.analysis.critical_speed import onset_from
 from rollerrig.analysis.slide_statistics import TestRecord
 from rollerrig.analysis.wheel_rail_forces import wheel_forces
+from rollerrig.assembly.contact_laws import core_law
 from rollerrig.config import Case, case_from_toml
 from rollerrig.config.schema.plan import (
     AdhesionMeasure,
@@ -31,7 +32,6 @@ from rollerrig.config.schema.plan import (
     StabilityMeasure,
 )
 from rollerrig.contact_analysis.static_contact import contact_table
-from rollerrig.contact_laws import core_law
 from rollerrig.results import COMPLETED, RunInfo
 from rollerrig.study.ensemble import recorded
 from rollerrig.study.jobs import Progress, whole_modes, whole_run

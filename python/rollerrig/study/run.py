@@ -17,17 +17,17 @@ from rollerrig.analysis.assessment import Assessment, Row, assess, table
 from rollerrig.analysis.lateral_rest import LateralRest, lateral_rest
 from rollerrig.analysis.track_sections import curved, irregular
 from rollerrig.analysis.wheel_rail_forces import STATISTICS
+from rollerrig.common.formatting import number
 from rollerrig.config import Case
 from rollerrig.plot.run import energy_over_time, motion_over_time, sliding_over_time
 from rollerrig.plot.wheel_rail_forces import line_and_response
 from rollerrig.results import motion_table, summarise, wheel_table
-from rollerrig.simulation import simulate
+from rollerrig.simulation.run import simulate
 from rollerrig.study import running_safety
 from rollerrig.study.frame import Study
 from rollerrig.study.jobs import Done, Round, job
 from rollerrig.study.quantities import Numbers, Quantities, Quantity
 from rollerrig.study.report import VIEW, Block, Picture, Section, Table
-from rollerrig.wording import number
 
 _LIMITED = {"derailment_quotient": "Y/Q", "guiding_force_sum": "ΣY"}
 """Quantities with a limit."""

@@ -27,6 +27,7 @@ from rollerrig.analysis.scaled_model import (
     run_numbers,
 )
 from rollerrig.analysis.tracking import wheel_radius
+from rollerrig.common.formatting import number, percent
 from rollerrig.config import Case
 from rollerrig.config.write.toml import to_short_toml
 from rollerrig.plot import scaled as figures
@@ -43,12 +44,11 @@ from rollerrig.similitude import (
     requirements,
     scale_case,
 )
-from rollerrig.simulation import simulate
+from rollerrig.simulation.run import simulate
 from rollerrig.study.frame import Study
 from rollerrig.study.jobs import Done, Round, job
 from rollerrig.study.quantities import Numbers, Quantities
 from rollerrig.study.report import Picture, Section, Table
-from rollerrig.wording import number, percent
 
 
 def deviation(value: float) -> str:

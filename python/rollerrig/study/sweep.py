@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from rollerrig.common.formatting import number
 from rollerrig.config import Case, ConfigError, ConfigProblem, Plan, WholePlan, plan_of_case
 from rollerrig.config.errors import nearest, one_of, show_value
 from rollerrig.config.validate.messages import validate
@@ -37,7 +38,6 @@ from rollerrig.study.runs.sweep import (
     sweep_dataset,
     sweep_rows,
 )
-from rollerrig.wording import number
 
 MOST_PICTURED = 12
 """Numbers that have pictures of their own; all are in the tables and files."""

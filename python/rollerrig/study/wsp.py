@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rollerrig.analysis.slide_statistics import SLIP_EDGES
+from rollerrig.common.formatting import number
 from rollerrig.config import CRITERIA, Case, Programme
 from rollerrig.config.schema.programme import BrakedRun
 from rollerrig.config.write.toml import to_toml
@@ -43,7 +44,6 @@ from rollerrig.study.runs.wsp import (
     verdict_of,
 )
 from rollerrig.study.variants import start_jobs, start_name
-from rollerrig.wording import number
 
 Tests = Mapping[Support, StopTests]
 ON: Mapping[Support, str] = {"track": "track", "rig": "the rig"}

@@ -13,7 +13,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from rollerrig import _core
-from rollerrig.assembly import AssembledModel
+from rollerrig.assembly.model import AssembledModel
 from rollerrig.config import Track
 from rollerrig.config.schema.rail_layout import NOWHERE, rail_layout
 

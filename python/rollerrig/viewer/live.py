@@ -13,11 +13,11 @@ from collections.abc import Mapping
 from typing import Any
 
 from rollerrig import _core
-from rollerrig.assembly import AssembledModel, assemble
+from rollerrig.assembly.model import AssembledModel, assemble
 from rollerrig.cases import leading_wheelset, wheelsets
 from rollerrig.config import Case, ConfigError
-from rollerrig.plant import assembled_model
-from rollerrig.starting_state import StartError
+from rollerrig.interfaces.plant import assembled_model
+from rollerrig.simulation.starting_state import StartError
 from rollerrig.viewer import parts
 from rollerrig.viewer.live_contacts import PATCH, LiveContacts
 from rollerrig.viewer.plots import plots

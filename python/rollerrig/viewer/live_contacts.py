@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from functools import partial
 
 from rollerrig import _core
-from rollerrig.assembly import AssembledModel
+from rollerrig.assembly.model import AssembledModel
 from rollerrig.viewer.contact_places import seen_from_rail, static_contact, support_under
 
 PATCH = (

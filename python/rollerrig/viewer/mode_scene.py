@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from rollerrig.assembly import assemble
+from rollerrig.assembly.model import assemble
 from rollerrig.config import ConfigError, case_from_toml
 from rollerrig.results import ResultsError
 from rollerrig.viewer import parts

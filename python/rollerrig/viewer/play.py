@@ -20,7 +20,7 @@ from typing import Any
 
 from rollerrig.cases import as_case
 from rollerrig.config import Case, ConfigError
-from rollerrig.starting_state import StartError
+from rollerrig.simulation.starting_state import StartError
 from rollerrig.viewer.live import FRAME, LiveRun
 from rollerrig.viewer.page import live_page
 

@@ -14,7 +14,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from rollerrig.assembly import AssembledModel, assemble
+from rollerrig.assembly.model import AssembledModel, assemble
 from rollerrig.config import ConfigError, case_from_toml
 from rollerrig.results import ResultsError, RunInfo
 from rollerrig.viewer import parts

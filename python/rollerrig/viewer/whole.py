@@ -10,13 +10,13 @@ from pathlib import Path
 
 import xarray as xr
 
+from rollerrig.common.formatting import number
 from rollerrig.results import ResultsError, RunInfo, load_run, output_file, write_text
 from rollerrig.results.run_info import ATTRIBUTE
 from rollerrig.viewer.columns import MOST_FRAMES
 from rollerrig.viewer.mode_scene import holds_modes, mode_scene
 from rollerrig.viewer.page import page
 from rollerrig.viewer.scene import model_of, run_scene
-from rollerrig.wording import number
 
 Run = xr.Dataset | str | Path
 

@@ -11,13 +11,13 @@ import scipy.optimize
 from threadpoolctl import threadpool_info, threadpool_limits
 
 import rollerrig
-from rollerrig import eigenvalues
 from rollerrig.analysis import loop_stability, modes, stability
 from rollerrig.analysis.fits import fit
 from rollerrig.analysis.parallel import run_jobs
-from rollerrig.blas_threads import one_blas_thread
+from rollerrig.common import eigenvalues
+from rollerrig.common.blas_threads import one_blas_thread
 from rollerrig.config import load_case
-from rollerrig.simulation import simulate
+from rollerrig.simulation.run import simulate
 
 
 def threads() -> set[int]:
@@ -129,4 +129,6 @@ def test_no_module_solves_matrices_without_it() -> None:
         if (imported | of_linalg) & SOLVERS:
             users.append(path.name)
             assert "@one_blas_thread()" in text or "with one_blas_thread():" in text, path
-    assert {"modes.py", "eigenvalues.py", "restraint.py", "loop_stability.py", "fits.py"} <= set(users)
+    assert {"modes.py", "common/eigenvalues.py", "simulation/restraint.py", "loop_stability.py", "fits.py"} <= set(
+        users
+    )

@@ -10,11 +10,11 @@ from typer.testing import CliRunner
 
 import rollerrig as rr
 from rollerrig import ConfigError, _core
-from rollerrig.actuators import friction_brake
 from rollerrig.analysis.linear_bench import LinearBench
 from rollerrig.analysis.measured_response import measured_response
+from rollerrig.assembly.actuators import friction_brake
 from rollerrig.cli.app import build_app
-from rollerrig.starting_state import StartError, starting_state
+from rollerrig.simulation.starting_state import StartError, starting_state
 from rollerrig.study.runs.adhesion import track_case
 
 PRESSURE, SPEED = 2e5, 25.0  # [Pa], [m/s]

@@ -17,9 +17,9 @@ from rollerrig.analysis import linear_bench
 from rollerrig.analysis.linear_bench import LinearBench
 from rollerrig.analysis.linear_system import margins_of
 from rollerrig.analysis.linearise import linearise
-from rollerrig.assembly import assemble
+from rollerrig.assembly.model import assemble
 from rollerrig.config import ConfigError
-from rollerrig.starting_state import starting_state
+from rollerrig.simulation.starting_state import starting_state
 
 COMMAND, SPEED = "wheelset_1.roller_torque_command", "wheelset_1.axle_speed"
 

@@ -20,7 +20,7 @@ from rollerrig.analysis.wheel_rail_forces import (
     statistics,
     wheel_forces,
 )
-from rollerrig.assembly import assemble
+from rollerrig.assembly.model import assemble
 from rollerrig.profiles import flange_angle, profile_from_spec
 from rollerrig.track import nadal_limit
 

@@ -17,7 +17,7 @@ from rollerrig.cli.describe import describe_case
 from rollerrig.config import Case, ConfigError, json_schema, load_case, reference_markdown
 from rollerrig.config.schema.units import Quantity
 from rollerrig.config.validate.messages import item_label
-from rollerrig.starting_state import StartError
+from rollerrig.simulation.starting_state import StartError
 
 from .schema_walk import Place, Raw, WholeNumber, build, inner, numbers_in, places, put, tables, whole_cases, with_value
 

@@ -7,10 +7,10 @@ import math
 import numpy as np
 
 from rollerrig import _core
-from rollerrig.assembly import assemble
+from rollerrig.assembly.model import assemble
 from rollerrig.config import load_case
-from rollerrig.simulation import begin
-from rollerrig.starting_state import starting_state
+from rollerrig.simulation.run import begin
+from rollerrig.simulation.starting_state import starting_state
 
 
 def run_to_the_end(name: str, changes: dict[str, object]) -> _core.Simulation:

@@ -12,8 +12,8 @@ import pytest
 
 from rollerrig import catalog_entries, export_fmu, load_case, simulate
 from rollerrig.cli import main
-from rollerrig.fmu.shells import shells
-from rollerrig.fmu.units import base_units
+from rollerrig.interfaces.fmu.shells import shells
+from rollerrig.interfaces.fmu.units import base_units
 
 fmpy = pytest.importorskip("fmpy", reason="FMPy is an optional dependency")
 validation = pytest.importorskip("fmpy.validation")

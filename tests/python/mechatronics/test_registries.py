@@ -8,7 +8,8 @@ import pytest
 from pydantic import BaseModel
 
 from rollerrig import _core
-from rollerrig.actuators import friction_brake, pneumatics
+from rollerrig.assembly.actuators import friction_brake, pneumatics
+from rollerrig.assembly.core_struct import core_struct
 from rollerrig.config import Brake, Case, Encoder, ForceSensor, Motor, Sensors
 from rollerrig.config.schema.contact_law import kinds
 from rollerrig.config.schema.electrodynamic_brake import AnyElectrodynamicBrake
@@ -19,7 +20,6 @@ from rollerrig.config.schema.sensors import AnySpeedSensor
 from rollerrig.config.schema.slide_protection import AnySlideProtection
 from rollerrig.config.schema.track_brake import AnyTrackBrake
 from rollerrig.config.schema.train import MOST_AXLES
-from rollerrig.core_struct import core_struct
 
 TIMING = {"sample_time", "delay", "user", "fmu"}
 BLENDING = {"axles", *_core.ElectrodynamicBrake.fields}

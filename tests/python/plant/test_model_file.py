@@ -11,12 +11,12 @@ from typer.testing import CliRunner
 
 import rollerrig as rr
 from rollerrig import _core, load_case
-from rollerrig.actuators import assemble_with_actuators
-from rollerrig.assembly import assemble
+from rollerrig.assembly.actuators import assemble_with_actuators
+from rollerrig.assembly.model import assemble
 from rollerrig.cli.app import build_app
 from rollerrig.config import Case, ConfigError
-from rollerrig.plant import ModelFileError, assembled_model
-from rollerrig.simulation import prepare
+from rollerrig.interfaces.plant import ModelFileError, assembled_model
+from rollerrig.simulation.run import prepare
 
 RUNS = {
     "adhesion_brake": "50 ms",

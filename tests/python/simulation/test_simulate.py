@@ -10,8 +10,8 @@ import pytest
 import xarray as xr
 
 import rollerrig as rr
-from rollerrig import simulation as simulation_module
 from rollerrig.config import Case, case_from_toml
+from rollerrig.simulation import run as simulation_module
 
 WHEELSET = "wheelset_rollers"
 

@@ -18,7 +18,7 @@ from rollerrig import ConfigError, StartError, _core, envelope, load_case, simul
 from rollerrig.analysis.envelope_borders import Border, borders, slides
 from rollerrig.analysis.rig_limits import Patch, closed_forms, creep_curve, creep_peak, grip_slip, patch_of, rig_limits
 from rollerrig.analysis.run_limits import NUMBERS, assess_limits, persists_since
-from rollerrig.assembly import assemble
+from rollerrig.assembly.model import assemble
 from rollerrig.cli.app import build_app
 from rollerrig.config import Case
 from rollerrig.results.run_info import describe

@@ -16,7 +16,7 @@ import rollerrig as rr
 from browser import Opened
 from rollerrig import _core
 from rollerrig.config import ConfigError
-from rollerrig.plant import assembled_model
+from rollerrig.interfaces.plant import assembled_model
 from rollerrig.viewer.live import FRAME, LiveRun
 from rollerrig.viewer.play import Theatre, server
 from rollerrig.viewer.sliders import GAINS, gains

@@ -9,9 +9,9 @@ from itertools import islice
 from pathlib import Path
 from typing import Any
 
+from rollerrig.common.input_files import LARGEST_TEXT, read_input
 from rollerrig.config.errors import ConfigError, ConfigProblem, nearest
 from rollerrig.config.read.library import CatalogKind, catalog_file, catalog_names
-from rollerrig.input_files import LARGEST_TEXT, read_input
 
 NO_SUCH_FILE = "no such file"
 MOST_FILES = 1000

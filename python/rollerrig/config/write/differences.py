@@ -10,13 +10,13 @@ from collections.abc import Iterator
 from html import escape
 from typing import Any
 
+from rollerrig.common.formatting import number
 from rollerrig.config.errors import show_value
 from rollerrig.config.schema.case import CaseTables, SupportChoice, VehicleChoice
 from rollerrig.config.schema.units import AS_WRITTEN
 from rollerrig.config.validate.messages import item_label
 from rollerrig.config.write.explain import unit_of
 from rollerrig.config.write.toml import plain, text_of
-from rollerrig.wording import number
 
 Raw = dict[str, Any]
 

@@ -20,13 +20,13 @@ import numpy as np
 
 from rollerrig.analysis.slide_statistics import TestRecord
 from rollerrig.cases import on_track
+from rollerrig.common.formatting import number
 from rollerrig.config import Case, ConfigError, ConfigProblem, Rig
 from rollerrig.config.schema.rig_control import EstimatedTorque, ExactEstimator, LeadCommand
 from rollerrig.study.assessment import NOT_DECIDED, Outcome, outcome, overall
 from rollerrig.study.ensemble import SEED, Estimate, difference, distances, estimate, measure, relative, with_error
 from rollerrig.study.quantities import Numbers
 from rollerrig.study.report import Table
-from rollerrig.wording import number
 
 STEPS = ("rolling", "drives", "estimator")
 VARIANTS = {

@@ -25,19 +25,19 @@ from rollerrig import _core
 from rollerrig.analysis.slide_statistics import SLIP_EDGES, TestRecord, axle_load, test_record
 from rollerrig.analysis.tracking import LEAST_SPEED, under_test, wheel_radius
 from rollerrig.analysis.wheel_flat import longest_flat
+from rollerrig.assembly.contact_laws import adhesion_map
 from rollerrig.cases import wheelsets
+from rollerrig.common.formatting import percent
 from rollerrig.config import CRITERIA, Case, ConfigError, ConfigProblem, Limit, Piece, Programme
 from rollerrig.config.schema.programme import BrakedRun, FlatWear, PatchStop
 from rollerrig.config.write.toml import plain
-from rollerrig.contact_laws import adhesion_map
 from rollerrig.results.contact_loss import LONGEST_SPELL, contact_losses
 from rollerrig.results.run_info import RunInfo
-from rollerrig.simulation import ENERGY_WARNING
+from rollerrig.simulation.run import ENERGY_WARNING
 from rollerrig.study.assessment import NOT_DECIDED, Outcome, outcome, overall
 from rollerrig.study.ensemble import Estimate, estimate
 from rollerrig.study.jobs import Progress, whole_run
 from rollerrig.study.runs.adhesion import track_case, verdict_rows
-from rollerrig.wording import percent
 
 RISE = 0.1
 """In which the demand rises; the brake is slower anyhow [s]."""

@@ -16,16 +16,16 @@ from recipes import recipes
 
 import rollerrig as rr
 from rollerrig import _core
-from rollerrig.actuators import electrodynamic_brake, pneumatics, track_brake
-from rollerrig.assembly import assemble
+from rollerrig.assembly.actuators import electrodynamic_brake, pneumatics, track_brake
+from rollerrig.assembly.core_struct import core_struct
+from rollerrig.assembly.creep_table import shipped_table
+from rollerrig.assembly.model import assemble
 from rollerrig.config import Brake
 from rollerrig.config.schema.electrodynamic_brake import ConstantPowerBrake
 from rollerrig.config.schema.pneumatics import ReservoirAir
 from rollerrig.config.schema.slide_protection import TableSlideProtection
 from rollerrig.config.schema.track_brake import MagneticTrackBrake
-from rollerrig.contact_laws import shipped_table
-from rollerrig.core_struct import core_struct
-from rollerrig.mechatronics.setup import slide_protection
+from rollerrig.simulation.mechatronics import slide_protection
 
 Arguments = dict[str, Any]
 

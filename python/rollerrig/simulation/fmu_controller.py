@@ -1,0 +1,172 @@
+"""A controller that is an FMU, in a run: one communication step for each sample.
+
+measurements -> inputs of the FMU -> doStep over one sample time -> outputs -> [FmuController] -> commands
+
+The outputs at the end of the step that a sample begins are the commands of that sample; what the FMU takes to compute is the
+table's `delay`.
+"""
+
+from __future__ import annotations
+
+import io
+import shutil
+import tempfile
+import weakref
+import zipfile
+from collections.abc import Sequence
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from rollerrig.config.schema.controller_fmu import ControllerFmu
+from rollerrig.simulation.fmu_file import FLOATS, FmuFile, Link, open_fmu
+
+_ERROR, _FATAL = 3, 4
+"""Statuses of both versions of the standard."""
+_LINES = 3
+"""Largest number of lines of the FMU's log in a message."""
+
+
+class FmuError(Exception):
+    """An FMU gave an error status, or ended the run; the message says in which call."""
+
+
+class FmuController:
+    """An FMU that is asked like a controller of the user.
+
+    Attributes:
+        sample_time: of the case's table [s].
+        name: of its file.
+        file: what was found in it.
+    """
+
+    def __init__(
+        self, table: ControllerFmu, key: str, case: str, axles: Sequence[str], command: str, sample_time: float
+    ) -> None:
+        """Check that it fits; none of its code is run.
+
+        Args:
+            table: of the case.
+            key: of the table.
+            case: name, for messages.
+            axles: names of those that it controls.
+            command: quantity that it commands.
+            sample_time: [s].
+
+        Raises:
+            ConfigError: see `open_fmu`.
+        """
+        self.sample_time = sample_time
+        self.file: FmuFile = open_fmu(table, key, case, axles, command)
+        self.name = Path(table.file).name
+        self._fmu: Any = None
+        self._remove: Any = None
+        self._log: list[str] = []
+        self._dead = False
+
+    @property
+    def provenance(self) -> str:
+        """What results say of it: file, name of the model, version of the standard, checksum."""
+        description = self.file.description
+        return f"{self.name}: {description.modelName}, FMI {description.fmiVersion}, SHA-256 {self.file.checksum}"
+
+    def step(self, measurements: dict[str, Any]) -> dict[str, Any]:
+        """Commands of one sample.
+
+        Raises:
+            FmuError: the FMU failed.
+        """
+        time = float(measurements["time"])
+        try:
+            if self._fmu is None:
+                self._begin(time, measurements)
+            self._set_inputs(measurements)
+            ended = self._fmu.doStep(time, self.sample_time)
+            if isinstance(ended, tuple) and (ended[1] or ended[2]):  # FMI 3.0: event, terminate, early return, time
+                raise FmuError(f"doStep ended the run at {ended[3]:.6g} s{self._last_lines()}")
+            command = self.file.command
+            return {command.signal: np.array(self._get(command), dtype=np.float64)}
+        except FmuError:
+            raise
+        except Exception as error:
+            self._dead = getattr(error, "status", _ERROR) == _FATAL
+            raise FmuError(f"{_sentence(error)}{self._last_lines()}") from error
+
+    def close(self) -> None:
+        """End the instance and remove what was unpacked; another run may begin."""
+        if self._fmu is not None and not self._dead:
+            with suppress(Exception):
+                self._fmu.terminate()
+            with suppress(Exception):
+                self._fmu.freeInstance()
+        self._fmu, self._dead, self._log = None, False, []
+        if self._remove is not None:
+            self._remove()
+            self._remove = None
+
+    def _begin(self, time: float, measurements: dict[str, Any]) -> None:
+        import fmpy
+
+        folder = tempfile.mkdtemp(prefix="rollerrig-fmu-")
+        self._remove = weakref.finalize(self, shutil.rmtree, folder, ignore_errors=True)
+        with zipfile.ZipFile(io.BytesIO(self.file.content)) as archive:
+            archive.extractall(folder)
+        description = self.file.description
+        old = description.fmiVersion == "2.0"
+        self._fmu = fmpy.instantiate_fmu(
+            folder,
+            description,
+            fmi_type="CoSimulation",
+            logger=self._hear_2 if old else self._hear_3,
+        )
+        for link, value in self.file.parameters:
+            self._set(link, [value])
+        if old:
+            self._fmu.setupExperiment(startTime=time)
+            self._fmu.enterInitializationMode()
+        else:
+            self._fmu.enterInitializationMode(startTime=time)
+        self._set_inputs(measurements)
+        self._fmu.exitInitializationMode()
+
+    def _set_inputs(self, measurements: dict[str, Any]) -> None:
+        for link in self.file.inputs:
+            self._set(link, [float(value) for value in measurements[link.signal][: link.width]])
+
+    def _set(self, link: Link, values: list[Any]) -> None:
+        getattr(self._fmu, f"set{_kind(link)}")(list(link.references), values if _kind(link) == "String" else
+                                                [v if link.kind in FLOATS else int(v) for v in values])  # fmt: skip
+
+    def _get(self, link: Link) -> list[Any]:
+        read = getattr(self._fmu, f"get{_kind(link)}")
+        values: list[Any] = (
+            read(list(link.references))
+            if link.width == len(link.references)
+            else read(list(link.references), nValues=link.width)
+        )
+        return values
+
+    def _hear_2(self, _environment: Any, _name: Any, _status: int, _category: Any, message: Any) -> None:
+        self._hear(message)
+
+    def _hear_3(self, _environment: Any, _status: int, _category: Any, message: Any) -> None:
+        self._hear(message)
+
+    def _hear(self, message: Any) -> None:
+        text = message.decode("utf-8", "replace") if isinstance(message, bytes) else str(message)
+        self._log = [*self._log[1 - _LINES :], " ".join(text.split())]
+
+    def _last_lines(self) -> str:
+        return f"; it says: {'; '.join(self._log)}" if self._log else ""
+
+
+def _kind(link: Link) -> str:
+    """In the names of the standard's functions."""
+    return "Integer" if link.kind == "Enumeration" else link.kind
+
+
+def _sentence(error: Exception) -> str:
+    """In one line."""
+    return " ".join(str(error).split()) or type(error).__name__
