@@ -172,8 +172,8 @@ def sways(height: float, load: str) -> list[float]:
     Args:
         height: at which the shear of the secondary springs acts [m].
         load: what is counted of the load of the springs: 'clamped', half of its moment on either seat, (B11); 'frame', all of it
-            on the seat of the car body; 'car', all on that of the frame; 'none'; or 'pendulum', the hand calculation's: the weight
-            of the car body about that height, and nothing else.
+            on the seat of the car body; 'car', all on that of the frame; 'none'; or 'pendulum', as by hand: the weight of the car
+            body about that height, and nothing else.
     """
     vehicle = load_vehicle(VEHICLE)
     car, frame = vehicle.body_named("car_body"), vehicle.body_named("front_frame")
@@ -198,7 +198,9 @@ def sways(height: float, load: str) -> list[float]:
     if load == "pendulum":
         stiffness[1, 1] += weight * above
     elif load != "none":
-        axes = {"clamped": [0, 1, 0, 1], "frame": [0, 0, 0, 2], "car": [0, 2, 0, 0]}[load]  # twice the roll of their axes
+        axes = {"clamped": [0, 1, 0, 1], "frame": [0, 0, 0, 2], "car": [0, 2, 0, 0]}[
+            load
+        ]  # twice the roll of their axes
         stiffness += weight * np.diag([0.0, above, 0.0, -over])
         stiffness -= 0.5 * weight * (np.outer(axes, shear) + np.outer(shear, axes))
         stiffness[3, 3] += (weight + 2 * 9.81 * frame.mass) * below  # on the primary springs
@@ -254,7 +256,7 @@ def test_the_sways_are_those_of_the_closed_form(springs: str) -> None:
 
 
 def test_the_hand_calculation_leaves_the_moment_of_loaded_springs_out() -> None:
-    """Shear at the springs' tops and the car body as a pendulum come to it within its digits and 3 %; the whole moment does not."""
+    """Shear at the springs' tops and the car body as a pendulum come within 3 % of it; the whole moment does not."""
     by_hand = [HAND_CALCULATION[name][0] for name in ("lower sway", "upper sway")]
     assert sways(1.130, "pendulum") == pytest.approx(by_hand, rel=0.03)
     lower, upper = np.array(sways(*CLOSED_FORM["clamped at both ends (the catalogue)"])) / by_hand

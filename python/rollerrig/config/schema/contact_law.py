@@ -55,7 +55,7 @@ class Fastsim(Table):
 
 
 class ModifiedFastsim(Table):
-    """FASTSIM with flexibilities of its own for spin; of Kalker's stiffness k_0 (k_inf + (1 - k_inf)/(1 + beta tau)) is left."""
+    """FASTSIM with flexibilities of its own for spin; k_0 (k_inf + (1 - k_inf)/(1 + beta eps)) of Kalker's stiffness is left."""
 
     limitation: ClassVar[str] = (
         "The creep force follows the modified FASTSIM, with an empirical reduction of the initial stiffness."
@@ -64,7 +64,8 @@ class ModifiedFastsim(Table):
     k_0: Share = Field(default=1.0, description="what is left of Kalker's stiffness at small creepage")
     k_inf: Share = Field(default=1.0, description="what is left of k_0 at large creepage")
     beta: Annotated[float, Quantity("1", 0.0, 1e3)] = Field(
-        default=0.0, description="how fast it falls with tau, the force of linear theory over the friction limit"
+        default=0.0,
+        description="how fast it falls with eps, pi/4 of k_0 times the force of linear theory over mu N, as published",
     )
 
 

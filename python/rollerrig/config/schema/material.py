@@ -10,6 +10,7 @@ from rollerrig.config.schema.vehicle import Name
 
 _MODULUS = Quantity("Pa", 1e5, 1e14)
 _POISSON = Quantity("1", 0.0, 0.5)
+_MODULI = ("young_modulus", "shear_modulus")
 
 
 class Material(Table):
@@ -31,13 +32,16 @@ class Material(Table):
     def _other_modulus(cls, data: Any) -> Any:
         if not isinstance(data, dict) or ("young_modulus" in data) == ("shear_modulus" in data):
             return data
+        given, other = _MODULI if "young_modulus" in data else _MODULI[::-1]
         try:
             factor = 2 * (1 + _POISSON.parse(data.get("poisson_ratio")))
-            if "young_modulus" in data:
-                return {**data, "shear_modulus": _MODULUS.parse(data["young_modulus"]) / factor}
-            return {**data, "young_modulus": _MODULUS.parse(data["shear_modulus"]) * factor}
+            value = _MODULUS.parse(data[given])
         except (ValueError, ZeroDivisionError):  # the fields themselves will say what is wrong
             return data
+        follows = value / factor if given == "young_modulus" else value * factor
+        if not _MODULUS.least <= follows <= _MODULUS.most:
+            raise refused(given, f"allowed: such that {other}, here {follows:g} Pa, is {_MODULUS.bounds}")
+        return {**data, other: follows}
 
     @model_validator(mode="after")
     def _consistent(self) -> "Material":
