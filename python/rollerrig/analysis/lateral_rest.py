@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 import xarray as xr
 
-from rollerrig.analysis.hunting import LEAST_AMPLITUDE, SLOWEST_DECAY
+from rollerrig.analysis.limit_cycle import LEAST_AMPLITUDE, Decision, decide_motion
 from rollerrig.analysis.signals import FinalMotion, final_motion
 from rollerrig.analysis.track_sections import curved, irregular
 from rollerrig.results import RunInfo
@@ -29,16 +29,13 @@ class LateralRest:
         body: that moves most there.
         largest: distance from its place in the whole run, either side [m].
         final: what is left of its motion [m].
+        decision: whether it persists or decays; 'open' where the run is too short to tell.
     """
 
     body: str
     largest: float
     final: FinalMotion
-
-    @property
-    def persists(self) -> bool:
-        """Whether it goes on at the end: larger than a limit cycle must be to count as one, and not decaying."""
-        return self.final.persists(LEAST_AMPLITUDE, SLOWEST_DECAY)
+    decision: Decision
 
 
 def lateral_rest(run: xr.Dataset) -> LateralRest | None:
@@ -65,4 +62,4 @@ def lateral_rest(run: xr.Dataset) -> LateralRest | None:
     final = final_motion(time, lateral[at])
     if largest[at] < LEAST_AMPLITUDE or (ranges[at] >= LEAST_AMPLITUDE and final.amplitude == 0.0):
         return None
-    return LateralRest(bodies[at], float(largest[at]), final)
+    return LateralRest(bodies[at], float(largest[at]), final, decide_motion(time, lateral[at], ended=True))

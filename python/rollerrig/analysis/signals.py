@@ -95,10 +95,6 @@ class FinalMotion:
     frequency: float
     rate: float
 
-    def persists(self, least_amplitude: float, slowest_decay: float) -> bool:
-        """Whether the oscillation persists: large enough, and not decaying."""
-        return self.amplitude >= least_amplitude and not self.rate < -slowest_decay
-
 
 RIPPLE = 0.25
 """Half-waves smaller than this part of the amplitude are ripples on larger waves: they count for no frequency [1]."""

@@ -88,7 +88,7 @@ def amplitude_over_speed(
             drawn |= {"linestyle": "none", "markerfacecolor": "none", "markersize": size, "label": f"{label}: decays"}
             axes.plot(speed[decays], np.zeros(int(decays.sum())), **drawn)
             if early.any():  # neither: at the edge of the figure, where no amplitude can be read
-                drawn |= {"marker": "x", "label": f"{label}: run ended early", "transform": axes.get_xaxis_transform()}
+                drawn |= {"marker": "x", "label": f"{label}: not decided", "transform": axes.get_xaxis_transform()}
                 axes.plot(speed[early], np.full(int(early.sum()), 0.97), **drawn)
         critical_lines(axes, critical or {})
         axes.set_ylim(-0.15, max(1.0, axes.get_ylim()[1]))  # where all decay the axis is not round-off

@@ -14,11 +14,12 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from rollerrig.analysis.wheel_rail_forces import filtered, unfiltered, wheel_forces
 from rollerrig.assembly.model import AssembledModel, assemble
 from rollerrig.config import ConfigError, case_from_toml
 from rollerrig.results import ResultsError, RunInfo
 from rollerrig.viewer import parts
-from rollerrig.viewer.columns import MOST_FRAMES, Columns, Frames, thinned
+from rollerrig.viewer.columns import MOST_FRAMES, Columns, Frames, extremes, thinned
 from rollerrig.viewer.contact_places import PLACE, contact_places
 from rollerrig.viewer.plots import plots
 
@@ -90,6 +91,7 @@ def run_scene(run: xr.Dataset, *, label: str = "", most: int = MOST_FRAMES) -> S
     patches = _add_patches(columns, run, model, frames.index)
     bars = _add_elements(columns, run, model, frames.index)
     _add_named(columns, run, frames.index)
+    done = _add_forces(columns, run, most)
     distance = run["distance"].to_numpy()
     head = {
         "label": label or str(run.attrs["case"]),
@@ -111,6 +113,7 @@ def run_scene(run: xr.Dataset, *, label: str = "", most: int = MOST_FRAMES) -> S
         "frames": len(frames.times),
         "samples": int(run.sizes["time"]),
         "errors": dict(frames.errors),
+        "filter": done,
         "columns": columns.places,
     }
     head["plots"] = plots(head)
@@ -164,6 +167,23 @@ def _add_wheels(columns: Columns, run: xr.Dataset, index: NDArray[np.intp]) -> N
     for number in range(run.sizes["wheel"]):
         for name in WHEEL:
             columns.add(f"w{number}.{name}", run[name].to_numpy()[index, number])
+
+
+def _add_forces(columns: Columns, run: xr.Dataset, most: int) -> str:
+    """Y and Q as a report has them, at times at which their extremes lie; what was done to them."""
+    read = wheel_forces(run)
+    try:
+        shown = filtered(read)
+    except ValueError:  # too short or too coarse for the filter
+        shown = unfiltered(read)
+    for name in ("guiding_force", "wheel_load"):
+        values = shown[name].transpose("time", "wheel").to_numpy()
+        kept = extremes(values, most)
+        columns.add(f"time.{name}", shown["time"].to_numpy()[kept], exact=True)
+        for number in range(values.shape[1]):
+            columns.add(f"w{number}.{name}", values[kept, number])
+    done = str(shown["guiding_force"].attrs.get("filter", ""))
+    return f"low pass {done}" if done else "unfiltered"
 
 
 def _add_patches(columns: Columns, run: xr.Dataset, model: AssembledModel, index: NDArray[np.intp]) -> int:
