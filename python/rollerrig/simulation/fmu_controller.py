@@ -10,6 +10,9 @@ from __future__ import annotations
 
 import io
 import shutil
+import signal
+import subprocess
+import sys
 import tempfile
 import weakref
 import zipfile
@@ -113,6 +116,7 @@ class FmuController:
         self._remove = weakref.finalize(self, shutil.rmtree, folder, ignore_errors=True)
         with zipfile.ZipFile(io.BytesIO(self.file.content)) as archive:
             archive.extractall(folder)
+        _try_to_load(folder, self.file)
         description = self.file.description
         old = description.fmiVersion == "2.0"
         self._fmu = fmpy.instantiate_fmu(
@@ -160,6 +164,34 @@ class FmuController:
 
     def _last_lines(self) -> str:
         return f"; it says: {'; '.join(self._log)}" if self._log else ""
+
+
+_LOADED: set[str] = set()
+"""Checksums of FMUs whose library could be loaded."""
+
+
+def _try_to_load(folder: str, file: FmuFile) -> None:
+    """Load the library in a process of its own, once: what is damaged inside can end the process that loads it.
+
+    Raises:
+        FmuError: it could not be loaded.
+    """
+    import fmpy
+
+    if file.checksum in _LOADED or not sys.executable:
+        return
+    own = fmpy.platform if file.description.fmiVersion == "2.0" else fmpy.platform_tuple
+    name = f"{file.description.coSimulation.modelIdentifier}{fmpy.sharedLibraryExtension}"
+    code = "import ctypes, os, sys; os.chdir(os.path.dirname(sys.argv[1])); ctypes.CDLL(sys.argv[1])"
+    path = str(Path(folder) / "binaries" / own / name)
+    ended = subprocess.run([sys.executable, "-I", "-c", code, path], capture_output=True, text=True, check=False)
+    if ended.returncode < 0:
+        raise FmuError(
+            f"its library cannot be loaded: the loader was ended by {signal.Signals(-ended.returncode).name}"
+        )
+    if ended.returncode:
+        raise FmuError(f"its library cannot be loaded: {(ended.stderr.strip().splitlines() or ['?'])[-1]}")
+    _LOADED.add(file.checksum)
 
 
 def _kind(link: Link) -> str:

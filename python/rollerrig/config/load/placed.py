@@ -52,7 +52,8 @@ def _mistakes(item: Mapping[str, Any], kind: str, file: str) -> Iterator[ConfigP
     elif both:
         for place, one in _at_places(item):
             ends = [one["point"]] if isinstance(one.get("point"), list) else one.get("points")
-            sides = [end[1] for end in ends or () if isinstance(end, list) and len(end) == 3]
+            listed = ends if isinstance(ends, list) else []  # what else it is, validation says
+            sides = [end[1] for end in listed if isinstance(end, list) and len(end) == 3]
             if sides and all(_mirrored(y) == y for y in sides):
                 allowed = "allowed with both_sides = true: a point with y other than 0"
                 yield ConfigProblem(file, f"{join_key(key, place)}.point", show_value(ends), allowed)
