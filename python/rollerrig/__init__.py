@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from rollerrig.cli.commands import contact as contact
     from rollerrig.cli.commands import control as control
     from rollerrig.cli.commands import creep as creep
+    from rollerrig.cli.commands import envelope as envelope
     from rollerrig.cli.commands import lateral as lateral
     from rollerrig.cli.commands import limit_cycle as limit_cycle
     from rollerrig.cli.commands import paper as paper
@@ -45,7 +46,7 @@ if TYPE_CHECKING:
     from rollerrig.config import load_case as load_case
     from rollerrig.contact_analysis.profile_curve import profile as profile
     from rollerrig.interfaces.fmu.export import export_fmu as export_fmu
-    from rollerrig.interfaces.fmu.part import export_part as export_part
+    from rollerrig.interfaces.fmu.export import export_part as export_part
     from rollerrig.interfaces.plant import assemble_file as assemble_file
     from rollerrig.interfaces.plant import read_model as read_model
     from rollerrig.interfaces.realtime.server import serve as serve
@@ -59,7 +60,6 @@ if TYPE_CHECKING:
     from rollerrig.results.in_words import summary as summary
     from rollerrig.simulation.run import simulate as simulate
     from rollerrig.simulation.starting_state import StartError as StartError
-    from rollerrig.study.envelope import envelope as envelope
     from rollerrig.study.limit_cycles import critical_speed as critical_speed
     from rollerrig.viewer import view as view
     from rollerrig.viewer.play import play as play
@@ -87,10 +87,10 @@ _HOME = {
     "creep": "cli.commands",
     "critical_speed": "study.limit_cycles",
     "curving": "analysis.curving",
-    "envelope": "study.envelope",
+    "envelope": "cli.commands",
     "explain": "config",
     "export_fmu": "interfaces.fmu.export",
-    "export_part": "interfaces.fmu.part",
+    "export_part": "interfaces.fmu.export",
     "json_schema": "config",
     "lateral": "cli.commands",
     "export": "results",

@@ -12,9 +12,8 @@ import pytest
 import xarray as xr
 
 import rollerrig as rr
-from rollerrig.analysis.assessment import assess, limits, table
-from rollerrig.analysis.filters import low_pass
-from rollerrig.analysis.ride import accelerations
+from rollerrig.analysis.assessment import accelerations, assess, limits, table
+from rollerrig.analysis.signals import low_pass
 from rollerrig.analysis.wheel_rail_forces import (
     filtered,
     prudhomme_limit,

@@ -16,12 +16,12 @@ from rollerrig.plot import (
     figure_bytes,
     frequency_over_speed,
     hunting_over_time,
-    into,
     limit_cycle_diagram,
     mode_shape,
     mode_shapes,
     ramp_over_speed,
     root_locus,
+    style,
     traction_forces,
     traction_sliding,
     wheel_rail_forces,
@@ -286,11 +286,11 @@ def test_every_figure_is_drawn_into_given_axes_and_makes_no_others(name: str) ->
     own = len(FIGURES[name]().axes)
     figure = Figure()
     axes = tuple(figure.subplots(own, 1, squeeze=False)[:, 0])
-    token = into._GIVEN.set(axes)
+    token = style._GIVEN.set(axes)
     try:
         FIGURES[name]()
     finally:
-        into._GIVEN.reset(token)
+        style._GIVEN.reset(token)
     drawn = [len(one.lines) + len(one.collections) + len(one.patches) for one in axes]
     assert drawn[0] > 0
     assert figure.legends == []

@@ -16,8 +16,7 @@ from typing import Any
 from pydantic import BaseModel
 
 from rollerrig.config.errors import ConfigProblem
-from rollerrig.config.load.change import parts_of
-from rollerrig.config.load.changed import leaves
+from rollerrig.config.load.change import leaves, parts_of
 from rollerrig.config.schema.case import CaseTables
 
 

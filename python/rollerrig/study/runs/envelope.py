@@ -21,15 +21,19 @@ import xarray as xr
 from rollerrig import __version__
 from rollerrig.analysis.rig_limits import (
     LINES,
+    NUMBERS,
+    REGIONS,
     Patch,
+    Record,
     RigLimits,
+    assess_limits,
     closed_forms,
+    failed,
     grip_slip,
     patch_of,
     rail_shape,
     rig_limits,
 )
-from rollerrig.analysis.run_limits import NUMBERS, REGIONS, Record, assess_limits, failed
 from rollerrig.assembly.actuators import friction_brake
 from rollerrig.assembly.model import assemble
 from rollerrig.config import Brake, Case, ConfigError, ConfigProblem, Traction
