@@ -13,9 +13,10 @@ from rollerrig.cli.progress import interrupts_noted, progress_bar
 from rollerrig.cli.termination import INTERRUPTED, OK, exit_code, say, stop
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
     from concurrent.futures import Executor
 
-    from rollerrig.config import Case
+    from rollerrig.config import Case, Code
 
 CaseName = Annotated[str, typer.Argument(metavar="CASE", help="Case: a name of the catalogue or a TOML file.")]
 Out = Annotated[Path, typer.Option(help="Folder for the results; made if it does not exist.")]
@@ -42,12 +43,12 @@ Changes = Annotated[
 
 def read_case(name: str, *, allow_code: bool, changes: list[str] | None = None) -> Case:
     """The case with what `--set` changes of it, and a line to the user for every piece of code that it brings."""
-    from rollerrig.config import load_case
+    from rollerrig.config import code_of, load_case
 
     case = load_case(name, allow_code=allow_code)
     if changes:
         case = case.with_changes(changes_of(changes))
-    for line in code_lines(case):
+    for line in code_lines(code_of(case)):
         say(f"rollerrig: {name}: {line}")
     return case
 
@@ -92,14 +93,12 @@ def picture_kind(path: Path) -> Literal["svg", "png", "pdf"]:
     raise typer.BadParameter(f"'{path}': allowed: a file that ends in .svg, .png or .pdf", param_hint="--out")
 
 
-def code_lines(case: Case) -> list[str]:
-    """The code that a case brings, a line each."""
-    from rollerrig.config import code_of
-
+def code_lines(codes: Iterable[Code]) -> list[str]:
+    """Code that runs with a case or plan, a line each."""
     return [
         f"{code.key}: brings code: {'' if code.is_file else 'module '}{code.source}"
         + ("" if code.is_fmu else f", class {code.name}")
-        for code in code_of(case)
+        for code in codes
     ]
 
 

@@ -39,7 +39,7 @@ def command(
     from rollerrig.study.sweep import SweepStudy
 
     whole = load_plan(plan, allow_code=allow_code, changes=changes_of(change))
-    for line in code_lines(whole.case):
+    for line in code_lines(whole.code):
         say(f"rollerrig: {plan}: {line}")
     study = SweepStudy(whole if samples is None else resized(whole, samples), many=yes)
     if dask is None:

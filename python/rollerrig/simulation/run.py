@@ -27,6 +27,7 @@ from rollerrig.config import Case, ConfigError, ConfigProblem, Rig
 from rollerrig.results import COMPLETED, Draft, Outcome, add_energy_audit, add_termination, run_draft
 from rollerrig.results.dataset import drive_warning
 from rollerrig.results.files import available_memory
+from rollerrig.results.plausibility import plausibility_warnings
 from rollerrig.results.readings import Recording, add_readings, readings_per_sample
 from rollerrig.results.summary import add_contact_losses, contact_loss_warning
 from rollerrig.results.termination import FLEXIBLE, contact_in_words
@@ -166,7 +167,8 @@ def _results(
     advice = "" if on_rollers or model.rails else FLEXIBLE
     lost = contact_loss_warning(losses, duration, on_rollers=on_rollers, advice=advice)
     draft.attributes.update(provenance)
-    draft.attributes["warnings"] = "\n".join(filter(None, (_energy_warning(draft, advice), lost, drive_warning(draft))))
+    own = (_energy_warning(draft, advice), lost, drive_warning(draft), *plausibility_warnings(draft, model))
+    draft.attributes["warnings"] = "\n".join(filter(None, own))
     return draft.dataset()
 
 

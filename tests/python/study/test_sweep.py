@@ -422,6 +422,8 @@ def test_the_command_writes_all_files_and_explains_its_numbers(tmp_path: Path) -
         ("wheelset_rollers", "wheelset_roller", r"case: 'wheelset_roller'; .*did you mean 'wheelset_rollers'"),
         ('name = "primary"', 'name = "roller_radius"', r"vary\[1\].name: 'roller_radius'; allowed: each name once"),
         ('[[measure]]\nkind = "critical_speed"', "", r"measure: missing"),
+        ('key = "vehicle.element.primary_*.x.stiffness"', 'key = "contact.friction"',
+         r"vary\[1\].key: contact.friction; .*holds no number, which alone has a range; its numbers are contact.friction.mu_0"),
     ],
 )  # fmt: skip
 def test_a_wrong_plan_is_one_line_with_a_way_out(tmp_path: Path, old: str, new: str, message: str) -> None:
