@@ -8,6 +8,7 @@ Rolling without sliding, steady forces, no lag of drives and estimator. An adhes
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -256,6 +257,36 @@ def creep_peak(case: Case, patch: Patch, adhesion: float) -> tuple[float, float]
     forces = creep_curve(case, patch, adhesion, _SLIPS)[1]
     largest = float(forces.max())
     return float(_SLIPS[np.flatnonzero(forces >= FULL_SLIDING * largest)[0]]), largest
+
+
+def slipperiest_peak(case: Case, patch: Patch, speed: float) -> tuple[float, float]:
+    """Peak of the creep curve of the most slippery rail of a test: slip and force over load there [-].
+
+    Args:
+        case: whose [adhesion] may have several rails along the way.
+        patch: of a wheel.
+        speed: of the train [m/s].
+    """
+    motion = case.motion.model_copy(update={"speed": speed})
+    rails = (
+        {}
+        if case.adhesion is None
+        else {str(r): r for r in (case.adhesion.rail, *(p.rail for p in case.adhesion.piece))}
+    )
+    own = [case.model_copy(update={"motion": motion, "adhesion": case.adhesion.model_copy(update={"rail": rail})})
+           for rail in rails.values() if case.adhesion is not None]  # fmt: skip
+    if not own:
+        return math.inf, math.nan
+    peaks = []
+    for one in own:
+        at = _SLIPS
+        for _ in range(2):
+            forces = creep_curve(one, patch, rail_shape(one).friction.mu_0, at)[1]
+            k = int(np.argmax(forces))
+            peak = float(at[k]), float(forces[k])
+            at = np.linspace(at[max(k - 1, 0)], at[min(k + 1, at.size - 1)], 41)
+        peaks.append(peak)
+    return min(peaks, key=lambda peak: peak[1])
 
 
 def grip_slip(case: Case, patch: Patch, adhesion: float) -> float:

@@ -15,9 +15,12 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from rollerrig.analysis.torque_ripple import RIPPLE_ABOVE, torque_ripple
+from rollerrig.analysis.rig_limits import patch_of, slipperiest_peak
+from rollerrig.analysis.torque_ripple import RIPPLE_ABOVE, largest_ripple
 from rollerrig.analysis.tracking import LEAST_SPEED, following, largest, rms, slip, under_test
+from rollerrig.assembly.model import assemble
 from rollerrig.config import Case, Rig
+from rollerrig.config.schema.pneumatics import ReservoirAir
 from rollerrig.results import COMPLETED
 
 Array = NDArray[np.float64]
@@ -30,6 +33,9 @@ SLIDES = 0.10
 
 LOCKED = 0.05
 """An axle slower than this part of the train's speed is locked [-]."""
+
+OSCILLATES = 100.0
+"""Torque of a drive from which its ripple counts as an oscillation [N m]: 1 % of the torque that brakes an axle."""
 
 LIMITED = 0.999
 """Part of the largest torque from which a command is at its limit."""
@@ -74,7 +80,7 @@ def test_record(run: xr.Dataset, case: Case) -> TestRecord:
     """The record of a run of `case` on track or rig: of the train, and of its axles under test."""
     kept = _kept(run["time"].to_numpy())
     tested = under_test(run)
-    measures = {**_train(run), **_valves(tested), **_axles(tested)}
+    measures = {**_train(run, case), **_valves(tested), **_axles(tested), "beyond_peak_s": beyond_peak(tested, case)}
     if case.rig_control is not None and isinstance(case.support.data, Rig):
         measures |= _rig(tested, case.rig_control.feedback.largest, case.support.data.roller_radius)
     return TestRecord(
@@ -92,13 +98,16 @@ def _kept(time: Array) -> NDArray[np.intp]:
     return np.unique([*range(0, time.size, every), time.size - 1])
 
 
-def _train(run: xr.Dataset) -> dict[str, float]:
-    """Numbers of the train as a whole, which every axle brakes or pulls."""
+def _train(run: xr.Dataset, case: Case) -> dict[str, float]:
+    """Numbers of the train as a whole, which every axle brakes or pulls; a protection that is not ours has no reference speed."""
     speed, way = run["train_speed"].to_numpy(), run["train_distance"].to_numpy()
     acting = np.flatnonzero(_acting(run))
     begin = acting[0] if acting.size else -1
     run_since = way[-1] - way[begin]
+    tables = [one for one in (case.slide_protection, case.wheel_slip_control) if one is not None]
     wrong = run["reference_speed_error"].to_numpy()[speed > LEAST_SPEED]
+    if not all(table.is_ours for table in tables):
+        wrong = np.full_like(wrong, np.nan)
     return {
         "distance_m": way[-1],
         "duration_s": run.attrs["stopped_at_s"],
@@ -148,6 +157,36 @@ def _axles(run: xr.Dataset) -> dict[str, float]:
     }
 
 
+def beyond_peak(run: xr.Dataset, case: Case) -> float:
+    """Time that the axles together spent beyond the peak of the creep curve of the test's most slippery rail [s].
+
+    The slip of the peak grows as the train slows: it is found at some speeds and linear between them. 0 without [adhesion].
+    """
+    speed, slips = run["train_speed"].to_numpy(), abs(slip(run)).transpose("time", "axle").to_numpy()
+    if case.adhesion is None or not (speed > LEAST_SPEED).any():
+        return 0.0
+    patch, at = patch_of(assemble(case)), np.linspace(LEAST_SPEED, float(speed.max()), 6)
+    peak = np.interp(speed, at, [slipperiest_peak(case, patch, float(v))[0] for v in at])
+    count = np.count_nonzero(slips > peak[:, None])
+    return float(count * (run["time"][1] - run["time"][0])) if count else 0.0
+
+
+def idle_valves(case: Case) -> list[str]:
+    """Sentences on dump valves whose pulses are too short to move them; none of a protection that is not ours."""
+    air, table = getattr(case.brake, "air", None), case.slide_protection
+    if not isinstance(air, ReservoirAir) or table is None or not table.is_ours:
+        return []
+    kinds = (
+        ("fill", table.pulse_time, "open", air.opening_time),
+        ("hold", table.pulse_pause, "close", air.closing_time),
+    )
+    return [
+        f"Dump valves never {move} in stepwise filling: {1e3 * time:g} ms of {command}, {1e3 * dead:g} ms until they {move}"
+        for command, pulse, move, dead in kinds
+        if (time := max(pulse, air.least_pulse)) <= dead
+    ]
+
+
 def longest_lock(run: xr.Dataset) -> float:
     """Longest time that an axle turned slower than LOCKED of the speed of a train faster than LEAST_SPEED [s]."""
     time = run["time"].to_numpy()
@@ -192,7 +231,7 @@ def _rig(run: xr.Dataset, largest_torque: float, roller_radius: float) -> dict[s
     return {
         **following(run),
         "force_error_rms": rms(force - virtual) / size if size > 0.0 else math.nan,
-        "drive_oscillation_nm": drive_oscillation(run, roller_radius),
+        **drive_oscillation(run, roller_radius),
         "drive_limited_share": float(limited.mean()),
         "drive_power_wanted_kw": 1e-3 * largest(run["wanted_roller_power"]),
         "drive_power_limited_s": float(run["drive_power_limited"].isel(time=-1).max()),
@@ -201,14 +240,15 @@ def _rig(run: xr.Dataset, largest_torque: float, roller_radius: float) -> dict[s
     }
 
 
-def drive_oscillation(run: xr.Dataset, roller_radius: float) -> float:
-    """Persistent fast torque on the rollers that the virtual rail does not demand, RMS of the worst axle [N m].
+def drive_oscillation(run: xr.Dataset, roller_radius: float) -> dict[str, float]:
+    """Fast torque on the rollers that the virtual rail does not demand: 95th percentile of the worst axle, longest spell.
 
     The ripple of the contact's force less the virtual one, times the radius: zero for a rig that follows, also while slide
     protection acts fast; an oscillation of the loop on a locked wheel is all of it. NaN where outputs are too rare to see it.
     """
     time = run["time"].to_numpy()
-    if time.size < 2 or time[1] - time[0] > 1.0 / (4.0 * RIPPLE_ABOVE):
-        return math.nan
-    wrong = (run["creep_force"] - run["virtual_force"]).transpose("time", "axle").to_numpy()
-    return torque_ripple(time, roller_radius * np.nan_to_num(wrong))[0]
+    found = math.nan, math.nan
+    if time.size >= 2 and time[1] - time[0] <= 1.0 / (4.0 * RIPPLE_ABOVE):
+        wrong = (run["creep_force"] - run["virtual_force"]).transpose("time", "axle").to_numpy()
+        found = largest_ripple(time, roller_radius * np.nan_to_num(wrong), OSCILLATES)
+    return {"drive_oscillation_nm": found[0], "drive_oscillation_spell_s": found[1]}

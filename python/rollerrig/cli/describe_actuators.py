@@ -5,6 +5,7 @@ Case -> [describe_actuators] -> lines
 
 from __future__ import annotations
 
+from rollerrig.analysis.slide_statistics import idle_valves
 from rollerrig.assembly.actuators import assemble_with_actuators
 from rollerrig.assembly.model import AssembledModel
 from rollerrig.config import Case, Rig, code_of
@@ -58,7 +59,7 @@ def actuator_lines(case: Case, *, run_code: bool = False) -> list[str]:
             elif name == "rig_control":
                 text += _rig_control(model)
             lines.append(text)
-    return lines
+    return [*lines, *idle_valves(case)]
 
 
 def _fmu(case: Case, role: str) -> str:
