@@ -72,7 +72,7 @@ def evaluation(place: str) -> float:
     best = np.inf
     for _ in range(3):
         simulation = _core.Simulation(model.core)
-        begin(simulation, model, starting_state(simulation, model))
+        begin(simulation, model, starting_state(model))
         times, rows = np.empty(400), np.empty((400, simulation.width))
         begun = time.process_time()
         simulation.advance(2.0, times, rows, 0)

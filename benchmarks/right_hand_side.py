@@ -66,7 +66,7 @@ def states_of(case_name: str, laws: str):
     name, changes = CASES[case_name]
     model = assemble(load_case(name).with_changes({**changes, **LAWS[laws]}))
     simulation = _core.Simulation(model.core)
-    begin(simulation, model, starting_state(simulation, model))
+    begin(simulation, model, starting_state(model))
     times, rows = np.empty(9), np.empty((9, simulation.width))
     states = []
     for k in range(STATES):

@@ -182,7 +182,7 @@ def states_along(case, count: int):
 
     model = assemble(case)
     simulation = _core.Simulation(model.core)
-    begin(simulation, model, starting_state(simulation, model))
+    begin(simulation, model, starting_state(model))
     times, rows = np.empty(8), np.empty((8, simulation.width))  # outputs on the way, which nobody reads
     states = []
     for k in range(count):
@@ -212,7 +212,7 @@ def measure_growth(repeat: int) -> list[tuple[str, str, float]]:
         case = hunting.with_changes({"time.duration": f"{duration} s", "time.output_step": "10 ms"})
         model = assemble(case)
         simulation = _core.Simulation(model.core)
-        begin(simulation, model, starting_state(simulation, model))
+        begin(simulation, model, starting_state(model))
         times, results = np.empty(100 * duration + 1), np.empty((100 * duration + 1, simulation.width))
         begun = time.process_time()
         simulation.advance(duration, times, results, 0)
@@ -253,7 +253,7 @@ def measure_rollerrig(repeat: int) -> Measurement | str:
         )
         model = assemble(case)
         simulation = _core.Simulation(model.core)
-        start = starting_state(simulation, model)
+        start = starting_state(model)
         times, rows = np.empty(len(OUTPUT_TIMES)), np.empty((len(OUTPUT_TIMES), simulation.width))
         begin(simulation, model, start)
         begun = time.process_time()

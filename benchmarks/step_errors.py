@@ -18,7 +18,7 @@ import xarray as xr
 
 import rollerrig.simulation.run
 from rollerrig import Case
-from rollerrig.analysis.filters import low_pass
+from rollerrig.analysis.signals import low_pass
 
 CUTOFF = 20.0
 """Of the low-pass for wheel forces [Hz]."""

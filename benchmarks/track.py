@@ -46,7 +46,7 @@ def measure(changes: dict[str, object]) -> tuple[float, float]:
     )
     model = assemble(case)
     simulation = _core.Simulation(model.core)
-    begin(simulation, model, starting_state(simulation, model))
+    begin(simulation, model, starting_state(model))
     simulation.advance(2.0, np.empty(1), np.empty((1, simulation.width)), 1)
     state = simulation.state
     # Two states that differ: equal ones in a row are evaluated once.

@@ -4,8 +4,8 @@ import subprocess
 import sys
 
 import rollerrig as rr
+from rollerrig.interfaces.controller_part import SlideProtection
 from rollerrig.interfaces.realtime import Client
-from rollerrig.interfaces.realtime.slide_protection import SlideProtection
 
 PORT = "127.0.0.1:50105"
 case = rr.load_case("adhesion_brake")

@@ -8,7 +8,7 @@ import json
 
 from rollerrig.catalog import KINDS
 from rollerrig.config import json_schema
-from rollerrig.config.read.library import schema_file
+from rollerrig.config.read import schema_file
 
 for kind in KINDS:
     schema_file(kind).write_text(json.dumps(json_schema(kind), indent=1, ensure_ascii=False) + "\n", encoding="utf-8")

@@ -45,7 +45,7 @@ if TYPE_CHECKING:
     from rollerrig.config import load_case as load_case
     from rollerrig.contact_analysis.profile_curve import profile as profile
     from rollerrig.interfaces.fmu.export import export_fmu as export_fmu
-    from rollerrig.interfaces.fmu.part import export_part as export_part
+    from rollerrig.interfaces.fmu.export import export_part as export_part
     from rollerrig.interfaces.plant import assemble_file as assemble_file
     from rollerrig.interfaces.plant import read_model as read_model
     from rollerrig.interfaces.realtime.server import serve as serve
@@ -90,7 +90,7 @@ _HOME = {
     "envelope": "study.envelope",
     "explain": "config",
     "export_fmu": "interfaces.fmu.export",
-    "export_part": "interfaces.fmu.part",
+    "export_part": "interfaces.fmu.export",
     "json_schema": "config",
     "lateral": "cli.commands",
     "export": "results",

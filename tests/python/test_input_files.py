@@ -166,7 +166,7 @@ OWN_FILES = {
     "assembly/creep_table.py": "the table that ships",
     "interfaces/fmu/export.py": "the libraries that ship",
     "common/input_files.py": "the door itself",
-    "common/memory.py": "of the kernel",
+    "results/files.py": "of the kernel",
     "results/citation.py": "the sources that ship",
     "results/quantities.py": "the registry that ships",
     "study/paper.py": "the text of a report, which ships",

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from rollerrig import _core
-from rollerrig.assembly.contact_laws import creep_law
+from rollerrig.assembly.laws import creep_law
 from rollerrig.assembly.model import AssembledModel, assemble
 from rollerrig.config import load_case
 from rollerrig.profiles import ProfileTable, gauge_point, profile_from_spec

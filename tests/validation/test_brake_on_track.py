@@ -15,7 +15,7 @@ from rollerrig.analysis.slide_statistics import test_record as record_of
 from rollerrig.assembly.actuators import assemble_with_actuators
 from rollerrig.assembly.train_axles import train_mass
 from rollerrig.config import Case
-from rollerrig.config.schema.contact_law import FallingFriction
+from rollerrig.config.schema.contact import FallingFriction
 from rollerrig.simulation.run import simulate
 from rollerrig.simulation.virtual_train import load_transfer, rail_patch
 from rollerrig.study.ensemble import starts

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import rollerrig as rr
-from rollerrig.analysis.linearise import Lineariser
+from rollerrig.analysis.modes import Lineariser
 from rollerrig.assembly.model import assemble
 from rollerrig.config import Case
 from rollerrig.simulation.starting_state import equilibrium_dataset

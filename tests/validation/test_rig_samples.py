@@ -54,7 +54,13 @@ def test_a_sample_of_the_controller_costs_dump_cycles_and_a_lead_brings_them_bac
     track, *rigs = cycles(test, lanes)
     found = [missing(track, rig) for rig in rigs]
     assert all(error < 0.004 for _, error in found)
-    bounds = ((0.025, 0.05), (-0.015, 0.01), (0.15, 0.22), (0.02, 0.045), (-0.025, 0.01))  # four standard errors or more
+    bounds = (
+        (0.025, 0.05),
+        (-0.015, 0.01),
+        (0.15, 0.22),
+        (0.02, 0.045),
+        (-0.025, 0.01),
+    )  # four standard errors or more
     assert all(low < part < high for (part, _), (low, high) in zip(found, bounds, strict=True)), found
 
 

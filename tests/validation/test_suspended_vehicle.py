@@ -14,7 +14,7 @@ import pytest
 
 from rollerrig import _core
 from rollerrig.assembly.model import Assembly
-from rollerrig.assembly.static_loads import static_loads
+from rollerrig.assembly.model_parts import static_loads
 from rollerrig.config import Case, Vehicle, load_case, load_vehicle
 
 VEHICLE = "manchester_vehicle_1"

@@ -15,7 +15,7 @@ ROOT = Path(__file__).parents[2]
 sys.path[:0] = [str(ROOT / "tests")]
 
 from rollerrig import _core  # noqa: E402
-from rollerrig.assembly.static_loads import static_loads  # noqa: E402
+from rollerrig.assembly.model_parts import static_loads  # noqa: E402
 from rollerrig.config import load_vehicle  # noqa: E402
 from validation import half_space_pairs as pairs  # noqa: E402
 from validation import test_adhesion_slip as traction_checks  # noqa: E402

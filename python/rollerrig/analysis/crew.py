@@ -21,7 +21,7 @@ from dataclasses import dataclass
 from typing import Any, Generic, TypeVar
 
 from rollerrig.common import workers
-from rollerrig.common.blas_threads import one_blas_thread
+from rollerrig.common.linear_algebra import one_blas_thread
 
 A = TypeVar("A")
 R = TypeVar("R")

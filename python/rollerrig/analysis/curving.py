@@ -21,7 +21,7 @@ from rollerrig import _core
 from rollerrig.analysis.wheel_rail_forces import wheel_forces
 from rollerrig.assembly.model import AssembledModel, assemble
 from rollerrig.cases import as_case, at_speed, on_track, without_actuators
-from rollerrig.common.eigenvalues import eigenvalues
+from rollerrig.common.linear_algebra import eigenvalues
 from rollerrig.config import Case, ConfigError, Rig
 from rollerrig.config.schema.track import Curve
 from rollerrig.results import Outcome, run_dataset, variable

@@ -4,6 +4,12 @@
 
 The critical speed by disturbance is the lowest at which a disturbance of a given size ends in a persistent oscillation. It
 depends on that size, and it can lie below the linear one.
+
+What is left of the sideways motion of a run at constant speed: has it decayed, or does the vehicle hunt?
+
+    run -> [lateral_rest] -> the body that moves most at the end, amplitude, frequency, growth rate -> report
+
+It is asked only where nothing but the start disturbs the vehicle: straight and smooth, without actuators, at constant speed.
 """
 
 from __future__ import annotations
@@ -17,6 +23,7 @@ import xarray as xr
 
 from rollerrig.analysis.crew import Progress
 from rollerrig.analysis.signals import FinalMotion, final_motion, half_waves
+from rollerrig.analysis.wheel_rail_forces import curved, irregular
 from rollerrig.cases import at_speed, displaced, leading_wheelset
 from rollerrig.config import Case
 from rollerrig.results import RunInfo, variable
@@ -170,3 +177,54 @@ def hunting_table(runs: Sequence[HuntingRun], disturbance: float) -> xr.Dataset:
         {"speed": variable("speed", np.array([3.6 * r.speed for r in ordered]), "km/h", "running speed")},
         {"disturbance_mm": 1e3 * disturbance, "body": body},
     )
+
+
+CONSTANT = 0.01
+"""Share of the speed: a run whose speed varies by less is one at constant speed [1]."""
+
+
+@dataclass(frozen=True)
+class LateralRest:
+    """Sideways motion in the last third of a run.
+
+    Attributes:
+        body: that moves most there.
+        largest: distance from its place in the whole run, either side [m].
+        final: what is left of its motion [m].
+    """
+
+    body: str
+    largest: float
+    final: FinalMotion
+
+    @property
+    def persists(self) -> bool:
+        """Whether it goes on at the end: larger than a limit cycle must be to count as one, and not decaying."""
+        return self.final.persists(LEAST_AMPLITUDE, SLOWEST_DECAY)
+
+
+def lateral_rest(run: xr.Dataset) -> LateralRest | None:
+    """What is left of the sideways motion.
+
+    Args:
+        run: of `simulate`.
+
+    Returns:
+        None where that is not to be said: the run did not come to its end, something else than the start disturbs the vehicle,
+        it was at rest all the time, or it ended within two half-waves.
+    """
+    info, speed = RunInfo.of(run), run["speed"].to_numpy()
+    if run.attrs["status"] != "ok" or len(speed) < 4 or info.actuators or curved(run) or irregular(run):
+        return None
+    if float(np.ptp(speed)) > CONSTANT * float(np.abs(speed).max()):
+        return None
+    bodies = info.moving
+    lateral = run["lateral"].sel(body=bodies).transpose("body", "time").to_numpy()
+    time = run["time"].to_numpy()
+    tail = lateral[:, time >= time[-1] - (time[-1] - time[0]) / 3]
+    ranges, largest = 0.5 * np.ptp(tail, axis=1), np.abs(lateral).max(axis=1)
+    at = int(ranges.argmax() if ranges.max() >= LEAST_AMPLITUDE else largest.argmax())
+    final = final_motion(time, lateral[at])
+    if largest[at] < LEAST_AMPLITUDE or (ranges[at] >= LEAST_AMPLITUDE and final.amplitude == 0.0):
+        return None
+    return LateralRest(bodies[at], float(largest[at]), final)

@@ -90,7 +90,7 @@ def settling_run(
     )
     model = assemble(hunting_case(case, speed, hunting))
     simulation = _core.Simulation(model.core)
-    start = starting_state(simulation, model) if state is None else at_other_speed(simulation, model, state, speed)
+    start = starting_state(model) if state is None else at_other_speed(simulation, model, state, speed)
     begin(simulation, model, start)
     run = _Windows(simulation, model, settings)
     while not run.finished:

@@ -21,7 +21,7 @@ import xarray as xr
 from rollerrig import _core
 from rollerrig.analysis.linear_system import LinearSystem, Matrix
 from rollerrig.assembly.actuators import assemble_with_actuators
-from rollerrig.assembly.core_struct import angular
+from rollerrig.assembly.laws import angular
 from rollerrig.assembly.model import AssembledModel, assemble
 from rollerrig.cases import as_case, at_speed, wheelsets
 from rollerrig.config import Case, ConfigError, ConfigProblem, Motor
@@ -119,7 +119,7 @@ class LinearBench:
         self.case = steady_case(case, speed)
         self.speed = self.case.motion.speed
         self.model = assemble_with_actuators(self.case) if case.sampled else assemble(self.case)
-        state = starting_state(_core.Simulation(self.model.start_core), self.model)
+        state = starting_state(self.model)
         self._simulation = _core.Simulation(self.model.core)
         self.brake_pressure = brake_pressure
         pressures = self._pressures(brake_pressure)

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from rollerrig import _core
 from rollerrig.analysis.linear_bench import LinearBench
-from rollerrig.common.blas_threads import one_blas_thread
+from rollerrig.common.linear_algebra import one_blas_thread
 from rollerrig.interfaces.plant import assembled_model
 from rollerrig.simulation.controllers import BRAKE_UNIT, roles_of
 

@@ -12,7 +12,7 @@ import numpy as np
 import xarray as xr
 
 from rollerrig.analysis.critical_speed import linear_critical_speed
-from rollerrig.analysis.tracking import largest, rms, slip, stopped, tracking, wheel_radius
+from rollerrig.analysis.slide_statistics import largest, rms, slip, stopped, tracking, wheel_radius
 from rollerrig.cases import at_speed
 from rollerrig.config import Case
 from rollerrig.results import RunInfo

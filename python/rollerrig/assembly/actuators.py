@@ -12,33 +12,26 @@ from collections.abc import Sequence
 from typing import Any
 
 from rollerrig import _core
-from rollerrig.assembly.contact_laws import adhesion_map, core_law
-from rollerrig.assembly.core_struct import core_struct
+from rollerrig.assembly.laws import adhesion_map, core_law, core_struct
 from rollerrig.assembly.model import GROUND, AssembledModel, Assembly
 from rollerrig.assembly.model_parts import ABSENT, AxleActuators
 from rollerrig.config import Brake, Case, Track, Traction
-from rollerrig.config.schema.pneumatics import ReservoirAir
-from rollerrig.config.schema.track_brake import AnyTrackBrake, MagneticTrackBrake
+from rollerrig.config.schema.brakes import AnyTrackBrake, MagneticTrackBrake, ReservoirAir
 
 _NO_ROTOR = {"link": 0.0, "gear_ratio": 1.0, "rotor_inertia": 0.0}
 
 
 def assemble_with_actuators(case: Case) -> AssembledModel:
-    """Build the compiled model of a case with its actuators.
-
-    Running resistance, gradient and rolling constraints are not on the model of the start (`start_core`): a train starts
-    on level track, coasting, and its axles roll as creep lets them.
-    """
+    """Build the compiled model of a case with its actuators."""
     assembly = Assembly(case)
     adhesion = _add_adhesion(assembly)
     axles = tuple(_add_axle(assembly, number, name) for number, name in enumerate(assembly.wheelsets))
-    start_core = assembly.builder.finish()
     _add_resistance(assembly)
     bogies = _add_track_brakes(assembly)
     if case.contact.pure_rolling:
         for name in assembly.wheelsets:
             assembly.builder.add_rolling_constraint(assembly.index(name))
-    return assembly.finish(start_core=start_core, axles=axles, adhesion=adhesion, bogies=bogies)
+    return assembly.finish(axles=axles, adhesion=adhesion, bogies=bogies)
 
 
 def _add_adhesion(assembly: Assembly) -> _core.AdhesionMap | None:

@@ -13,13 +13,11 @@ from dataclasses import dataclass
 from typing import Literal
 
 from rollerrig import _core
-from rollerrig.assembly.contact_laws import contact_laws
-from rollerrig.assembly.force_laws import Support, direction_law
-from rollerrig.assembly.model_parts import AxleActuators, WheelInfo
-from rollerrig.assembly.static_loads import static_loads
+from rollerrig.assembly.laws import Support, contact_laws, direction_law
+from rollerrig.assembly.model_parts import AxleActuators, WheelInfo, static_loads
 from rollerrig.config import Case, Foundation, Restraint, Rig, Track, Vehicle
-from rollerrig.config.schema.irregularity import rails_of_run
-from rollerrig.config.schema.rail_layout import NOWHERE, RAIL_CURVES, RailHeads, rail_heads, rail_layout
+from rollerrig.config.schema.support import NOWHERE, RAIL_CURVES, RailHeads, rail_heads, rail_layout
+from rollerrig.config.schema.track import rails_of_run
 from rollerrig.config.schema.vehicle import DIRECTIONS, Body, Element
 from rollerrig.config.validate.check_track import distance_run, foremost_wheelset
 from rollerrig.irregularity import RAILS, RailIrregularity
@@ -38,7 +36,7 @@ class AssembledModel:
     case: Case
     core: _core.Model
     start_core: _core.Model
-    """The model whose equilibrium a run starts from: `core` itself but for a train, see `rollerrig.assembly.actuators`."""
+    """The model whose equilibrium a run starts from: `core` itself but for a train, which starts on level track, coasting."""
     bodies: tuple[str, ...]
     elements: tuple[str, ...]
     wheels: tuple[WheelInfo, ...]
@@ -162,17 +160,16 @@ class Assembly:
     def finish(
         self,
         *,
-        start_core: _core.Model | None = None,
         axles: tuple[AxleActuators, ...] = (),
         adhesion: _core.AdhesionMap | None = None,
         bogies: int = 0,
     ) -> AssembledModel:
-        """The model with what has been added so far; by custom a run starts from the equilibrium of this very model."""
+        """The model with what has been added so far."""
         core = self.builder.finish()
         return AssembledModel(
             case=self.case,
             core=core,
-            start_core=start_core or core,
+            start_core=_core.coasting_model(core),
             bodies=tuple(self.bodies),
             elements=tuple(self.elements),
             wheels=tuple(self.wheels),

@@ -8,7 +8,7 @@ from __future__ import annotations
 from rollerrig import _core
 from rollerrig.assembly.model import AssembledModel
 from rollerrig.config import Case
-from rollerrig.config.schema.pneumatics import ReservoirAir
+from rollerrig.config.schema.brakes import ReservoirAir
 
 
 def simulated_count(case: Case) -> int:

@@ -9,7 +9,7 @@ from importlib import import_module
 import typer
 
 from rollerrig import __version__
-from rollerrig.cli import studies
+from rollerrig.cli import cases, interfaces, runs, studies
 from rollerrig.cli.termination import CLOSED, INTERRUPTED, readable_errors
 
 COMMANDS = (
@@ -45,7 +45,7 @@ COMMANDS = (
     "catalog",
     "cite",
 )
-"""Functions of `studies`, or modules of this folder with a function `command`, or with an `app` where there are subcommands."""
+"""Functions of `studies`, `cases`, `runs`, `interfaces`, or modules of this folder with a function `command`."""
 
 HELP = """A roller rig for railway bogies, in software.
 
@@ -75,13 +75,12 @@ def build_app() -> typer.Typer:
         pass
 
     for name in COMMANDS:
-        word, command = name.replace("_", "-"), getattr(studies, name, None)
-        if command is None:
-            module = import_module(f"rollerrig.cli.{name}")
-            if hasattr(module, "app"):
-                app.add_typer(module.app, name=word)
-                continue
-            command = module.command
+        word = name.replace("_", "-")
+        home = next((module for module in (studies, cases, runs, interfaces) if hasattr(module, name)), None)
+        command = getattr(home, name) if home else import_module(f"rollerrig.cli.{name}").command
+        if isinstance(command, typer.Typer):
+            app.add_typer(command, name=word)
+            continue
         app.command(word, short_help=first_line(command))(readable_errors(command))
     return app
 

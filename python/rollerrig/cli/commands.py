@@ -18,7 +18,7 @@ import numpy as np
 import xarray as xr
 
 from rollerrig.analysis.crew import Progress
-from rollerrig.analysis.speed_map import SPEEDS_KMH
+from rollerrig.analysis.mode_table import SPEEDS_KMH
 from rollerrig.cases import as_case
 from rollerrig.config import Case, Programme, load_programme
 
@@ -423,7 +423,7 @@ def compare(
         ConfigError: a vehicle or support is unknown or cannot be used.
     """
     from rollerrig.analysis import HuntingSettings
-    from rollerrig.analysis.roller_effects import RADII
+    from rollerrig.analysis.critical_speed import RADII
     from rollerrig.study.compare import CompareStudy
     from rollerrig.study.runs.compare import compared_cases
 

@@ -23,10 +23,12 @@ from rollerrig.config.schema.actuators import (
     Brake,
     Controller,
     Motor,
+    SlideProtection,
     Traction,
     WheelSlipControl,
 )
 from rollerrig.config.schema.adhesion import CONDITIONS, Adhesion, Condition, Piece
+from rollerrig.config.schema.brakes import Train
 from rollerrig.config.schema.case import (
     GRAVITY,
     AxleTorque,
@@ -34,23 +36,30 @@ from rollerrig.config.schema.case import (
     Disturbance,
     Motion,
     RollerEffects,
+    ScaledFrom,
     SupportChoice,
     TimeSettings,
     VehicleChoice,
 )
-from rollerrig.config.schema.irregularity import MeasuredIrregularity, SpectrumIrregularity
-from rollerrig.config.schema.material import Material
-from rollerrig.config.schema.mounting import AngularSupport, Foundation, LinearSupport, Mounting, Restraint
+from rollerrig.config.schema.contact import Material
 from rollerrig.config.schema.plan import Plan
 from rollerrig.config.schema.profile import S1002, Arc, Cone, Cylinder, ProfileFile, ProfileSpec, Uic60
 from rollerrig.config.schema.programme import CRITERIA, Limit, Programme
-from rollerrig.config.schema.rig_control import RigControl
-from rollerrig.config.schema.sensors import Encoder, ForceSensor, Sensors
-from rollerrig.config.schema.similitude import ScaledFrom
-from rollerrig.config.schema.slide_protection import SlideProtection
+from rollerrig.config.schema.rig_control import Encoder, ForceSensor, RigControl, Sensors
 from rollerrig.config.schema.support import Rig
-from rollerrig.config.schema.track import Curve, Straight, Track, Transition
-from rollerrig.config.schema.train import Train
+from rollerrig.config.schema.track import (
+    AngularSupport,
+    Curve,
+    Foundation,
+    LinearSupport,
+    MeasuredIrregularity,
+    Mounting,
+    Restraint,
+    SpectrumIrregularity,
+    Straight,
+    Track,
+    Transition,
+)
 from rollerrig.config.schema.vehicle import (
     AngularLaw,
     AngularSeriesDamper,

@@ -21,7 +21,7 @@ from rollerrig.results.files import output_file, write_bytes
 from rollerrig.simulation.controllers import UserController, roles_of, with_brake_unit
 from rollerrig.simulation.mechatronics import mechatronic_setup
 from rollerrig.simulation.run import check_fixed_step, integrator_settings
-from rollerrig.simulation.starting_state import prescribed_coordinates, starting_state
+from rollerrig.simulation.starting_state import disturbances, starting_state
 
 LARGEST_MODEL = 256 * MEGABYTE
 """Largest size of a model file: 200 km of measured track have some 100 MB [bytes]."""
@@ -111,7 +111,7 @@ def assembled_model(case: Case, *, external: Collection[str] = (), may_drift: bo
     case = with_brake_unit(case, external)
     controllers = _external_controllers(case, external)
     model = assemble_with_actuators(case) if case.sampled else assemble(case)
-    start = starting_state(_core.Simulation(model.start_core), model, may_drift=may_drift)
+    start = starting_state(model, may_drift=may_drift)
     setup = mechatronic_setup(model, controllers)
     simulation = _core.Simulation(model.core, setup)
     check_fixed_step(simulation, case, start)
@@ -124,7 +124,7 @@ def assembled_model(case: Case, *, external: Collection[str] = (), may_drift: bo
         **integrator_settings(simulation, model),
         t0=0.0,
         x0=start.tolist(),
-        disturbed=[(body, direction) for body, direction, _ in prescribed_coordinates(simulation, model, start)],
+        disturbances=disturbances(model),
     )
 
 

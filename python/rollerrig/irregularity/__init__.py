@@ -3,11 +3,9 @@
 published spectrum and seed, measured file -> [RailIrregularity] -> the core's contacts
 """
 
-from rollerrig.irregularity.errors import IrregularityError
-from rollerrig.irregularity.generate import generate
 from rollerrig.irregularity.measured import MeasuredTrack, measured_irregularity, read_measured_track
-from rollerrig.irregularity.rails import COMPONENTS, RAILS, Component, RailIrregularity
-from rollerrig.irregularity.spectra import LEVELS, Level, standard_deviation, track_spectrum
+from rollerrig.irregularity.rails import COMPONENTS, RAILS, Component, IrregularityError, RailIrregularity
+from rollerrig.irregularity.spectra import LEVELS, Level, generate, standard_deviation, track_spectrum
 
 __all__ = [
     "COMPONENTS",

@@ -20,8 +20,15 @@ import numpy as np
 
 from rollerrig.common.input_files import LARGEST_TABLE, read_input
 from rollerrig.common.splines import quasi_interpolant
-from rollerrig.irregularity.errors import IrregularityError
-from rollerrig.irregularity.rails import COMPONENTS, RAILS, FloatArray, RailIrregularity, periodic_spline, rails_of
+from rollerrig.irregularity.rails import (
+    COMPONENTS,
+    RAILS,
+    FloatArray,
+    IrregularityError,
+    RailIrregularity,
+    periodic_spline,
+    rails_of,
+)
 
 UNITS = {"m": 1.0, "mm": 1e-3, "km": 1e3, "cm": 1e-2}
 LARGEST = 0.2

@@ -1,5 +1,7 @@
 """Displacements of the two rails as periodic splines, and the four components that engineers speak of.
 
+The one exception of this package: an irregularity that cannot be used, and why.
+
 alignment    lateral displacement, mean of the two rails, positive to the left
 vertical     vertical displacement, mean of the two rails, positive upward
 cross_level  height of the right rail over the left one, as the cant
@@ -16,6 +18,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from rollerrig.common.splines import pieces
+
+
+class IrregularityError(ValueError):
+    """A file of measured rails that cannot be used; the message says where, what was found and what is allowed."""
+
 
 FloatArray = NDArray[np.float64]
 Component = Literal["alignment", "vertical", "cross_level", "gauge"]

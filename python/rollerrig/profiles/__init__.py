@@ -3,9 +3,17 @@
 published definitions, measured files -> ProfileTable -> contact geometry
 """
 
-from .errors import ProfileError
-from .registry import CATALOGUE, SHAPES, profile_from_spec
-from .table import DEFAULT_STEP, STEEPEST_SLOPE, ProfileKind, ProfileTable, flange_angle, gauge_point, tabulate
+from rollerrig.profiles.registry import CATALOGUE, SHAPES, profile_from_spec
+from rollerrig.profiles.table import (
+    DEFAULT_STEP,
+    STEEPEST_SLOPE,
+    ProfileError,
+    ProfileKind,
+    ProfileTable,
+    flange_angle,
+    gauge_point,
+    tabulate,
+)
 
 __all__ = [
     "CATALOGUE",

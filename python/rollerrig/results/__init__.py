@@ -4,8 +4,7 @@ rows of the core -> [results] -> xarray.Dataset -> run.nc, summary.json, CSV
 """
 
 from rollerrig.results.citation import cite, sources_of
-from rollerrig.results.dataset import COMPLETED, Draft, Outcome, run_dataset, run_draft, variable
-from rollerrig.results.energy import add_energy_audit
+from rollerrig.results.dataset import COMPLETED, Draft, Outcome, add_energy_audit, run_dataset, run_draft, variable
 from rollerrig.results.files import (
     OutputError,
     ResultsError,
@@ -20,8 +19,7 @@ from rollerrig.results.files import (
 from rollerrig.results.folder import Manifest, ResultFolder, check_folder, read_manifest
 from rollerrig.results.other_formats import export, mat_bytes
 from rollerrig.results.run_info import RunInfo
-from rollerrig.results.summary import summarise
-from rollerrig.results.tables import motion_table, wheel_table
+from rollerrig.results.summary import motion_table, summarise, wheel_table
 from rollerrig.results.termination import add_termination
 
 __all__ = [

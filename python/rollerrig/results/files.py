@@ -1,5 +1,7 @@
 """Result files: written whole or not at all, the same bytes for the same run.
 
+How much memory there is, to refuse in time what would not fit.
+
     Dataset, text -> [files] -> temporary name -> final name
 
 A NetCDF file is made in memory and then written like any text, so that a full disk is met by one plain write. No time
@@ -10,6 +12,7 @@ from __future__ import annotations
 
 import errno
 import io
+import math
 import os
 import tempfile
 from collections.abc import Mapping, Sequence
@@ -20,8 +23,18 @@ import numpy as np
 import xarray as xr
 
 from rollerrig.common.input_files import check_input
-from rollerrig.common.memory import available_memory
 from rollerrig.results.marks import PROGRAM, exists, is_ours
+
+
+def available_memory() -> float:
+    """Memory that a process can still get [bytes]; infinite where the system does not say."""
+    try:
+        with open("/proc/meminfo", encoding="ascii") as file:  # noqa: PTH123
+            fields = dict(line.split(":", 1) for line in file)
+        return 1024.0 * float(fields["MemAvailable"].split()[0])
+    except (OSError, KeyError, ValueError, IndexError):
+        return math.inf
+
 
 FORMAT = 2
 """Version of the files' layout; raised when variables, attributes or their meaning change."""

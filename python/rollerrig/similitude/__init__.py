@@ -3,8 +3,7 @@
 Case, strategy -> [similitude] -> Case of the model -> run -> map_back -> results at full scale
 """
 
-from rollerrig.similitude.factors import FACTORS, STRATEGIES, Similitude, similitude
-from rollerrig.similitude.map_back import map_back
+from rollerrig.similitude.factors import FACTORS, STRATEGIES, Similitude, map_back, similitude
 from rollerrig.similitude.scale_case import factors_of, scale_case
 from rollerrig.similitude.violations import ContactAtRest, Requirement, contact_at_rest, distortion, requirements
 

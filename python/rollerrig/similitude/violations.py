@@ -15,7 +15,7 @@ import numpy as np
 
 from rollerrig.assembly.model import assemble
 from rollerrig.config import Case, Rig
-from rollerrig.config.schema.contact_law import FallingFriction
+from rollerrig.config.schema.contact import FallingFriction
 from rollerrig.similitude.factors import Similitude
 from rollerrig.similitude.scale_case import factors_of
 from rollerrig.simulation.starting_state import equilibrium_dataset

@@ -10,11 +10,12 @@ from typing import Any
 
 from rollerrig import _core
 from rollerrig.assembly.actuators import electrodynamic_brake, friction_brake, pneumatics, track_brake
-from rollerrig.assembly.core_struct import angular, core_struct
+from rollerrig.assembly.laws import angular, core_struct
 from rollerrig.assembly.model import AssembledModel
 from rollerrig.assembly.model_parts import ABSENT
 from rollerrig.assembly.train_axles import brake_delay, reservoirs, simulated_axles, simulated_count, train_mass
 from rollerrig.config import Adhesion, Brake, Case, Encoder, ForceSensor, Motor, Rig, RigControl, Sensors
+from rollerrig.config.schema.actuators import SlideProtection, TableSlideProtection, entry_numbers
 from rollerrig.config.schema.rig_control import (
     AnyAxleTorque,
     BandwidthEstimator,
@@ -23,10 +24,10 @@ from rollerrig.config.schema.rig_control import (
     LeadCommand,
     NoFeedback,
     ProportionalIntegral,
+    PulseFrequency,
+    PulsePeriod,
     SlidingMode,
 )
-from rollerrig.config.schema.sensors import PulseFrequency, PulsePeriod
-from rollerrig.config.schema.slide_protection import SlideProtection, TableSlideProtection, entry_numbers
 from rollerrig.simulation.controllers import UserController
 from rollerrig.simulation.virtual_train import load_transfer, rail_patch
 
@@ -288,7 +289,7 @@ def axle_torque(table: AnyAxleTorque) -> Any:
 
 
 def drive_command(control: RigControl) -> Any:
-    """How the drives are asked for their torque; a lead without a time of its own is that of their lag and half a sample, (D22)."""
+    """How the drives are asked for their torque; a lead without a time of its own has that of (D22)."""
     table = control.drive_command
     given = {}
     if isinstance(table, LeadCommand) and table.ahead is None:

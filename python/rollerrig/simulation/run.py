@@ -22,13 +22,13 @@ from rollerrig import _core
 from rollerrig.assembly.actuators import assemble_with_actuators
 from rollerrig.assembly.model import AssembledModel, assemble
 from rollerrig.cases import as_case
-from rollerrig.common.eigenvalues import eigenvalues
-from rollerrig.common.memory import available_memory
+from rollerrig.common.linear_algebra import eigenvalues
 from rollerrig.config import Case, ConfigError, ConfigProblem, Rig
 from rollerrig.results import Draft, Outcome, add_energy_audit, add_termination, run_draft
-from rollerrig.results.contact_loss import add_contact_losses, contact_loss_warning
-from rollerrig.results.drive_limits import drive_warning
-from rollerrig.results.readings import add_readings
+from rollerrig.results.dataset import drive_warning
+from rollerrig.results.files import available_memory
+from rollerrig.results.readings import Recording, add_readings, readings_per_sample
+from rollerrig.results.summary import add_contact_losses, contact_loss_warning
 from rollerrig.results.termination import FLEXIBLE, contact_in_words
 from rollerrig.simulation.controllers import (
     MEASUREMENTS,
@@ -41,9 +41,7 @@ from rollerrig.simulation.controllers import (
     with_brake_unit,
 )
 from rollerrig.simulation.mechatronics import mechatronic_setup
-from rollerrig.simulation.recording import Recording, readings_per_sample
-from rollerrig.simulation.restraint import rolled_off
-from rollerrig.simulation.starting_state import StartError, recorded_state, starting_state
+from rollerrig.simulation.starting_state import StartError, recorded_state, rolled_off, starting_state
 
 __all__ = [
     "Progress",
@@ -196,7 +194,7 @@ def prepare(
         ConfigError: the fixed step is unstable, a disturbance moves what is locked, or nothing holds the vehicle on its rollers.
         StartError: no equilibrium was found to start from.
     """
-    start = starting_state(_core.Simulation(model.start_core), model, may_drift=may_drift)
+    start = starting_state(model, may_drift=may_drift)
     simulation = _core.Simulation(model.core, mechatronic_setup(model, users))
     begin(simulation, model, start, output_step=output_step)
     return simulation

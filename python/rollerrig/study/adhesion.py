@@ -25,15 +25,23 @@ import xarray as xr
 from numpy.typing import ArrayLike
 
 from rollerrig.analysis.equivalent_dead_time import DeadTime, predicted_dead_time
-from rollerrig.analysis.rig_fidelity import by_own_motion, point_by_point
-from rollerrig.analysis.rig_limits import patch_of, slipperiest_peak
-from rollerrig.analysis.slide_statistics import SLIP_EDGES, TestRecord, axle_load, idle_valves, test_record
-from rollerrig.analysis.tracking import under_test, wheel_radius
+from rollerrig.analysis.slide_statistics import (
+    SLIP_EDGES,
+    TestRecord,
+    axle_load,
+    by_own_motion,
+    idle_valves,
+    point_by_point,
+    test_record,
+    under_test,
+    wheel_radius,
+)
+from rollerrig.analysis.virtual_rail import patch_of, slipperiest_peak
 from rollerrig.assembly.model import assemble
 from rollerrig.common.formatting import number, percent
 from rollerrig.config import Case
 from rollerrig.plot import adhesion as figures
-from rollerrig.plot.causes import cause_bars, dead_time_curve, slip_histogram
+from rollerrig.plot.adhesion import cause_bars, dead_time_curve, slip_histogram
 from rollerrig.results import COMPLETED
 from rollerrig.simulation.run import simulate
 from rollerrig.study.assessment import SHOWN

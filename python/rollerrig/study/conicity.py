@@ -15,7 +15,7 @@ import xarray as xr
 
 from rollerrig.config import Case
 from rollerrig.contact_analysis import conicity_table, pair_case, shift_table
-from rollerrig.plot.characteristics import characteristics_figure
+from rollerrig.plot.contact import characteristics_figure
 from rollerrig.study.frame import Study, dataset_rows
 from rollerrig.study.jobs import Done, Round, job
 from rollerrig.study.quantities import Numbers, Quantities

@@ -17,7 +17,7 @@ from typing import Any
 
 from rollerrig.analysis import CriticalSpeedByDisturbance, LimitCycleSettings, linear_critical_speed
 from rollerrig.config import Case
-from rollerrig.config.schema.contact_law import NORMAL_LAWS
+from rollerrig.config.schema.contact import NORMAL_LAWS
 from rollerrig.study.assessment import Interval
 from rollerrig.study.jobs import Job, job
 from rollerrig.study.limit_cycles import limit_cycles

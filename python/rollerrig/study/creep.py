@@ -11,9 +11,9 @@ from typing import Any
 
 import xarray as xr
 
-from rollerrig.assembly.contact_laws import creep_law
+from rollerrig.assembly.laws import creep_law
 from rollerrig.contact_analysis.creep_laws import COMPONENTS, DEMANDS, REFERENCE, compare_laws, error_table
-from rollerrig.plot.creep import creep_figure
+from rollerrig.plot.contact import creep_figure
 from rollerrig.study.frame import Study
 from rollerrig.study.jobs import Done, Round, job
 from rollerrig.study.quantities import Numbers, Quantities

@@ -10,18 +10,20 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, Literal
 
 from rollerrig.analysis import CriticalSpeedByDisturbance, HuntingSettings, LinearCriticalSpeed
-from rollerrig.analysis.critical_speed import bracket, rounds_by_disturbance, scan_linear
-from rollerrig.analysis.hunting import HuntingRun, hunting_run
-from rollerrig.analysis.roller_effects import (
+from rollerrig.analysis.critical_speed import (
     EFFECTS,
     RANGE_KMH,
     TRACK,
     CriticalSpeedOverRadius,
     EffectSplit,
+    bracket,
     critical_speed_over_radius,
     effect_cases,
     radius_cases,
+    rounds_by_disturbance,
+    scan_linear,
 )
+from rollerrig.analysis.hunting import HuntingRun, hunting_run
 from rollerrig.config import Case
 from rollerrig.plot.compare import critical_over_radius, effect_bars
 from rollerrig.study.jobs import Done, Job, Round, job

@@ -15,7 +15,7 @@ import xarray as xr
 from rollerrig.analysis.curving import DEFICIENCIES, RADII, curving, curving_case
 from rollerrig.analysis.wheel_rail_forces import QUOTIENT_LIMIT
 from rollerrig.config import Case
-from rollerrig.plot.curving import curving_over_radius
+from rollerrig.plot.run import curving_over_radius
 from rollerrig.study.frame import Study
 from rollerrig.study.jobs import Done, Round, job
 from rollerrig.study.quantities import Numbers, Quantities, Quantity

@@ -18,12 +18,12 @@ import numpy as np
 import xarray as xr
 
 from rollerrig.analysis.envelope_borders import Border, borders, slides
-from rollerrig.analysis.rig_limits import FULL_SLIDING, LINES, SLIDES
-from rollerrig.analysis.run_limits import LEAST_DURATION, NUMBERS, REGIONS, REPRODUCED, TRACKING_LIMIT
+from rollerrig.analysis.rig_limits import LEAST_DURATION, LINES, NUMBERS, REGIONS, REPRODUCED, TRACKING_LIMIT
+from rollerrig.analysis.virtual_rail import FULL_SLIDING, SLIDES
 from rollerrig.cases import as_case
 from rollerrig.common.formatting import number
 from rollerrig.config import Case, ConfigError, ConfigProblem, Rig
-from rollerrig.config.validate.simulated_axles import simulated_axles
+from rollerrig.config.validate.check_actuators import simulated_axles
 from rollerrig.plot import envelope as figures
 from rollerrig.study.frame import Study, dataset_rows
 from rollerrig.study.jobs import Done, Progress, Round, job, whole_run

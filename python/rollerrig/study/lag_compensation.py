@@ -10,12 +10,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from rollerrig.analysis.tracking import under_test
+from rollerrig.analysis.equivalent_dead_time import lags
+from rollerrig.analysis.slide_statistics import under_test
 from rollerrig.assembly.actuators import assemble_with_actuators
 from rollerrig.common.formatting import number
 from rollerrig.config import Case
 from rollerrig.config.schema.rig_control import BandwidthEstimator
-from rollerrig.simulation.lags import lags
 from rollerrig.study.ensemble import difference, measured_dead_time
 from rollerrig.study.jobs import Done, Progress, Round, job, whole_run
 from rollerrig.study.quantities import Numbers, Quantities

@@ -27,11 +27,11 @@ from rollerrig.analysis.lateral_guidance import (
     slide_begins,
     train_slip,
 )
-from rollerrig.analysis.tracking import following, largest, real_sliding, wheel_radius
+from rollerrig.analysis.slide_statistics import following, largest, real_sliding, wheel_radius
 from rollerrig.common.formatting import number, percent
 from rollerrig.config import Case, Condition, ConfigError, ConfigProblem, Rig
-from rollerrig.config.validate.simulated_axles import simulated_axles
-from rollerrig.plot import lateral as figures
+from rollerrig.config.validate.check_actuators import simulated_axles
+from rollerrig.plot import adhesion as figures
 from rollerrig.results import COMPLETED
 from rollerrig.study.frame import Study
 from rollerrig.study.jobs import Done, Progress, Round, job, whole_run

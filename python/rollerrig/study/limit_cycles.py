@@ -21,7 +21,7 @@ from rollerrig.analysis.critical_speed import onset_from
 from rollerrig.analysis.hunting import HuntingSettings
 from rollerrig.analysis.limit_cycle import KIND_SENTENCES, Branch, CyclePoint, NotMadeError, diagram, trace
 from rollerrig.analysis.limit_cycle_runs import LastState, settling_run
-from rollerrig.analysis.speed_map import SPEEDS_KMH
+from rollerrig.analysis.mode_table import SPEEDS_KMH
 from rollerrig.cases import as_case
 from rollerrig.config import Case
 from rollerrig.plot import limit_cycle_diagram

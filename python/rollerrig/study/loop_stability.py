@@ -23,8 +23,7 @@ from rollerrig.analysis.loop_stability import (
     rolling_plant,
     vehicle_plant,
 )
-from rollerrig.analysis.torque_ripple import torque_ripple
-from rollerrig.analysis.tracking import wheel_radius
+from rollerrig.analysis.slide_statistics import torque_ripple, wheel_radius
 from rollerrig.assembly.actuators import friction_brake
 from rollerrig.common.formatting import number
 from rollerrig.config import Case

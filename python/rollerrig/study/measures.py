@@ -21,7 +21,7 @@ from rollerrig.analysis import filtered
 from rollerrig.analysis.critical_speed import onset_from
 from rollerrig.analysis.slide_statistics import TestRecord
 from rollerrig.analysis.wheel_rail_forces import wheel_forces
-from rollerrig.assembly.contact_laws import core_law
+from rollerrig.assembly.laws import core_law
 from rollerrig.config import Case, case_from_toml
 from rollerrig.config.schema.plan import (
     AdhesionMeasure,

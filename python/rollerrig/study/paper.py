@@ -17,7 +17,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from rollerrig.analysis import end_of_hunting, hunting_table
-from rollerrig.analysis.fits import fit
+from rollerrig.analysis.signals import fit
 from rollerrig.analysis.traction import asymmetry, sliding_course
 from rollerrig.common.formatting import number, percent
 from rollerrig.config import Case, Rig

@@ -17,7 +17,7 @@ from rollerrig.analysis.linear_bench import LinearBench
 from rollerrig.analysis.linear_system import LinearSystem, margins_of
 from rollerrig.analysis.measured_response import MeasuredResponse, measured_response
 from rollerrig.config import Case, ConfigError, ConfigProblem
-from rollerrig.plot.response import bode_figure, nyquist_figure, poles_and_zeros_figure
+from rollerrig.plot.control import bode_figure, nyquist_figure, poles_and_zeros_figure
 from rollerrig.study.frame import Study
 from rollerrig.study.jobs import Done, Progress, Round, job
 from rollerrig.study.quantities import Numbers, Quantities

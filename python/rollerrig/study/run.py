@@ -14,9 +14,8 @@ from typing import Any
 import xarray as xr
 
 from rollerrig.analysis.assessment import Assessment, Row, assess, table
-from rollerrig.analysis.lateral_rest import LateralRest, lateral_rest
-from rollerrig.analysis.track_sections import curved, irregular
-from rollerrig.analysis.wheel_rail_forces import STATISTICS
+from rollerrig.analysis.hunting import LateralRest, lateral_rest
+from rollerrig.analysis.wheel_rail_forces import STATISTICS, curved, irregular
 from rollerrig.common.formatting import number
 from rollerrig.config import Case
 from rollerrig.plot.run import energy_over_time, motion_over_time, sliding_over_time

@@ -16,7 +16,7 @@ from rollerrig.analysis.assessment import Assessment, Row
 from rollerrig.analysis.wheel_rail_forces import QUOTIENT_LIMIT, STATISTICS, unfiltered
 from rollerrig.common.formatting import number
 from rollerrig.plot.wheel_rail_forces import accelerations_along, quotient, track_shifting, wear, wheel_forces
-from rollerrig.results.resolution import resolved
+from rollerrig.results.summary import resolved
 from rollerrig.study.quantities import Quantities, Quantity
 from rollerrig.study.report import Picture, Section, Table, Text
 

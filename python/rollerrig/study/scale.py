@@ -26,7 +26,7 @@ from rollerrig.analysis.scaled_model import (
     relative,
     run_numbers,
 )
-from rollerrig.analysis.tracking import wheel_radius
+from rollerrig.analysis.slide_statistics import wheel_radius
 from rollerrig.common.formatting import number, percent
 from rollerrig.config import Case
 from rollerrig.config.write.toml import to_short_toml

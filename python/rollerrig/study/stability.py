@@ -18,8 +18,7 @@ from rollerrig.analysis import Diagram, LimitCycleSettings, limit_cycle_table, s
 from rollerrig.analysis.critical_speed import HIGHEST_KMH, LinearCriticalSpeed, scan_above
 from rollerrig.config import Case, Track
 from rollerrig.plot import damping_map, damping_over_speed, frequency_over_speed, mode_shape, mode_shapes, root_locus
-from rollerrig.plot.modes import shown_modes
-from rollerrig.plot.shapes import shape_speed
+from rollerrig.plot.modes import shape_speed, shown_modes
 from rollerrig.results.termination import in_words
 from rollerrig.study import contact_models as contact_effects
 from rollerrig.study import limit_cycles as cycles

@@ -10,8 +10,7 @@ from rollerrig.track.curving import (
     nadal_limit,
     plane_acceleration,
 )
-from rollerrig.track.line import Line, Segment, build_line, ramps
-from rollerrig.track.piecewise import PiecewiseCubic
+from rollerrig.track.line import Line, PiecewiseCubic, Segment, build_line, ramps
 
 __all__ = [
     "Line",

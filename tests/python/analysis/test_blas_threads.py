@@ -12,10 +12,10 @@ from threadpoolctl import threadpool_info, threadpool_limits
 
 import rollerrig
 from rollerrig.analysis import loop_stability, modes, stability
-from rollerrig.analysis.fits import fit
 from rollerrig.analysis.parallel import run_jobs
-from rollerrig.common import eigenvalues
-from rollerrig.common.blas_threads import one_blas_thread
+from rollerrig.analysis.signals import fit
+from rollerrig.common import linear_algebra
+from rollerrig.common.linear_algebra import one_blas_thread
 from rollerrig.config import load_case
 from rollerrig.simulation.run import simulate
 
@@ -38,7 +38,7 @@ def two_threads():
 def seen(monkeypatch):
     """Name of each solver that was called -> threads it was called with."""
     found: dict[str, set[int]] = {}
-    eigenvalues._of_bytes.cache_clear()  # of a test before
+    linear_algebra._of_bytes.cache_clear()  # of a test before
 
     def watch(module: object, name: str) -> None:
         solver = getattr(module, name)
@@ -129,6 +129,10 @@ def test_no_module_solves_matrices_without_it() -> None:
         if (imported | of_linalg) & SOLVERS:
             users.append(path.name)
             assert "@one_blas_thread()" in text or "with one_blas_thread():" in text, path
-    assert {"modes.py", "common/eigenvalues.py", "simulation/restraint.py", "loop_stability.py", "fits.py"} <= set(
-        users
-    )
+    assert {
+        "modes.py",
+        "common/linear_algebra.py",
+        "simulation/starting_state.py",
+        "loop_stability.py",
+        "signals.py",
+    } <= set(users)

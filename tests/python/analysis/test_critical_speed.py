@@ -12,7 +12,7 @@ import xarray as xr
 from rollerrig import load_case
 from rollerrig.analysis.critical_speed import HIGHEST_KMH, bracket
 from rollerrig.analysis.hunting import HuntingRun, hunting_table
-from rollerrig.analysis.linearise import DIRECTIONS, Lineariser
+from rollerrig.analysis.modes import DIRECTIONS, Lineariser
 from rollerrig.analysis.signals import FinalMotion
 from rollerrig.study.critical_speeds import between, ended_early_sentence
 from rollerrig.study.limit_cycles import critical_speed

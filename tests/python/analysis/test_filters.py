@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from rollerrig.analysis.filters import band_pass, low_pass, sliding_mean
+from rollerrig.analysis.signals import band_pass, low_pass, sliding_mean
 
 STEP = 2e-3
 TIME = np.arange(0.0, 40.0, STEP)

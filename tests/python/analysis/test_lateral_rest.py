@@ -7,7 +7,7 @@ import pytest
 import xarray as xr
 
 import rollerrig as rr
-from rollerrig.analysis.lateral_rest import lateral_rest
+from rollerrig.analysis.hunting import lateral_rest
 
 
 @pytest.fixture(scope="module")

@@ -16,7 +16,7 @@ from rollerrig import _core
 from rollerrig.analysis import linear_bench
 from rollerrig.analysis.linear_bench import LinearBench
 from rollerrig.analysis.linear_system import margins_of
-from rollerrig.analysis.linearise import linearise
+from rollerrig.analysis.modes import linearise
 from rollerrig.assembly.model import assemble
 from rollerrig.config import ConfigError
 from rollerrig.simulation.starting_state import starting_state
@@ -34,7 +34,7 @@ def test_outputs_follow_states_as_differences_say(name: str) -> None:
     """Central differences of the recorded row; their own error is about 1e-6 of the largest entry of a row."""
     bench = LinearBench(rr.load_case(name))
     simulation = _core.Simulation(bench.model.core)
-    state = starting_state(_core.Simulation(bench.model.start_core), bench.model)
+    state = starting_state(bench.model)
     c = simulation.linear_model(0.0, state, [], [])[2]
     quadratures = np.zeros(simulation.quadrature_count)
     scale = np.abs(c).max(axis=1) + 1e-6
@@ -60,7 +60,7 @@ def test_torques_act_as_in_the_equations_of_motion() -> None:
         ["wheelset_2.axle_torque"], ["wheelset_2.pitch_acceleration", "front_frame.pitch_acceleration"]
     )
     model = assemble(bench.case)
-    state = starting_state(_core.Simulation(model.core), model)
+    state = starting_state(model)
     pushed = assemble(bench.case.with_changes({"axle_torque.1.constant": 1000.0}))
     rest, moved = (_core.Simulation(m.core).derivative(0.0, state)[0] for m in (model, pushed))
     rows = [_core.Simulation(model.core).rate_index[model.body_index(b)][4] for b in ("wheelset_2", "front_frame")]

@@ -7,8 +7,7 @@ import pytest
 import xarray as xr
 
 import rollerrig as rr
-from rollerrig.analysis.assessment import assess, table
-from rollerrig.analysis.ride import accelerations, ride, weight, weighted_rms
+from rollerrig.analysis.assessment import accelerations, assess, ride, table, weight, weighted_rms
 from rollerrig.assembly.model import assemble
 from rollerrig.results.run_info import describe
 

@@ -51,7 +51,7 @@ def test_a_signal_that_is_not_there_is_said(runs, signal: str, line: str) -> Non
 
 
 def test_files_of_one_name_are_told_apart_by_their_folders() -> None:
-    from rollerrig.cli.compare_runs import _labels
+    from rollerrig.cli.runs import _labels
 
     def of(*names: str) -> list[str]:
         return _labels([Path(name) for name in names])

@@ -17,13 +17,11 @@ from rollerrig.analysis import (
     stability,
     zero_crossings,
 )
-from rollerrig.analysis.contact_state import slow_wavelength
+from rollerrig.analysis.control_loop import slow_wavelength
 from rollerrig.analysis.critical_speed import bracket, scan_linear
-from rollerrig.analysis.crossings import diverging
-from rollerrig.analysis.linearise import linearise
-from rollerrig.analysis.modes import eigensystem, oscillates
+from rollerrig.analysis.mode_table import diverging, modes_over_speed
+from rollerrig.analysis.modes import eigensystem, linearise, oscillates
 from rollerrig.analysis.parallel import run_jobs
-from rollerrig.analysis.speed_map import modes_over_speed
 from rollerrig.config import Case, load_case
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from rollerrig.analysis.fits import fit
+from rollerrig.analysis.signals import fit
 from rollerrig.analysis.traction import balance, bogie_of, torque_over_time, with_theory
 from rollerrig.config import load_case
 from rollerrig.simulation.run import simulate

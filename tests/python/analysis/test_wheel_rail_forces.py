@@ -12,8 +12,7 @@ import pytest
 import xarray as xr
 
 import rollerrig as rr
-from rollerrig.analysis.assessment import assess, table
-from rollerrig.analysis.ride import accelerations
+from rollerrig.analysis.assessment import accelerations, assess, table
 from rollerrig.analysis.wheel_rail_forces import (
     filtered,
     prudhomme_limit,

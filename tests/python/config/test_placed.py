@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from rollerrig.config import ConfigError, load_vehicle
-from rollerrig.config.load.placed import placed
+from rollerrig.config.load.resolve import placed
 
 from .conftest import WRITTEN_OUT
 

@@ -12,7 +12,7 @@ from pydantic import BaseModel
 
 from rollerrig.catalog import KINDS, catalog_file, catalog_names
 from rollerrig.config import Case, Material, Rig, Track, Vehicle, json_schema, load_case, reference_markdown
-from rollerrig.config.read.library import schema_file
+from rollerrig.config.read import schema_file
 from rollerrig.config.schema.base import Table
 from rollerrig.profiles import SHAPES
 

@@ -10,9 +10,9 @@ from pydantic import BaseModel
 
 import rollerrig as rr
 from rollerrig import _core
-from rollerrig.assembly.contact_laws import creep_law
+from rollerrig.assembly.laws import creep_law
 from rollerrig.config import ConfigError
-from rollerrig.config.schema.contact_law import (
+from rollerrig.config.schema.contact import (
     CREEP_LAWS,
     FRICTION_LAWS,
     NORMAL_LAWS,

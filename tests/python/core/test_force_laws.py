@@ -7,7 +7,7 @@ from typing import Any, get_args
 import pytest
 
 from rollerrig import _core
-from rollerrig.assembly.force_laws import direction_law
+from rollerrig.assembly.laws import direction_law
 from rollerrig.config import AngularSupport, LinearSupport
 from rollerrig.config.schema.base import Table
 from rollerrig.config.schema.vehicle import AngularLaw, LinearLaw

@@ -13,7 +13,7 @@ import pytest
 
 from python.realtime.running import brake_case
 from rollerrig import simulate
-from rollerrig.interfaces.realtime.served import serve_case
+from rollerrig.interfaces.realtime.server import serve_case
 
 COUNTER = """
 #define _GNU_SOURCE
@@ -27,7 +27,7 @@ long malloc_calls(void) { return calls; }
 RUNS = """
 import ctypes
 from python.realtime.running import brake_case
-from rollerrig.interfaces.realtime.served import serve_case
+from rollerrig.interfaces.realtime.server import serve_case
 from rollerrig.interfaces.realtime.server import open_server
 calls = ctypes.CDLL(None).malloc_calls
 calls.restype = ctypes.c_long

@@ -16,8 +16,7 @@ from rollerrig import _core, load_case, simulate
 from rollerrig.config import ConfigError
 from rollerrig.interfaces.realtime import Client, ClientError
 from rollerrig.interfaces.realtime.links import SHARED_MEMORY, Rings
-from rollerrig.interfaces.realtime.served import Served, serve_case
-from rollerrig.interfaces.realtime.server import check_rate, open_server, replay
+from rollerrig.interfaces.realtime.server import Served, check_rate, open_server, replay, serve_case
 
 Serve = Callable[..., Running]
 

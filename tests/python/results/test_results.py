@@ -14,7 +14,7 @@ import rollerrig as rr
 from rollerrig import results
 from rollerrig.config import Case
 from rollerrig.results import files, variable
-from rollerrig.results.energy import DISSIPATED, STORED, WORK_IN
+from rollerrig.results.dataset import DISSIPATED, STORED, WORK_IN
 
 
 def short_case() -> Case:

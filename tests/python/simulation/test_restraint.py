@@ -15,11 +15,10 @@ from rollerrig.assembly.model import assemble
 from rollerrig.cases import on_track
 from rollerrig.catalog import catalog_names
 from rollerrig.cli.app import build_app
-from rollerrig.common.eigenvalues import eigenvalues
+from rollerrig.common.linear_algebra import eigenvalues
 from rollerrig.config import Case, ConfigError, load_case
-from rollerrig.simulation.restraint import drift
 from rollerrig.simulation.run import simulate
-from rollerrig.simulation.starting_state import equilibrium
+from rollerrig.simulation.starting_state import drift, equilibrium
 from rollerrig.study.limit_cycles import limit_cycles
 
 WAGON = Path(__file__).parents[1] / "two_axle_wagon.toml"

@@ -14,7 +14,7 @@ import pytest
 
 import rollerrig as rr
 from rollerrig import load_case
-from rollerrig.analysis.lateral_rest import LateralRest
+from rollerrig.analysis.hunting import LateralRest
 from rollerrig.analysis.signals import FinalMotion
 from rollerrig.study.frame import Outcome
 from rollerrig.study.run import CONTACT, QUANTITIES, Results, RunStudy

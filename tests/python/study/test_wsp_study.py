@@ -15,7 +15,7 @@ from rollerrig import ConfigError, load_case
 from rollerrig.analysis.slide_statistics import SLIP_EDGES, TestRecord
 from rollerrig.config import CRITERIA, Case, Programme, load_programme
 from rollerrig.config.load.resolve import resolve_programme
-from rollerrig.config.read.document import Document
+from rollerrig.config.read import Document
 from rollerrig.config.schema.programme import CriterionName
 from rollerrig.study.frame import Outcome
 from rollerrig.study.runs.adhesion import track_case

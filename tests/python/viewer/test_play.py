@@ -17,9 +17,8 @@ from browser import Opened
 from rollerrig import _core
 from rollerrig.config import ConfigError
 from rollerrig.interfaces.plant import assembled_model
-from rollerrig.viewer.live import FRAME, LiveRun
+from rollerrig.viewer.live import FRAME, GAINS, LiveRun, gains
 from rollerrig.viewer.play import Theatre, server
-from rollerrig.viewer.sliders import GAINS, gains
 
 
 def column(run: LiveRun, name: str) -> float:

@@ -16,9 +16,8 @@ from rollerrig.results import ResultsError
 from rollerrig.viewer import view_text
 from rollerrig.viewer.columns import MOST_FRAMES, WHOLE, Columns, interpolated, thinned
 from rollerrig.viewer.live import LiveRun
-from rollerrig.viewer.mode_scene import mode_scene
 from rollerrig.viewer.parts import outline
-from rollerrig.viewer.scene import ALLOWED, model_of, run_scene
+from rollerrig.viewer.scene import ALLOWED, mode_scene, model_of, run_scene
 
 
 def test_a_straight_line_is_drawn_exactly() -> None:
@@ -167,7 +166,7 @@ def test_modes_are_drawn_with_their_amplitudes_and_phases() -> None:
 
 
 def test_two_runs_of_one_case_are_told_apart(on_rig: xr.Dataset, on_track: xr.Dataset) -> None:
-    from rollerrig.viewer.whole import _names
+    from rollerrig.viewer.page import _names
 
     case = rr.load_case("bogie_rollers_constant").with_changes({"time.duration": "10 ms", "motion.speed": "260 km/h"})
     assert _names([on_rig, on_track]) == ["bogie_rollers_constant", "bogie_track"]

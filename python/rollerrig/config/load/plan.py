@@ -12,10 +12,9 @@ from pydantic import BaseModel
 
 from rollerrig.config.errors import ConfigError, ConfigProblem, nearest, one_of, show_value
 from rollerrig.config.load.case import Case, build_case
-from rollerrig.config.load.change import matching_paths, parts_of
-from rollerrig.config.load.changed import leaves, whole_key
+from rollerrig.config.load.change import leaves, matching_paths, parts_of, whole_key
 from rollerrig.config.load.resolve import Problems, refer, relative_to
-from rollerrig.config.read.document import Document, read_document
+from rollerrig.config.read import Document, read_document
 from rollerrig.config.schema.base import quantity_of
 from rollerrig.config.schema.plan import Plan
 from rollerrig.config.schema.units import Quantity

@@ -8,7 +8,7 @@ from pydantic_core import PydanticCustomError
 
 from rollerrig.config.errors import nearest, show_value
 from rollerrig.config.schema.base import OrShort, Table, refused
-from rollerrig.config.schema.contact_law import AnyFriction, FallingFriction, Share
+from rollerrig.config.schema.contact import AnyFriction, FallingFriction, Share
 from rollerrig.config.schema.units import Quantity
 
 CONDITIONS: Mapping[str, Mapping[str, Any]] = {

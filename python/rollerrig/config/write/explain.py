@@ -14,14 +14,13 @@ from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
 from rollerrig.config.errors import nearest
-from rollerrig.config.read.library import CatalogKind, catalog_file, catalog_names
+from rollerrig.config.read import CatalogKind, catalog_file, catalog_names
 from rollerrig.config.schema.base import OrShort, by_kind, quantity_of
 from rollerrig.config.schema.case import CaseTables, SupportChoice, VehicleChoice
 from rollerrig.config.schema.plan import Plan
 from rollerrig.config.schema.programme import Programme
 from rollerrig.config.schema.units import Quantity
-from rollerrig.config.validate.former_names import divided, meant
-from rollerrig.config.validate.messages import tables_in, tag_of
+from rollerrig.config.validate.messages import divided, meant, tables_in, tag_of
 from rollerrig.config.write.reference import default_text, type_text, unit_text
 
 _ROOTS: tuple[tuple[str, type[BaseModel]], ...] = (

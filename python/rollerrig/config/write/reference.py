@@ -9,7 +9,7 @@ from pydantic.fields import FieldInfo
 
 from rollerrig.config.schema.base import INSTEAD_OF, quantity_of
 from rollerrig.config.schema.case import CaseTables
-from rollerrig.config.schema.material import Material
+from rollerrig.config.schema.contact import Material
 from rollerrig.config.schema.plan import Plan
 from rollerrig.config.schema.profile import S1002, Arc, Cone, Cylinder, ProfileFile, Uic60
 from rollerrig.config.schema.programme import Programme

@@ -1,25 +1,78 @@
-"""A case packed as an FMU: model file, description and the libraries of the package. No compiler is needed.
+"""A case, or one of our controllers alone, packed as an FMU: model file, description and the libraries of the package.
+
+The libraries that were built with the package, and where an FMU keeps them.
+
+rollerrig/shells/<platform>/rollerrig.* -> [shells] -> Shell per platform
+
+A case packed as an FMU: model file, description and the libraries of the package. No compiler is needed.
 
 case -> assembled model -> [export_fmu] -> FILE.fmu
+
+One of our controllers packed alone as an FMU: what it measures are inputs, its commands outputs.
+
+case -> its slide protection, wheel-slip control or rig's controller -> [export_part] -> FILE.fmu
 """
 
 from __future__ import annotations
 
+import ctypes
 import io
+import platform
 import re
 import zipfile
 from collections.abc import Collection
+from dataclasses import dataclass
 from html import escape
 from pathlib import Path
 
 from rollerrig import __version__, _core
 from rollerrig.cases import as_case
 from rollerrig.config import Case, ConfigError, ConfigProblem
+from rollerrig.interfaces.controller_part import controller_part, part_refused
 from rollerrig.interfaces.fmu.description import Unit, model_description_2, model_description_3
-from rollerrig.interfaces.fmu.shells import Shell, shells
 from rollerrig.interfaces.plant import assembled_model
 from rollerrig.results.files import output_file, write_bytes
 from rollerrig.results.marks import PAGE
+
+WINDOWS = "x86_64-windows"
+FOLDERS = {"2": {"x86_64-linux": "linux64", WINDOWS: "win64"}, "3": {}}
+"""Platform -> folder in binaries/, where the standard calls it otherwise: FMI 2.0.4, section 2.3."""
+
+
+@dataclass(frozen=True)
+class Shell:
+    """A library for one platform.
+
+    Attributes:
+        platform: processor and system, as FMI 3.0 writes them: x86_64-linux.
+        file: the library.
+        needs: instructions beyond the oldest processor of its kind, with commas; empty: none.
+    """
+
+    platform: str
+    file: Path
+    needs: str
+
+    def place(self, fmi: str, identifier: str) -> str:
+        """Where an FMU keeps it."""
+        return f"binaries/{FOLDERS[fmi].get(self.platform, self.platform)}/{identifier}{self.file.suffix}"
+
+
+def shells() -> list[Shell]:
+    """Those that came with the package; none on a system for which none is built."""
+    folder = Path(str(_core.__file__)).parent / "shells"
+    files = sorted(folder.glob("*/rollerrig.*"))
+    return [Shell(file.parent.name, file, _needs(file)) for file in files if file.suffix in {".so", ".dll"}]
+
+
+def _needs(file: Path) -> str:
+    """Requirements of a library that this machine can load; the others are built for every processor of their kind."""
+    if file.parent.name != f"{platform.machine()}-{platform.system().lower()}":
+        return ""
+    ask = ctypes.CDLL(str(file)).rollerrig_needs
+    ask.restype = ctypes.c_char_p
+    return str(ask().decode("ascii"))
+
 
 STEP = 1e-3
 """At which to exchange values where nothing is sampled [s]."""
@@ -162,3 +215,71 @@ def check_format(case: str, fmi: str, kind: str) -> None:
     for key, value, allowed in (("fmi", fmi, tuple(DESCRIPTIONS)), ("kind", kind, KINDS)):
         if value not in allowed:
             raise ConfigError([ConfigProblem(case, key, repr(value), f"allowed: {', '.join(allowed)}")])
+
+
+def export_part(case: Case | str, part: str, path: str | Path, *, fmi: str = "2", force: bool = False) -> Path:
+    """Write one of our controllers alone as an FMU for co-simulation, with the parameters that the case gives it.
+
+    Args:
+        case: a checked case, or what `load_case` takes.
+        part: its table: 'slide_protection', 'wheel_slip_control', 'rig_control', or 'brake_unit' of [brake].
+        path: the file; one that this program wrote is replaced.
+        fmi: version of the standard, '2' or '3'.
+        force: replace a file that this program did not write.
+
+    Returns:
+        The file.
+
+    Raises:
+        ConfigError: the case has no such controller, or not ours.
+        ExportError: this package was built without a library for FMUs.
+        OutputError: the file cannot be written, or is somebody else's.
+        StartError: no equilibrium was found to start from.
+
+    Example:
+        >>> import rollerrig as rr
+        >>> rr.export_part("adhesion_brake", "slide_protection", "build/wsp.fmu").name
+        'wsp.fmu'
+    """
+    case = as_case(case)
+    check_format(case.name, fmi, "cs")
+    target = output_file(path, force=force)
+    carried = carried_shells()
+    alone = controller_part(case, part)
+    try:
+        content = _core.write_part(alone)
+    except ValueError as error:
+        raise part_refused(case, part, str(error)) from None
+    plant = _core.ControllerPlant(alone)
+    unit = Unit(
+        name=f"{case.name}.{part}",
+        identifier=re.sub(r"\W", "_", f"{case.name}_{part}", flags=re.ASCII),
+        token=_core.part_token(content),
+        tool=f"rollerrig {__version__}",
+        final_time=float(case.time.duration),
+        step=plant.period,
+        sampled=True,
+        variables=plant.variables,
+    )
+    files = {
+        "documentation/index.html": _controller_page(unit, machines(carried)),
+        "modelDescription.xml": DESCRIPTIONS[fmi](unit),
+        "resources/controller.part": content,
+    }
+    files |= libraries(carried, fmi, unit.identifier)
+    return write_bytes(target, packed(files), force=force)
+
+
+def _controller_page(unit: Unit, runs_on: str) -> bytes:
+    """What a user of the FMU should know, as the page that tools show."""
+    return f"""<!DOCTYPE html>
+<html lang="en"><head><meta charset="utf-8">{PAGE.decode()}<title>{escape(unit.name)}</title></head><body>
+<h1>{escape(unit.name)}</h1>
+<p>A controller alone, written by {unit.tool}. It takes a sample every {unit.step:g} s: at the beginning of a
+step, with the inputs as they are then; its commands are outputs from the end of that step on. What lies between a sample and the
+command's acting is not part of it. SI.</p>
+<p>Runs on</p>
+<ul>
+{runs_on}</ul>
+</body></html>
+""".encode()

@@ -1,13 +1,22 @@
-"""The server of a rig: whether one core holds its rate, where it listens, and how its run ended.
+"""The server of a rig: a case or model file, whether one core holds its rate, where it listens, how its run ended.
+
+A case or a model file as a served rig: what a controller may command and sees, and at which rate.
+
+case, rate -> [serve_case] -> Served: model, inputs, outputs, description
+
+The server of a rig: whether one core holds its rate, where it listens, and how its run ended.
 
 Served -> [open_server] -> _core.RigServer -> [run_server] -> Ended
 """
 
 from __future__ import annotations
 
+import json
 import secrets
 import sys
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from fnmatch import fnmatchcase
 from typing import Any
 
 import numpy as np
@@ -15,8 +24,241 @@ from numpy.typing import NDArray
 
 from rollerrig import _core
 from rollerrig.cases import as_case
-from rollerrig.config import Case
-from rollerrig.interfaces.realtime.served import Served, describe, hertz, refused, serve_case
+from rollerrig.config import Case, ConfigError, ConfigProblem
+from rollerrig.config.errors import nearest, one_of
+from rollerrig.config.schema.units import Quantity
+from rollerrig.interfaces.plant import assembled_model
+from rollerrig.simulation.controllers import BRAKE_UNIT, COMMANDS, roles_of, with_brake_unit
+
+RATE = Quantity("Hz", 1.0, 1e5)
+SURROUNDINGS = (".friction_change", "train.force")
+"""Ends of the names of inputs that no controller commands: frames do not carry them."""
+LARGEST_FRAME = 512
+"""Numbers that a frame holds."""
+
+
+@dataclass(frozen=True)
+class Served:
+    """A rig ready to be served.
+
+    Attributes:
+        name: of the case.
+        case: as it is run; None where a model file is served.
+        assembled: its model.
+        period: [s].
+        inputs: variables that are commanded.
+        outputs: variables that are sent.
+        safe: values of the inputs in the safe state.
+    """
+
+    name: str
+    case: Case | None
+    assembled: _core.AssembledModel
+    period: float
+    inputs: tuple[_core.Variable, ...]
+    outputs: tuple[_core.Variable, ...]
+    safe: tuple[float, ...]
+
+    @property
+    def input_indices(self) -> list[int]:
+        """Indices of the inputs, as the core counts its variables."""
+        return self._indices(self.inputs)
+
+    @property
+    def output_indices(self) -> list[int]:
+        """Indices of the outputs, as the core counts its variables."""
+        return self._indices(self.outputs)
+
+    def _indices(self, variables: Sequence[_core.Variable]) -> list[int]:
+        plant = _core.Plant(self.assembled)
+        return [plant.find(variable.name) for variable in variables]
+
+    @property
+    def periods(self) -> int:
+        """Number of periods of the run."""
+        return max(1, round(float(self.assembled.settings["final_time"]) / self.period))
+
+
+def serve_case(
+    case: Case,
+    rate: str | float = "1 kHz",
+    *,
+    external: Sequence[str] | None = None,
+    outputs: Sequence[str] = (),
+    safe: Mapping[str, float] | None = None,
+    lock_step: bool = False,
+) -> Served:
+    """Prepare a case for a server.
+
+    A case that leaves `time.method` open is run in real time with a method whose steps all cost about the same: that of
+    `simulate` is the faster one on average, but a step that renews its matrices takes thirty times as long.
+
+    Args:
+        case: a checked case.
+        rate: of commands and sensors [Hz]; its period is a multiple of `time.sampling_step`.
+        external: tables of the case's controllers that are outside; None: 'slide_protection' and 'wheel_slip_control', as far
+            as the case has them. They are asked every period.
+        outputs: names of what is sent, '*' stands for anything; empty: what the controllers outside measure.
+        safe: values of commands in the safe state, by name; 0 for the others, for the running speed that of the case.
+        lock_step: not in real time: the method is that of `simulate`.
+
+    Raises:
+        ConfigError: the rate, a name or a value is not allowed, or two controllers would command the same valves.
+        StartError: no equilibrium was found to start from.
+    """
+    there = roles_of(case)
+    inside = ("rig_control", BRAKE_UNIT)
+    roles = tuple(external if external is not None else (role for role in there if role not in inside))
+    case = with_brake_unit(case, roles)
+    for role in roles:
+        if role not in there:
+            raise refused(case.name, "external", role, one_of(there), nearest(role, there))
+        if not (table := getattr(case, role)).is_ours:
+            allowed = "two controllers for one command: remove it, or leave its table out of --external"
+            key, value = ("user", table.user) if table.user is not None else ("fmu", table.fmu.file)
+            raise refused(case.name, f"{role}.{key}", repr(value), allowed)
+    period = _period(case.name, rate, case.time.sampling_step if case.sampled else 0.0)
+    changes: dict[str, object] = {f"{role}.sample_time": period for role in roles}
+    if case.sampled and case.time.method is None and not lock_step:
+        changes |= {"time.method": "exponential_rk4", "time.step": case.time.sampling_step}
+    case = case.with_changes(changes) if changes else case
+    return _served(assembled_model(case, external=roles), case, case.name, period, outputs, safe or {})
+
+
+def serve_model(
+    assembled: _core.AssembledModel,
+    rate: str | float = "1 kHz",
+    *,
+    name: str = "",
+    outputs: Sequence[str] = (),
+    safe: Mapping[str, float] | None = None,
+) -> Served:
+    """Prepare an assembled model for a server; method, external controllers and their sample times are those it was made with.
+
+    Args:
+        assembled: as `rollerrig.read_model` gives it.
+        rate: of commands and sensors [Hz]; its period is a multiple of the model's sampling step.
+        name: of its file, for messages.
+        outputs: names of what is sent, '*' stands for anything; empty: what the controllers outside measure.
+        safe: values of commands in the safe state, by name; 0 for the others, for the running speed that of the case.
+
+    Raises:
+        ConfigError: the rate, a name or a value is not allowed.
+    """
+    name = name or assembled.name
+    period = _period(name, rate, _core.Plant(assembled).sampling_step)
+    return _served(assembled, None, name, period, outputs, safe or {})
+
+
+def _served(
+    assembled: _core.AssembledModel,
+    case: Case | None,
+    name: str,
+    period: float,
+    outputs: Sequence[str],
+    safe: Mapping[str, float],
+) -> Served:
+    variables = _core.Plant(assembled).variables
+    inputs = tuple(v for v in variables if v.causality == "input" and not v.name.endswith(SURROUNDINGS))
+    chosen = _chosen(name, variables, outputs)
+    if max(len(inputs), len(chosen)) > LARGEST_FRAME:
+        allowed = f"a frame holds at most {LARGEST_FRAME} numbers; name fewer with --outputs"
+        raise refused(name, "outputs", f"{len(chosen)} variables", allowed)
+    return Served(name, case, assembled, period, inputs, chosen, _safe(name, inputs, safe))
+
+
+def describe(served: Served, *, session: int, lock_step: bool, patience: int) -> str:
+    """Description of the server for a controller, as JSON."""
+
+    def entry(variable: _core.Variable, **more: Any) -> dict[str, Any]:
+        return {"name": variable.name, "unit": variable.unit, "meaning": variable.description, **more}
+
+    told = {
+        "case": served.name,
+        "session": session,
+        "period": served.period,
+        "lock_step": lock_step,
+        "watchdog_periods": patience,
+        "inputs": [
+            entry(v, start=v.start, safe=s, least=_finite(v.least), most=_finite(v.most), whole=v.whole)
+            for v, s in zip(served.inputs, served.safe, strict=True)
+        ],
+        "outputs": [entry(v, measured=_is_measured(v)) for v in served.outputs],
+    }
+    return json.dumps(told, separators=(",", ":"), ensure_ascii=False)
+
+
+# ---------------------------------------------------------------------------------------------------- parts
+
+
+def _period(name: str, rate: str | float, step: float) -> float:
+    try:
+        number = float(rate) if not isinstance(rate, str) or _is_number(rate) else rate
+        found = RATE.parse(number)
+    except ValueError:
+        raise refused(name, "rate", repr(rate), f"allowed: a rate like '1 kHz', {RATE.bounds}") from None
+    if step == 0.0:
+        return 1.0 / found
+    steps = 1.0 / found / step
+    if round(steps) < 1 or abs(steps - round(steps)) > 1e-6 * steps:
+        near = hertz(1.0 / (max(1, round(steps)) * step))
+        allowed = f"allowed: a rate whose period is a multiple of time.sampling_step, {1e3 * step:g} ms; the nearest is {near}"
+        raise refused(name, "rate", hertz(found), allowed)
+    return round(steps) * step
+
+
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
+
+
+def _chosen(name: str, variables: Sequence[_core.Variable], patterns: Sequence[str]) -> tuple[_core.Variable, ...]:
+    outputs = [v for v in variables if v.causality == "output"]
+    if not patterns:
+        measured = tuple(v for v in outputs if _is_measured(v))
+        return measured or tuple(v for v in outputs if v.name.endswith((".axle_speed", ".pitch_rate")))
+    for pattern in patterns:
+        if not any(fnmatchcase(v.name, pattern) for v in outputs):
+            names = [v.name for v in outputs]
+            allowed = f"allowed: names of outputs, with '*' for anything, like '{names[0]}'"
+            raise refused(name, "outputs", repr(pattern), allowed, nearest(pattern, names))
+    return tuple(v for v in outputs if any(fnmatchcase(v.name, pattern) for pattern in patterns))
+
+
+def _safe(name: str, inputs: Sequence[_core.Variable], given: Mapping[str, float]) -> tuple[float, ...]:
+    names = [v.name for v in inputs]
+    for own, value in given.items():
+        if own not in names:
+            raise refused(name, "safe", repr(own), one_of(names), nearest(own, names))
+        limits = inputs[names.index(own)]
+        if not limits.least <= value <= limits.most or (limits.whole and value != round(value)):
+            kind = "a whole number" if limits.whole else "a number"
+            allowed = f"allowed: {kind} from {limits.least:g} to {limits.most:g}"
+            raise refused(name, f"safe: {own}", f"{value:g}", allowed)
+    return tuple(float(given.get(v.name, v.start if v.name.startswith("run.") else 0.0)) for v in inputs)
+
+
+def _is_measured(variable: _core.Variable) -> bool:
+    """Whether a controller outside sees it, through its sensors."""
+    return variable.name.startswith(tuple(f"{role}." for role in COMMANDS))
+
+
+def _finite(value: float) -> float | None:
+    return value if np.isfinite(value) else None
+
+
+def hertz(rate: float) -> str:
+    """A rate as people say it."""
+    return f"{rate / 1e3:.3g} kHz" if rate >= 1e3 else f"{rate:.3g} Hz"
+
+
+def refused(name: str, key: str, value: str, allowed: str, hint: str = "") -> ConfigError:
+    """A mistake in what the user of a server asked for."""
+    return ConfigError([ConfigProblem(name, key, value, allowed, hint)])
+
 
 MEASURED_PERIODS = 1000
 """Periods that are run before the server opens, to see whether the rate can be held."""

@@ -15,8 +15,7 @@ import numpy as np
 import xarray as xr
 
 from rollerrig.analysis.control_loop import Wheel, wheel_of
-from rollerrig.analysis.torque_ripple import torque_ripple
-from rollerrig.analysis.tracking import following, largest, slip, under_test
+from rollerrig.analysis.slide_statistics import following, largest, slip, torque_ripple, under_test
 from rollerrig.assembly.actuators import assemble_with_actuators
 from rollerrig.config import Case
 from rollerrig.config.schema.rig_control import (

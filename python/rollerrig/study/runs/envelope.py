@@ -21,15 +21,16 @@ import xarray as xr
 from rollerrig import __version__
 from rollerrig.analysis.rig_limits import (
     LINES,
-    Patch,
+    NUMBERS,
+    REGIONS,
+    Record,
     RigLimits,
+    assess_limits,
     closed_forms,
-    grip_slip,
-    patch_of,
-    rail_shape,
+    failed,
     rig_limits,
 )
-from rollerrig.analysis.run_limits import NUMBERS, REGIONS, Record, assess_limits, failed
+from rollerrig.analysis.virtual_rail import Patch, grip_slip, patch_of, rail_shape
 from rollerrig.assembly.actuators import friction_brake
 from rollerrig.assembly.model import assemble
 from rollerrig.config import Brake, Case, ConfigError, ConfigProblem, Traction

@@ -24,10 +24,9 @@ from rollerrig.analysis import (
     hunting_table,
     ramp_run,
 )
-from rollerrig.analysis.contact_state import ContactState, contact_state
-from rollerrig.analysis.critical_speed import scan_linear
+from rollerrig.analysis.control_loop import ContactState, contact_state
+from rollerrig.analysis.critical_speed import RADII, CriticalSpeedOverRadius, EffectSplit, scan_linear
 from rollerrig.analysis.hunting import HuntingRun
-from rollerrig.analysis.roller_effects import RADII, CriticalSpeedOverRadius, EffectSplit
 from rollerrig.analysis.traction import asymmetry, carried_weight, sliding_course, spin_balance, with_theory
 from rollerrig.cases import restrained_along_track
 from rollerrig.config import Case, load_case

@@ -22,17 +22,24 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from rollerrig import _core
-from rollerrig.analysis.slide_statistics import SLIP_EDGES, TestRecord, axle_load, test_record
-from rollerrig.analysis.tracking import LEAST_SPEED, under_test, wheel_radius
-from rollerrig.analysis.wheel_flat import longest_flat
-from rollerrig.assembly.contact_laws import adhesion_map
+from rollerrig.analysis.slide_statistics import (
+    LEAST_SPEED,
+    SLIP_EDGES,
+    TestRecord,
+    axle_load,
+    longest_flat,
+    test_record,
+    under_test,
+    wheel_radius,
+)
+from rollerrig.assembly.laws import adhesion_map
 from rollerrig.cases import wheelsets
 from rollerrig.common.formatting import percent
 from rollerrig.config import CRITERIA, Case, ConfigError, ConfigProblem, Limit, Piece, Programme
 from rollerrig.config.schema.programme import BrakedRun, FlatWear, PatchStop
 from rollerrig.config.write.toml import plain
-from rollerrig.results.contact_loss import LONGEST_SPELL, contact_losses
 from rollerrig.results.run_info import RunInfo
+from rollerrig.results.summary import LONGEST_SPELL, contact_losses
 from rollerrig.simulation.run import ENERGY_WARNING
 from rollerrig.study.assessment import NOT_DECIDED, Outcome, outcome, overall
 from rollerrig.study.ensemble import Estimate, check_ensemble, estimate, stepped, values_of

@@ -17,14 +17,12 @@ from recipes import recipes
 import rollerrig as rr
 from rollerrig import _core
 from rollerrig.assembly.actuators import electrodynamic_brake, pneumatics, track_brake
-from rollerrig.assembly.core_struct import core_struct
 from rollerrig.assembly.creep_table import shipped_table
+from rollerrig.assembly.laws import core_struct
 from rollerrig.assembly.model import assemble
 from rollerrig.config import Brake
-from rollerrig.config.schema.electrodynamic_brake import ConstantPowerBrake
-from rollerrig.config.schema.pneumatics import ReservoirAir
-from rollerrig.config.schema.slide_protection import TableSlideProtection
-from rollerrig.config.schema.track_brake import MagneticTrackBrake
+from rollerrig.config.schema.actuators import TableSlideProtection
+from rollerrig.config.schema.brakes import ConstantPowerBrake, MagneticTrackBrake, ReservoirAir
 from rollerrig.simulation.mechatronics import slide_protection
 
 Arguments = dict[str, Any]
@@ -376,7 +374,11 @@ class Examples:
         names = _core.PartNames(bodies=bodies, elements=elements, axles=["axle_1", "axle_2"])
         start = {name: value for name, value in start_arguments(brake.state, 0).items() if name != "output_step"}
         given = {"name": "brake", "model": self.models["brake"], "setup": brake.setup, "names": names}
-        return given | start | {"disturbed": [(brake.setup.axles[0].wheelset, 1)]}
+        return (
+            given
+            | start
+            | {"disturbances": [_core.Disturbance(body=brake.setup.axles[0].wheelset, coordinate=1, offset=0.0)]}
+        )
 
     def _server_calls(self) -> dict[str, Call]:
         assembled = _core.AssembledModel(**self._assembled())

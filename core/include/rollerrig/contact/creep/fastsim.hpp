@@ -160,12 +160,13 @@ struct Fastsim {
 /// tau)) multiplies Kalker's stiffness; 1, 1, 0: clean.
 struct ModifiedFastsim {
   static constexpr char const* name = "modified_fastsim";
-  double k_0{1.0};    ///< of roughness and contamination at small creepage [-]
-  double k_inf{1.0};  ///< part of k_0 that is left at large creepage [-]
-  double beta{0.0};   ///< per unit of tau = linear force over mu N [-]
+  double k_0{1.0}, k_inf{1.0}, beta{0.0};
   static constexpr auto fields() {
-    return std::tuple{Member{"k_0", &ModifiedFastsim::k_0}, Member{"k_inf", &ModifiedFastsim::k_inf},
-                      Member{"beta", &ModifiedFastsim::beta}};
+    return std::tuple{
+        Member{"k_0", &ModifiedFastsim::k_0, "1",
+               "factor of roughness and contamination on Kalker's stiffness at small creepage"},
+        Member{"k_inf", &ModifiedFastsim::k_inf, "1", "part of k_0 that is left at large creepage"},
+        Member{"beta", &ModifiedFastsim::beta, "1", "decrease of the factor per unit of tau = linear force over mu N"}};
   }
 
   template <Scalar T>

@@ -28,9 +28,11 @@ void hertz_patch(Material const& material, NormalPatch<T>& patch) {
 
 struct HertzEllipses {
   static constexpr char const* name = "hertz";
-  double merging_criterion{0.01};  ///< normal/blending_weight.hpp [-]; 0: patches appear and vanish at full force
+  double merging_criterion{0.01};
   static constexpr auto fields() {
-    return std::tuple{Member{"merging_criterion", &HertzEllipses::merging_criterion, not_negative}};
+    return std::tuple{Member{"merging_criterion", &HertzEllipses::merging_criterion, "1",
+                             "criterion of normal/blending_weight.hpp; 0: patches appear and vanish at full force",
+                             not_negative}};
   }
 
   template <Scalar T, std::derived_from<NormalPatch<T>> P>
