@@ -73,7 +73,6 @@ from rollerrig.config.schema.vehicle import (
 )
 from rollerrig.config.write.explain import explain
 from rollerrig.config.write.json_schema import json_schema
-from rollerrig.config.write.reference import reference_markdown
 
 __all__ = [
     "CONDITIONS",
@@ -152,5 +151,4 @@ __all__ = [
     "load_support",
     "load_vehicle",
     "plan_of_case",
-    "reference_markdown",
 ]

@@ -213,7 +213,6 @@ class ExtrapolatedTorque(Table):
 
 
 AnyAxleTorque = Annotated[EstimatedTorque | KnownTorque | ExtrapolatedTorque, Discriminator("kind"), by_kind("known")]
-AXLE_TORQUES = kinds(AnyAxleTorque)
 
 
 class DirectCommand(Table):
@@ -242,7 +241,6 @@ class TorqueLoop(Table):
 
 
 AnyDriveCommand = Annotated[DirectCommand | LeadCommand | TorqueLoop, Discriminator("kind"), by_kind("lead")]
-DRIVE_COMMANDS = kinds(AnyDriveCommand)
 
 
 class Feedback(Table):
