@@ -18,10 +18,6 @@ if TYPE_CHECKING:
     from rollerrig.config import Case
 
 CaseName = Annotated[str, typer.Argument(metavar="CASE", help="Case: a name of the catalogue or a TOML file.")]
-RigCaseName = Annotated[
-    str,
-    typer.Argument(metavar="CASE", help="Case on rollers with [rig_control]: a name of the catalogue or a TOML file."),
-]
 Out = Annotated[Path, typer.Option(help="Folder for the results; made if it does not exist.")]
 Force = Annotated[
     bool,
@@ -42,8 +38,6 @@ Changes = Annotated[
         "'vehicle.element.primary_*.x.stiffness=30 MN/m' changes all that match.",
     ),
 ]
-SpeedsKmh = Annotated[str, typer.Option(help="Speeds [km/h] as start:stop:step, or a list with commas.")]
-Processes = Annotated[int, typer.Option(min=1, max=64, help="Runs at a time.")]
 
 
 def read_case(name: str, *, allow_code: bool, changes: list[str] | None = None) -> Case:
@@ -115,7 +109,6 @@ def carry_out(
     processes: int = 1,
     *,
     force: bool = False,
-    refused: tuple[type[Exception], ...] = (),
     executor: Executor | None = None,
 ) -> NoReturn:
     """Run a study, write what it found and print its summary; the exit code says how its runs ended.
@@ -125,7 +118,6 @@ def carry_out(
         out: folder for the results.
         processes: jobs at a time.
         force: whether files that the command did not write may be replaced in the folder.
-        refused: errors of the study that are the user's.
         executor: that does the jobs in place of processes of this machine.
     """
     from rollerrig.common.formatting import number
@@ -134,12 +126,10 @@ def carry_out(
     try:
         with progress_bar(study.command) as progress:
             outcome = study.run(folder=out, force=force, processes=processes, progress=progress, executor=executor)
-    except Exception as error:
+    except Exception:
         if made:
             with suppress(OSError):  # there is something in it
                 out.rmdir()
-        if isinstance(error, refused):
-            stop(error)
         raise
     if outcome is None:
         stop("interrupted; finished jobs are kept: the same command continues", INTERRUPTED)

@@ -66,23 +66,14 @@ def limit_cycles(
     """
     chosen = settings or LimitCycleSettings()
     chains = cycle_chains(case, speeds_kmh, chosen)
-    plan = {
-        "speeds_kmh": [float(v) for v in speeds_kmh],
-        "settings": asdict(chosen),
-        "case": tomllib.loads(case.to_toml()),
-    }
+    speeds = [float(v) for v in speeds_kmh]
+    plan = {"speeds_kmh": speeds, "settings": asdict(chosen), "case": tomllib.loads(case.to_toml())}
     done, _ = kept_rounds(lambda _done: iter([chains]), folder, "limit_cycle", plan, processes, progress)
     return cycle_diagram(speeds_kmh, linear_critical_kmh, chosen, done)
 
 
 def cycle_chains(case: Case, speeds_kmh: Sequence[float], settings: LimitCycleSettings) -> Chains:
-    """The runs of both sweeps, each sweep a chain.
-
-    Args:
-        case: the case.
-        speeds_kmh: at which runs are made [km/h].
-        settings: how they are done.
-    """
+    """The runs of both sweeps at these speeds [km/h], each sweep a chain."""
 
     def chain(sweep: Sweep) -> Chain:
         def following(done: Done) -> tuple[str, Job] | None:
@@ -105,14 +96,7 @@ def cycle_chains(case: Case, speeds_kmh: Sequence[float], settings: LimitCycleSe
 def cycle_diagram(
     speeds_kmh: Sequence[float], linear_critical_kmh: float, settings: LimitCycleSettings, done: Done
 ) -> Diagram:
-    """The diagram of the runs that were made.
-
-    Args:
-        speeds_kmh: those of `cycle_chains` [km/h].
-        linear_critical_kmh: linear critical speed [km/h]; NaN: none.
-        settings: those of `cycle_chains`.
-        done: results by name.
-    """
+    """The diagram of the runs of `cycle_chains` that were made; the linear critical speed [km/h] is NaN where there is none."""
     down, up = (_branch(sweep, speeds_kmh, settings, done, lambda *_: None) for sweep in ("down", "up"))
     return diagram(up, down, linear_critical_kmh / 3.6, settings.tolerance_kmh / 3.6)
 
@@ -171,11 +155,10 @@ def cycle_numbers(found: Diagram, settings: LimitCycleSettings) -> dict[str, Any
 
 def continuation_sentences(found: Diagram) -> list[str]:
     """The critical speed by continuation, the kind of bifurcation, and which runs did not come to their end."""
-    runs = [*found.up, *found.down]
-    if not runs:
+    if not (count := len(found.up) + len(found.down)):
         return ["Limit cycles: no run was finished."]
-    early = ended_early([(p.speed, p.message) for p in found.ended_early], len(runs))
-    return [_continuation(found), early] if early else [_continuation(found)]
+    early = ended_early([(p.speed, p.message) for p in found.ended_early], count)
+    return [_continuation(found), *([early] if early else [])]
 
 
 def _continuation(found: Diagram) -> str:
@@ -189,12 +172,8 @@ def _continuation(found: Diagram) -> str:
             )
         return f"No limit cycle up to {3.6 * max(decaying):.1f} km/h: every disturbance decays."
     text = f"Critical speed by continuation: {3.6 * found.lowest_cycle:.1f} km/h, the lowest with a limit cycle"
-    rest = (
-        f"; at {3.6 * found.decays:.1f} km/h every motion comes to rest"
-        if math.isfinite(found.decays)
-        else " and the lowest run that came to its end"
-    )
-    text += f"{rest}. {KIND_SENTENCES[found.kind]}"
+    rest = f"; at {3.6 * found.decays:.1f} km/h every motion comes to rest"
+    text += f"{rest if math.isfinite(found.decays) else ' and the lowest run that came to its end'}. {KIND_SENTENCES[found.kind]}"
     if found.hysteresis is not None:
         low, high = (f"{3.6 * v:.1f}" for v in found.hysteresis)
         where = f"At {low} km/h" if low == high else f"From {low} to {high} km/h"
@@ -205,14 +184,7 @@ def _continuation(found: Diagram) -> str:
 def cycle_blocks(
     found: Diagram, modes: xr.Dataset, settings: LimitCycleSettings, points: Sequence[Mapping[str, Any]]
 ) -> list[Block]:
-    """The section of a report.
-
-    Args:
-        found: the diagram.
-        modes: Dataset of `stability`.
-        settings: of the runs.
-        points: of `cycle_numbers`.
-    """
+    """The section of a report: of a diagram, the modes of `stability`, settings and the points of `cycle_numbers`."""
     blocks: list[Block] = [Text(sentence) for sentence in continuation_sentences(found)]
     if points:
         caption = (
@@ -229,8 +201,7 @@ def cycle_blocks(
         "model predicts: that is exact only as long as the contact stays on the smooth piece of the profiles around its "
         "position, often less than a tenth of a millimetre."
     )
-    registry = Quantities("stability")
-    table = registry.table(points, [q.key for q in registry.below("limit_cycles.points.*")], "All runs.")
+    table = Quantities("stability").table(points, "limit_cycles.points.*", "All runs.")
     return [*blocks, Text(method), table]
 
 

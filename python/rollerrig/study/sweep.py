@@ -46,13 +46,12 @@ MOST_PICTURED = 12
 def _of_number(data: xr.Dataset, name: str, one: Statistics, points: Points) -> Section:
     """Pictures and tables of one number."""
     meaning, title = data[name].attrs["long_name"], name.replace("_", " ")
-    blocks: list[Block] = [Text(f"{meaning[:1].upper()}{meaning[1:]}.")]
-    if points.design.kind == "grid":
-        blocks.append(Picture(f"map_{name}", figures.grid_map(data, name), f"{title} over what is varied."))
-    else:
-        blocks.append(
-            Picture(f"scatter_{name}", figures.scatter(data, name), f"{title} of each case over each varied key.")
-        )
+    blocks: list[Block] = [
+        Text(f"{meaning[:1].upper()}{meaning[1:]}."),
+        Picture(f"map_{name}", figures.grid_map(data, name), f"{title} over what is varied.")
+        if points.design.kind == "grid"
+        else Picture(f"scatter_{name}", figures.scatter(data, name), f"{title} of each case over each varied key."),
+    ]
     ends = {key: ends for key, ends in one.tornado.items() if np.isfinite(ends).all()}
     if len(ends) > 1:
         what = "lowest and highest value" if not points.design.samples else "lowest and highest fifth of values"
@@ -61,14 +60,14 @@ def _of_number(data: xr.Dataset, name: str, one: Statistics, points: Points) -> 
     if one.quantiles:
         blocks.append(Table(("of the samples are below", title), list(one.quantiles.items()), "Quantiles."))
     if one.sobol:
-        names = ("first", "first_confidence", "total", "total_confidence")
+        names, header = (
+            ("first", "first_confidence", "total", "total_confidence"),
+            ("varied", "first order", "±", "total", "±"),
+        )
         rows = [[k.replace("_", " "), *(float(f"{own[name]:.3g}") for name in names)] for k, own in one.sobol.items()]
-        blocks.append(
-            Table(("varied", "first order", "±", "total", "±"), rows, "Sobol indices with their intervals of 95 %.")
-        )
-        blocks.append(
-            Picture(f"sobol_{name}", figures.sobol_bars(one.sobol), f"Sobol indices of {title}, intervals of 95 %.")
-        )
+        caption = f"Sobol indices of {title}, intervals of 95 %."
+        blocks.append(Table(header, rows, "Sobol indices with their intervals of 95 %."))
+        blocks.append(Picture(f"sobol_{name}", figures.sobol_bars(one.sobol), caption))
     return Section(title[:1].upper() + title[1:], blocks)
 
 
@@ -275,15 +274,8 @@ def sweep_study(case: Case, vary: Mapping[str, Any], measure: Any, design: Any, 
     """
     compute = measure if callable(measure) else None
     several = [] if compute else [measure] if isinstance(measure, str | Mapping) else list(measure)
-    raw = {
-        "name": "sweep",
-        "case": case.name,
-        "design": design,
-        "vary": [
-            {"key": key, **(one if isinstance(one, Mapping) else {"values": _listed(one)})} for key, one in vary.items()
-        ],
-        "measure": several,
-    }
+    varied = [{"key": k, **(one if isinstance(one, Mapping) else {"values": _listed(one)})} for k, one in vary.items()]
+    raw = {"name": "sweep", "case": case.name, "design": design, "vary": varied, "measure": several}
     plan, problems = validate(Plan, raw, "sweep")
     if plan is None:
         raise ConfigError(problems)
@@ -329,9 +321,8 @@ def run_case(packed: bytes, changes: Mapping[str, Any], progress: Progress | Non
     try:
         changed = case.with_changes(changes)
         for measure in measures:
-            found = call(
-                job(MEASURES[measure.kind].measure, changed, measure), progress or (lambda _fraction, _text: None)
-            )
+            work = job(MEASURES[measure.kind].measure, changed, measure)
+            found = call(work, progress or (lambda _fraction, _text: None))
             numbers |= {name: float(found[name]) for name in measure.keep or found}
         if compute is not None:
             numbers |= {str(name): float(value) for name, value in compute(changed).items()}
