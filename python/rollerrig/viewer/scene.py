@@ -1,16 +1,9 @@
 """One run, or mode shapes, as a page shows them: parts, motion and forces in thinned frames, and what can be plotted.
 
-What a page can plot of a scene: groups of its columns with units.
-
-head of a scene -> [plots] -> groups: title, unit, curves of column, label, factor
-
-One run as a page shows it: the parts of its case, their motion and forces in thinned frames, and what can be plotted.
-
+    head of a scene -> [plots] -> groups: title, unit, curves of column, label, factor
     run -> [run_scene] -> Scene -> page
 
 Everything that is drawn was recorded in the run, or is asked of the core (`contact_places`).
-
-Mode shapes as a page shows them: the vehicle of the case, and of every mode at every speed how its bodies move.
 
     modes -> [mode_scene] -> Scene -> page
 

@@ -1,9 +1,4 @@
-"""Tables of the controller of the roller drives, and of the rig's sensors.
-
-What controllers see: speeds of axles and rollers, torques and loads.
-
-The rig's controller: how it reproduces the train, how it estimates, how it corrects, and when it gives up.
-"""
+"""Tables of the controller of the roller drives, and of the rig's sensors."""
 
 from typing import Annotated, Any, Literal
 
