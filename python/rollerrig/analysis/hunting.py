@@ -37,7 +37,7 @@ NOT_DECIDED = "not_decided"
 """Status of a run that came to its end, but to no decision."""
 
 PIECE = 2.0
-"""By so much a run is prolonged until it is decided [s]."""
+"""Time by which a run is prolonged until it is decided [s]."""
 
 SIGNALS = ("lateral", "yaw")
 LATERAL = [name for name, _, _ in _core.body_fields].index("y")

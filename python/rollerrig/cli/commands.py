@@ -504,9 +504,9 @@ def lateral(case: Case | str, *, processes: Processes = 1, progress: Progress | 
 def envelope(
     case: Case | str,
     *,
-    torques: Annotated[Sequence[float] | None, Option("torques_knm", "kN m", meaning=_TORQUES)] = None,
-    adhesions: Annotated[Sequence[float] | None, Option(meaning=_ADHESIONS)] = None,
-    loads: Annotated[Sequence[float] | None, Option(meaning=_LOADS)] = None,
+    torques: Annotated[Sequence[float] | None, Option("torques_knm", "kN m", ordered=True, meaning=_TORQUES)] = None,
+    adhesions: Annotated[Sequence[float] | None, Option(ordered=True, meaning=_ADHESIONS)] = None,
+    loads: Annotated[Sequence[float] | None, Option(ordered=True, meaning=_LOADS)] = None,
     speed_kmh: float | None = None,
     duration: float = 3.0,
     refine: Annotated[int, Option(least=0, most=4)] = 1,
@@ -520,10 +520,10 @@ def envelope(
 
     Args:
         case: case on rollers with [rig_control]: a name of the catalogue or a TOML file.
-        torques: torques on each axle, negative brakes [N m]; None: up to beyond what dry rollers carry, braking for a case
-            with [brake].
-        adhesions: adhesions of the reproduced rail [-]; None: 0.02 to 0.36.
-        loads: axle loads over the case's own [-]; None: 0.6, 1, 1.4.
+        torques: torques on each axle, ascending, negative brakes [N m]; None: up to beyond what dry rollers carry, braking
+            for a case with [brake].
+        adhesions: adhesions of the reproduced rail, ascending [-]; None: 0.02 to 0.36.
+        loads: axle loads over the case's own, ascending [-]; None: 0.6, 1, 1.4.
         speed_kmh: speed at the start [km/h]; the case's if absent.
         duration: length of each run [s].
         refine: how many times cells between different regions are halved.
@@ -552,7 +552,7 @@ def envelope(
     if speed_kmh is not None:
         whole = whole.with_changes({"motion.speed": f"{speed_kmh} km/h"})
     ranges = {"torques": torques, "adhesions": adhesions, "loads": loads}
-    chosen = {name: tuple(sorted(map(float, values))) for name, values in ranges.items() if values is not None}
+    chosen = {name: tuple(map(float, values)) for name, values in ranges.items() if values is not None}
     outcome = _outcome(EnvelopeStudy(whole, duration=duration, refine=refine, **chosen), processes, progress, folder)
     found: xr.Dataset = outcome.results.map
     return found.assign_attrs(interrupted=int(outcome.interrupted), jobs_taken_over=outcome.taken_over)

@@ -173,7 +173,7 @@ def _read(one: Parameter, name: str, option: Option, value: Any) -> Any:
     ):
         allowed = f"numbers must lie between {option.least:g} and {option.most:g}"
         raise typer.BadParameter(f"'{value}': {allowed}", param_hint=flag)
-    return tuple(factor * number for number in numbers)
+    return tuple(factor * number for number in (sorted(numbers) if option.ordered else numbers))
 
 
 def _length(text: str, option: str, table: str, key: str) -> float:

@@ -30,6 +30,7 @@ class Option:
         default: its default.
         switch: whether it has no `--no-` beside it.
         commas: whether one text holds its values; else it is repeated.
+        ordered: whether its numbers are put in ascending order.
         quantity: table and key of the configuration whose quantity it is, written with its unit.
         meaning: its own, where that of the argument does not fit.
     """
@@ -41,6 +42,7 @@ class Option:
     default: Any = None
     switch: bool = False
     commas: bool = False
+    ordered: bool = False
     quantity: tuple[str, str] | None = None
     meaning: str = ""
 
