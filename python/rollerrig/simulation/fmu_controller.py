@@ -43,9 +43,9 @@ from rollerrig.config.schema.actuators import ControllerFmu
 LARGEST_FMU = 512 * MEGABYTE
 """Some carry tables and a library for each platform [bytes]."""
 LARGEST_UNPACKED = 2 * LARGEST_FMU
-"""Of all its members [bytes]."""
+"""Largest size of all its members together [bytes]."""
 LARGEST_DESCRIPTION = 32 * MEGABYTE
-"""Of modelDescription.xml [bytes]; 100 000 variables have some 20 MB."""
+"""Largest size of its modelDescription.xml [bytes]; 100 000 variables have some 20 MB."""
 OF_THE_TRAIN = ("track_brake_force", "force_of_others")
 """Measured quantities that are the same for each axle: a variable may take one number."""
 MEASURED = tuple(name for name, _, _ in _core.measurement_fields)
