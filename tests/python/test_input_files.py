@@ -19,7 +19,7 @@ from rollerrig.common.input_files import LARGEST_TABLE, LARGEST_TEXT, InputError
 from rollerrig.config import ConfigError, load_any, load_material, load_profile, load_support, load_vehicle
 from rollerrig.irregularity import IrregularityError, read_measured_track
 from rollerrig.results import ResultsError, files, save_run
-from rollerrig.study.journal import NAME, Journal
+from rollerrig.study.checkpoint import NAME, Checkpoint
 
 PACKAGE = Path(rr.__file__).parent
 
@@ -34,7 +34,7 @@ def simulate_with_controller(path: str) -> object:
 
 def go_on_with_jobs(path: str) -> object:
     (Path(path).parent / NAME).symlink_to(path)
-    return Journal(Path(path).parent, "test", {})
+    return Checkpoint(Path(path).parent, "test", {})
 
 
 READERS: dict[str, tuple[str, Callable[[str], object], type[Exception]]] = {

@@ -1,7 +1,5 @@
 """A run's wheel-rail forces and accelerations as a table: every quantity with its statistics, its filter and its limit.
 
-Accelerations that passengers and bogies feel, at points of the bodies, and their weights.
-
     run -> [accelerations] -> at the centre of each body and over what carries it -> [ride] -> filtered, weighted
 
 A point ρ of a rigid body with the centre's acceleration a_C, angular velocity ω and acceleration α is accelerated by
@@ -14,7 +12,7 @@ turning of the track under the body, of its plan and of its cant (W11).
 
 Source: EN 14363:2016 for the points and bands; EN 12299:2009, annex C, and ISO 2631 for the weights.
 
-run -> wheel-rail forces, accelerations -> [assessment] -> rows -> running_safety.csv, summary.json, report
+    run -> wheel-rail forces, accelerations -> [assessment] -> rows -> running_safety.csv, summary.json, report
 """
 
 from __future__ import annotations

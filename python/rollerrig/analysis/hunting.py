@@ -22,7 +22,6 @@ import numpy as np
 import xarray as xr
 
 from rollerrig import _core
-from rollerrig.analysis.crew import Progress
 from rollerrig.analysis.limit_cycle import LEAST_AMPLITUDE, Decision, decide_motion
 from rollerrig.analysis.signals import FinalMotion, final_motion, half_waves
 from rollerrig.analysis.wheel_rail_forces import curved, irregular
@@ -31,7 +30,7 @@ from rollerrig.cases import at_speed, displaced, leading_wheelset
 from rollerrig.config import Case
 from rollerrig.results import RunInfo, variable
 from rollerrig.results.dataset import add_energy_audit, run_draft
-from rollerrig.simulation.run import begin, march, outcome
+from rollerrig.simulation.run import Progress, begin, march, outcome
 from rollerrig.simulation.starting_state import starting_state
 
 NOT_DECIDED = "not_decided"

@@ -13,14 +13,13 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from rollerrig import _core
-from rollerrig.analysis.crew import Progress
 from rollerrig.analysis.hunting import NOT_DECIDED, HuntingSettings, hunting_case, not_decided
 from rollerrig.analysis.limit_cycle import CyclePoint, Decision, Diagram, decide
 from rollerrig.analysis.signals import half_waves
 from rollerrig.assembly.model import AssembledModel, assemble
 from rollerrig.config import Case
 from rollerrig.results import Outcome, run_dataset, variable
-from rollerrig.simulation.run import begin, march, outcome
+from rollerrig.simulation.run import Progress, begin, march, outcome
 from rollerrig.simulation.starting_state import starting_state
 
 Vector = NDArray[np.float64]

@@ -15,10 +15,6 @@ A high pass has x upside down.
 
 Source: EN 14363:2016, table of assessed quantities and their filters; K. Steiglitz et al. on filtering twice.
 
-Least-squares fits and what they leave.
-
-What an oscillation does: grows or decays, how large, how fast.
-
     time series -> [extrema] -> half-wave amplitudes over time -> rate, amplitude, frequency
 
 Amplitudes are half the distance between successive extrema: no offset enters, and for y = e^(σt) sin(ωt) they are exactly

@@ -9,8 +9,6 @@ transition, where nothing is quasi-static.
 
 Source: EN 14363:2016, test zones.
 
-What engineers read off a run: wheel forces, their quotients and limits, unloading, wear number.
-
     run -> [wheel_forces] -> Y, Q, sum of Y, Y/Q, wear number over time -> [filtered] -> as EN 14363 assesses them
 
 Signs (EN 14363): forces are those of the wheel on the rail.

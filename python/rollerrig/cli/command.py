@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, NoReturn
 
 import typer
 
-from rollerrig.cli.progress import progress_bar
+from rollerrig.cli.progress import interrupts_noted, progress_bar
 from rollerrig.cli.termination import INTERRUPTED, OK, exit_code, say, stop
 
 if TYPE_CHECKING:
@@ -120,28 +120,34 @@ def carry_out(
         executor: that does the jobs in place of processes of this machine.
     """
     from rollerrig.common.formatting import number
+    from rollerrig.results import locked
+    from rollerrig.study.workers import WorkerError
 
     made = not out.exists()
-    try:
-        with progress_bar(study.command) as progress:
-            outcome = study.run(folder=out, force=force, processes=processes, progress=progress, executor=executor)
-    except Exception:
-        if made:
-            with suppress(OSError):  # there is something in it
-                out.rmdir()
-        raise
+    with interrupts_noted() as interrupts:
+        try:
+            with locked(out):
+                with progress_bar(study.command, interrupts) as progress:
+                    outcome = study.run(
+                        folder=out, force=force, processes=processes, progress=progress, executor=executor
+                    )
+                written = [] if outcome is None else outcome.write(out, force=force)
+        except Exception as error:
+            if made:
+                with suppress(OSError):  # there is something in it
+                    out.rmdir()
+            if isinstance(error, WorkerError):
+                stop(error)
+            raise
     if outcome is None:
         stop("interrupted; finished jobs are kept: the same command continues", INTERRUPTED)
-    try:
-        for path in outcome.write(out, force=force):
-            if path.parent == out:
-                typer.echo(path)
-    except KeyboardInterrupt:
-        kept = "; finished jobs are kept: the same command continues" if study.resumable else ""
-        stop(f"interrupted while its results were written{kept}", INTERRUPTED)
+    for path in written:
+        if path.parent == out:
+            typer.echo(path)
     say(outcome.summary)
     for what, times in outcome.study.timings(outcome.results).items():
         say(f"{what}, as measured now: {', '.join(f'{name} {number(value, 3)}' for name, value in times.items())}")
     if outcome.interrupted and study.resumable:
         say("Finished jobs are kept: the same command continues.")
-    raise typer.Exit(max((exit_code(status) for status in outcome.statuses), default=OK))
+    ended = max((exit_code(status) for status in outcome.statuses), default=OK)
+    raise typer.Exit(INTERRUPTED if interrupts.times else ended)

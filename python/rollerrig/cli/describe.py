@@ -11,6 +11,7 @@ from collections.abc import Iterable, Sequence
 import xarray as xr
 
 from rollerrig.analysis.equivalent_dead_time import lags
+from rollerrig.analysis.slide_statistics import idle_valves
 from rollerrig.assembly.actuators import assemble_with_actuators
 from rollerrig.assembly.model import AssembledModel, assemble
 from rollerrig.config import GRAVITY, Case, Element, Material, ProfileSpec, Programme, Rig, Track, Vehicle, code_of
@@ -143,7 +144,7 @@ def actuator_lines(case: Case, *, run_code: bool = False) -> list[str]:
             elif name == "rig_control":
                 text += _rig_control(model)
             lines.append(text)
-    return lines
+    return [*lines, *idle_valves(case)]
 
 
 def _fmu(case: Case, role: str) -> str:

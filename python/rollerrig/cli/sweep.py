@@ -33,8 +33,8 @@ def command(
 
     Every finished case is kept at once: after Ctrl-C, or a machine that went down, the same command continues with the rest.
     """
-    from rollerrig.analysis.cluster import ClusterError, cluster
     from rollerrig.config import load_plan
+    from rollerrig.study.cluster import ClusterError, cluster
     from rollerrig.study.runs.sweep import resized
     from rollerrig.study.sweep import SweepStudy
 

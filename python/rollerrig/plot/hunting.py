@@ -1,11 +1,4 @@
-"""Figures of hunting: runs from a disturbance, limit cycles over speed, traction near the limit.
-
-Figures of runs from a disturbance: over time, over speed during a ramp, and limit cycles over speed.
-
-The limit-cycle diagram.
-
-Figures of the traction study.
-"""
+"""Figures of hunting: runs from a disturbance, limit cycles over speed, traction near the limit."""
 
 from __future__ import annotations
 

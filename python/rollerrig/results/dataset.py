@@ -1,7 +1,5 @@
 """Rows of plain numbers become a Dataset: names, dimensions, units, provenance, energy audit, limits of the drives.
 
-Rows of plain numbers become a Dataset: names, dimensions, units, provenance.
-
     recorder's rows, names of the model's parts, how the run ended -> [dataset] -> Draft, energy audit, ... -> xarray.Dataset
 
 The order of a row is the recorder's (core/include/rollerrig/simulate/recorder.hpp): bodies, wheels, patches, elements, run.
@@ -9,15 +7,11 @@ Nothing is copied: the variables are views of the rows. A Dataset takes a millis
 that is added to it; a draft holds plain dictionaries, and becomes a Dataset once everything is in it. Of short runs one after the
 other the empty Dataset is kept: filling a copy of it takes less than half of the time.
 
-The energy audit of a run: what should vanish, and against what it is measured.
-
-results with the core's accounts -> [energy] -> the same with `energy_residual` and two attributes
+    results with the core's accounts -> [energy] -> the same with `energy_residual` and two attributes
 
 Source: docs/theory/energy.md, (E1).
 
-What kept the drives of the rollers from the torque that was asked of them.
-
-times that the core counted -> [drive_limits] -> a warning
+    times that the core counted -> [drive_limits] -> a warning
 """
 
 from __future__ import annotations

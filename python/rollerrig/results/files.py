@@ -1,7 +1,5 @@
 """Result files: written whole or not at all, the same bytes for the same run.
 
-How much memory there is, to refuse in time what would not fit.
-
     Dataset, text -> [files] -> temporary name -> final name
 
 A NetCDF file is made in memory and then written like any text, so that a full disk is met by one plain write. No time

@@ -1,12 +1,7 @@
 """A controller that is an FMU: its file, whether it fits the case, and one communication step for each sample of a run.
 
-A controller's FMU as it lies in its file: what it offers, and whether it fits the case. None of its code is run.
-
-[slide_protection] fmu = ... -> [open_fmu] -> FmuFile: its bytes, which variable is which signal, its parameters
-
-A controller that is an FMU, in a run: one communication step for each sample.
-
-measurements -> inputs of the FMU -> doStep over one sample time -> outputs -> [FmuController] -> commands
+    [slide_protection] fmu = ... -> [open_fmu] -> FmuFile: its bytes, which variable is which signal, its parameters
+    measurements -> inputs of the FMU -> doStep over one sample time -> outputs -> [FmuController] -> commands
 
 The outputs at the end of the step that a sample begins are the commands of that sample; what the FMU takes to compute is the
 table's `delay`.

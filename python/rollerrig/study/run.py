@@ -52,9 +52,10 @@ def answer(numbers: Numbers, rest: LateralRest | None, rows: Sequence[Row]) -> l
     speeds = ""
     if numbers["samples"]:
         speeds = f"Speed {numbers['speed_start_kmh']:.4g} km/h at the start, {numbers['speed_end_kmh']:.4g} km/h at the end. "
+    energy = numbers["energy_turned_over_j"]
     lines.append(
         f"{speeds}Energy balance closed to {number(numbers['energy_relative_residual'], 2)} of the "
-        f"{number(numbers['energy_turned_over_j'] / 1e3)} kJ turned over."
+        f"{number(energy and energy / 1e3)} kJ turned over."
     )
     return [*lines, *(f"Warning: {line}." for line in numbers["warnings"].splitlines())]
 

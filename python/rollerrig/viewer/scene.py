@@ -1,19 +1,12 @@
 """One run, or mode shapes, as a page shows them: parts, motion and forces in thinned frames, and what can be plotted.
 
-What a page can plot of a scene: groups of its columns with units.
-
-head of a scene -> [plots] -> groups: title, sign and filter, unit, curves of column, label, factor
+    head of a scene -> [plots] -> groups: title, sign and filter, unit, curves of column, label, factor
+    run -> [run_scene] -> Scene -> page
 
 Forces have the signs of a report (`analysis.wheel_rail_forces`), and its filter where the scene has them filtered: then they
 have times of their own, at which extremes lie. A simulation that goes on is not filtered.
 
-One run as a page shows it: the parts of its case, their motion and forces in thinned frames, and what can be plotted.
-
-    run -> [run_scene] -> Scene -> page
-
 Everything that is drawn was recorded in the run, or is asked of the core (`contact_places`).
-
-Mode shapes as a page shows them: the vehicle of the case, and of every mode at every speed how its bodies move.
 
     modes -> [mode_scene] -> Scene -> page
 

@@ -1,11 +1,6 @@
 """Changes of a case by dotted keys, and its tables with them.
 
-Replace values in raw tables by dotted keys.
-
-raw tables + {"body.car_body.mass": "30 t"} -> [apply_changes] -> raw tables, not yet validated
-
-The raw tables of a case of which some values are changed: in Python, or by a file that starts from another case.
-
+    raw tables + {"body.car_body.mass": "30 t"} -> [apply_changes] -> raw tables, not yet validated
     Case + {"motion.speed": "120 km/h"} -> [changed_tables] -> raw tables, not yet validated
     raw tables with `base` + that case -> [changes_in] -> dotted key -> value
 

@@ -8,9 +8,7 @@ Bodies and force elements that are written once and placed several times.
 of it `primary_1_left`, as written, and `primary_1_right`, mirrored at the middle of the vehicle: y of its ends, and what its laws
 along y, about x and about z do in one direction only.
 
-Turn references into what they refer to, and raw tables into checked parts of a case.
-
-raw vehicle, support, material, profile + the folder they were read from -> (object | None, problems)
+    raw vehicle, support, material, profile + the folder they were read from -> (object | None, problems)
 """
 
 from collections.abc import Iterator, Mapping

@@ -1,10 +1,6 @@
 """Tables of materials and of the laws of the contact.
 
-Elastic constants of wheel and roller, which are of the same material.
-
-The laws of a contact: creep, normal contact, friction. Names and parameters are those of the core.
-
-name, number, or table with `kind` and parameters -> [contact_law] -> one of the tables below
+    name, number, or table with `kind` and parameters -> [contact_law] -> one of the tables below
 
 `limitation` is what a law leaves out, for the reports. A new law is a class here, a member of its union and, in the core, a
 header: docs/how_to/contact_law.md.

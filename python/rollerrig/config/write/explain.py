@@ -5,24 +5,24 @@ pydantic models -> [key_places] -> every dotted key with its table -> [explain] 
 
 import re
 import tomllib
+import types
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
 from textwrap import shorten
-from typing import Any, get_args, get_origin
+from typing import Annotated, Any, Literal, Union, get_args, get_origin
 
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
 from rollerrig.config.errors import nearest
 from rollerrig.config.read import CatalogKind, catalog_file, catalog_names
-from rollerrig.config.schema.base import OrShort, by_kind, quantity_of
+from rollerrig.config.schema.base import INSTEAD_OF, OrShort, by_kind, quantity_of
 from rollerrig.config.schema.case import CaseTables, SupportChoice, VehicleChoice
 from rollerrig.config.schema.plan import Plan
 from rollerrig.config.schema.programme import Programme
 from rollerrig.config.schema.units import Quantity
 from rollerrig.config.validate.messages import divided, meant, tables_in, tag_of
-from rollerrig.config.write.reference import default_text, type_text, unit_text
 
 _ROOTS: tuple[tuple[str, type[BaseModel]], ...] = (
     ("case", CaseTables),
@@ -306,3 +306,86 @@ def _keys_of(value: Any, above: str) -> Iterator[str]:
         for item in items:
             if isinstance(item, dict):
                 yield from _keys_of(item, here)
+
+
+# ------------------------------------------------------------------------------------------------ one field in words
+
+
+def _alternatives(annotation: Any) -> tuple[Any, ...]:
+    while get_origin(annotation) is Annotated:
+        annotation = get_args(annotation)[0]
+    if get_origin(annotation) in (Union, types.UnionType):
+        return tuple(a for member in get_args(annotation) if member is not type(None) for a in _alternatives(member))
+    return (annotation,)
+
+
+def unit_text(field: FieldInfo, unit: str) -> str:
+    """Both units of a table of pairs, else the one unit."""
+    for part in _alternatives(field.annotation):
+        row = get_args(part)[:1]
+        if row and get_origin(row[0]) is tuple and len(get_args(row[0])) == 2:
+            first, second = (quantity_of(item) or quantity_of(None, getattr(item, "__metadata__", ()))
+                             for item in get_args(row[0]))  # fmt: skip
+            return f"{first.unit if first else ''}, {second.unit if second else ''}"
+    return unit
+
+
+def type_text(field: FieldInfo) -> str:
+    """What may stand at a field, in words."""
+    is_quantity = not _below(field.annotation)[0] and quantity_of(field.annotation, field.metadata) is not None
+    names: list[str] = []
+    for part in _alternatives(field.annotation):
+        origin, arguments = get_origin(part), get_args(part)
+        if origin is Literal:
+            names.append(" or ".join(f'`"{choice}"`' for choice in arguments))
+        elif isinstance(part, type) and issubclass(part, BaseModel):
+            names.append("table")
+        elif origin is tuple:
+            names.append(_tuple_type(arguments))
+        elif origin is dict:
+            names.append("tables by name")
+        else:
+            plain = {
+                str: "text",
+                bool: "true or false",
+                int: "whole number",
+                float: "quantity" if is_quantity else "number",
+            }
+            names.append(plain.get(part, "value"))
+    return " or ".join(dict.fromkeys(names))
+
+
+def _tuple_type(arguments: tuple[Any, ...]) -> str:
+    if len(arguments) == 2 and arguments[1] is Ellipsis:
+        first = _alternatives(arguments[0])[0]
+        if isinstance(first, type) and issubclass(first, BaseModel):
+            return "array of tables"
+        if get_origin(first) is tuple:
+            return "rows of two numbers"
+        return "list of texts" if first is str or get_origin(first) is Literal else "list of numbers"
+    inner = "points" if get_origin(_alternatives(arguments[0])[0]) is tuple else "values"
+    return f"list of {len(arguments)} {inner}"
+
+
+def _number(value: object) -> str:
+    return f"{value:g}" if isinstance(value, float) else str(value)
+
+
+def _list(row: tuple[object, ...]) -> str:
+    return f"[{', '.join(map(_number, row))}]"
+
+
+def default_text(field: FieldInfo) -> str:
+    """The default as a file would have it, "required", or "" where absence is the default."""
+    if isinstance(field.json_schema_extra, dict) and INSTEAD_OF in field.json_schema_extra:
+        return f"this or `{field.json_schema_extra[INSTEAD_OF]}`"
+    if field.is_required():
+        return "required"
+    default = field.default
+    if default is None or default in ((), {}, "") or isinstance(default, BaseModel):
+        return ""
+    if isinstance(default, bool):
+        return "true" if default else "false"
+    if isinstance(default, tuple):
+        return ", ".join(_list(row) if isinstance(row, tuple) else _number(row) for row in default)
+    return f'"{default}"' if isinstance(default, str) else f"{default:g}"
