@@ -196,7 +196,7 @@ def cut_off(library: bytes) -> int:
             struct.unpack_from(form, library, at + place)[0] for form, place in (("<I", 0), ("<Q", 8), ("<Q", 32))
         )
         end = max(end, offset + length) if kind == 1 else end  # PT_LOAD
-    return max(0, end - len(library))
+    return int(max(0, end - len(library)))
 
 
 def _size(count: int) -> str:
