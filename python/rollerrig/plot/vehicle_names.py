@@ -1,7 +1,7 @@
 """Names in the drawing of a vehicle: in a row above each view, each with a line to what it names, and the legend.
 
-    view, names with places -> [callouts] -> texts and lines
-    Scene -> [named_bodies, named_elements] -> Callouts;  Scene -> [legend] -> rows at the lower right of the sheet
+view, names with places -> [callouts] -> texts and lines
+Scene -> [named_bodies, named_elements] -> Callouts;  Scene -> [legend] -> rows at the lower right of the sheet
 """
 
 from __future__ import annotations
