@@ -4,6 +4,7 @@
 #include <span>
 
 #include "rollerrig/geometry/reduction.hpp"
+#include "rollerrig/math/dual.hpp"
 
 namespace rollerrig {
 namespace {
@@ -75,6 +76,7 @@ class Scan {
   static constexpr double steepest_hidden = 0.05;
   /// For a gap that bends downwards between two nodes: its slope changes by as much [-].
   static constexpr double slope_allowance = 0.01;
+  static constexpr int hidden_levels = 2;      ///< nearer than 12 um a minimum and a maximum are about to merge
   static constexpr double hidden_turn = 3e-4;  ///< by as much a slope may turn back and forth between two nodes [-]
   static constexpr double nearly_touching = 0.1e-3;  ///< gap or overlap of full-scale surfaces [m]
   static constexpr double settled_tilt = 3e-5;       ///< by which the gap is 1 nm above that of the lowest point [-]
@@ -131,7 +133,7 @@ class Scan {
                        : close({b.position, b.position, b.position, false});
     }
     if (!b.found()) return;
-    if (every_minimum_ && level < levels && (b.inside() || c.inside()) && may_hide_extremes(b, c))
+    if (every_minimum_ && level < hidden_levels && (b.inside() || c.inside()) && may_hide_extremes(b, c))
       return refine(b, c, level);
     bool const falls = b.slope < slope_allowance && c.slope > -slope_allowance;  // a minimum may lie between
     bool const climbs = b.slope > -slope_allowance && c.slope < slope_allowance;

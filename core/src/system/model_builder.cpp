@@ -385,6 +385,8 @@ std::shared_ptr<Model const> ModelBuilder::finish() const {
     model->on_rails = model->on_rails || c.rail;
     model->on_adhesion_map = model->on_adhesion_map || c.laws.friction.map != nullptr;
     model->foremost_wheel = std::max(model->foremost_wheel, c.distance_ahead);
+    need(!model->changes_heads() || std::holds_alternative<ElasticStrips>(c.laws.normal),
+         "heads that change need elastic strips: one rise for all patches of a wheel is for patches that move little");
   }
   for (Body const& b : model->bodies) {
     model->rear = std::min(model->rear, b.position.x);

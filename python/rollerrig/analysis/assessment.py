@@ -26,6 +26,7 @@ from numpy.typing import NDArray
 
 from rollerrig.analysis.signals import band_pass, low_pass, sampling_rate
 from rollerrig.analysis.wheel_rail_forces import (
+    INSTABILITY_LENGTH,
     QUOTIENT_LIMIT,
     STATISTICS,
     WHOLE_RUN,
@@ -186,6 +187,7 @@ QUANTITIES = (
     "derailment_quotient",
     "wheel_unloading",
     "guiding_force_sum",
+    "guiding_force_sum_rms",
     "wear_number",
 )
 """Quantities of wheels and wheelsets, in the order of the tables."""
@@ -256,6 +258,11 @@ def assess(run: xr.Dataset) -> Assessment:
     points, assessed, weighted = unfiltered, at_output_times(read), None
     try:
         assessed = filtered(read)
+        if "guiding_force_sum_rms" not in assessed:
+            notes.append(
+                f"The instability criterion, an r.m.s. of ΣY over {INSTABILITY_LENGTH:g} m, is not assessed: the run has "
+                f"{float(np.ptp(read['distance'].to_numpy())):.0f} m."
+            )
     except ValueError as cause:
         notes.append(f"Wheel forces are not filtered: {cause}.")
     if unfiltered.sizes["point"]:
@@ -281,7 +288,7 @@ def table(assessment: Assessment) -> list[Row]:
 def _rows(assessment: Assessment, section: TrackSection) -> list[Row]:
     rows = []
     within = {"time": section.within}
-    for name in QUANTITIES:
+    for name in (name for name in QUANTITIES if name in assessment.assessed):
         values = assessment.assessed[name]
         done = values.attrs.get("filter", UNFILTERED)
         for place, numbers, limit in _places(values.isel(within), limits(assessment.assessed, name)):
@@ -313,11 +320,12 @@ def _acceleration_rows(assessment: Assessment, direction: str, section: TrackSec
 def limits(assessed: xr.Dataset, name: str) -> dict[str, float]:
     """Limit of a quantity by wheel or wheelset; nothing where it has none.
 
-    Of Y/Q the lower one of Nadal's and EN 14363's 0.8.
+    Of Y/Q the lower one of Nadal's and EN 14363's 0.8; of the r.m.s. of ΣY half of that of ΣY.
     """
-    if name == "guiding_force_sum":
-        by_wheelset = zip(assessed["wheelset"].to_numpy(), assessed[f"{name}_limit"].to_numpy(), strict=True)
-        return {str(wheelset): float(limit) for wheelset, limit in by_wheelset}
+    if name in ("guiding_force_sum", "guiding_force_sum_rms"):
+        part = 0.5 if name.endswith("rms") else 1.0
+        by_wheelset = zip(assessed["wheelset"].to_numpy(), assessed["guiding_force_sum_limit"].to_numpy(), strict=True)
+        return {str(wheelset): part * float(limit) for wheelset, limit in by_wheelset}
     if name == "derailment_quotient":
         lowest = float(np.fmin(assessed["nadal_limit"], QUOTIENT_LIMIT))
         return {str(w): lowest for w in assessed["wheel"].to_numpy()}

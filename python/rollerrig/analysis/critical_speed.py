@@ -27,12 +27,12 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from rollerrig.analysis.crew import Progress
 from rollerrig.analysis.hunting import HuntingRun
 from rollerrig.analysis.mode_table import Crossing, first_onset, growing_at_start, modes_over_speed, zero_crossings
 from rollerrig.analysis.modes import Lineariser
 from rollerrig.cases import on_rig, on_track, part_of
 from rollerrig.config import Case
+from rollerrig.simulation.run import Progress
 from rollerrig.simulation.starting_state import StartError
 
 HIGHEST_KMH = 600.0

@@ -32,11 +32,11 @@ from rollerrig.simulation.mechatronics import assumed_parameters, drive_command,
 
 @dataclass(frozen=True)
 class Lags:
-    """Lags of slow changes [s].
+    """Lags of slow changes [s]; negative: ahead.
 
     Attributes:
         torque: of the axle's torque that the virtual train takes.
-        drive: of the roller's torque behind the wanted one.
+        drive: of the roller's torque behind the wanted one; half a sample ahead with the default lead, (D22).
     """
 
     torque: float

@@ -18,6 +18,7 @@ from rollerrig.config.schema.contact import (
     Material,
     Strips,
 )
+from rollerrig.config.schema.ensemble import Ensemble
 from rollerrig.config.schema.rig_control import RigControl, Sensors
 from rollerrig.config.schema.support import AnySupport
 from rollerrig.config.schema.units import Damping, Quantity, RollerRadius, RunningSpeed, Torque
@@ -359,6 +360,9 @@ class CaseTables(Table):
     sensors: Sensors = Field(default=Sensors(), description="what the controllers see")
     rig_control: RigControl | None = Field(default=None, description="controller of the roller drives")
 
+    ensemble: Ensemble = Field(
+        default=Ensemble(), description="what differs between the tests of an ensemble, as adhesion and wsp make them"
+    )
     similitude: ScaledFrom | None = Field(
         default=None, description="the full-scale case of which this one is a model; absent: at full scale"
     )

@@ -221,7 +221,8 @@ class LeadCommand(Table):
 
     kind: Literal["lead"] = Field(default="lead", description="the feed-forward runs ahead along its slope")
     ahead: Delay | None = Field(
-        default=None, description="time of the lead; absent: the lag of drive, delay and half a sample"
+        default=None,
+        description="time of the lead; absent: the lag of drive, delay and half a sample, and half a sample more",
     )
 
 

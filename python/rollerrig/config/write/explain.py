@@ -9,6 +9,7 @@ import types
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
+from textwrap import shorten
 from typing import Annotated, Any, Literal, Union, get_args, get_origin
 
 from pydantic import BaseModel
@@ -30,6 +31,7 @@ _ROOTS: tuple[tuple[str, type[BaseModel]], ...] = (
 )
 _MOST_CASES = 4
 _MOST_GUESSES = 4
+_MOST_ROWS = 12
 _WORD = re.compile(r"[._\s]+")
 
 
@@ -100,8 +102,11 @@ def explain(key: str) -> str:
     Args:
         key: dotted (`motion.speed`, `vehicle.element.primary_1_left.x.stiffness`), or its last part alone.
 
+    Returns:
+        The explanation; of words that are no key, the keys whose names or texts have them all, the best first.
+
     Raises:
-        KeyError: there is no such key; the text has the nearest one.
+        KeyError: there is neither; the text has the nearest key.
 
     Example:
         >>> explain("time.duration").splitlines()[2].split()
@@ -117,7 +122,7 @@ def explain(key: str) -> str:
     if not found:
         found = [place for place in key_places() if place.key.endswith(f".{parts}")]
     if not found:
-        raise KeyError(_unknown(key))
+        return _unknown(key)
     texts = _texts(found)
     different = dict.fromkeys(place.key for place in found)
     if len(texts) > 3 and len(different) > 1:
@@ -141,19 +146,42 @@ def _first(found: list[KeyPlace], key: str) -> str:
 
 
 def _unknown(key: str) -> str:
+    """Keys that speak of the words of what is no key.
+
+    Raises:
+        KeyError: none does.
+    """
     last = key.rpartition(".")[2]
     if where := divided(key) or divided(last):
-        return f"{key}: {where}"
+        raise KeyError(f"{key}: {where}")
     keys = tuple(dict.fromkeys(place.key for place in key_places()))
     lasts = tuple(dict.fromkeys(name.rpartition(".")[2] for name in keys))
     words = _WORD.split(key)
     holding = [name for name in keys if set(words) <= set(_WORD.split(name))]
     holding = [name for name in holding if name.rpartition(".")[2] in words] or holding
+    if not holding and (rows := search(words)):
+        return "\n".join([f"no key is called '{key}'; these speak of it:", *rows])
     if not holding and (guess := nearest(key, keys) or meant(last, lasts)):
         ending = [name for name in keys if name == guess or name.endswith(f".{guess}")]
         holding = ending if len(ending) <= _MOST_GUESSES else [guess]
     hint = f"; did you mean {_listed(holding)}?" if holding else ""
-    return f"{key}: no such key{hint or '; rollerrig schema prints all keys'}"
+    raise KeyError(f"{key}: no such key{hint or '; rollerrig schema prints all keys'}")
+
+
+def search(words: list[str]) -> list[str]:
+    """Keys with their meanings, a line each, that have all words in their names or texts; the best first."""
+    patterns = [re.compile(rf"(?<![a-z]){re.escape(word.lower())}") for word in words if word]
+    scores: dict[str, tuple[int, str]] = {}
+    for place in key_places():
+        tags = " ".join(tag for table in _below(place.field.annotation)[0] if (tag := tag_of(table)))
+        text = place.field.description or ""
+        weighted = ((8, place.key.rpartition(".")[2]), (4, place.key), (3, tags), (2, text), (1, _summary(place.table)))
+        hits = [sum(w for w, where in weighted if one.search(where.lower())) for one in patterns]
+        if patterns and all(hits) and sum(hits) > scores.get(place.key, (0, ""))[0]:
+            scores[place.key] = sum(hits), text
+    ranked = sorted(scores.items(), key=lambda item: (-item[1][0], item[0].count("."), item[0]))[:_MOST_ROWS]
+    width = max((len(name) for name, _ in ranked), default=0)
+    return [f"  {name:<{width}}  {shorten(text, 100, placeholder=' ...')}" for name, (_, text) in ranked]
 
 
 def _listed(names: list[str]) -> str:
