@@ -40,7 +40,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from rollerrig.analysis.signals import low_pass, narrow_band, sliding_mean
-from rollerrig.results.readings import DIMENSION, MOST_READINGS, PREFIX, READING_STEP, readings_of
+from rollerrig.results.dataset import DIMENSION, MOST_READINGS, PREFIX, READING_STEP, readings_of
 from rollerrig.results.run_info import RunInfo, TrackSegment
 from rollerrig.track import nadal_limit
 
