@@ -44,7 +44,7 @@ from numpy.typing import NDArray
 from rollerrig.analysis.virtual_rail import patch_of, slipperiest_peak
 from rollerrig.assembly.model import assemble
 from rollerrig.config import Case, Rig
-from rollerrig.config.schema.pneumatics import ReservoirAir
+from rollerrig.config.schema.brakes import ReservoirAir
 from rollerrig.results import COMPLETED
 from rollerrig.results.run_info import RunInfo
 
