@@ -40,8 +40,8 @@ LAWS = {
 }
 STATES = 1000
 PARTS = {
-    "normal contact": r"strip|find_regions|hertz|contact_point|normal_patches|blending",
-    "search of the minima": r"ContactSearch|search_contact",
+    "gap at the nodes": r"scan_gap|scan_minima",
+    "normal contact": r"strip|find_regions|find_minima|hertz|contact_point|normal_patches|blending",
     "creep: table": r"read_creep_table",
     "creep: the rest": r"creep_force|patch_forces",
     "placement of the wheels": r"::placement|on_rail|on_roller|axes_along",

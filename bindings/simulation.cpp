@@ -227,14 +227,6 @@ class Simulation {
     return owned_array<nb::ndim<1>>(std::move(row), {n});
   }
 
-  /// The contact search alone along a sequence of states, one per row.
-  void search_along(double t, nb::ndarray<double const, nb::ndim<2>, nb::c_contig, nb::device::cpu> states) {
-    Turn const turn(taken_);
-    if (static_cast<int>(states.shape(1)) != dynamics().sizes().states) throw nb::value_error("one state per row");
-    for (std::size_t i = 0; i < states.shape(0); ++i)
-      dynamics().search_contacts(t, states.data() + i * states.shape(1));
-  }
-
   /// x_dot of a sequence of states, one per row, in one call.
   auto derivatives(double t, nb::ndarray<double const, nb::ndim<2>, nb::c_contig, nb::device::cpu> states) {
     Turn const turn(taken_);
@@ -373,7 +365,6 @@ void bind_simulation(nb::module_& m) {
              &S::step_amplification, Argument{"method"}, step, t, x);
   def_method(simulation, "record", "One row of the plant's outputs in a state.", &S::record, t, x, Argument{"z"});
   def_method(simulation, "derivatives", "x_dot of one state per row.", &S::derivatives, t, states);
-  def_method(simulation, "search_along", "The contact search alone, one state per row.", &S::search_along, t, states);
   simulation.def("statistics", &Simulation::statistics)
       .def("counters", &Simulation::counters)
       .def("contact_losses", &Simulation::contact_losses,
@@ -384,10 +375,6 @@ void bind_simulation(nb::module_& m) {
       .def_prop_ro("plant_width", &Simulation::plant_width)
       .def_prop_ro("reading_width", &Simulation::reading_width)
       .def_prop_ro("reading_count", &Simulation::reading_count)
-      .def_prop_rw(
-          "exhaustive_search", [](Simulation& s) { return s.dynamics().exhaustive_search(); },
-          [](Simulation& s, bool on) { s.dynamics().set_exhaustive_search(on); })
-      .def_prop_ro("search_evaluations", [](Simulation& s) { return s.dynamics().search_evaluations(); })
       .def_prop_ro("state_count", [](Simulation& s) { return s.dynamics().sizes().states; })
       .def_prop_ro("quadrature_count", [](Simulation& s) { return s.dynamics().sizes().quadratures; })
       .def_prop_ro("failed_contact", [](Simulation& s) { return s.dynamics().failed_contact(); })

@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from rollerrig.cli.commands import contact as contact
     from rollerrig.cli.commands import control as control
     from rollerrig.cli.commands import creep as creep
+    from rollerrig.cli.commands import envelope as envelope
     from rollerrig.cli.commands import lateral as lateral
     from rollerrig.cli.commands import limit_cycle as limit_cycle
     from rollerrig.cli.commands import paper as paper
@@ -59,7 +60,6 @@ if TYPE_CHECKING:
     from rollerrig.results.in_words import summary as summary
     from rollerrig.simulation.run import simulate as simulate
     from rollerrig.simulation.starting_state import StartError as StartError
-    from rollerrig.study.envelope import envelope as envelope
     from rollerrig.study.limit_cycles import critical_speed as critical_speed
     from rollerrig.viewer import view as view
     from rollerrig.viewer.play import play as play
@@ -87,7 +87,7 @@ _HOME = {
     "creep": "cli.commands",
     "critical_speed": "study.limit_cycles",
     "curving": "analysis.curving",
-    "envelope": "study.envelope",
+    "envelope": "cli.commands",
     "explain": "config",
     "export_fmu": "interfaces.fmu.export",
     "export_part": "interfaces.fmu.export",

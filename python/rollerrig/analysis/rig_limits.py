@@ -2,14 +2,12 @@
 
 Closed forms for the limits of a rig that reproduces a degraded rail, (V1) to (V6) of docs/theory/envelope.md.
 
-Case of a rig with [rig_control] -> [rig_limits] -> RigLimits -> limits over adhesion, magnitudes per axle [N m]
-Case, adhesion of its rail       -> [creep_peak] -> peak of the virtual rail's creep curve, from the core's laws
+    Case of a rig with [rig_control] -> [rig_limits] -> RigLimits -> limits over adhesion, magnitudes per axle [N m]
+    Case, adhesion of its rail       -> [creep_peak] -> peak of the virtual rail's creep curve, from the core's laws
 
 Rolling without sliding, steady forces, no lag of drives and estimator. An adhesion may be an array.
 
-Which limit of the rig a run reached first, and when.
-
-Dataset of a run -> [assess_limits] -> numbers, limits reached with their times, region of the operating envelope
+    Dataset of a run -> [assess_limits] -> numbers, limits reached with their times, region of the operating envelope
 """
 
 from __future__ import annotations

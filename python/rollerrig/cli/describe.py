@@ -241,6 +241,9 @@ def _rig_control(model: AssembledModel) -> str:
     )
 
 
+_CLOSED = 1e-6
+"""Part of the weight: a larger difference to the wheel loads has a reason."""
+
 Part = Vehicle | Rig | Track | Material | ProfileSpec | Programme
 
 
@@ -362,7 +365,11 @@ def _balance(model: AssembledModel, run: xr.Dataset) -> list[str]:
     sums = f"total weight {total / 1e3:z.3f} kN, sum of the wheel loads {on_wheels / 1e3:z.3f} kN"
     if float(run["curvature"]) or float(run["cant"]):  # the plane of the track takes a part of both forces
         return [*lines, f"{sums}, normal to the track in the curve where the run starts"]
-    return [*lines, f"{sums} (difference {on_wheels - total:+.1e} N)"]
+    lines.append(f"{sums} (difference {on_wheels - total:+.1e} N)")
+    held = [body for body in own if "z" in model.case.vehicle.data.body_named(body).locked]
+    if held and abs(on_wheels - total) > _CLOSED * total:
+        lines.append(f"the difference is what holds {', '.join(held)}, whose z is locked")
+    return lines
 
 
 def _downward(run: xr.Dataset, element: Element, fixed: Sequence[str]) -> float:

@@ -427,6 +427,9 @@ def _dead_time_line(found: Numbers) -> str:
         text += f"; measured: {1e3 * measured:z.1f} ms"
         if found["low_s"] is not None:
             text += f", between {1e3 * found['low_s']:.1f} and {1e3 * found['high_s']:.1f} ms"
+            rest = 1e3 * (measured - found["predicted_s"])
+            if not found["low_s"] <= found["predicted_s"] <= found["high_s"]:
+                text += f"; the prediction counts mean lags alone, the other {rest:+.1f} ms are imperfections listed under Causes"
     elif found.get("track"):
         most = max(0.0, *(float(delay) for delay in found["track"]))
         text += f"; measured: none, no dead time from 0 to {most:g} ms gives the track the rig's distance"

@@ -79,11 +79,8 @@ def loop_point(
 ) -> dict[str, float]:
     """One excited run beside the eigenvalues of its loop, by the names of `loop.points`."""
     measured, amplitude = measured_growth(whole_run(case, progress), EXCITED_AT + 0.1)
-    found = {
-        "rolling": growth(loop, rolling_plant(loop.real, creep), above=ABOVE),
-        "vehicle": growth(loop, vehicle_plant(case), above=ABOVE),
-        "measured": measured,
-    }
+    plants = {"rolling": rolling_plant(loop.real, creep), "vehicle": vehicle_plant(case)}
+    found = {of: growth(loop, plant, above=ABOVE) for of, plant in plants.items()} | {"measured": measured}
     point = {
         f"{of}_{end}": value for of, pair in found.items() for end, value in zip(("rate", "hz"), pair, strict=True)
     }
@@ -128,11 +125,8 @@ def loop_blocks(loop: Numbers, points: list[dict[str, float]]) -> list[Block]:
         "measured: lightly excited runs on a dry rail."
     )
     picture = loop_growth({key: [point[key] for point in points] for key in points[0]})
-    return [
-        Text(text),
-        Text(means),
-        Picture("loop_growth", picture, "Growth rate and frequency of the loop over its gains."),
-    ]
+    shape = Picture("loop_growth", picture, "Growth rate and frequency of the loop over its gains.")
+    return [Text(text), Text(means), shape]
 
 
 DURATION = 15.0

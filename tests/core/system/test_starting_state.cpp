@@ -46,18 +46,20 @@ TEST_CASE("a disturbed coordinate is off the equilibrium by its offset, all else
   CHECK(std::abs(x_dot[at(model->map.rate[0][coord_y])]) > 1e-3);
 }
 
-TEST_CASE("where there is no equilibrium with it, a disturbed body is set down and the others stay") {
+TEST_CASE("a body is set down where it is carried, from above and from below, and says where it is not") {
   auto const model = wheelset_model({});
-  double const roll = 20e-3;  // one wheel hangs: no equilibrium with both coordinates as they are
-  std::vector<Disturbance> const disturbances{{0, coord_y, 1e-3}, {0, coord_roll, roll}};
-  auto const start = starting_state(model, 0.0, disturbances);
-  REQUIRE(start.found == StartingState::ok);
-  auto const& coordinate = model->map.coordinate[0];
-  CHECK(start.x[at(coordinate[coord_roll])] == start.rest[at(coordinate[coord_roll])] + roll);
-  CHECK(start.x[at(coordinate[coord_pitch] < 0 ? coordinate[coord_x] : coordinate[coord_pitch])] ==
-        start.rest[at(coordinate[coord_pitch] < 0 ? coordinate[coord_x] : coordinate[coord_pitch])]);
-  // 1e-12 m times 1e9 N/m over 11 t
-  CHECK(std::abs(derivative(model, start.x)[at(model->map.rate[0][coord_z])]) < 1e-6);
+  Dynamics dynamics(model);
+  auto const rest = solve_equilibrium(dynamics, 20.0, 0.0).x;
+  auto const z = at(model->map.coordinate[0][coord_z]);
+  for (double const lift : {5e-3, -2e-4}) {
+    auto x = rest;
+    x[z] += lift;
+    REQUIRE(set_down(dynamics, 0.0, x, 0, 0.03, 1e-12));
+    CHECK(std::abs(x[z] - rest[z]) < 1e-10);  // 1e-7 N unbalanced over 1e9 N/m, and the resolution
+  }
+  auto x = rest;
+  x[z] += 0.2;
+  CHECK_FALSE(set_down(dynamics, 0.0, x, 0, 0.03, 1e-12));
 }
 
 TEST_CASE("a body that finds no support at its disturbance is named, and so is a coordinate that is none") {

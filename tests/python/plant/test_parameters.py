@@ -124,11 +124,20 @@ def test_numbers_that_a_case_may_leave_out_are_parameters_where_it_gives_them() 
 
 
 def test_parameters_of_air_act_on_the_run() -> None:
+    """In the first second the pressure rises as the control valve lets it, later it is what the conductance lets through."""
     case = load_case("adhesion_valves")
-    small, same = plant_of(case, brake__air__reservoir_volume=0.02), plant_of(case)
-    for plant in (small, same):
-        assert plant.advance(3.0) == OK
-    assert value(small, "wheelset_1.cylinder_pressure") < 0.99 * value(same, "wheelset_1.cylinder_pressure")
+    given = plant_of(case)
+    rate = value(given, "brake.control_valve.application_rate")
+    slow = plant_of(case, brake__control_valve__application_rate=0.5 * rate)
+    choked = plant_of(case, brake__air__fill_conductance=0.01 * value(given, "brake.air.fill_conductance"))
+    full, half, little = (pressure_after(plant, 1.0) for plant in (given, slow, choked))
+    assert 0.4 < half / full < 0.6
+    assert little < 0.6 * full
+
+
+def pressure_after(plant: _core.Plant, time: float) -> float:
+    assert plant.advance(time) == OK
+    return value(plant, "wheelset_1.cylinder_pressure")
 
 
 def test_more_mass_stands_on_the_rollers_from_the_start(bogie: Case) -> None:

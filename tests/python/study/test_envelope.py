@@ -23,8 +23,8 @@ from rollerrig.cli.app import build_app
 from rollerrig.config import Case
 from rollerrig.results.run_info import describe
 from rollerrig.study import envelope as module
+from rollerrig.study.checkpoint import NAME
 from rollerrig.study.envelope import EnvelopeStudy
-from rollerrig.study.journal import NAME
 from rollerrig.study.runs import envelope as envelope_points
 from rollerrig.study.runs.envelope import BEGIN, RISE, Point, point_case
 

@@ -35,7 +35,7 @@ struct ContactLaws {
 
   // What follows from them and from the wheel's profile; set by system/model_builder.hpp.
   std::shared_ptr<KalkerTable const> kalker{};
-  std::shared_ptr<GapNodes const> nodes{};  ///< of ElasticStrips, along the wheel
+  std::shared_ptr<GapNodes const> nodes{};  ///< along the wheel
 };
 
 /// Motion of wheel and roller, all in b components.

@@ -14,7 +14,7 @@
 
 namespace rollerrig {
 
-/// Of a model over full scale; the contact search divides a profile into cells in proportion to it.
+/// Of a model over full scale; nodes lie along a wheel profile in proportion to it.
 inline constexpr Range contact_size{1e-3, 1e3, "between 0.001 and 1000"};
 
 /// One wheel on one roller or rail. Where they lie follows from the bodies: the crown is at z = 0, below the wheelset's centre.

@@ -1,9 +1,4 @@
-"""Tables of a case: what runs on what, how it moves, what is computed.
-
-The full-scale case of which a case is the model; written by `rollerrig scale`, read to map its results back.
-
-A case: one vehicle (or a part of it) on one support, how it is driven, and how time is integrated.
-"""
+"""Tables of a case: what runs on what, how it moves, what is computed."""
 
 from typing import Annotated, Any, Literal, NamedTuple, get_args
 

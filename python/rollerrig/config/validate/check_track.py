@@ -115,7 +115,7 @@ def check_spot(support: Rig | Track, file: str) -> list[ConfigProblem]:
 
 
 def check_heads(case: CaseTables, file: str) -> Iterator[ConfigProblem]:
-    """Heads that change need a contact that looks at them in every call, and on rollers a known way of the crown."""
+    """Heads that change are followed by strips alone, and on rollers need a known way of the crown."""
     support, name = case.support.data, case.contact.normal.kind
     heads_change = bool(rail_heads(support))
     if heads_change and name != "strips":

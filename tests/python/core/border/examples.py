@@ -162,6 +162,7 @@ class Examples:
             _core.TableBrake(forces=[(1.0, 0.0), (3.0, 1e4)]),
             track_brake(magnets, 1),
             eddies,
+            _core.Disturbance(body=1, coordinate=1, offset=1e-3),
             _core.BodyTrackBrake(body=0, brake=track_brake(magnets, 1)),
             _core.Sanding(start=_core.OnSlideSanding(), flow=0.01, delay=0.5, run_on=1.0, least_speed=2.0, kept=0.7),
             _core.FromDistanceSanding(begin=10.0, end=20.0),
@@ -338,6 +339,10 @@ class Examples:
                 upon("brake", "add_track_brake"), {"brake": objects["BodyTrackBrake"]}
             ),
             "Model.with_speed": Call(self.plain.with_speed, {"speed": [(0.0, 30.0), (1.0, 20.0)]}),
+            "coasting_model": Call(_core.coasting_model, {"model": self.models["brake"]}),
+            "starting_state": Call(
+                _core.starting_state, {"model": self.plain, "t": 0.0, "disturbances": [objects["Disturbance"]]}
+            ),
             "static_loads": Call(
                 _core.static_loads, {"bodies": bodies, "springs": [objects["LoadSpring"]], "gravity": 9.81}
             ),
@@ -527,13 +532,9 @@ class Examples:
             ),
             "Simulation.record": Call(fresh("record"), {"t": 0.0, "x": x, "z": quadratures}),
             "Simulation.derivatives": Call(fresh("derivatives"), {"t": 0.0, "states": states}),
-            "Simulation.search_along": Call(fresh("search_along"), {"t": 0.0, "states": states}),
             "Simulation.statistics": Call(fresh("statistics"), {}),
             "Simulation.counters": Call(fresh("counters"), {}),
             "Simulation.contact_losses": Call(fresh("contact_losses"), {}),
-            "Simulation.exhaustive_search": Call(
-                lambda value: setattr(self.simulation(), "exhaustive_search", value), {"value": True}
-            ),
             "status_sentence": Call(_core.status_sentence, {"status": 0}),
         }
 
