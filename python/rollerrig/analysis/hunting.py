@@ -137,7 +137,7 @@ def hunting_run(job: tuple[Case, float, HuntingSettings], progress: Progress | N
     body = model.body_index(observed := observed_body(case))
     room = math.ceil(longest / settings.output_step) + 2
     times, rows = np.empty(room), np.empty((room, simulation.width))
-    begin(simulation, model, starting_state(simulation, model))
+    begin(simulation, model, starting_state(model))
     code, filled, at = _core.status_codes["ok"], 0, 0.0
     decision: Decision = "open"
 
