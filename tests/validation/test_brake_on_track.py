@@ -83,7 +83,7 @@ def compare(law: str, dead_times_ms: tuple[int, ...], count: int, *, reach: int 
     speeds = np.array([one.motion.speed for one in starts(case, count)])
     near = sorted({0, -reach, reach})
     asked = [d + more for d in dead_times_ms for more in near]
-    found = numbers_of(case, law).on_track(np.tile(speeds, len(asked)), np.repeat(1e-3 * np.array(asked), count))
+    found = numbers_of(case, law).run(np.tile(speeds, len(asked)), np.repeat(1e-3 * np.array(asked), count))
     means = {name: values.reshape(len(dead_times_ms), len(near), count).mean(axis=2) for name, values in found.items()}
     for k, d in enumerate(dead_times_ms):
         on_track = track_case(case.with_changes({"slide_protection.delay": 1e-3 * d}))

@@ -1,7 +1,5 @@
 """A run's wheel-rail forces and accelerations as a table: every quantity with its statistics, its filter and its limit.
 
-Accelerations that passengers and bogies feel, at points of the bodies, and their weights.
-
     run -> [accelerations] -> at the centre of each body and over what carries it -> [ride] -> filtered, weighted
 
 A point ρ of a rigid body with the centre's acceleration a_C, angular velocity ω and acceleration α is accelerated by
@@ -14,7 +12,7 @@ turning of the track under the body, of its plan and of its cant (W11).
 
 Source: EN 14363:2016 for the points and bands; EN 12299:2009, annex C, and ISO 2631 for the weights.
 
-run -> wheel-rail forces, accelerations -> [assessment] -> rows -> running_safety.csv, summary.json, report
+    run -> wheel-rail forces, accelerations -> [assessment] -> rows -> running_safety.csv, summary.json, report
 """
 
 from __future__ import annotations
@@ -28,6 +26,7 @@ from numpy.typing import NDArray
 
 from rollerrig.analysis.signals import band_pass, low_pass, sampling_rate
 from rollerrig.analysis.wheel_rail_forces import (
+    INSTABILITY_LENGTH,
     QUOTIENT_LIMIT,
     STATISTICS,
     WHOLE_RUN,
@@ -188,6 +187,7 @@ QUANTITIES = (
     "derailment_quotient",
     "wheel_unloading",
     "guiding_force_sum",
+    "guiding_force_sum_rms",
     "wear_number",
 )
 """Quantities of wheels and wheelsets, in the order of the tables."""
@@ -258,6 +258,11 @@ def assess(run: xr.Dataset) -> Assessment:
     points, assessed, weighted = unfiltered, at_output_times(read), None
     try:
         assessed = filtered(read)
+        if "guiding_force_sum_rms" not in assessed:
+            notes.append(
+                f"The instability criterion, an r.m.s. of ΣY over {INSTABILITY_LENGTH:g} m, is not assessed: the run has "
+                f"{float(np.ptp(read['distance'].to_numpy())):.0f} m."
+            )
     except ValueError as cause:
         notes.append(f"Wheel forces are not filtered: {cause}.")
     if unfiltered.sizes["point"]:
@@ -283,7 +288,7 @@ def table(assessment: Assessment) -> list[Row]:
 def _rows(assessment: Assessment, section: TrackSection) -> list[Row]:
     rows = []
     within = {"time": section.within}
-    for name in QUANTITIES:
+    for name in (name for name in QUANTITIES if name in assessment.assessed):
         values = assessment.assessed[name]
         done = values.attrs.get("filter", UNFILTERED)
         for place, numbers, limit in _places(values.isel(within), limits(assessment.assessed, name)):
@@ -315,11 +320,12 @@ def _acceleration_rows(assessment: Assessment, direction: str, section: TrackSec
 def limits(assessed: xr.Dataset, name: str) -> dict[str, float]:
     """Limit of a quantity by wheel or wheelset; nothing where it has none.
 
-    Of Y/Q the lower one of Nadal's and EN 14363's 0.8.
+    Of Y/Q the lower one of Nadal's and EN 14363's 0.8; of the r.m.s. of ΣY half of that of ΣY.
     """
-    if name == "guiding_force_sum":
-        by_wheelset = zip(assessed["wheelset"].to_numpy(), assessed[f"{name}_limit"].to_numpy(), strict=True)
-        return {str(wheelset): float(limit) for wheelset, limit in by_wheelset}
+    if name in ("guiding_force_sum", "guiding_force_sum_rms"):
+        part = 0.5 if name.endswith("rms") else 1.0
+        by_wheelset = zip(assessed["wheelset"].to_numpy(), assessed["guiding_force_sum_limit"].to_numpy(), strict=True)
+        return {str(wheelset): part * float(limit) for wheelset, limit in by_wheelset}
     if name == "derailment_quotient":
         lowest = float(np.fmin(assessed["nadal_limit"], QUOTIENT_LIMIT))
         return {str(w): lowest for w in assessed["wheel"].to_numpy()}

@@ -1,7 +1,5 @@
 """Critical speed by its three definitions, each under its own name in every output, and what rollers change of it.
 
-Critical speed by its three definitions, each under its own name in every output.
-
     linear             lowest speed at which an oscillatory mode of the linearised vehicle begins to grow
     by disturbance     lowest speed at which a perturbation of a given size persists: runs at constant speed, bracketed
     by continuation    lowest speed of a stable limit cycle: speed stepped down, each run begun with the state of the one before
@@ -18,9 +16,7 @@ each within the width to which it was found.
 Equations: docs/theory/equilibrium_and_linearisation.md, (L7) and section Limit cycles.
 Source: O. Polach, On non-linear methods of bogie stability assessment, Proc. IMechE F 220 (2006).
 
-What rollers change: linear critical speed over their radius, and its loss from track to rig split by the roller's effects.
-
-case on a rig -> [cases with other radii, with effects switched off] -> linear critical speeds -> tables
+    case on a rig -> [cases with other radii, with effects switched off] -> linear critical speeds -> tables
 """
 
 from __future__ import annotations
@@ -31,12 +27,12 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from rollerrig.analysis.crew import Progress
 from rollerrig.analysis.hunting import HuntingRun
 from rollerrig.analysis.mode_table import Crossing, first_onset, growing_at_start, modes_over_speed, zero_crossings
 from rollerrig.analysis.modes import Lineariser
 from rollerrig.cases import on_rig, on_track, part_of
 from rollerrig.config import Case
+from rollerrig.simulation.run import Progress
 from rollerrig.simulation.starting_state import StartError
 
 HIGHEST_KMH = 600.0

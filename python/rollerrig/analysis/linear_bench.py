@@ -118,7 +118,7 @@ class LinearBench:
         """
         self.case = steady_case(case, speed)
         self.speed = self.case.motion.speed
-        self.model = assemble_with_actuators(self.case) if case.sampled else assemble(self.case)
+        self.model = assemble_with_actuators(self.case, torque_on_all=True) if case.sampled else assemble(self.case)
         state = starting_state(self.model)
         self._simulation = _core.Simulation(self.model.core)
         self.brake_pressure = brake_pressure

@@ -1,19 +1,12 @@
 """Modes over speed, the speeds at which an oscillation begins or ceases to grow, and linear critical speeds as one Dataset.
 
-All oscillatory modes of one case over speed, followed and named.
-
-Case, speeds -> [linearise, modes, mode names] -> ModesOverSpeed -> critical speeds, Dataset
-
-Speeds at which an oscillation begins or ceases to grow: crossings of zero growth.
-
+    Case, speeds -> [linearise, modes, mode names] -> ModesOverSpeed -> critical speeds, Dataset
     modes over speed -> [crossings] -> all of them in the range, by speed, with the name of the mode -> critical speed
 
 The growth rate of one mode, followed, is a smooth function of speed: its root is bracketed between neighbouring speeds and found
 by Brent's method. Equation: docs/theory/equilibrium_and_linearisation.md, (L7).
 
-Modes over speed and the linear critical speeds as one Dataset.
-
-Case, speeds -> [speed map, critical] -> Dataset over speed, mode, body and direction
+    Case, speeds -> [speed map, critical] -> Dataset over speed, mode, body and direction
 """
 
 from __future__ import annotations

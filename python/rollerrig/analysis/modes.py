@@ -1,13 +1,9 @@
 """Linearisation at the rolling equilibrium; eigenvalues and mode shapes, followed over a parameter; which modes are hunting.
 
-Linearisation at the rolling equilibrium, with the core's exact derivatives.
-
     Case, running speed -> [linearise] -> A of x' = A x around steady rolling, names of the states
 
 The rollers (or the rails) are speed-controlled: the rates of driven rollers are inputs, not states, and are taken out of A.
 Equations: docs/theory/equilibrium_and_linearisation.md, (L3)-(L4).
-
-Eigenvalues and mode shapes, followed from one value of a parameter to the next.
 
     A(speed) -> [modes] -> eigenvalues and eigenvectors in an order in which a column stays the same mode
 

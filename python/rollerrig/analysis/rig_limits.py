@@ -2,14 +2,12 @@
 
 Closed forms for the limits of a rig that reproduces a degraded rail, (V1) to (V6) of docs/theory/envelope.md.
 
-Case of a rig with [rig_control] -> [rig_limits] -> RigLimits -> limits over adhesion, magnitudes per axle [N m]
-Case, adhesion of its rail       -> [creep_peak] -> peak of the virtual rail's creep curve, from the core's laws
+    Case of a rig with [rig_control] -> [rig_limits] -> RigLimits -> limits over adhesion, magnitudes per axle [N m]
+    Case, adhesion of its rail       -> [creep_peak] -> peak of the virtual rail's creep curve, from the core's laws
 
 Rolling without sliding, steady forces, no lag of drives and estimator. An adhesion may be an array.
 
-Which limit of the rig a run reached first, and when.
-
-Dataset of a run -> [assess_limits] -> numbers, limits reached with their times, region of the operating envelope
+    Dataset of a run -> [assess_limits] -> numbers, limits reached with their times, region of the operating envelope
 """
 
 from __future__ import annotations
@@ -23,16 +21,14 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from rollerrig import _core
 from rollerrig.analysis.slide_statistics import tracking, under_test, virtual_slip, wheel_radius
-from rollerrig.assembly.laws import core_law
-from rollerrig.assembly.model import AssembledModel, assemble
+from rollerrig.analysis.virtual_rail import FULL_SLIDING, creep_curve, creep_peak, patch_of
+from rollerrig.assembly.model import assemble
 from rollerrig.assembly.train_axles import train_mass
-from rollerrig.config import Case, Condition, Rig, SlideProtection, WheelSlipControl
-from rollerrig.config.schema.contact import ConstantFriction
+from rollerrig.config import Case, Rig, SlideProtection, WheelSlipControl
 from rollerrig.results import COMPLETED
 from rollerrig.simulation.mechatronics import rotor_inertia, wheelset_inertia
-from rollerrig.simulation.virtual_train import load_transfer, rail_patch
+from rollerrig.simulation.virtual_train import load_transfer
 
 Array = NDArray[np.float64]
 
@@ -46,16 +42,8 @@ LINES = {
 }
 """Closed form -> meaning; magnitudes [N m]."""
 
-SLIDES = (1.2, 0.005)
-"""A wheel slides on the virtual rail beyond so many times the slip at which the adhesion is used up, plus so much [-]."""
-
-FULL_SLIDING = 0.98
-"""Share of the friction limit from which a contact counts as sliding [-]."""
-
 PITCHING = 1.04
 """Part of the friction that an axle uses while the bogie pitches, over that at rest, as measured in runs [-]."""
-
-_SLIPS = np.geomspace(1e-4, 0.5, 160)
 
 
 @dataclass(frozen=True)
@@ -208,69 +196,6 @@ def protection_slip(case: Case) -> float:
     if case.brake is not None:
         return (case.slide_protection or SlideProtection()).vent_slip
     return (case.wheel_slip_control or WheelSlipControl()).slip
-
-
-# ------------------------------------------------------------------------------------------------- the virtual rail
-
-
-@dataclass(frozen=True)
-class Patch:
-    """One ellipse that stands for all patches of a wheel on the rail: semi-axes [m] and load [N]."""
-
-    a: float
-    b: float
-    load: float
-
-
-def patch_of(model: AssembledModel) -> Patch:
-    """The patch of the virtual train's wheels.
-
-    Raises:
-        StartError: the vehicle has no equilibrium on track.
-    """
-    found = rail_patch(model)
-    return Patch(found.a, found.b, found.load)
-
-
-def rail_shape(case: Case) -> Condition:
-    """The condition of the virtual rail; clean without [adhesion]."""
-    clean = Condition(friction=ConstantFriction(kind="constant", mu_0=1.0))
-    return clean if case.adhesion is None else case.adhesion.rail
-
-
-def creep_curve(case: Case, patch: Patch, adhesion: float, slip: Array) -> tuple[Array, Array]:
-    """Friction (A1) and longitudinal force over load of a wheel on the virtual rail, both [-], as the core computes them.
-
-    Args:
-        case: whose rail, creep law and speed it is.
-        patch: of a wheel.
-        adhesion: at no slip [-].
-        slip: over the train's speed [-].
-    """
-    rail, contact, slip = rail_shape(case), case.contact, np.asarray(slip, dtype=np.float64)
-    friction = _core.friction_at(
-        core_law(rail.friction.model_copy(update={"mu_0": adhesion})), slip * case.motion.speed
-    )
-    law, reduction = core_law(contact.creep), (rail.k_A, rail.k_S)
-    shear, poisson = contact.material.shear_modulus, contact.material.poisson_ratio
-    ellipse = (patch.a, patch.b, patch.load)
-    rows = [
-        _core.creep_forces(np.array([[-s, 0.0, 0.0]]), *ellipse, max(m, 1e-6), shear, poisson, law, reduction=reduction)
-        for s, m in zip(slip, friction, strict=True)
-    ]
-    return friction, np.array([float(row[0, 0]) for row in rows]) / patch.load
-
-
-def creep_peak(case: Case, patch: Patch, adhesion: float) -> tuple[float, float]:
-    """Slip at which FULL_SLIDING of the adhesion is used, and the largest force over load of the virtual rail [-]."""
-    forces = creep_curve(case, patch, adhesion, _SLIPS)[1]
-    largest = float(forces.max())
-    return float(_SLIPS[np.flatnonzero(forces >= FULL_SLIDING * largest)[0]]), largest
-
-
-def grip_slip(case: Case, patch: Patch, adhesion: float) -> float:
-    """Slip of a virtual wheel up to which it grips [-]: somewhat beyond that at which the adhesion is used up."""
-    return SLIDES[0] * creep_peak(case, patch, adhesion)[0] + SLIDES[1]
 
 
 Mask = NDArray[np.bool_]

@@ -15,10 +15,6 @@ A high pass has x upside down.
 
 Source: EN 14363:2016, table of assessed quantities and their filters; K. Steiglitz et al. on filtering twice.
 
-Least-squares fits and what they leave.
-
-What an oscillation does: grows or decays, how large, how fast.
-
     time series -> [extrema] -> half-wave amplitudes over time -> rate, amplitude, frequency
 
 Amplitudes are half the distance between successive extrema: no offset enters, and for y = e^(σt) sin(ωt) they are exactly
@@ -71,6 +67,22 @@ def low_pass(signal: xr.DataArray, cutoff: float) -> xr.DataArray:
 def band_pass(signal: xr.DataArray, low: float, high: float) -> xr.DataArray:
     """The signal between two frequencies, each at -3 dB [Hz]; the rest as in `low_pass`."""
     return _filtered(_filtered(signal, high, "lowpass"), low, "highpass")
+
+
+def narrow_band(signal: xr.DataArray, low: float, high: float) -> xr.DataArray:
+    """The signal in a band that may be narrow: unchanged at its middle, -3 dB at its ends [Hz]; the rest as in `low_pass`.
+
+    A low and a high pass one after the other, as in `band_pass`, would take from the middle, too.
+    """
+    from scipy.signal import butter, sosfiltfilt
+
+    rate = sampling_rate(signal["time"].to_numpy(), high)
+    half = 0.5 * (high - low) / _RUNS_SHIFT  # of one run, about the same geometric mean
+    upper = half + math.sqrt(half * half + low * high)
+    sections = butter(2, (upper - 2.0 * half, upper), "bandpass", fs=rate, output="sos")
+    beyond = min(signal.sizes["time"] - 1, math.ceil(3 * rate / low))
+    axis = signal.get_axis_num("time")
+    return signal.copy(data=sosfiltfilt(sections, signal.to_numpy(), axis=axis, padlen=beyond, padtype="even"))
 
 
 def _filtered(signal: xr.DataArray, cutoff: float, kind: Literal["lowpass", "highpass"]) -> xr.DataArray:
@@ -267,10 +279,6 @@ class FinalMotion:
     amplitude: float
     frequency: float
     rate: float
-
-    def persists(self, least_amplitude: float, slowest_decay: float) -> bool:
-        """Whether the oscillation persists: large enough, and not decaying."""
-        return self.amplitude >= least_amplitude and not self.rate < -slowest_decay
 
 
 RIPPLE = 0.25

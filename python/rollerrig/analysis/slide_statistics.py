@@ -1,30 +1,22 @@
 """Statistics of a brake or traction test: slip, tracking error of the rig, torque ripple, wheel flats.
 
-Wheel speeds of a test against the train: slip, tracking error of the rig, definitions common to all studies.
-
-run of `simulate` with a train -> [tracking] -> series over time and axle, RMS and largest values
+    run of `simulate` with a train -> [tracking] -> series over time and axle, RMS and largest values
 
 Equations: docs/theory/rig_control.md. A ratio to the speed of a train slower than LEAST_SPEED is not defined: NaN.
 
-Persistent ripple in the torque of the roller drives: amplitude and frequency above the action of the slide protection.
-
 A rig's run against the track's at the same times, where the phase of a limit cycle counts: for inspection, not for assessment.
 
-runs of `simulate` with brake or traction -> [rig_fidelity] -> numbers; NaN or None where there are none
+    runs of `simulate` with brake or traction -> [rig_fidelity] -> numbers; NaN or None where there are none
 
 What two starts of the same test on track differ by, point by point, is phase alone; `slide_statistics` has what is compared.
 Equations: docs/theory/rig_control.md.
-
-Statistics of a brake or traction test that do not depend on the phase of its limit cycle.
 
 run of `simulate` with brake or traction -> [slide_statistics] -> TestRecord: measures, distribution of slip, distance over time
 
 Slide protection and wheel-slip control make a limit cycle whose phase differs from start to start: two such tests are compared
 by what is counted, averaged or distributed over each of them, never point by point.
 
-How long a flat a locked wheel gets, as an estimate from the energy that its sliding dissipates.
-
-run of `simulate` with a brake -> [wheel_flat] -> length of the longest flat [m]
+    run of `simulate` with a brake -> [wheel_flat] -> length of the longest flat [m]
 
 The worn volume is in proportion to the energy; what is worn off a wheel that does not turn is a segment of its circle under a
 chord: V = k E, V = b L^3 / (12 r) for L << r, (H1) and (H2) of docs/theory/wheel_flats.md. Heat, martensite and the rounding of
@@ -41,7 +33,10 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from rollerrig.analysis.virtual_rail import patch_of, slipperiest_peak
+from rollerrig.assembly.model import assemble
 from rollerrig.config import Case, Rig
+from rollerrig.config.schema.pneumatics import ReservoirAir
 from rollerrig.results import COMPLETED
 from rollerrig.results.run_info import RunInfo
 
@@ -123,6 +118,7 @@ RIPPLE_ABOVE = 10.0
 """Slide protection acts at a few hertz; what is faster is the loop or its noise [Hz]."""
 
 WINDOW = 0.25  # [s]
+PERCENTILE = 95.0
 
 
 def torque_ripple(time: Array, torque: Array) -> tuple[float, float]:
@@ -138,19 +134,53 @@ def torque_ripple(time: Array, torque: Array) -> tuple[float, float]:
     Returns:
         RMS [N m] and frequency of most power [Hz]; NaN where the run is shorter than two windows.
     """
-    if time.size < 2 or time[-1] - time[0] < 2.0 * WINDOW or not np.isfinite(torque).all():
+    found = ripple_windows(time, torque)
+    if found is None:
         return math.nan, math.nan
-    from scipy.signal import butter, sosfiltfilt, welch  # slow to load, and seldom needed
+    from scipy.signal import welch  # slow to load, and seldom needed
+
+    parts, high = found
+    median = np.median(parts, axis=0)
+    worst, step = int(np.argmax(median)), float(time[1] - time[0])
+    frequency, power = welch(high[:, worst], fs=1.0 / step, nperseg=min(len(high), 4 * round(WINDOW / step)))
+    return float(median[worst]), float(frequency[np.argmax(power)])
+
+
+def largest_ripple(time: Array, torque: Array, limit: float) -> tuple[float, float]:
+    """Ripple that is not passed for PERCENTILE of the time, of the worst axle, and its longest spell above a limit.
+
+    Args:
+        time: evenly spaced [s], shape (time,).
+        torque: [N m], shape (time, axle).
+        limit: RMS of a window [N m].
+
+    Returns:
+        RMS [N m] and duration [s]; NaN where the run is shorter than two windows.
+    """
+    found = ripple_windows(time, torque)
+    if found is None:
+        return math.nan, math.nan
+    spell = longest = np.zeros(found[0].shape[1])
+    for above in found[0] > limit:
+        spell = np.where(above, spell + WINDOW, 0.0)
+        longest = np.maximum(longest, spell)
+    return float(np.percentile(found[0], PERCENTILE, axis=0).max()), float(longest.max())
+
+
+def ripple_windows(time: Array, torque: Array) -> tuple[Array, Array] | None:
+    """RMS above RIPPLE_ABOVE in each window, shape (window, axle), and the filtered torque, shape (time, axle).
+
+    None where the run is shorter than two windows or has no torque at some time.
+    """
+    if time.size < 2 or time[-1] - time[0] < 2.0 * WINDOW or not np.isfinite(torque).all():
+        return None
+    from scipy.signal import butter, sosfiltfilt  # slow to load, and seldom needed
 
     step = float(time[1] - time[0])
     window = round(WINDOW / step)
     high = sosfiltfilt(butter(4, RIPPLE_ABOVE, "highpass", fs=1.0 / step, output="sos"), torque, axis=0)
     count = len(high) // window
-    parts = np.sqrt(np.mean(high[: count * window].reshape(count, window, -1) ** 2, axis=1))
-    median = np.median(parts, axis=0)
-    worst = int(np.argmax(median))
-    frequency, power = welch(high[:, worst], fs=1.0 / step, nperseg=min(len(high), 4 * window))
-    return float(median[worst]), float(frequency[np.argmax(power)])
+    return np.sqrt(np.mean(high[: count * window].reshape(count, window, -1) ** 2, axis=1)), high
 
 
 def point_by_point(track: xr.Dataset, other: xr.Dataset) -> dict[str, Any]:
@@ -193,6 +223,9 @@ SLIDES = 0.10
 
 LOCKED = 0.05
 """An axle slower than this part of the train's speed is locked [-]."""
+
+OSCILLATES = 100.0
+"""Torque of a drive from which its ripple counts as an oscillation [N m]: 1 % of the torque that brakes an axle."""
 
 LIMITED = 0.999
 """Part of the largest torque from which a command is at its limit."""
@@ -237,7 +270,7 @@ def test_record(run: xr.Dataset, case: Case) -> TestRecord:
     """The record of a run of `case` on track or rig: of the train, and of its axles under test."""
     kept = _kept(run["time"].to_numpy())
     tested = under_test(run)
-    measures = {**_train(run), **_valves(tested), **_axles(tested)}
+    measures = {**_train(run, case), **_valves(tested), **_axles(tested), "beyond_peak_s": beyond_peak(tested, case)}
     if case.rig_control is not None and isinstance(case.support.data, Rig):
         measures |= _rig(tested, case.rig_control.feedback.largest, case.support.data.roller_radius)
     return TestRecord(
@@ -255,13 +288,16 @@ def _kept(time: Array) -> NDArray[np.intp]:
     return np.unique([*range(0, time.size, every), time.size - 1])
 
 
-def _train(run: xr.Dataset) -> dict[str, float]:
-    """Numbers of the train as a whole, which every axle brakes or pulls."""
+def _train(run: xr.Dataset, case: Case) -> dict[str, float]:
+    """Numbers of the train as a whole, which every axle brakes or pulls; a protection that is not ours has no reference speed."""
     speed, way = run["train_speed"].to_numpy(), run["train_distance"].to_numpy()
     acting = np.flatnonzero(_acting(run))
     begin = acting[0] if acting.size else -1
     run_since = way[-1] - way[begin]
+    tables = [one for one in (case.slide_protection, case.wheel_slip_control) if one is not None]
     wrong = run["reference_speed_error"].to_numpy()[speed > LEAST_SPEED]
+    if not all(table.is_ours for table in tables):
+        wrong = np.full_like(wrong, np.nan)
     return {
         "distance_m": way[-1],
         "duration_s": run.attrs["stopped_at_s"],
@@ -311,6 +347,36 @@ def _axles(run: xr.Dataset) -> dict[str, float]:
     }
 
 
+def beyond_peak(run: xr.Dataset, case: Case) -> float:
+    """Time that the axles together spent beyond the peak of the creep curve of the test's most slippery rail [s].
+
+    The slip of the peak grows as the train slows: it is found at some speeds and linear between them. 0 without [adhesion].
+    """
+    speed, slips = run["train_speed"].to_numpy(), abs(slip(run)).transpose("time", "axle").to_numpy()
+    if case.adhesion is None or not (speed > LEAST_SPEED).any():
+        return 0.0
+    patch, at = patch_of(assemble(case)), np.linspace(LEAST_SPEED, float(speed.max()), 6)
+    peak = np.interp(speed, at, [slipperiest_peak(case, patch, float(v))[0] for v in at])
+    count = np.count_nonzero(slips > peak[:, None])
+    return float(count * (run["time"][1] - run["time"][0])) if count else 0.0
+
+
+def idle_valves(case: Case) -> list[str]:
+    """Sentences on dump valves whose pulses are too short to move them; none of a protection that is not ours."""
+    air, table = getattr(case.brake, "air", None), case.slide_protection
+    if not isinstance(air, ReservoirAir) or table is None or not table.is_ours:
+        return []
+    kinds = (
+        ("fill", table.pulse_time, "open", air.opening_time),
+        ("hold", table.pulse_pause, "close", air.closing_time),
+    )
+    return [
+        f"Dump valves never {move} in stepwise filling: {1e3 * time:g} ms of {command}, {1e3 * dead:g} ms until they {move}"
+        for command, pulse, move, dead in kinds
+        if (time := max(pulse, air.least_pulse)) <= dead
+    ]
+
+
 def longest_lock(run: xr.Dataset) -> float:
     """Longest time that an axle turned slower than LOCKED of the speed of a train faster than LEAST_SPEED [s]."""
     time = run["time"].to_numpy()
@@ -355,7 +421,7 @@ def _rig(run: xr.Dataset, largest_torque: float, roller_radius: float) -> dict[s
     return {
         **following(run),
         "force_error_rms": rms(force - virtual) / size if size > 0.0 else math.nan,
-        "drive_oscillation_nm": drive_oscillation(run, roller_radius),
+        **drive_oscillation(run, roller_radius),
         "drive_limited_share": float(limited.mean()),
         "drive_power_wanted_kw": 1e-3 * largest(run["wanted_roller_power"]),
         "drive_power_limited_s": float(run["drive_power_limited"].isel(time=-1).max()),
@@ -364,17 +430,18 @@ def _rig(run: xr.Dataset, largest_torque: float, roller_radius: float) -> dict[s
     }
 
 
-def drive_oscillation(run: xr.Dataset, roller_radius: float) -> float:
-    """Persistent fast torque on the rollers that the virtual rail does not demand, RMS of the worst axle [N m].
+def drive_oscillation(run: xr.Dataset, roller_radius: float) -> dict[str, float]:
+    """Fast torque on the rollers that the virtual rail does not demand: 95th percentile of the worst axle, longest spell.
 
     The ripple of the contact's force less the virtual one, times the radius: zero for a rig that follows, also while slide
     protection acts fast; an oscillation of the loop on a locked wheel is all of it. NaN where outputs are too rare to see it.
     """
     time = run["time"].to_numpy()
-    if time.size < 2 or time[1] - time[0] > 1.0 / (4.0 * RIPPLE_ABOVE):
-        return math.nan
-    wrong = (run["creep_force"] - run["virtual_force"]).transpose("time", "axle").to_numpy()
-    return torque_ripple(time, roller_radius * np.nan_to_num(wrong))[0]
+    found = math.nan, math.nan
+    if time.size >= 2 and time[1] - time[0] <= 1.0 / (4.0 * RIPPLE_ABOVE):
+        wrong = (run["creep_force"] - run["virtual_force"]).transpose("time", "axle").to_numpy()
+        found = largest_ripple(time, roller_radius * np.nan_to_num(wrong), OSCILLATES)
+    return {"drive_oscillation_nm": found[0], "drive_oscillation_spell_s": found[1]}
 
 
 def flat_length(energy: float, radius: float, wear: float, width: float) -> float:

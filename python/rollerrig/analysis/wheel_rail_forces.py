@@ -9,8 +9,6 @@ transition, where nothing is quasi-static.
 
 Source: EN 14363:2016, test zones.
 
-What engineers read off a run: wheel forces, their quotients and limits, unloading, wear number.
-
     run -> [wheel_forces] -> Y, Q, sum of Y, Y/Q, wear number over time -> [filtered] -> as EN 14363 assesses them
 
 Signs (EN 14363): forces are those of the wheel on the rail.
@@ -21,6 +19,7 @@ On a rig the rollers are the rails.
 
     Y/Q  ≤  (tan δ - μ) / (1 + μ tan δ)        Nadal: the flange, steepest at δ, does not climb          (R1)
     |ΣY| ≤  k (10 kN + 2 Q0 / 3)               Prud'homme: the track does not shift, Q0 per wheel         (R2)
+    r.m.s. of ΣY over 100 m ≤ half of (R2)     the vehicle is stable; f_0 ± 2 Hz, f_0 the frequency of its oscillation
     Tγ   =  -(T_x ν_x + T_y ν_y + M φ)         per patch [N]: heat per metre                              (R3)
 
 with creep forces T, spin moment M on the wheel and creepages ν, φ of the wheel against the rail. Tγ V is the power that the
@@ -40,7 +39,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from rollerrig.analysis.signals import low_pass, sliding_mean
+from rollerrig.analysis.signals import low_pass, narrow_band, sliding_mean
 from rollerrig.results.readings import DIMENSION, MOST_READINGS, PREFIX, READING_STEP, readings_of
 from rollerrig.results.run_info import RunInfo, TrackSegment
 from rollerrig.track import nadal_limit
@@ -148,6 +147,12 @@ def irregular(run: xr.Dataset) -> bool:
 FORCE_CUTOFF = 20.0
 """Low pass of Y, Q, Y/Q and ΣY [Hz]."""
 
+INSTABILITY_LENGTH = 100.0
+"""Distance over which the r.m.s. of ΣY says whether a vehicle is stable [m]."""
+
+INSTABILITY_BAND, SLOWEST, FASTEST = 2.0, 0.4, 18.0
+"""Half the width of its band pass, least lower end and largest centre [Hz]."""
+
 PRUDHOMME_FACTOR = 1.0
 """k in (R2): 1 for locomotives, power cars and passenger coaches; 0.85 for freight wagons."""
 
@@ -249,9 +254,10 @@ def _over_time(
 def filtered(read: xr.Dataset) -> xr.Dataset:
     """The forces as EN 14363 assesses them, at the output times.
 
-    Y, Q and the wear number: low pass 20 Hz. Y/Q and ΣY: low pass 20 Hz, then the sliding mean over 2 m, which is NaN
-    within 1 m of both ends. Wheel unloading is that of the filtered load. Filtered are the readings between the output
-    times where the run has them.
+    Y, Q and the wear number: low pass 20 Hz, the latter cut at 0 where it rings below. Y/Q and ΣY: low pass 20 Hz, then the
+    sliding mean over 2 m, which is NaN within 1 m of both ends. The instability criterion `guiding_force_sum_rms`: ΣY through
+    f_0 ± 2 Hz, then the r.m.s. over 100 m, in a run of that length. Wheel unloading is that of the filtered load. Filtered are
+    the readings between the output times where the run has them.
 
     Args:
         read: what `wheel_forces` returns.
@@ -276,14 +282,34 @@ def filtered(read: xr.Dataset) -> xr.Dataset:
     through = {name: low_pass(dense[name], FORCE_CUTOFF) for name in names}
     load = through["wheel_load"]
     through["wheel_unloading"] = dense["wheel_unloading"].copy(data=1.0 - load / read["static_wheel_load"])
+    if float(np.ptp(dense["distance"].to_numpy())) >= INSTABILITY_LENGTH:
+        through["guiding_force_sum_rms"] = _instability(dense)
     quotient = (through["guiding_force"] / load).where(load > 0.0)
     through["derailment_quotient"] = dense["derailment_quotient"].copy(data=quotient)
     for name, values in through.items():
-        done = f"{FORCE_CUTOFF:g} Hz"
+        done = str(values.attrs.get("filter", f"{FORCE_CUTOFF:g} Hz"))
         if name in ("derailment_quotient", "guiding_force_sum"):
             values, done = sliding_mean(values, dense["distance"]), f"{done}, mean over 2 m"
+        if name == "wear_number":  # a heat: what the filter rings below its least value is no part of it
+            values, done = values.clip(min=min(0.0, float(dense[name].min()))), f"{done}, not below 0"
         through[name] = values.sel(time=kept["time"]).assign_attrs(filter=done)
     return kept.assign(through)
+
+
+def _instability(dense: xr.Dataset) -> xr.DataArray:
+    """Moving r.m.s. of ΣY in a band about the frequency at which it oscillates most."""
+    force, time = dense["guiding_force_sum"], dense["time"].to_numpy()
+    duration = float(time[-1] - time[0])
+    varying = (force - force.mean("time")).transpose("time", "wheelset").to_numpy()
+    spectrum = (np.abs(np.fft.rfft(varying * np.hanning(len(time))[:, None], axis=0)) ** 2).sum(axis=1)
+    frequency = np.fft.rfftfreq(len(time), duration / (len(time) - 1))
+    within = (frequency >= SLOWEST) & (frequency <= FASTEST)
+    centre = float(frequency[within][spectrum[within].argmax()]) if within.any() else FASTEST
+    low, high = max(centre - INSTABILITY_BAND, SLOWEST, (1.0 + 1e-9) / duration), centre + INSTABILITY_BAND
+    square = narrow_band(force, low, high) ** 2
+    rms = sliding_mean(square, dense["distance"], INSTABILITY_LENGTH).clip(min=0.0) ** 0.5
+    meaning = "instability criterion: moving r.m.s. of ΣY"
+    return _named(rms, "N", meaning).assign_attrs(filter=f"{low:.1f} to {high:.1f} Hz, r.m.s. over 100 m")
 
 
 def at_output_times(read: xr.Dataset) -> xr.Dataset:

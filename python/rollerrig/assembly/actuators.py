@@ -21,11 +21,18 @@ from rollerrig.config.schema.brakes import AnyTrackBrake, MagneticTrackBrake, Re
 _NO_ROTOR = {"link": 0.0, "gear_ratio": 1.0, "rotor_inertia": 0.0}
 
 
-def assemble_with_actuators(case: Case) -> AssembledModel:
-    """Build the compiled model of a case with its actuators."""
+def assemble_with_actuators(case: Case, *, torque_on_all: bool = False) -> AssembledModel:
+    """Build the compiled model of a case with its actuators.
+
+    Args:
+        case: the case.
+        torque_on_all: whether an axle without a motor takes a torque, too.
+    """
     assembly = Assembly(case)
     adhesion = _add_adhesion(assembly)
-    axles = tuple(_add_axle(assembly, number, name) for number, name in enumerate(assembly.wheelsets))
+    axles = tuple(
+        _add_axle(assembly, number, name, torque_on_all=torque_on_all) for number, name in enumerate(assembly.wheelsets)
+    )
     _add_resistance(assembly)
     bogies = _add_track_brakes(assembly)
     if case.contact.pure_rolling:
@@ -44,7 +51,7 @@ def _add_adhesion(assembly: Assembly) -> _core.AdhesionMap | None:
     return adhesion
 
 
-def _add_axle(assembly: Assembly, number: int, name: str) -> AxleActuators:
+def _add_axle(assembly: Assembly, number: int, name: str, *, torque_on_all: bool) -> AxleActuators:
     case, builder = assembly.case, assembly.builder
     wheelset, frame = assembly.index(name), assembly.frame_of(name)
     contacts = tuple(wheel.contact for wheel in assembly.wheels if wheel.wheelset == name)
@@ -55,7 +62,7 @@ def _add_axle(assembly: Assembly, number: int, name: str) -> AxleActuators:
     brakes = machine is not None and (machine.axles is None or name in machine.axles)
     if case.traction is not None:
         axle_torque = builder.add_axle_torque(_traction_motor(assembly, name, frame, case.traction))
-    elif brakes:
+    elif brakes or torque_on_all:
         axle_torque = builder.add_axle_torque(
             _core.AxleTorque(wheelset=wheelset, reaction=frame, torque=[], **_NO_ROTOR)
         )

@@ -1,18 +1,11 @@
 """Tables of the configuration as structs and laws of the core: of the same name, with the same parameters.
 
-A struct of the core from a table of the configuration, parameter by parameter under the same names.
-
     table, numbers that follow from the case -> [core_struct] -> object of the core
 
 The core has no defaults: each stands once, in `rollerrig.config`. A name that is missing on either side is an error.
 
-Laws of a vehicle's elements and of supports, as laws of the core: of the same name, with the same parameters.
-
-one direction of an element -> [force_laws] -> DirectionLaw of the core
-
-Laws of the configuration as laws of the core: of the same name, with the same parameters.
-
-contact and adhesion of a case -> [core_laws] -> ContactLaws, AdhesionMap of the core
+    one direction of an element -> [force_laws] -> DirectionLaw of the core
+    contact and adhesion of a case -> [core_laws] -> ContactLaws, AdhesionMap of the core
 """
 
 from __future__ import annotations

@@ -1,9 +1,5 @@
 """Parts of an assembled model by the core's indices, and what its springs and wheelsets carry as it stands.
 
-Parts of an assembled model by the core's indices: its wheels, and what acts on an axle.
-
-How a vehicle stands: what its springs and its wheelsets carry in the design position.
-
 Vehicle -> [static_loads] -> preload of each element, load of each axle
 """
 

@@ -37,7 +37,10 @@ def new(
 
 
 def explain(
-    key: Annotated[str, typer.Argument(metavar="KEY", help="Dotted key like motion.speed, or its last part alone.")],
+    key: Annotated[
+        str,
+        typer.Argument(metavar="KEY", help="Dotted key like motion.speed, its last part alone, or a word to look for."),
+    ],
 ) -> None:
     """What a key of a file means: its unit, default, what is allowed, where it stands, which shipped files have it."""
     from rollerrig.config import explain
@@ -71,17 +74,20 @@ def check(
 ) -> None:
     """Validate a file; of a case, print the assembled model, its static wheel loads and masses."""
     from rollerrig.cli.describe import describe_case, describe_part
-    from rollerrig.config import Case, Plan, load_any, load_plan
+    from rollerrig.config import Case, Plan, code_of, load_any, load_plan
 
     kind, part = load_any(file, allow_code=allow_code)
     if isinstance(part, Plan):
         from rollerrig.study.sweep import SweepStudy
 
-        lines = SweepStudy(load_plan(file, allow_code=allow_code), many=True).described()
+        whole = load_plan(file, allow_code=allow_code)
+        lines = [*code_lines(whole.code), *SweepStudy(whole, many=True).described()]
+    elif isinstance(part, Case):
+        lines = [*code_lines(code_of(part)), *describe_case(part, run_code=allow_code)]
     else:
-        lines = describe_case(part, run_code=allow_code) if isinstance(part, Case) else describe_part(part)
+        lines = describe_part(part)
     typer.echo(f"{file}: a valid {kind}\n")
-    typer.echo("\n".join([*(code_lines(part) if isinstance(part, Case) else []), *lines]))
+    typer.echo("\n".join(lines))
 
 
 catalog = typer.Typer(rich_markup_mode=None, invoke_without_command=True, add_completion=False)

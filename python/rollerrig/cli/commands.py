@@ -16,13 +16,13 @@ from contextvars import ContextVar
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-from rollerrig.study.options import SPEEDS_KMH, Commas, OneProcess, Option, Processes, Switch, parameters
+from rollerrig.study.options import SPEEDS_KMH, OneProcess, Option, Processes, SpeedsKmh, Switch, parameters
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from rollerrig.analysis.crew import Progress
     from rollerrig.config import Case, Programme
+    from rollerrig.simulation.run import Progress
     from rollerrig.study.frame import Outcome, Study
 
 
@@ -55,6 +55,22 @@ def _case(case: Case | str) -> Case:
     from rollerrig.cases import as_case
 
     return as_case(case)
+
+
+# What the command line says of arguments that it writes in another form.
+_ROLLERS = "radius of rollers of this head, to be shown beside the rails."
+_RADII = "radii of the curves: a list, one number or start:stop:step [m]."
+_DEFICIENCIES = "cant deficiencies, which decide the speed, in the same forms; negative: excess [mm]."
+_FAMILIES = "what is varied, by name with commas between; absent: everything."
+_TORQUES = (
+    "torques on each axle [kN m], negative brakes: start:stop:step, or a list with commas. By default up to beyond what dry "
+    "rollers carry, braking for a case with [brake]."
+)
+_ADHESIONS = "adhesions of the reproduced rail, in the same forms; 0.02 to 0.36 if absent."
+_LOADS = "axle loads over the case's own, in the same forms; 0.6,1,1.4 if absent."
+_SUPPORTS = "supports, with commas: rig, track, names of the catalogue or files."
+_KEEP = "what the model does not scale: gravity, material, clock, drives, with commas; 'none': ideal similitude."
+_CHANGES = "what the model has of its own, at its own scale: KEY=VALUE, as in a TOML file."
 
 
 # ------------------------------------------------------------------------------------------------- one case, Datasets
@@ -125,10 +141,16 @@ def contact(
 
 def creep(
     a_over_b: float = 1.0,
-    laws: Annotated[Sequence[str], Option("law")] = ("kalker_saturated", "fastsim", "modified_fastsim", "table"),
+    laws: Annotated[
+        Sequence[str],
+        Option("law", meaning="a law that contact.creep knows; again for more. All without parameters if absent."),
+    ] = ("kalker_saturated", "fastsim", "modified_fastsim", "table"),
     *,
     poisson_ratio: float = 0.28,
-    demands: Sequence[float] = (0.05, 0.1, 0.25, 0.5, 0.75, 1.0, 1.5, 2.0, 3.0, 5.0, 10.0),
+    demands: Annotated[
+        Sequence[float],
+        Option(meaning="sizes of the creepage, 1 asks for the friction limit: a list or start:stop:step."),
+    ] = (0.05, 0.1, 0.25, 0.5, 0.75, 1.0, 1.5, 2.0, 3.0, 5.0, 10.0),
     k_A: float | None = None,
     k_S: float | None = None,
     parameters: Mapping[str, Mapping[str, float]] | None = None,
@@ -137,9 +159,9 @@ def creep(
 
     Args:
         a_over_b: semi-axis along the rolling direction over the one across it.
-        laws: a law that contact.creep knows; again for more. All without parameters if absent.
+        laws: names that `contact.creep` knows, each once.
         poisson_ratio: Poisson's ratio.
-        demands: sizes of the creepage, 1 asks for the friction limit: a list or start:stop:step.
+        demands: sizes of the creepage; 1 demands the friction limit [-].
         k_A: polach's k_A; dry 1.0, wet 0.3.
         k_S: polach's k_S; dry 0.4, wet 0.1.
         parameters: law -> its parameters.
@@ -188,8 +210,16 @@ def conicity(
         ),
         Option("radius", quantity=("Wheel", "radius"), default="460mm", meaning="wheel radius at the tape circle."),
     ] = None,
-    roller_radius: Annotated[float | None, Option(quantity=("Rig", "roller_radius"))] = None,
-    amplitudes: Annotated[Sequence[float] | None, Option("amplitudes_mm", "mm", default="0.5:7:0.1")] = None,
+    roller_radius: Annotated[float | None, Option(quantity=("Rig", "roller_radius"), meaning=_ROLLERS)] = None,
+    amplitudes: Annotated[
+        Sequence[float] | None,
+        Option(
+            "amplitudes_mm",
+            "mm",
+            default="0.5:7:0.1",
+            meaning="amplitudes of the conicity: start:stop:step, a list or one number [mm].",
+        ),
+    ] = None,
     largest: Annotated[float, Option("shift_mm", "mm", 0.1, 50.0)] = 8e-3,
     step: Annotated[float, Option("step_mm", "mm", 0.005, 1.0)] = 1e-4,
     yaw: Annotated[float, Option("yaw_mrad", "mrad", -100.0, 100.0)] = 0.0,
@@ -201,8 +231,8 @@ def conicity(
         wheel: wheel profile: a name of the catalogue or a file of points.
         rail: rail profile, also the generatrix of a roller: likewise.
         lengths: gauge, gauge_depth, back_to_back, radius of `pair_case` [m].
-        roller_radius: radius of rollers of this head, to be shown beside the rails.
-        amplitudes: amplitudes of the conicity: start:stop:step, a list or one number [m].
+        roller_radius: radius of rollers of this head, to be shown beside the rails [m]; None: rails only.
+        amplitudes: amplitudes of the conicity [m]; None: 0.5 to 7 mm.
         largest: lateral shift to both sides [m].
         step: distance of the rows [m].
         yaw: yaw angle of the wheelset [rad].
@@ -247,7 +277,7 @@ def run(case: Case | str, *, progress: Progress | None = None) -> Outcome[Any]:
 
 def stability(
     case: Case | str,
-    speeds_kmh: Sequence[float] = SPEEDS_KMH,
+    speeds_kmh: SpeedsKmh = SPEEDS_KMH,
     *,
     limit_cycles: bool = True,
     disturbance: Annotated[float, Option("disturbance_mm", "mm", 0.01, 20.0)] = 3e-3,
@@ -262,7 +292,7 @@ def stability(
 
     Args:
         case: case: a name of the catalogue or a TOML file.
-        speeds_kmh: speeds [km/h] as start:stop:step, or a list with commas.
+        speeds_kmh: speeds [km/h], rising.
         limit_cycles: also run at up to 20 of the speeds, stepped up and down, for limit cycles.
         disturbance: lateral offset of the leading wheelset that starts the downward sweep [m].
         perturbation: the same for the upward sweep [m].
@@ -282,8 +312,23 @@ def stability(
 
 def curving(
     case: Case | str,
-    radii: Annotated[Sequence[float], Option("radii_m")] = (150.0, 200.0, 250.0, 300.0, 400.0, 500.0, 700.0, 1000.0),
-    deficiencies: Annotated[Sequence[float], Option("deficiencies_mm", "mm")] = (-0.06, 0.0, 0.06, 0.1, 0.15),
+    radii: Annotated[Sequence[float], Option("radii_m", meaning=_RADII)] = (
+        150.0,
+        200.0,
+        250.0,
+        300.0,
+        400.0,
+        500.0,
+        700.0,
+        1000.0,
+    ),
+    deficiencies: Annotated[Sequence[float], Option("deficiencies_mm", "mm", meaning=_DEFICIENCIES)] = (
+        -0.06,
+        0.0,
+        0.06,
+        0.1,
+        0.15,
+    ),
     cant: Annotated[float | None, Option("cant_mm", "mm", 0.0, 300.0)] = None,
     *,
     progress: Progress | None = None,
@@ -292,8 +337,8 @@ def curving(
 
     Args:
         case: case: a name of the catalogue or a TOML file.
-        radii: radii of the curves: a list, one number or start:stop:step [m].
-        deficiencies: cant deficiencies, which decide the speed, in the same forms; negative: excess [m].
+        radii: radii of the curves [m].
+        deficiencies: cant deficiencies, which decide the speed; negative: excess [m].
         cant: cant [m]; absent: that of the case's first curve, or 100 mm.
         progress: called with the fraction done and a short text.
     """
@@ -362,7 +407,7 @@ def control(
     case: Case | str,
     *,
     duration: Annotated[float, Option(least=1.0, most=600.0)] = 10.0,
-    families: Annotated[Sequence[str], Commas] = (),
+    families: Annotated[Sequence[str], Option(commas=True, meaning=_FAMILIES)] = (),
     controller: str | None = None,
     loop: bool = True,
     lags: bool = True,
@@ -374,7 +419,7 @@ def control(
     Args:
         case: case on rollers with [rig_control]: a name of the catalogue or a TOML file.
         duration: length of each run [s]: until adhesion has broken away and recovered.
-        families: what is varied, by name with commas between; absent: everything.
+        families: what is varied, by name; none: everything.
         controller: your own controller to compare: 'file.py:Class' or 'module:Class'.
         loop: also find the gains at which the loop becomes unstable, computed and measured.
         lags: also compare ways to compensate the lags, in tests of the case's own length.
@@ -394,9 +439,12 @@ def control(
 
 def response(
     case: Case | str,
-    inputs: Annotated[Sequence[str], Option("input", default=())],
-    outputs: Annotated[Sequence[str], Option("output", default=())],
-    speeds_kmh: Sequence[float] = (),
+    inputs: Annotated[Sequence[str], Option("input", default=(), meaning="a command of the bench; again for more.")],
+    outputs: Annotated[Sequence[str], Option("output", default=(), meaning="an output; again for more.")],
+    speeds_kmh: Annotated[
+        Sequence[float],
+        Option(meaning="speeds [km/h] as start:stop:step, or a list; that of the case if absent."),
+    ] = (),
     *,
     frequencies: Annotated[
         tuple[float, float],
@@ -414,9 +462,9 @@ def response(
 
     Args:
         case: case: a name of the catalogue or a TOML file.
-        inputs: a command of the bench; again for more.
-        outputs: an output; again for more.
-        speeds_kmh: speeds [km/h] as start:stop:step, or a list; that of the case if absent.
+        inputs: commands of the bench, as `linearize` takes them.
+        outputs: outputs of the bench.
+        speeds_kmh: speeds [km/h]; none: that of the case.
         frequencies: lowest and highest [Hz].
         points: frequencies of the linear bench.
         measured: frequencies at which the nonlinear bench is driven with a sine; 0: none.
@@ -456,9 +504,9 @@ def lateral(case: Case | str, *, processes: Processes = 1, progress: Progress | 
 def envelope(
     case: Case | str,
     *,
-    torques: Annotated[Sequence[float] | None, Option("torques_knm", "kN m")] = None,
-    adhesions: Sequence[float] | None = None,
-    loads: Sequence[float] | None = None,
+    torques: Annotated[Sequence[float] | None, Option("torques_knm", "kN m", meaning=_TORQUES)] = None,
+    adhesions: Annotated[Sequence[float] | None, Option(meaning=_ADHESIONS)] = None,
+    loads: Annotated[Sequence[float] | None, Option(meaning=_LOADS)] = None,
     speed_kmh: float | None = None,
     duration: float = 3.0,
     refine: Annotated[int, Option(least=0, most=4)] = 1,
@@ -472,10 +520,10 @@ def envelope(
 
     Args:
         case: case on rollers with [rig_control]: a name of the catalogue or a TOML file.
-        torques: torques on each axle [N m], negative brakes: start:stop:step, or a list with commas. By default up to
-            beyond what dry rollers carry, braking for a case with [brake].
-        adhesions: adhesions of the reproduced rail, in the same forms; 0.02 to 0.36 if absent.
-        loads: axle loads over the case's own, in the same forms; 0.6,1,1.4 if absent.
+        torques: torques on each axle, negative brakes [N m]; None: up to beyond what dry rollers carry, braking for a case
+            with [brake].
+        adhesions: adhesions of the reproduced rail [-]; None: 0.02 to 0.36.
+        loads: axle loads over the case's own [-]; None: 0.6, 1, 1.4.
         speed_kmh: speed at the start [km/h]; the case's if absent.
         duration: length of each run [s].
         refine: how many times cells between different regions are halved.
@@ -517,8 +565,8 @@ def scale(
     length: float | None = None,
     time: float | None = None,
     density: float | None = None,
-    keep: Annotated[Sequence[str], Commas] = ("gravity", "material"),
-    changes: Annotated[Mapping[str, object] | None, Option("change")] = None,
+    keep: Annotated[Sequence[str], Option(commas=True, meaning=_KEEP)] = ("gravity", "material"),
+    changes: Annotated[Mapping[str, object] | None, Option("change", meaning=_CHANGES)] = None,
     error_budget: Annotated[bool, Option(meaning="with --run: also each violation alone.")] = True,
     processes: Processes = 1,
     progress: Progress | None = None,
@@ -531,8 +579,8 @@ def scale(
         length: length at full scale over that of the model; 5, 5, 4 by default.
         time: time at full scale over that of the model.
         density: density at full scale over that of the model.
-        keep: what the model does not scale: gravity, material, clock, drives, with commas; 'none': ideal similitude.
-        changes: what the model has of its own, at its own scale: KEY=VALUE, as in a TOML file.
+        keep: what the model does not scale: gravity, material, clock, drives; none: ideal similitude.
+        changes: what the model has of its own, at its own scale: dotted key of its case -> value.
         error_budget: also the ideal model, and each violation alone.
         processes: runs at a time; more than 1 asks a script for `if __name__ == "__main__":`.
         progress: called with the fraction done and a short text.
@@ -592,7 +640,7 @@ def sweep(
         >>> found["linear_critical_speed"].round().to_numpy().tolist()
         [210.0, 234.0]
     """
-    from rollerrig.analysis.cluster import cluster
+    from rollerrig.study.cluster import cluster
     from rollerrig.study.sweep import sweep_study
 
     study = sweep_study(_case(case), vary, measure, design, many=many)
@@ -608,9 +656,9 @@ def sweep(
 
 def compare(
     vehicle: str,
-    on: Annotated[Sequence[str], Commas] = ("rig", "track"),
+    on: Annotated[Sequence[str], Option(commas=True, meaning=_SUPPORTS)] = ("rig", "track"),
     *,
-    speeds_kmh: Sequence[float] = SPEEDS_KMH,
+    speeds_kmh: SpeedsKmh = SPEEDS_KMH,
     cut: str | None = None,
     radii: Annotated[Sequence[float], Option("radii_m", "", 0.05, 1e6)] = (0.46, 0.725, 1.0, 2.0, 5.0, 10.0),
     disturbance: Annotated[float, Option("disturbance_mm", "mm", 0.01, 20.0)] = 3e-3,
@@ -624,8 +672,8 @@ def compare(
 
     Args:
         vehicle: vehicle or case: a name of the catalogue or a TOML file.
-        on: supports, with commas: rig, track, names of the catalogue or files.
-        speeds_kmh: speeds [km/h] as start:stop:step, or a list with commas.
+        on: supports: 'rig', 'track', names of the catalogue or files.
+        speeds_kmh: speeds [km/h], rising.
         cut: part of the vehicle; by default all of it, or what the case has.
         radii: radii of the rollers in the table of critical speeds [m].
         disturbance: lateral offset of the leading wheelset in the runs [m].

@@ -11,6 +11,7 @@ from collections.abc import Iterable, Sequence
 import xarray as xr
 
 from rollerrig.analysis.equivalent_dead_time import lags
+from rollerrig.analysis.slide_statistics import idle_valves
 from rollerrig.assembly.actuators import assemble_with_actuators
 from rollerrig.assembly.model import AssembledModel, assemble
 from rollerrig.config import GRAVITY, Case, Element, Material, ProfileSpec, Programme, Rig, Track, Vehicle, code_of
@@ -143,7 +144,7 @@ def actuator_lines(case: Case, *, run_code: bool = False) -> list[str]:
             elif name == "rig_control":
                 text += _rig_control(model)
             lines.append(text)
-    return lines
+    return [*lines, *idle_valves(case)]
 
 
 def _fmu(case: Case, role: str) -> str:
@@ -239,6 +240,9 @@ def _rig_control(model: AssembledModel) -> str:
         f"{1e3 * left.dead_time:z.1f} ms, {1e3 * left.torque:z.1f} ms of the torque and {1e3 * left.drive:z.1f} ms of the drives"
     )
 
+
+_CLOSED = 1e-6
+"""Part of the weight: a larger difference to the wheel loads has a reason."""
 
 Part = Vehicle | Rig | Track | Material | ProfileSpec | Programme
 
@@ -361,7 +365,11 @@ def _balance(model: AssembledModel, run: xr.Dataset) -> list[str]:
     sums = f"total weight {total / 1e3:z.3f} kN, sum of the wheel loads {on_wheels / 1e3:z.3f} kN"
     if float(run["curvature"]) or float(run["cant"]):  # the plane of the track takes a part of both forces
         return [*lines, f"{sums}, normal to the track in the curve where the run starts"]
-    return [*lines, f"{sums} (difference {on_wheels - total:+.1e} N)"]
+    lines.append(f"{sums} (difference {on_wheels - total:+.1e} N)")
+    held = [body for body in own if "z" in model.case.vehicle.data.body_named(body).locked]
+    if held and abs(on_wheels - total) > _CLOSED * total:
+        lines.append(f"the difference is what holds {', '.join(held)}, whose z is locked")
+    return lines
 
 
 def _downward(run: xr.Dataset, element: Element, fixed: Sequence[str]) -> float:

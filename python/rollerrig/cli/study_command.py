@@ -68,7 +68,9 @@ def study_command(
             arguments["case"] = read_case(label, allow_code=given["allow_code"], changes=changes)
 
         def runner(study: Study[Any], processes: int, *_: object) -> None:
-            lines = (line for case in study.cases().values() for line in code_lines(case))
+            from rollerrig.config import code_of
+
+            lines = (line for case in study.cases().values() for line in code_lines(code_of(case)))
             for line in () if of_case else dict.fromkeys(lines):
                 say(f"rollerrig: {label}: {line}")
             run(given)(study, given["out"], processes)

@@ -74,12 +74,6 @@ def readable_errors(command: Callable[P, R]) -> Callable[P, R]:
             return command(*arguments, **options)
         except (ConfigError, OutputError, StartError) as error:
             stop(_with_file(str(error), options))
-        except RuntimeError as error:
-            from rollerrig.analysis.crew import WorkerError
-
-            if isinstance(error, WorkerError):
-                stop(error)
-            raise
         except MemoryError:
             stop("not enough memory; raise time.output_step or shorten the run")
         except KeyboardInterrupt:

@@ -20,6 +20,8 @@ def number(value: object, digits: int = 4) -> str:
         >>> number(3141.6, 2), number(-0.0), number(1.5e-7)
         ('3142', '0', '1.5·10⁻⁷')
     """
+    if value is None:
+        return "–"
     if isinstance(value, bool) or not isinstance(value, int | float):
         return str(value)
     if isinstance(value, int):

@@ -63,7 +63,9 @@ def read_input(path: str | Path, largest: int) -> bytes:
         OSError: there is no such file, or it cannot be read.
     """
     with open_input(path, largest) as file:
-        content = file.read(largest + 1)  # files of the kernel do not tell their size
+        content = file.read(largest + 1)  # files of the kernel do not tell their size, and some have nothing to give
+    if content is None:
+        raise InputError(errno.EAGAIN, "nothing can be read from it")
     if len(content) > largest:
         raise _too_large(len(content), largest)
     return content

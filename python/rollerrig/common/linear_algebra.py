@@ -1,7 +1,5 @@
 """Small matrices: their eigenvalues, and one thread for whatever solves them.
 
-Small matrices are solved on one thread, and the user's setting is back afterwards.
-
     [one_blas_thread] -> eigenvalues, products and least squares of some ten to some hundred rows
 
 The threads of a BLAS library wait for each other in a loop: with a matrix of a hundred rows they cost ten to forty times the

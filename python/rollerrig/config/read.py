@@ -1,9 +1,5 @@
 """Where the files are that ship, and TOML documents as raw tables.
 
-Where the data files that ship lie; `rollerrig.catalog` shows them to the user.
-
-Find and read a TOML document: a file, or an entry of the catalogue.
-
 name or path -> [read_document] -> raw tables + the file's label and folder, or ConfigError
 """
 

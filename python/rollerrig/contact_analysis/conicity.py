@@ -1,7 +1,5 @@
 """Where an unloaded wheelset touches over its lateral shift, how the rolling radii differ, and its equivalent conicity.
 
-Where an unloaded wheelset touches over its lateral shift, and how the rolling radii differ.
-
     Case -> [touching points of the core] -> xarray.Dataset over `lateral` and `side`
 
 Rigid profiles, the wheelset above the crown, straight or yawed. Left of the running direction is positive. As in EN 15302

@@ -1,12 +1,8 @@
 """Creep laws compared: with the exact theory on one ellipse, and side by side on a wheelset in steady rolling.
 
-Creep laws compared with the exact theory, on one ellipse, over the size of the creepage in several directions.
-
     a/b, laws -> [compare_laws] -> forces and moments of each law and of the exact solver, in mu N and mu N c
 
 Reduced units (docs/theory/creep_laws.md): the result depends on a/b, Poisson's ratio and reduced creepages alone.
-
-The creep laws side by side: forces on one wheelset under its axle load in steady rolling.
 
     Case, positions -> contact_table -> [core: one recorded row per law] -> force of each wheel in mu N, beside the exact solver
 

@@ -1,15 +1,9 @@
 """Where a loaded wheelset touches: quasi-static contact over lateral position and yaw, by every normal contact there is.
 
-A wheelset of any wheel profile on rails or rollers of any head: a case made of two names and a few lengths.
-
-Where a loaded wheelset touches: quasi-static contact over lateral position and yaw.
-
     Case, positions -> [static contact of the core] -> xarray.Dataset, one row per contact patch
 
 The leading wheelset is in equilibrium under its static axle load with elastic normal forces only. Left of the running
 direction is positive. Height and roll count from the unloaded, centred wheelset that touches both sides.
-
-The normal contacts side by side: one wheelset at the same positions, by every model there is.
 
     Case, positions -> contact_table with each `contact.normal` -> per wheel: patches, centre, width, approach, pressure, cost
 

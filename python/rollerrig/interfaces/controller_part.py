@@ -1,9 +1,6 @@
 """One of our controllers alone: what an FMU of it carries, and what a process of its own runs.
 
 case, name of its table -> [controller_part] -> _core.ControllerPart
-
-Our slide protection in a process of its own, as a brake controller on the bench would run.
-
 measured axle speeds -> [SlideProtection] -> commands of the dump valves
 """
 

@@ -1,7 +1,5 @@
 """Displacements of the two rails as periodic splines, and the four components that engineers speak of.
 
-The one exception of this package: an irregularity that cannot be used, and why.
-
 alignment    lateral displacement, mean of the two rails, positive to the left
 vertical     vertical displacement, mean of the two rails, positive upward
 cross_level  height of the right rail over the left one, as the cant

@@ -1,14 +1,10 @@
 """Rails with a published spectrum: power spectral densities, and a sum of waves with fixed amplitudes and drawn phases.
 
-The published spectra of track irregularities: power spectral densities over the angular wavenumber.
-
 One-sided densities over Omega = 2 pi / wavelength [rad/m]: the variance is the integral over Omega > 0 [m^2].
 
 Source: ORE question B 176, report RP 1 (1989), low and high level, for alignment, longitudinal level and cross level. The
 gauge is not part of it: its spectrum and levels are those customarily tabulated beside the other three (e.g. W. Zhai,
 Vehicle-Track Coupled Dynamics, 2020, "German spectra"). Conventions: docs/theory/irregularities.md.
-
-Rails with a published spectrum: a sum of waves with fixed amplitudes and drawn phases.
 
     component(s) = sum_k sqrt(2 S(Omega_k) d_Omega) cos(Omega_k s + phi_k),   Omega_k = k d_Omega,  d_Omega = 2 pi / period
 

@@ -2,11 +2,7 @@
 
 Signals of the axles of one or more runs over time: a colour per axle, a line style per run.
 
-Figures of a test on degraded track and on the rig that reproduces it: the rig full, the track dashed.
-
 Figures of ensembles on track and rig: bars of causes with their errors, distributions of slip, distance over dead time.
-
-Figures of lateral motion during a slide, on the rig and on track in the same axes.
 """
 
 from __future__ import annotations

@@ -1,13 +1,4 @@
-"""Figures of the contact alone: where wheels touch and how hard, characteristics of a pair, creep laws, a profile.
-
-Figure of a contact table: where a loaded wheelset touches, and how hard, over its lateral position.
-
-Contact characteristics as one figure: what a wheelset's rolling radii, angles and contacts do over its shift.
-
-Creep laws over the size of the creepage: forces and spin moment beside the exact theory.
-
-A profile: its points and the smooth curve, slope and curvature.
-"""
+"""Figures of the contact alone: where wheels touch and how hard, characteristics of a pair, creep laws, a profile."""
 
 from __future__ import annotations
 

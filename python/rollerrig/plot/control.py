@@ -1,9 +1,4 @@
-"""Figures of the rig's control: comparisons of controllers, and frequency responses.
-
-Figures of a comparison of rig controllers: errors over what is varied, the curves in order, stability of the loop.
-
-Frequency responses: Bode, Nyquist, poles and zeros, several speeds in one figure.
-"""
+"""Figures of the rig's control: comparisons of controllers, and frequency responses."""
 
 from __future__ import annotations
 

@@ -1,11 +1,4 @@
-"""Figures of hunting: runs from a disturbance, limit cycles over speed, traction near the limit.
-
-Figures of runs from a disturbance: over time, over speed during a ramp, and limit cycles over speed.
-
-The limit-cycle diagram.
-
-Figures of the traction study.
-"""
+"""Figures of hunting: runs from a disturbance, limit cycles over speed, traction near the limit."""
 
 from __future__ import annotations
 
@@ -107,7 +100,7 @@ def amplitude_over_speed(
             drawn |= {"linestyle": "none", "markerfacecolor": "none", "markersize": size, "label": f"{label}: decays"}
             axes.plot(speed[decays], np.zeros(int(decays.sum())), **drawn)
             if early.any():  # neither: at the edge of the figure, where no amplitude can be read
-                drawn |= {"marker": "x", "label": f"{label}: run ended early", "transform": axes.get_xaxis_transform()}
+                drawn |= {"marker": "x", "label": f"{label}: not decided", "transform": axes.get_xaxis_transform()}
                 axes.plot(speed[early], np.full(int(early.sum()), 0.97), **drawn)
         critical_lines(axes, critical or {})
         axes.set_ylim(-0.15, max(1.0, axes.get_ylim()[1]))  # where all decay the axis is not round-off
@@ -159,7 +152,7 @@ def limit_cycle_diagram(cycles: xr.Dataset, modes: xr.Dataset | None = None) -> 
 
 
 def _sweep(axes: Sequence[Axes], one: xr.Dataset, sweep: str, drawn: dict[str, Any]) -> None:
-    """Amplitude, frequency and force on one sweep through the speeds; runs that have not settled are marked."""
+    """Amplitude, frequency and force on one sweep through the speeds."""
     amplitude, frequency, force = axes
     down = sweep == "down"
     style = {**drawn, "markersize": 5, "markerfacecolor": "white" if down else drawn["color"]}
@@ -167,8 +160,6 @@ def _sweep(axes: Sequence[Axes], one: xr.Dataset, sweep: str, drawn: dict[str, A
     amplitude.plot(speed, size, label=f"{sweep}ward sweep", zorder=4 if down else 3, **style)
     frequency.plot(speed, one["cycle_frequency"].to_numpy(), **style)
     force.plot(speed, 1e-3 * one["cycle_guiding_force"].to_numpy(), **style)
-    unsettled = (one["cycle_settled"].to_numpy() == 0) & (size > 0)
-    amplitude.plot(speed[unsettled], size[unsettled], "o", color=GREY, markersize=10, markerfacecolor="none")
     for v, status in zip(speed, one["cycle_status"].to_numpy(), strict=True):
         if status != "ok":
             place: dict[str, Any] = {"xycoords": ("data", "axes fraction"), "rotation": 90, "fontsize": 7.5}

@@ -1,8 +1,6 @@
 """Figures of the modes over speed, and of mode shapes.
 
 Mode shapes: outlines of the bodies, displaced as the mode displaces them; dimensions of the outlines are schematic.
-
-Figures of the modes over speed.
 """
 
 from __future__ import annotations

@@ -1,11 +1,4 @@
-"""Figures of runs over time or along a line: motion, sliding, energy, several runs over each other, steady curving.
-
-Figures of one run over time: motion of the bodies, force and sliding of the wheels, energy balance.
-
-Signals of several runs over each other.
-
-Steady curving over the radius of the curve, a line per cant deficiency.
-"""
+"""Figures of runs over time or along a line: motion, sliding, energy, several runs over each other, steady curving."""
 
 from __future__ import annotations
 

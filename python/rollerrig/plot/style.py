@@ -1,16 +1,10 @@
 """One look for all figures: readable in print and without colour, the same bytes every time; also in axes of the caller's own.
 
-Figures drawn into axes of the caller's own.
-
-a function that draws results into a new figure -> [into_axes] -> the same with `axes=`
+    a function that draws results into a new figure -> [into_axes] -> the same with `axes=`
 
 A figure of several panels takes as many axes as are given, from the top; the other panels are not drawn.
 
-One look for all figures: readable in print and without colour, the same bytes every time.
-
-Logarithmic axes with plain numbers at them, as many as have room.
-
-axes -> [logarithmic] -> scale, places of the numbers, how they are written
+    axes -> [logarithmic] -> scale, places of the numbers, how they are written
 """
 
 from __future__ import annotations

@@ -1,11 +1,6 @@
 """Names in the drawing of a vehicle: in a row above each view, each with a line to what it names, and the legend.
 
-Names in a row above a view, each with a line to what it names: none lies upon another, and lines cross as little as can be.
-
 view, names with places -> [callouts] -> texts and lines
-
-Names in the drawing of a vehicle: of bodies and elements in its views, and the legend of their laws.
-
 Scene -> [named_bodies, named_elements] -> Callouts;  Scene -> [legend] -> rows at the lower right of the sheet
 """
 

@@ -1,11 +1,6 @@
 """What the views of a vehicle share: the case, its bodies and families of elements, and the symbols of the drawing.
 
-What the views of a vehicle share: the case, its bodies and families of elements, and where they stand.
-
 Case -> [scene_of] -> Scene -> places in a view
-
-Symbols of the drawing of a vehicle: springs, dampers, turning moments, axes. Lengths in metres, places in one view.
-
 place, direction, colour -> [symbols] -> lines in axes
 """
 

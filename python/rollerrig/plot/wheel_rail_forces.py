@@ -36,7 +36,7 @@ def wheel_forces(forces: xr.Dataset, along: xr.DataArray | None = None) -> Figur
         for panel, name in zip(axes, ("wheel_load", "guiding_force"), strict=True):
             wheel_lines(panel, along, 1e-3 * forces[name])
             calm(panel, LEAST_RANGE["force"])
-        _note(axes[0], _filter_of(forces["wheel_load"]))
+            _note(panel, _filter_of(forces[name]))
         return figure
 
 

@@ -11,10 +11,6 @@ UIC60 / 60E1 rail head: tangent-continuous arcs R300 - R80 - R13, sides 1:20, at
 Signs   abscissa outward (away from the track centre), height upward; inclination positive leans the head inward.
 Source  EN 13674-1 profile 60E1; the UIC60 of the Manchester contact benchmark has slightly other junctions.
 Units   the drawing is in millimetres, what leaves this file is in metres.
-
-Conical wheel: the profile of the textbooks, and of closed-form tests.
-
-Flat and circular profiles: not real ones, but those with closed-form answers.
 """
 
 from __future__ import annotations

@@ -1,12 +1,8 @@
 """Measured points in the order along the profile, and what makes a row of them unusable: folds, gaps, kinks.
 
-Measured points in the order along the profile, each with its line of the file.
-
     RawProfile, in the file's order -> [Course] -> checks, smoothing
 
 A message about a point names its line, whatever has been left out, turned round or averaged since it was read.
-
-What makes a row of measured points unusable as a profile: folds, gaps, kinks.
 
 All functions take points in our axes, ordered along the profile, in metres, and raise ProfileError.
 """

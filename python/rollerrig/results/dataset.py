@@ -1,7 +1,5 @@
 """Rows of plain numbers become a Dataset: names, dimensions, units, provenance, energy audit, limits of the drives.
 
-Rows of plain numbers become a Dataset: names, dimensions, units, provenance.
-
     recorder's rows, names of the model's parts, how the run ended -> [dataset] -> Draft, energy audit, ... -> xarray.Dataset
 
 The order of a row is the recorder's (core/include/rollerrig/simulate/recorder.hpp): bodies, wheels, patches, elements, run.
@@ -9,15 +7,11 @@ Nothing is copied: the variables are views of the rows. A Dataset takes a millis
 that is added to it; a draft holds plain dictionaries, and becomes a Dataset once everything is in it. Of short runs one after the
 other the empty Dataset is kept: filling a copy of it takes less than half of the time.
 
-The energy audit of a run: what should vanish, and against what it is measured.
-
-results with the core's accounts -> [energy] -> the same with `energy_residual` and two attributes
+    results with the core's accounts -> [energy] -> the same with `energy_residual` and two attributes
 
 Source: docs/theory/energy.md, (E1).
 
-What kept the drives of the rollers from the torque that was asked of them.
-
-times that the core counted -> [drive_limits] -> a warning
+    times that the core counted -> [drive_limits] -> a warning
 """
 
 from __future__ import annotations
@@ -187,20 +181,15 @@ def run_draft(model: AssembledModel, times: NDArray[np.float64], rows: NDArray[n
     """
     wheels = [wheel.name for wheel in model.wheels]
     sizes = {"body": len(model.bodies), "wheel": len(wheels), "element": len(model.elements)}
-    patches = _core.patches_recorded
-    blocks: list[tuple[tuple[str, ...], tuple[int, ...], list[Field], dict[str, str]]] = [
-        (("body",), (sizes["body"],), _core.body_fields, {f[0]: body_variable(f[0]) for f in _core.body_fields}),
-        (("wheel",), (sizes["wheel"],), _core.wheel_fields, {}),
-        (("wheel", "patch"), (sizes["wheel"], patches), _core.patch_fields, _prefixed("patch_", _core.patch_fields)),
-        (("element",), (sizes["element"],), _core.element_fields, _prefixed("element_", _core.element_fields)),
-        ((), (), _core.run_fields, _RUN_NAMES),
-    ]
-    if rows.shape[1] > sum(math.prod(shape) * len(fields) for _, shape, fields, _ in blocks):
-        blocks.append((("axle",), (len(model.axle_names),), _core.axle_fields, {}))
-        blocks.append(((), (), _core.train_fields, {}))
+    sizes |= {"patch": _core.patches_recorded, "axle": len(model.axle_names)}
+    blocks = _blocks()
+    without_axles = [block for block in blocks if block[1] not in (_core.axle_fields, _core.train_fields)]
+    if rows.shape[1] <= sum(math.prod(sizes[dim] for dim in dims) * len(fields) for dims, fields, _ in without_axles):
+        blocks = without_axles
     variables: dict[str, Variable] = {}
     start = 0
-    for dims, shape, fields, names in blocks:
+    for dims, fields, names in blocks:
+        shape = tuple(sizes[dim] for dim in dims)
         width = math.prod(shape) * len(fields)
         block = rows[:, start : start + width].reshape(len(times), *shape, len(fields))
         start += width
@@ -214,6 +203,30 @@ def run_draft(model: AssembledModel, times: NDArray[np.float64], rows: NDArray[n
         _attributes(model, outcome),
         (model.bodies, tuple(wheels), model.elements, axles),
     )
+
+
+def _blocks() -> list[tuple[tuple[str, ...], list[Field], dict[str, str]]]:
+    """What a row of the recorder holds: dimensions beside time, fields of the core, and their names here where they differ."""
+    return [
+        (("body",), _core.body_fields, {f[0]: body_variable(f[0]) for f in _core.body_fields}),
+        (("wheel",), _core.wheel_fields, {}),
+        (("wheel", "patch"), _core.patch_fields, _prefixed("patch_", _core.patch_fields)),
+        (("element",), _core.element_fields, _prefixed("element_", _core.element_fields)),
+        ((), _core.run_fields, _RUN_NAMES),
+        (("axle",), _core.axle_fields, {}),
+        ((), _core.train_fields, {}),
+    ]
+
+
+def wrong_dimensions(results: xr.Dataset) -> str:
+    """Which variable of a run has other dimensions than a run gives it, in words; '' where none has, or where it is no run."""
+    if "patch_normal" not in results or "config_toml" not in results.attrs:
+        return ""
+    for dims, fields, names in _blocks():
+        for name in (names.get(field[0], field[0]) for field in fields):
+            if name in results and results[name].dims != ("time", *dims):
+                return f"{name} over {', '.join(map(str, results[name].dims))}, not over {', '.join(('time', *dims))}"
+    return ""
 
 
 @lru_cache(maxsize=64)

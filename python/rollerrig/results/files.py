@@ -1,7 +1,5 @@
 """Result files: written whole or not at all, the same bytes for the same run.
 
-How much memory there is, to refuse in time what would not fit.
-
     Dataset, text -> [files] -> temporary name -> final name
 
 A NetCDF file is made in memory and then written like any text, so that a full disk is met by one plain write. No time
@@ -23,6 +21,7 @@ import numpy as np
 import xarray as xr
 
 from rollerrig.common.input_files import check_input
+from rollerrig.results.dataset import wrong_dimensions
 from rollerrig.results.marks import PROGRAM, exists, is_ours
 
 
@@ -288,15 +287,21 @@ def load_run(path: str | Path) -> xr.Dataset:
     """
     if Path(path).is_dir():
         raise ResultsError(f"{path}: a folder; {_of_folder(Path(path))}")
+    damaged = "no NetCDF file of results such as run.nc, or a damaged one"
     try:
         _check_results(check_input(path, None))
         run = xr.load_dataset(path, engine="h5netcdf")
+        misplaced = wrong_dimensions(run)
     except FileNotFoundError:
         raise FileNotFoundError(f"{path}: no such file") from None
+    except ResultsError:
+        raise
     except OSError as error:  # those of the HDF5 library have no strerror
-        raise ResultsError(
-            f"{path}: {error.strerror or 'no NetCDF file of results such as run.nc, or a damaged one'}"
-        ) from None
+        raise ResultsError(f"{path}: {error.strerror or damaged}") from None
+    except Exception:  # whatever h5py and xarray meet in a damaged file
+        raise ResultsError(f"{path}: {damaged}") from None
+    if misplaced:
+        raise ResultsError(f"{path}: a damaged file: {misplaced}")
     for name in ("format", "program"):
         run.attrs.pop(name, None)
     return run

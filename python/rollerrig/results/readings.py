@@ -1,14 +1,10 @@
 """Readings of the wheels' forces between the output times: where they go during a run, and in its Dataset.
 
-Where the rows of a run go: all of them at the output times, and readings of the wheels' forces between.
-
     [core] -> Recording: rows at the output times, readings of a few quantities between
 
 Wheel-rail forces hold vibrations of the wheels on their contacts at some hundred hertz. Taken every 5 or 10 ms they fold down
 below 20 Hz, where no filter finds them any more; every millisecond they do not. Whole rows so often would fill the disk, so
 that between output times only what is to be filtered at 20 Hz is kept.
-
-Readings of the wheels' forces between the output times, as part of a run's Dataset.
 
     readings of the core -> Recording -> [add_readings] -> variables over `reading_time`
 

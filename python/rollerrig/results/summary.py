@@ -2,15 +2,10 @@
 
 What of a signal is round-off: symmetric vehicles do not move sideways, but for 1e-17 m.
 
-signal, unit -> [resolution] -> the signal with zeros where it means nothing
-
-Wheels that lost contact during a run: how often, how long, when and where.
-
-spells without contact of the core -> [contact_loss] -> attribute `contact_losses`, warnings
+    signal, unit -> [resolution] -> the signal with zeros where it means nothing
+    spells without contact of the core -> [contact_loss] -> attribute `contact_losses`, warnings
 
 The numbers of a run, as they go into summary.json; meanings and units are registered in study/run.py.
-
-Tables of a run: one row per output time, units in the column names.
 """
 
 from __future__ import annotations

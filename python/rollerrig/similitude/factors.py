@@ -6,11 +6,8 @@ How a unit is made of kilogram, metre and second.
 
 Only the units that the configuration and the results use; angles, counts and percents have no dimension.
 
-strategy, length -> [factors] -> Similitude, which gives the factor full/model of any unit
-
-Results of a scaled model as they stand for at full scale: every variable times the factor of its unit.
-
-Dataset of a scaled case -> [map_back] -> Dataset at full scale
+    strategy, length -> [factors] -> Similitude, which gives the factor full/model of any unit
+    Dataset of a scaled case -> [map_back] -> Dataset at full scale
 """
 
 from __future__ import annotations

@@ -1,12 +1,7 @@
 """A controller that is an FMU: its file, whether it fits the case, and one communication step for each sample of a run.
 
-A controller's FMU as it lies in its file: what it offers, and whether it fits the case. None of its code is run.
-
-[slide_protection] fmu = ... -> [open_fmu] -> FmuFile: its bytes, which variable is which signal, its parameters
-
-A controller that is an FMU, in a run: one communication step for each sample.
-
-measurements -> inputs of the FMU -> doStep over one sample time -> outputs -> [FmuController] -> commands
+    [slide_protection] fmu = ... -> [open_fmu] -> FmuFile: its bytes, which variable is which signal, its parameters
+    measurements -> inputs of the FMU -> doStep over one sample time -> outputs -> [FmuController] -> commands
 
 The outputs at the end of the step that a sample begins are the commands of that sample; what the FMU takes to compute is the
 table's `delay`.
@@ -18,13 +13,18 @@ import hashlib
 import io
 import math
 import shutil
+import struct
+import subprocess
+import sys
 import tempfile
 import weakref
 import zipfile
+import zlib
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
+from signal import Signals
 from typing import Any
 
 import numpy as np
@@ -37,6 +37,10 @@ from rollerrig.config.schema.actuators import ControllerFmu
 
 LARGEST_FMU = 512 * MEGABYTE
 """Some carry tables and a library for each platform [bytes]."""
+LARGEST_UNPACKED = 2 * LARGEST_FMU
+"""Of all its members [bytes]."""
+LARGEST_DESCRIPTION = 32 * MEGABYTE
+"""Of modelDescription.xml [bytes]; 100 000 variables have some 20 MB."""
 OF_THE_TRAIN = ("track_brake_force", "force_of_others")
 """Measured quantities that are the same for each axle: a variable may take one number."""
 MEASURED = tuple(name for name, _, _ in _core.measurement_fields)
@@ -138,14 +142,20 @@ def _read(path: str, key: str, file: str) -> tuple[bytes, Any]:
     try:
         content = read_input(path, LARGEST_FMU)
         with zipfile.ZipFile(io.BytesIO(content)) as archive:
-            members = archive.namelist()
+            sizes = {member.filename: member.file_size for member in archive.infolist()}
+            if sum(sizes.values()) > LARGEST_UNPACKED:
+                raise refused(f"it unpacks to {_size(sum(sizes.values()))}; allowed: up to {_size(LARGEST_UNPACKED)}")
+            described = sizes.get("modelDescription.xml", 0)
+            if described > LARGEST_DESCRIPTION:
+                allowed = f"allowed: up to {_size(LARGEST_DESCRIPTION)}"
+                raise refused(f"its modelDescription.xml has {_size(described)}; {allowed}")
     except InputError as error:
         raise refused(f"{error.strerror}; allowed: an FMU file") from None
     except OSError as error:
         raise refused(f"{error.strerror}; allowed: an FMU file, its path starts at the file that names it") from None
     except zipfile.BadZipFile:
         raise refused("this file is no FMU: it is no zip archive") from None
-    if "modelDescription.xml" not in members:
+    if "modelDescription.xml" not in sizes:
         raise refused("this file is no FMU: it has no modelDescription.xml")
     try:
         description = fmpy.read_model_description(io.BytesIO(content), validate=False)
@@ -157,10 +167,40 @@ def _read(path: str, key: str, file: str) -> tuple[bytes, Any]:
         raise refused("it is for model exchange alone; allowed: an FMU for co-simulation")
     own = fmpy.platform if description.fmiVersion == "2.0" else fmpy.platform_tuple
     library = f"binaries/{own}/{description.coSimulation.modelIdentifier}{fmpy.sharedLibraryExtension}"
-    if library not in members:
-        there = sorted({name.split("/")[1] for name in members if name.startswith("binaries/") and name.count("/") > 1})
+    if library not in sizes:
+        there = sorted({name.split("/")[1] for name in sizes if name.startswith("binaries/") and name.count("/") > 1})
         raise refused(f"it has no {library}; it runs on {', '.join(there) or 'no platform'}, this is {own}")
+    try:
+        with zipfile.ZipFile(io.BytesIO(content)) as archive:
+            missing = cut_off(archive.read(library))
+    except (zipfile.BadZipFile, zlib.error, EOFError, NotImplementedError) as error:
+        raise refused(f"{library} in it cannot be unpacked: {_first_line(error)}") from None
+    if missing:
+        raise refused(
+            f"{library} in it is cut: {_size(missing)} are missing at its end, the loader of the system would crash"
+        )
     return content, description
+
+
+def cut_off(library: bytes) -> int:
+    """Bytes that miss at the end of a shared library of Linux; 0 of a whole one, and of what is none of Linux.
+
+    The loader maps what the program headers say and dies of SIGBUS where the file ends before; nothing is executed here.
+    """
+    if library[:6] != b"\x7fELF\x02\x01" or len(library) < 64:  # 64 bits, little endian
+        return max(0, 64 - len(library)) if library[:4] == b"\x7fELF" else 0
+    first, size, count = struct.unpack_from("<Q", library, 32)[0], *struct.unpack_from("<HH", library, 54)
+    end = first + size * count
+    for at in range(first, end, max(size, 1)) if end <= len(library) and size >= 56 else ():
+        kind, offset, length = (
+            struct.unpack_from(form, library, at + place)[0] for form, place in (("<I", 0), ("<Q", 8), ("<Q", 32))
+        )
+        end = max(end, offset + length) if kind == 1 else end  # PT_LOAD
+    return max(0, end - len(library))
+
+
+def _size(count: int) -> str:
+    return f"{count / MEGABYTE:.3g} MB"
 
 
 def _first_line(error: Exception) -> str:
@@ -390,6 +430,7 @@ class FmuController:
         self._remove = weakref.finalize(self, shutil.rmtree, folder, ignore_errors=True)
         with zipfile.ZipFile(io.BytesIO(self.file.content)) as archive:
             archive.extractall(folder)
+        _try_to_load(folder, self.file)
         description = self.file.description
         old = description.fmiVersion == "2.0"
         self._fmu = fmpy.instantiate_fmu(
@@ -437,6 +478,32 @@ class FmuController:
 
     def _last_lines(self) -> str:
         return f"; it says: {'; '.join(self._log)}" if self._log else ""
+
+
+_LOADED: set[str] = set()
+"""Checksums of FMUs whose library could be loaded."""
+
+
+def _try_to_load(folder: str, file: FmuFile) -> None:
+    """Load the library in a process of its own, once: what is damaged inside can end the process that loads it.
+
+    Raises:
+        FmuError: it could not be loaded.
+    """
+    import fmpy
+
+    if file.checksum in _LOADED or not sys.executable:
+        return
+    own = fmpy.platform if file.description.fmiVersion == "2.0" else fmpy.platform_tuple
+    name = f"{file.description.coSimulation.modelIdentifier}{fmpy.sharedLibraryExtension}"
+    code = "import ctypes, os, sys; os.chdir(os.path.dirname(sys.argv[1])); ctypes.CDLL(sys.argv[1])"
+    path = str(Path(folder) / "binaries" / own / name)
+    ended = subprocess.run([sys.executable, "-I", "-c", code, path], capture_output=True, text=True, check=False)
+    if ended.returncode < 0:
+        raise FmuError(f"its library cannot be loaded: the loader was ended by {Signals(-ended.returncode).name}")
+    if ended.returncode:
+        raise FmuError(f"its library cannot be loaded: {(ended.stderr.strip().splitlines() or ['?'])[-1]}")
+    _LOADED.add(file.checksum)
 
 
 def _kind(link: Link) -> str:

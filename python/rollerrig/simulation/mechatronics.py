@@ -289,11 +289,12 @@ def axle_torque(table: AnyAxleTorque) -> Any:
 
 
 def drive_command(control: RigControl) -> Any:
-    """How the drives are asked for their torque; a lead without a time of its own is that of their lag."""
+    """How the drives are asked for their torque; a lead without a time of its own has that of (D22)."""
     table = control.drive_command
     given = {}
     if isinstance(table, LeadCommand) and table.ahead is None:
-        given = {"ahead": _core.torque_lag(motor(control.motor), control.sample_time, control.delay, 0.0)}
+        lag = _core.torque_lag(motor(control.motor), control.sample_time, control.delay, 0.0)
+        given = {"ahead": lag + 0.5 * control.sample_time}
     return core_struct(_core.drive_commands[table.kind], table, without=("kind",), **given)
 
 

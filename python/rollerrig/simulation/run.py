@@ -24,9 +24,10 @@ from rollerrig.assembly.model import AssembledModel, assemble
 from rollerrig.cases import as_case
 from rollerrig.common.linear_algebra import eigenvalues
 from rollerrig.config import Case, ConfigError, ConfigProblem, Rig
-from rollerrig.results import Draft, Outcome, add_energy_audit, add_termination, run_draft
+from rollerrig.results import COMPLETED, Draft, Outcome, add_energy_audit, add_termination, run_draft
 from rollerrig.results.dataset import drive_warning
 from rollerrig.results.files import available_memory
+from rollerrig.results.plausibility import plausibility_warnings
 from rollerrig.results.readings import Recording, add_readings, readings_per_sample
 from rollerrig.results.summary import add_contact_losses, contact_loss_warning
 from rollerrig.results.termination import FLEXIBLE, contact_in_words
@@ -73,6 +74,8 @@ ENERGY_WARNING = 1e-3
 _STATUS_NAMES = {code: name for name, code in _core.status_codes.items()}
 _BLAMELESS = ("ok", "interrupted", "stopped", "rollers_protected", "controller_failed")
 """Statuses that no wheel has brought about."""
+_LARGEST = 1e5
+"""Displacement [m, rad] or rate [m/s, rad/s] beyond which nothing is said of the contact."""
 _SLICE_SECONDS = 0.2
 """A slice should take this long: often enough for a progress bar and Ctrl-C."""
 
@@ -146,6 +149,11 @@ def _results(
 ) -> xr.Dataset:
     """The Dataset of a run with all its attributes."""
     filled, read = recording.filled, simulation.reading_count
+    if ended.status not in COMPLETED:  # what became infinite, or whose square would, is no result
+        beyond = np.flatnonzero((np.abs(recording.rows[:filled]) > 1e150).any(axis=1))
+        if len(beyond):
+            filled = int(beyond[0])
+            read = int(np.searchsorted(recording.reading_times[:read], recording.times[filled]))
     draft = run_draft(model, recording.times[:filled], recording.rows[:filled], ended)
     add_readings(draft, model, recording.reading_times[:read], recording.readings[:read])
     add_termination(draft, model)
@@ -159,7 +167,8 @@ def _results(
     advice = "" if on_rollers or model.rails else FLEXIBLE
     lost = contact_loss_warning(losses, duration, on_rollers=on_rollers, advice=advice)
     draft.attributes.update(provenance)
-    draft.attributes["warnings"] = "\n".join(filter(None, (_energy_warning(draft, advice), lost, drive_warning(draft))))
+    own = (_energy_warning(draft, advice), lost, drive_warning(draft), *plausibility_warnings(draft, model))
+    draft.attributes["warnings"] = "\n".join(filter(None, own))
     return draft.dataset()
 
 
@@ -168,6 +177,8 @@ def _energy_warning(draft: Draft, advice: str) -> str:
     residual = draft.attributes["energy_relative_residual"]
     if residual <= ENERGY_WARNING:
         return ""
+    if not math.isfinite(residual):
+        return "energy balance open: energies of the run are not finite; reduce the step or the tolerance"
     return (
         f"energy balance open by {100 * residual:.2g} % of the energy turned over: the "
         "integration missed something (an impact, a stiff contact); use a smaller step, tolerance or maximum_step"
@@ -409,6 +420,6 @@ def outcome(simulation: _core.Simulation, model: AssembledModel, code: int, fail
     if status != "ok" and not failure:
         place = f"t = {at:.4g} s" + (f", {wheel}" if wheel else "")
         message = f"{place}: {message}"
-    if wheel and np.all(np.isfinite(simulation.state)):
+    if wheel and np.all(np.abs(simulation.state) < _LARGEST):
         message += contact_in_words(model, wheel, status, recorded_state(simulation, model, simulation.state, at))
     return Outcome(status, message, at, wheel, simulation.statistics(), simulation.counters())

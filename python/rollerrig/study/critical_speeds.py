@@ -98,10 +98,10 @@ def between(found: CriticalSpeedByDisturbance) -> str:
     if math.isfinite(persists) and math.isfinite(decays):
         return f"between {decays:.1f} and {persists:.1f} km/h"
     if math.isfinite(persists) and found.ended_early and found.ended_early[0].speed < found.persists:
-        return f"at or below {persists:.1f} km/h, or not at all: runs below ended early"
+        return f"at or below {persists:.1f} km/h, or not at all: runs below were not decided"
     if math.isfinite(persists):
         return f"at or below {persists:.1f} km/h"
-    return f"above {decays:.1f} km/h" if math.isfinite(decays) else "not found: no run came to its end"
+    return f"above {decays:.1f} km/h" if math.isfinite(decays) else "not found: no run was decided"
 
 
 def ended_early(runs: Sequence[tuple[float, str]], count: int) -> str:
@@ -117,7 +117,8 @@ def ended_early(runs: Sequence[tuple[float, str]], count: int) -> str:
     where = f"at {speeds[0]:g} km/h" if len(speeds) == 1 else f"from {speeds[0]:g} to {speeds[-1]:g} km/h"
     _, message = min(runs)
     return (
-        f"{len(runs)} of {count} runs, {where}, did not come to their end and count neither as limit cycle nor as decay. "
+        f"{len(runs)} of {count} runs, {where}, did not come to their end or to a decision and count neither as limit cycle nor "
+        "as decay. "
         f"{'It' if len(runs) == 1 else 'The slowest'} ended so: {message}"
     )
 

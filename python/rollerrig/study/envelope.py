@@ -17,16 +17,8 @@ import numpy as np
 import xarray as xr
 
 from rollerrig.analysis.envelope_borders import Border, borders, slides
-from rollerrig.analysis.rig_limits import (
-    FULL_SLIDING,
-    LEAST_DURATION,
-    LINES,
-    NUMBERS,
-    REGIONS,
-    REPRODUCED,
-    SLIDES,
-    TRACKING_LIMIT,
-)
+from rollerrig.analysis.rig_limits import LEAST_DURATION, LINES, NUMBERS, REGIONS, REPRODUCED, TRACKING_LIMIT
+from rollerrig.analysis.virtual_rail import FULL_SLIDING, SLIDES
 from rollerrig.common.formatting import number
 from rollerrig.config import Case, ConfigError, ConfigProblem, Rig
 from rollerrig.config.validate.check_actuators import simulated_axles

@@ -143,7 +143,6 @@ def cycle_numbers(found: Diagram, settings: LimitCycleSettings) -> dict[str, Any
                 "frequency_hz": point.frequency,
                 "guiding_force_n": point.guiding_force,
                 "growth_rate_at_end_per_s": point.rate,
-                "settled": point.settled,
                 "duration_s": point.duration,
                 "status": point.status,
             }
@@ -165,15 +164,13 @@ def _continuation(found: Diagram) -> str:
     if not math.isfinite(found.lowest_cycle):
         decaying = [p.speed for p in (*found.up, *found.down) if p.decays]
         if not decaying:
-            return "Critical speed by continuation: not found, no run came to its end."
+            return "Critical speed by continuation: not found, no run was decided."
         if found.ended_early:
-            return (
-                f"No limit cycle was found; the disturbance decays in the {len(decaying)} runs that came to their end."
-            )
+            return f"No limit cycle was found; the disturbance decays in the {len(decaying)} runs that were decided."
         return f"No limit cycle up to {3.6 * max(decaying):.1f} km/h: every disturbance decays."
     text = f"Critical speed by continuation: {3.6 * found.lowest_cycle:.1f} km/h, the lowest with a limit cycle"
     rest = f"; at {3.6 * found.decays:.1f} km/h every motion comes to rest"
-    text += f"{rest if math.isfinite(found.decays) else ' and the lowest run that came to its end'}. {KIND_SENTENCES[found.kind]}"
+    text += f"{rest if math.isfinite(found.decays) else ' and the lowest run that was decided'}. {KIND_SENTENCES[found.kind]}"
     if found.hysteresis is not None:
         low, high = (f"{3.6 * v:.1f}" for v in found.hysteresis)
         where = f"At {low} km/h" if low == high else f"From {low} to {high} km/h"
@@ -190,14 +187,14 @@ def cycle_blocks(
         caption = (
             "What each run ends in, with the speed stepped up and stepped down. Amplitude: half the range of the lateral "
             "displacement of the wheelset that moves most. |Y|: unfiltered; where flanges strike rigid rails it is short and "
-            "very high. A run that did not come to its end has no point; how it ended is written in its place."
+            "very high. A run that did not come to its end or to a decision has no point; how it ended is written in its place."
         )
         blocks.append(Picture("limit_cycles", limit_cycle_diagram(limit_cycle_table(found), modes), caption))
     method = (
         f"Way up: from a lateral offset of the leading wheelset of {1e3 * settings.perturbation:g} mm until a limit "
         f"cycle is reached. Way down: from {1e3 * settings.disturbance:g} mm at the highest speed, then from the "
-        "limit cycle of the speed above; where that has decayed, from the same offset again. Each run lasts until its "
-        f"amplitude has settled, or {settings.longest:g} s. The perturbation need not grow or decay as the linear "
+        "limit cycle of the speed above; where that has decayed, from the same offset again. Each run lasts until it is "
+        f"decided whether its motion persists, or {settings.longest:g} s. The perturbation need not grow or decay as the linear "
         "model predicts: that is exact only as long as the contact stays on the smooth piece of the profiles around its "
         "position, often less than a tenth of a millimetre."
     )

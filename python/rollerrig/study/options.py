@@ -8,7 +8,7 @@ from __future__ import annotations
 import inspect
 import re
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Annotated, Any, get_args, get_origin
 
@@ -51,7 +51,7 @@ HIDDEN = ("progress", "folder", "parameters")
 Processes = Annotated[int, Option(least=1, most=64, default=2, meaning="runs at a time.")]
 OneProcess = Annotated[int, Option(least=1, most=64, meaning="runs at a time.")]
 Switch = Annotated[bool, Option(switch=True)]
-Commas = Option(commas=True)
+SpeedsKmh = Annotated[Sequence[float], Option(meaning="speeds [km/h] as start:stop:step, or a list with commas.")]
 
 
 @dataclass(frozen=True)

@@ -28,7 +28,11 @@ from rollerrig.study.jobs import Done, Round, job
 from rollerrig.study.quantities import Numbers, Quantities, Quantity
 from rollerrig.study.report import VIEW, Block, Picture, Section, Table
 
-_LIMITED = {"derailment_quotient": "Y/Q", "guiding_force_sum": "ΣY"}
+_LIMITED = {
+    "derailment_quotient": "Y/Q",
+    "guiding_force_sum": "ΣY",
+    "guiding_force_sum_rms": "the instability criterion (r.m.s. of ΣY over 100 m)",
+}
 """Quantities with a limit."""
 
 
@@ -36,7 +40,7 @@ def rest_numbers(rest: LateralRest) -> dict[str, Any]:
     """Names and values as in summary.json."""
     final = rest.final
     motion = {"amplitude_mm": 1e3 * final.amplitude, "frequency_hz": final.frequency, "growth_rate_per_s": final.rate}
-    return {"body": rest.body, **motion, "persists": rest.persists}
+    return {"body": rest.body, **motion, "decision": rest.decision}
 
 
 def answer(numbers: Numbers, rest: LateralRest | None, rows: Sequence[Row]) -> list[str]:
@@ -48,9 +52,10 @@ def answer(numbers: Numbers, rest: LateralRest | None, rows: Sequence[Row]) -> l
     speeds = ""
     if numbers["samples"]:
         speeds = f"Speed {numbers['speed_start_kmh']:.4g} km/h at the start, {numbers['speed_end_kmh']:.4g} km/h at the end. "
+    energy = numbers["energy_turned_over_j"]
     lines.append(
         f"{speeds}Energy balance closed to {number(numbers['energy_relative_residual'], 2)} of the "
-        f"{number(numbers['energy_turned_over_j'] / 1e3)} kJ turned over."
+        f"{number(energy and energy / 1e3)} kJ turned over."
     )
     return [*lines, *(f"Warning: {line}." for line in numbers["warnings"].splitlines())]
 
@@ -58,8 +63,14 @@ def answer(numbers: Numbers, rest: LateralRest | None, rows: Sequence[Row]) -> l
 def _rest(rest: LateralRest) -> str:
     body, final = rest.body.replace("_", " "), rest.final
     motion = f"by ±{number(1e3 * final.amplitude, 2)} mm at {number(final.frequency, 2)} Hz"
-    if rest.persists:
+    if rest.decision == "persists":
         return f"It hunts: in the last third of the run {body} still moves sideways {motion}."
+    if rest.decision == "open":
+        change = f", which changes by {100.0 * final.rate:+.2g} %/s" if math.isfinite(final.rate) else ""
+        return (
+            f"Not decided whether it hunts: in the last third of the run {body} still moves sideways {motion}{change}; a "
+            "longer run (time.duration) tells."
+        )
     was = f"by up to {number(1e3 * rest.largest, 2)} mm"
     if final.amplitude == 0.0:
         return f"The motion decays: {body} moved sideways {was}, and no longer does so in the last third of the run."
@@ -78,7 +89,9 @@ def _safety(rows: Sequence[Row]) -> str:
         f"{_LIMITED[name]} reaches {number(100.0 * row.part_of_limit, 2)} % ({row.place.replace('_', ' ')})"
         for name, row in nearest.items()
     )
-    return f"Running safety: {' and '.join(parts)} of the limit{', which it exceeds' if beyond else ''}."
+    *others, last = parts
+    listed = f"{', '.join(others)} and {last}" if others else last
+    return f"Running safety: {listed} of the limit{', which it exceeds' if beyond else ''}."
 
 
 QUANTITIES = Quantities(

@@ -320,7 +320,7 @@ def scale_study(
 
 
 def _differences(numbers: Numbers) -> Iterator[str]:
-    """By how much the model, mapped back, differs from full scale."""
+    """Differences between the model, mapped back, and full scale."""
     near = numbers["fidelity"]
     if near.get("wheel_speed_rms") is not None:
         yield (

@@ -104,7 +104,7 @@ class SweepStudy(Study[Sweep]):
     whole: WholePlan
     many: bool = False
     compute: Compute | None = None
-    _told: dict[str, float] = field(default_factory=dict, compare=False, repr=False)
+    _seen: dict[str, float] = field(default_factory=dict, compare=False, repr=False)
 
     command = "sweep"
     quantities = QUANTITIES
@@ -175,20 +175,20 @@ class SweepStudy(Study[Sweep]):
         packed = pickle.dumps((self.whole.case, self.whole.plan.measure, self.compute))
         yield {_name(i): Job(run_case, (packed, changes), lost_case) for i, changes in enumerate(self.points.changes())}
 
-    def told(self, done: Done, seconds: float) -> str:
+    def progress_text(self, done: Done, seconds: float) -> str:
         count = len(done)
-        taken_over = self._told.setdefault("taken over", count)
+        taken_over = self._seen.setdefault("taken over", count)
         failed = self._failed(done)
         rate = f", {(count - taken_over) / seconds:.3g} per s" if seconds > 1.0 else ""
         return f"{count} of {len(self.points)} cases{rate}{f', {failed} failed' if failed else ''}"
 
     def _failed(self, done: Done) -> int:
         """Failed cases so far; only those that came since the last time are looked at."""
-        seen = int(self._told.get("seen", 0))
+        seen = int(self._seen.get("seen", 0))
         new = islice(reversed(done.values()), max(len(done) - seen, 0))  # the last ones, however many there are before
-        self._told["failed"] = self._told.get("failed", 0) + sum(1 for record in new if record[FAILED])
-        self._told["seen"] = max(seen, len(done))
-        return int(self._told["failed"])
+        self._seen["failed"] = self._seen.get("failed", 0) + sum(1 for record in new if record[FAILED])
+        self._seen["seen"] = max(seen, len(done))
+        return int(self._seen["failed"])
 
     def collect(self, done: Done) -> Sweep | None:
         records: list[Record | None] = [done.get(_name(i)) for i in range(len(self.points))]

@@ -1,7 +1,5 @@
 """Straights, transitions and circular curves become curvature and cant over the distance.
 
-Functions of the distance that are cubics between breakpoints and constant beyond the first and the last.
-
     segments in their order, smoothing length -> [build_line] -> Line
 
 A clothoid's curvature and cant grow in proportion to the distance; on a Bloss transition they follow 3 t^2 - 2 t^3,

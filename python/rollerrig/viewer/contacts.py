@@ -1,15 +1,11 @@
 """Contact patches of a run, and of a simulation that goes on: asked of the core's contact geometry, never computed here.
 
-Where the patches of a run lie, and their peak pressure: asked of the core's contact geometry, never computed here.
-
     run, frames -> [contact_places] -> per wheel and patch: point on roller or rail, peak pressure, length, width
 
 A run records abscissas, forces and axes of its patches. The point in space follows from the pose of the wheelset against its
 rollers or rails by the geometry of the core, which is asked once per frame; it also knows peak pressure, loaded length and width.
 
-Contact patches of a simulation that runs: asked of the core's contact geometry at the pose of each wheelset.
-
-AssembledModel, values of a frame -> [LiveContacts] -> values of the columns of patches
+    AssembledModel, values of a frame -> [LiveContacts] -> values of the columns of patches
 """
 
 from __future__ import annotations

@@ -1,9 +1,6 @@
 """A simulation that goes on while somebody moves its sliders: a plant, and what a page draws of it.
 
-What a visitor may move in a live simulation: what every case has, and the gains of its controllers.
-
-case -> [sliders]; variables of its plant -> [gains] -> sliders with names, units and ranges
-
+    case -> [sliders]; variables of its plant -> [gains] -> sliders with names, units and ranges
     case -> [LiveRun: plant, sliders] -> frames: time, values of the page's columns
 
 Friction, torque, brake and the gains of the controllers act on the run as it goes. Speed, radius of the rollers and

@@ -1,9 +1,6 @@
 """The page: one HTML file that holds program, styles, scenes and numbers, and asks nothing of any network.
 
 Scenes -> [page] -> HTML text
-
-`rr.view`: runs become a page.
-
 runs -> [view] -> one HTML file
 """
 

@@ -1,16 +1,12 @@
 """One run, or mode shapes, as a page shows them: parts, motion and forces in thinned frames, and what can be plotted.
 
-What a page can plot of a scene: groups of its columns with units.
-
-head of a scene -> [plots] -> groups: title, unit, curves of column, label, factor
-
-One run as a page shows it: the parts of its case, their motion and forces in thinned frames, and what can be plotted.
-
+    head of a scene -> [plots] -> groups: title, sign and filter, unit, curves of column, label, factor
     run -> [run_scene] -> Scene -> page
 
-Everything that is drawn was recorded in the run, or is asked of the core (`contact_places`).
+Forces have the signs of a report (`analysis.wheel_rail_forces`), and its filter where the scene has them filtered: then they
+have times of their own, at which extremes lie. A simulation that goes on is not filtered.
 
-Mode shapes as a page shows them: the vehicle of the case, and of every mode at every speed how its bodies move.
+Everything that is drawn was recorded in the run, or is asked of the core (`contact_places`).
 
     modes -> [mode_scene] -> Scene -> page
 
@@ -27,11 +23,12 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from rollerrig.analysis.wheel_rail_forces import filtered, unfiltered, wheel_forces
 from rollerrig.assembly.model import AssembledModel, assemble
 from rollerrig.config import ConfigError, case_from_toml
 from rollerrig.results import ResultsError, RunInfo
 from rollerrig.viewer import parts
-from rollerrig.viewer.columns import MOST_FRAMES, Columns, Frames, thinned
+from rollerrig.viewer.columns import MOST_FRAMES, Columns, Frames, extremes, thinned
 from rollerrig.viewer.contacts import PLACE, contact_places
 
 Group = dict[str, Any]
@@ -52,21 +49,31 @@ def plots(head: dict[str, Any]) -> list[Group]:
     axles = [(number, name.replace("_", " ")) for number, name in enumerate(head["axles"])]
     radius, roller = head["shapes"]["wheel_radius"], head["shapes"]["roller_radius"]
 
-    def group(title: str, unit: str, curves: list[tuple[str, str, float]]) -> Group:
+    def group(title: str, unit: str, curves: list[tuple[str, str, float]], note: str = "") -> Group:
         known = [[column, label, factor] for column, label, factor in curves if column in columns]
-        return {"title": title, "unit": unit, "curves": known}
+        own = f"time.{known[0][0].partition('.')[2]}" if known else ""
+        times = {"times": own} if own in columns else {}
+        return {"title": title, "note": note, "unit": unit, "curves": known, **times}
 
     speeds = [("train_speed" if "train_speed" in columns else "speed", "train", 3.6)]
     speeds += [(f"a{k}.axle_speed", name, 3.6 * radius) for k, name in axles]
     if roller:
         speeds += [(f"a{k}.roller_speed", f"roller {name.rpartition(' ')[2]}", 3.6 * roller) for k, name in axles]
+    filtered = head.get("filter", "unfiltered")
+    if "w0.guiding_force" in columns:
+        guiding = [(f"w{k}.guiding_force", name, 1e-3) for k, name in wheels]
+        load = [(f"w{k}.wheel_load", name, 1e-3) for k, name in wheels]
+    else:  # that on the wheel, to the left
+        guiding = [(f"w{k}.lateral_force", name, -1e-3 if name.endswith("left") else 1e-3) for k, name in wheels]
+        load = [(f"w{k}.vertical_force", name, 1e-3) for k, name in wheels]
+    longitudinal = [(f"w{k}.longitudinal_force", name, 1e-3) for k, name in wheels]
     groups = [
-        group("Lateral displacement", "mm", [(f"b{k}.lateral", name, 1e3) for k, name in moving]),
+        group("Lateral displacement", "mm", [(f"b{k}.lateral", name, 1e3) for k, name in moving], "to the left"),
         group("Yaw", "mrad", [(f"b{k}.yaw", name, 1e3) for k, name in moving]),
         group("Speed, at nominal radii", "km/h", speeds),
-        group("Guiding force Y", "kN", [(f"w{k}.lateral_force", name, 1e-3) for k, name in wheels]),
-        group("Wheel load Q", "kN", [(f"w{k}.vertical_force", name, 1e-3) for k, name in wheels]),
-        group("Longitudinal force", "kN", [(f"w{k}.longitudinal_force", name, 1e-3) for k, name in wheels]),
+        group("Guiding force Y", "kN", guiding, f"outwards, {filtered}"),
+        group("Wheel load Q", "kN", load, filtered),
+        group("Longitudinal force", "kN", longitudinal, "forwards on the wheel, unfiltered"),
         group("Longitudinal sliding", "m/s", [(f"w{k}.longitudinal_sliding", name, 1.0) for k, name in wheels]),
         group("Brake cylinder pressure", "bar", [(f"a{k}.cylinder_pressure", name, 1e-5) for k, name in axles]),
         group("Drive torque of the rollers", "kN m", [(f"a{k}.roller_torque", name, 1e-3) for k, name in axles]),
@@ -144,6 +151,7 @@ def run_scene(run: xr.Dataset, *, label: str = "", most: int = MOST_FRAMES) -> S
     patches = _add_patches(columns, run, model, frames.index)
     bars = _add_elements(columns, run, model, frames.index)
     _add_named(columns, run, frames.index)
+    done = _add_forces(columns, run, most)
     distance = run["distance"].to_numpy()
     head = {
         "label": label or str(run.attrs["case"]),
@@ -165,6 +173,7 @@ def run_scene(run: xr.Dataset, *, label: str = "", most: int = MOST_FRAMES) -> S
         "frames": len(frames.times),
         "samples": int(run.sizes["time"]),
         "errors": dict(frames.errors),
+        "filter": done,
         "columns": columns.places,
     }
     head["plots"] = plots(head)
@@ -218,6 +227,23 @@ def _add_wheels(columns: Columns, run: xr.Dataset, index: NDArray[np.intp]) -> N
     for number in range(run.sizes["wheel"]):
         for name in WHEEL:
             columns.add(f"w{number}.{name}", run[name].to_numpy()[index, number])
+
+
+def _add_forces(columns: Columns, run: xr.Dataset, most: int) -> str:
+    """Y and Q as a report has them, at times at which their extremes lie; what was done to them."""
+    read = wheel_forces(run)
+    try:
+        shown = filtered(read)
+    except ValueError:  # too short or too coarse for the filter
+        shown = unfiltered(read)
+    for name in ("guiding_force", "wheel_load"):
+        values = shown[name].transpose("time", "wheel").to_numpy()
+        kept = extremes(values, most)
+        columns.add(f"time.{name}", shown["time"].to_numpy()[kept], exact=True)
+        for number in range(values.shape[1]):
+            columns.add(f"w{number}.{name}", values[kept, number])
+    done = str(shown["guiding_force"].attrs.get("filter", ""))
+    return f"low pass {done}" if done else "unfiltered"
 
 
 def _add_patches(columns: Columns, run: xr.Dataset, model: AssembledModel, index: NDArray[np.intp]) -> int:

@@ -12,12 +12,12 @@ from threadpoolctl import threadpool_info, threadpool_limits
 
 import rollerrig
 from rollerrig.analysis import loop_stability, modes, stability
-from rollerrig.analysis.parallel import run_jobs
 from rollerrig.analysis.signals import fit
 from rollerrig.common import linear_algebra
 from rollerrig.common.linear_algebra import one_blas_thread
 from rollerrig.config import load_case
 from rollerrig.simulation.run import simulate
+from rollerrig.study.jobs import Job, run_rounds
 
 
 def threads() -> set[int]:
@@ -95,7 +95,8 @@ def job(_number: int, progress) -> set[int]:
 def test_jobs_of_worker_processes_have_one_thread(monkeypatch) -> None:
     for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
         monkeypatch.setenv(name, "2")
-    assert run_jobs(job, [0, 1], processes=2).results == [{1}, {1}]
+    jobs = {name: Job(job, (0,)) for name in "ab"}
+    assert run_rounds(lambda _done: iter([jobs]), None, (1.0,), 2, None)[0] == {"a": {1}, "b": {1}}
 
 
 def test_an_error_gives_the_setting_back(two_threads) -> None:

@@ -18,6 +18,7 @@ from rollerrig.analysis.linear_bench import LinearBench
 from rollerrig.analysis.linear_system import margins_of
 from rollerrig.analysis.modes import linearise
 from rollerrig.assembly.model import assemble
+from rollerrig.cases import on_track
 from rollerrig.config import ConfigError
 from rollerrig.simulation.starting_state import starting_state
 
@@ -142,6 +143,16 @@ def test_wrong_names_are_refused_with_a_guess(
     with pytest.raises(ConfigError, match=message) as raised:
         bench.system(inputs, outputs)
     assert "\n" not in str(raised.value)
+
+
+def test_a_case_without_motors_has_axle_torques() -> None:
+    """Brakes alone, on track and on the rig: the torque of an axle turns it by its inertia, as that of a motor does."""
+    brakes = rr.load_case("adhesion_brake")
+    for case in (on_track(brakes), brakes):
+        bench = LinearBench(case, 20.0)
+        system = bench.system(["wheelset_1.axle_torque"], ["wheelset_1.pitch_acceleration"])
+        inertia = case.vehicle.data.body_named("wheelset_1").inertia[1]
+        assert system.d[0, 0] == pytest.approx(1.0 / inertia, rel=1e-6)
 
 
 def test_wrong_speed_and_missing_samples_are_refused() -> None:

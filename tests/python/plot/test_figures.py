@@ -71,7 +71,6 @@ def cycles() -> xr.Dataset:
         "speed": SPEED,
         "amplitude": [0.0, 1e-3, 2e-3],
         "frequency": [np.nan, 4.0, 5.0],
-        "settled": [1.0, 1.0, 0.0],
     }
     columns |= {"guiding_force": [np.nan, 1e4, 9e5], "sweep": ["up", "up", "down"], "status": ["ok", "ok", "derailed"]}
     variables = {f"cycle_{name}": ("cycle_point", values) for name, values in columns.items()}
@@ -241,7 +240,7 @@ def test_runs_that_ended_early_are_drawn_as_neither() -> None:
     lines = {str(line.get_label()): list(line.get_xdata()) for line in axes.lines}
     assert lines["steel: persists"] == [180.0]
     assert lines["steel: decays"] == [60.0]
-    assert lines["steel: run ended early"] == [120.0]
+    assert lines["steel: not decided"] == [120.0]
 
 
 @pytest.mark.parametrize("count", [2, 4, 12, 40])

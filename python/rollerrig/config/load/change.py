@@ -1,11 +1,6 @@
 """Changes of a case by dotted keys, and its tables with them.
 
-Replace values in raw tables by dotted keys.
-
-raw tables + {"body.car_body.mass": "30 t"} -> [apply_changes] -> raw tables, not yet validated
-
-The raw tables of a case of which some values are changed: in Python, or by a file that starts from another case.
-
+    raw tables + {"body.car_body.mass": "30 t"} -> [apply_changes] -> raw tables, not yet validated
     Case + {"motion.speed": "120 km/h"} -> [changed_tables] -> raw tables, not yet validated
     raw tables with `base` + that case -> [changes_in] -> dotted key -> value
 
@@ -194,7 +189,9 @@ def changed_tables(
     A vehicle or support that no change concerns stays the checked object that it is. Beside a new `vehicle.use` the other keys of
     the vehicle are changes of the new one.
     """
-    full = {whole_key(key): value for key, value in changes.items()}
+    own_file = "allowed: in a file; read that case and change it"  # another case would bring what nobody checked
+    problems = [ConfigProblem(file, BASE, show_value(changes[BASE]), own_file)] if BASE in changes else []
+    full = {whole_key(key): value for key, value in changes.items() if key != BASE}
     for part in OWN_KEYS:
         short = [key for key in full if key.startswith(f"{part}.data.") and key not in changes]
         if f"{part}.use" in full and short:
@@ -205,7 +202,7 @@ def changed_tables(
     )
     for part in kept:
         raw[part]["data"] = getattr(case, part).data
-    return raw, [problem.shortened() for problem in apply_changes(raw, full, file)]
+    return raw, problems + [problem.shortened() for problem in apply_changes(raw, full, file)]
 
 
 def changes_in(document: Document, base: CaseTables) -> tuple[dict[str, object], list[ConfigProblem]]:

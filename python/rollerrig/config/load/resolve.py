@@ -8,9 +8,7 @@ Bodies and force elements that are written once and placed several times.
 of it `primary_1_left`, as written, and `primary_1_right`, mirrored at the middle of the vehicle: y of its ends, and what its laws
 along y, about x and about z do in one direction only.
 
-Turn references into what they refer to, and raw tables into checked parts of a case.
-
-raw vehicle, support, material, profile + the folder they were read from -> (object | None, problems)
+    raw vehicle, support, material, profile + the folder they were read from -> (object | None, problems)
 """
 
 from collections.abc import Iterator, Mapping
@@ -70,7 +68,8 @@ def _mistakes(item: Mapping[str, Any], kind: str, file: str) -> Iterator[ConfigP
     elif both:
         for place, one in _at_places(item):
             ends = [one["point"]] if isinstance(one.get("point"), list) else one.get("points")
-            sides = [end[1] for end in ends or () if isinstance(end, list) and len(end) == 3]
+            listed = ends if isinstance(ends, list) else []  # what else it is, validation says
+            sides = [end[1] for end in listed if isinstance(end, list) and len(end) == 3]
             if sides and all(_mirrored(y) == y for y in sides):
                 allowed = "allowed with both_sides = true: a point with y other than 0"
                 yield ConfigProblem(file, f"{join_key(key, place)}.point", show_value(ends), allowed)
@@ -235,14 +234,15 @@ def _absolute(spec: Mapping[str, Any], folder: Path) -> dict[str, Any]:
 
 
 def relative_to(folder: Path, key: str, value: object) -> object:
-    """A new value as the file in ``folder`` means it: a profile file that it names stands relative to that file."""
+    """A new value as the file in ``folder`` means it: a file of a profile or of code that it names stands relative to it."""
     if isinstance(value, Mapping):
         return {name: relative_to(folder, str(name), inner) for name, inner in value.items()}
     last = key.rpartition(".")[2]
     if not isinstance(value, str) or not value or "\0" in value:
         return value
     names_a_file = last in ("profile", "right_profile") and Path(value).suffix.lower() in (*_POINT_FILES, ".toml")
-    return str((folder / value).absolute()) if names_a_file or last == "path" else value
+    names_a_file |= last in ("path", "fmu", "file") or (last == "user" and ".py:" in value)
+    return str((folder / value).absolute()) if names_a_file else value
 
 
 def _new(mistakes: Problems, known: Problems) -> Problems:

@@ -1,9 +1,5 @@
 """Tables of what acts on the axles, and of the controllers that drive it: brakes, traction, slide protection.
 
-A controller that is a Functional Mock-up Unit: its file, what its variables are called, its parameters.
-
-Actuators of a vehicle under test: friction brake, traction drive, and what protects the wheels.
-
 Wheel slide protection: dump valves by slip and acceleration, after published principles; not certified.
 """
 

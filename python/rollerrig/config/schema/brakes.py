@@ -1,15 +1,4 @@
-"""Tables of the train and its brakes: air, electrodynamic brakes, brakes on the rail, sand.
-
-The train of which the axles under test brake or pull their part.
-
-The air of a friction brake: what fills and vents its cylinders.
-
-Traction motors that brake: their characteristic, and how the friction brake fills what they do not give.
-
-Brakes that act on the rail: magnets of each bogie, rubbing on it or over it.
-
-Sand on the rail: from where or when, how much, and what it makes of the rail's adhesion.
-"""
+"""Tables of the train and its brakes: air, electrodynamic brakes, brakes on the rail, sand."""
 
 from itertools import pairwise
 from typing import Annotated, Literal

@@ -1,9 +1,4 @@
-"""Tables of a case: what runs on what, how it moves, what is computed.
-
-The full-scale case of which a case is the model; written by `rollerrig scale`, read to map its results back.
-
-A case: one vehicle (or a part of it) on one support, how it is driven, and how time is integrated.
-"""
+"""Tables of a case: what runs on what, how it moves, what is computed."""
 
 from typing import Annotated, Any, Literal, NamedTuple, get_args
 
@@ -23,6 +18,7 @@ from rollerrig.config.schema.contact import (
     Material,
     Strips,
 )
+from rollerrig.config.schema.ensemble import Ensemble
 from rollerrig.config.schema.rig_control import RigControl, Sensors
 from rollerrig.config.schema.support import AnySupport
 from rollerrig.config.schema.units import Damping, Quantity, RollerRadius, RunningSpeed, Torque
@@ -364,6 +360,9 @@ class CaseTables(Table):
     sensors: Sensors = Field(default=Sensors(), description="what the controllers see")
     rig_control: RigControl | None = Field(default=None, description="controller of the roller drives")
 
+    ensemble: Ensemble = Field(
+        default=Ensemble(), description="what differs between the tests of an ensemble, as adhesion and wsp make them"
+    )
     similitude: ScaledFrom | None = Field(
         default=None, description="the full-scale case of which this one is a model; absent: at full scale"
     )

@@ -1,10 +1,6 @@
 """Tables of materials and of the laws of the contact.
 
-Elastic constants of wheel and roller, which are of the same material.
-
-The laws of a contact: creep, normal contact, friction. Names and parameters are those of the core.
-
-name, number, or table with `kind` and parameters -> [contact_law] -> one of the tables below
+    name, number, or table with `kind` and parameters -> [contact_law] -> one of the tables below
 
 `limitation` is what a law leaves out, for the reports. A new law is a class here, a member of its union and, in the core, a
 header: docs/how_to/contact_law.md.
@@ -21,6 +17,7 @@ from rollerrig.config.schema.vehicle import Name
 
 _MODULUS = Quantity("Pa", 1e5, 1e14)
 _POISSON = Quantity("1", 0.0, 0.5)
+_MODULI = ("young_modulus", "shear_modulus")
 
 
 class Material(Table):
@@ -42,13 +39,16 @@ class Material(Table):
     def _other_modulus(cls, data: Any) -> Any:
         if not isinstance(data, dict) or ("young_modulus" in data) == ("shear_modulus" in data):
             return data
+        given, other = _MODULI if "young_modulus" in data else _MODULI[::-1]
         try:
             factor = 2 * (1 + _POISSON.parse(data.get("poisson_ratio")))
-            if "young_modulus" in data:
-                return {**data, "shear_modulus": _MODULUS.parse(data["young_modulus"]) / factor}
-            return {**data, "young_modulus": _MODULUS.parse(data["shear_modulus"]) * factor}
+            value = _MODULUS.parse(data[given])
         except (ValueError, ZeroDivisionError):  # the fields themselves will say what is wrong
             return data
+        follows = value / factor if given == "young_modulus" else value * factor
+        if not _MODULUS.least <= follows <= _MODULUS.most:
+            raise refused(given, f"allowed: such that {other}, here {follows:g} Pa, is {_MODULUS.bounds}")
+        return {**data, other: follows}
 
     @model_validator(mode="after")
     def _consistent(self) -> "Material":
@@ -102,7 +102,7 @@ class Fastsim(Table):
 
 
 class ModifiedFastsim(Table):
-    """FASTSIM with flexibilities of its own for spin; of Kalker's stiffness k_0 (k_inf + (1 - k_inf)/(1 + beta tau)) is left."""
+    """FASTSIM with flexibilities of its own for spin; k_0 (k_inf + (1 - k_inf)/(1 + beta eps)) of Kalker's stiffness is left."""
 
     limitation: ClassVar[str] = (
         "The creep force follows the modified FASTSIM, with an empirical reduction of the initial stiffness."
@@ -111,7 +111,8 @@ class ModifiedFastsim(Table):
     k_0: Share = Field(default=1.0, description="what is left of Kalker's stiffness at small creepage")
     k_inf: Share = Field(default=1.0, description="what is left of k_0 at large creepage")
     beta: Annotated[float, Quantity("1", 0.0, 1e3)] = Field(
-        default=0.0, description="how fast it falls with tau, the force of linear theory over the friction limit"
+        default=0.0,
+        description="how fast it falls with eps, pi/4 of k_0 times the force of linear theory over mu N, as published",
     )
 
 

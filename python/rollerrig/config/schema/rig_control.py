@@ -1,9 +1,4 @@
-"""Tables of the controller of the roller drives, and of the rig's sensors.
-
-What controllers see: speeds of axles and rollers, torques and loads.
-
-The rig's controller: how it reproduces the train, how it estimates, how it corrects, and when it gives up.
-"""
+"""Tables of the controller of the roller drives, and of the rig's sensors."""
 
 from typing import Annotated, Any, Literal
 
@@ -213,7 +208,6 @@ class ExtrapolatedTorque(Table):
 
 
 AnyAxleTorque = Annotated[EstimatedTorque | KnownTorque | ExtrapolatedTorque, Discriminator("kind"), by_kind("known")]
-AXLE_TORQUES = kinds(AnyAxleTorque)
 
 
 class DirectCommand(Table):
@@ -227,7 +221,8 @@ class LeadCommand(Table):
 
     kind: Literal["lead"] = Field(default="lead", description="the feed-forward runs ahead along its slope")
     ahead: Delay | None = Field(
-        default=None, description="time of the lead; absent: the lag of drive, delay and half a sample"
+        default=None,
+        description="time of the lead; absent: the lag of drive, delay and half a sample, and half a sample more",
     )
 
 
@@ -242,7 +237,6 @@ class TorqueLoop(Table):
 
 
 AnyDriveCommand = Annotated[DirectCommand | LeadCommand | TorqueLoop, Discriminator("kind"), by_kind("lead")]
-DRIVE_COMMANDS = kinds(AnyDriveCommand)
 
 
 class Feedback(Table):

@@ -1,9 +1,5 @@
 """Tables of a rig under a vehicle, and the rails of a line or rollers of a rig as they are laid.
 
-What the wheels stand on: the rollers of a rig, or a track.
-
-Where the rails of a track lie and which heads they have: what its segments say, for each rail over the distance.
-
     segments, heads of the rails -> [rail_layout] -> y, z, roll of both rails as piecewise cubics -> the core's line
                                  -> [rail_heads]  -> heads on common knots, and which of them lies where -> the core's heads
 

@@ -1,11 +1,4 @@
-"""Tables of a line: its layout, irregularities, and what carries rails and rollers.
-
-What the rails deviate from their design position: a published spectrum, or a measured file.
-
-How roller axles and rails are mounted where they are not rigid.
-
-A track: rails, the line they follow, what they deviate from it, and what they lie on.
-"""
+"""Tables of a line: its layout, irregularities, and what carries rails and rollers."""
 
 from collections.abc import Sequence
 from pathlib import Path

@@ -1,9 +1,5 @@
 """Checks of brakes, drives, sensors and controllers.
 
-Studies that know only the axles under test refuse a train with others.
-
-Checks of actuators and controllers: that they fit each other, and that samples are at multiples of the sampling step.
-
 Case -> [check_actuators] -> problems
 """
 

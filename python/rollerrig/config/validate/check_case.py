@@ -2,13 +2,8 @@
 
 Checks that a run ends: numbers kept, steps integrated, rail remembered. Each key may be in its range and their product not.
 
-Case -> [check_size] -> problems that say which key to change, before anything is computed
-
-Checks of a case across its tables: what it drives, disturbs and stands on must fit the chosen part of the vehicle.
-
-Checks across the tables of a test programme: names of stops, and limits that say something about them.
-
-Programme -> [check_programme] -> ConfigProblem, one per mistake
+    Case -> [check_size] -> problems that say which key to change, before anything is computed
+    Programme -> [check_programme] -> ConfigProblem, one per mistake
 """
 
 from collections.abc import Iterable, Iterator, Mapping

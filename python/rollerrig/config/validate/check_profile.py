@@ -1,10 +1,6 @@
 """Checks of profiles, and of patches that their contact would have.
 
-Checks that need the curves themselves: profiles that cannot be used, and wheels that miss the rail.
-
-Check that wheel and roller are large against the patch between them: contact theory takes both for half-spaces.
-
-Case -> [check_patch] -> problems
+    Case -> [check_patch] -> problems
 
 The patch is estimated as the Hertzian circle of two balls of the radii of wheel and roller, under the mean wheel load.
 """

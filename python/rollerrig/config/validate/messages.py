@@ -1,9 +1,5 @@
 """Messages of validation: file, key, value, what is allowed.
 
-Keys and words of earlier versions, and where each went.
-
-Lines that a rig engineer understands, from pydantic's list of errors.
-
 raw table -> [validate] -> (object, no problems) or (None, one problem per mistake)
 """
 

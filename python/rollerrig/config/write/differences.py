@@ -1,15 +1,11 @@
 """Differences between two cases, and a case in words.
 
-What is different between two cases, as dotted keys, and as the short TOML text of one that starts from the other.
-
     two cases -> [differences] -> {"motion.speed": (41.7, 33.3)} -> [text_from_base] -> TOML text with `base`
 
 A key that one of them does not have is None there. Items of a list are identified by their names while both lists have the same
 ones; else the whole list is one value.
 
-A case in a few lines of words, as Python and notebooks print it.
-
-Case -> [rows] -> (what, words) -> text, HTML
+    Case -> [rows] -> (what, words) -> text, HTML
 """
 
 from collections.abc import Iterator

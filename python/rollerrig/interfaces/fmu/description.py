@@ -1,9 +1,6 @@
 """modelDescription.xml: what a tool reads of an FMU before it loads its library.
 
-Units of the core's variables as powers of SI base units, as the standard wants them.
-
 "kg/m^2" -> {"kg": 1, "m": -2}
-
 variables of a plant -> [description] -> XML of FMI 2.0 or 3.0
 """
 

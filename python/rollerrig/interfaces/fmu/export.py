@@ -1,15 +1,7 @@
 """A case, or one of our controllers alone, packed as an FMU: model file, description and the libraries of the package.
 
-The libraries that were built with the package, and where an FMU keeps them.
-
 rollerrig/shells/<platform>/rollerrig.* -> [shells] -> Shell per platform
-
-A case packed as an FMU: model file, description and the libraries of the package. No compiler is needed.
-
 case -> assembled model -> [export_fmu] -> FILE.fmu
-
-One of our controllers packed alone as an FMU: what it measures are inputs, its commands outputs.
-
 case -> its slide protection, wheel-slip control or rig's controller -> [export_part] -> FILE.fmu
 """
 

@@ -1,11 +1,6 @@
 """The server of a rig: a case or model file, whether one core holds its rate, where it listens, how its run ended.
 
-A case or a model file as a served rig: what a controller may command and sees, and at which rate.
-
 case, rate -> [serve_case] -> Served: model, inputs, outputs, description
-
-The server of a rig: whether one core holds its rate, where it listens, and how its run ended.
-
 Served -> [open_server] -> _core.RigServer -> [run_server] -> Ended
 """
 

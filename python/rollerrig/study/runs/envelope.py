@@ -23,17 +23,14 @@ from rollerrig.analysis.rig_limits import (
     LINES,
     NUMBERS,
     REGIONS,
-    Patch,
     Record,
     RigLimits,
     assess_limits,
     closed_forms,
     failed,
-    grip_slip,
-    patch_of,
-    rail_shape,
     rig_limits,
 )
+from rollerrig.analysis.virtual_rail import Patch, grip_slip, patch_of, rail_shape
 from rollerrig.assembly.actuators import friction_brake
 from rollerrig.assembly.model import assemble
 from rollerrig.config import Brake, Case, ConfigError, ConfigProblem, Traction

@@ -22,6 +22,7 @@ from rollerrig import __version__
 from rollerrig.analysis.distributions import quantile_function
 from rollerrig.config import ConfigError, ConfigProblem, Plan, WholePlan
 from rollerrig.config.errors import show_value
+from rollerrig.config.load.plan import numbers_below
 from rollerrig.config.schema.plan import Design, Lognormal, Normal, Variation
 from rollerrig.config.schema.units import Quantity
 from rollerrig.config.validate.messages import validate
@@ -172,7 +173,10 @@ def _axis(variation: Variation, quantity: Quantity | None, whole: WholePlan, at:
         _try_out(whole, variation, values, at)
         return Axis(variation.label, variation.key, quantity, values)
     if quantity is None:
-        raise reader.problem("key", variation.key, "needed: `values`; this key holds no quantity that has a range")
+        numbers = numbers_below(whole.case, variation.key)
+        hint = f"; its numbers are {', '.join(numbers)}" if numbers else ""
+        needed = f"needed: `values`; this key holds no number, which alone has a range{hint}"
+        raise reader.problem("key", variation.key, needed)
     in_grid = design.kind in ("grid", "list")
     if in_grid and (variation.distribution is not None or variation.count is None):
         needed = f"needed in a {design.kind}: `values`, or `least`, `most` and `count`"
