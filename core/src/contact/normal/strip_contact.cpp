@@ -13,8 +13,8 @@ constexpr std::size_t most_wheels = 16;                              // of one b
 constexpr std::size_t most_parts = 4;                                // of a region
 constexpr std::size_t most_readings = 3 * GapScan::most_minima / 2;  // of a wheel
 
-constexpr std::size_t refined_strips = 32;
-constexpr int refined_passes = 10;
+constexpr std::size_t refined_strips = 20;
+constexpr int refined_passes = 8;
 // Change of the force in the last pass from which on these count, and beyond which they alone do [-].
 constexpr double unsettled = 0.01, not_settled = 0.02;
 
