@@ -225,8 +225,9 @@ void refine(Batch<T>& batch, int index) {
   for (std::size_t k = 0; k <= (region.parts > 1 ? region.parts : 0); ++k)
     region.patch[k] = mixed(few.patch[k], region.patch[k], s);
   if (auto* strips = batch.strips_of(index)) {
-    weigh(*strips, 0, static_cast<int>(strip_count), T(1.0 - s));
-    weigh(*strips, static_cast<int>(strip_count), strips->count, s);
+    constexpr int first = filled_up(strip_count);
+    weigh(*strips, 0, first, T(1.0 - s));
+    weigh(*strips, first, strips->count, s);
   }
   ++batch.wheels[at(region.wheel)].found.refined;
 }

@@ -141,8 +141,10 @@ template <class T, std::size_t n>
 void follow(Influences<T, n> const& base, Influences<T, n> const& rate, StripRow<T, n> const& before,
             StripRow<T, n> const& now, Influences<T, n>& out) {
   for (std::size_t i = 0; i < n; ++i) {
-    T const change =
-        2.0 * (now[i] - before[i]) * reciprocal(T(now[i] + before[i]));  // of the logarithm, to the third order
+    // Of the logarithm, to the third order; where nothing has settled yet, influences stay positive.
+    T const full = 2.0 * (now[i] - before[i]) * reciprocal(T(now[i] + before[i]));
+    T const short_of = select(full < 0.5, full, T(0.5));
+    T const change = select(short_of > -0.5, short_of, T(-0.5));
     for (std::size_t j = 0; j < n; ++j) {
       out.deflection[j][i] = base.deflection[j][i] + rate.deflection[j][i] * change;
       out.curvature[j][i] = base.curvature[j][i] + rate.curvature[j][i] * change;
@@ -254,7 +256,7 @@ void start_from_hertz(Strips<T, n>& s, StripRow<T, n>& conformity) {
 
 /// Fills load, half_length, on and change.
 ///
-/// @param passes  of loads and lengths
+/// @param passes  of loads and lengths, three or more
 template <class T, std::size_t n>
 void solve_strips(StripTables const& tables, Strips<T, n>& s, int passes) {
   using namespace strip_detail;
